@@ -1,0 +1,47 @@
+"""Checks of user-given numbers, all ending in a `ParameterError` that says what is allowed.
+
+Each returns the number as plain Python, so that NumPy's scalars go no further than the door.
+"""
+
+from __future__ import annotations
+
+import math
+from numbers import Integral, Real
+
+from pymunk_dragon.errors import ParameterError
+
+__all__ = ["finite", "positive", "whole"]
+
+
+def finite(name: str, value: object, low: float, high: float, unit: str) -> float:
+    """`value` as a float, if it is a number within [low, high]."""
+    number = _number(value)
+    if not (math.isfinite(number) and low <= number <= high):
+        raise ParameterError(name, value, f"a number from {low:g} to {high:g} {unit}".rstrip())
+    return number
+
+
+def positive(name: str, value: object, high: float, unit: str) -> float:
+    """`value` as a float, if it is a number above 0 and at most `high`, and finite."""
+    number = _number(value)
+    if not (math.isfinite(number) and 0 < number <= high):
+        upper = "finite" if high == math.inf else f"at most {high:g}"
+        raise ParameterError(name, value, f"a number above 0 and {upper} {unit}".rstrip())
+    return number
+
+
+def whole(name: str, value: object, low: int, high: int) -> int:
+    """`value` as an int, if it is a whole number within [low, high]."""
+    if not isinstance(value, bool) and isinstance(value, Integral) and low <= int(value) <= high:
+        return int(value)
+    raise ParameterError(name, value, f"a whole number from {low} to {high}")
+
+
+def _number(value: object) -> float:
+    """`value` as a float, nan where it is no real number."""
+    if not isinstance(value, Real) or isinstance(value, bool):
+        return math.nan
+    try:
+        return float(value)
+    except OverflowError:  # an int too large for a double
+        return math.inf

@@ -1,0 +1,32 @@
+"""What several test files share."""
+
+from __future__ import annotations
+
+import hypothesis
+import numpy as np
+import pytest
+
+from pymunk_dragon.march import March
+
+# Examples share the machine with whatever else runs there, so none has a time limit of its own.
+hypothesis.settings.register_profile("house", deadline=None, print_blob=True)
+hypothesis.settings.load_profile("house")
+
+
+@pytest.fixture(scope="session")
+def seed_march() -> March:
+    """The march of the paper."""
+    return March()
+
+
+# What no length, speed or count can be, whatever its range.
+NO_NUMBERS = [float("nan"), float("inf"), float("-inf"), 0, -1, 10**400, "1", "", True, None, 1 + 0j, [1.0], np.eye(30)]
+
+
+def assert_says(error: Exception, *words: str) -> None:
+    """The message is one line of a bearable length and holds `words`."""
+    message = str(error)
+    assert message == " ".join(message.split())
+    assert len(message) < 250
+    for word in words:
+        assert word in message
