@@ -1,0 +1,508 @@
+"""What a player produced: frames in between, and files that come back whole or not at all."""
+
+from __future__ import annotations
+
+import errno
+import io
+import json
+import os
+import pickle
+import tempfile
+import warnings
+import zipfile
+from dataclasses import FrozenInstanceError, asdict
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import assert_says
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from pymunk_dragon.contact import Contact, ContactEvent, ContactLog
+from pymunk_dragon.curves import Spiral
+from pymunk_dragon.dragon import Dragon
+from pymunk_dragon.errors import DragonError, FileFormatError, OutputError, ParameterError
+from pymunk_dragon.march import March
+from pymunk_dragon.run import Run, versions
+
+MARCH = March(Dragon(benches=4, width=0.29), Spiral(pitch=0.6), turns=9.5, speed=1.25)
+EVENTS = ContactLog(
+    (
+        ContactEvent(
+            time=0.1 + 0.2,
+            phase="begin",
+            benches=(0, 2),
+            points=((0.1, -1e-300), (1 / 3, 2.0)),
+            normal=(0.6, 0.8),
+            depth=1e-9,
+            relative_velocity=(-0.0, 5e-324),
+        ),
+        ContactEvent(time=0.4, phase="post_solve", benches=(0, 2), points=((0.0, 0.0),), impulse=(1.0, -2.0)),
+        ContactEvent(time=0.5, phase="separate", benches=(0, 2)),
+    )
+)
+CONTACT = Contact(
+    time=0.3141592653589793, raw_time=0.32, benches=(0, 2), point=(1.5, 2.5), normal=(1.0, 0.0), depth=0.25e-3
+)
+
+
+def a_run():
+    states = MARCH.at(np.linspace(0, 3, 7))
+    drift = np.full((7, 4), 1 / 3)
+    drift[-1, 0] = np.nan
+    return Run(
+        march=MARCH,
+        times=states.times,
+        poses=states.poses,
+        drift=drift,
+        events=EVENTS,
+        first_contact=CONTACT,
+        outcome="contact",
+        provenance={"player": "test", "settings": {"list": [1, 2.5, None, True], "text": "äöü\n"}},
+    )
+
+
+def saved(run):
+    """The bytes that `save` writes."""
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "run.npz"
+        run.save(file)
+        return file.read_bytes()
+
+
+WHOLE = saved(a_run())
+
+
+def load(content):
+    """Load from bytes, as from a file, with every warning an error."""
+    with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings():
+        warnings.simplefilter("error")
+        file = Path(folder) / "run.npz"
+        file.write_bytes(content)
+        return Run.load(file)
+
+
+def members(**changes):
+    """An archive like that of `save`, with some arrays changed; None leaves one out."""
+    with np.load(io.BytesIO(WHOLE)) as archive:
+        arrays = dict(archive) | changes
+    buffer = io.BytesIO()
+    np.savez(buffer, **{name: array for name, array in arrays.items() if array is not None})
+    return buffer.getvalue()
+
+
+def notes(change):
+    """An archive like that of `save`, with its notes put through `change`."""
+    with np.load(io.BytesIO(WHOLE)) as archive:
+        values = json.loads(archive["notes"].tobytes())
+    changed = change(values)
+    text = json.dumps(values if changed is None else changed).encode()
+    return members(notes=np.frombuffer(text, dtype=np.uint8))
+
+
+def assert_refused(content, *words):
+    with pytest.raises(FileFormatError) as caught:
+        load(content)
+    assert str(caught.value).count("run.npz") == 1
+    assert "\n" not in str(caught.value)
+    for word in words or ["no run of pymunk_dragon, or a damaged one"]:
+        assert word in str(caught.value)
+
+
+# Round trip
+
+
+def test_run_comes_back_exactly():
+    run, back = a_run(), load(WHOLE)
+    for name in ("times", "poses", "drift"):
+        assert getattr(back, name).tobytes() == getattr(run, name).tobytes()
+        assert getattr(back, name).shape == getattr(run, name).shape
+    for name in ("march", "events", "first_contact", "outcome", "provenance"):
+        assert getattr(back, name) == getattr(run, name)
+    assert str(back.events[0].relative_velocity) == "(-0.0, 5e-324)"
+
+
+def test_run_without_contact_comes_back_exactly():
+    run = Run.exact(MARCH, [0, 1, 2])
+    back = load(saved(run))
+    assert back.events == run.events == ContactLog()
+    assert back.first_contact is None
+    assert back.outcome == "clear"
+    assert back.provenance == {"player": "exact", "versions": versions()}
+
+
+def test_run_saved_twice_is_the_same_file_and_so_is_a_loaded_one():
+    assert saved(a_run()) == WHOLE == saved(load(WHOLE))
+
+
+@given(st.lists(st.lists(st.floats(allow_nan=True), min_size=4, max_size=4), min_size=7, max_size=7))
+@settings(max_examples=30)
+def test_any_drift_comes_back_bit_by_bit(drift):
+    values = np.array(drift)
+    run = Run(march=MARCH, times=np.arange(7.0), poses=np.zeros((7, 4, 3)), drift=values)
+    assert load(saved(run)).drift.tobytes() == values.tobytes()
+
+
+def test_numbers_of_a_narrower_kind_are_saved_as_doubles():
+    run = Run(
+        march=MARCH,
+        times=np.arange(2),
+        poses=np.ones((2, 4, 3), dtype=np.float32),
+        drift=np.asfortranarray(np.zeros((2, 4))),
+    )
+    assert load(saved(run)).poses.tolist() == run.poses.tolist()
+
+
+def test_scenario_of_numpy_scalars_is_saved():
+    march = March(Dragon(benches=np.int64(3), width=np.float32(0.25)), turns=np.int32(12))
+    assert load(saved(Run.exact(march, [0]))).march == march
+
+
+# Damage
+
+
+@given(st.integers(0, len(WHOLE) - 1))
+@settings(max_examples=200)
+def test_truncated_run_is_refused(length):
+    assert_refused(WHOLE[:length])
+
+
+@given(st.binary(max_size=2000))
+def test_random_bytes_are_refused(content):
+    assert_refused(content)
+
+
+@given(st.lists(st.tuples(st.integers(0, len(WHOLE) - 1), st.integers(1, 255)), min_size=1, max_size=4))
+@settings(max_examples=600)
+def test_flipped_bytes_are_refused_or_do_no_harm(flips):
+    content = bytearray(WHOLE)
+    for place, change in flips:
+        content[place] ^= change
+    try:
+        run = load(bytes(content))
+    except FileFormatError as error:
+        assert_says(error)
+    else:
+        assert run.poses.tobytes() == a_run().poses.tobytes()
+        assert run.events == EVENTS
+
+
+@pytest.mark.parametrize("name", ["times", "poses", "drift", "notes"])
+@pytest.mark.parametrize("flips", [1, 7, 60])
+def test_flipped_bytes_inside_an_array_that_the_archive_vouches_for_are_refused_or_harmless(name, flips):
+    with np.load(io.BytesIO(WHOLE)) as archive:
+        inner = io.BytesIO()
+        np.save(inner, archive[name])
+    random = np.random.default_rng(flips)
+    for _ in range(40):
+        content = bytearray(inner.getvalue())
+        for place in random.integers(0, min(len(content), 400), flips):
+            content[place] ^= int(random.integers(1, 256))
+        buffer = io.BytesIO(WHOLE)
+        out = io.BytesIO()
+        with zipfile.ZipFile(buffer) as old, zipfile.ZipFile(out, "w") as new:
+            for member in old.namelist():
+                new.writestr(member, bytes(content) if member == f"{name}.npy" else old.read(member))
+        try:
+            run = load(out.getvalue())
+        except FileFormatError as error:
+            assert_says(error)
+        else:
+            assert np.all(np.isfinite(run.times))
+            assert np.all(np.isfinite(run.poses))
+
+
+def npy(array):
+    buffer = io.BytesIO()
+    np.save(buffer, array)
+    return buffer.getvalue()
+
+
+def zipped(**contents):
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w") as archive:
+        for name, content in contents.items():
+            archive.writestr(name, content)
+    return buffer.getvalue()
+
+
+def foreign():
+    buffer = io.BytesIO()
+    np.savez(buffer, a=np.arange(3), b=np.eye(2))
+    return buffer.getvalue()
+
+
+FOREIGN = {
+    "empty": b"",
+    "text": b"a dragon went by\n" * 30,
+    "a single array": npy(np.arange(10.0)),
+    "another archive of arrays": foreign(),
+    "an archive of something else": zipped(readme="hello", data="1,2,3"),
+    "an empty archive": zipped(),
+    "arrays that are none": zipped(**{f"{name}.npy": b"hello" for name in ("times", "poses", "drift", "notes")}),
+    "notes that are no JSON": members(notes=np.frombuffer(b"{hello", dtype=np.uint8)),
+    "notes of another kind": members(notes=np.eye(3)),
+    "notes nested without end": members(notes=np.frombuffer(b"[" * 100_000, dtype=np.uint8)),
+    "no notes": members(notes=None),
+    "no poses": members(poses=None),
+    "a list for notes": notes(lambda values: [values]),
+    "a number for notes": notes(lambda values: 3),
+    "no scenario": notes(lambda values: values.pop("scenario") and None),
+    "no events": notes(lambda values: values.pop("events") and None),
+    "a number for events": notes(lambda values: values.update(events=3)),
+    "a text for a scenario": notes(lambda values: values.update(scenario="hello")),
+    "a number for provenance": notes(lambda values: values.update(provenance=3)),
+}
+
+
+@pytest.mark.parametrize("content", FOREIGN.values(), ids=FOREIGN.keys())
+def test_foreign_file_is_refused(content):
+    assert_refused(content)
+
+
+class Bomb:
+    """An object whose unpickling would leave a file."""
+
+    def __init__(self, path):
+        self.path = str(path)
+
+    def __reduce__(self):
+        return open, (self.path, "w")
+
+
+@pytest.mark.parametrize("name", ["times", "poses", "drift", "notes"])
+def test_pickled_objects_are_never_unpickled(tmp_path, name):
+    file, trace = tmp_path / "run.npz", tmp_path / "trace"
+    with np.load(io.BytesIO(WHOLE)) as archive:
+        arrays = dict(archive)
+    np.savez(file, **(arrays | {name: np.array([Bomb(trace)], dtype=object)}))
+    with pytest.raises(FileFormatError):
+        Run.load(file)
+    assert not trace.exists()
+    # The trap works: NumPy, told to trust the file, springs it.
+    with np.load(file, allow_pickle=True) as archive:
+        archive[name][0].close()
+    assert trace.exists()
+
+
+def test_bare_pickle_is_never_unpickled(tmp_path):
+    file, trace = tmp_path / "run.npz", tmp_path / "trace"
+    file.write_bytes(pickle.dumps(Bomb(trace)))
+    with pytest.raises(FileFormatError):
+        Run.load(file)
+    assert not trace.exists()
+
+
+MISFITS = {
+    "poses of another dragon": members(poses=np.zeros((7, 5, 3))),
+    "poses of another time": members(poses=np.zeros((6, 4, 3))),
+    "flat poses": members(poses=np.zeros((7, 4))),
+    "times as a table": members(times=np.zeros((7, 1))),
+    "one time": members(times=np.array(1.0)),
+    "no frames": members(times=np.empty(0), poses=np.empty((0, 4, 3)), drift=np.empty((0, 4))),
+    "drift of other handles": members(drift=np.zeros((7, 3))),
+    "whole numbers for times": members(times=np.arange(7)),
+    "halves for poses": members(poses=np.zeros((7, 4, 3), dtype=np.float16)),
+    "texts for poses": members(poses=np.full((7, 4, 3), "a")),
+    "falling times": members(times=np.arange(7.0)[::-1].copy()),
+    "nan among times": members(times=np.array([0, 1, 2, np.nan, 4, 5, 6.0])),
+    "infinite poses": members(poses=np.full((7, 4, 3), np.inf)),
+}
+
+
+@pytest.mark.parametrize("content", MISFITS.values(), ids=MISFITS.keys())
+def test_arrays_that_do_not_fit_are_refused(content):
+    with pytest.raises(FileFormatError) as caught:
+        load(content)
+    assert_says(caught.value)
+
+
+def first_event(**changes):
+    return lambda values: values["events"][0].update(changes)
+
+
+def contact(**changes):
+    return lambda values: values["first_contact"].update(changes)
+
+
+WRONG_NOTES = {
+    "another format": lambda values: values.update(format="a film"),
+    "a newer format": lambda values: values.update(format_version=2),
+    "an unknown outcome": lambda values: values.update(outcome="victory"),
+    "a list for an outcome": lambda values: values.update(outcome=["clear"]),
+    "an unknown parameter": lambda values: values["scenario"].update(colour="red"),
+    "an impossible parameter": lambda values: values["scenario"].update(pitch=-1),
+    "another number of benches": lambda values: values["scenario"].update(benches=5),
+    "an event with another key": first_event(colour="red"),
+    "an event with an unknown phase": first_event(phase="end"),
+    "an event without a time": lambda values: values["events"][0].pop("time") and None,
+    "an event at no time": first_event(time=None),
+    "an event at a text": first_event(time="noon"),
+    "an event of one bench": first_event(benches=[1]),
+    "an event of benches in the wrong order": first_event(benches=[2, 0]),
+    "an event of half a bench": first_event(benches=[0, 2.5]),
+    "an event with a number for points": first_event(points=3),
+    "an event with points in space": first_event(points=[[1, 2, 3]]),
+    "an event with a true impulse": first_event(impulse=[True, 1.0]),
+    "a number for an event": lambda values: values.update(events=[3]),
+    "a contact with another key": contact(colour="red"),
+    "a contact without a point": contact(point=None),
+    "a contact with a text for a depth": contact(depth="deep"),
+    "a false contact": lambda values: values.update(first_contact=False),
+    "a contact without anything": lambda values: values.update(first_contact={}),
+}
+
+
+@pytest.mark.parametrize("change", WRONG_NOTES.values(), ids=WRONG_NOTES.keys())
+def test_wrong_notes_are_refused(change):
+    with pytest.raises(FileFormatError) as caught:
+        load(notes(change))
+    assert_says(caught.value)
+
+
+def test_archive_that_is_packed_anew_loads():
+    # The helper that the tests above change archives with does no damage of its own.
+    assert load(notes(lambda values: None)).events == EVENTS
+
+
+def test_file_of_a_newer_format_says_so():
+    assert_refused(notes(lambda values: values.update(format_version=2)), "its format is pymunk_dragon run 2")
+
+
+@pytest.mark.parametrize("name", ["none.npz", "none/run.npz", ".", "nul\0.npz"])
+def test_file_that_cannot_be_read_is_a_bad_parameter(tmp_path, name):
+    with pytest.raises(ParameterError, match="a readable file") as caught:
+        Run.load(tmp_path / name)
+    assert caught.value.name == "run"
+    assert "\n" not in str(caught.value)
+
+
+# Saving
+
+
+@pytest.mark.parametrize(
+    "interruption", [KeyboardInterrupt(), OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))], ids=repr
+)
+def test_save_cut_short_leaves_the_old_file_and_no_litter(tmp_path, monkeypatch, interruption):
+    file = tmp_path / "run.npz"
+    file.write_bytes(b"old")
+
+    def half(stream, **_):
+        stream.write(WHOLE[:100])
+        stream.flush()
+        raise interruption
+
+    monkeypatch.setattr(np, "savez_compressed", half)
+    with pytest.raises((KeyboardInterrupt, OutputError)) as caught:
+        a_run().save(file)
+    assert isinstance(interruption, KeyboardInterrupt) or str(caught.value).endswith("No space left on device")
+    assert file.read_bytes() == b"old"
+    assert list(tmp_path.iterdir()) == [file]
+
+
+@pytest.mark.parametrize("name", ["run", "run.zip", "none/run.npz"])
+def test_save_to_an_impossible_place_is_refused_and_leaves_nothing(tmp_path, name):
+    with pytest.raises(ParameterError, match="output is"):
+        a_run().save(tmp_path / name)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_provenance_that_is_no_json_leaves_nothing(tmp_path):
+    run = Run(march=MARCH, times=[0], poses=np.zeros((1, 4, 3)), drift=np.zeros((1, 4)), provenance={"what": object()})
+    with pytest.raises(TypeError):
+        run.save(tmp_path / "run.npz")
+    assert list(tmp_path.iterdir()) == []
+
+
+# The run itself
+
+
+def test_run_cannot_be_changed_and_leaves_the_givers_arrays_alone():
+    times, poses, drift = np.arange(2.0), np.zeros((2, 4, 3)), np.zeros((2, 4))
+    run = Run(march=MARCH, times=times, poses=poses, drift=drift)
+    poses[0] = 7
+    assert run.poses.max() == 0
+    with pytest.raises(ValueError, match="read-only"):
+        run.poses[0, 0, 0] = 1
+    with pytest.raises(FrozenInstanceError):
+        run.outcome = "contact"
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"times": np.empty(0), "poses": np.empty((0, 4, 3)), "drift": np.empty((0, 4))},
+        {"times": np.array([1.0, 0.0])},
+        {"times": np.array([0.0, np.nan])},
+        {"poses": np.zeros((2, 3, 3))},
+        {"drift": np.zeros((2, 5))},
+        {"outcome": "victory"},
+    ],
+    ids=lambda changes: ", ".join(changes),
+)
+def test_frames_that_fit_no_march_are_refused(changes):
+    given_frames = {"times": np.arange(2.0), "poses": np.zeros((2, 4, 3)), "drift": np.zeros((2, 4))} | changes
+    with pytest.raises(DragonError, match="a run's") as caught:
+        Run(march=MARCH, **given_frames)
+    assert_says(caught.value)
+
+
+def test_exact_run_is_the_march_without_drift():
+    run = Run.exact(MARCH, [0, 1.5])
+    assert np.array_equal(run.poses, MARCH.at([0, 1.5]).poses)
+    assert (run.head_drift, run.max_drift) == (0, 0)
+    assert asdict(run.march.dragon) == asdict(MARCH.dragon)
+
+
+def test_drift_of_the_head_looks_at_the_first_twelve_benches_and_past_what_is_unknown():
+    march = March(Dragon(benches=20))
+    drift = np.zeros((2, 20))
+    drift[0, 11], drift[1, 12], drift[1, 0] = 1e-4, 2e-3, np.nan
+    run = Run(march=march, times=[0, 1], poses=np.zeros((2, 20, 3)), drift=drift)
+    assert (run.head_drift, run.max_drift) == (1e-4, 2e-3)
+    unknown = Run(march=march, times=[0], poses=np.zeros((1, 20, 3)), drift=np.full((1, 20), np.nan))
+    assert np.isnan(unknown.head_drift)
+    assert np.isnan(unknown.max_drift)
+
+
+def test_poses_at_the_frames_are_the_frames():
+    run = a_run()
+    back = run.poses_at(run.times)
+    assert back[..., :2] == pytest.approx(run.poses[..., :2], abs=1e-15)
+    assert np.cos(back[..., 2] - run.poses[..., 2]) == pytest.approx(np.ones((7, 4)), abs=1e-15)
+
+
+def test_poses_between_frames_are_half_a_millimetre_right(seed_march):
+    # The bound of the docstring: a turn of 2.3 m radius at 1 m/s, frames 0.1 s apart.
+    run = Run.exact(seed_march, np.arange(408, 412, 0.1))
+    times = np.arange(408, 411.9, 0.013)
+    off = run.poses_at(times)[..., :2] - seed_march.at(times).poses[..., :2]
+    assert 1e-5 < np.linalg.norm(off, axis=-1).max() < 0.6e-3
+
+
+def test_poses_turn_the_shorter_way_between_frames():
+    poses = np.zeros((2, 4, 3))
+    poses[0, :, 2], poses[1, :, 2] = 3.0, -3.0
+    run = Run(march=MARCH, times=[0, 1], poses=poses, drift=np.zeros((2, 4)))
+    assert np.abs(np.remainder(run.poses_at(0.5)[0, :, 2], 2 * np.pi) - np.pi) == pytest.approx(np.zeros(4), abs=1e-12)
+
+
+def test_poses_before_and_after_the_run_are_its_ends():
+    run = a_run()
+    ends = run.poses_at([-5, 99])
+    assert ends[..., :2] == pytest.approx(run.poses[[0, -1]][..., :2], abs=1e-15)
+
+
+def test_poses_of_a_single_frame_are_that_frame():
+    run = Run.exact(MARCH, [2.0])
+    assert np.array_equal(run.poses_at([0, 2, 5]), np.repeat(run.poses, 3, axis=0))
+
+
+def test_poses_are_known_where_two_frames_share_a_time():
+    poses = np.arange(3.0)[:, None, None] * np.ones((3, 4, 3)) / 10
+    for times in ([0, 0, 1], [0, 1, 1]):
+        run = Run(march=MARCH, times=times, poses=poses, drift=np.zeros((3, 4)))
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            assert np.all(np.isfinite(run.poses_at([0, 0.5, 1])))
