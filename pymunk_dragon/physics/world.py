@@ -1,0 +1,228 @@
+"""The dragon as Pymunk sees it: bodies, shapes, pivots, and a kinematic head."""
+
+from __future__ import annotations
+
+import math
+from typing import Protocol
+
+import numpy as np
+import pymunk
+from numpy.typing import NDArray
+from pymunk import batch
+from pymunk.batch import BodyFields
+
+from pymunk_dragon.dragon import Dragon
+from pymunk_dragon.march import March
+
+__all__ = ["DRAG", "Joiner", "World", "bench_mass", "bench_shape"]
+
+Array = NDArray[np.float64]
+
+# kg per cubic metre: pine and fir. All benches are of one wood, so the value scales impulses and nothing else.
+WOOD_DENSITY = 500.0
+# m: a plank.
+BENCH_THICKNESS = 0.04
+# Friction of wood on wood; it matters only where contacts are resolved.
+FRICTION = 0.4
+
+# Ground drag, per metre marched (per second at 1 m/s). Pymunk corrects joint errors at a rate of 6.3 per second
+# (its error_bias, 0.9 ** 60), as ordinary velocity; a chain whose solver has not converged turns that into growing
+# oscillations unless the drag is faster than the correction. Above, the drift grows slowly with the drag: 0.11 mm at 7,
+# 0.15 mm at this value, 0.23 mm at 20 (tests/bench/bench_drift.py).
+DRAG = 11.5
+
+# Work, in benches times solver sweeps, that brings the joints into balance before the first step. A change travels
+# along the chain by diffusion, so balance takes about 2 N**2 sweeps: half a second for 223 benches. The cap
+# keeps a dragon of 1,000 benches at some 12 s, when the first seconds drift by a millimetre more.
+MAX_SETTLING_WORK = 500_000_000
+# The share of it in one call of the engine, some 25 ms: in between, Ctrl-C is heard.
+SETTLING_WORK_PER_STEP = 1_000_000
+
+READ = BodyFields.POSITION | BodyFields.ANGLE | BodyFields.VELOCITY | BodyFields.ANGULAR_VELOCITY
+WRITE = BodyFields.POSITION | BodyFields.ANGLE | BodyFields.FORCE
+
+
+class Joiner(Protocol):
+    """What a world needs of a guide: how it ties benches to the path, and what it does before a step."""
+
+    @property
+    def carriers(self) -> list[pymunk.Body]:
+        """Kinematic bodies that hold the guide's joints; the world adds them and moves them."""
+        ...
+
+    def joints(self, bench: int, body: pymunk.Body) -> list[pymunk.Constraint]:
+        """Joints that tie `bench` to the guide."""
+        ...
+
+    def lead(self, poses: Array, carriers: Array, forces: Array) -> None:
+        """Write the carriers' positions and the forces (both (..., 2)) for benches that are about to be at `poses`."""
+        ...
+
+
+def bench_mass(length: float, width: float) -> float:
+    """Mass of a wooden bench, kg."""
+    return WOOD_DENSITY * BENCH_THICKNESS * length * width
+
+
+def bench_shape(body: pymunk.Body, length: float, width: float) -> pymunk.Poly:
+    """Rectangle of a bench about its centre, without rounding."""
+    x, y = length / 2, width / 2
+    return pymunk.Poly(body, [(-x, -y), (x, -y), (x, y), (-x, y)])
+
+
+class World:
+    """A Pymunk space with a dragon at `start` on its march; its state is read and written for all bodies at once.
+
+    Parameters
+    ----------
+    march : March
+        What is played. Only its state at `start` is used here, later only the head's pose.
+    guide : Joiner
+        What keeps the benches on the path.
+    start : float
+        Time of the first state, s.
+    substep : float
+        Length of a step, s.
+    iterations : int
+        Solver iterations per step.
+
+    Attributes
+    ----------
+    poses, velocities : ndarray, shape (N, 3)
+        State of the benches after the last step; both fit each other: the velocities fulfil the joints at these poses.
+
+    Notes
+    -----
+    Pymunk integrates positions with the velocities of the step before and then solves the joints, which is Euler's
+    method: a bench that turns by a in a step leaves its joint by a**2 / 2 of half its length, and the errors of 223
+    benches add up. Before each step the poses are therefore shifted by half a step times the change of velocity, which
+    makes it the second-order Adams-Bashforth method, from the engine's own velocities.
+    """
+
+    def __init__(self, march: March, guide: Joiner, *, start: float, substep: float, iterations: int) -> None:
+        self.march = march
+        self.substep = substep
+        self.space = pymunk.Space()
+        self.space.iterations = iterations
+        self.space.damping = float(np.exp(-DRAG * march.speed))
+        # A contact is reported when the benches touch, not when they are a tenth of a metre deep.
+        self.space.collision_slop = 0.0
+        self._guide = guide
+
+        state = march.at(start)
+        self.bodies = [self._body(bench) for bench in range(march.dragon.benches)]
+        self.space.add(*self.bodies, *guide.carriers)
+        self._join()
+        self._open_buffers(len(guide.carriers))
+        self._settle(start, state.poses[0], state.pose_velocities[0])
+        self.shapes = self._add_shapes()
+
+    @property
+    def head(self) -> pymunk.Body:
+        """The kinematic body of bench 0."""
+        return self.bodies[0]
+
+    def _body(self, bench: int) -> pymunk.Body:
+        if bench == 0:
+            return pymunk.Body(body_type=pymunk.Body.KINEMATIC)
+        size = (float(self.march.dragon.lengths[bench]), self.march.dragon.width)
+        mass = bench_mass(*size)
+        return pymunk.Body(mass, pymunk.moment_for_box(mass, size))
+
+    def _join(self) -> None:
+        """Add each bench's pivot and then its guide, from head to tail: the solver takes them in this order."""
+        half = self.march.dragon.spacings / 2
+        for bench in range(1, len(self.bodies)):
+            before, body = self.bodies[bench - 1], self.bodies[bench]
+            pivot = pymunk.PivotJoint(before, body, (-half[bench - 1], 0.0), (half[bench], 0.0))
+            pivot.collide_bodies = False
+            joints = [pivot, *self._guide.joints(bench, body)]
+            for joint in joints:
+                # The correction's rate is per metre marched, as the drag is: a faster march is the same march.
+                joint.error_bias **= self.march.speed
+            self.space.add(*joints)
+
+    def _add_shapes(self) -> list[pymunk.Poly]:
+        dragon: Dragon = self.march.dragon
+        shapes = [bench_shape(body, dragon.lengths[i], dragon.width) for i, body in enumerate(self.bodies)]
+        for shape in shapes:
+            shape.friction = FRICTION
+        self.space.add(*shapes)
+        return shapes
+
+    def _open_buffers(self, carriers: int) -> None:
+        """Lay NumPy arrays over the memory that `pymunk.batch` reads and writes."""
+        benches = len(self.bodies)
+        ids = batch.Buffer()
+        batch.get_space_bodies(self.space, BodyFields.BODY_ID, ids)
+        order = [body.id for body in (*self.bodies, *self._guide.carriers)]
+        if list(memoryview(ids.int_buf()).cast("P")) != order:
+            raise RuntimeError("pymunk.batch lists the bodies in another order than they were added")
+        self._inbox = batch.Buffer()
+        self._outbox = batch.Buffer()
+        out = np.zeros((benches + carriers, 5))
+        self._outbox.set_float_buf(out)
+        self._out_poses, self._out_forces = out[:benches, :3], out[:benches, 3:]
+        self._out_carriers = out[benches:, :2]
+        self.poses = np.empty((benches, 3))
+        self.velocities = np.empty((benches, 3))
+        self._velocities_before = np.empty((benches, 3))
+        # Scratch: the poses given to the space, and those to which it moves the benches before it solves the joints.
+        self._given = np.empty((benches, 3))
+        self._coming = np.empty((benches, 3))
+
+    def read(self) -> None:
+        """Take `poses` and `velocities` from the space."""
+        self.velocities, self._velocities_before = self._velocities_before, self.velocities
+        self._inbox.clear()
+        batch.get_space_bodies(self.space, READ, self._inbox)
+        state = np.frombuffer(self._inbox.float_buf()).reshape(-1, 6)[: len(self.bodies)]
+        self.poses[:] = state[:, :3]
+        self.velocities[:] = state[:, 3:]
+
+    def prepare(self, head_pose: Array, head_velocity: Array) -> None:
+        """Make the next step end with the head at `head_pose` (3,), moving at `head_velocity` (3,).
+
+        Pymunk will first move every body by its velocity and then solve the joints, so the poses given to it lie one
+        such move before the ones at which the joints shall hold.
+        """
+        given, coming = self._given, self._coming
+        np.subtract(self.velocities, self._velocities_before, out=given)
+        given *= self.substep / 2
+        given += self.poses
+        np.multiply(self.velocities, self.substep, out=coming)
+        coming += given
+        given[0] = head_pose - self.substep * head_velocity
+        self._send(head_velocity)
+
+    def _send(self, head_velocity: Array) -> None:
+        """Give the space its poses, and the guide's carriers and forces for where the benches are about to be."""
+        self._guide.lead(self._coming, self._out_carriers, self._out_forces)
+        self._out_poses[:] = self._given
+        batch.set_space_bodies(self.space, WRITE, self._outbox)
+        vx, vy, spin = head_velocity.tolist()
+        self.head.velocity = vx, vy
+        self.head.angular_velocity = spin
+
+    def _settle(self, start: float, poses: Array, velocities: Array) -> None:
+        """Put the benches on the exact state at `start` and let the joints find the impulses that hold them there.
+
+        The solver begins each step with the impulses of the one before. Without any, the drag would stretch the chain
+        in the first second by more than the drift of the whole march.
+        """
+        before = self.march.at(start - self.substep).pose_velocities[0]
+        before[0] = velocities[0]
+        benches, iterations = len(self.bodies), self.space.iterations
+        steps = math.ceil(min(2 * benches**3, MAX_SETTLING_WORK) / SETTLING_WORK_PER_STEP) + 1
+        self.space.iterations = max(SETTLING_WORK_PER_STEP // benches, iterations)
+        for _ in range(steps):
+            for body, (vx, vy, spin) in zip(self.bodies, before.tolist(), strict=True):
+                body.velocity = vx, vy
+                body.angular_velocity = spin
+            np.subtract(poses, self.substep * before, out=self._given)
+            self._coming[:] = poses
+            self._send(velocities[0])
+            self.space.step(self.substep)
+        self.space.iterations = iterations
+        self.velocities[:] = before
+        self.read()

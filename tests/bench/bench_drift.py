@@ -1,0 +1,62 @@
+"""Drift and time error against substep, iterations and drag: `python tests/bench/bench_drift.py`.
+
+The seed's march from 400 s to its first contact. The exact time is found by Shapely on the exact model.
+"""
+
+from __future__ import annotations
+
+import shapely
+
+from pymunk_dragon.march import March
+from pymunk_dragon.physics import rails, simulate, world
+
+START = 400.0
+DEFAULT = (1 / 100, 50)
+SETTINGS = [(1 / rate, iterations) for rate in (50, 100, 200, 400) for iterations in (10, 20, 50, 100)]
+DRAGS = (5.0, 7.0, 9.0, 11.5, 15.0, 20.0)
+
+
+def exact_contact(march: March) -> float:
+    """Time at which benches 0 and 8 of the exact model first touch, s."""
+    apart, touching = 412.0, 413.0
+    for _ in range(50):
+        middle = (apart + touching) / 2
+        outlines = march.dragon.outlines(march.at(middle).poses[0])
+        if shapely.Polygon(outlines[0]).distance(shapely.Polygon(outlines[8])) > 0:
+            apart = middle
+        else:
+            touching = middle
+    return touching
+
+
+def row(march: March, exact: float, substep: float, iterations: int) -> str:
+    run = simulate(march, start=START, substep=substep, iterations=iterations, until=414.0)
+    head, largest = 1e3 * run.head_drift, 1e3 * run.max_drift
+    found = run.first_contact
+    if found is None:
+        ending = "none"
+    elif found.benches != (0, 8):
+        ending = f"benches {found.benches[0]} and {found.benches[1]} at {found.time:.2f} s"
+    else:
+        ending = f"{1e3 * (found.time - exact):+.2f}"
+    return f"{head:.3f} | {largest:.3f} | {ending}"
+
+
+def main() -> None:
+    march = March()
+    exact = exact_contact(march)
+    print(f"exact first contact: {exact:.9f} s\n")
+    print("| substep | iterations | drift of the first twelve, mm | of any, mm | error of the contact time, ms |")
+    print("| --- | --- | --- | --- | --- |")
+    for substep, iterations in SETTINGS:
+        mark = " (default)" if (substep, iterations) == DEFAULT else ""
+        print(f"| 1/{1 / substep:.0f} s | {iterations}{mark} | {row(march, exact, substep, iterations)} |", flush=True)
+    print("\n| drag, 1/s | drift of the first twelve, mm | of any, mm | error of the contact time, ms |")
+    print("| --- | --- | --- | --- |")
+    for drag in DRAGS:
+        world.DRAG = rails.DRAG = drag
+        print(f"| {drag:g} | {row(march, exact, *DEFAULT)} |", flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,420 @@
+"""What the engine does, held against the exact model and against Shapely."""
+
+from __future__ import annotations
+
+import inspect
+
+import numpy as np
+import pymunk
+import pytest
+import shapely
+from conftest import NO_NUMBERS, assert_says
+
+from pymunk_dragon.dragon import Dragon
+from pymunk_dragon.errors import DragonError, ParameterError, UnreachableError
+from pymunk_dragon.march import March
+from pymunk_dragon.physics import simulate
+from pymunk_dragon.physics.callbacks import Recorder
+from pymunk_dragon.physics.rails import Free, Rails
+from pymunk_dragon.physics.simulation import FINE_ITERATIONS, FINE_STRIDE
+from pymunk_dragon.physics.world import World
+
+# m
+HEAD_DRIFT, MAX_DRIFT = 0.5e-3, 2e-3
+
+
+def shapely_gap(march, time, pair):
+    """Distance of two benches of the exact march, by Shapely, m."""
+    first, second = (shapely.Polygon(march.dragon.outlines(march.at(time).poses[0])[bench]) for bench in pair)
+    return first.distance(second)
+
+
+def shapely_touch(march, pair, apart, touching):
+    """Time between `apart` and `touching` at which the two benches of the exact march first touch, s."""
+    for _ in range(50):
+        middle = (apart + touching) / 2
+        if shapely_gap(march, middle, pair) > 0:
+            apart = middle
+        else:
+            touching = middle
+    return touching
+
+
+@pytest.fixture(scope="module")
+def true_time(seed_march):
+    return shapely_touch(seed_march, (0, 8), 412.0, 413.0)
+
+
+@pytest.fixture(scope="module")
+def whole_march(seed_march):
+    """The paper's dragon from t = 0 to its first contact, at the default settings."""
+    return simulate(seed_march)
+
+
+@pytest.fixture(scope="module")
+def late_march(seed_march):
+    return simulate(seed_march, start=400.0)
+
+
+@pytest.fixture(scope="module")
+def reported(seed_march):
+    """The last second before the contact and the time in which it opens again, only recorded."""
+    return simulate(seed_march, start=411.5, until=415.2, contacts="report")
+
+
+def assert_keeps_to_the_model(run):
+    assert run.drift.shape == run.poses.shape[:2]
+    assert run.head_drift <= HEAD_DRIFT
+    assert run.max_drift <= MAX_DRIFT
+
+
+# The seed's dragon on rails
+
+
+def test_whole_march_ends_with_benches_0_and_8_at_the_true_time(whole_march, true_time):
+    assert whole_march.outcome == "contact"
+    assert whole_march.first_contact.benches == (0, 8)
+    assert whole_march.first_contact.time == pytest.approx(true_time, abs=0.010)
+
+
+def test_nothing_touches_on_the_way_although_the_head_passes_within_a_millimetre(whole_march, seed_march):
+    assert 0 < shapely_gap(seed_march, 409.82, (0, 11)) < 0.9e-3
+    assert 0 < shapely_gap(seed_march, 406.81, (0, 9)) < 3.1e-3
+    assert {event.benches for event in whole_march.events} == {(0, 8)}
+    assert min(event.time for event in whole_march.events) == whole_march.first_contact.raw_time
+
+
+def test_whole_march_keeps_to_the_exact_model_all_the_way(whole_march, seed_march):
+    assert_keeps_to_the_model(whole_march)
+    # The drift once more, from the definition.
+    frame = len(whole_march.times) // 2
+    holes = seed_march.at(whole_march.times[frame]).positions[0]
+    front, rear = seed_march.dragon.holes(whole_march.poses[frame])
+    worse = np.maximum(np.hypot(*(front - holes[:-1]).T), np.hypot(*(rear - holes[1:]).T))
+    np.testing.assert_allclose(whole_march.drift[frame], worse, atol=1e-12)
+
+
+def test_contact_lies_inside_the_substep_where_the_outlines_touch(whole_march, seed_march):
+    contact = whole_march.first_contact
+    assert contact.raw_time - whole_march.provenance["substep"] <= contact.time <= contact.raw_time
+    assert whole_march.times[-1] == contact.time
+    outlines = seed_march.dragon.outlines(whole_march.poses[-1])
+    head, eighth = (shapely.Polygon(outlines[bench]) for bench in contact.benches)
+    assert head.distance(eighth) < 1e-9
+    assert head.distance(shapely.Point(contact.point)) < 1e-6
+    assert eighth.distance(shapely.Point(contact.point)) < 1e-6
+    # The normal is one of the edges' and points from bench 0 to bench 8.
+    assert np.hypot(*contact.normal) == pytest.approx(1.0)
+    assert np.dot(contact.normal, whole_march.poses[-1, 8, :2] - whole_march.poses[-1, 0, :2]) > 0
+    assert 0 < contact.depth < 0.03 * whole_march.provenance["substep"] * 2
+
+
+def test_fine_setting_is_right_to_two_milliseconds(seed_march, true_time):
+    run = simulate(seed_march, start=410.0, substep=FINE_STRIDE, iterations=FINE_ITERATIONS)
+    assert run.first_contact.benches == (0, 8)
+    assert run.first_contact.time == pytest.approx(true_time, abs=0.002)
+
+
+def test_late_start_meets_the_same_contact(late_march, whole_march):
+    assert late_march.times[0] == 400.0
+    assert late_march.first_contact.benches == whole_march.first_contact.benches
+    assert late_march.first_contact.time == pytest.approx(whole_march.first_contact.time, abs=1e-4)
+    assert_keeps_to_the_model(late_march)
+
+
+def test_run_starts_on_the_exact_state(late_march, seed_march):
+    np.testing.assert_allclose(late_march.poses[0], seed_march.at(400.0).poses[0], atol=1e-12)
+
+
+def test_head_is_where_the_exact_model_has_it_in_every_frame(late_march, seed_march):
+    exact = seed_march.at(late_march.times[:-1], handles=2).poses[:, 0]
+    np.testing.assert_allclose(late_march.poses[:-1, 0, :2], exact[:, :2], atol=1e-12)
+
+
+def test_same_scenario_gives_the_same_bytes(seed_march, tmp_path):
+    for name in ("once.npz", "again.npz"):
+        simulate(seed_march, start=412.0).save(tmp_path / name)
+    assert (tmp_path / "once.npz").read_bytes() == (tmp_path / "again.npz").read_bytes()
+
+
+def test_smaller_substeps_drift_less(seed_march):
+    drifts = [
+        simulate(seed_march, start=405.0, until=410.0, substep=substep).max_drift
+        for substep in (1 / 50, 1 / 100, 1 / 200)
+    ]
+    assert drifts[0] > 1.5 * drifts[1] > 2.25 * drifts[2]
+
+
+def test_engine_takes_nothing_but_the_heads_pose_from_the_exact_model(seed_march, monkeypatch):
+    asked = []
+    exact_at = March.at
+
+    def watched(march, times, handles=None):
+        asked.append((np.ravel(times), handles))
+        return exact_at(march, times, handles)
+
+    monkeypatch.setattr(March, "at", watched)
+    run = simulate(seed_march, start=400.0, until=401.0)
+    monkeypatch.undo()
+    *playing, (drift_times, _) = asked
+    assert drift_times.tolist() == run.times.tolist()
+    assert all(handles == 2 for times, handles in playing if times.max() > 400.0)
+
+
+def test_paper_model_of_16_benches_meets_the_same_contact(true_time):
+    run = simulate(March(Dragon(benches=16)), start=395.0)
+    assert run.first_contact.benches == (0, 8)
+    assert run.first_contact.time == pytest.approx(true_time, abs=0.010)
+    assert_keeps_to_the_model(run)
+
+
+def test_dragon_of_1000_benches_keeps_to_the_model():
+    run = simulate(March(Dragon(benches=1000)), until=3.0)
+    assert run.outcome == "clear"
+    assert_keeps_to_the_model(run)
+
+
+def test_faster_march_is_the_same_march(seed_march, true_time):
+    fast = simulate(March(speed=2.0), start=205.0)
+    assert fast.first_contact.benches == (0, 8)
+    assert 2 * fast.first_contact.time == pytest.approx(true_time, abs=0.010)
+    assert fast.provenance["substep"] == pytest.approx(1 / 200)
+
+
+def test_joint_impulses_hold_each_bench_on_its_neighbour(seed_march):
+    """Newton's second law for the tail: what pivot, rail, drag and dancer do in a substep is its change of momentum."""
+    substep = 0.01
+    world = World(
+        seed_march, Rails(seed_march, start=400.0, substep=substep), start=400.0, substep=substep, iterations=50
+    )
+    head = seed_march.at(400.0 + substep * np.arange(1, 200), handles=2)
+    for pose, velocity in zip(head.poses[:, 0], head.pose_velocities[:, 0], strict=True):
+        world.prepare(pose, velocity)
+        world.space.step(substep)
+        world.read()
+    pivots = [joint for joint in world.space.constraints if isinstance(joint, pymunk.PivotJoint)]
+    gaps = [joint.a.local_to_world(joint.anchor_a) - joint.b.local_to_world(joint.anchor_b) for joint in pivots]
+    assert len(pivots) == seed_march.dragon.benches - 1
+    assert max(gap.length for gap in gaps) < 1e-4
+    assert all(np.isfinite(joint.impulse) for joint in pivots)
+
+
+# How the world is built
+
+
+def test_benches_are_wooden_rectangles_equal_in_kind(seed_march):
+    world = World(seed_march, Free(), start=0.0, substep=0.01, iterations=10)
+    head, *others = world.bodies
+    assert head.body_type == pymunk.Body.KINEMATIC
+    area = 2.20 * 0.30
+    assert {body.mass for body in others} == {others[0].mass}
+    assert 5 < others[0].mass < 30
+    moment = others[0].mass * (2.20**2 + 0.30**2) / 12
+    assert others[0].moment == pytest.approx(moment)
+    assert world.shapes[1].area == pytest.approx(area)
+    assert world.shapes[0].area == pytest.approx(3.41 * 0.30)
+    assert all(shape.radius == 0 for shape in world.shapes)
+
+
+# Without rails
+
+
+def test_unguided_dragon_straightens_and_hits_itself_within_seconds(seed_march):
+    run = simulate(seed_march, guide="none")
+    assert 8 < run.first_contact.time < 14
+    assert run.first_contact.benches == (1, 28)
+    assert run.max_drift > 1.0
+
+
+def test_unguided_head_pulls_with_joints_that_hold(seed_march):
+    run = simulate(seed_march, guide="none", until=5.0)
+    front, rear = seed_march.dragon.holes(run.poses[-1])
+    assert np.hypot(*(front[1:] - rear[:-1]).T).max() < 0.01
+
+
+# Contacts
+
+
+def test_stop_logs_the_three_phases_of_the_last_substep(late_march):
+    assert [event.phase for event in late_march.events] == ["begin", "pre_solve", "post_solve"]
+    begin, _, post = late_march.events
+    assert begin.impulse is None
+    assert np.dot(begin.relative_velocity, begin.normal) < 0
+    # The engine pushes the second bench away from the first.
+    assert np.dot(post.impulse, post.normal) > 0
+
+
+def test_report_plays_on_and_shows_when_the_benches_part(reported, seed_march):
+    assert reported.times[-1] == pytest.approx(415.2)
+    (window,) = reported.events.windows()
+    assert window.benches == (0, 8)
+    assert window.begin == reported.first_contact.raw_time
+    # The exact benches part at the same time, to a substep and the drift.
+    assert shapely_gap(seed_march, window.end - 0.02, (0, 8)) == 0
+    assert shapely_gap(seed_march, window.end + 0.02, (0, 8)) > 0
+
+
+def test_report_does_not_push(reported):
+    assert {event.phase for event in reported.events} == {"begin", "pre_solve", "separate"}
+    assert_keeps_to_the_model(reported)
+
+
+def test_reported_depths_are_the_overlaps_of_the_outlines(reported, seed_march):
+    event = max(reported.events.of("pre_solve"), key=lambda event: event.depth)
+    frame = np.argmin(np.abs(reported.times - event.time))
+    near = next(e for e in reported.events.of("pre_solve") if abs(e.time - reported.times[frame]) < 1e-9)
+    first, second = (shapely.Polygon(seed_march.dragon.outlines(reported.poses[frame])[b]) for b in near.benches)
+    moved = shapely.affinity.translate(second, *(np.array(near.normal) * (near.depth + 1e-6)))
+    less = shapely.affinity.translate(second, *(np.array(near.normal) * (near.depth - 1e-6)))
+    assert first.intersection(moved).area == 0
+    assert first.intersection(less).area > 0
+
+
+def test_neighbours_and_events_are_ordered(reported):
+    times = [event.time for event in reported.events]
+    assert times == sorted(times)
+    assert all(event.benches[1] - event.benches[0] > 1 for event in reported.events)
+    assert all(len(event.points) in (1, 2) for event in reported.events if event.phase != "separate")
+
+
+def test_resolve_lets_the_engine_push_the_benches_apart(seed_march):
+    settings = {"start": 412.2, "until": 413.0}
+    pushed = simulate(seed_march, contacts="resolve", **settings)
+    watched = simulate(seed_march, contacts="report", **settings)
+    deepest = [max(event.depth for event in run.events.of("pre_solve")) for run in (pushed, watched)]
+    assert deepest[0] < 0.5 * deepest[1]
+    impulses = [np.dot(event.impulse, event.normal) for event in pushed.events.of("post_solve")]
+    assert max(impulses) > 0
+
+
+def test_overlap_at_the_start_is_a_contact_at_the_start(seed_march):
+    run = simulate(seed_march, start=413.0)
+    assert run.first_contact.time == 413.0
+    assert run.first_contact.benches == (0, 8)
+
+
+@pytest.mark.parametrize("failure", [ValueError("seen"), KeyboardInterrupt(), ZeroDivisionError()])
+def test_exception_inside_a_callback_is_raised_after_the_step(seed_march, failure, capfd):
+    def on_event(event):
+        raise failure
+
+    with pytest.raises(type(failure)) as caught:
+        simulate(seed_march, start=412.2, on_event=on_event)
+    assert caught.value is failure
+    assert capfd.readouterr() == ("", "")
+
+
+def test_callback_is_told_every_event(seed_march):
+    told = []
+    run = simulate(seed_march, start=412.2, on_event=told.append)
+    assert told == list(run.events)
+
+
+def test_space_taken_apart_in_mid_contact_logs_nothing_more(seed_march):
+    world = World(seed_march, Free(), start=413.0, substep=0.01, iterations=10)
+    recorder = Recorder(world.space, world.bodies, world.shapes, resolve=False)
+    world.space.step(0.01)
+    logged = list(recorder.events)
+    assert logged
+    recorder.close()
+    world.space.remove(*world.shapes)
+    assert recorder.events == logged
+
+
+# How a run ends
+
+
+def test_clear_run_ends_when_it_shall(seed_march):
+    run = simulate(seed_march, start=10.0, until=10.37)
+    assert run.outcome == "clear"
+    assert run.first_contact is None
+    assert run.times[0] == 10.0
+    assert run.times[-1] == pytest.approx(10.37, abs=1e-9)
+    np.testing.assert_allclose(np.diff(run.times)[:-1], 0.1, atol=1e-9)
+
+
+def test_run_ends_where_the_curve_leaves_the_head_no_place():
+    march = March(Dragon(benches=3, width=0.01))
+    run = simulate(march, start=425.0)
+    with pytest.raises(UnreachableError) as caught:
+        march.at(run.times[-1] + 0.011, handles=2)
+    assert run.outcome == "unreachable"
+    assert caught.value.handle == 1
+    assert np.all(np.isfinite(run.poses))
+
+
+def test_drift_is_unknown_where_the_exact_model_has_no_place():
+    """Long body benches stop fitting before the head does: the engine plays on, and the drift cannot be known."""
+    march = March(Dragon(benches=3, head_spacing=1.0, body_spacing=2.6, width=0.02))
+    run = simulate(march, start=430.0, contacts="report")
+    assert np.isnan(run.drift[-1]).all()
+    assert np.isfinite(run.drift[0]).all()
+    assert np.isfinite(run.max_drift)
+
+
+def test_progress_tells_the_simulated_time_and_the_last_one(seed_march):
+    told = []
+    simulate(seed_march, start=10.0, until=11.0, progress=lambda time, until: told.append((time, until)))
+    assert [until for _, until in told] == [11.0] * 10
+    np.testing.assert_allclose([time for time, _ in told], 10.0 + 0.1 * np.arange(1, 11))
+
+
+# Bad input
+
+
+# None asks for the default, and a run may start at 0 s or before.
+NO_SETTINGS = [
+    pytest.param(name, value, id=f"{name}-{i}")
+    for name in ("start", "until", "substep", "iterations", "frame_interval")
+    for i, value in enumerate(NO_NUMBERS)
+    if value is not None and not (name == "start" and isinstance(value, int) and value in (0, -1))
+]
+
+
+@pytest.mark.parametrize(("name", "value"), NO_SETTINGS)
+def test_every_setting_refuses_what_it_cannot_be(seed_march, name, value):
+    settings = {"until": 1.0, name: value}
+    with pytest.raises(ParameterError) as caught:
+        simulate(seed_march, **settings)
+    assert caught.value.name == name
+    assert_says(caught.value, name)
+
+
+@pytest.mark.parametrize(
+    ("settings", "word"),
+    [
+        ({"guide": "ropes"}, "rails"),
+        ({"contacts": "ignore"}, "stop"),
+        ({"start": 5.0, "until": 5.0}, "later"),
+        ({"substep": 1.0}, "0.1"),
+        ({"substep": 1e-9}, "1e-05"),
+        ({"iterations": 2.5}, "whole"),
+    ],
+)
+def test_unusable_settings_are_named_in_one_line(seed_march, settings, word):
+    with pytest.raises(ParameterError) as caught:
+        simulate(seed_march, **settings)
+    assert_says(caught.value, word)
+
+
+def test_start_beyond_the_curve_is_refused(seed_march):
+    with pytest.raises(UnreachableError):
+        simulate(seed_march, start=441.0, until=442.0)
+
+
+def test_chain_that_flies_apart_is_an_error_not_a_run(seed_march, monkeypatch):
+    read = World.read
+
+    def broken(world):
+        read(world)
+        world.velocities[5] = np.nan
+
+    monkeypatch.setattr(World, "read", broken)
+    with pytest.raises(DragonError) as caught:
+        simulate(seed_march, until=0.5)
+    assert_says(caught.value, "flew apart")
+
+
+def test_settings_are_documented():
+    for name in inspect.signature(simulate).parameters:
+        assert name in simulate.__doc__
