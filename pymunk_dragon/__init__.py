@@ -1,0 +1,67 @@
+"""A bench dragon coils inward until it runs into itself: a Pymunk engine beside an exact kinematic model."""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from pymunk_dragon.contact import Contact, ContactEvent, ContactLog
+    from pymunk_dragon.curves import Curve, Spiral
+    from pymunk_dragon.dragon import Dragon, outlines
+    from pymunk_dragon.errors import DragonError, MissingExtraError, ParameterError, UnreachableError
+    from pymunk_dragon.march import March, States
+    from pymunk_dragon.physics import World, simulate
+    from pymunk_dragon.render import Camera, Palette, Scene, write_film
+    from pymunk_dragon.run import Run
+    from pymunk_dragon.scenario import Scenario
+
+__all__ = [
+    "Camera",
+    "Contact",
+    "ContactEvent",
+    "ContactLog",
+    "Curve",
+    "Dragon",
+    "DragonError",
+    "March",
+    "MissingExtraError",
+    "Palette",
+    "ParameterError",
+    "Run",
+    "Scenario",
+    "Scene",
+    "Spiral",
+    "States",
+    "UnreachableError",
+    "World",
+    "outlines",
+    "simulate",
+    "write_film",
+]
+
+# `render` is not among them: it is the room as well, and a name should mean one thing. Take the function from there:
+# `from pymunk_dragon.render import render`.
+
+# Names are loaded when they are first used: NumPy, Pymunk and Pillow together take longer to import than
+# `pymunk-dragon --help` may take to answer.
+_ROOMS = {
+    "contact": ("Contact", "ContactEvent", "ContactLog"),
+    "curves": ("Curve", "Spiral"),
+    "dragon": ("Dragon", "outlines"),
+    "errors": ("DragonError", "MissingExtraError", "ParameterError", "UnreachableError"),
+    "march": ("March", "States"),
+    "physics": ("World", "simulate"),
+    "render": ("Camera", "Palette", "Scene", "write_film"),
+    "run": ("Run",),
+    "scenario": ("Scenario",),
+}
+
+
+def __getattr__(name: str) -> Any:
+    for room, names in _ROOMS.items():
+        if name in names:
+            return getattr(import_module(f"pymunk_dragon.{room}"), name)
+    raise AttributeError(f"module 'pymunk_dragon' has no attribute '{name}'")
+
+
+def __dir__() -> list[str]:
+    return __all__

@@ -1,0 +1,449 @@
+"""Words on the command line, exit codes, and nothing else.
+
+Everything heavy is imported inside the command that needs it: `pymunk-dragon --help` shall answer at once.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+
+from pymunk_dragon.errors import DragonError, FileFormatError, MissingExtraError, ParameterError, UnreachableError
+
+if TYPE_CHECKING:
+    from pymunk_dragon.march import March
+    from pymunk_dragon.run import Run
+
+__all__ = ["cli", "main"]
+
+Command = TypeVar("Command", bound=Callable[..., Any])
+
+DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
+PROGRAM = "pymunk-dragon"
+
+# The handles that the paper's tables show.
+TABLE_HANDLES = (0, 1, 51, 101, 151, 201, 223)
+TABLE_TIMES = "0:300:60"
+# Numbers in one list, and positions in one table: more fill the memory, and are a slip of the finger.
+MAX_LIST, MAX_TABLE = 1_000_000, 20_000_000
+# s: how much of a march `render` films when it is not told.
+MARCH_FILM = 60.0
+
+SCENARIO_OPTIONS = {
+    "benches": (int, "N", "Number of benches.  [223]"),
+    "head_spacing": (float, "M", "Distance between the head's holes, m.  [2.86]"),
+    "body_spacing": (float, "M", "Distance between any other bench's holes, m.  [1.65]"),
+    "overhang": (float, "M", "From a hole to the end of the bench, m.  [0.275]"),
+    "width": (float, "M", "Width of the benches, m.  [0.3]"),
+    "pitch": (float, "M", "Distance between the turns of the spiral, m.  [0.55]"),
+    "turns": (float, "X", "Turn of the spiral on which the head starts.  [16]"),
+    "speed": (float, "M/S", "Speed of the head, m/s.  [1]"),
+}
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Run the program and exit: 0 done, 1 failed while running, 2 bad input, 130 interrupted."""
+    sys.exit(_status(arguments))
+
+
+def _status(arguments: list[str] | None) -> int:
+    try:
+        cli.main(arguments, prog_name=PROGRAM, standalone_mode=False)
+        sys.stdout.flush()
+        return DONE
+    except click.exceptions.NoArgsIsHelpError as error:
+        click.echo(error.format_message(), err=True)
+        return BAD_INPUT
+    except click.ClickException as error:
+        return _complain(error.format_message(), BAD_INPUT)
+    except (ParameterError, UnreachableError, FileFormatError, MissingExtraError) as error:
+        return _complain(str(error), BAD_INPUT)
+    except DragonError as error:
+        return _complain(str(error), FAILED)
+    except (KeyboardInterrupt, click.Abort):
+        return _complain("interrupted", INTERRUPTED)
+    except BrokenPipeError:
+        # Whoever read our output has seen enough. Python would complain once more when it flushes at exit.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return FAILED
+    except MemoryError:
+        return _complain("not enough memory for a dragon of this size", FAILED)
+
+
+def _complain(message: str, status: int) -> int:
+    click.echo(f"{PROGRAM}: " + " ".join(message.split()), err=True)
+    return status
+
+
+def scenario_options(command: Command) -> Command:
+    """Give a command the options of a scenario, as one argument `scenario`: the chosen names and values."""
+
+    def collect(context: click.Context, parameter: click.Parameter, value: Any) -> None:
+        if value is not None:
+            context.meta.setdefault("scenario", {})[parameter.name] = value
+
+    for name, (kind, metavar, text) in reversed(SCENARIO_OPTIONS.items()):
+        flag = "--" + name.replace("_", "-")
+        add = click.option(flag, name, type=kind, metavar=metavar, help=text, callback=collect, expose_value=False)
+        command = add(command)
+    file = click.option("--scenario", "scenario_file", metavar="FILE.toml", help="Read these from a file; flags win.")
+    return file(command)
+
+
+json_option = click.option("--json", "as_json", is_flag=True, help="Print one JSON object and nothing else.")
+start_option = click.option("--from", "start", type=float, default=0.0, metavar="T", help="First time, s.  [0]")
+
+
+def output_option(endings: str, required: bool = False) -> Callable[[Command], Command]:
+    """The option -o; its ending chooses the format."""
+    return click.option("-o", "--output", metavar="FILE", required=required, help=f"File to write: {endings}.")
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(package_name="pymunk-dragon", prog_name=PROGRAM)
+def cli() -> None:
+    """A bench dragon on its spiral: where it is, how fast, and when it runs into itself."""
+
+
+@cli.command()
+@scenario_options
+@click.option("--times", default=TABLE_TIMES, metavar="LIST", help=f"Times, s: 0,60,120 or 0:300:1.  [{TABLE_TIMES}]")
+@click.option("--handles", metavar="LIST", help="Handles.  [those of the paper's tables]")
+@json_option
+@output_option(".csv or .json")
+def positions(scenario_file: str | None, times: str, handles: str | None, as_json: bool, output: str | None) -> None:
+    """Where the handles are and how fast, exactly."""
+    import numpy as np
+
+    march = _march(scenario_file)
+    last = march.dragon.handles - 1
+    if handles is None:
+        chosen = [handle for handle in TABLE_HANDLES if handle < last] + [last]
+    else:
+        chosen = _handles(handles, last)
+    at = _numbers("times", times)
+    if len(at) * march.dragon.handles > MAX_TABLE:
+        raise ParameterError("times", times, f"at most {MAX_TABLE // march.dragon.handles} for this dragon")
+    destination = _destination(output, (".csv", ".json"))
+    states = march.at(at)
+    places, speeds = states.positions[:, chosen], states.speeds[:, chosen]
+    result = {"times": at, "handles": chosen, "positions": places.tolist(), "speeds": speeds.tolist()}
+    rows = [
+        (time, handle, *place, speed)
+        for time, at_time, speeds_then in zip(at, places.tolist(), speeds.tolist(), strict=True)
+        for handle, place, speed in zip(chosen, at_time, speeds_then, strict=True)
+    ]
+    if destination is not None:
+        _write_table(destination, ("time_s", "handle", "x_m", "y_m", "speed_m_s"), rows, result)
+    if as_json:
+        _print_json(result)
+    elif destination is None:
+        click.echo("     t (s)  handle       x (m)       y (m)  speed (m/s)")
+        for time, handle, x, y, speed in rows:
+            # Adding 0 turns the -0.0 of a rounded tiny number into 0.0.
+            x, y = np.round((x, y), 6) + 0.0
+            click.echo(f"{time:10.6g}  {handle:6d}  {x:10.6f}  {y:10.6f}  {speed:11.6f}")
+
+
+@cli.command()
+@scenario_options
+@click.option("--method", type=click.Choice(["engine"]), default="engine", help="Who looks for it.  [engine]")
+@start_option
+@click.option("--until", type=float, metavar="T", help="Last time, s.  [the end of the curve]")
+@click.option("--fine", is_flag=True, help="A quarter of the usual substep.")
+@json_option
+@output_option(".json")
+def contact(
+    scenario_file: str | None,
+    method: str,
+    start: float,
+    until: float | None,
+    fine: bool,
+    as_json: bool,
+    output: str | None,
+) -> None:
+    """When benches that are not neighbours first touch, and where."""
+    march = _march(scenario_file)
+    destination = _destination(output, (".json",))
+    run = _played(march, fine=fine, start=start, until=until)
+    found = run.first_contact
+    result = {
+        "status": run.outcome,
+        "method": method,
+        "time": found.time if found else None,
+        "benches": found.benches if found else None,
+        "point": found.point if found else None,
+        "normal": found.normal if found else None,
+        # The engine is told of contacts only, not of gaps.
+        "near_misses": None,
+    }
+    if destination is not None:
+        _write_json(destination, result)
+    if as_json:
+        _print_json(result)
+    else:
+        click.echo(_in_words(run))
+
+
+@cli.command()
+@scenario_options
+@start_option
+@click.option("--until", type=float, metavar="T", help="Last time, s.  [the end of the curve]")
+@click.option("--guide", default="rails", metavar="NAME", help="What keeps it on the path: rails or none.  [rails]")
+@click.option(
+    "--contacts", default="stop", metavar="NAME", help="At the first contact: stop, report or resolve.  [stop]"
+)
+@click.option("--substep", type=float, metavar="T", help="s.  [the time in which the head goes 10 mm]")
+@click.option("--iterations", type=int, metavar="N", help="Solver iterations in a substep.  [50]")
+@click.option("--fine", is_flag=True, help="A quarter of the usual substep.")
+@click.option("--frame-interval", type=float, metavar="T", help="s between frames.  [until the head goes 0.1 m]")
+@json_option
+@output_option(".npz")
+def simulate(scenario_file: str | None, as_json: bool, output: str | None, fine: bool, **settings: Any) -> None:
+    """Play the march in Pymunk until the dragon runs into itself."""
+    march = _march(scenario_file)
+    _destination(output, (".npz",))
+    if fine and not (settings["substep"] is None and settings["iterations"] is None):
+        raise click.UsageError("--fine chooses the substep and the iterations: leave out --substep and --iterations")
+    run = _played(march, fine=fine, **settings)
+    if output is not None:
+        run.save(output)
+    if as_json:
+        _print_json(_summary(run))
+    else:
+        click.echo(_in_words(run))
+        click.echo(_quality_in_words(run))
+        if settings["contacts"] != "stop":
+            click.echo(_windows_in_words(run))
+
+
+@cli.command()
+@click.argument("run_file", metavar="[RUN.npz]", required=False)
+@scenario_options
+@click.option("--from", "since", type=float, metavar="T", help="First time, s.  [the run's, or 0]")
+@click.option("--until", type=float, metavar="T", help=f"Last time, s.  [the run's, or {MARCH_FILM:g} s of a march]")
+@click.option("--speedup", type=float, metavar="X", help="Simulated seconds in a second of film.  [20]")
+@click.option("--fps", type=int, metavar="N", help="Frames in a second: 10, 20, 25 or 50.  [20]")
+@click.option("--size", metavar="PIXELS", help="Width and height: 480, or 640x360.  [480]")
+@click.option("--camera", default="field", metavar="NAME", help="field: stand still; head: follow it.  [field]")
+@click.option("--span", type=float, metavar="M", help="Width of the ground in view, m.")
+@click.option("--hold", type=float, metavar="T", help="How long the last frame stays, s.  [1]")
+@json_option
+@output_option(".gif for a film, .png for a picture at --until", required=True)
+def render(
+    run_file: str | None,
+    scenario_file: str | None,
+    camera: str,
+    span: float | None,
+    size: str | None,
+    as_json: bool,
+    output: str,
+    **choices: Any,
+) -> None:
+    """Film a run, or the exact march where no run is named."""
+    from pymunk_dragon.render import FILM_ENDINGS, STILL_ENDINGS, Camera, Film, write_film, write_still
+    from pymunk_dragon.run import Run
+
+    destination = _destination(output, (*FILM_ENDINGS, *STILL_ENDINGS))
+    assert destination is not None
+    given = {name: value for name, value in choices.items() if value is not None}
+    if size is not None:
+        given["size"] = _size(size)
+    source: Run | March
+    if run_file is not None:
+        if _chosen() or scenario_file:
+            raise click.UsageError("a run brings its own scenario: leave out the options of the dragon and its curve")
+        source = Run.load(run_file)
+    else:
+        source = _march(scenario_file)
+        given.setdefault("until", min(given.get("since", 0.0) + MARCH_FILM, source.end))
+    film = Film(camera=Camera(follow=camera, span=span), **given)  # type: ignore[arg-type]  # Camera checks the word.
+    if destination.suffix.lower() in STILL_ENDINGS:
+        last = float(source.times[-1]) if isinstance(source, Run) else given["until"]
+        write_still(source, last if film.until is None else film.until, destination, film)
+    else:
+        with _progress("frame") as show:
+            write_film(source, destination, film, lambda done, total: show(done, total, f"frame {done}"))
+    if as_json:
+        _print_json({"output": str(destination), "bytes": destination.stat().st_size})
+
+
+def _chosen() -> dict[str, Any]:
+    """The scenario options that were given as flags."""
+    found: dict[str, Any] = click.get_current_context().meta.get("scenario", {})
+    return found
+
+
+def _march(scenario_file: str | None) -> March:
+    """The march of a scenario file with the flags laid over it."""
+    from pymunk_dragon.scenario import Scenario
+
+    values = Scenario.read(scenario_file) if scenario_file is not None else {}
+    return Scenario.from_mapping({**values, **_chosen()}).march()
+
+
+def _played(march: March, *, fine: bool, **settings: Any) -> Run:
+    from pymunk_dragon.physics import simulate as play
+    from pymunk_dragon.physics.simulation import FINE_ITERATIONS, FINE_STRIDE
+
+    if fine:
+        settings |= {"substep": FINE_STRIDE / march.speed, "iterations": FINE_ITERATIONS}
+    given = {name: value for name, value in settings.items() if value is not None}
+    start = given["start"]
+    with _progress("t") as show:
+
+        def tell(time: float, until: float) -> None:
+            show(time - start, until - start, f"t = {time:.1f} s")
+
+        return play(march, progress=tell, **given)
+
+
+def _destination(output: str | None, endings: tuple[str, ...]) -> Path | None:
+    """Check where to write before the long work that makes what is written."""
+    if output is None:
+        return None
+    from pymunk_dragon.files import check_destination
+
+    return check_destination(output, endings)
+
+
+def _numbers(name: str, text: str) -> list[float]:
+    """Numbers from `0,60,120` or `0:300:1`, both ends included, or a mixture."""
+    bound = "numbers such as 0,60,120 or first:last:step such as 0:300:1"
+    numbers: list[float] = []
+    for part in text.split(","):
+        try:
+            values = [float(value) for value in part.split(":")]
+        except ValueError:
+            raise ParameterError(name, text, bound) from None
+        if len(values) == 1:
+            numbers += values
+        elif len(values) == 3 and all(abs(value) < float("inf") for value in values) and values[2] > 0:
+            first, last, step = values
+            # A millionth of a step is rounding, as in 0:1:0.1.
+            count = (last - first) / step + 1e-6
+            if not 0 <= count < MAX_LIST:
+                raise ParameterError(name, text, f"at least one and at most {MAX_LIST} numbers, first:last:step")
+            numbers += [first + step * i for i in range(int(count) + 1)]
+        else:
+            raise ParameterError(name, text, bound)
+    return numbers
+
+
+def _handles(text: str, last: int) -> list[int]:
+    numbers = _numbers("handles", text)
+    if not all(number.is_integer() and 0 <= number <= last for number in numbers):
+        raise ParameterError("handles", text, f"whole numbers from 0 to {last}")
+    return [int(number) for number in numbers]
+
+
+def _size(text: str) -> int | tuple[int, int]:
+    try:
+        lengths = [int(length) for length in text.lower().split("x")]
+    except ValueError:
+        lengths = []
+    if len(lengths) not in (1, 2):
+        raise ParameterError("size", text, "pixels such as 480, or 640x360")
+    return lengths[0] if len(lengths) == 1 else (lengths[0], lengths[1])
+
+
+@contextmanager
+def _progress(label: str) -> Iterator[Callable[[float, float, str], None]]:
+    """A bar on stderr with the time left, where that is a terminal; gives `show(done, total, label)`."""
+    parts = 1000
+    with click.progressbar(length=parts, label=label, file=sys.stderr, hidden=not sys.stderr.isatty()) as bar:
+
+        def show(done: float, total: float, now: str) -> None:
+            bar.label = now
+            step = int(parts * done / total) - bar.pos
+            if step > 0:
+                bar.update(step)
+
+        yield show
+
+
+def _summary(run: Run) -> dict[str, Any]:
+    """What `simulate --json` prints."""
+    from dataclasses import asdict
+
+    wall, stepping = run.timing["wall_seconds"], run.timing["step_seconds"]
+    simulated = run.provenance["substeps"] * run.provenance["substep"]
+    return {
+        "status": run.outcome,
+        "first_contact": asdict(run.first_contact) if run.first_contact else None,
+        "drift": {"head": _known(run.head_drift), "max": _known(run.max_drift)},
+        "from": run.provenance["start"],
+        "until": float(run.times[-1]),
+        "substep": run.provenance["substep"],
+        "substeps": run.provenance["substeps"],
+        "iterations": run.provenance["iterations"],
+        "events": len(run.events),
+        "wall_seconds": wall,
+        "realtime_factor": simulated / wall,
+        "driver_overhead": wall / stepping - 1,
+    }
+
+
+def _known(value: float) -> float | None:
+    """JSON has no nan."""
+    return value if value == value else None
+
+
+def _in_words(run: Run) -> str:
+    found = run.first_contact
+    if found is not None:
+        x, y = found.point
+        i, j = found.benches
+        return f"first contact at t = {found.time:.6f} s: benches {i} and {j} at ({x:.6f}, {y:.6f}) m"
+    if run.outcome == "unreachable":
+        return f"no contact until t = {run.times[-1]:.6g} s, where the curve leaves the head no place"
+    return f"no contact from t = {run.times[0]:.6g} s to {run.times[-1]:.6g} s"
+
+
+def _quality_in_words(run: Run) -> str:
+    summary = _summary(run)
+    return (
+        f"drift {1e3 * run.head_drift:.3f} mm in the first twelve benches, {1e3 * run.max_drift:.3f} mm anywhere; "
+        f"{summary['realtime_factor']:.1f} times as fast as real time"
+    )
+
+
+def _windows_in_words(run: Run) -> str:
+    lines = ["benches   touch from (s)  to (s)"]
+    for window in run.events.windows():
+        i, j = window.benches
+        end = "the end" if window.end is None else f"{window.end:.3f}"
+        lines.append(f"{i:3d} {j:3d}  {window.begin:14.3f}  {end}")
+    return "\n".join(lines)
+
+
+def _write_table(path: Path, heads: tuple[str, ...], rows: list[tuple[float, ...]], result: dict[str, Any]) -> None:
+    import csv
+
+    from pymunk_dragon.files import written_in_place
+
+    if path.suffix.lower() == ".json":
+        _write_json(path, result)
+        return
+    with written_in_place(path) as draft, draft.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(heads)
+        writer.writerows(rows)
+
+
+def _write_json(path: Path, result: dict[str, Any]) -> None:
+    from pymunk_dragon.files import written_in_place
+
+    with written_in_place(path) as draft:
+        draft.write_text(json.dumps(result) + "\n", encoding="utf-8")
+
+
+def _print_json(result: dict[str, Any]) -> None:
+    click.echo(json.dumps(result))

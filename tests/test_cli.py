@@ -1,0 +1,323 @@
+"""The program as people and scripts use it."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import pty
+import re
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import fields
+
+import pytest
+from conftest import assert_says
+
+from pymunk_dragon.cli import SCENARIO_OPTIONS, main
+from pymunk_dragon.errors import OutputError
+from pymunk_dragon.march import March
+from pymunk_dragon.run import Run
+from pymunk_dragon.scenario import Scenario
+
+PROGRAM = [sys.executable, "-m", "pymunk_dragon"]
+SHORT = ["--from", "412.3"]
+
+
+@pytest.fixture
+def call(capsys):
+    """Call the program within this process: exit code, stdout, stderr."""
+
+    def called(*arguments):
+        with pytest.raises(SystemExit) as stopped:
+            main([str(argument) for argument in arguments])
+        return stopped.value.code, *capsys.readouterr()
+
+    return called
+
+
+@pytest.fixture
+def complaint(call):
+    """Call the program with bad input: what it says, once it is sure that it was one line and exit code 2."""
+
+    def complained(*arguments):
+        code, out, err = call(*arguments)
+        assert code == 2
+        assert out == ""
+        assert err.endswith("\n")
+        assert_says(Exception(err[:-1]), "pymunk-dragon: ")
+        return err
+
+    return complained
+
+
+# positions
+
+
+def test_positions_prints_the_papers_table(call):
+    code, out, err = call("positions")
+    assert (code, err) == (0, "")
+    lines = out.splitlines()
+    assert len(lines) == 1 + 6 * 7
+    assert lines[1].split() == ["0", "0", "8.800000", "0.000000", "1.000000"]
+    assert lines[-1].split()[:2] == ["300", "223"]
+
+
+def test_positions_json_holds_positions_by_time_and_handle(call):
+    code, out, _ = call("positions", "--times", "0,60", "--handles", "0,223", "--json")
+    found = json.loads(out)
+    assert code == 0
+    assert found["times"] == [0, 60]
+    assert found["handles"] == [0, 223]
+    states = March().at([0, 60])
+    assert found["positions"] == states.positions[:, [0, 223]].tolist()
+    assert found["speeds"] == states.speeds[:, [0, 223]].tolist()
+
+
+def test_lists_include_both_ends(call):
+    _, out, _ = call("positions", "--times", "0:1:0.1,5", "--handles", "0:3:1", "--json")
+    found = json.loads(out)
+    assert found["times"] == pytest.approx([*(i / 10 for i in range(11)), 5])
+    assert found["handles"] == [0, 1, 2, 3]
+
+
+def test_default_handles_fit_a_shorter_dragon(call):
+    _, out, _ = call("positions", "--benches", "60", "--json")
+    assert json.loads(out)["handles"] == [0, 1, 51, 60]
+
+
+def test_positions_writes_csv_and_json_files(call, tmp_path):
+    table, document = tmp_path / "p.csv", tmp_path / "p.json"
+    for path in (table, document):
+        assert call("positions", "--times", "0,60", "-o", path) == (0, "", "")
+    rows = list(csv.DictReader(table.read_text().splitlines()))
+    assert len(rows) == 14
+    assert float(rows[0]["x_m"]) == March().at(0).positions[0, 0, 0]
+    assert json.loads(document.read_text())["times"] == [0, 60]
+
+
+# simulate, contact
+
+
+def test_simulate_json_has_the_promised_keys_and_nothing_else_on_stdout(call):
+    code, out, err = call("simulate", *SHORT, "--json")
+    found = json.loads(out)
+    assert (code, err) == (0, "")
+    assert set(found["first_contact"]) == {"time", "raw_time", "benches", "point", "normal", "depth"}
+    assert found["first_contact"]["benches"] == [0, 8]
+    assert set(found["drift"]) == {"head", "max"}
+    for key in ("substeps", "iterations", "wall_seconds", "realtime_factor", "driver_overhead"):
+        assert found[key] > 0
+    assert found["substeps"] == 18
+
+
+def test_simulate_without_contact_says_null(call):
+    _, out, _ = call("simulate", "--until", "0.2", "--json")
+    found = json.loads(out)
+    assert found["first_contact"] is None
+    assert found["status"] == "clear"
+
+
+def test_simulate_saves_a_run_and_render_films_it(call, tmp_path):
+    run, film = tmp_path / "run.npz", tmp_path / "run.gif"
+    code, out, err = call("simulate", *SHORT, "-o", run)
+    assert (code, err) == (0, "")
+    assert "benches 0 and 8" in out
+    assert Run.load(run).first_contact.benches == (0, 8)
+    assert call("render", run, "-o", film, "--camera", "head", "--size", "200x160", "--fps", "25") == (0, "", "")
+    assert film.read_bytes()[:6] == b"GIF89a"
+    assert sorted(os.listdir(tmp_path)) == ["run.gif", "run.npz"]
+
+
+def test_report_mode_lists_the_contact_windows(call):
+    _, out, _ = call("simulate", *SHORT, "--until", "412.6", "--contacts", "report")
+    assert re.search(r"^ +0 +8 +412\.480 +the end$", out, re.MULTILINE)
+
+
+def test_contact_json_has_the_promised_keys(call):
+    code, out, err = call("contact", *SHORT, "--json")
+    found = json.loads(out)
+    assert (code, err) == (0, "")
+    assert {"status", "time", "benches", "point", "normal", "near_misses"} <= set(found)
+    assert found["status"] == "contact"
+    assert found["benches"] == [0, 8]
+
+
+def test_fine_divides_the_substep_by_four_at_any_speed(call, tmp_path):
+    scenario = tmp_path / "fast.toml"
+    scenario.write_text("speed = 2.0\n")
+    _, out, _ = call("simulate", "--scenario", scenario, "--until", "0.1", "--fine", "--json")
+    assert json.loads(out)["substep"] == pytest.approx(1 / 800)
+
+
+def test_render_films_a_march_and_draws_a_picture(call, tmp_path):
+    film, picture = tmp_path / "m.gif", tmp_path / "m.png"
+    code, out, _ = call("render", "-o", film, "--until", "2", "--size", "120", "--speedup", "10", "--json")
+    assert code == 0
+    assert json.loads(out)["bytes"] == film.stat().st_size
+    assert call("render", "-o", picture, "--until", "2", "--size", "120")[0] == 0
+    assert picture.read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
+
+
+def test_flags_win_over_the_scenario_file(call, tmp_path):
+    scenario = tmp_path / "s.toml"
+    scenario.write_text("benches = 16\npitch = 0.6\n")
+    _, out, _ = call("positions", "--scenario", scenario, "--pitch", "0.7", "--times", "0", "--json")
+    found = json.loads(out)
+    assert found["handles"][-1] == 16
+    assert found["positions"][0][0][0] == pytest.approx(16 * 0.7)
+
+
+def test_help_tells_the_true_defaults():
+    defaults = {field.name: field.default for field in fields(Scenario)}
+    assert {name: float(text.split("[")[1].rstrip("]")) for name, (_, _, text) in SCENARIO_OPTIONS.items()} == defaults
+
+
+# Bad input
+
+
+@pytest.mark.parametrize("name", SCENARIO_OPTIONS)
+@pytest.mark.parametrize("value", ["nan", "inf", "-inf", "0", "-1", "1e300", "abc", ""])
+def test_every_scenario_option_refuses_what_it_cannot_be(complaint, name, value):
+    flag = "--" + name.replace("_", "-")
+    said = complaint("positions", flag, value)
+    assert name in said.replace("-", "_")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["positions", "--pitch", "0.25"], ["pitch", "0.25", "width"]),
+        (["positions", "--benches", "1"], ["benches", "1", "2"]),
+        (["positions", "--head-spacing", "30"], ["head_spacing", "30"]),
+        (["positions", "--turns", "0.2"], ["spacing"]),
+        (["positions", "--times", "0:1"], ["times", "0:1", "0:300:1"]),
+        (["positions", "--times", "1,x"], ["times", "1,x"]),
+        (["positions", "--times", "nan"], ["times", "nan"]),
+        (["positions", "--times", "0:1e9:0.001"], ["times"]),
+        (["positions", "--times", "3:0:1"], ["times"]),
+        (["positions", "--times", "443"], ["443", "handle 0"]),
+        (["positions", "--handles", "224"], ["handles", "224", "223"]),
+        (["positions", "--handles", "1.5"], ["handles", "1.5"]),
+        (["positions", "--scenario", "nowhere.toml"], ["scenario", "nowhere.toml"]),
+        (["simulate", "--from", "441"], ["441", "handle 1"]),
+        (["simulate", "--from", "2", "--until", "1"], ["until", "1"]),
+        (["simulate", "--guide", "ropes"], ["guide", "ropes", "rails"]),
+        (["simulate", "--contacts", "no"], ["contacts", "no", "stop"]),
+        (["simulate", "--substep", "5"], ["substep", "5"]),
+        (["simulate", "--iterations", "0"], ["iterations", "0"]),
+        (["simulate", "--fine", "--iterations", "9"], ["--fine", "--iterations"]),
+        (["render", "nowhere.npz", "-o", "f.gif"], ["nowhere.npz"]),
+        (["render", "-o", "f.gif", "--fps", "30"], ["fps", "30", "25"]),
+        (["render", "-o", "f.gif", "--size", "big"], ["size", "big"]),
+        (["render", "-o", "f.gif", "--size", "1x2x3"], ["size", "1x2x3"]),
+        (["render", "-o", "f.gif", "--camera", "tail"], ["tail", "head"]),
+        (["render", "-o", "f.gif", "--speedup", "0"], ["speedup", "0"]),
+        (["render", "run.npz", "--pitch", "1", "-o", "f.gif"], ["scenario"]),
+        (["render"], ["--output"]),
+        (["march"], ["march"]),
+        (["positions", "--colour", "red"], ["--colour"]),
+        (["contact", "--method", "guess"], ["method", "guess"]),
+    ],
+    ids=lambda value: " ".join(value) if isinstance(value, list) else None,
+)
+def test_bad_input_is_named_in_one_line(complaint, arguments, words, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    said = complaint(*arguments)
+    for word in words:
+        assert word in said
+    assert os.listdir(tmp_path) == []
+
+
+@pytest.mark.parametrize(
+    ("command", "ending"), [("positions", ".csv"), ("contact", ".json"), ("simulate", ".npz"), ("render", ".gif")]
+)
+def test_output_that_cannot_be_written_is_refused_before_the_work(complaint, command, ending, tmp_path, monkeypatch):
+    monkeypatch.setattr(March, "at", None)  # Any work would fail on it.
+    assert "nowhere" in complaint(command, "-o", tmp_path / "nowhere" / f"x{ending}")
+    assert ".docx" in complaint(command, "-o", tmp_path / "x.docx")
+    folder = tmp_path / f"folder{ending}"
+    folder.mkdir()
+    assert "not a folder" in complaint(command, "-o", folder)
+    assert os.listdir(tmp_path) == [folder.name]
+
+
+def test_full_disk_is_exit_code_1_and_leaves_nothing(call, tmp_path, monkeypatch):
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("numpy.savez_compressed", lambda *_, **__: full())
+    code, out, err = call("simulate", *SHORT, "-o", tmp_path / "run.npz")
+    assert (code, out) == (1, "")
+    assert_says(OutputError("x", "y"), "cannot write")
+    assert_says(Exception(err[:-1]), "No space left on device")
+    assert os.listdir(tmp_path) == []
+
+
+@pytest.mark.parametrize("content", [b"", b"PK\x03\x04", b"GIF89a", os.urandom(200)])
+def test_foreign_run_files_are_named_in_one_line(complaint, content, tmp_path):
+    path = tmp_path / "run.npz"
+    path.write_bytes(content)
+    assert str(path) in complaint("render", path, "-o", tmp_path / "f.gif")
+    assert os.listdir(tmp_path) == ["run.npz"]
+
+
+# As a process
+
+
+def test_help_answers_without_the_heavy_libraries():
+    code = (
+        "import sys, pymunk_dragon.cli; print([m for m in ('numpy', 'pymunk', 'PIL', 'imageio') if m in sys.modules])"
+    )
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "[]\n"
+    told = subprocess.run([*PROGRAM, "--help"], capture_output=True, text=True, check=True)
+    for command in ("positions", "contact", "simulate", "render"):
+        assert command in told.stdout
+
+
+def test_no_arguments_show_the_help_and_fail():
+    told = subprocess.run(PROGRAM, capture_output=True, text=True)
+    assert told.returncode == 2
+    assert "Commands:" in told.stderr
+
+
+def test_no_progress_bar_where_stderr_is_no_terminal(call):
+    assert call("simulate", *SHORT)[2] == ""
+
+
+def test_terminal_sees_the_simulated_time_and_the_time_left():
+    mine, theirs = pty.openpty()
+    with subprocess.Popen([*PROGRAM, "simulate", "--until", "30"], stdout=subprocess.DEVNULL, stderr=theirs) as process:
+        os.close(theirs)
+        seen = b""
+        try:
+            while part := os.read(mine, 4096):
+                seen += part
+        except OSError:  # Linux says so when the other side is closed.
+            pass
+    os.close(mine)
+    assert process.returncode == 0
+    assert re.search(rb"t = 1\d\.\d s .*%.*\d\d:\d\d:\d\d", seen)
+
+
+def test_ctrl_c_leaves_no_file_and_exits_with_130(tmp_path):
+    path = tmp_path / "run.npz"
+    path.write_bytes(b"old")
+    command = [*PROGRAM, "simulate", "-o", str(path)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        time.sleep(3)
+        process.send_signal(signal.SIGINT)
+        out, err = process.communicate(timeout=30)
+    assert process.returncode == 130
+    assert (out, err.strip()) == ("", "pymunk-dragon: interrupted")
+    assert os.listdir(tmp_path) == ["run.npz"]
+    assert path.read_bytes() == b"old"
+
+
+def test_closed_pipe_is_no_traceback():
+    command = " ".join(PROGRAM) + " positions --times 0:300:0.1 | head -1"
+    told = subprocess.run(["bash", "-c", command], capture_output=True, text=True)
+    assert told.stdout.startswith("     t (s)")
+    assert told.stderr == ""

@@ -1,0 +1,51 @@
+"""What README shows runs as it stands."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+
+from pymunk_dragon.cli import main
+
+README = (Path(__file__).parent.parent / "README.md").read_text(encoding="utf-8")
+BLOCKS = re.findall(r"```(\w+)\n(.*?)```", README, re.DOTALL)
+SNIPPETS = [text for language, text in BLOCKS if language == "python"]
+COMMANDS = [
+    line.removeprefix("$ ")
+    for language, text in BLOCKS
+    if language == "console"
+    for line in text.splitlines()
+    if line.startswith("$ ")
+]
+
+
+def test_snippets_run_and_print_what_they_say(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (snippet,) = SNIPPETS
+    exec(compile(snippet, "README.md", "exec"), {})
+    out = capsys.readouterr().out
+    assert "[ 5.79920888 -5.77109219]" in out
+    assert "benches=(0, 8)" in out
+    assert "time=412.4737" in out or "time=412.4736" in out
+    assert (tmp_path / "last_seconds.gif").exists()
+
+
+def test_commands_run_in_the_order_in_which_they_stand(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    program = [shlex.split(command, comments=True) for command in COMMANDS if command.startswith("pymunk-dragon ")]
+    assert len(program) >= 5
+    for _, *arguments in program:
+        with pytest.raises(SystemExit) as stopped:
+            main(arguments)
+        assert stopped.value.code == 0, arguments
+    assert "benches 0 and 8" in capsys.readouterr().out
+
+
+def test_make_targets_of_the_readme_exist():
+    makefile = (Path(__file__).parent.parent / "Makefile").read_text(encoding="utf-8")
+    for command in COMMANDS:
+        if command.startswith("make "):
+            assert re.search(rf"^{shlex.split(command, comments=True)[1]}:", makefile, re.MULTILINE)
