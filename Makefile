@@ -24,10 +24,10 @@ $(VENV)/all: $(VENV)/core
 render: $(VENV)/core ## play the dragon in Pymunk and film it: renders/*.gif
 	$(DRAGON) simulate -o renders/march.npz
 	$(DRAGON) render renders/march.npz -o renders/march.gif
-	$(DRAGON) simulate --from 400 --frame-interval 0.01 -o renders/first_contact.npz
-	$(DRAGON) render renders/first_contact.npz -o renders/first_contact.gif --from 406 --camera head --speedup 0.5
+	$(DRAGON) simulate --from 400 --frame-interval 0.02 -o renders/first_contact.npz
+	$(DRAGON) render renders/first_contact.npz -o renders/first_contact.gif --from 405.4 --camera head --fps 20 --speedup 0.75 --hold 2.5
 	$(DRAGON) simulate --guide none -o renders/unguided.npz
-	$(DRAGON) render renders/unguided.npz -o renders/unguided.gif --speedup 1.5
+	$(DRAGON) render renders/unguided.npz -o renders/unguided.gif --fps 20 --speedup 1 --hold 2
 
 report: $(VENV)/core ## play on past the first contact, and list when benches touched
 	$(DRAGON) simulate --from 400 --until 416 --contacts report

@@ -201,7 +201,7 @@ def contact(
     "--contacts", default="stop", metavar="NAME", help="At the first contact: stop, report or resolve.  [stop]"
 )
 @click.option("--substep", type=float, metavar="T", help="s.  [the time in which the head goes 10 mm]")
-@click.option("--iterations", type=int, metavar="N", help="Solver iterations in a substep.  [50]")
+@click.option("--iterations", type=int, metavar="N", help="Solver iterations in a substep.  [60]")
 @click.option("--fine", is_flag=True, help="A quarter of the usual substep.")
 @click.option("--frame-interval", type=float, metavar="T", help="s between frames.  [until the head goes 0.1 m]")
 @json_option
@@ -230,8 +230,8 @@ def simulate(scenario_file: str | None, as_json: bool, output: str | None, fine:
 @click.option("--from", "since", type=float, metavar="T", help="First time, s.  [the run's, or 0]")
 @click.option("--until", type=float, metavar="T", help=f"Last time, s.  [the run's, or {MARCH_FILM:g} s of a march]")
 @click.option("--speedup", type=float, metavar="X", help="Simulated seconds in a second of film.  [20]")
-@click.option("--fps", type=int, metavar="N", help="Frames in a second: 10, 20, 25 or 50.  [20]")
-@click.option("--size", metavar="PIXELS", help="Width and height: 480, or 640x360.  [480]")
+@click.option("--fps", type=int, metavar="N", help="Frames in a second: 10, 20, 25 or 50.  [10]")
+@click.option("--size", metavar="PIXELS", help="Width and height: 440, or 640x360.  [440]")
 @click.option("--camera", default="field", metavar="NAME", help="field: stand still; head: follow it.  [field]")
 @click.option("--span", type=float, metavar="M", help="Width of the ground in view, m.")
 @click.option("--hold", type=float, metavar="T", help="How long the last frame stays, s.  [1]")

@@ -27,7 +27,7 @@ def test_snippets_run_and_print_what_they_say(tmp_path, monkeypatch, capsys):
     (snippet,) = SNIPPETS
     exec(compile(snippet, "README.md", "exec"), {})
     out = capsys.readouterr().out
-    assert "[ 5.79920888 -5.77109219]" in out
+    assert "[ 5.79920903 -5.77109234]" in out
     assert "benches=(0, 8)" in out
     assert "time=412.4737" in out or "time=412.4736" in out
     assert (tmp_path / "last_seconds.gif").exists()

@@ -16,6 +16,7 @@ __all__ = ["Spiral"]
 # Metres. A turn wider than this is no dance floor, and no bench fits into a narrower one; the bounds also keep squares
 # of lengths far from the ends of a double.
 MIN_PITCH, MAX_PITCH = 0.001, 1000.0
+TURN = 2 * np.pi
 # Newton doubles its digits at every pass and reaches a double's last one in about 6; bisection, its fallback, in 53.
 MAX_PASSES = 80
 
@@ -124,11 +125,15 @@ class Spiral:
         xy = np.ascontiguousarray(points, dtype=float)
         z = xy.view(complex)
         bearing = np.arctan2(z.imag, z.real)
-        theta = bearing + 2 * np.pi * np.rint((np.asarray(near, dtype=float)[..., None] - bearing) / (2 * np.pi))
+        turns = np.rint((np.asarray(near, dtype=float)[..., None] - bearing) / TURN)
+        theta = bearing + TURN * turns
         outward = z / np.abs(z)
-        feet = self.k * theta * outward
-        tangents = outward * (-1 - 1j * theta) / np.hypot(theta, 1)
-        return theta[..., 0], feet.view(float), tangents.view(float)
+        tangents = np.empty_like(z)
+        tangents.real, tangents.imag = -1.0, -theta
+        tangents *= outward
+        tangents /= np.hypot(theta, 1)
+        outward *= self.k * theta
+        return theta[..., 0], outward.view(float), tangents.view(float)
 
     def point(self, u: ArrayLike) -> Array:
         """Position (..., 2) in m (eq. 7, 8, 11)."""

@@ -27,8 +27,8 @@ Array = NDArray[np.float64]
 
 # Metres that the head goes in one substep, and solver iterations in it. README has the table of drift and time error
 # that they were chosen from; the fine ones are for a contact time that is right to a millisecond.
-STRIDE, ITERATIONS = 1 / 100, 50
-FINE_STRIDE, FINE_ITERATIONS = 1 / 400, 50
+STRIDE, ITERATIONS = 1 / 100, 60
+FINE_STRIDE, FINE_ITERATIONS = 1 / 400, 60
 # Far outside what makes sense: substeps that skip over a bench, and ones that would take days.
 MAX_STRIDE, MIN_STRIDE = 0.1, 1e-5
 MAX_ITERATIONS = 100_000

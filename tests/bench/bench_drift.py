@@ -11,8 +11,8 @@ from pymunk_dragon.march import March
 from pymunk_dragon.physics import rails, simulate, world
 
 START = 400.0
-DEFAULT = (1 / 100, 50)
-SETTINGS = [(1 / rate, iterations) for rate in (50, 100, 200, 400) for iterations in (10, 20, 50, 100)]
+DEFAULT = (1 / 100, 60)
+SETTINGS = [(1 / rate, iterations) for rate in (50, 100, 200, 400) for iterations in (15, 30, 60, 120)]
 DRAGS = (5.0, 7.0, 9.0, 11.5, 15.0, 20.0)
 
 

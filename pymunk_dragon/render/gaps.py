@@ -1,0 +1,48 @@
+"""How near the head bench is to the others."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pymunk_dragon.dragon import Dragon
+
+__all__ = ["smallest_gap"]
+
+Array = NDArray[np.float64]
+
+
+def smallest_gap(dragon: Dragon, poses: Array) -> tuple[int, float] | None:
+    """Bench nearest to the head among those that are not its neighbour, and the gap in m.
+
+    Parameters
+    ----------
+    dragon : Dragon
+        Sizes of the benches.
+    poses : ndarray, shape (N, 3)
+        Their poses.
+
+    Returns
+    -------
+    tuple of int and float, or None
+        None where there is no bench but the head and its neighbour. The gap is 0 where a corner of one is inside the
+        other.
+    """
+    if dragon.benches < 3:
+        return None
+    corners = dragon.outlines(poses)
+    # Two rectangles that do not overlap are nearest at a corner of one of them, so corners against rectangles will do.
+    to_head = _outside(corners[2:], poses[0], dragon.lengths[0], dragon.width)
+    from_head = _outside(corners[:1], poses[2:, None], dragon.lengths[2:, None], dragon.width)
+    gaps = np.minimum(to_head.min(axis=1), from_head.min(axis=1))
+    nearest = int(np.argmin(gaps))
+    return nearest + 2, float(gaps[nearest])
+
+
+def _outside(points: Array, poses: Array, lengths: Array, width: float) -> Array:
+    """Distance of points (..., 2) to the rectangles at `poses` (..., 3), m, and 0 inside; leading axes broadcast."""
+    offset = points - poses[..., :2]
+    cos, sin = np.cos(poses[..., 2]), np.sin(poses[..., 2])
+    along = np.abs(offset[..., 0] * cos + offset[..., 1] * sin) - lengths / 2
+    across = np.abs(offset[..., 1] * cos - offset[..., 0] * sin) - width / 2
+    return np.hypot(np.maximum(along, 0.0), np.maximum(across, 0.0))

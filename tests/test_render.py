@@ -1,0 +1,403 @@
+from __future__ import annotations
+
+import gc
+import weakref
+from collections.abc import Iterator
+from dataclasses import replace
+from io import BytesIO
+from itertools import combinations_with_replacement
+from pathlib import Path
+from typing import Any
+
+import imageio.v3 as iio
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from PIL import Image
+
+from pymunk_dragon.contact import Contact
+from pymunk_dragon.dragon import Dragon
+from pymunk_dragon.errors import DragonError, OutputError, ParameterError
+from pymunk_dragon.march import March
+from pymunk_dragon.render import FPS, Camera, Film, Palette, render, write_film, write_still
+from pymunk_dragon.render.film import make_scene, states
+from pymunk_dragon.render.gaps import smallest_gap
+from pymunk_dragon.render.gif import MAX_DELAY, GifStream
+from pymunk_dragon.render.palette import BLOCK, CODES, TRANSPARENT, TYPE_RAMP, index_of, occurs
+from pymunk_dragon.run import Run
+
+SMALL = Dragon(benches=16)
+# The seed's first contact, as every solver of the project finds it.
+CONTACT_TIME = 412.4738
+
+
+@pytest.fixture(scope="module")
+def march() -> March:
+    return March(SMALL, turns=4)
+
+
+@pytest.fixture(scope="module")
+def run(march: March) -> Run:
+    return Run.exact(march, np.linspace(0, 10, 101))
+
+
+@pytest.fixture(scope="module")
+def seed() -> Run:
+    """The last seconds of the seed's run, with its contact."""
+    run = Run.exact(March(), np.append(np.arange(405.0, 412.4, 0.2), CONTACT_TIME))
+    # The head's front left corner is what touches.
+    x, y = run.march.dragon.outlines(run.poses[-1])[0, 2]
+    contact = Contact(
+        time=CONTACT_TIME,
+        raw_time=CONTACT_TIME,
+        benches=(0, 8),
+        point=(float(x), float(y)),
+        normal=(0.0, 1.0),
+        depth=0.0,
+    )
+    return replace(run, first_contact=contact, outcome="contact")
+
+
+def pictures(path: Path) -> Iterator[tuple[NDArray[np.uint8], int]]:
+    """Every frame as RGB, and how long it stays in ms."""
+    with iio.imopen(path, "r") as file:
+        for i in range(file.properties().n_images or 0):
+            yield file.read(index=i), int(file.metadata(index=i)["duration"])
+
+
+def colour_at(picture: NDArray[np.uint8], x: float, y: float) -> str:
+    return "#" + bytes(picture[int(y), int(x)].tolist()).hex()
+
+
+def drawn(source: Run | March, film: Film, time: float) -> tuple[NDArray[np.uint8], Any]:
+    """Picture at a time, as RGB, and where points of the ground lie on it."""
+    scene = make_scene(source, film, film.times(source))
+    [(_, poses)] = states(source, np.array([time]))
+    view = scene.view(poses)
+    picture = film.palette.table[np.asarray(scene.draw(time, poses))]
+    return picture, lambda points: view.pixels(points) / BLOCK
+
+
+@pytest.mark.parametrize("fps", FPS)
+def test_a_film_takes_its_simulated_time_over_the_speedup_and_the_hold(run: Run, tmp_path: Path, fps: int) -> None:
+    render(run, tmp_path / "film.gif", fps=fps, speedup=4, hold=1.5, size=96)
+    assert sum(ms for _, ms in pictures(tmp_path / "film.gif")) == 10 / 4 * 1000 + 1500
+
+
+def test_a_film_plays_for_ever(run: Run, tmp_path: Path) -> None:
+    render(run, tmp_path / "film.gif", until=1, size=96)
+    assert iio.immeta(tmp_path / "film.gif")["loop"] == 0
+
+
+def test_the_file_shows_exactly_what_was_drawn(run: Run, tmp_path: Path) -> None:
+    film = Film(size=(160, 120), speedup=5, camera=Camera(follow="head"))
+    write_film(run, tmp_path / "film.gif", film)
+    times = film.times(run)
+    scene = make_scene(run, film, times)
+    shown = list(pictures(tmp_path / "film.gif"))
+    assert len(shown) == len(times) == 21
+    for (picture, _), (time, poses) in zip(shown, states(run, times), strict=True):
+        np.testing.assert_array_equal(picture, film.palette.table[np.asarray(scene.draw(time, poses))])
+
+
+def test_frames_alike_become_one_that_stays_as_long(tmp_path: Path) -> None:
+    first, second = Image.new("L", (32, 32), 3), Image.new("L", (32, 32), 3)
+    second.paste(7, (10, 10, 12, 12))
+    file = BytesIO()
+    with GifStream(file, (32, 32), Palette().table, TRANSPARENT) as gif:
+        for frame in (first, first.copy(), first.copy(), second):
+            gif.add(frame, 10)
+        gif.add(second.copy(), MAX_DELAY)
+    (tmp_path / "film.gif").write_bytes(file.getvalue())
+    shown = list(pictures(tmp_path / "film.gif"))
+    assert [ms for _, ms in shown] == [300, 100, 10 * MAX_DELAY]
+    np.testing.assert_array_equal(shown[1][0], shown[2][0])
+
+
+def test_the_last_frame_is_the_end_of_the_run(run: Run) -> None:
+    times = Film(fps=10, speedup=3).times(run)
+    assert times[-1] == run.times[-1]
+    assert np.all(np.diff(times) > 0)
+
+
+def test_a_window_shows_only_that_part(run: Run) -> None:
+    times = Film(fps=10, speedup=10, since=3, until=6).times(run)
+    np.testing.assert_allclose(times, [3, 4, 5, 6])
+
+
+def test_every_mixture_that_occurs_has_an_index_of_its_own() -> None:
+    mixtures = list(combinations_with_replacement(CODES, BLOCK**2))
+    common = [m for m in mixtures if occurs(m)]
+    assert len(common) == 89
+    assert len({index_of(m) for m in common}) == len(common)
+    assert not {index_of(m) for m in mixtures} & {*TYPE_RAMP, TRANSPARENT}
+
+
+@pytest.mark.parametrize("mixture", [m for m in combinations_with_replacement(CODES, BLOCK**2) if occurs(m)])
+def test_shrinking_gives_the_mean_colour(mixture: tuple[str, ...]) -> None:
+    palette = Palette()
+    block = Image.fromarray(np.array([CODES[name] for name in mixture], dtype=np.uint8).reshape(BLOCK, BLOCK))
+    shown = palette.table[np.asarray(block.reduce(BLOCK))[0, 0]]
+    assert np.abs(shown - np.mean([palette.rgb(name) for name in mixture], axis=0)).max() <= 0.5
+
+
+@pytest.mark.parametrize(
+    ("film", "bound"),
+    [(Film(size=440), 0.001), (Film(size=640), 0.001), (Film(size=440, camera=Camera(follow="head")), 0.0)],
+)
+def test_hardly_a_pixel_has_not_its_mean_colour(
+    seed: Run, film: Film, bound: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    canvases: list[Image.Image] = []
+    reduce = Image.Image.reduce
+
+    def kept(image: Image.Image, factor: int) -> Image.Image:
+        canvases.append(image)
+        return reduce(image, factor)
+
+    monkeypatch.setattr(Image.Image, "reduce", kept)
+    drawn(seed, film, CONTACT_TIME)
+    canvas = np.asarray(canvases[-1])
+    codes = np.zeros((256, 3))
+    for name, code in CODES.items():
+        codes[code] = film.palette.rgb(name)
+    height, width = canvas.shape
+    true = codes[canvas].reshape(height // 2, 2, width // 2, 2, 3).mean(axis=(1, 3))
+    error = np.abs(film.palette.table[np.asarray(reduce(canvases[-1], BLOCK))] - true).max(axis=-1)
+    assert np.mean(error > 1) <= bound
+
+
+def test_head_body_and_tail_have_their_colours(seed: Run) -> None:
+    film = Film(size=640)
+    picture, place = drawn(seed, film, 408.0)
+    centres = place(seed.poses_at([408.0])[0, :, :2])
+    assert colour_at(picture, *centres[0]) == film.palette.head
+    assert {colour_at(picture, *xy) for xy in centres[1:-1]} == {film.palette.body}
+    assert colour_at(picture, *centres[-1]) == film.palette.tail
+
+
+@pytest.mark.parametrize("follow", ["field", "head"])
+def test_the_benches_in_contact_change_colour_at_the_contact(seed: Run, follow: Any) -> None:
+    film = Film(size=640, camera=Camera(follow=follow))
+    for time, colours in ((CONTACT_TIME - 0.01, ("head", "body")), (CONTACT_TIME, ("contact", "contact"))):
+        picture, place = drawn(seed, film, time)
+        centres = place(seed.poses_at([time])[0, :, :2])
+        assert tuple(colour_at(picture, *centres[i]) for i in (0, 8)) == tuple(
+            getattr(film.palette, name) for name in colours
+        )
+
+
+def test_a_bench_is_drawn_in_its_true_size() -> None:
+    march = March(Dragon(benches=2), turns=4)
+    film = Film(size=600, until=0, camera=Camera(follow="head", span=4), gap=False)
+    picture, _ = drawn(march, film, 0.0)
+    head = np.all(picture == film.palette.rgb("head"), axis=-1)
+    area = march.dragon.width * march.dragon.lengths[0] * (600 / 4) ** 2
+    # What is missing are the outline, half a pixel inside the edge, and the two holes.
+    outline = (march.dragon.width + march.dragon.lengths[0]) * 600 / 4
+    holes = 2 * np.pi * (0.055 / 2 * 600 / 4) ** 2
+    assert head.sum() == pytest.approx(area - 1.5 * outline - holes, rel=0.03)
+
+
+def test_the_camera_stays_above_the_head(run: Run) -> None:
+    film = Film(size=200, camera=Camera(follow="head"))
+    for time in (0.0, 3.3, 10.0):
+        picture, _ = drawn(run, film, time)
+        assert colour_at(picture, 100, 100) == film.palette.head
+
+
+def test_the_field_holds_every_bench_of_the_film(run: Run) -> None:
+    film = Film(size=(300, 200))
+    for time in (0.0, 10.0):
+        _, place = drawn(run, film, time)
+        corners = place(SMALL.outlines(run.poses_at([time])[0])).reshape(-1, 2)
+        assert np.all(corners > 0)
+        assert np.all(corners < (300, 200))
+
+
+@pytest.mark.parametrize(("time", "bench", "millimetres"), [(406.8, 9, 3.0), (409.8, 11, 0.9)])
+def test_the_gap_shows_the_near_misses(time: float, bench: int, millimetres: float) -> None:
+    march = March()
+    nearest = smallest_gap(march.dragon, march.at(time).poses[0])
+    assert nearest is not None
+    assert nearest[0] == bench
+    assert nearest[1] == pytest.approx(millimetres / 1000, abs=2e-4)
+
+
+def test_the_gap_is_the_smallest_distance_between_outlines(march: March) -> None:
+    poses = march.at(5.0).poses[0]
+    corners = SMALL.outlines(poses)
+    shares = np.linspace(0, 1, 401)[:, None, None]
+    edges = [(c + shares * (np.roll(c, -1, axis=0) - c)).reshape(-1, 2) for c in corners]
+    brute = {i: np.min(np.linalg.norm(edges[0][:, None] - edges[i][None], axis=-1)) for i in range(2, 5)}
+    bench, gap = smallest_gap(replace(SMALL, benches=5), poses[:5]) or (0, 0.0)
+    assert bench == min(brute, key=lambda i: brute[i])
+    assert gap == pytest.approx(brute[bench], abs=1e-3)
+
+
+def test_a_dragon_of_head_and_tail_can_be_filmed(tmp_path: Path) -> None:
+    march = March(Dragon(benches=2), turns=3)
+    render(march, tmp_path / "film.gif", until=2, size=64, camera=Camera(follow="head"))
+    assert (tmp_path / "film.gif").stat().st_size > 0
+
+
+def test_a_march_gives_the_same_film_as_its_exact_run(march: March, tmp_path: Path) -> None:
+    film = Film(size=96, since=0, until=6, speedup=10)
+    write_film(march, tmp_path / "march.gif", film)
+    write_film(Run.exact(march, film.times(march)), tmp_path / "run.gif", film)
+    assert (tmp_path / "march.gif").read_bytes() == (tmp_path / "run.gif").read_bytes()
+
+
+def test_the_same_film_twice_is_the_same_file(run: Run, tmp_path: Path) -> None:
+    for name in ("one.gif", "two.gif"):
+        render(run, tmp_path / name, size=96)
+    assert (tmp_path / "one.gif").read_bytes() == (tmp_path / "two.gif").read_bytes()
+
+
+def test_no_more_than_a_few_frames_are_alive_at_once(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    frames: list[weakref.ref[Image.Image]] = []
+    most = 0
+    add = GifStream.add
+
+    def counting(gif: GifStream, frame: Image.Image, delay: int) -> None:
+        nonlocal most
+        frames.append(weakref.ref(frame))
+        add(gif, frame, delay)
+        gc.collect()
+        most = max(most, sum(ref() is not None for ref in frames))
+
+    monkeypatch.setattr(GifStream, "add", counting)
+    render(run, tmp_path / "film.gif", size=64, speedup=2)
+    assert len(frames) == 51
+    assert most <= 3
+
+
+def test_progress_is_told_after_every_frame(run: Run, tmp_path: Path) -> None:
+    told: list[tuple[int, int]] = []
+    render(run, tmp_path / "film.gif", size=64, speedup=20, progress=lambda done, total: told.append((done, total)))
+    assert told == [(i, 6) for i in range(1, 7)]
+
+
+@pytest.mark.parametrize("failure", [KeyboardInterrupt, RuntimeError])
+def test_a_film_that_is_broken_off_leaves_the_old_one(run: Run, tmp_path: Path, failure: type[BaseException]) -> None:
+    path = tmp_path / "film.gif"
+
+    def stop(done: int, total: int) -> None:
+        if done == 3:
+            raise failure
+
+    with pytest.raises(failure):
+        render(run, path, size=64, progress=stop)
+    assert list(tmp_path.iterdir()) == []
+    path.write_bytes(b"old")
+    with pytest.raises(failure):
+        render(run, path, size=64, progress=stop)
+    assert path.read_bytes() == b"old"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_full_disk_is_one_line(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(gif: GifStream, frame: Image.Image, delay: int) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(GifStream, "add", full)
+    with pytest.raises(OutputError, match="No space left"):
+        render(run, tmp_path / "film.gif", size=64)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("name", "options"),
+    [
+        ("fps", {"fps": 30}),
+        ("fps", {"fps": 0}),
+        ("fps", {"fps": "fast"}),
+        ("fps", {"fps": True}),
+        ("speedup", {"speedup": 0}),
+        ("speedup", {"speedup": float("nan")}),
+        ("speedup", {"speedup": 1e-5}),
+        ("size", {"size": 63}),
+        ("size", {"size": 5000}),
+        ("size", {"size": (640, 0)}),
+        ("size", {"size": (640, 640, 3)}),
+        ("size", {"size": 640.5}),
+        ("hold", {"hold": -1}),
+        ("hold", {"hold": float("inf")}),
+        ("since", {"since": -1}),
+        ("since", {"since": float("nan")}),
+        ("until", {"until": 11}),
+        ("until", {"since": 5, "until": 4}),
+    ],
+)
+def test_bad_options_get_one_line_that_names_them(run: Run, tmp_path: Path, name: str, options: dict[str, Any]) -> None:
+    with pytest.raises(ParameterError) as caught:
+        render(run, tmp_path / "film.gif", **options)
+    assert caught.value.name == name
+    assert "\n" not in str(caught.value)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("span", [0, -1, float("inf"), "wide"])
+def test_a_camera_checks_its_span(span: Any) -> None:
+    with pytest.raises(ParameterError, match="span"):
+        Camera(span=span)
+
+
+def test_a_camera_follows_only_what_it_knows() -> None:
+    with pytest.raises(ParameterError, match="one of field, head"):
+        Camera(follow="tail")  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("colour", ["red", "#12345", "#12345g", "#1234567", None])
+def test_a_palette_checks_its_colours(colour: Any) -> None:
+    with pytest.raises(ParameterError, match="#rrggbb"):
+        Palette(body=colour)
+
+
+def test_a_march_without_an_end_is_bad_input(march: March, tmp_path: Path) -> None:
+    with pytest.raises(ParameterError, match="until"):
+        render(march, tmp_path / "film.gif")
+
+
+def test_a_march_past_the_end_of_its_curve_is_bad_input(march: March, tmp_path: Path) -> None:
+    with pytest.raises(DragonError):
+        render(march, tmp_path / "film.gif", until=1000)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("name", ["film.avi", "film", "nowhere/film.gif"])
+def test_a_place_where_no_film_can_be_is_bad_input(run: Run, tmp_path: Path, name: str) -> None:
+    with pytest.raises(ParameterError, match="output"):
+        render(run, tmp_path / name)
+
+
+def test_a_still_is_the_picture_of_its_time(run: Run, tmp_path: Path) -> None:
+    film = Film(size=120, camera=Camera(follow="head"))
+    write_still(run, 4.0, tmp_path / "still.png", film)
+    np.testing.assert_array_equal(iio.imread(tmp_path / "still.png"), drawn(run, film, 4.0)[0])
+
+
+def test_a_still_outside_the_run_is_bad_input(run: Run, tmp_path: Path) -> None:
+    with pytest.raises(ParameterError, match="time"):
+        write_still(run, 11.0, tmp_path / "still.png")
+
+
+@pytest.mark.parametrize("vision", ["normal", "deuteranope", "protanope"])
+def test_no_two_bench_colours_look_alike_to_anyone(vision: str) -> None:
+    # Machado, Oliveira and Fernandes 2009, severity 1, on linear light.
+    matrices = {
+        "normal": np.eye(3),
+        "deuteranope": np.array([[0.367, 0.861, -0.228], [0.280, 0.673, 0.047], [-0.012, 0.043, 0.969]]),
+        "protanope": np.array([[0.152, 1.053, -0.205], [0.115, 0.786, 0.099], [-0.004, -0.048, 1.052]]),
+    }
+    palette = Palette()
+    names = ("head", "body", "tail", "contact", "background")
+    linear = np.array([(palette.rgb(name) / 255) ** 2.2 for name in names])
+    seen = 255 * np.clip(linear @ matrices[vision].T, 0, 1) ** (1 / 2.2)
+    distances = np.linalg.norm(seen[:, None] - seen[None], axis=-1)[np.triu_indices(len(names), 1)]
+    assert distances.min() > 60
+
+
+def test_the_defaults_film_the_seeds_march_in_3_megabytes(tmp_path: Path) -> None:
+    render(March(), tmp_path / "march.gif", until=CONTACT_TIME)
+    assert (tmp_path / "march.gif").stat().st_size <= 3_000_000
