@@ -10,7 +10,7 @@ from conftest import NO_NUMBERS, assert_says
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pymunk_dragon.curves import Spiral
+from pymunk_dragon.curves import Curve, Spiral
 from pymunk_dragon.dragon import Dragon
 from pymunk_dragon.errors import DragonError, FileFormatError, ParameterError
 from pymunk_dragon.march import March
@@ -129,8 +129,11 @@ def test_march_on_another_curve_has_no_scenario():
         pass
 
     class Other:
-        def __getattr__(self, name):
-            return getattr(Spiral(), name)
+        """A curve that is no Spiral, though it lies where one does."""
+
+        def __init__(self):
+            for name in (name for name in dir(Curve) if not name.startswith("_")):
+                setattr(self, name, getattr(Spiral(), name))
 
     assert Scenario.of(March(Dragon(), Wide())) == Scenario()
     with pytest.raises(DragonError, match="on a Spiral, not on a Other"):
