@@ -57,3 +57,7 @@ class Curve(Protocol):
     def stretch(self, u: ArrayLike) -> Array:
         """Metres of arc length per unit of `u` (positive)."""
         ...
+
+    def sharpest(self, u: ArrayLike, v: ArrayLike) -> Array:
+        """Largest curvature in 1/m, whichever way the path bends, between the places `u` and `v`."""
+        ...

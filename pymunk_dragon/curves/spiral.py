@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,6 +18,10 @@ MIN_PITCH, MAX_PITCH = 0.001, 1000.0
 TURN = 2 * np.pi
 # Newton doubles its digits at every pass and reaches a double's last one in about 6; bisection, its fallback, in 53.
 MAX_PASSES = 80
+# Most benches need 2; what needs more than this is better kept within a bracket.
+FREE_PASSES = 6
+# Share of an angle: after so small a step of Newton's the next one would be below the last digit.
+SETTLED = 1e-10
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -83,39 +86,26 @@ class Spiral:
         another turn, a place that no motion of the chain leads to: then the answer is nan. So it is where a distance
         that grows all the way round, as it does close to the centre, is still too short after one whole turn.
         """
-        ahead = np.asarray(u, dtype=float)
+        theta = np.asarray(u, dtype=float)
+        flat = theta.ravel()
         reach = (chord / self.k) ** 2
-
-        def excess(phi: Array, theta: Array) -> Array:
-            # |P(theta + phi) - P(theta)|^2 / k^2 - reach, in a form without cancellation for small phi.
-            square: Array = phi**2 + 4 * theta * (theta + phi) * np.sin(phi / 2) ** 2 - reach
-            return square
-
-        def growth(phi: Array, theta: Array) -> Array:
-            slope: Array = 2 * phi + 4 * theta * np.sin(phi / 2) ** 2 + 2 * theta * (theta + phi) * np.sin(phi)
-            return slope
-
-        flat = ahead.ravel()
-        # Every term of the growth is positive up to half a turn back; most benches are much shorter than that.
-        limit = np.full(flat.shape, np.pi)
-        beyond = excess(limit, flat) < 0
-        if beyond.any():
-            limit[beyond] = _first_maximum(flat[beyond], growth)
-            beyond = excess(limit, flat) < 0
-        low, high = np.zeros(flat.shape), limit.copy()
-        phi = np.minimum(chord / self.stretch(flat), limit)
-        for _ in range(MAX_PASSES):
-            value = excess(phi, flat)
-            low, high = np.where(value < 0, phi, low), np.where(value < 0, high, phi)
-            with np.errstate(divide="ignore", invalid="ignore"):
-                better = phi - value / growth(phi, flat)
-            # A step that leaves the bracket (or is nan, where the distance has its maximum) becomes a bisection.
-            better = np.where((better >= low) & (better <= high), better, (low + high) / 2)
-            done = np.abs(better - phi) <= 2 * np.spacing(flat + phi)
-            phi = better
-            if np.all(done | beyond | np.isnan(flat)):
-                break
-        return np.where(beyond, np.nan, flat + phi).reshape(ahead.shape)
+        # The chord of a circle with the radius that the spiral has halfway, to third order.
+        phi = chord / self.stretch(flat + chord / (2 * self.stretch(flat)))
+        phi += phi**3 / 24
+        with np.errstate(all="ignore"):
+            for _ in range(FREE_PASSES):
+                value, growth = _squared_distance(phi, flat)
+                step = (value - reach) / growth
+                phi = phi - step
+                settled = np.abs(step) <= SETTLED * phi
+                if settled.all():
+                    break
+            # Every term of the growth is positive up to half a turn back, so what Newton finds there is the only place.
+            found = settled & (phi < np.pi)
+        missed = ~(found | np.isnan(flat))
+        if missed.any():
+            phi[missed] = _first_reached(flat[missed], reach)
+        return (flat + phi).reshape(theta.shape)
 
     def foot(self, points: ArrayLike, near: ArrayLike) -> tuple[Array, Array, Array]:
         """Polar angle of each of `points` on the turn nearest to `near`, with the point and tangent there.
@@ -154,8 +144,50 @@ class Spiral:
         metres: Array = self.k * np.hypot(u, 1)
         return metres
 
+    def sharpest(self, u: ArrayLike, v: ArrayLike) -> Array:
+        """Curvature in 1/m of whichever place is further in: it falls on the way out."""
+        square = np.minimum(u, v) ** 2
+        curvature: Array = (square + 2) / (self.k * (square + 1) ** 1.5)
+        return curvature
 
-def _first_maximum(theta: Array, growth: Callable[[Array, Array], Array]) -> Array:
+
+def _squared_distance(phi: Array, theta: Array) -> tuple[Array, Array]:
+    """|P(theta + phi) - P(theta)|^2 / k^2, in a form without cancellation for small phi, and its growth with phi."""
+    sine = np.sin(phi / 2)
+    product = 2 * theta * (theta + phi)
+    turned = 2 * sine**2
+    return phi**2 + product * turned, 2 * phi + 2 * theta * turned + product * np.sin(phi)
+
+
+def _growth(phi: Array, theta: Array) -> Array:
+    return _squared_distance(phi, theta)[1]
+
+
+def _first_reached(theta: Array, reach: float) -> Array:
+    """How far back, in rad, the squared distance over k^2 first is `reach`, by Newton within a bracket; else nan."""
+    limit = np.full(theta.shape, np.pi)
+    beyond = _squared_distance(limit, theta)[0] < reach
+    if beyond.any():
+        limit[beyond] = _first_maximum(theta[beyond])
+        beyond = _squared_distance(limit, theta)[0] < reach
+    low, high = np.zeros(theta.shape), limit
+    phi = limit / 2
+    for _ in range(MAX_PASSES):
+        value, growth = _squared_distance(phi, theta)
+        short = value < reach
+        low, high = np.where(short, phi, low), np.where(short, high, phi)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            better = phi - (value - reach) / growth
+        # A step that leaves the bracket (or is nan, where the distance has its maximum) becomes a bisection.
+        better = np.where((better >= low) & (better <= high), better, (low + high) / 2)
+        done = np.abs(better - phi) <= 2 * np.spacing(theta + phi)
+        phi = better
+        if np.all(done | beyond):
+            break
+    return np.where(beyond, np.nan, phi)
+
+
+def _first_maximum(theta: Array) -> Array:
     """How far back, in rad, the straight distance from `theta` keeps growing: to its first maximum or one turn."""
     # Past 3 pi / 2 the growth is convex. At 3 pi / 2 itself it has the sign of 1 - theta: more than one radian from
     # the centre the maximum lies before. Closer than that the spiral opens nearly as fast as it turns: from 0.986 rad
@@ -165,10 +197,10 @@ def _first_maximum(theta: Array, growth: Callable[[Array, Array], Array]) -> Arr
     if central.any():
         high[central] = _least_growth(theta[central])
     low = np.full(theta.shape, np.pi)
-    endless = growth(high, theta) > 0
+    endless = _growth(high, theta) > 0
     for _ in range(MAX_PASSES):
         middle = (low + high) / 2
-        rising = growth(middle, theta) > 0
+        rising = _growth(middle, theta) > 0
         low, high = np.where(rising, middle, low), np.where(rising, high, middle)
     return np.where(endless, 2 * np.pi, low)
 
@@ -178,7 +210,7 @@ def _least_growth(theta: Array) -> Array:
     low, high = np.full(theta.shape, 1.5 * np.pi), np.full(theta.shape, 2 * np.pi)
     for _ in range(MAX_PASSES):
         phi = (low + high) / 2
-        # Half the derivative of the growth in `Spiral.behind`.
+        # Half the derivative of `_growth`.
         falling = 1 + 2 * theta * np.sin(phi) + theta * (theta + phi) * np.cos(phi) < 0
         low, high = np.where(falling, phi, low), np.where(falling, high, phi)
     return low

@@ -1,0 +1,250 @@
+"""Broad phase: which benches are close enough to be worth a test (paper, section 2.2 and figure 6).
+
+The floor is cut into square cells, every bench is filed under the cells that it touches, and only benches that share a
+cell are candidates for a collision. Which cells an edge passes through is found by a digital differential analyser
+(DDA): it follows the edge from column to column and works out at each where the edge comes in and goes out. The walk of
+J. Amanatides and A. Woo ("A Fast Voxel Traversal Algorithm for Ray Tracing", Eurographics 1987) reaches the same cells
+by adding up step widths; here each crossing comes straight from the edge's two ends, so no error adds up on the way.
+
+Cells are closed: a cell owns its sides and its corners. An edge along a grid line is filed on both sides of it, and one
+through a corner of the grid in all four cells there, so two benches that merely touch always share a cell. A bench is
+also filed under the cells that it covers without its outline passing through, so one that lies wholly inside another
+shares a cell with it too.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from pymunk_dragon.checks import finite, whole
+from pymunk_dragon.collision.outlines import MAX_COORDINATE, checked_outlines, numbers
+from pymunk_dragon.errors import ParameterError
+from pymunk_dragon.march import March
+
+__all__ = ["Grid"]
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+# Metres: the range of a spiral's pitch, to which the paper ties the cell.
+MIN_CELL, MAX_CELL = 0.001, 1000.0
+# Cells from the origin, in either direction. At the paper's pitch that is 550 km.
+MAX_INDEX = 1_000_000
+# Cells by which an edge is taken to be closer to a grid line than it is. A coordinate in cells is wrong by at most
+# 3e-16 of itself and a crossing by a few times that, so at MAX_INDEX by less than 3e-9: rounding never makes the walk
+# miss a cell that the edge touches. What it adds is cells that the edge passes at less than twice the slack, which is
+# 20 nm where a cell is a metre.
+SLACK = 1e-8
+# Cells. An edge that is steeper than this per column crosses none; below it, dividing by the rise would overflow.
+UPRIGHT = 1e-30
+# Entries or pairs, 8 bytes each in several arrays: beyond it the memory of a laptop ends.
+MAX_ENTRIES = 20_000_000
+MAX_OUTLINES = 1_000_000
+
+
+@dataclass(frozen=True, kw_only=True)
+class Grid:
+    """Square cells (i, j) as in figure 6: row i counts downward, column j to the right, from the origin at (0, 0).
+
+    There is no frame: the dragon is wider than the paper's grid, and cells above and to the left of the origin have
+    negative indices.
+
+    Parameters
+    ----------
+    cell : float
+        Side of a cell, m.
+    origin : tuple of float
+        Upper left corner of cell (0, 0), m.
+
+    Raises
+    ------
+    ParameterError
+        If `cell` is not a number from 0.001 to 1000 m or `origin` is not two numbers from -1e9 to 1e9 m.
+    """
+
+    cell: float = 0.55
+    origin: tuple[float, float] = (-8.8, 8.8)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "cell", finite("cell", self.cell, MIN_CELL, MAX_CELL, "m"))
+        given: object = self.origin
+        if not (isinstance(given, tuple) and len(given) == 2):
+            raise ParameterError("origin", given, "a tuple of two numbers, m")
+        x, y = (finite("origin", number, -MAX_COORDINATE, MAX_COORDINATE, "m") for number in self.origin)
+        object.__setattr__(self, "origin", (x, y))
+
+    @classmethod
+    def of(cls, march: March) -> Grid:
+        """The paper's grid for `march`: cells as wide as the pitch, and the head starts on the frame's right side."""
+        pitch = march.curve.turn_distance
+        radius = march.turns * pitch
+        return cls(cell=pitch, origin=(-radius, radius))
+
+    def cell_of(self, points: ArrayLike) -> Indices:
+        """Cells (..., 2) as (i, j) of `points` (..., 2) in m; on a grid line the one below it or to its right.
+
+        Raises
+        ------
+        ParameterError
+            If `points` has another shape, or one is not finite or more than a million cells from the origin.
+        """
+        columns, rows = self._in_cells("points", points)
+        return np.floor(np.stack([rows, columns], axis=-1)).astype(np.int64)
+
+    def walk(self, start: ArrayLike, end: ArrayLike) -> Indices:
+        """Cells (K, 2) as (i, j) that the edge from `start` (2,) to `end` (2,) in m touches, in the order of the walk.
+
+        The edge is followed from column to column. Within one it is a stretch with a first and a last row, and takes
+        all the rows between.
+
+        Raises
+        ------
+        ParameterError
+            As `cell_of` does.
+        """
+        (u0, v0), (u1, v1) = self._in_cells("start", start), self._in_cells("end", end)
+        if u0.shape or u1.shape:
+            raise ParameterError("start and end", f"of shapes {np.shape(start)} and {np.shape(end)}", "one point each")
+        first, last = _range(np.minimum(u0, u1), np.maximum(u0, u1))
+        columns = np.arange(int(first), int(last) + 1)
+        top, bottom = _range(*_rows(u0, v0, u1, v1, columns))
+        owner, rows = _runs(top, bottom - top + 1)
+        cells = np.stack([rows, columns[owner]], axis=-1)
+        # Towards smaller indices the walk goes the other way round, in either direction by itself.
+        order = np.lexsort((rows if v1 >= v0 else -rows, owner if u1 >= u0 else -owner))
+        return cells[order]
+
+    def file(self, outlines: ArrayLike) -> tuple[Indices, Indices]:
+        """File N benches under the cells that they touch or cover.
+
+        Parameters
+        ----------
+        outlines : array_like, shape (N, 4, 2)
+            Corners in m, as `dragon.outlines` gives them. Any convex outline will do.
+
+        Returns
+        -------
+        cells : ndarray, shape (K, 2)
+            Every cell (i, j) of every bench: those that `walk` finds for its edges, and those within.
+        benches : ndarray, shape (K,)
+            Whose cell it is: rising, and within a bench by column and row.
+
+        Raises
+        ------
+        ParameterError
+            If `outlines` has another shape, a corner is not finite or more than a million cells from the origin, or
+            there would be more than 20 million entries.
+        """
+        rows, columns, benches, _ = self._filed(outlines)
+        return np.stack([rows, columns], axis=-1), benches
+
+    def pairs(self, outlines: ArrayLike, neighbours: int = 1) -> Indices:
+        """Pairs (P, 2) of benches that share a cell, the smaller number first, each once and in order.
+
+        No two that overlap or touch are missing; most of those that are there neither overlap nor touch.
+
+        Parameters
+        ----------
+        outlines : array_like, shape (N, 4, 2)
+            Corners in m, as `dragon.outlines` gives them.
+        neighbours : int
+            Benches whose numbers differ by this or less are left out: by default those that share a hole, and so
+            always overlap.
+
+        Raises
+        ------
+        ParameterError
+            As `file` does, if `neighbours` is no whole number from 0 to a million, or if there would be more than
+            20 million pairs.
+        """
+        whole("neighbours", neighbours, 0, MAX_OUTLINES)
+        rows, columns, benches, n = self._filed(outlines)
+        if not n:
+            return np.empty((0, 2), dtype=np.int64)
+        # One number for cell and bench sorts the entries by cell, and within a cell by bench.
+        rows -= rows.min()
+        columns -= columns.min()
+        entries = (rows * (columns.max() + 1) + columns) * n + benches
+        entries.sort()
+        cells, benches = np.divmod(entries, n)
+        # Every entry is paired with the later ones of its cell.
+        ends = np.append(np.flatnonzero(np.diff(cells)) + 1, cells.size)
+        sizes = np.diff(ends, prepend=0)
+        places = np.arange(cells.size)
+        later = np.repeat(ends, sizes) - places - 1
+        self._check_entries(later, "small")
+        owner, other = _runs(places + 1, later)
+        one, two = benches[owner], benches[other]
+        far = two - one > neighbours
+        codes = np.unique(one[far] * n + two[far])
+        return np.stack(np.divmod(codes, n), axis=-1)
+
+    def _filed(self, outlines: ArrayLike) -> tuple[Indices, Indices, Indices, int]:
+        """Rows, columns and benches of all entries, each (K,), by bench, column and row; and the number of benches."""
+        corners = checked_outlines("outlines", outlines)
+        if corners.ndim != 3 or len(corners) > MAX_OUTLINES:
+            raise ParameterError("outlines", f"of shape {corners.shape}", f"(N, 4, 2) with N at most {MAX_OUTLINES:,}")
+        u, v = self._in_cells("outlines", corners)
+        u, v = np.ascontiguousarray(u.T), np.ascontiguousarray(v.T)  # (4, N)
+        first, last = _range(u.min(axis=0), u.max(axis=0))
+        counts = last - first + 1
+        self._check_entries(counts, "large")
+        bench, columns = _runs(first, counts)
+        # What a convex outline covers of a column lies between the lowest and the highest row of its edges there.
+        u, v = u[:, bench], v[:, bench]
+        low, high = _rows(u, v, np.roll(u, -1, axis=0), np.roll(v, -1, axis=0), columns)
+        top, bottom = _range(low.min(axis=0), high.max(axis=0))
+        counts = bottom - top + 1
+        self._check_entries(counts, "large")
+        owner, rows = _runs(top, counts)
+        return rows, columns[owner], bench[owner], len(corners)
+
+    def _in_cells(self, name: str, points: ArrayLike) -> tuple[Array, Array]:
+        """Distances (...) of `points` (..., 2) from the origin in cells: to the right, and downward."""
+        bound = "points (..., 2) in m"
+        xy = numbers(name, points, bound)
+        if xy.shape[-1:] != (2,):
+            raise ParameterError(name, f"of shape {xy.shape}", bound)
+        offset = xy - self.origin
+        inside = np.abs(offset) <= MAX_INDEX * self.cell
+        if not inside.all():
+            bound = f"finite and at most {MAX_INDEX:,} cells of {self.cell:g} m from the grid's origin"
+            raise ParameterError(name, xy[~inside][0].item(), bound)
+        return offset[..., 0] / self.cell, offset[..., 1] / -self.cell
+
+    def _check_entries(self, counts: Indices, size: str) -> None:
+        total = int(counts.sum())
+        if total > MAX_ENTRIES:
+            raise ParameterError("cell", self.cell, f"{size} enough for {MAX_ENTRIES:,} entries, not {total:,}")
+
+
+def _range(low: Array, high: Array) -> tuple[Indices, Indices]:
+    """First and last cell, in one direction, that a stretch from `low` to `high` touches."""
+    return np.floor(low - SLACK).astype(np.int64), np.floor(high + SLACK).astype(np.int64)
+
+
+def _runs(starts: Indices, counts: Indices) -> tuple[Indices, Indices]:
+    """Runs of whole numbers, `counts[k]` of them from `starts[k]` on, one after the other: each one's k, and itself."""
+    owner = np.repeat(np.arange(counts.size), counts)
+    before = np.cumsum(counts) - counts
+    return owner, np.arange(owner.size) + (starts - before)[owner]
+
+
+def _rows(u0: Array, v0: Array, u1: Array, v1: Array, columns: Indices) -> tuple[Array, Array]:
+    """The DDA's step: where edges are highest and lowest within a column, as distances downward in cells.
+
+    Edges run from (u0, v0) to (u1, v1), distances from the origin in cells to the right and downward. One that misses
+    its column gives an empty range, inf to -inf.
+    """
+    across, down = u1 - u0, v1 - v0
+    across = np.where(np.abs(across) < UPRIGHT, UPRIGHT, across)
+    # Shares of the edge at which it crosses the column's two sides. They are moved out by twice the slack, so that no
+    # edge misses a column in which `_range` has put it.
+    left, right = (columns - 2 * SLACK - u0) / across, (columns + 1 + 2 * SLACK - u0) / across
+    enter, leave = np.maximum(np.minimum(left, right), 0.0), np.minimum(np.maximum(left, right), 1.0)
+    one, two = v0 + enter * down, v0 + leave * down
+    missed = enter > leave
+    return np.where(missed, np.inf, np.minimum(one, two)), np.where(missed, -np.inf, np.maximum(one, two))

@@ -1,0 +1,322 @@
+"""The first contact in continuous time, with every moment before it ruled out by a bound on the motion.
+
+Looking at the dragon every so often and bisecting misses a contact that opens again between two looks. Here a stretch
+of time is cleared only by proof: where two benches are in its middle, and how far each may move from there within it
+(`motion.py`), leave a gap between them. A stretch that is not cleared is halved, down to a picosecond: conservative
+advancement (B. Mirtich, "Impulse-based Dynamic Simulation of Rigid Body Systems", 1996) on all pairs at once.
+
+Two benches break new ground, and only they have to be watched for long. All benches but the head are alike, and each
+passes where the one before it passed. Once every bench has reached the place where its predecessor stood at the start,
+it repeats with the benches behind it what its predecessor did with those behind that one. From then on a first contact
+is one of the head or of bench 1.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pymunk_dragon.checks import finite
+from pymunk_dragon.collision.motion import Motion, Stretches, near_pairs
+from pymunk_dragon.collision.sat import separation
+from pymunk_dragon.dragon import bench_poses, outlines
+from pymunk_dragon.errors import ParameterError, UnreachableError
+from pymunk_dragon.march import March
+
+__all__ = ["Impact", "NearMiss", "Status", "first_contact"]
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.intp]
+Progress = Callable[[float, float], None]
+Status = Literal["contact", "clear", "overlapping", "unreachable"]
+
+# m that the head goes in one of the stretches to begin with; other lengths only change how often it is halved.
+STRETCH = 2.0
+# The same while all pairs have to be watched: short, because each is looked at again in both halves.
+SHORT_STRETCH = 0.5
+# Stretches looked at together: few enough to stop soon after a contact, enough to make NumPy worth its calls.
+WINDOW = 128
+# s. Shorter stretches are decided by their middle: at walking speed that is as long as positions are exact.
+RESOLUTION = 1e-12
+# Smallest gaps below this share of a bench's width are near misses: 1 cm at the contest's 0.3 m.
+NEAR = 1 / 30
+# m that the head goes between looks at two benches that are so near: a smallest gap lasts about a bench's width.
+NEAR_STRETCH = 0.125
+# Points looked at in each bracket of a smallest gap, and passes; each pass narrows the bracket eightfold.
+NEAR_POINTS, NEAR_PASSES = 17, 8
+
+
+@dataclass(frozen=True, kw_only=True)
+class NearMiss:
+    """A smallest gap between two benches.
+
+    Attributes
+    ----------
+    time : float
+        s.
+    benches : tuple of int
+        The smaller number first.
+    gap : float
+        m.
+    """
+
+    time: float
+    benches: tuple[int, int]
+    gap: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Impact:
+    """The answer to when benches that are not neighbours first touch.
+
+    Attributes
+    ----------
+    status : {"contact", "clear", "overlapping", "unreachable"}
+        Two benches come to touch; none do until the end; two overlap at the start already; the curve has no place for
+        some handle any more, and none touched before.
+    time : float
+        Of the contact; of the end; of the start; when the last place was, s.
+    benches : tuple of int or None
+        The two that touch or overlap, the smaller number first.
+    point : tuple of float or None
+        Where they touch, m.
+    normal : tuple of float or None
+        Unit vector from the first bench towards the second.
+    near_misses : tuple of NearMiss or None
+        Smallest gaps below a thirtieth of a bench's width before `time`, in the order of time; None where nobody
+        measured gaps.
+    looks : int
+        Moments at which the dragon was looked at.
+    tests : int
+        Pairs of benches tested at all of them together.
+    """
+
+    status: Status
+    time: float
+    benches: tuple[int, int] | None
+    point: tuple[float, float] | None
+    normal: tuple[float, float] | None
+    near_misses: tuple[NearMiss, ...] | None
+    looks: int
+    tests: int
+
+    @classmethod
+    def at(cls, march: March, status: Status, time: float, pair: tuple[int, int] | None, **others: Any) -> Impact:
+        """The answer with the point and the normal of the benches `pair`, if there is one, at `time`."""
+        if pair is None:
+            return cls(status=status, time=time, benches=None, point=None, normal=None, **others)
+        dragon, poses = march.dragon, march.at(time, handles=pair[1] + 2).poses[0]
+        corners = outlines(poses, dragon.lengths[: len(poses)], dragon.width)
+        found = separation(*corners[list(pair)])
+        (x, y), (nx, ny) = found.point.tolist(), found.normal.tolist()
+        return cls(status=status, time=time, benches=pair, point=(x, y), normal=(nx, ny), **others)
+
+
+def first_contact(
+    march: March, *, start: float = 0.0, until: float | None = None, progress: Progress | None = None
+) -> Impact:
+    """First contact of benches that are not neighbours, certified: there is no earlier one, however short.
+
+    Parameters
+    ----------
+    march : March
+        What to look at.
+    start, until : float
+        Times between which to look, s; without `until`, to the end of the curve.
+    progress : callable, optional
+        Told how far the march is cleared, and `until`, s.
+
+    Returns
+    -------
+    Impact
+        Its time is right to 1e-11 s at walking speed.
+
+    Raises
+    ------
+    ParameterError
+        If one of the times is no number, or `until` is not later than `start`.
+    UnreachableError
+        If the dragon has no place at `start`.
+    """
+    start, until = checked_times(march, start, until)
+    return _Search(march).run(start, until, progress or (lambda cleared, last: None))
+
+
+def checked_times(march: March, start: float, until: float | None) -> tuple[float, float]:
+    """Both as floats, `until` by default the end of the curve; a `ParameterError` if the one is not after the other."""
+    start = finite("start", start, -np.inf, np.inf, "s")
+    until = march.end if until is None else finite("until", until, -np.inf, np.inf, "s")
+    if until <= start:
+        raise ParameterError("until", until, f"later than the start, {start:g} s")
+    return start, until
+
+
+class _Search:
+    """What is known so far: the earliest touch, and where gaps are small."""
+
+    def __init__(self, march: March) -> None:
+        self._march = march
+        self._near = NEAR * march.dragon.width
+        self._near_stretch = NEAR_STRETCH / march.speed
+        self._hit, self._pair = np.inf, (0, 0)
+        self._looks = self._tests = 0
+        # Rows of pair, time, length of the stretch, gap.
+        self._small_gaps: list[Array] = [np.empty((0, 5))]
+
+    def run(self, start: float, until: float, progress: Progress) -> Impact:
+        march = self._march
+        begins = march.parameters(start)
+        if (pair := _overlapping(march, begins)) is not None:
+            return self._impact("overlapping", start, start, pair)
+        last = start
+        for times, everyone in self._windows(start, begins, min(until, march.end)):
+            last = self._clear_between(times, everyone)
+            if self._hit < np.inf:
+                return self._impact("contact", start, self._hit, self._pair)
+            progress(last, until)
+            if last < times[-1]:
+                break
+        return self._impact("clear" if last >= until else "unreachable", start, last, None)
+
+    def _impact(self, status: Status, start: float, time: float, pair: tuple[int, int] | None) -> Impact:
+        misses = self._near_misses(start, time)
+        return Impact.at(self._march, status, time, pair, near_misses=misses, looks=self._looks, tests=self._tests)
+
+    def _windows(self, start: float, begins: Array, end: float) -> Iterator[tuple[Array, bool]]:
+        """Times at which stretches begin and end, some at once, and whether all benches have to be watched in them."""
+        familiar = self._familiar(start, begins, end)
+        for begin, last, everyone in ((start, familiar, True), (familiar, end, False)):
+            count = int(np.ceil((last - begin) * self._march.speed / (SHORT_STRETCH if everyone else STRETCH)))
+            for done in range(0, count, WINDOW):
+                shares = np.arange(done, min(done + WINDOW, count) + 1) / count
+                yield begin + shares * (last - begin), everyone
+
+    def _familiar(self, start: float, begins: Array, end: float) -> float:
+        """Time by which each bench behind bench 1 has reached the place where the one before it stood at the start."""
+        march = self._march
+        before = march.curve.remaining(begins[0, 1:-2])
+        # A little longer than it takes at the head's speed; where that is too short, a little more.
+        wait = 1.05 * march.dragon.body_spacing / march.speed
+        while start + wait < end:
+            try:
+                places = march.parameters(start + wait)[0, 2:-1]
+            except UnreachableError:
+                break
+            if np.all(march.curve.remaining(places) <= before):
+                return start + wait
+            wait *= 1.05
+        return end
+
+    def _clear_between(self, times: Array, everyone: bool) -> float:
+        """Clear the stretches between `times`, or find the first contact in them.
+
+        Returns the last of the times, or when it is earlier the last moment at which the chain has a place.
+        """
+        try:
+            self._clear(times, everyone)
+            return float(times[-1])
+        except UnreachableError as error:
+            lost = error.time
+        times = times[times < lost]
+        self._clear(times, everyone)
+        last = float(times[-1])
+        if self._hit == np.inf:
+            begin, last = last, _last_placed(self._march, last, lost)
+            self._clear(np.array([begin, last]), everyone)
+        return last
+
+    def _clear(self, times: Array, everyone: bool) -> None:
+        if times.size < 2:
+            return
+        march = self._march
+        stretches = Stretches.between(march, times)
+        motion = Motion(march, stretches)
+        rows, pairs = motion.candidates(everyone=everyone)
+        looked_closely = False
+        while rows.size:
+            found = motion.separations(rows, pairs)
+            self._looks += len(stretches.begins)
+            self._tests += len(pairs)
+            middles, lengths = stretches.middles[rows], stretches.lengths[rows]
+            self._note_touch(middles, pairs, found.distance)
+            gaps = motion.smallest_gaps(rows, pairs, found.normal)
+            if not looked_closely and lengths[0] <= self._near_stretch:
+                looked_closely = True
+                self._small_gaps.append(np.column_stack([pairs, middles, lengths, found.distance])[gaps <= self._near])
+            enough = 0.0 if looked_closely else self._near
+            unsettled = (gaps <= enough) & (lengths > RESOLUTION) & (stretches.begins[rows] < self._hit)
+            rows, pairs = rows[unsettled], pairs[unsettled]
+            if rows.size:
+                chosen, rows = np.unique(rows, return_inverse=True)
+                stretches = stretches.halved(march, chosen, int(pairs.max()) + 2)
+                rows, pairs = np.concatenate([rows, rows + chosen.size]), np.concatenate([pairs, pairs])
+                motion = Motion(march, stretches)
+
+    def _note_touch(self, times: Array, pairs: Indices, distances: Array) -> None:
+        touching = np.flatnonzero(distances <= 0)
+        if touching.size:
+            earliest = touching[times[touching].argmin()]
+            if times[earliest] < self._hit:
+                self._hit = float(times[earliest])
+                first, second = pairs[earliest].tolist()
+                self._pair = first, second
+
+    def _near_misses(self, start: float, end: float) -> tuple[NearMiss, ...]:
+        """Smallest gaps between `start` and `end`."""
+        samples = np.concatenate(self._small_gaps)
+        if not samples.size:
+            return ()
+        first, second, times, lengths, gaps = samples[np.lexsort(samples.T[2::-1])].T
+        # A sample without a neighbour has a larger gap there: it was ruled out by a bound.
+        follows = (np.diff(first) == 0) & (np.diff(second) == 0) & (np.diff(times) < 1.5 * lengths[1:])
+        falls = np.diff(gaps) < 0
+        smallest = ~np.append(follows & falls, False) & ~np.append(False, follows & ~falls)
+        pairs = np.stack([first, second], axis=-1)[smallest].astype(np.intp)
+        low, high = np.maximum(times - lengths, start)[smallest], np.minimum(times + lengths, end)[smallest]
+        times, gaps = _smallest_gaps(self._march, pairs, low, high)
+        # At an end of its bracket a gap is not smallest: it is still falling there, or falls behind it.
+        margin = 1e-6 * (high - low)
+        inside = (times > low + margin) & (times < high - margin) & (gaps > 0) & (gaps < self._near)
+        found = zip(times[inside].tolist(), pairs[inside].tolist(), gaps[inside].tolist(), strict=True)
+        return tuple(NearMiss(time=time, benches=(i, j), gap=gap) for time, (i, j), gap in sorted(found))
+
+
+def _overlapping(march: March, places: Array) -> tuple[int, int] | None:
+    """The pair that overlaps most where the handles are at `places` (1, H), if any does."""
+    dragon, poses = march.dragon, bench_poses(march.curve.point(places[0]))
+    corners = dragon.outlines(poses)
+    first, second = near_pairs(poses[:, :2], np.hypot(dragon.lengths, dragon.width) / 2).T
+    distances = separation(corners[first], corners[second]).distance
+    if not np.any(distances <= 0):
+        return None
+    deepest = int(distances.argmin())
+    return int(first[deepest]), int(second[deepest])
+
+
+def _last_placed(march: March, placed: float, lost: float) -> float:
+    """Last moment at which the chain has a place, between one at which it has and one at which it has not."""
+    while lost - placed > RESOLUTION and placed < (middle := (placed + lost) / 2) < lost:
+        try:
+            march.parameters(middle)
+            placed = middle
+        except UnreachableError:
+            lost = middle
+    return placed
+
+
+def _smallest_gaps(march: March, pairs: Indices, low: Array, high: Array) -> tuple[Array, Array]:
+    """When the gaps of `pairs` (B, 2) are smallest between the times `low` and `high` (B,), and how small then."""
+    handles, chosen = int(pairs.max()) + 2, np.arange(len(pairs))
+    dragon, rows = march.dragon, np.arange(len(pairs) * NEAR_POINTS)
+    first, second = np.repeat(pairs, NEAR_POINTS, axis=0).T
+    for _ in range(NEAR_PASSES):
+        times = np.linspace(low, high, NEAR_POINTS, axis=-1)
+        corners = outlines(march.at(times, handles).poses, dragon.lengths[: handles - 1], dragon.width)
+        gaps = separation(corners[rows, first], corners[rows, second]).distance.reshape(times.shape)
+        best = gaps.argmin(axis=1)
+        low, high = times[chosen, np.maximum(best - 1, 0)], times[chosen, np.minimum(best + 1, NEAR_POINTS - 1)]
+    return times[chosen, best], gaps[chosen, best]

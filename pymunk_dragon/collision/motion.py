@@ -1,0 +1,311 @@
+"""How far benches move within a stretch of time, at most: bounds that clear the moments at which nobody looked.
+
+On a path a bench's pose is a function of one number, the arc length s of its front hole. With the angles alpha and beta
+from the bench to the path's directions at its front and its rear hole, spacing L and the path's curvatures kappa_f and
+kappa_r there, the rigid bench has
+
+- rear hole:  dr/ds = rho = cos alpha / cos beta,
+- turning:    dphi/ds = omega = (sin alpha - rho sin beta) / L,
+- and so      drho/ds = (rho^2 kappa_r sin beta - kappa_f sin alpha + omega^2 L) / cos beta,
+              domega/ds = (kappa_f cos alpha - rho^2 kappa_r cos beta - drho/ds sin beta) / L.
+
+With bounds on the angles and on the curvature, each of these is bounded too, and so is the second derivative of every
+corner q from the front hole: kappa + |q| (domega/ds + omega^2). Taylor's theorem does the rest.
+"""
+
+from __future__ import annotations
+
+from dataclasses import astuple, dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pymunk_dragon.collision.grid import MAX_CELL, MIN_CELL, Grid
+from pymunk_dragon.collision.sat import Separation, separation
+from pymunk_dragon.dragon import bench_poses, outlines
+from pymunk_dragon.march import March
+
+__all__ = ["Motion", "Stretches", "near_pairs"]
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+Flags = NDArray[np.bool_]
+Indices = NDArray[np.intp]
+
+# m. What the places of holes, and so ways and gaps, may be wrong by: four times the error measured in the tests.
+ROUNDING = 2e-12
+QUARTER = np.pi / 2
+# Sine of the angle from a bench to its path, at most, up to which it is not followed.
+SHALLOW = 0.7
+# Corners of a square with half its side as the unit, counter-clockwise.
+SQUARE = np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
+
+
+@dataclass(frozen=True)
+class Stretches:
+    """Stretches of time (T,) with the places (T, H) of the foremost handles when each begins, at its middle and end."""
+
+    begins: Array
+    ends: Array
+    first_places: Array
+    places: Array
+    last_places: Array
+
+    @classmethod
+    def between(cls, march: March, times: Array) -> Stretches:
+        """Those from each of `times` to the next, with all handles."""
+        all_times = np.empty(2 * times.size - 1)
+        all_times[::2], all_times[1::2] = times, (times[:-1] + times[1:]) / 2
+        places = march.parameters(all_times)
+        return cls(times[:-1], times[1:], places[:-1:2], places[1::2], places[2::2])
+
+    def halved(self, march: March, chosen: Indices, handles: int) -> Stretches:
+        """The first halves of the `chosen` stretches and then their second halves, with the foremost `handles`."""
+        begins, middles, ends = self.begins[chosen], self.middles[chosen], self.ends[chosen]
+        first, middle, last = (
+            places[chosen, :handles] for places in (self.first_places, self.places, self.last_places)
+        )
+        begins, ends = np.concatenate([begins, middles]), np.concatenate([middles, ends])
+        first, last = np.concatenate([first, middle]), np.concatenate([middle, last])
+        return Stretches(begins, ends, first, march.parameters((begins + ends) / 2, handles), last)
+
+    @property
+    def middles(self) -> Array:
+        """(T,), s."""
+        return (self.begins + self.ends) / 2
+
+    @property
+    def lengths(self) -> Array:
+        """(T,), s."""
+        return self.ends - self.begins
+
+
+@dataclass(frozen=True)
+class _Rates:
+    """Bounds on benches over stretches, arrays of one shape.
+
+    Attributes
+    ----------
+    known : ndarray of bool
+        Whether the other bounds hold; they are infinite or meaningless where not.
+    forward : ndarray of bool
+        Whether the rear hole goes forward all the time, as the front hole does.
+    lag : ndarray
+        Way of the rear hole for each metre of the front hole's, at most.
+    turn : ndarray
+        Turning, rad per metre of the front hole's way, at most.
+    turn_change : ndarray
+        Change of the turning, rad per square metre, at most.
+    """
+
+    known: Flags
+    forward: Flags
+    lag: Array
+    turn: Array
+    turn_change: Array
+
+
+class Motion:
+    """A dragon's foremost benches in T stretches of time: as they are in the middle, and how far they may move from it.
+
+    Attributes
+    ----------
+    outlines : ndarray, shape (T, N, 4, 2)
+        Corners of the benches in the middle, m.
+    ways : ndarray, shape (T, H)
+        How far each handle goes from there within the stretch, to either side and at most, m along the path; inf where
+        no bound is known.
+    """
+
+    def __init__(self, march: March, stretches: Stretches) -> None:
+        self._march = march
+        handles = stretches.places.shape[1]
+        self._spacings = march.dragon.spacings[: handles - 1]
+        self._points, self._tangents = march.curve.point(stretches.places), march.curve.tangent(stretches.places)
+        self.outlines = outlines(bench_poses(self._points), march.dragon.lengths[: handles - 1], march.dragon.width)
+        self._bends = self._sharpest_bends(stretches)
+        self._front_turns, self._rear_turns = self._turns()
+        self.ways, self._rates = self._bounds(stretches)
+
+    def _sharpest_bends(self, stretches: Stretches) -> Array:
+        """Largest curvature (T,) in 1/m of the path under the benches, wherever they may be in the stretch."""
+        curve = self._march.curve
+        # A hole that is held back goes no further than the whole chain is long.
+        back = -(self._march.speed * stretches.lengths + self._spacings.sum())
+        return curve.sharpest(stretches.last_places[:, 0], curve.advance(stretches.places[:, -1], back))
+
+    def _turns(self) -> tuple[Complex, Complex]:
+        """Turns (T, N), e^(i angle), from each bench to the path at its front and its rear hole."""
+        points, tangents = (array.view(complex)[..., 0] for array in (self._points, self._tangents))
+        heading = (points[:, :-1] - points[:, 1:]) / self._spacings
+        return tangents[:, :-1] * heading.conj(), tangents[:, 1:] * heading.conj()
+
+    def _bounds(self, stretches: Stretches) -> tuple[Array, _Rates]:
+        """`ways`, and the rates (T, N) at which they are gone.
+
+        Where all holes go forward they stay between their places at both ends of the stretch.
+        """
+        remaining = self._march.curve.remaining
+        middle = remaining(stretches.places)
+        first, last = remaining(stretches.first_places), remaining(stretches.last_places)
+        ways = np.maximum(np.abs(first - middle), np.abs(last - middle)) + ROUNDING
+        # The speed is the head's, so its way needs no places.
+        ways[:, 0] = self._march.speed * stretches.lengths / 2 + ROUNDING
+        bends = self._bends[:, None]
+        rates = _rates(self._front_turns, self._rear_turns, ways[:, :-1], bends, self._spacings)
+        doubtful = np.flatnonzero(~rates.forward.all(axis=1))
+        if doubtful.size:
+            ways[doubtful] = self._driven_ways(ways[doubtful], doubtful)
+            rates = _rates(self._front_turns, self._rear_turns, ways[:, :-1], bends, self._spacings)
+        return ways, rates
+
+    def _driven_ways(self, ways: Array, rows: Indices) -> Array:
+        """`ways` of stretches in which some hole may be pushed back: at most its lag times that before it."""
+        forward = np.ones(rows.size, dtype=bool)
+        longest = ways[:, 0] + self._spacings.sum()
+        for bench, spacing in enumerate(self._spacings):
+            front, rear = self._front_turns[rows, bench], self._rear_turns[rows, bench]
+            rates = _rates(front, rear, ways[:, bench], self._bends[rows], spacing)
+            forward &= rates.forward
+            driven = np.where(rates.known, rates.lag * ways[:, bench] + ROUNDING, np.inf)
+            # Further than `_sharpest_bends` has looked no bound holds.
+            driven = np.where(driven <= longest, driven, np.inf)
+            ways[:, bench + 1] = np.where(forward, ways[:, bench + 1], driven)
+            if not (forward | (driven < np.inf)).any():
+                ways[:, bench + 1 :] = np.inf
+                break
+        return ways
+
+    def separations(self, rows: Indices, pairs: Indices) -> Separation:
+        """Separations of `pairs` (P, 2) of benches in the middles of the stretches `rows` (P,)."""
+        return separation(self.outlines[rows, pairs[:, 0]], self.outlines[rows, pairs[:, 1]])
+
+    def smallest_gaps(self, rows: Indices, pairs: Indices, normals: Array) -> Array:
+        """Lower bounds (P,) in m on the gaps of `pairs` anywhere in the stretches `rows`, along `normals` (P, 2).
+
+        It is what is left between the first bench's foremost corner along the normal and the second's rearmost.
+        """
+        first, second = pairs.T
+        return -self._reach(rows, first, normals) - self._reach(rows, second, -normals) - ROUNDING
+
+    def _reach(self, rows: Indices, benches: Indices, directions: Array) -> Array:
+        """How far along `directions` (P, 2) any corner of `benches` may come within the stretches `rows`, m."""
+        rates = self._rates
+        known = rates.known[rows, benches]
+        way = np.where(known, self.ways[rows, benches], 0.0)[:, None]
+        corners, front = self.outlines[rows, benches], self._points[rows, benches]
+        arms = corners - front[:, None]
+        across = np.stack([-directions[:, 1], directions[:, 0]], axis=-1)
+        # Turning moves a corner square to its arm: by omega J arm, whose part along n is -omega (J n) arm.
+        turning = -self._turning[rows, benches][:, None] * _dot(arms, across)
+        speed = np.abs(_dot(self._tangents[rows, benches][:, None], directions) + turning)
+        bend = self._bends[rows][:, None]
+        bend = bend + np.hypot(arms[..., 0], arms[..., 1]) * (rates.turn_change + rates.turn**2)[rows, benches][:, None]
+        reach = (_dot(corners, directions) + speed * way + bend * way**2 / 2).max(axis=1)
+        return np.where(known, reach, np.inf)
+
+    @cached_property
+    def _turning(self) -> Array:
+        """Turning (T, N) of the benches in the middle, rad per metre of the front hole's way."""
+        front, rear = self._front_turns, self._rear_turns
+        turning: Array = (front.imag - front.real / rear.real * rear.imag) / self._spacings
+        return turning
+
+    def candidates(self, *, everyone: bool) -> tuple[Indices, Indices]:
+        """Stretches (P,) and pairs (P, 2) of benches, without neighbours, that may come to touch in them.
+
+        Without `everyone` only pairs with bench 0 or bench 1. Circles about the benches, wide enough for all their
+        motion, rule the others out.
+        """
+        centres = self.outlines.mean(axis=2)
+        own = np.hypot(*(self.outlines[0, :, 0] - centres[0]).T)
+        radii = own + (self.ways[:, :-1] + self.ways[:, 1:]) / 2
+        if everyone:
+            pairs = [near_pairs(*row) for row in zip(centres, radii, strict=True)]
+            return np.repeat(np.arange(len(pairs)), [len(found) for found in pairs]), np.concatenate(pairs)
+        leaders = centres[:, :2, None], radii[:, :2, None]
+        rows, first, second = np.nonzero(_meet(*leaders, centres[:, None], radii[:, None]))
+        chosen = second - first >= 2
+        return rows[chosen], np.stack([first, second], axis=-1)[chosen]
+
+
+def near_pairs(centres: Array, radii: Array) -> Indices:
+    """Pairs whose circles meet, of all benches."""
+    # Nothing is further away than the chain is long, however little is known of where a bench may go.
+    half = np.minimum(radii, np.ptp(centres, axis=0).sum() + 1)
+    squares = centres[:, None] + half[:, None, None] * SQUARE
+    cell = float(np.clip(2 * half.max(), MIN_CELL, MAX_CELL))
+    pairs = Grid(cell=cell, origin=(0.0, 0.0)).pairs(squares)
+    first, second = pairs.T
+    return pairs[_meet(centres[first], radii[first], centres[second], radii[second])]
+
+
+def _meet(one: Array, one_radius: Array, other: Array, other_radius: Array) -> Flags:
+    """Whether circles about the points `one` and `other` meet."""
+    between = one - other
+    meeting: Flags = np.hypot(between[..., 0], between[..., 1]) <= one_radius + other_radius
+    return meeting
+
+
+def _rates(front_turn: Complex, rear_turn: Complex, way: Array, bend: Array, spacing: Array) -> _Rates:
+    """Bounds on benches whose front holes go `way` m to either side of where the turns are the given ones.
+
+    On a path that bends less than a circle with the bench as its diameter, neither angle is ever larger than on the
+    circle that bends as much as the path does, with the bench as its chord, and both holes go forward. Close to that
+    limit these bounds are far too wide.
+    """
+    sine = bend * spacing / 2
+    shallow = sine < SHALLOW
+    sine = np.where(shallow, sine, 0.0)
+    cosine = np.sqrt(1 - sine**2)
+    rates = _rates_within(shallow, shallow, (sine, sine), 1 / cosine, cosine, bend, spacing)
+    if shallow.all():
+        return rates
+    followed = _followed_rates(front_turn, rear_turn, way, bend, spacing)
+    merged = zip(astuple(rates), astuple(followed), strict=True)
+    return _Rates(*(np.where(shallow, one, other) for one, other in merged))
+
+
+def _followed_rates(front_turn: Complex, rear_turn: Complex, way: Array, bend: Array, spacing: Array) -> _Rates:
+    """The same on any path: the angles are followed from their values in the middle.
+
+    They are supposed to change by some slack, at most. If the rates that come out of that use up less than the slack
+    over the whole way, the angles never leave it.
+    """
+    # A bench that is pushed back has the sine and, but for the sign, the cosine of one that goes forward.
+    angle, rear = np.abs(np.angle(front_turn)), np.abs(np.angle(rear_turn))
+    front = np.minimum(angle, np.pi - angle)
+    lag = np.cos(front) / np.cos(rear)
+    slack = 2 * way * (bend * np.maximum(1, lag) + (np.sin(front) + lag * np.sin(rear)) / spacing)
+    slack = np.minimum(slack, np.pi)
+    widest_front, widest_rear = np.minimum(front + slack, QUARTER), np.minimum(rear + slack, QUARTER)
+    cosine = np.cos(widest_rear)
+    lag = np.cos(np.maximum(front - slack, 0)) / cosine
+    known, forward = rear + slack < QUARTER, angle + slack < QUARTER
+    sines = np.sin(widest_front), np.sin(widest_rear)
+    rates = _rates_within(known, forward, sines, lag, cosine, bend, spacing)
+    known = rates.known & (way * (bend * np.maximum(1, lag) + rates.turn) <= slack)
+    return replace(rates, known=known, forward=known & rates.forward)
+
+
+def _rates_within(
+    known: Flags,
+    forward: Flags,
+    sines: tuple[Array, Array],
+    lag: Array,
+    rear_cosine: Array,
+    bend: Array,
+    spacing: Array,
+) -> _Rates:
+    """Bounds from those on sines, lag and cosine: the four equations of this module with every sign the worst."""
+    front_sine, rear_sine = sines
+    turn = (front_sine + lag * rear_sine) / spacing
+    lag_change = (bend * (front_sine + lag**2 * rear_sine) + turn**2 * spacing) / rear_cosine
+    turn_change = (bend * (1 + lag**2) + lag_change * rear_sine) / spacing
+    return _Rates(known, forward, lag, turn, turn_change)
+
+
+def _dot(vectors: Array, directions: Array) -> Array:
+    """Products (P, K) of vectors (P, K, 2) with directions (P, 2)."""
+    return vectors[..., 0] * directions[:, None, 0] + vectors[..., 1] * directions[:, None, 1]
