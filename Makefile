@@ -17,8 +17,12 @@ $(VENV)/core: pyproject.toml
 	$(BIN)/pip install --quiet --editable .
 	@touch $@
 
+$(VENV)/report: $(VENV)/core
+	$(BIN)/pip install --quiet --editable '.[report]'
+	@touch $@
+
 $(VENV)/all: $(VENV)/core
-	$(BIN)/pip install --quiet --editable '.[test,lint]'
+	$(BIN)/pip install --quiet --editable '.[report,test,lint]'
 	@touch $@
 
 render: $(VENV)/core ## play the dragon in Pymunk and film it: renders/*.gif
@@ -29,8 +33,9 @@ render: $(VENV)/core ## play the dragon in Pymunk and film it: renders/*.gif
 	$(DRAGON) simulate --guide none -o renders/unguided.npz
 	$(DRAGON) render renders/unguided.npz -o renders/unguided.gif --fps 20 --speedup 1 --hold 2
 
-report: $(VENV)/core ## play on past the first contact, and list when benches touched
-	$(DRAGON) simulate --from 400 --until 416 --contacts report
+report: $(VENV)/report ## play on past the first contact and tell what happened: renders/report.html
+	$(DRAGON) simulate --from 400 --until 416 --contacts report -o renders/report.npz
+	$(DRAGON) report renders/report.npz -o renders/report.html
 
 test: $(VENV)/all ## run the tests
 	$(BIN)/python -m pytest -q
@@ -50,5 +55,5 @@ demos: $(VENV)/core ## the lessons: what the dragon does when the head only pull
 	$(DRAGON) simulate --guide none
 
 clean: ## remove what the targets made, but not the films
-	rm -rf $(VENV) .venv-* renders/*.npz .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache
+	rm -rf $(VENV) .venv-* renders/*.npz renders/report.html .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

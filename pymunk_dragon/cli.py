@@ -117,7 +117,7 @@ def cli() -> None:
 @click.option("--times", default=TABLE_TIMES, metavar="LIST", help=f"Times, s: 0,60,120 or 0:300:1.  [{TABLE_TIMES}]")
 @click.option("--handles", metavar="LIST", help="Handles.  [those of the paper's tables]")
 @json_option
-@output_option(".csv or .json")
+@output_option(".csv, .json, or .xlsx for the contest's sheets with all handles")
 def positions(scenario_file: str | None, times: str, handles: str | None, as_json: bool, output: str | None) -> None:
     """Where the handles are and how fast, exactly."""
     import numpy as np
@@ -131,7 +131,10 @@ def positions(scenario_file: str | None, times: str, handles: str | None, as_jso
     at = _numbers("times", times)
     if len(at) * march.dragon.handles > MAX_TABLE:
         raise ParameterError("times", times, f"at most {MAX_TABLE // march.dragon.handles} for this dragon")
-    destination = _destination(output, (".csv", ".json"))
+    destination = _destination(output, (".csv", ".json", ".xlsx"))
+    sheets = destination if destination is not None and destination.suffix.lower() == ".xlsx" else None
+    if sheets is not None and handles is not None:
+        raise click.UsageError("the contest's sheets have all handles: leave out --handles, or write .csv or .json")
     states = march.at(at)
     places, speeds = states.positions[:, chosen], states.speeds[:, chosen]
     result = {"times": at, "handles": chosen, "positions": places.tolist(), "speeds": speeds.tolist()}
@@ -140,7 +143,12 @@ def positions(scenario_file: str | None, times: str, handles: str | None, as_jso
         for time, at_time, speeds_then in zip(at, places.tolist(), speeds.tolist(), strict=True)
         for handle, place, speed in zip(chosen, at_time, speeds_then, strict=True)
     ]
-    if destination is not None:
+    if sheets is not None:
+        from pymunk_dragon.report import write_tables
+
+        with _progress("row") as show:
+            write_tables(march, at, sheets, lambda done, total: show(done, total, f"row {done}"))
+    elif destination is not None:
         _write_table(destination, ("time_s", "handle", "x_m", "y_m", "speed_m_s"), rows, result)
     if as_json:
         _print_json(result)
@@ -271,6 +279,24 @@ def render(
     else:
         with _progress("frame") as show:
             write_film(source, destination, film, lambda done, total: show(done, total, f"frame {done}"))
+    if as_json:
+        _print_json({"output": str(destination), "bytes": destination.stat().st_size})
+
+
+@cli.command()
+@click.argument("run_file", metavar="RUN.npz")
+@json_option
+@output_option(".html, .md, .xlsx, .csv or .json", required=True)
+def report(run_file: str, as_json: bool, output: str) -> None:
+    """Tell what happened in a run, as a document or a table."""
+    from pymunk_dragon.report import REPORT_ENDINGS
+    from pymunk_dragon.report import report as write_report
+    from pymunk_dragon.run import Run
+
+    destination = _destination(output, REPORT_ENDINGS)
+    assert destination is not None
+    with _progress("report") as show:
+        write_report(Run.load(run_file), destination, lambda done, total: show(done, total, "report"))
     if as_json:
         _print_json({"output": str(destination), "bytes": destination.stat().st_size})
 

@@ -13,10 +13,12 @@ import sys
 import time
 from dataclasses import fields
 
+import openpyxl
 import pytest
 from conftest import assert_says
 
 from pymunk_dragon.cli import SCENARIO_OPTIONS, main
+from pymunk_dragon.dragon import Dragon
 from pymunk_dragon.errors import OutputError
 from pymunk_dragon.march import March
 from pymunk_dragon.run import Run
@@ -161,6 +163,52 @@ def test_render_films_a_march_and_draws_a_picture(call, tmp_path):
     assert picture.read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
 
 
+@pytest.fixture(scope="module")
+def run_file(tmp_path_factory):
+    path = tmp_path_factory.mktemp("run") / "run.npz"
+    Run.exact(March(Dragon(benches=16), turns=8), [79, 82]).save(path)
+    return path
+
+
+def test_report_tells_of_a_run_in_the_format_of_its_ending(call, run_file, tmp_path):
+    page, data = tmp_path / "r.html", tmp_path / "r.json"
+    assert call("report", run_file, "-o", page) == (0, "", "")
+    assert "<h1>Benches 0 and 8 touch at 80.691318 s</h1>" in page.read_text(encoding="utf-8")
+    code, out, err = call("report", run_file, "-o", data, "--json")
+    assert (code, err) == (0, "")
+    assert json.loads(out) == {"output": str(data), "bytes": data.stat().st_size}
+    assert json.loads(data.read_text())["first_contact"]["benches"] == [0, 8]
+
+
+def test_interrupted_report_leaves_the_old_file_and_exits_with_130(call, run_file, tmp_path, monkeypatch):
+    def interrupted(*_, **__):
+        raise KeyboardInterrupt
+
+    page = tmp_path / "r.html"
+    page.write_text("old")
+    monkeypatch.setattr("pymunk_dragon.report.picture.write_still", interrupted)
+    code, out, err = call("report", run_file, "-o", page)
+    assert (code, out, err.strip()) == (130, "", "pymunk-dragon: interrupted")
+    assert os.listdir(tmp_path) == ["r.html"]
+    assert page.read_text() == "old"
+
+
+@pytest.mark.parametrize(("ending", "library"), [(".html", "jinja2"), (".xlsx", "xlsxwriter")])
+def test_missing_extra_is_named(complaint, ending, library, run_file, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, library, None)
+    assert "pymunk-dragon[report]" in complaint("report", run_file, "-o", tmp_path / f"r{ending}")
+    assert os.listdir(tmp_path) == []
+
+
+def test_positions_writes_the_contests_sheets(call, tmp_path):
+    path = tmp_path / "result1.xlsx"
+    assert call("positions", "--benches", "4", "--times", "0:2:1", "-o", path) == (0, "", "")
+    places = openpyxl.load_workbook(path)["位置"]
+    heads, first, *_ = places.iter_rows(values_only=True)
+    assert heads == (None, "0 s", "1 s", "2 s")
+    assert first[:2] == ("龙头x (m)", 8.8)
+
+
 def test_flags_win_over_the_scenario_file(call, tmp_path):
     scenario = tmp_path / "s.toml"
     scenario.write_text("benches = 16\npitch = 0.6\n")
@@ -217,6 +265,9 @@ def test_every_scenario_option_refuses_what_it_cannot_be(complaint, name, value)
         (["render", "-o", "f.gif", "--speedup", "0"], ["speedup", "0"]),
         (["render", "run.npz", "--pitch", "1", "-o", "f.gif"], ["scenario"]),
         (["render"], ["--output"]),
+        (["report", "nowhere.npz", "-o", "r.html"], ["nowhere.npz"]),
+        (["report", "-o", "r.html"], ["RUN.npz"]),
+        (["positions", "--handles", "0", "-o", "r.xlsx"], ["--handles"]),
         (["march"], ["march"]),
         (["positions", "--colour", "red"], ["--colour"]),
         (["contact", "--method", "guess"], ["method", "guess"]),
@@ -261,6 +312,7 @@ def test_foreign_run_files_are_named_in_one_line(complaint, content, tmp_path):
     path = tmp_path / "run.npz"
     path.write_bytes(content)
     assert str(path) in complaint("render", path, "-o", tmp_path / "f.gif")
+    assert str(path) in complaint("report", path, "-o", tmp_path / "r.html")
     assert os.listdir(tmp_path) == ["run.npz"]
 
 
@@ -273,7 +325,7 @@ def test_help_answers_without_the_heavy_libraries():
     )
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "[]\n"
     told = subprocess.run([*PROGRAM, "--help"], capture_output=True, text=True, check=True)
-    for command in ("positions", "contact", "simulate", "render"):
+    for command in ("positions", "contact", "simulate", "render", "report"):
         assert command in told.stdout
 
 

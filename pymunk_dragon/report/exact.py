@@ -1,0 +1,58 @@
+"""What the exact model says about a run: the first contact, and the near misses on the way."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from pymunk_dragon.collision import Impact, first_contact
+from pymunk_dragon.contact import Contact
+from pymunk_dragon.errors import ParameterError, UnreachableError
+from pymunk_dragon.run import Run
+
+__all__ = ["exact_impact", "with_exact_contact"]
+
+
+def exact_impact(run: Run) -> Impact | None:
+    """The exact model's first contact and near misses over the time of `run`; None where there is no time to look over.
+
+    A contact of a dragon that is kept on its path is the exact model's own, a little early or late: there the exact
+    model looks until it finds one. Any other run is looked at until its end.
+    """
+    start, end = float(run.times[0]), float(run.times[-1])
+    on_path = run.provenance.get("guide") != "none"
+    try:
+        return first_contact(run.march, start=start, until=None if run.first_contact and on_path else end)
+    except (ParameterError, UnreachableError):
+        # A single moment, or times at which the dragon has no place, as a file that was changed by hand may hold.
+        return None
+
+
+def with_exact_contact(run: Run, impact: Impact | None) -> Run:
+    """`run` as it is; but one of the exact player, who places benches and looks for nothing, with the exact contact.
+
+    The moment of the contact is a frame of it, since a picture between two frames would be off by millimetres.
+    """
+    if run.provenance.get("player") != "exact" or impact is None or impact.status != "contact":
+        return run
+    assert impact.benches is not None
+    assert impact.point is not None
+    assert impact.normal is not None
+    contact = Contact(
+        time=impact.time,
+        raw_time=impact.time,
+        benches=impact.benches,
+        point=impact.point,
+        normal=impact.normal,
+        depth=0.0,
+    )
+    place = int(np.searchsorted(run.times, impact.time))
+    return replace(
+        run,
+        times=np.insert(run.times, place, impact.time),
+        poses=np.insert(run.poses, place, run.march.at([impact.time]).poses[0], axis=0),
+        drift=np.insert(run.drift, place, 0.0, axis=0),
+        first_contact=contact,
+        outcome="contact",
+    )

@@ -1,0 +1,83 @@
+"""Reports as text: JSON, CSV and Markdown, with nothing but the standard library."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import re
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from pymunk_dragon.report import sections, tables
+from pymunk_dragon.report.sections import Section
+from pymunk_dragon.report.tables import Table
+
+__all__ = ["as_csv", "as_json", "as_markdown"]
+
+Contents = Mapping[str, Any]
+
+# What Markdown, HTML within it, or GitHub's dialect would make something of.
+MARKUP = re.compile(r"[\\`*_{}\[\]<>|&~$#@!]")
+
+
+def as_json(contents: Contents) -> str:
+    """The contents themselves; `schema.json` says what is in them."""
+    parts = [f"{json.dumps(name)}: {_lines(value)}" for name, value in contents.items()]
+    return "{\n" + ",\n".join(parts) + "\n}\n"
+
+
+def as_csv(contents: Contents) -> str:
+    """What happened, by time, as RFC 4180 has it: a line of heads, lines ended by CR LF, SI units."""
+    table = tables.happenings(contents)
+    text = io.StringIO(newline="")
+    writer = csv.writer(text)
+    writer.writerow([column.key for column in table.columns])
+    writer.writerows(table.rows)
+    return text.getvalue()
+
+
+def as_markdown(contents: Contents) -> str:
+    """A report to read as text, or to put where Markdown is shown."""
+    parts = [f"# {_escaped(sections.headline(contents))}", _escaped(sections.subtitle(contents)) + "."]
+    parts.append(_facts(sections.key_figures(contents)))
+    for section in sections.sections(contents):
+        parts += _section(section)
+    return "\n\n".join(part for part in parts if part) + "\n"
+
+
+def _lines(value: Any) -> str:
+    """JSON with one line for each entry of a list of objects, so that a long list can be looked through."""
+    if isinstance(value, list) and value and isinstance(value[0], Mapping):
+        return "[\n" + ",\n".join(json.dumps(item, allow_nan=False) for item in value) + "\n]"
+    return json.dumps(value, allow_nan=False)
+
+
+def _section(section: Section) -> list[str]:
+    parts = [f"## {section.title}", _escaped(" ".join(section.notes))]
+    for heading, facts in section.facts.items():
+        parts += [heading and f"### {heading}", _facts(facts)]
+    for heading, table in section.tables.items():
+        if table.rows:
+            parts += [heading and f"### {heading}", _table(table), table.cut_note]
+    return parts
+
+
+def _facts(facts: Iterable[tuple[str, str]]) -> str:
+    # Markdown's tables have to have heads; empty ones are the least that can be said.
+    return "\n".join(["|  |  |", "| --- | --- |", *(_row(fact) for fact in facts)])
+
+
+def _table(table: Table) -> str:
+    rules = ["---" if column.text else "---:" for column in table.columns]
+    lines = [_row(column.head for column in table.columns), "| " + " | ".join(rules) + " |"]
+    return "\n".join(lines + [_row(row) for row in table.texts])
+
+
+def _row(cells: Iterable[str]) -> str:
+    return "| " + " | ".join(_escaped(cell) for cell in cells) + " |"
+
+
+def _escaped(text: str) -> str:
+    """`text` on one line, with a backslash before all that Markdown would act on."""
+    return MARKUP.sub(r"\\\g<0>", " ".join(text.split()))
