@@ -28,8 +28,10 @@ Command = TypeVar("Command", bound=Callable[..., Any])
 DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 PROGRAM = "pymunk-dragon"
 
-# The handles that the paper's tables show.
-TABLE_HANDLES = (0, 1, 51, 101, 151, 201, 223)
+# Who may look for the first contact, and whose the settings of looking are.
+METHODS = ("exact", "grid", "engine")
+SETTINGS_OF = {"step": "grid", "tolerance": "grid", "fine": "engine"}
+# The times of the paper's tables.
 TABLE_TIMES = "0:300:60"
 # Numbers in one list, and positions in one table: more fill the memory, and are a slip of the finger.
 MAX_LIST, MAX_TABLE = 1_000_000, 20_000_000
@@ -114,21 +116,26 @@ def cli() -> None:
 
 @cli.command()
 @scenario_options
-@click.option("--times", default=TABLE_TIMES, metavar="LIST", help=f"Times, s: 0,60,120 or 0:300:1.  [{TABLE_TIMES}]")
+@click.option("--times", metavar="LIST", help=f"Times, s: 0,60,120 or 0:300:1.  [{TABLE_TIMES}]")
 @click.option("--handles", metavar="LIST", help="Handles.  [those of the paper's tables]")
+@click.option("--paper", is_flag=True, help="Print the paper's tables 1 to 3 instead, cut as the paper cuts them.")
 @json_option
 @output_option(".csv, .json, or .xlsx for the contest's sheets with all handles")
-def positions(scenario_file: str | None, times: str, handles: str | None, as_json: bool, output: str | None) -> None:
+def positions(
+    scenario_file: str | None, times: str | None, handles: str | None, paper: bool, as_json: bool, output: str | None
+) -> None:
     """Where the handles are and how fast, exactly."""
-    import numpy as np
-
     march = _march(scenario_file)
+    if paper:
+        if times or handles or as_json or output:
+            raise click.UsageError("--paper prints all of its tables: leave out --times, --handles, --json and -o")
+        click.echo(_paper_tables(march))
+        return
+    from pymunk_dragon.words import POSITIONS, position_rows, positions_in_words
+
     last = march.dragon.handles - 1
-    if handles is None:
-        chosen = [handle for handle in TABLE_HANDLES if handle < last] + [last]
-    else:
-        chosen = _handles(handles, last)
-    at = _numbers("times", times)
+    chosen = march.dragon.representatives if handles is None else _handles(handles, last)
+    at = _numbers("times", times or TABLE_TIMES)
     if len(at) * march.dragon.handles > MAX_TABLE:
         raise ParameterError("times", times, f"at most {MAX_TABLE // march.dragon.handles} for this dragon")
     destination = _destination(output, (".csv", ".json", ".xlsx"))
@@ -136,68 +143,70 @@ def positions(scenario_file: str | None, times: str, handles: str | None, as_jso
     if sheets is not None and handles is not None:
         raise click.UsageError("the contest's sheets have all handles: leave out --handles, or write .csv or .json")
     states = march.at(at)
-    places, speeds = states.positions[:, chosen], states.speeds[:, chosen]
-    result = {"times": at, "handles": chosen, "positions": places.tolist(), "speeds": speeds.tolist()}
-    rows = [
-        (time, handle, *place, speed)
-        for time, at_time, speeds_then in zip(at, places.tolist(), speeds.tolist(), strict=True)
-        for handle, place, speed in zip(chosen, at_time, speeds_then, strict=True)
-    ]
+    places, speeds = states.positions[:, chosen].tolist(), states.speeds[:, chosen].tolist()
+    result = {"times": at, "handles": chosen, "positions": places, "speeds": speeds}
     if sheets is not None:
-        from pymunk_dragon.report import write_tables
-
-        with _progress("row") as show:
-            write_tables(march, at, sheets, lambda done, total: show(done, total, f"row {done}"))
+        _write_contest_tables(march, at, sheets)
     elif destination is not None:
-        _write_table(destination, ("time_s", "handle", "x_m", "y_m", "speed_m_s"), rows, result)
+        _write_table(destination, POSITIONS, position_rows(result), result)
     if as_json:
         _print_json(result)
     elif destination is None:
-        click.echo("     t (s)  handle       x (m)       y (m)  speed (m/s)")
-        for time, handle, x, y, speed in rows:
-            # Adding 0 turns the -0.0 of a rounded tiny number into 0.0.
-            x, y = np.round((x, y), 6) + 0.0
-            click.echo(f"{time:10.6g}  {handle:6d}  {x:10.6f}  {y:10.6f}  {speed:11.6f}")
+        click.echo(positions_in_words(result))
 
 
 @cli.command()
 @scenario_options
-@click.option("--method", type=click.Choice(["engine"]), default="engine", help="Who looks for it.  [engine]")
+@click.option("--method", type=click.Choice(METHODS), default="exact", help="Who looks for it.  [exact]")
+@click.option("--compare", is_flag=True, help="Ask all three, and print their answers side by side.")
 @start_option
 @click.option("--until", type=float, metavar="T", help="Last time, s.  [the end of the curve]")
-@click.option("--fine", is_flag=True, help="A quarter of the usual substep.")
+@click.option("--step", type=float, metavar="T", help="Of the grid: s between looks.  [1]")
+@click.option("--tolerance", type=float, metavar="T", help="Of the grid: how far it bisects, s.  [1e-6]")
+@click.option("--fine", is_flag=True, default=None, help="Of the engine: a quarter of the usual substep.")
 @json_option
-@output_option(".json")
+@output_option(".json, or .xlsx for the contest's sheet of that moment")
 def contact(
     scenario_file: str | None,
     method: str,
+    compare: bool,
     start: float,
     until: float | None,
-    fine: bool,
     as_json: bool,
     output: str | None,
+    **settings: Any,
 ) -> None:
-    """When benches that are not neighbours first touch, and where."""
+    """When benches that are not neighbours first touch, and where.
+
+    The exact method certifies that nothing touched before, however briefly. The grid is the paper's way: it looks every
+    so often, and bisects. The engine is Pymunk.
+    """
+    from pymunk_dragon.words import answer_in_words, comparison_in_words
+
+    given = {name: value for name, value in settings.items() if value is not None}
+    for name in given:
+        if not compare and SETTINGS_OF[name] != method:
+            raise click.UsageError(f"--{name} is of the {SETTINGS_OF[name]}: add --method {SETTINGS_OF[name]}")
     march = _march(scenario_file)
-    destination = _destination(output, (".json",))
-    run = _played(march, fine=fine, start=start, until=until)
-    found = run.first_contact
-    result = {
-        "status": run.outcome,
-        "method": method,
-        "time": found.time if found else None,
-        "benches": found.benches if found else None,
-        "point": found.point if found else None,
-        "normal": found.normal if found else None,
-        # The engine is told of contacts only, not of gaps.
-        "near_misses": None,
-    }
-    if destination is not None:
+    destination = _destination(output, (".json", ".xlsx"))
+    sheet = destination if destination is not None and destination.suffix.lower() == ".xlsx" else None
+    if sheet is not None:
+        _check_xlsx()
+    asked = METHODS if compare else (method,)
+    answers = [_answer(march, name, given, start=start, until=until) for name in asked]
+    if compare:
+        result: dict[str, Any] = {"methods": answers}
+    else:
+        # How long it took is no part of the answer: the same question has the same bytes.
+        result = {name: value for name, value in answers[0].items() if name != "wall_seconds"}
+    if sheet is not None:
+        _write_contact_sheet(march, answers[0], sheet)
+    elif destination is not None:
         _write_json(destination, result)
     if as_json:
         _print_json(result)
     else:
-        click.echo(_in_words(run))
+        click.echo(comparison_in_words(answers) if compare else answer_in_words(answers[0]))
 
 
 @cli.command()
@@ -216,6 +225,8 @@ def contact(
 @output_option(".npz")
 def simulate(scenario_file: str | None, as_json: bool, output: str | None, fine: bool, **settings: Any) -> None:
     """Play the march in Pymunk until the dragon runs into itself."""
+    from pymunk_dragon.words import answer_in_words, answer_of, quality_in_words, summary, windows_in_words
+
     march = _march(scenario_file)
     _destination(output, (".npz",))
     if fine and not (settings["substep"] is None and settings["iterations"] is None):
@@ -224,12 +235,12 @@ def simulate(scenario_file: str | None, as_json: bool, output: str | None, fine:
     if output is not None:
         run.save(output)
     if as_json:
-        _print_json(_summary(run))
+        _print_json(summary(run))
     else:
-        click.echo(_in_words(run))
-        click.echo(_quality_in_words(run))
+        click.echo(answer_in_words(answer_of("engine", run)))
+        click.echo(quality_in_words(run))
         if settings["contacts"] != "stop":
-            click.echo(_windows_in_words(run))
+            click.echo(windows_in_words(run))
 
 
 @cli.command()
@@ -331,6 +342,61 @@ def _played(march: March, *, fine: bool, **settings: Any) -> Run:
         return play(march, progress=tell, **given)
 
 
+def _answer(
+    march: March, method: str, settings: dict[str, Any], *, start: float, until: float | None
+) -> dict[str, Any]:
+    """What one method finds, and what that costs."""
+    from time import perf_counter
+
+    from pymunk_dragon.collision import first_contact, scan
+    from pymunk_dragon.words import answer_of
+
+    own = {name: value for name, value in settings.items() if SETTINGS_OF[name] == method}
+    begin = perf_counter()
+    if method == "engine":
+        run = _played(march, fine=own.get("fine", False), start=start, until=until)
+        answer = answer_of(method, run) | {"looks": run.provenance["substeps"], "tests": None}
+    else:
+        look = first_contact if method == "exact" else scan
+        with _progress("t") as show:
+
+            def tell(time: float, last: float) -> None:
+                show(time - start, last - start, f"t = {time:.1f} s")
+
+            found = look(march, start=start, until=until, progress=tell, **own)
+        answer = answer_of(method, found) | {"looks": found.looks, "tests": found.tests}
+    return answer | {"wall_seconds": perf_counter() - begin}
+
+
+def _paper_tables(march: March) -> str:
+    from pymunk_dragon.collision import first_contact
+    from pymunk_dragon.report import paper_tables
+
+    impact = first_contact(march)
+    return paper_tables(march, impact.time if impact.status == "contact" else None)
+
+
+def _write_contest_tables(march: March, times: list[float], path: Path) -> None:
+    from pymunk_dragon.report import write_tables
+
+    with _progress("row") as show:
+        write_tables(march, times, path, lambda done, total: show(done, total, f"row {done}"))
+
+
+def _check_xlsx() -> None:
+    from pymunk_dragon.report.extras import library
+
+    library("xlsxwriter")
+
+
+def _write_contact_sheet(march: March, answer: dict[str, Any], path: Path) -> None:
+    from pymunk_dragon.report import write_contact_table
+
+    if answer["time"] is None:
+        raise DragonError(f"no contact until t = {answer['until']:.6g} s, so {path} was not written")
+    write_contact_table(march, answer["time"], path)
+
+
 def _destination(output: str | None, endings: tuple[str, ...]) -> Path | None:
     """Check where to write before the long work that makes what is written."""
     if output is None:
@@ -393,61 +459,6 @@ def _progress(label: str) -> Iterator[Callable[[float, float, str], None]]:
                 bar.update(step)
 
         yield show
-
-
-def _summary(run: Run) -> dict[str, Any]:
-    """What `simulate --json` prints."""
-    from dataclasses import asdict
-
-    wall, stepping = run.timing["wall_seconds"], run.timing["step_seconds"]
-    simulated = run.provenance["substeps"] * run.provenance["substep"]
-    return {
-        "status": run.outcome,
-        "first_contact": asdict(run.first_contact) if run.first_contact else None,
-        "drift": {"head": _known(run.head_drift), "max": _known(run.max_drift)},
-        "from": run.provenance["start"],
-        "until": float(run.times[-1]),
-        "substep": run.provenance["substep"],
-        "substeps": run.provenance["substeps"],
-        "iterations": run.provenance["iterations"],
-        "events": len(run.events),
-        "wall_seconds": wall,
-        "realtime_factor": simulated / wall,
-        "driver_overhead": wall / stepping - 1,
-    }
-
-
-def _known(value: float) -> float | None:
-    """JSON has no nan."""
-    return value if value == value else None
-
-
-def _in_words(run: Run) -> str:
-    found = run.first_contact
-    if found is not None:
-        x, y = found.point
-        i, j = found.benches
-        return f"first contact at t = {found.time:.6f} s: benches {i} and {j} at ({x:.6f}, {y:.6f}) m"
-    if run.outcome == "unreachable":
-        return f"no contact until t = {run.times[-1]:.6g} s, where the curve leaves the head no place"
-    return f"no contact from t = {run.times[0]:.6g} s to {run.times[-1]:.6g} s"
-
-
-def _quality_in_words(run: Run) -> str:
-    summary = _summary(run)
-    return (
-        f"drift {1e3 * run.head_drift:.3f} mm in the first twelve benches, {1e3 * run.max_drift:.3f} mm anywhere; "
-        f"{summary['realtime_factor']:.1f} times as fast as real time"
-    )
-
-
-def _windows_in_words(run: Run) -> str:
-    lines = ["benches   touch from (s)  to (s)"]
-    for window in run.events.windows():
-        i, j = window.benches
-        end = "the end" if window.end is None else f"{window.end:.3f}"
-        lines.append(f"{i:3d} {j:3d}  {window.begin:14.3f}  {end}")
-    return "\n".join(lines)
 
 
 def _write_table(path: Path, heads: tuple[str, ...], rows: list[tuple[float, ...]], result: dict[str, Any]) -> None:

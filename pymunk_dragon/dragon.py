@@ -21,6 +21,8 @@ MIN_BENCHES, MAX_BENCHES = 2, 10_000
 # Metres. No bench is longer; the bound catches centimetres and millimetres given as metres. The lower end keeps every
 # length far above what a double resolves at the rim of the largest spiral.
 MIN_LENGTH, MAX_LENGTH = 0.001, 100.0
+# The paper's choice, beside the last handle: the head's two, and every fiftieth.
+TABLE_HANDLES = (0, 1, 51, 101, 151, 201)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,6 +71,12 @@ class Dragon:
     def handles(self) -> int:
         """Number of handles H = N + 1."""
         return self.benches + 1
+
+    @property
+    def representatives(self) -> list[int]:
+        """The handles that the paper's tables show, as far as this dragon has them, and its last one."""
+        last = self.handles - 1
+        return [*(handle for handle in TABLE_HANDLES if handle < last), last]
 
     @cached_property
     def spacings(self) -> Array:

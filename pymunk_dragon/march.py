@@ -127,6 +127,21 @@ class March:
             If a handle has no place on the curve: the first such time, and the first such handle then.
         """
         t = self._checked(times)
+        places = self.places(t, handles)
+        lost = np.isnan(places)
+        if lost.any():
+            self._raise_unreachable(t, lost)
+        return places
+
+    def places(self, times: ArrayLike, handles: int | None = None) -> Array:
+        """What `parameters` gives, with nan for handles that have no place on the curve, and for all behind them.
+
+        Raises
+        ------
+        ParameterError
+            As `parameters` does.
+        """
+        t = self._checked(times)
         spacings = self.dragon.spacings
         if handles is not None:
             spacings = spacings[: whole("handles", handles, 1, self.dragon.handles) - 1]
@@ -135,9 +150,6 @@ class March:
         places[:, 0] = self.curve.advance(self.curve.start(self.turns), self.speed * np.minimum(t, 2 * self.end))
         for i, spacing in enumerate(spacings):
             places[:, i + 1] = self.curve.behind(places[:, i], spacing)
-        lost = np.isnan(places)
-        if lost.any():
-            self._raise_unreachable(t, lost)
         return places
 
     def _checked(self, times: ArrayLike) -> Array:

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pymunk_dragon.checks import finite
-from pymunk_dragon.collision.motion import Motion, Stretches, near_pairs
+from pymunk_dragon.collision.motion import ROUNDING, Motion, Stretches, near_pairs
 from pymunk_dragon.collision.sat import separation
 from pymunk_dragon.dragon import bench_poses, outlines
 from pymunk_dragon.errors import ParameterError, UnreachableError
@@ -40,8 +40,12 @@ STRETCH = 2.0
 SHORT_STRETCH = 0.5
 # Stretches looked at together: few enough to stop soon after a contact, enough to make NumPy worth its calls.
 WINDOW = 128
+# m. So much less than it is in the middle of a stretch a gap seems to become within it when only rounding changes it.
+BLUR = 4 * ROUNDING
 # s. Shorter stretches are decided by their middle: at walking speed that is as long as positions are exact.
 RESOLUTION = 1e-12
+# Where so few pairs are left, stretches are halved this often before the next look, which costs NumPy as much for one.
+FEW, HALVINGS = 8, 3
 # Smallest gaps below this share of a bench's width are near misses: 1 cm at the contest's 0.3 m.
 NEAR = 1 / 30
 # m that the head goes between looks at two benches that are so near: a smallest gap lasts about a bench's width.
@@ -174,7 +178,7 @@ class _Search:
             return self._impact("overlapping", start, start, pair)
         last = start
         for times, everyone in self._windows(start, begins, min(until, march.end)):
-            last = self._clear_between(times, everyone)
+            last = self._clear_as_far_as_placed(times, everyone)
             if self._hit < np.inf:
                 return self._impact("contact", start, self._hit, self._pair)
             progress(last, until)
@@ -202,61 +206,72 @@ class _Search:
         # A little longer than it takes at the head's speed; where that is too short, a little more.
         wait = 1.05 * march.dragon.body_spacing / march.speed
         while start + wait < end:
-            try:
-                places = march.parameters(start + wait)[0, 2:-1]
-            except UnreachableError:
-                break
-            if np.all(march.curve.remaining(places) <= before):
+            if np.all(march.curve.remaining(march.places(start + wait)[0, 2:-1]) <= before):
                 return start + wait
             wait *= 1.05
         return end
 
-    def _clear_between(self, times: Array, everyone: bool) -> float:
+    def _clear_as_far_as_placed(self, times: Array, everyone: bool) -> float:
+        """Clear the time between the first and the last of `times`, or find the first contact in it.
+
+        Returns the last moment until which the chain has a place.
+        """
+        later = float(times[-1])
+        while True:
+            try:
+                last = self._clear(times, everyone)
+                break
+            except UnreachableError as error:
+                # It had a place at both ends and in the middle of some stretch, but not all the time between.
+                later = error.time
+                times = times[times < later]
+        if last == later or self._hit < np.inf:
+            return last
+        end = _last_placed(self._march, last, later)
+        return self._clear_as_far_as_placed(np.array([last, end]), everyone) if end > last else last
+
+    def _clear(self, times: Array, everyone: bool) -> float:
         """Clear the stretches between `times`, or find the first contact in them.
 
-        Returns the last of the times, or when it is earlier the last moment at which the chain has a place.
+        Returns the last of the times, or an earlier one after which the chain does not always have a place.
         """
-        try:
-            self._clear(times, everyone)
-            return float(times[-1])
-        except UnreachableError as error:
-            lost = error.time
-        times = times[times < lost]
-        self._clear(times, everyone)
-        last = float(times[-1])
-        if self._hit == np.inf:
-            begin, last = last, _last_placed(self._march, last, lost)
-            self._clear(np.array([begin, last]), everyone)
-        return last
-
-    def _clear(self, times: Array, everyone: bool) -> None:
-        if times.size < 2:
-            return
         march = self._march
         stretches = Stretches.between(march, times)
+        last = float(times[stretches.begins.size])
+        if not stretches.begins.size:
+            return last
         motion = Motion(march, stretches)
         rows, pairs = motion.candidates(everyone=everyone)
-        looked_closely = False
+        close = False
         while rows.size:
+            length = float(stretches.lengths[0])
+            came_close, close = not close and length <= self._near_stretch, length <= self._near_stretch
             found = motion.separations(rows, pairs)
-            self._looks += len(stretches.begins)
-            self._tests += len(pairs)
-            middles, lengths = stretches.middles[rows], stretches.lengths[rows]
-            self._note_touch(middles, pairs, found.distance)
-            gaps = motion.smallest_gaps(rows, pairs, found.normal)
-            if not looked_closely and lengths[0] <= self._near_stretch:
-                looked_closely = True
-                self._small_gaps.append(np.column_stack([pairs, middles, lengths, found.distance])[gaps <= self._near])
-            enough = 0.0 if looked_closely else self._near
-            unsettled = (gaps <= enough) & (lengths > RESOLUTION) & (stretches.begins[rows] < self._hit)
+            self._note(stretches.middles[rows], pairs, found.distance)
+            if close:
+                gaps = motion.smallest_gaps_together(rows, pairs, found.normal)
+                # A gap that only rounding changes over a stretch stays as it is, but for the one in which benches meet.
+                blurred = (found.distance - gaps <= BLUR) & (stretches.ends[rows] < self._hit)
+                unsettled = (gaps <= 0) & ~blurred & (length > RESOLUTION)
+            else:
+                gaps = motion.smallest_gaps(rows, pairs, found.normal)
+                unsettled = gaps <= self._near
+            if came_close:
+                self._note_small_gaps(stretches.middles[rows], length, pairs, found.distance, gaps)
+            unsettled &= stretches.begins[rows] < self._hit
             rows, pairs = rows[unsettled], pairs[unsettled]
             if rows.size:
-                chosen, rows = np.unique(rows, return_inverse=True)
-                stretches = stretches.halved(march, chosen, int(pairs.max()) + 2)
-                rows, pairs = np.concatenate([rows, rows + chosen.size]), np.concatenate([pairs, pairs])
+                for _ in range(1 if rows.size > FEW else HALVINGS):
+                    chosen, rows = np.unique(rows, return_inverse=True)
+                    stretches = stretches.halved(march, chosen, int(pairs.max()) + 2)
+                    rows, pairs = np.concatenate([rows, rows + chosen.size]), np.concatenate([pairs, pairs])
                 motion = Motion(march, stretches)
+        return last
 
-    def _note_touch(self, times: Array, pairs: Indices, distances: Array) -> None:
+    def _note(self, times: Array, pairs: Indices, distances: Array) -> None:
+        """Note what was looked at, and the earliest touch."""
+        self._looks += np.unique(times).size
+        self._tests += len(pairs)
         touching = np.flatnonzero(distances <= 0)
         if touching.size:
             earliest = touching[times[touching].argmin()]
@@ -265,9 +280,15 @@ class _Search:
                 first, second = pairs[earliest].tolist()
                 self._pair = first, second
 
+    def _note_small_gaps(self, times: Array, length: float, pairs: Indices, distances: Array, gaps: Array) -> None:
+        """Note where the gap may be small within a stretch of this length about one of `times`."""
+        lengths = np.full(times.size, length)
+        self._small_gaps.append(np.column_stack([pairs, times, lengths, distances])[gaps <= self._near])
+
     def _near_misses(self, start: float, end: float) -> tuple[NearMiss, ...]:
         """Smallest gaps between `start` and `end`."""
         samples = np.concatenate(self._small_gaps)
+        samples = samples[samples[:, 2] <= end]
         if not samples.size:
             return ()
         first, second, times, lengths, gaps = samples[np.lexsort(samples.T[2::-1])].T
@@ -297,14 +318,13 @@ def _overlapping(march: March, places: Array) -> tuple[int, int] | None:
     return int(first[deepest]), int(second[deepest])
 
 
-def _last_placed(march: March, placed: float, lost: float) -> float:
-    """Last moment at which the chain has a place, between one at which it has and one at which it has not."""
-    while lost - placed > RESOLUTION and placed < (middle := (placed + lost) / 2) < lost:
-        try:
-            march.parameters(middle)
+def _last_placed(march: March, placed: float, later: float) -> float:
+    """Last moment from `placed` on, at which the chain has a place, before one at which it has not, or `later`."""
+    while later - placed > RESOLUTION and placed < (middle := (placed + later) / 2) < later:
+        if np.isnan(march.places(middle)).any():
+            later = middle
+        else:
             placed = middle
-        except UnreachableError:
-            lost = middle
     return placed
 
 

@@ -26,7 +26,7 @@ from pymunk_dragon.collision.sat import Separation, separation
 from pymunk_dragon.dragon import bench_poses, outlines
 from pymunk_dragon.march import March
 
-__all__ = ["Motion", "Stretches", "near_pairs"]
+__all__ = ["ROUNDING", "Motion", "Stretches", "near_pairs"]
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -54,11 +54,15 @@ class Stretches:
 
     @classmethod
     def between(cls, march: March, times: Array) -> Stretches:
-        """Those from each of `times` to the next, with all handles."""
+        """Those from each of `times` to the next, with all handles, as long as these have places on the curve."""
         all_times = np.empty(2 * times.size - 1)
         all_times[::2], all_times[1::2] = times, (times[:-1] + times[1:]) / 2
-        places = march.parameters(all_times)
-        return cls(times[:-1], times[1:], places[:-1:2], places[1::2], places[2::2])
+        places = march.places(all_times)
+        # A handle that has no place leaves none to the last one.
+        lost = np.isnan(places[:, -1])
+        count = (int(lost.argmax()) - 1) // 2 if lost.any() else times.size - 1
+        places = places[: 2 * count + 1]
+        return cls(times[:count], times[1 : count + 1], places[:-1:2], places[1::2], places[2::2])
 
     def halved(self, march: March, chosen: Indices, handles: int) -> Stretches:
         """The first halves of the `chosen` stretches and then their second halves, with the foremost `handles`."""
@@ -93,6 +97,8 @@ class _Rates:
         Whether the rear hole goes forward all the time, as the front hole does.
     lag : ndarray
         Way of the rear hole for each metre of the front hole's, at most.
+    lag_change : ndarray
+        Change of that, 1/m, at most.
     turn : ndarray
         Turning, rad per metre of the front hole's way, at most.
     turn_change : ndarray
@@ -102,8 +108,36 @@ class _Rates:
     known: Flags
     forward: Flags
     lag: Array
+    lag_change: Array
     turn: Array
     turn_change: Array
+
+
+@dataclass(frozen=True)
+class _Corners:
+    """Corners (P, 4) of P benches along a direction, over the way s of the bench's front hole.
+
+    Attributes
+    ----------
+    known : ndarray of bool, shape (P,)
+        Whether the bounds hold.
+    heights, speeds : ndarray, shape (P, 4)
+        Place in m, and its derivative by s, in the middle of the stretch.
+    fastest, bends : ndarray, shape (P, 4)
+        Bounds on the derivative, in any direction, and in 1/m on the second derivative.
+    """
+
+    known: Flags
+    heights: Array
+    speeds: Array
+    fastest: Array
+    bends: Array
+
+    def swing(self, ways: Array) -> Array:
+        """How far each corner comes at most, to either side, m."""
+        way = np.where(self.known, ways, 0.0)[:, None]
+        swing: Array = np.abs(self.speeds) * way + self.bends * way**2 / 2
+        return swing
 
 
 class Motion:
@@ -184,26 +218,83 @@ class Motion:
     def smallest_gaps(self, rows: Indices, pairs: Indices, normals: Array) -> Array:
         """Lower bounds (P,) in m on the gaps of `pairs` anywhere in the stretches `rows`, along `normals` (P, 2).
 
-        It is what is left between the first bench's foremost corner along the normal and the second's rearmost.
+        As if each bench moved on its own: what is left between the first one's foremost corner along the normal and
+        the second one's rearmost, each as far as it may come. Quick, and good enough where gaps are wide.
         """
         first, second = pairs.T
-        return -self._reach(rows, first, normals) - self._reach(rows, second, -normals) - ROUNDING
+        one, other = self._corners(rows, first, normals), self._corners(rows, second, normals)
+        farthest = np.max(one.heights + one.swing(self.ways[rows, first]), axis=1)
+        nearest = np.min(other.heights - other.swing(self.ways[rows, second]), axis=1)
+        return np.where(one.known & other.known, nearest - farthest - ROUNDING, -np.inf)
 
-    def _reach(self, rows: Indices, benches: Indices, directions: Array) -> Array:
-        """How far along `directions` (P, 2) any corner of `benches` may come within the stretches `rows`, m."""
+    def smallest_gaps_together(self, rows: Indices, pairs: Indices, normals: Array) -> Array:
+        """The same from the motion of one bench as the other sees it.
+
+        Benches that pass each other go about as fast and turn about as fast, so this sees how a gap that nearly stands
+        still does. The normal turns with the bench that has an edge along it, whose foremost corners then stay where
+        they are, and only those of the other one move.
+        """
+        first, second = pairs.T
+        swapped = self._squareness(rows, second, normals) > self._squareness(rows, first, normals)
+        own, other = np.where(swapped, second, first), np.where(swapped, first, second)
+        normals = np.where(swapped[:, None], -normals, normals)
+        seen = self._corners(rows, other, normals)
+        known = seen.known & self._rates.known[rows, own] & np.isfinite(self.ways[rows, second])
+        way = np.where(known, self.ways[rows, first], 0.0)[:, None]
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            # All by the way of the first bench's front hole, which drives both.
+            lag, most, change = self._lags(rows, first, own)
+            other_lag, other_most, other_change = self._lags(rows, first, other)
+            turn, turn_change = self._rates.turn[rows, own][:, None], self._rates.turn_change[rows, own][:, None]
+            front = self._points[rows, own][:, None]
+            arms = self.outlines[rows, other] - front
+            ahead = _dot(self._tangents[rows, own][:, None], normals)
+            aside = self._turning[rows, own][:, None] * _dot(arms, _left_of(normals))
+            speeds = other_lag * seen.speeds + lag * (aside - ahead)
+            fastest = other_most * seen.fastest + most
+            bends = other_most**2 * seen.bends + other_change * seen.fastest
+            bends += most**2 * self._bends[rows][:, None] + change + 2 * turn * most * fastest
+            bends += (most**2 * (turn_change + turn**2) + change * turn) * (np.hypot(*arms.T).T + way * fastest)
+            gaps = seen.heights - _dot(self.outlines[rows, own], normals).max(axis=1, keepdims=True)
+            gaps = (gaps - np.abs(speeds) * way - bends * way**2 / 2).min(axis=1) - ROUNDING
+        # Where the lags of very many benches do not fit into a double, nothing is known.
+        return np.where(known & np.isfinite(gaps), gaps, -np.inf)
+
+    def _squareness(self, rows: Indices, benches: Indices, normals: Array) -> Array:
+        """How square `normals` (P, 2) stand on a side of `benches` (P,): 1 where they do, and less elsewhere."""
+        rear, front = self._points[rows, benches + 1], self._points[rows, benches]
+        along = (_dot((front - rear)[:, None], normals)[:, 0] / self._spacings[benches]) ** 2
+        return np.maximum(along, 1 - along)
+
+    def _lags(self, rows: Indices, first: Indices, benches: Indices) -> tuple[Array, Array, Array]:
+        """Way of the front holes of `benches` for each metre of that of `first`, each (P, 1).
+
+        In the middle; at most; and how much it changes in a metre at most, 1/m.
+        """
+        lags = _products(self._front_turns.real / self._rear_turns.real)
+        most = _products(self._rates.lag)
+        change = np.cumsum(self._rates.lag_change * most[:, :-1] / self._rates.lag, axis=1)
+        change = np.concatenate([np.zeros((len(change), 1)), change], axis=1)
+        begin, end = (rows, first), (rows, benches)
+        changes = (change[end] - change[begin]) * most[end] / most[begin] ** 2
+        return (lags[end] / lags[begin])[:, None], (most[end] / most[begin])[:, None], changes[:, None]
+
+    def _corners(self, rows: Indices, benches: Indices, normals: Array) -> _Corners:
+        """The corners of `benches` (P,) in the stretches `rows`, seen along `normals` (P, 2)."""
         rates = self._rates
-        known = rates.known[rows, benches]
-        way = np.where(known, self.ways[rows, benches], 0.0)[:, None]
-        corners, front = self.outlines[rows, benches], self._points[rows, benches]
-        arms = corners - front[:, None]
-        across = np.stack([-directions[:, 1], directions[:, 0]], axis=-1)
+        corners = self.outlines[rows, benches]
+        arms = corners - self._points[rows, benches][:, None]
+        lengths = np.hypot(arms[..., 0], arms[..., 1])
         # Turning moves a corner square to its arm: by omega J arm, whose part along n is -omega (J n) arm.
-        turning = -self._turning[rows, benches][:, None] * _dot(arms, across)
-        speed = np.abs(_dot(self._tangents[rows, benches][:, None], directions) + turning)
-        bend = self._bends[rows][:, None]
-        bend = bend + np.hypot(arms[..., 0], arms[..., 1]) * (rates.turn_change + rates.turn**2)[rows, benches][:, None]
-        reach = (_dot(corners, directions) + speed * way + bend * way**2 / 2).max(axis=1)
-        return np.where(known, reach, np.inf)
+        turning = -self._turning[rows, benches][:, None] * _dot(arms, _left_of(normals))
+        turn, turn_change = rates.turn[rows, benches][:, None], rates.turn_change[rows, benches][:, None]
+        return _Corners(
+            known=rates.known[rows, benches],
+            heights=_dot(corners, normals),
+            speeds=_dot(self._tangents[rows, benches][:, None], normals) + turning,
+            fastest=1 + lengths * turn,
+            bends=self._bends[rows][:, None] + lengths * (turn_change + turn**2),
+        )
 
     @cached_property
     def _turning(self) -> Array:
@@ -303,7 +394,16 @@ def _rates_within(
     turn = (front_sine + lag * rear_sine) / spacing
     lag_change = (bend * (front_sine + lag**2 * rear_sine) + turn**2 * spacing) / rear_cosine
     turn_change = (bend * (1 + lag**2) + lag_change * rear_sine) / spacing
-    return _Rates(known, forward, lag, turn, turn_change)
+    return _Rates(known, forward, lag, lag_change, turn, turn_change)
+
+
+def _products(factors: Array) -> Array:
+    """Products (T, N + 1) of the first 0, 1, ... of `factors` (T, N)."""
+    return np.concatenate([np.ones((len(factors), 1)), np.cumprod(factors, axis=1)], axis=1)
+
+
+def _left_of(directions: Array) -> Array:
+    return np.stack([-directions[:, 1], directions[:, 0]], axis=-1)
 
 
 def _dot(vectors: Array, directions: Array) -> Array:

@@ -11,6 +11,7 @@ from pymunk_dragon.report.contest import TABLE_ENDINGS, write_contact_table, wri
 from pymunk_dragon.report.exact import exact_impact, with_exact_contact
 from pymunk_dragon.report.extras import library
 from pymunk_dragon.report.page import as_html
+from pymunk_dragon.report.paper import paper_tables
 from pymunk_dragon.report.picture import Picture, pictures
 from pymunk_dragon.report.summary import contents, json_schema, told
 from pymunk_dragon.report.text import as_csv, as_json, as_markdown
@@ -22,6 +23,7 @@ __all__ = [
     "TABLE_ENDINGS",
     "contents",
     "json_schema",
+    "paper_tables",
     "report",
     "write_contact_table",
     "write_tables",

@@ -31,7 +31,6 @@ Contents = dict[str, Any]
 SCHEMA, VERSION = "pymunk_dragon report", 1
 
 # What the paper's tables 1 and 2 show, beside the last handle: handles, and times in s.
-TABLE_HANDLES = (0, 1, 51, 101, 151, 201)
 TABLE_TIMES = (0.0, 60.0, 120.0, 180.0, 240.0, 300.0)
 
 # What of an `Impact` is reported as the exact model's answer; its near misses stand on their own.
@@ -109,8 +108,7 @@ def _scenario(march: March) -> dict[str, Any]:
 
 def _handles(run: Run, impact: Impact | None) -> dict[str, Any]:
     """Where the tables' handles are, and how fast, in the exact model, as far as it has a place for them."""
-    last = run.march.dragon.handles - 1
-    chosen = [handle for handle in TABLE_HANDLES if handle < last] + [last]
+    chosen = run.march.dragon.representatives
     moments: list[tuple[float, str | None]] = [(time, None) for time in TABLE_TIMES]
     if impact is not None and impact.status == "contact":
         moments.append((impact.time, "exact"))

@@ -1,0 +1,160 @@
+"""Results as the program prints them: in words, and as the values of its JSON."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+from typing import Any
+
+from pymunk_dragon.collision import Impact
+from pymunk_dragon.contact import Contact
+from pymunk_dragon.run import Run
+
+__all__ = [
+    "POSITIONS",
+    "answer_in_words",
+    "answer_of",
+    "comparison_in_words",
+    "position_rows",
+    "positions_in_words",
+    "quality_in_words",
+    "summary",
+    "windows_in_words",
+]
+
+Answer = dict[str, Any]
+
+# Heads of the table of positions in a file.
+POSITIONS = ("time_s", "handle", "x_m", "y_m", "speed_m_s")
+
+
+def position_rows(result: Mapping[str, Any]) -> list[tuple[float, ...]]:
+    """What `positions --json` prints, as rows of a table."""
+    return [
+        (time, handle, *place, speed)
+        for time, places, speeds in zip(result["times"], result["positions"], result["speeds"], strict=True)
+        for handle, place, speed in zip(result["handles"], places, speeds, strict=True)
+    ]
+
+
+def positions_in_words(result: Mapping[str, Any]) -> str:
+    """The same as a text."""
+    lines = ["     t (s)  handle       x (m)       y (m)  speed (m/s)"]
+    for time, handle, *values in position_rows(result):
+        # Adding 0 turns the -0.0 of a rounded tiny number into 0.0.
+        x, y, speed = (round(value, 6) + 0.0 for value in values)
+        lines.append(f"{time:10.6g}  {handle:6d}  {x:10.6f}  {y:10.6f}  {speed:11.6f}")
+    return "\n".join(lines)
+
+
+def answer_of(method: str, found: Impact | Run) -> Answer:
+    """What `contact --json` prints, and `contact` tells, of an impact or of a run."""
+    touch: Impact | Contact | None
+    if isinstance(found, Impact):
+        misses, until = found.near_misses, found.time
+        touch = found if found.benches is not None else None
+        status: str = found.status
+    else:
+        # The engine is told of contacts only, not of gaps.
+        misses, until = None, float(found.times[-1])
+        touch = found.first_contact
+        status = found.outcome
+    return {
+        "status": status,
+        "method": method,
+        "time": touch.time if touch else None,
+        "benches": touch.benches if touch else None,
+        "point": touch.point if touch else None,
+        "normal": touch.normal if touch else None,
+        "near_misses": None if misses is None else [asdict(miss) for miss in misses],
+        "until": until,
+    }
+
+
+def answer_in_words(answer: Answer) -> str:
+    """When and where benches first touch, and the near misses before."""
+    if answer["benches"] is None:
+        reason = ", where the curve leaves a handle no place" if answer["status"] == "unreachable" else ""
+        told = f"no contact until t = {answer['until']:.6g} s{reason}"
+    else:
+        (i, j), (x, y) = answer["benches"], answer["point"]
+        # The exact time is certain to its last decimal here; no other is known that well.
+        time = f"{answer['time']:.{9 if answer['method'] == 'exact' else 6}f}"
+        if answer["status"] == "overlapping":
+            told = f"benches {i} and {j} overlap at the start, t = {time} s"
+        else:
+            told = f"first contact at t = {time} s: benches {i} and {j} at ({x:.6f}, {y:.6f}) m"
+    misses = [_near_miss_in_words(miss) for miss in answer["near_misses"] or ()]
+    return "\n".join([told, *misses])
+
+
+def _near_miss_in_words(miss: dict[str, Any]) -> str:
+    i, j = miss["benches"]
+    return f"near miss at t = {miss['time']:.6f} s: benches {i} and {j}, {1e3 * miss['gap']:.3f} mm apart"
+
+
+def comparison_in_words(answers: Sequence[Answer]) -> str:
+    """A table of who found what, and what it cost; lateness is against the first of them."""
+    lines = ["method  status       time (s)       benches  late by (ms)    looks  pairs tested  seconds"]
+    for answer in answers:
+        time, first = answer["time"], answers[0]["time"]
+        cells = (
+            f"{answer['method']:<6}",
+            f"{answer['status']:<11}",
+            f"{_or_dash(time, '.9f'):>13}",
+            f"{'{} and {}'.format(*answer['benches']) if answer['benches'] else '-':>9}",
+            f"{_or_dash(None if None in (time, first) else 1e3 * (time - first), '+.6f'):>12}",
+            f"{answer['looks']:>7}",
+            f"{_or_dash(answer['tests'], 'd'):>12}",
+            f"{answer['wall_seconds']:7.2f}",
+        )
+        lines.append("  ".join(cells))
+    return "\n".join(lines)
+
+
+def _or_dash(value: float | None, form: str) -> str:
+    return "-" if value is None else format(value, form)
+
+
+def summary(run: Run) -> dict[str, Any]:
+    """What `simulate --json` prints."""
+    wall, stepping = run.timing["wall_seconds"], run.timing["step_seconds"]
+    simulated = run.provenance["substeps"] * run.provenance["substep"]
+    return {
+        "status": run.outcome,
+        "first_contact": asdict(run.first_contact) if run.first_contact else None,
+        "drift": {"head": _known(run.head_drift), "max": _known(run.max_drift)},
+        "from": run.provenance["start"],
+        "until": float(run.times[-1]),
+        "substep": run.provenance["substep"],
+        "substeps": run.provenance["substeps"],
+        "iterations": run.provenance["iterations"],
+        "events": len(run.events),
+        "wall_seconds": wall,
+        "realtime_factor": simulated / wall,
+        "driver_overhead": wall / stepping - 1,
+    }
+
+
+def _known(value: float) -> float | None:
+    """JSON has no nan."""
+    return value if value == value else None
+
+
+def quality_in_words(run: Run) -> str:
+    """How far the engine drifted, and how fast it was."""
+    speed = summary(run)["realtime_factor"]
+    return (
+        f"drift {1e3 * run.head_drift:.3f} mm in the first twelve benches, {1e3 * run.max_drift:.3f} mm anywhere; "
+        f"{speed:.1f} times as fast as real time"
+    )
+
+
+def windows_in_words(run: Run) -> str:
+    """When which benches touched."""
+    lines = ["benches   touch from (s)  to (s)"]
+    for window in run.events.windows():
+        i, j = window.benches
+        end = "the end" if window.end is None else f"{window.end:.3f}"
+        lines.append(f"{i:3d} {j:3d}  {window.begin:14.3f}  {end}")
+    return "\n".join(lines)
