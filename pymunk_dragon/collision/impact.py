@@ -250,8 +250,9 @@ class _Search:
             self._note(stretches.middles[rows], pairs, found.distance)
             if close:
                 gaps = motion.smallest_gaps_together(rows, pairs, found.normal)
-                # A gap that only rounding changes over a stretch stays as it is, but for the one in which benches meet.
-                blurred = (found.distance - gaps <= BLUR) & (stretches.ends[rows] < self._hit)
+                # A gap that only rounding changes within a stretch stays as it is, but for where benches come to touch:
+                # in the stretch before the first one that has them touching in its middle.
+                blurred = (found.distance - gaps <= BLUR) & (stretches.ends[rows] + length < self._hit)
                 unsettled = (gaps <= 0) & ~blurred & (length > RESOLUTION)
             else:
                 gaps = motion.smallest_gaps(rows, pairs, found.normal)

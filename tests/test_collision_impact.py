@@ -1,0 +1,381 @@
+"""The first contact: against many digits, against Shapely, and where looking every so often goes wrong."""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import FrozenInstanceError
+from pathlib import Path
+
+import mpmath as mp
+import numpy as np
+import oracle
+import pytest
+import shapely
+from conftest import NO_NUMBERS, assert_says
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from pymunk_dragon.collision import first_contact, scan
+from pymunk_dragon.collision.motion import Motion, Stretches
+from pymunk_dragon.curves import Spiral
+from pymunk_dragon.dragon import Dragon, outlines
+from pymunk_dragon.errors import DragonError, ParameterError, UnreachableError
+from pymunk_dragon.march import March
+from pymunk_dragon.report.paper import cut
+
+DATA = Path(__file__).parent / "data"
+SIXTEEN = March(Dragon(benches=16), turns=8)
+# A bench that is 1 mm wider touches bench 11 where the seed's passes it; this one for 4 ms.
+TOUCHING_WIDTH = 0.3009741
+
+
+@pytest.fixture(scope="module")
+def seed_impact(seed_march):
+    return first_contact(seed_march)
+
+
+def polygons(march, times, handles=None):
+    """Benches (T, N) as Shapely has them."""
+    poses = march.at(times, handles).poses
+    return shapely.polygons(outlines(poses, march.dragon.lengths[: poses.shape[1]], march.dragon.width))
+
+
+def gaps(march, times):
+    """Gaps (T, P) of all pairs that are not neighbours, and the pairs (P, 2)."""
+    benches = polygons(march, times)
+    first, second = np.triu_indices(march.dragon.benches, 2)
+    return shapely.distance(benches[:, first], benches[:, second]), np.stack([first, second], axis=-1)
+
+
+# The seed
+
+
+def exact_gap(march, time, pair):
+    """Gap of two benches along the widest of the four axes, in 50 digits: right where an edge faces the other."""
+    dragon = march.dragon
+    settings = {"benches": pair[1] + 1, "head_spacing": dragon.head_spacing, "body_spacing": dragon.body_spacing}
+    with mp.workdps(oracle.DIGITS):
+        points, _ = oracle.solve(
+            time, **settings, pitch=march.curve.pitch, turns=march.turns, speed=march.speed, difference=False
+        )
+        holes = [mp.mpc(x, y) for x, y in points]
+        corners, axes = [], []
+        for bench in pair:
+            front, rear = holes[bench], holes[bench + 1]
+            along = (front - rear) / abs(front - rear)
+            ahead = along * oracle.exact(dragon.overhang)
+            aside = 1j * along * oracle.exact(dragon.width) / 2
+            corners.append([front + ahead + aside, front + ahead - aside, rear - ahead + aside, rear - ahead - aside])
+            axes += [along, 1j * along, -along, -1j * along]
+        shadows = [[[mp.re(z * mp.conj(axis)) for z in each] for each in corners] for axis in axes]
+        return max(min(second) - max(first) for first, second in shadows)
+
+
+def test_seed_meets_bench_8_within_the_413th_second(seed_impact):
+    assert seed_impact.status == "contact"
+    assert seed_impact.benches == (0, 8)
+    assert 412 < seed_impact.time < 413
+
+
+def test_seed_contact_time_is_right_to_1e_11_seconds(seed_march, seed_impact):
+    time = seed_impact.time
+    gap, later = exact_gap(seed_march, time, (0, 8)), exact_gap(seed_march, time + 2**-20, (0, 8))
+    rate = (later - gap) / mp.mpf(2) ** -20
+    assert -0.04 < rate < -0.02
+    assert abs(gap / rate) < 1e-11
+
+
+def test_seed_point_and_normal_are_where_the_two_touch(seed_march, seed_impact):
+    (benches,) = polygons(seed_march, [seed_impact.time], 10)
+    point = shapely.Point(seed_impact.point)
+    assert shapely.distance(benches[[0, 8]], point).max() < 1e-11
+    assert np.hypot(*seed_impact.normal) == pytest.approx(1, abs=1e-15)
+    parted = shapely.transform(benches[8], lambda xy: xy + 1e-6 * np.array(seed_impact.normal))
+    assert shapely.distance(benches[0], parted) == pytest.approx(1e-6, abs=1e-11)
+
+
+def test_table_3_matches_to_the_digit(seed_march, seed_impact):
+    states = seed_march.at([seed_impact.time])
+    with (DATA / "table3.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    for row in rows:
+        handle = int(row["handle"])
+        ours = (*states.positions[0, handle], states.speeds[0, handle])
+        assert [cut(float(value)) for value in ours] == [row["x"], row["y"], row["speed"]]
+    assert 3 * len(rows) == 21
+
+
+def test_seed_passes_benches_9_and_11_without_touching(seed_march, seed_impact):
+    assert [miss.benches for miss in seed_impact.near_misses] == [(0, 9), (0, 11)]
+    for miss, (begin, end) in zip(seed_impact.near_misses, [(406.5, 407.2), (409.5, 410.2)], strict=True):
+        times = np.linspace(begin, end, 20_001)
+        benches = polygons(seed_march, times, 13)
+        apart = shapely.distance(benches[:, 0], benches[:, miss.benches[1]])
+        assert miss.gap == pytest.approx(apart.min(), abs=1e-9)
+        assert miss.gap <= apart.min() + 1e-12
+        assert miss.time == pytest.approx(times[apart.argmin()], abs=1e-4)
+
+
+def test_answer_is_the_same_again_and_cannot_be_changed(seed_march, seed_impact):
+    assert first_contact(seed_march) == seed_impact
+    with pytest.raises(FrozenInstanceError):
+        seed_impact.time = 0.0
+
+
+def test_later_start_meets_the_same_contact(seed_march, seed_impact):
+    later = first_contact(seed_march, start=410)
+    assert later.benches == seed_impact.benches
+    assert later.time == pytest.approx(seed_impact.time, abs=1e-11)
+    assert later.near_misses == ()
+
+
+def test_double_speed_takes_half_the_time(seed_impact):
+    faster = first_contact(March(speed=2.0), start=150)
+    assert faster.benches == (0, 8)
+    assert faster.time == pytest.approx(seed_impact.time / 2, abs=1e-11)
+
+
+# What a scan misses
+
+
+def test_contact_of_four_milliseconds_is_found_though_a_scan_misses_it():
+    march = March(Dragon(width=TOUCHING_WIDTH))
+    found = first_contact(march)
+    assert found.benches == (0, 11)
+    assert 409.8 < found.time < 409.9
+    times = np.arange(found.time - 0.01, found.time + 0.01, 1e-5)
+    benches = polygons(march, times, 13)
+    touching = times[shapely.intersects(benches[:, 0], benches[:, 11])]
+    assert touching[0] == pytest.approx(found.time, abs=1.1e-5)
+    assert 0.003 < np.ptp(touching) < 0.005
+    # The paper's way, looking ten times a second, names another pair almost three seconds later.
+    missed = scan(march, start=405, step=0.1)
+    assert missed.benches == (0, 8)
+    assert missed.time > found.time + 2.5
+
+
+@pytest.mark.parametrize(("width", "touches"), [(0.30097406879, False), (0.3009740688, True)])
+def test_gap_or_overlap_of_a_hundredth_of_a_nanometre_is_told_apart(width, touches):
+    found = first_contact(March(Dragon(width=width)), start=409, until=410)
+    assert found.status == ("contact" if touches else "clear")
+    if not touches:
+        (miss,) = found.near_misses
+        assert 0 < miss.gap < 2e-11
+
+
+# Other dragons
+
+
+def test_sixteen_benches_meet_as_the_long_dragon_does():
+    found = first_contact(SIXTEEN)
+    assert found.status == "contact"
+    assert found.benches == (0, 8)
+    apart, _ = gaps(SIXTEEN, np.arange(0, found.time, 0.01))
+    assert apart.min() > 0
+
+
+def test_march_without_a_contact_is_clear_until_the_end(seed_march):
+    found = first_contact(seed_march, until=300)
+    assert (found.status, found.time, found.benches, found.point, found.normal) == ("clear", 300, None, None, None)
+    wide = March(Dragon(benches=8), Spiral(pitch=5.8), turns=2.5)
+    found = first_contact(wide)
+    assert (found.status, found.time) == ("clear", wide.end)
+
+
+def test_march_past_the_last_place_is_unreachable_there():
+    march = March(Dragon(benches=3), turns=8)
+    found = first_contact(march)
+    assert (found.status, found.benches) == ("unreachable", None)
+    march.at(found.time)
+    with pytest.raises(UnreachableError):
+        march.at(found.time + 1e-11)
+    assert first_contact(march, until=1e6).time == found.time
+
+
+def test_benches_that_overlap_at_the_start_are_said_to():
+    march = March(Dragon(benches=30), Spiral(pitch=0.31), turns=8)
+    found = first_contact(march)
+    assert (found.status, found.time) == ("overlapping", 0)
+    (benches,) = polygons(march, [0])
+    assert shapely.intersects(*benches[list(found.benches)])
+
+
+def test_two_benches_have_nothing_to_run_into():
+    assert first_contact(March(Dragon(benches=2), turns=4)).status == "unreachable"
+    assert first_contact(March(Dragon(benches=2), turns=4), until=10).status == "clear"
+
+
+marches = st.builds(
+    lambda benches, head, body, overhang, width, pitch, turns, speed: (
+        {"benches": benches, "head_spacing": head, "body_spacing": body, "overhang": overhang, "width": width},
+        {"pitch": pitch, "turns": turns, "speed": speed},
+    ),
+    st.integers(3, 20),
+    st.floats(0.7, 4),
+    st.floats(0.7, 3),
+    st.floats(0.05, 0.3),
+    st.floats(0.05, 0.5),
+    st.one_of(st.floats(0.4, 1), st.floats(0.5, 6)),
+    st.floats(1.5, 7),
+    st.floats(0.5, 3),
+)
+
+
+def built(choice):
+    dragon, rest = choice
+    try:
+        return March(Dragon(**dragon), Spiral(pitch=rest["pitch"]), turns=rest["turns"], speed=rest["speed"])
+    except DragonError:
+        return None
+
+
+@settings(max_examples=40)
+@given(marches)
+def test_nothing_touches_before_the_answer_and_the_pair_does_at_it(choice):
+    march = built(choice)
+    assume(march is not None)
+    found = first_contact(march)
+    apart, pairs = gaps(march, np.linspace(0, found.time, 300))
+    if found.status == "overlapping":
+        assert apart[0].min() == 0
+        return
+    assert apart[:-1].min() > 0
+    if found.status == "contact":
+        pair = np.flatnonzero((pairs == found.benches).all(axis=1))
+        assert apart[-1, pair] < 1e-11
+    elif found.status == "clear":
+        assert found.time == march.end
+        assert apart[-1].min() > 0
+    else:
+        with pytest.raises(UnreachableError):
+            march.at(found.time + 1e-10)
+
+
+@settings(max_examples=25)
+@given(marches)
+def test_near_misses_are_all_smallest_gaps_below_a_thirtieth_of_the_width(choice):
+    march = built(choice)
+    assume(march is not None)
+    found = first_contact(march)
+    assume(found.status != "overlapping")
+    times = np.linspace(0, found.time, 2000)
+    apart, pairs = gaps(march, times)
+    near = march.dragon.width / 30
+    told = {(*miss.benches, k) for miss in found.near_misses for k in [np.searchsorted(times, miss.time)]}
+    smallest = (apart[1:-1] < apart[:-2]) & (apart[1:-1] <= apart[2:]) & (apart[1:-1] < near - 1e-6)
+    for row, column in np.argwhere(smallest):
+        around = {(*pairs[column].tolist(), row + 1 + step) for step in (-1, 0, 1, 2)}
+        assert told & around, (times[row + 1], pairs[column])
+    for miss in found.near_misses:
+        assert 0 < miss.gap < near
+        (column,) = np.flatnonzero((pairs == miss.benches).all(axis=1))
+        step = 1e-4 / march.speed
+        sides, _ = gaps(march, [max(miss.time - step, 0), min(miss.time + step, found.time)])
+        assert sides[:, column].min() >= miss.gap - 1e-9
+
+
+# The certificate: bounds on the motion hold
+
+
+@settings(max_examples=150)
+@given(marches, st.floats(0, 1), st.floats(-4, 0.5))
+def test_benches_stay_within_their_bounds(choice, share, exponent):
+    march = built(choice)
+    assume(march is not None)
+    length = 10**exponent / march.speed
+    begin = share * (march.end - length)
+    assume(begin >= 0)
+    times = np.linspace(begin, begin + length, 101)
+    try:
+        march.parameters(times)
+    except UnreachableError:
+        assume(False)
+    stretches = Stretches.between(march, times[[0, -1]])
+    motion = Motion(march, stretches)
+    left = march.curve.remaining(march.parameters(times))
+    assert np.all(np.abs(left - left[50]) <= motion.ways[0] + 1e-12)
+    rows, pairs = motion.candidates(everyone=True)
+    apart, all_pairs = gaps(march, times)
+    among = {tuple(pair) for pair in pairs.tolist()}
+    for column, pair in enumerate(all_pairs.tolist()):
+        assert tuple(pair) in among or apart[:, column].min() > 0
+    found = motion.separations(rows, pairs)
+    rows, pairs, normals = rows[found.distance > 0], pairs[found.distance > 0], found.normal[found.distance > 0]
+    columns = [all_pairs.tolist().index(pair) for pair in pairs.tolist()]
+    for bound in (motion.smallest_gaps, motion.smallest_gaps_together):
+        assert np.all(apart[:, columns].min(axis=0) >= bound(rows, pairs, normals) - 1e-12)
+
+
+def test_bound_falls_short_of_the_smallest_gap_by_the_square_of_the_length(seed_march):
+    for length, slack in ((1e-2, 2e-3), (1e-3, 2e-5), (1e-4, 2e-7)):
+        stretches = Stretches.between(seed_march, np.array([411.0, 411.0 + length]))
+        motion = Motion(seed_march, stretches)
+        rows, pairs = np.array([0]), np.array([[0, 8]])
+        bound = motion.smallest_gaps_together(rows, pairs, motion.separations(rows, pairs).normal)
+        benches = polygons(seed_march, np.linspace(411.0, 411.0 + length, 11), 10)
+        assert 0 < shapely.distance(benches[:, 0], benches[:, 8]).min() - bound[0] < slack
+
+
+# The paper's way
+
+
+def test_scan_agrees_with_the_certified_answer_to_its_tolerance(seed_march, seed_impact):
+    for step, tolerance in ((1.0, 1e-6), (0.3, 1e-9)):
+        found = scan(seed_march, start=405, step=step, tolerance=tolerance)
+        assert (found.status, found.benches, found.near_misses) == ("contact", (0, 8), None)
+        assert 0 <= found.time - seed_impact.time <= tolerance + 1e-11
+
+
+def test_scan_knows_the_other_endings():
+    march = March(Dragon(benches=3), turns=8)
+    assert scan(march, until=3).status == "clear"
+    assert scan(march, until=3).time == 3
+    assert scan(march).status == "unreachable"
+    assert scan(March(Dragon(benches=30), Spiral(pitch=0.31), turns=8)).status == "overlapping"
+
+
+def test_scan_counts_its_looks(seed_march):
+    assert scan(seed_march, start=400, until=410, step=0.5).looks == 21
+
+
+# Bad input
+
+
+@pytest.mark.parametrize("look", [first_contact, scan])
+@pytest.mark.parametrize("value", [value for value in NO_NUMBERS if repr(value) not in ("0", "-1")], ids=repr)
+def test_times_that_are_no_numbers_are_refused(look, value, seed_march):
+    for name in ("start", "until"):
+        if name == "until" and value is None:
+            continue
+        with pytest.raises(ParameterError) as caught:
+            look(seed_march, **{name: value})
+        assert caught.value.name == name
+        assert_says(caught.value, f"{name} is ")
+
+
+@pytest.mark.parametrize("look", [first_contact, scan])
+def test_end_before_the_start_is_refused(look, seed_march):
+    with pytest.raises(ParameterError) as caught:
+        look(seed_march, start=10, until=10)
+    assert_says(caught.value, "until is 10", "later than the start, 10 s")
+
+
+@pytest.mark.parametrize("look", [first_contact, scan])
+def test_start_where_the_dragon_has_no_place_is_refused(look, seed_march):
+    with pytest.raises(UnreachableError):
+        look(seed_march, start=435)
+
+
+@pytest.mark.parametrize("name", ["step", "tolerance"])
+@pytest.mark.parametrize("value", [0, -1.0, float("nan"), float("inf"), "1", None], ids=repr)
+def test_impossible_settings_of_a_scan_are_refused(name, value, seed_march):
+    with pytest.raises(ParameterError) as caught:
+        scan(seed_march, **{name: value})
+    assert caught.value.name == name
+    assert_says(caught.value, f"{name} is ")
+
+
+def test_scan_of_too_many_looks_is_refused(seed_march):
+    with pytest.raises(ParameterError) as caught:
+        scan(seed_march, step=1e-6)
+    assert_says(caught.value, "step is 1e-06", "10,000,000 looks")
