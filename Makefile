@@ -50,9 +50,12 @@ bench: $(VENV)/all ## measure the figures that README quotes
 	$(BIN)/python tests/bench/bench_engine.py
 	$(BIN)/python tests/bench/bench_drift.py
 	$(BIN)/python tests/bench/bench_film.py
+	$(BIN)/python tests/bench/bench_collision.py
 
-demos: $(VENV)/core ## the lessons: what the dragon does when the head only pulls
+demos: $(VENV)/core ## the lessons: a head that only pulls, and a contact that a scan misses
 	$(DRAGON) simulate --guide none
+	$(DRAGON) contact --width 0.301
+	$(DRAGON) contact --width 0.301 --method grid
 
 clean: ## remove what the targets made, but not the films
 	rm -rf $(VENV) .venv-* renders/*.npz renders/report.html .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache

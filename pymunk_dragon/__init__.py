@@ -4,6 +4,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from pymunk_dragon.collision import Clearance, Grid, Impact, Separation, first_contact, scan, separation
     from pymunk_dragon.contact import Contact, ContactEvent, ContactLog
     from pymunk_dragon.curves import Curve, Spiral
     from pymunk_dragon.dragon import Dragon, outlines
@@ -16,12 +17,15 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Camera",
+    "Clearance",
     "Contact",
     "ContactEvent",
     "ContactLog",
     "Curve",
     "Dragon",
     "DragonError",
+    "Grid",
+    "Impact",
     "March",
     "MissingExtraError",
     "Palette",
@@ -29,21 +33,26 @@ __all__ = [
     "Run",
     "Scenario",
     "Scene",
+    "Separation",
     "Spiral",
     "States",
     "UnreachableError",
     "World",
+    "first_contact",
     "outlines",
+    "scan",
+    "separation",
     "simulate",
     "write_film",
 ]
 
-# `render` is not among them: it is the room as well, and a name should mean one thing. Take the function from there:
-# `from pymunk_dragon.render import render`.
+# `render` and `report` are not among them: they are rooms as well, and a name should mean one thing. Take the functions
+# from there: `from pymunk_dragon.render import render`, `from pymunk_dragon.report import report`.
 
 # Names are loaded when they are first used: NumPy, Pymunk and Pillow together take longer to import than
 # `pymunk-dragon --help` may take to answer.
 _ROOMS = {
+    "collision": ("Grid", "Impact", "Clearance", "Separation", "first_contact", "scan", "separation"),
     "contact": ("Contact", "ContactEvent", "ContactLog"),
     "curves": ("Curve", "Spiral"),
     "dragon": ("Dragon", "outlines"),

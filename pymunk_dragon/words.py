@@ -51,7 +51,7 @@ def answer_of(method: str, found: Impact | Run) -> Answer:
     """What `contact --json` prints, and `contact` tells, of an impact or of a run."""
     touch: Impact | Contact | None
     if isinstance(found, Impact):
-        misses, until = found.near_misses, found.time
+        misses, until = found.clearances, found.time
         touch = found if found.benches is not None else None
         status: str = found.status
     else:

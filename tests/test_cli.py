@@ -12,6 +12,7 @@ import subprocess
 import sys
 import time
 from dataclasses import fields
+from pathlib import Path
 
 import openpyxl
 import pytest
@@ -26,6 +27,7 @@ from pymunk_dragon.scenario import Scenario
 
 PROGRAM = [sys.executable, "-m", "pymunk_dragon"]
 SHORT = ["--from", "412.3"]
+DATA = Path(__file__).parent / "data"
 
 
 @pytest.fixture
@@ -138,13 +140,89 @@ def test_report_mode_lists_the_contact_windows(call):
     assert re.search(r"^ +0 +8 +412\.480 +the end$", out, re.MULTILINE)
 
 
-def test_contact_json_has_the_promised_keys(call):
-    code, out, err = call("contact", *SHORT, "--json")
+@pytest.mark.parametrize("method", ["exact", "grid", "engine"])
+def test_contact_json_has_the_promised_keys(call, method):
+    code, out, err = call("contact", *SHORT, "--method", method, "--json")
     found = json.loads(out)
     assert (code, err) == (0, "")
     assert {"status", "time", "benches", "point", "normal", "near_misses"} <= set(found)
-    assert found["status"] == "contact"
-    assert found["benches"] == [0, 8]
+    assert (found["method"], found["status"], found["benches"]) == (method, "contact", [0, 8])
+    assert found["time"] == pytest.approx(412.473838, abs=2e-3)
+    assert found["near_misses"] == ([] if method == "exact" else None)
+    assert call("contact", *SHORT, "--method", method, "--json")[1] == out
+
+
+def test_contact_is_exact_by_default_and_tells_of_near_misses(call):
+    code, out, err = call("contact", "--from", "406")
+    assert (code, err) == (0, "")
+    assert out.splitlines()[0].startswith(
+        "first contact at t = 412.473837682 s: benches 0 and 8 at (1.474395, 2.110665) m"
+    )
+    assert [line[:20] for line in out.splitlines()[1:]] == ["near miss at t = 406", "near miss at t = 409"]
+    assert "0.865 mm apart" in out
+    _, out, _ = call("contact", "--from", "406", "--json")
+    misses = json.loads(out)["near_misses"]
+    assert [set(miss) for miss in misses] == [{"time", "benches", "gap"}] * 2
+    assert [miss["benches"] for miss in misses] == [[0, 9], [0, 11]]
+
+
+def test_compare_puts_the_three_side_by_side(call, tmp_path):
+    document = tmp_path / "c.json"
+    code, out, err = call("contact", "--compare", "--from", "412", "--fine", "-o", document)
+    assert (code, err) == (0, "")
+    assert [line.split()[0] for line in out.splitlines()] == ["method", "exact", "grid", "engine"]
+    exact, grid, engine = json.loads(document.read_text())["methods"]
+    assert abs(grid["time"] - exact["time"]) < 1e-6
+    assert abs(engine["time"] - exact["time"]) < 2e-3
+    for answer in (exact, grid, engine):
+        assert answer["benches"] == [0, 8]
+        assert min(answer["looks"], answer["wall_seconds"]) > 0
+    assert (grid["tests"] > 0, engine["tests"]) == (True, None)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--until", "10"], "no contact until t = 10 s"),
+        (["--benches", "3", "--turns", "8"], "s, where the curve leaves a handle no place"),
+        (["--pitch", "0.31"], "overlap at the start, t = 0.000000000 s"),
+    ],
+)
+def test_other_endings_are_told(call, arguments, words):
+    code, out, err = call("contact", *arguments)
+    assert (code, err) == (0, "")
+    assert words in out
+    found = json.loads(call("contact", *arguments, "--json")[1])
+    assert (found["time"] is None) == (found["benches"] is None) == ("no contact" in words or "no place" in words)
+
+
+def test_contact_writes_the_contests_sheet(call, complaint, tmp_path):
+    path = tmp_path / "result2.xlsx"
+    code, _, err = call("contact", *SHORT, "-o", path)
+    assert (code, err) == (0, "")
+    rows = list(openpyxl.load_workbook(path)["Sheet1"].iter_rows(values_only=True))
+    assert rows[0] == (None, "横坐标x (m)", "纵坐标y (m)", "速度 (m/s)")
+    assert rows[1] == ("龙头", 1.209931, 1.942784, 1)
+    assert len(rows) == 225
+    path.unlink()
+    code, out, err = call("contact", "--until", "1", "-o", path)
+    assert (code, out) == (1, "")
+    assert_says(Exception(err[:-1]), "no contact until t = 1 s", "result2.xlsx was not written")
+    assert os.listdir(tmp_path) == []
+
+
+def test_paper_tables_are_the_papers_147_numbers(call):
+    code, out, err = call("positions", "--paper")
+    assert (code, err) == (0, "")
+    tables = [block.splitlines()[2:] for block in out.split("\n\n")]
+    told = [[line.split() for line in table] for table in tables]
+    papers = []
+    for name in ("table1", "table2", "table3"):
+        with (DATA / f"{name}.csv").open(newline="") as file:
+            papers.append(list(csv.reader(file))[1:])
+    assert told == papers
+    names = 2 * len(papers[0]) + len(papers[1]) + len(papers[2])
+    assert sum(len(row) for table in told for row in table) - names == 147
 
 
 def test_fine_divides_the_substep_by_four_at_any_speed(call, tmp_path):
@@ -196,6 +274,9 @@ def test_interrupted_report_leaves_the_old_file_and_exits_with_130(call, run_fil
 @pytest.mark.parametrize(("ending", "library"), [(".html", "jinja2"), (".xlsx", "xlsxwriter")])
 def test_missing_extra_is_named(complaint, ending, library, run_file, tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, library, None)
+    if ending == ".xlsx":
+        assert "pymunk-dragon[report]" in complaint("contact", "-o", tmp_path / "c.xlsx")
+        assert "pymunk-dragon[report]" in complaint("positions", "-o", tmp_path / "p.xlsx")
     assert "pymunk-dragon[report]" in complaint("report", run_file, "-o", tmp_path / f"r{ending}")
     assert os.listdir(tmp_path) == []
 
@@ -271,6 +352,14 @@ def test_every_scenario_option_refuses_what_it_cannot_be(complaint, name, value)
         (["march"], ["march"]),
         (["positions", "--colour", "red"], ["--colour"]),
         (["contact", "--method", "guess"], ["method", "guess"]),
+        (["contact", "--step", "2"], ["--step", "--method grid"]),
+        (["contact", "--method", "grid", "--fine"], ["--fine", "--method engine"]),
+        (["contact", "--method", "grid", "--step", "0"], ["step", "0.0"]),
+        (["contact", "--method", "grid", "--tolerance", "-1"], ["tolerance", "-1.0"]),
+        (["contact", "--from", "435"], ["handle", "435"]),
+        (["contact", "--from", "3", "--until", "2"], ["until", "2.0"]),
+        (["contact", "-o", "c.csv"], ["c.csv", ".xlsx"]),
+        (["positions", "--paper", "--times", "3"], ["--paper", "--times"]),
     ],
     ids=lambda value: " ".join(value) if isinstance(value, list) else None,
 )

@@ -106,8 +106,8 @@ def test_table_3_matches_to_the_digit(seed_march, seed_impact):
 
 
 def test_seed_passes_benches_9_and_11_without_touching(seed_march, seed_impact):
-    assert [miss.benches for miss in seed_impact.near_misses] == [(0, 9), (0, 11)]
-    for miss, (begin, end) in zip(seed_impact.near_misses, [(406.5, 407.2), (409.5, 410.2)], strict=True):
+    assert [miss.benches for miss in seed_impact.clearances] == [(0, 9), (0, 11)]
+    for miss, (begin, end) in zip(seed_impact.clearances, [(406.5, 407.2), (409.5, 410.2)], strict=True):
         times = np.linspace(begin, end, 20_001)
         benches = polygons(seed_march, times, 13)
         apart = shapely.distance(benches[:, 0], benches[:, miss.benches[1]])
@@ -126,7 +126,7 @@ def test_later_start_meets_the_same_contact(seed_march, seed_impact):
     later = first_contact(seed_march, start=410)
     assert later.benches == seed_impact.benches
     assert later.time == pytest.approx(seed_impact.time, abs=1e-11)
-    assert later.near_misses == ()
+    assert later.clearances == ()
 
 
 def test_double_speed_takes_half_the_time(seed_impact):
@@ -159,7 +159,7 @@ def test_gap_or_overlap_of_a_hundredth_of_a_nanometre_is_told_apart(width, touch
     found = first_contact(March(Dragon(width=width)), start=409, until=410)
     assert found.status == ("contact" if touches else "clear")
     if not touches:
-        (miss,) = found.near_misses
+        (miss,) = found.clearances
         assert 0 < miss.gap < 2e-11
 
 
@@ -261,12 +261,12 @@ def test_near_misses_are_all_smallest_gaps_below_a_thirtieth_of_the_width(choice
     times = np.linspace(0, found.time, 2000)
     apart, pairs = gaps(march, times)
     near = march.dragon.width / 30
-    told = {(*miss.benches, k) for miss in found.near_misses for k in [np.searchsorted(times, miss.time)]}
+    told = {(*miss.benches, k) for miss in found.clearances for k in [np.searchsorted(times, miss.time)]}
     smallest = (apart[1:-1] < apart[:-2]) & (apart[1:-1] <= apart[2:]) & (apart[1:-1] < near - 1e-6)
     for row, column in np.argwhere(smallest):
         around = {(*pairs[column].tolist(), row + 1 + step) for step in (-1, 0, 1, 2)}
         assert told & around, (times[row + 1], pairs[column])
-    for miss in found.near_misses:
+    for miss in found.clearances:
         assert 0 < miss.gap < near
         (column,) = np.flatnonzero((pairs == miss.benches).all(axis=1))
         step = 1e-4 / march.speed
@@ -322,7 +322,7 @@ def test_bound_falls_short_of_the_smallest_gap_by_the_square_of_the_length(seed_
 def test_scan_agrees_with_the_certified_answer_to_its_tolerance(seed_march, seed_impact):
     for step, tolerance in ((1.0, 1e-6), (0.3, 1e-9)):
         found = scan(seed_march, start=405, step=step, tolerance=tolerance)
-        assert (found.status, found.benches, found.near_misses) == ("contact", (0, 8), None)
+        assert (found.status, found.benches, found.clearances) == ("contact", (0, 8), None)
         assert 0 <= found.time - seed_impact.time <= tolerance + 1e-11
 
 

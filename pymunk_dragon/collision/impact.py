@@ -27,7 +27,7 @@ from pymunk_dragon.dragon import bench_poses, outlines
 from pymunk_dragon.errors import ParameterError, UnreachableError
 from pymunk_dragon.march import March
 
-__all__ = ["Impact", "NearMiss", "Status", "first_contact"]
+__all__ = ["Clearance", "Impact", "Status", "first_contact"]
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -55,7 +55,7 @@ NEAR_POINTS, NEAR_PASSES = 17, 8
 
 
 @dataclass(frozen=True, kw_only=True)
-class NearMiss:
+class Clearance:
     """A smallest gap between two benches.
 
     Attributes
@@ -90,7 +90,7 @@ class Impact:
         Where they touch, m.
     normal : tuple of float or None
         Unit vector from the first bench towards the second.
-    near_misses : tuple of NearMiss or None
+    clearances : tuple of Clearance or None
         Smallest gaps below a thirtieth of a bench's width before `time`, in the order of time; None where nobody
         measured gaps.
     looks : int
@@ -104,7 +104,7 @@ class Impact:
     benches: tuple[int, int] | None
     point: tuple[float, float] | None
     normal: tuple[float, float] | None
-    near_misses: tuple[NearMiss, ...] | None
+    clearances: tuple[Clearance, ...] | None
     looks: int
     tests: int
 
@@ -187,8 +187,8 @@ class _Search:
         return self._impact("clear" if last >= until else "unreachable", start, last, None)
 
     def _impact(self, status: Status, start: float, time: float, pair: tuple[int, int] | None) -> Impact:
-        misses = self._near_misses(start, time)
-        return Impact.at(self._march, status, time, pair, near_misses=misses, looks=self._looks, tests=self._tests)
+        misses = self._clearances(start, time)
+        return Impact.at(self._march, status, time, pair, clearances=misses, looks=self._looks, tests=self._tests)
 
     def _windows(self, start: float, begins: Array, end: float) -> Iterator[tuple[Array, bool]]:
         """Times at which stretches begin and end, some at once, and whether all benches have to be watched in them."""
@@ -286,7 +286,7 @@ class _Search:
         lengths = np.full(times.size, length)
         self._small_gaps.append(np.column_stack([pairs, times, lengths, distances])[gaps <= self._near])
 
-    def _near_misses(self, start: float, end: float) -> tuple[NearMiss, ...]:
+    def _clearances(self, start: float, end: float) -> tuple[Clearance, ...]:
         """Smallest gaps between `start` and `end`."""
         samples = np.concatenate(self._small_gaps)
         samples = samples[samples[:, 2] <= end]
@@ -304,7 +304,7 @@ class _Search:
         margin = 1e-6 * (high - low)
         inside = (times > low + margin) & (times < high - margin) & (gaps > 0) & (gaps < self._near)
         found = zip(times[inside].tolist(), pairs[inside].tolist(), gaps[inside].tolist(), strict=True)
-        return tuple(NearMiss(time=time, benches=(i, j), gap=gap) for time, (i, j), gap in sorted(found))
+        return tuple(Clearance(time=time, benches=(i, j), gap=gap) for time, (i, j), gap in sorted(found))
 
 
 def _overlapping(march: March, places: Array) -> tuple[int, int] | None:

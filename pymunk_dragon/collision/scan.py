@@ -129,4 +129,4 @@ class _Looks:
         return self.impact("contact", after, pair)
 
     def impact(self, status: Status, time: float, pair: Pair | None) -> Impact:
-        return Impact.at(self._march, status, time, pair, near_misses=None, looks=self._looks, tests=self._tests)
+        return Impact.at(self._march, status, time, pair, clearances=None, looks=self._looks, tests=self._tests)

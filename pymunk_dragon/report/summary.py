@@ -61,7 +61,7 @@ def told(run: Run, impact: Impact | None) -> Contents:
     provenance = dict(run.provenance)
     player, found_versions = provenance.pop("player", None), provenance.pop("versions", {})
     first = run.first_contact
-    near = None if impact is None else impact.near_misses
+    near = None if impact is None else impact.clearances
     whole: Contents = {
         "schema": SCHEMA,
         "version": VERSION,

@@ -1,7 +1,7 @@
-"""Speed of broad and narrow phase: `python tests/bench/bench_collision.py`.
+"""Speed of broad phase, narrow phase and first contact: `python tests/bench/bench_collision.py`.
 
 Prints the median and the range, in microseconds, of filing and pairing the benches of a dragon, of the narrow phase on
-the pairs that come out, and of both on random rectangles.
+the pairs that come out, and of the narrow phase on random rectangles; then, in seconds, of the certified first contact.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from statistics import median
 
 import numpy as np
 
+from pymunk_dragon.collision import first_contact
 from pymunk_dragon.collision.grid import Grid
 from pymunk_dragon.collision.sat import overlap, separation
 from pymunk_dragon.dragon import Dragon, outlines
@@ -20,13 +21,14 @@ from pymunk_dragon.march import March
 REPEATS = 300
 
 
-def spread(work: Callable[[], object], repeats: int = REPEATS) -> str:
+def spread(work: Callable[[], object], repeats: int = REPEATS, units: float = 1e6) -> str:
     durations = []
     for _ in range(repeats):
         begin = time.perf_counter()
         work()
-        durations.append(1e6 * (time.perf_counter() - begin))
-    return f"{median(durations):.0f} ({min(durations):.0f} to {max(durations):.0f})"
+        durations.append(units * (time.perf_counter() - begin))
+    digits = 0 if units > 1 else 3
+    return f"{median(durations):.{digits}f} ({min(durations):.{digits}f} to {max(durations):.{digits}f})"
 
 
 def rectangles(count: int) -> np.ndarray:
@@ -57,6 +59,12 @@ def main() -> None:
             spread(lambda one=one, two=two: separation(one, two), repeats),
         ]
         print(f"{f'{count} random pairs':40}{'':44}" + "".join(f"{figure:>22}" for figure in figures))
+    print(f"{'first contact, s, median of 15':40}")
+    for benches in (16, 223, 1000):
+        march = March(Dragon(benches=benches), turns=16 if benches < 1000 else 30)
+        print(
+            f"{f'{benches} benches, {march.end:.0f} s':40}{spread(lambda march=march: first_contact(march), 15, 1):>22}"
+        )
 
 
 if __name__ == "__main__":
