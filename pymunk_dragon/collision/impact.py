@@ -91,8 +91,8 @@ class Impact:
     normal : tuple of float or None
         Unit vector from the first bench towards the second.
     clearances : tuple of Clearance or None
-        Smallest gaps below a thirtieth of a bench's width before `time`, in the order of time; None where nobody
-        measured gaps.
+        Smallest gaps below a thirtieth of the width before `time`, in the order of time; but for the first moments
+        only those of benches 0 and 1, which all others repeat. None where nobody measured gaps.
     looks : int
         Moments at which the dragon was looked at.
     tests : int
@@ -137,7 +137,8 @@ def first_contact(
     Returns
     -------
     Impact
-        Its time is right to 1e-11 s at walking speed.
+        Its time is right to 1e-11 s where the gap closes at centimetres a second, as the seed's does, and in general to
+        the time in which it closes by some 1e-12 m. Benches that graze each other more lightly count as apart.
 
     Raises
     ------
