@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from pymunk_dragon.checks import positive, whole
+from pymunk_dragon.checks import finite, positive, whole
 from pymunk_dragon.curves import Curve, Spiral
 from pymunk_dragon.dragon import Dragon, bench_poses
 from pymunk_dragon.errors import ParameterError, UnreachableError
@@ -19,8 +19,8 @@ Array = NDArray[np.float64]
 
 # A thousand turns of the contest's pitch are a dance floor of a kilometre; more is a slip of the finger.
 MAX_TURNS = 1000.0
-# Metres per second; nobody runs faster than 13.
-MAX_SPEED = 20.0
+# Metres per second. Nobody runs faster than 13, and a snail is a thousand times as fast as the slowest.
+MIN_SPEED, MAX_SPEED = 1e-6, 20.0
 # Metres before the start, a day's march. So far out a double still tells places 0.1 nm apart.
 MAX_RETREAT = 1e5
 
@@ -86,7 +86,7 @@ class March:
     ------
     ParameterError
         If `dragon` is no `Dragon` or `curve` no `Curve`, if `turns` is not a number above 0 and at most 1000 or
-        `speed` not one above 0 and at most 20 m/s, if the curve's turns are no further apart than the benches are
+        `speed` not one from 1e-6 to 20 m/s, if the curve's turns are no further apart than the benches are
         wide, or if the curve cannot take the dragon at t = 0.
     """
 
@@ -101,7 +101,7 @@ class March:
         if not isinstance(self.curve, Curve):
             raise ParameterError("curve", self.curve, "a Curve")
         object.__setattr__(self, "turns", positive("turns", self.turns, MAX_TURNS, ""))
-        object.__setattr__(self, "speed", positive("speed", self.speed, MAX_SPEED, "m/s"))
+        object.__setattr__(self, "speed", finite("speed", self.speed, MIN_SPEED, MAX_SPEED, "m/s"))
         if self.curve.turn_distance <= self.dragon.width:
             raise ParameterError("pitch", self.curve.turn_distance, f"more than the width, {self.dragon.width:g} m")
         try:
@@ -146,8 +146,12 @@ class March:
         if handles is not None:
             spacings = spacings[: whole("handles", handles, 1, self.dragon.handles) - 1]
         places = np.empty((t.size, spacings.size + 1))
-        # No time after the end makes a difference, and a distance of 1e308 m does not fit into a double.
-        places[:, 0] = self.curve.advance(self.curve.start(self.turns), self.speed * np.minimum(t, 2 * self.end))
+        begin, end = self.curve.start(self.turns), self.end
+        # No time after the end makes a difference, and a distance of 1e308 m does not fit into a double; nor does
+        # rounding carry the head past the end before its time.
+        gone = self.speed * np.minimum(t, 2 * end)
+        gone = np.where(t <= end, np.minimum(gone, self.curve.remaining(begin)), gone)
+        places[:, 0] = self.curve.advance(begin, gone)
         for i, spacing in enumerate(spacings):
             places[:, i + 1] = self.curve.behind(places[:, i], spacing)
         return places

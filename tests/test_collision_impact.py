@@ -163,6 +163,30 @@ def test_gap_or_overlap_of_a_hundredth_of_a_nanometre_is_told_apart(width, touch
         assert 0 < miss.gap < 2e-11
 
 
+@pytest.mark.parametrize("speed", [0.05, 0.04517336753736177, 0.0065220962981293324])
+def test_contact_after_hours_is_found_where_doubles_are_coarser_than_a_picosecond(speed, seed_impact):
+    found = first_contact(March(speed=speed))
+    assert found.benches == (0, 8)
+    assert found.time * speed == pytest.approx(seed_impact.time, abs=1e-10)
+
+
+@pytest.mark.parametrize("scale", [0.01, 10])
+def test_dragon_of_another_size_does_the_same_at_its_scale(scale, seed_impact):
+    sizes = {"head_spacing": 2.86, "body_spacing": 1.65, "overhang": 0.275, "width": 0.3}
+    dragon = Dragon(**{name: scale * size for name, size in sizes.items()})
+    found = first_contact(March(dragon, Spiral(pitch=scale * 0.55)))
+    assert found.benches == (0, 8)
+    assert found.time == pytest.approx(scale * seed_impact.time, abs=1e-10 * max(scale, 1))
+    assert [miss.gap for miss in found.clearances] == pytest.approx(
+        [scale * miss.gap for miss in seed_impact.clearances], rel=1e-6
+    )
+
+
+def test_a_nanosecond_without_an_event_has_no_near_miss(seed_march):
+    found = first_contact(seed_march, start=412.47, until=412.47 + 1e-9)
+    assert (found.status, found.clearances) == ("clear", ())
+
+
 # Other dragons
 
 
@@ -295,7 +319,7 @@ def test_benches_stay_within_their_bounds(choice, share, exponent):
     motion = Motion(march, stretches)
     left = march.curve.remaining(march.parameters(times))
     assert np.all(np.abs(left - left[50]) <= motion.ways[0] + 1e-12)
-    rows, pairs = motion.candidates(everyone=True)
+    rows, pairs = motion.candidates(0.0, everyone=True)
     apart, all_pairs = gaps(march, times)
     among = {tuple(pair) for pair in pairs.tolist()}
     for column, pair in enumerate(all_pairs.tolist()):

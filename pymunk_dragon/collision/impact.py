@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pymunk_dragon.checks import finite
-from pymunk_dragon.collision.motion import ROUNDING, Motion, Stretches, near_pairs
+from pymunk_dragon.collision.motion import Motion, Stretches, near_pairs
 from pymunk_dragon.collision.sat import separation
 from pymunk_dragon.dragon import bench_poses, outlines
 from pymunk_dragon.errors import ParameterError, UnreachableError
@@ -30,28 +30,34 @@ from pymunk_dragon.march import March
 __all__ = ["Clearance", "Impact", "Status", "first_contact"]
 
 Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
 Indices = NDArray[np.intp]
 Progress = Callable[[float, float], None]
 Status = Literal["contact", "clear", "overlapping", "unreachable"]
 
-# m that the head goes in one of the stretches to begin with; other lengths only change how often it is halved.
-STRETCH = 2.0
+# Shortest spacings that the head goes in one of the stretches to begin with; others only change how often it is halved.
+STRETCH = 1.2
 # The same while all pairs have to be watched: short, because each is looked at again in both halves.
-SHORT_STRETCH = 0.5
+SHORT_STRETCH = 0.3
 # Stretches looked at together: few enough to stop soon after a contact, enough to make NumPy worth its calls.
 WINDOW = 128
-# m. So much less than it is in the middle of a stretch a gap seems to become within it when only rounding changes it.
-BLUR = 4 * ROUNDING
-# s. Shorter stretches are decided by their middle: at walking speed that is as long as positions are exact.
-RESOLUTION = 1e-12
+# Roundings. So much less than in the middle of a stretch a gap seems to become within it when only rounding changes it.
+BLUR = 4
+# s, and last digits of the time. Shorter stretches are decided by their middle: at walking speed that is as long as
+# positions are exact.
+RESOLUTION, LAST_DIGITS = 1e-12, 4
 # Where so few pairs are left, stretches are halved this often before the next look, which costs NumPy as much for one.
 FEW, HALVINGS = 8, 3
 # Smallest gaps below this share of a bench's width are near misses: 1 cm at the contest's 0.3 m.
 NEAR = 1 / 30
-# m that the head goes between looks at two benches that are so near: a smallest gap lasts about a bench's width.
-NEAR_STRETCH = 0.125
+# Widths that the head goes between looks at two benches that are so near: a smallest gap lasts about one.
+NEAR_STRETCH = 0.4
 # Points looked at in each bracket of a smallest gap, and passes; each pass narrows the bracket eightfold.
 NEAR_POINTS, NEAR_PASSES = 17, 8
+# Handles placed together for that: 20 MB of corners.
+NEAR_HANDLES = 300_000
+# m of head's way, and share of its bracket: so close to an end of it a gap is not smallest, but falls beyond.
+NEAR_END, NEAR_END_SHARE = 1e-9, 1e-6
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -165,8 +171,12 @@ class _Search:
 
     def __init__(self, march: March) -> None:
         self._march = march
-        self._near = NEAR * march.dragon.width
-        self._near_stretch = NEAR_STRETCH / march.speed
+        dragon = march.dragon
+        self._near = NEAR * dragon.width
+        # s.
+        self._near_stretch = NEAR_STRETCH * dragon.width / march.speed
+        self._stretch = STRETCH * dragon.spacings.min() / march.speed
+        self._short_stretch = SHORT_STRETCH * dragon.spacings.min() / march.speed
         self._hit, self._pair = np.inf, (0, 0)
         self._looks = self._tests = 0
         # Rows of pair, time, length of the stretch, gap.
@@ -195,10 +205,11 @@ class _Search:
         """Times at which stretches begin and end, some at once, and whether all benches have to be watched in them."""
         familiar = self._familiar(start, begins, end)
         for begin, last, everyone in ((start, familiar, True), (familiar, end, False)):
-            count = int(np.ceil((last - begin) * self._march.speed / (SHORT_STRETCH if everyone else STRETCH)))
+            count = int(np.ceil((last - begin) / (self._short_stretch if everyone else self._stretch)))
             for done in range(0, count, WINDOW):
                 shares = np.arange(done, min(done + WINDOW, count) + 1) / count
-                yield begin + shares * (last - begin), everyone
+                # Exact at both ends.
+                yield (1 - shares) * begin + shares * last, everyone
 
     def _familiar(self, start: float, begins: Array, end: float) -> float:
         """Time by which each bench behind bench 1 has reached the place where the one before it stood at the start."""
@@ -242,31 +253,34 @@ class _Search:
         if not stretches.begins.size:
             return last
         motion = Motion(march, stretches)
-        rows, pairs = motion.candidates(everyone=everyone)
-        close = False
+        rows, pairs = motion.candidates(self._near, everyone=everyone)
+        sampled = np.zeros(rows.size, dtype=bool)
         while rows.size:
-            length = float(stretches.lengths[0])
-            came_close, close = not close and length <= self._near_stretch, length <= self._near_stretch
+            length, middles = float(stretches.lengths[0]), stretches.middles[rows]
             found = motion.separations(rows, pairs)
-            self._note(stretches.middles[rows], pairs, found.distance)
-            if close:
-                gaps = motion.smallest_gaps_together(rows, pairs, found.normal)
-                # A gap that only rounding changes within a stretch stays as it is, but for where benches come to touch:
-                # in the stretch before the first one that has them touching in its middle.
-                blurred = (found.distance - gaps <= BLUR) & (stretches.ends[rows] + length < self._hit)
-                unsettled = (gaps <= 0) & ~blurred & (length > RESOLUTION)
-            else:
+            self._note(middles, pairs, found.distance)
+            if length > self._near_stretch:
                 gaps = motion.smallest_gaps(rows, pairs, found.normal)
                 unsettled = gaps <= self._near
-            if came_close:
-                self._note_small_gaps(stretches.middles[rows], length, pairs, found.distance, gaps)
+            else:
+                gaps = motion.smallest_gaps_together(rows, pairs, found.normal)
+                fresh = np.isfinite(gaps) & ~sampled
+                sampled |= fresh
+                self._note_small_gaps(middles, length, pairs, found.distance, fresh & (gaps <= self._near))
+                # A gap that only rounding changes within a stretch stays as it is, but for where benches come to touch:
+                # in the stretch before the first one that has them touching in its middle.
+                blurred = found.distance - gaps <= BLUR * motion.rounding
+                blurred &= stretches.ends[rows] + length < self._hit
+                instant = max(RESOLUTION, LAST_DIGITS * float(np.spacing(np.abs(middles).max())))
+                unsettled = (gaps <= 0) & ~blurred & (length > instant)
             unsettled &= stretches.begins[rows] < self._hit
-            rows, pairs = rows[unsettled], pairs[unsettled]
+            rows, pairs, sampled = rows[unsettled], pairs[unsettled], sampled[unsettled]
             if rows.size:
                 for _ in range(1 if rows.size > FEW else HALVINGS):
                     chosen, rows = np.unique(rows, return_inverse=True)
                     stretches = stretches.halved(march, chosen, int(pairs.max()) + 2)
                     rows, pairs = np.concatenate([rows, rows + chosen.size]), np.concatenate([pairs, pairs])
+                    sampled = np.concatenate([sampled, sampled])
                 motion = Motion(march, stretches)
         return last
 
@@ -282,10 +296,10 @@ class _Search:
                 first, second = pairs[earliest].tolist()
                 self._pair = first, second
 
-    def _note_small_gaps(self, times: Array, length: float, pairs: Indices, distances: Array, gaps: Array) -> None:
-        """Note where the gap may be small within a stretch of this length about one of `times`."""
+    def _note_small_gaps(self, times: Array, length: float, pairs: Indices, distances: Array, chosen: Flags) -> None:
+        """Note the `chosen` pairs, whose gap may be small within a stretch of this length about their time."""
         lengths = np.full(times.size, length)
-        self._small_gaps.append(np.column_stack([pairs, times, lengths, distances])[gaps <= self._near])
+        self._small_gaps.append(np.column_stack([pairs, times, lengths, distances])[chosen])
 
     def _clearances(self, start: float, end: float) -> tuple[Clearance, ...]:
         """Smallest gaps between `start` and `end`."""
@@ -300,9 +314,11 @@ class _Search:
         smallest = ~np.append(follows & falls, False) & ~np.append(False, follows & ~falls)
         pairs = np.stack([first, second], axis=-1)[smallest].astype(np.intp)
         low, high = np.maximum(times - lengths, start)[smallest], np.minimum(times + lengths, end)[smallest]
-        times, gaps = _smallest_gaps(self._march, pairs, low, high)
-        # At an end of its bracket a gap is not smallest: it is still falling there, or falls behind it.
-        margin = 1e-6 * (high - low)
+        some = max(1, NEAR_HANDLES // (NEAR_POINTS * (int(pairs.max()) + 2)))
+        parts = [slice(at, at + some) for at in range(0, len(pairs), some)]
+        smallest_gaps = [_smallest_gaps(self._march, pairs[part], low[part], high[part]) for part in parts]
+        times, gaps = np.concatenate(smallest_gaps, axis=1)
+        margin = np.maximum(NEAR_END_SHARE * (high - low), NEAR_END / self._march.speed)
         inside = (times > low + margin) & (times < high - margin) & (gaps > 0) & (gaps < self._near)
         found = zip(times[inside].tolist(), pairs[inside].tolist(), gaps[inside].tolist(), strict=True)
         return tuple(Clearance(time=time, benches=(i, j), gap=gap) for time, (i, j), gap in sorted(found))

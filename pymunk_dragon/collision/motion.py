@@ -26,15 +26,16 @@ from pymunk_dragon.collision.sat import Separation, separation
 from pymunk_dragon.dragon import bench_poses, outlines
 from pymunk_dragon.march import March
 
-__all__ = ["ROUNDING", "Motion", "Stretches", "near_pairs"]
+__all__ = ["Motion", "Stretches", "near_pairs"]
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 Flags = NDArray[np.bool_]
 Indices = NDArray[np.intp]
 
-# m. What the places of holes, and so ways and gaps, may be wrong by: four times the error measured in the tests.
-ROUNDING = 2e-12
+# m. What the places of holes, and so ways and gaps, may be wrong by: four times the error measured in the tests. On a
+# path of many kilometres it is a few last digits of the arc length that is left.
+ROUNDING, LAST_DIGITS = 2e-12, 16
 QUARTER = np.pi / 2
 # Sine of the angle from a bench to its path, at most, up to which it is not followed.
 SHALLOW = 0.7
@@ -147,6 +148,8 @@ class Motion:
     ----------
     outlines : ndarray, shape (T, N, 4, 2)
         Corners of the benches in the middle, m.
+    rounding : float
+        What ways and gaps may be wrong by, m.
     ways : ndarray, shape (T, H)
         How far each handle goes from there within the stretch, to either side and at most, m along the path; inf where
         no bound is known.
@@ -158,6 +161,8 @@ class Motion:
         self._spacings = march.dragon.spacings[: handles - 1]
         self._points, self._tangents = march.curve.point(stretches.places), march.curve.tangent(stretches.places)
         self.outlines = outlines(bench_poses(self._points), march.dragon.lengths[: handles - 1], march.dragon.width)
+        farthest = march.curve.remaining(stretches.first_places[:, -1]).max()
+        self.rounding = max(ROUNDING, LAST_DIGITS * float(np.spacing(farthest)))
         self._bends = self._sharpest_bends(stretches)
         self._front_turns, self._rear_turns = self._turns()
         self.ways, self._rates = self._bounds(stretches)
@@ -165,7 +170,7 @@ class Motion:
     def _sharpest_bends(self, stretches: Stretches) -> Array:
         """Largest curvature (T,) in 1/m of the path under the benches, wherever they may be in the stretch."""
         curve = self._march.curve
-        # A hole that is held back goes no further than the whole chain is long.
+        # Where holes are pushed back, `_driven_ways` trusts no bound on more than this.
         back = -(self._march.speed * stretches.lengths + self._spacings.sum())
         return curve.sharpest(stretches.last_places[:, 0], curve.advance(stretches.places[:, -1], back))
 
@@ -183,9 +188,9 @@ class Motion:
         remaining = self._march.curve.remaining
         middle = remaining(stretches.places)
         first, last = remaining(stretches.first_places), remaining(stretches.last_places)
-        ways = np.maximum(np.abs(first - middle), np.abs(last - middle)) + ROUNDING
+        ways = np.maximum(np.abs(first - middle), np.abs(last - middle)) + self.rounding
         # The speed is the head's, so its way needs no places.
-        ways[:, 0] = self._march.speed * stretches.lengths / 2 + ROUNDING
+        ways[:, 0] = self._march.speed * stretches.lengths / 2 + self.rounding
         bends = self._bends[:, None]
         rates = _rates(self._front_turns, self._rear_turns, ways[:, :-1], bends, self._spacings)
         doubtful = np.flatnonzero(~rates.forward.all(axis=1))
@@ -202,7 +207,7 @@ class Motion:
             front, rear = self._front_turns[rows, bench], self._rear_turns[rows, bench]
             rates = _rates(front, rear, ways[:, bench], self._bends[rows], spacing)
             forward &= rates.forward
-            driven = np.where(rates.known, rates.lag * ways[:, bench] + ROUNDING, np.inf)
+            driven = np.where(rates.known, rates.lag * ways[:, bench] + self.rounding, np.inf)
             # Further than `_sharpest_bends` has looked no bound holds.
             driven = np.where(driven <= longest, driven, np.inf)
             ways[:, bench + 1] = np.where(forward, ways[:, bench + 1], driven)
@@ -225,7 +230,7 @@ class Motion:
         one, other = self._corners(rows, first, normals), self._corners(rows, second, normals)
         farthest = np.max(one.heights + one.swing(self.ways[rows, first]), axis=1)
         nearest = np.min(other.heights - other.swing(self.ways[rows, second]), axis=1)
-        return np.where(one.known & other.known, nearest - farthest - ROUNDING, -np.inf)
+        return np.where(one.known & other.known, nearest - farthest - self.rounding, -np.inf)
 
     def smallest_gaps_together(self, rows: Indices, pairs: Indices, normals: Array) -> Array:
         """The same from the motion of one bench as the other sees it.
@@ -256,7 +261,7 @@ class Motion:
             bends += most**2 * self._bends[rows][:, None] + change + 2 * turn * most * fastest
             bends += (most**2 * (turn_change + turn**2) + change * turn) * (np.hypot(*arms.T).T + way * fastest)
             gaps = seen.heights - _dot(self.outlines[rows, own], normals).max(axis=1, keepdims=True)
-            gaps = (gaps - np.abs(speeds) * way - bends * way**2 / 2).min(axis=1) - ROUNDING
+            gaps = (gaps - np.abs(speeds) * way - bends * way**2 / 2).min(axis=1) - self.rounding
         # Where the lags of very many benches do not fit into a double, nothing is known.
         return np.where(known & np.isfinite(gaps), gaps, -np.inf)
 
@@ -289,7 +294,7 @@ class Motion:
         turning = -self._turning[rows, benches][:, None] * _dot(arms, _left_of(normals))
         turn, turn_change = rates.turn[rows, benches][:, None], rates.turn_change[rows, benches][:, None]
         return _Corners(
-            known=rates.known[rows, benches],
+            known=rates.known[rows, benches] & np.isfinite(self.ways[rows, benches]),
             heights=_dot(corners, normals),
             speeds=_dot(self._tangents[rows, benches][:, None], normals) + turning,
             fastest=1 + lengths * turn,
@@ -303,15 +308,15 @@ class Motion:
         turning: Array = (front.imag - front.real / rear.real * rear.imag) / self._spacings
         return turning
 
-    def candidates(self, *, everyone: bool) -> tuple[Indices, Indices]:
-        """Stretches (P,) and pairs (P, 2) of benches, without neighbours, that may come to touch in them.
+    def candidates(self, near: float, *, everyone: bool) -> tuple[Indices, Indices]:
+        """Stretches (P,) and pairs (P, 2) of benches, without neighbours, that may come within `near` m in them.
 
         Without `everyone` only pairs with bench 0 or bench 1. Circles about the benches, wide enough for all their
         motion, rule the others out.
         """
         centres = self.outlines.mean(axis=2)
         own = np.hypot(*(self.outlines[0, :, 0] - centres[0]).T)
-        radii = own + (self.ways[:, :-1] + self.ways[:, 1:]) / 2
+        radii = own + (self.ways[:, :-1] + self.ways[:, 1:] + near) / 2
         if everyone:
             pairs = [near_pairs(*row) for row in zip(centres, radii, strict=True)]
             return np.repeat(np.arange(len(pairs)), [len(found) for found in pairs]), np.concatenate(pairs)
@@ -325,7 +330,7 @@ def near_pairs(centres: Array, radii: Array) -> Indices:
     """Pairs whose circles meet, of all benches."""
     # Nothing is further away than the chain is long, however little is known of where a bench may go.
     half = np.minimum(radii, np.ptp(centres, axis=0).sum() + 1)
-    squares = centres[:, None] + half[:, None, None] * SQUARE
+    squares = (centres - centres.mean(axis=0))[:, None] + half[:, None, None] * SQUARE
     cell = float(np.clip(2 * half.max(), MIN_CELL, MAX_CELL))
     pairs = Grid(cell=cell, origin=(0.0, 0.0)).pairs(squares)
     first, second = pairs.T
