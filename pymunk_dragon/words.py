@@ -90,7 +90,7 @@ def answer_in_words(answer: Answer) -> str:
 
 def _near_miss_in_words(miss: dict[str, Any]) -> str:
     i, j = miss["benches"]
-    return f"near miss at t = {miss['time']:.6f} s: benches {i} and {j}, {1e3 * miss['gap']:.3f} mm apart"
+    return f"near miss at t = {miss['time']:.4f} s: benches {i} and {j}, {1e3 * miss['gap']:.3f} mm apart"
 
 
 def comparison_in_words(answers: Sequence[Answer]) -> str:

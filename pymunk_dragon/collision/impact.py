@@ -67,7 +67,7 @@ class Clearance:
     Attributes
     ----------
     time : float
-        s.
+        s; right to a few microseconds only, because a gap that is smallest hardly changes.
     benches : tuple of int
         The smaller number first.
     gap : float

@@ -118,7 +118,7 @@ def settings(values: Mapping[str, Any], prefix: str = "") -> list[tuple[str, str
 def near_misses(contents: Contents) -> Table:
     """The exact model's near misses, in the order of time."""
     columns = (
-        Column(key="time_s", head="time (s)", decimals=6),
+        Column(key="time_s", head="time (s)", decimals=4),
         *_BENCHES,
         Column(key="gap_m", head="gap (mm)", decimals=3, scale=1e3),
     )
