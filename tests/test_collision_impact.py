@@ -331,6 +331,18 @@ def test_benches_stay_within_their_bounds(choice, share, exponent):
         assert np.all(apart[:, columns].min(axis=0) >= bound(rows, pairs, normals) - 1e-12)
 
 
+def test_bounds_hold_at_the_end_of_a_way_of_many_kilometres():
+    dragon = Dragon(
+        benches=4, head_spacing=13.735165996067813, body_spacing=4.780263451866065, overhang=1.9, width=0.44
+    )
+    march = March(dragon, Spiral(pitch=27.402931504556456), turns=14.378403024521337, speed=0.42949312219671554)
+    for begin, end in ((41461.258312833335, 41468.1838615804), (41468.18332751512, 41468.1838615804)):
+        times = np.linspace(begin, end, 41)
+        motion = Motion(march, Stretches.between(march, times[[0, -1]]))
+        left = march.curve.remaining(march.parameters(times))
+        assert np.all(np.abs(left - left[20]) <= motion.ways[0])
+
+
 def test_bound_falls_short_of_the_smallest_gap_by_the_square_of_the_length(seed_march):
     for length, slack in ((1e-2, 2e-3), (1e-3, 2e-5), (1e-4, 2e-7)):
         stretches = Stretches.between(seed_march, np.array([411.0, 411.0 + length]))

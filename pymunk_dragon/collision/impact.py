@@ -8,7 +8,8 @@ advancement (B. Mirtich, "Impulse-based Dynamic Simulation of Rigid Body Systems
 Two benches break new ground, and only they have to be watched for long. All benches but the head are alike, and each
 passes where the one before it passed. Once every bench has reached the place where its predecessor stood at the start,
 it repeats with the benches behind it what its predecessor did with those behind that one. From then on a first contact
-is one of the head or of bench 1.
+is one of the head or of bench 1. (Near the end of a path the head may push holes back. What they do then has been seen
+as well, unless one is pushed back behind its own start: that is assumed not to happen, and not checked.)
 """
 
 from __future__ import annotations
@@ -130,6 +131,8 @@ def first_contact(
     march: March, *, start: float = 0.0, until: float | None = None, progress: Progress | None = None
 ) -> Impact:
     """First contact of benches that are not neighbours, certified: there is no earlier one, however short.
+
+    What the certificate rests on, and the one thing it assumes, is told at the head of this module.
 
     Parameters
     ----------

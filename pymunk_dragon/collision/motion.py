@@ -34,7 +34,7 @@ Flags = NDArray[np.bool_]
 Indices = NDArray[np.intp]
 
 # m. What the places of holes, and so ways and gaps, may be wrong by: four times the error measured in the tests. On a
-# path of many kilometres it is a few last digits of the arc length that is left.
+# path of many kilometres it is a few last digits of the arc length.
 ROUNDING, LAST_DIGITS = 2e-12, 16
 QUARTER = np.pi / 2
 # Sine of the angle from a bench to its path, at most, up to which it is not followed.
@@ -161,8 +161,9 @@ class Motion:
         self._spacings = march.dragon.spacings[: handles - 1]
         self._points, self._tangents = march.curve.point(stretches.places), march.curve.tangent(stretches.places)
         self.outlines = outlines(bench_poses(self._points), march.dragon.lengths[: handles - 1], march.dragon.width)
-        farthest = march.curve.remaining(stretches.first_places[:, -1]).max()
-        self.rounding = max(ROUNDING, LAST_DIGITS * float(np.spacing(farthest)))
+        # However near the end, places come from the arc length at the start, less the way gone.
+        longest = max(march.curve.remaining(stretches.first_places[:, -1]).max(), march.speed * march.end)
+        self.rounding = max(ROUNDING, LAST_DIGITS * float(np.spacing(longest)))
         self._bends = self._sharpest_bends(stretches)
         self._front_turns, self._rear_turns = self._turns()
         self.ways, self._rates = self._bounds(stretches)
