@@ -34,6 +34,9 @@ HEAD_BENCHES = 12
 RUN_ENDINGS = (".npz",)
 FORMAT = "pymunk_dragon run"
 FORMAT_VERSION = 1
+# What a file holds beside its notes, and what of it the runs of some players do not have.
+ARRAYS = ("times", "poses", "drift", "joint_impulses")
+MAY_LACK = ("joint_impulses",)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,6 +53,9 @@ class Run:
         Pose of every bench: centre in m, angle in rad.
     drift : ndarray, shape (F, N)
         How far each bench's worse hole is from where the exact model has it, m; nan where that has no place for it.
+    joint_impulses : ndarray, shape (F, N - 1), or None
+        Size of the impulse in each pivot, N s, in the substep that ended at the frame; pivot i joins benches i and
+        i + 1. None where no engine played.
     events : ContactLog
         Every collision callback.
     first_contact : Contact or None
@@ -67,6 +73,7 @@ class Run:
     times: Array
     poses: Array
     drift: Array
+    joint_impulses: Array | None = None
     events: ContactLog = field(default_factory=ContactLog)
     first_contact: Contact | None = None
     outcome: Outcome = "clear"
@@ -75,7 +82,10 @@ class Run:
 
     def __post_init__(self) -> None:
         frames, benches = len(self.times), self.march.dragon.benches
-        for name, shape in {"times": (frames,), "poses": (frames, benches, 3), "drift": (frames, benches)}.items():
+        shapes = {"times": (frames,), "poses": (frames, benches, 3), "drift": (frames, benches)}
+        if self.joint_impulses is not None:
+            shapes["joint_impulses"] = (frames, benches - 1)
+        for name, shape in shapes.items():
             # A copy, because the giver's array is the giver's to change.
             array = np.array(getattr(self, name), dtype=float)
             if array.shape != shape:
@@ -140,8 +150,9 @@ class Run:
             "provenance": dict(self.provenance),
         }
         packed = np.frombuffer(json.dumps(notes).encode(), dtype=np.uint8)
+        arrays = {name: getattr(self, name) for name in ARRAYS if getattr(self, name) is not None}
         with written_in_place(check_destination(path, RUN_ENDINGS)) as draft, draft.open("wb") as file:
-            np.savez_compressed(file, notes=packed, times=self.times, poses=self.poses, drift=self.drift)
+            np.savez_compressed(file, notes=packed, **arrays)
 
     @classmethod
     def load(cls, path: str | Path) -> Run:
@@ -161,7 +172,7 @@ class Run:
             raise ParameterError("run", str(path), f"a readable file ({reason})") from error
         try:
             with np.load(io.BytesIO(content), allow_pickle=False) as archive:
-                arrays = {name: archive[name] for name in ("times", "poses", "drift")}
+                arrays = {name: archive[name] for name in ARRAYS if name in archive or name not in MAY_LACK}
                 notes = json.loads(archive["notes"].tobytes())
             return cls._from_parts(arrays, notes)
         except DragonError as error:
@@ -185,6 +196,7 @@ class Run:
             times=arrays["times"],
             poses=arrays["poses"],
             drift=arrays["drift"],
+            joint_impulses=arrays.get("joint_impulses"),
             events=ContactLog(tuple(_read(ContactEvent, event) for event in notes["events"])),
             first_contact=None if first is None else _read(Contact, first),
             outcome=notes["outcome"],

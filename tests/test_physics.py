@@ -18,6 +18,7 @@ from pymunk_dragon.physics.callbacks import Recorder
 from pymunk_dragon.physics.rails import Free, Rails
 from pymunk_dragon.physics.simulation import FINE_ITERATIONS, FINE_STRIDE
 from pymunk_dragon.physics.world import World
+from pymunk_dragon.run import Run
 
 # m
 HEAD_DRIFT, MAX_DRIFT = 0.5e-3, 2e-3
@@ -181,8 +182,7 @@ def test_faster_march_is_the_same_march(seed_march, true_time):
     assert fast.provenance["substep"] == pytest.approx(1 / 200)
 
 
-def test_joint_impulses_hold_each_bench_on_its_neighbour(seed_march):
-    """Newton's second law for the tail: what pivot, rail, drag and dancer do in a substep is its change of momentum."""
+def test_joints_hold_each_bench_on_its_neighbour(seed_march):
     substep = 0.01
     world = World(
         seed_march, Rails(seed_march, start=400.0, substep=substep), start=400.0, substep=substep, iterations=50
@@ -192,11 +192,33 @@ def test_joint_impulses_hold_each_bench_on_its_neighbour(seed_march):
         world.prepare(pose, velocity)
         world.space.step(substep)
         world.read()
-    pivots = [joint for joint in world.space.constraints if isinstance(joint, pymunk.PivotJoint)]
-    gaps = [joint.a.local_to_world(joint.anchor_a) - joint.b.local_to_world(joint.anchor_b) for joint in pivots]
-    assert len(pivots) == seed_march.dragon.benches - 1
-    assert max(gap.length for gap in gaps) < 1e-4
-    assert all(np.isfinite(joint.impulse) for joint in pivots)
+    assert len(world.pivots) == seed_march.dragon.benches - 1
+    for pivot in world.pivots:
+        gap = pivot.a.local_to_world(pivot.anchor_a) - pivot.b.local_to_world(pivot.anchor_b)
+        assert gap.length < 1e-4
+
+
+def test_impulse_in_the_last_pivot_is_what_changes_the_tails_momentum():
+    """Newton's second law: nothing else acts on a tail that nobody guides but the ground's drag."""
+    march, substep = March(Dragon(benches=12), turns=6), 0.01
+    world = World(march, Free(), start=0.0, substep=substep, iterations=50)
+    head = march.at(substep * np.arange(1, 100), handles=2)
+    tail = world.bodies[-1]
+    for pose, velocity in zip(head.poses[:, 0], head.pose_velocities[:, 0], strict=True):
+        world.prepare(pose, velocity)
+        before = tail.velocity
+        world.space.step(substep)
+        world.read()
+        change = tail.mass * (tail.velocity - before * world.space.damping**substep)
+        assert world.joint_impulses[-1] == pytest.approx(change.length, rel=1e-9)
+
+
+def test_run_knows_the_impulse_in_every_joint_at_every_frame():
+    march = March(Dragon(benches=12), turns=6)
+    run = simulate(march, until=2.0)
+    assert run.joint_impulses.shape == (len(run.times), 11)
+    assert np.all(run.joint_impulses >= 0)
+    assert Run.exact(march, [0.0]).joint_impulses is None
 
 
 # How the world is built

@@ -56,6 +56,7 @@ def a_run():
         times=states.times,
         poses=states.poses,
         drift=drift,
+        joint_impulses=np.linspace(0, 1, 21).reshape(7, 3) / 7,
         events=EVENTS,
         first_contact=CONTACT,
         outcome="contact",
@@ -115,7 +116,7 @@ def assert_refused(content, *words):
 
 def test_run_comes_back_exactly():
     run, back = a_run(), load(WHOLE)
-    for name in ("times", "poses", "drift"):
+    for name in ("times", "poses", "drift", "joint_impulses"):
         assert getattr(back, name).tobytes() == getattr(run, name).tobytes()
         assert getattr(back, name).shape == getattr(run, name).shape
     for name in ("march", "events", "first_contact", "outcome", "provenance"):
@@ -128,6 +129,7 @@ def test_run_without_contact_comes_back_exactly():
     back = load(saved(run))
     assert back.events == run.events == ContactLog()
     assert back.first_contact is None
+    assert back.joint_impulses is None
     assert back.outcome == "clear"
     assert back.provenance == {"player": "exact", "versions": versions()}
 
@@ -302,6 +304,8 @@ MISFITS = {
     "one time": members(times=np.array(1.0)),
     "no frames": members(times=np.empty(0), poses=np.empty((0, 4, 3)), drift=np.empty((0, 4))),
     "drift of other handles": members(drift=np.zeros((7, 3))),
+    "impulses of other joints": members(joint_impulses=np.zeros((7, 4))),
+    "infinite impulses": members(joint_impulses=np.full((7, 3), np.inf)),
     "whole numbers for times": members(times=np.arange(7)),
     "halves for poses": members(poses=np.zeros((7, 4, 3), dtype=np.float16)),
     "texts for poses": members(poses=np.full((7, 4, 3), "a")),

@@ -121,6 +121,7 @@ def simulate(
         times=times,
         poses=poses,
         drift=_drift(march, times, poses),
+        joint_impulses=np.array(loop.joint_impulses),
         events=ContactLog(tuple(recorder.events)),
         first_contact=loop.first_contact,
         outcome=loop.outcome,
@@ -140,6 +141,7 @@ class _Loop:
         self._stride = stride
         self.times = [float(start)]
         self.poses = [world.poses.copy()]
+        self.joint_impulses = [world.joint_impulses]
         self.substeps = 0
         self.first_contact: Contact | None = None
         self.outcome: Outcome = "clear"
@@ -225,6 +227,7 @@ class _Loop:
         if time > self.times[-1]:
             self.times.append(time)
             self.poses.append(poses)
+            self.joint_impulses.append(self._world.joint_impulses)
 
 
 def _check(

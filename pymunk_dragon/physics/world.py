@@ -90,6 +90,8 @@ class World:
     ----------
     poses, velocities : ndarray, shape (N, 3)
         State of the benches after the last step; both fit each other: the velocities fulfil the joints at these poses.
+    pivots : list of pymunk.PivotJoint
+        The joints of the chain; number i joins benches i and i + 1.
 
     Notes
     -----
@@ -122,6 +124,11 @@ class World:
         """The kinematic body of bench 0."""
         return self.bodies[0]
 
+    @property
+    def joint_impulses(self) -> list[float]:
+        """Size of the impulse in each pivot during the last step, N s."""
+        return [pivot.impulse for pivot in self.pivots]
+
     def _body(self, bench: int) -> pymunk.Body:
         if bench == 0:
             return pymunk.Body(body_type=pymunk.Body.KINEMATIC)
@@ -132,10 +139,12 @@ class World:
     def _join(self) -> None:
         """Add each bench's pivot and then its guide, from head to tail: the solver takes them in this order."""
         half = self.march.dragon.spacings / 2
+        self.pivots: list[pymunk.PivotJoint] = []
         for bench in range(1, len(self.bodies)):
             before, body = self.bodies[bench - 1], self.bodies[bench]
             pivot = pymunk.PivotJoint(before, body, (-half[bench - 1], 0.0), (half[bench], 0.0))
             pivot.collide_bodies = False
+            self.pivots.append(pivot)
             joints = [pivot, *self._guide.joints(bench, body)]
             for joint in joints:
                 # The correction's rate is per metre marched, as the drag is: a faster march is the same march.
