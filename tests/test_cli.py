@@ -18,7 +18,8 @@ import openpyxl
 import pytest
 from conftest import assert_says
 
-from pymunk_dragon.cli import SCENARIO_OPTIONS, main
+from pymunk_dragon.cli import main
+from pymunk_dragon.cli.options import SCENARIO_OPTIONS
 from pymunk_dragon.dragon import Dragon
 from pymunk_dragon.errors import OutputError
 from pymunk_dragon.march import March

@@ -1,0 +1,123 @@
+"""`pymunk-dragon contact`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from pymunk_dragon.cli.options import (
+    destination_of,
+    json_option,
+    march_of,
+    output_option,
+    scenario_options,
+    start_option,
+)
+from pymunk_dragon.cli.output import print_json, progress, write_json
+from pymunk_dragon.cli.simulate import played
+from pymunk_dragon.errors import DragonError
+
+if TYPE_CHECKING:
+    from pymunk_dragon.march import March
+
+__all__ = ["contact"]
+
+# Who may look for the first contact, and whose the settings of looking are.
+METHODS = ("exact", "grid", "engine")
+SETTINGS_OF = {"step": "grid", "tolerance": "grid", "fine": "engine"}
+
+
+@click.command()
+@scenario_options
+@click.option("--method", type=click.Choice(METHODS), default="exact", help="Who looks for it.  [exact]")
+@click.option("--compare", is_flag=True, help="Ask all three, and print their answers side by side.")
+@start_option
+@click.option("--until", type=float, metavar="T", help="Last time, s.  [the end of the curve]")
+@click.option("--step", type=float, metavar="T", help="Of the grid: s between looks.  [1]")
+@click.option("--tolerance", type=float, metavar="T", help="Of the grid: how far it bisects, s.  [1e-6]")
+@click.option("--fine", is_flag=True, default=None, help="Of the engine: a quarter of the usual substep.")
+@json_option
+@output_option(".json, or .xlsx for the contest's sheet of that moment")
+def contact(
+    scenario_file: str | None,
+    method: str,
+    compare: bool,
+    start: float,
+    until: float | None,
+    as_json: bool,
+    output: str | None,
+    **settings: Any,
+) -> None:
+    """When benches that are not neighbours first touch, and where.
+
+    The exact method certifies that nothing touched before, however briefly. The grid is the paper's way: it looks every
+    so often, and bisects. The engine is Pymunk.
+    """
+    from pymunk_dragon.words import answer_in_words, comparison_in_words
+
+    given = {name: value for name, value in settings.items() if value is not None}
+    for name in given:
+        if not compare and SETTINGS_OF[name] != method:
+            raise click.UsageError(f"--{name} is of the {SETTINGS_OF[name]}: add --method {SETTINGS_OF[name]}")
+    march = march_of(scenario_file)
+    destination = destination_of(output, (".json", ".xlsx"))
+    sheet = destination if destination is not None and destination.suffix.lower() == ".xlsx" else None
+    if sheet is not None:
+        _check_xlsx()
+    asked = METHODS if compare else (method,)
+    answers = [_answer(march, name, given, start=start, until=until) for name in asked]
+    if compare:
+        result: dict[str, Any] = {"methods": answers}
+    else:
+        # How long it took is no part of the answer: the same question has the same bytes.
+        result = {name: value for name, value in answers[0].items() if name != "wall_seconds"}
+    if sheet is not None:
+        _write_contact_sheet(march, answers[0], sheet)
+    elif destination is not None:
+        write_json(destination, result)
+    if as_json:
+        print_json(result)
+    else:
+        click.echo(comparison_in_words(answers) if compare else answer_in_words(answers[0]))
+
+
+def _answer(
+    march: March, method: str, settings: dict[str, Any], *, start: float, until: float | None
+) -> dict[str, Any]:
+    """What one method finds, and what that costs."""
+    from time import perf_counter
+
+    from pymunk_dragon.collision import first_contact, scan
+    from pymunk_dragon.words import answer_of
+
+    own = {name: value for name, value in settings.items() if SETTINGS_OF[name] == method}
+    begin = perf_counter()
+    if method == "engine":
+        run = played(march, fine=own.get("fine", False), start=start, until=until)
+        answer = answer_of(method, run) | {"looks": run.provenance["substeps"], "tests": None}
+    else:
+        look = first_contact if method == "exact" else scan
+        with progress("t") as show:
+
+            def tell(time: float, last: float) -> None:
+                show(time - start, last - start, f"t = {time:.1f} s")
+
+            found = look(march, start=start, until=until, progress=tell, **own)
+        answer = answer_of(method, found) | {"looks": found.looks, "tests": found.tests}
+    return answer | {"wall_seconds": perf_counter() - begin}
+
+
+def _check_xlsx() -> None:
+    from pymunk_dragon.report.extras import library
+
+    library("xlsxwriter")
+
+
+def _write_contact_sheet(march: March, answer: dict[str, Any], path: Path) -> None:
+    from pymunk_dragon.report import write_contact_table
+
+    if answer["time"] is None:
+        raise DragonError(f"no contact until t = {answer['until']:.6g} s, so {path} was not written")
+    write_contact_table(march, answer["time"], path)

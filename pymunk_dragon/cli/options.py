@@ -1,0 +1,113 @@
+"""What several commands take."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+
+from pymunk_dragon.errors import ParameterError
+
+if TYPE_CHECKING:
+    from pymunk_dragon.march import March
+
+__all__ = [
+    "PROGRAM",
+    "SCENARIO_OPTIONS",
+    "chosen",
+    "destination_of",
+    "json_option",
+    "march_of",
+    "number_list",
+    "output_option",
+    "scenario_options",
+    "start_option",
+]
+
+Command = TypeVar("Command", bound=Callable[..., Any])
+
+PROGRAM = "pymunk-dragon"
+# Numbers in one list: more fill the memory, and are a slip of the finger.
+MAX_LIST = 1_000_000
+SCENARIO_OPTIONS = {
+    "benches": (int, "N", "Number of benches.  [223]"),
+    "head_spacing": (float, "M", "Distance between the head's holes, m.  [2.86]"),
+    "body_spacing": (float, "M", "Distance between any other bench's holes, m.  [1.65]"),
+    "overhang": (float, "M", "From a hole to the end of the bench, m.  [0.275]"),
+    "width": (float, "M", "Width of the benches, m.  [0.3]"),
+    "pitch": (float, "M", "Distance between the turns of the spiral, m.  [0.55]"),
+    "turns": (float, "X", "Turn of the spiral on which the head starts.  [16]"),
+    "speed": (float, "M/S", "Speed of the head, m/s.  [1]"),
+}
+
+
+def scenario_options(command: Command) -> Command:
+    """Give a command the options of a scenario, as one argument `scenario`: the chosen names and values."""
+
+    def collect(context: click.Context, parameter: click.Parameter, value: Any) -> None:
+        if value is not None:
+            context.meta.setdefault("scenario", {})[parameter.name] = value
+
+    for name, (kind, metavar, text) in reversed(SCENARIO_OPTIONS.items()):
+        flag = "--" + name.replace("_", "-")
+        add = click.option(flag, name, type=kind, metavar=metavar, help=text, callback=collect, expose_value=False)
+        command = add(command)
+    file = click.option("--scenario", "scenario_file", metavar="FILE.toml", help="Read these from a file; flags win.")
+    return file(command)
+
+
+json_option = click.option("--json", "as_json", is_flag=True, help="Print one JSON object and nothing else.")
+start_option = click.option("--from", "start", type=float, default=0.0, metavar="T", help="First time, s.  [0]")
+
+
+def output_option(endings: str, required: bool = False) -> Callable[[Command], Command]:
+    """The option -o; its ending chooses the format."""
+    return click.option("-o", "--output", metavar="FILE", required=required, help=f"File to write: {endings}.")
+
+
+def chosen() -> dict[str, Any]:
+    """The scenario options that were given as flags."""
+    found: dict[str, Any] = click.get_current_context().meta.get("scenario", {})
+    return found
+
+
+def march_of(scenario_file: str | None) -> March:
+    """The march of a scenario file with the flags laid over it."""
+    from pymunk_dragon.scenario import Scenario
+
+    values = Scenario.read(scenario_file) if scenario_file is not None else {}
+    return Scenario.from_mapping({**values, **chosen()}).march()
+
+
+def destination_of(output: str | None, endings: tuple[str, ...]) -> Path | None:
+    """Check where to write before the long work that makes what is written."""
+    if output is None:
+        return None
+    from pymunk_dragon.files import check_destination
+
+    return check_destination(output, endings)
+
+
+def number_list(name: str, text: str) -> list[float]:
+    """Numbers from `0,60,120` or `0:300:1`, both ends included, or a mixture."""
+    bound = "numbers such as 0,60,120 or first:last:step such as 0:300:1"
+    numbers: list[float] = []
+    for part in text.split(","):
+        try:
+            values = [float(value) for value in part.split(":")]
+        except ValueError:
+            raise ParameterError(name, text, bound) from None
+        if len(values) == 1:
+            numbers += values
+        elif len(values) == 3 and all(abs(value) < float("inf") for value in values) and values[2] > 0:
+            first, last, step = values
+            # A millionth of a step is rounding, as in 0:1:0.1.
+            count = (last - first) / step + 1e-6
+            if not 0 <= count < MAX_LIST:
+                raise ParameterError(name, text, f"at least one and at most {MAX_LIST} numbers, first:last:step")
+            numbers += [first + step * i for i in range(int(count) + 1)]
+        else:
+            raise ParameterError(name, text, bound)
+    return numbers

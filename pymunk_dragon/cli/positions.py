@@ -1,0 +1,106 @@
+"""`pymunk-dragon positions`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from pymunk_dragon.cli.options import (
+    destination_of,
+    json_option,
+    march_of,
+    number_list,
+    output_option,
+    scenario_options,
+)
+from pymunk_dragon.cli.output import print_json, progress, write_json
+from pymunk_dragon.errors import ParameterError
+
+if TYPE_CHECKING:
+    from pymunk_dragon.march import March
+
+__all__ = ["positions"]
+
+# The times of the paper's tables.
+TABLE_TIMES = "0:300:60"
+# Positions in one table: more fill the memory, and are a slip of the finger.
+MAX_TABLE = 20_000_000
+
+
+@click.command()
+@scenario_options
+@click.option("--times", metavar="LIST", help=f"Times, s: 0,60,120 or 0:300:1.  [{TABLE_TIMES}]")
+@click.option("--handles", metavar="LIST", help="Handles.  [those of the paper's tables]")
+@click.option("--paper", is_flag=True, help="Print the paper's tables 1 to 3 instead, cut as the paper cuts them.")
+@json_option
+@output_option(".csv, .json, or .xlsx for the contest's sheets with all handles")
+def positions(
+    scenario_file: str | None, times: str | None, handles: str | None, paper: bool, as_json: bool, output: str | None
+) -> None:
+    """Where the handles are and how fast, exactly."""
+    march = march_of(scenario_file)
+    if paper:
+        if times or handles or as_json or output:
+            raise click.UsageError("--paper prints all of its tables: leave out --times, --handles, --json and -o")
+        click.echo(_paper_tables(march))
+        return
+    from pymunk_dragon.words import POSITIONS, position_rows, positions_in_words
+
+    last = march.dragon.handles - 1
+    chosen = march.dragon.representatives if handles is None else _handles(handles, last)
+    at = number_list("times", times or TABLE_TIMES)
+    if len(at) * march.dragon.handles > MAX_TABLE:
+        raise ParameterError("times", times, f"at most {MAX_TABLE // march.dragon.handles} for this dragon")
+    destination = destination_of(output, (".csv", ".json", ".xlsx"))
+    sheets = destination if destination is not None and destination.suffix.lower() == ".xlsx" else None
+    if sheets is not None and handles is not None:
+        raise click.UsageError("the contest's sheets have all handles: leave out --handles, or write .csv or .json")
+    states = march.at(at)
+    places, speeds = states.positions[:, chosen].tolist(), states.speeds[:, chosen].tolist()
+    result = {"times": at, "handles": chosen, "positions": places, "speeds": speeds}
+    if sheets is not None:
+        _write_contest_tables(march, at, sheets)
+    elif destination is not None:
+        _write_table(destination, POSITIONS, position_rows(result), result)
+    if as_json:
+        print_json(result)
+    elif destination is None:
+        click.echo(positions_in_words(result))
+
+
+def _handles(text: str, last: int) -> list[int]:
+    numbers = number_list("handles", text)
+    if not all(number.is_integer() and 0 <= number <= last for number in numbers):
+        raise ParameterError("handles", text, f"whole numbers from 0 to {last}")
+    return [int(number) for number in numbers]
+
+
+def _paper_tables(march: March) -> str:
+    from pymunk_dragon.collision import first_contact
+    from pymunk_dragon.report import paper_tables
+
+    impact = first_contact(march)
+    return paper_tables(march, impact.time if impact.status == "contact" else None)
+
+
+def _write_contest_tables(march: March, times: list[float], path: Path) -> None:
+    from pymunk_dragon.report import write_tables
+
+    with progress("row") as show:
+        write_tables(march, times, path, lambda done, total: show(done, total, f"row {done}"))
+
+
+def _write_table(path: Path, heads: tuple[str, ...], rows: list[tuple[float, ...]], result: dict[str, Any]) -> None:
+    import csv
+
+    from pymunk_dragon.files import written_in_place
+
+    if path.suffix.lower() == ".json":
+        write_json(path, result)
+        return
+    with written_in_place(path) as draft, draft.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(heads)
+        writer.writerows(rows)

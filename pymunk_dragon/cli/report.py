@@ -1,0 +1,28 @@
+"""`pymunk-dragon report`."""
+
+from __future__ import annotations
+
+import click
+
+from pymunk_dragon.cli.options import destination_of, json_option, output_option
+from pymunk_dragon.cli.output import print_json, progress
+
+__all__ = ["report"]
+
+
+@click.command()
+@click.argument("run_file", metavar="RUN.npz")
+@json_option
+@output_option(".html, .md, .xlsx, .csv or .json", required=True)
+def report(run_file: str, as_json: bool, output: str) -> None:
+    """Tell what happened in a run, as a document or a table."""
+    from pymunk_dragon.report import REPORT_ENDINGS
+    from pymunk_dragon.report import report as write_report
+    from pymunk_dragon.run import Run
+
+    destination = destination_of(output, REPORT_ENDINGS)
+    assert destination is not None
+    with progress("report") as show:
+        write_report(Run.load(run_file), destination, lambda done, total: show(done, total, "report"))
+    if as_json:
+        print_json({"output": str(destination), "bytes": destination.stat().st_size})
