@@ -17,6 +17,7 @@ from pathlib import Path
 import openpyxl
 import pytest
 from conftest import assert_says
+from PIL import Image
 
 from pymunk_dragon.cli import main
 from pymunk_dragon.cli.options import SCENARIO_OPTIONS
@@ -242,6 +243,37 @@ def test_render_films_a_march_and_draws_a_picture(call, tmp_path):
     assert picture.read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
 
 
+def test_render_sets_runs_side_by_side_with_their_marks_and_words(call, tmp_path):
+    run, picture = tmp_path / "r.npz", tmp_path / "p.png"
+    call("simulate", *SHORT, "--until", "412.4", "-o", run)
+
+    def size(*arguments):
+        assert call("render", *arguments, "-o", picture, "--size", "120")[0] == 0
+        with Image.open(picture) as image:
+            return image.size, image.tobytes()
+
+    (width, height), plain = size(run)
+    assert (width, height) == (120, 120)
+    (width, height), _ = size(run, run)
+    assert width == 2 * 120 + 2
+    (width, height), _ = size(run, "--exact", "--title", "Both", "--caption", "The engine and the exact model.")
+    assert width == 2 * 120 + 2
+    assert height > 120 + 60
+    pictures = {plain}
+    for flags in (["--velocities"], ["--impulses"], ["--grid"], ["--velocities", "--grid"]):
+        pictures.add(size(run, *flags, "--camera", "head")[1])
+    assert len(pictures) == 5
+
+
+@pytest.mark.parametrize("ending", ["mp4", "apng", "webp"])
+def test_render_takes_the_format_from_the_ending(call, ending, tmp_path):
+    film = tmp_path / f"film.{ending}"
+    assert call("render", "-o", film, "--until", "2", "--size", "120", "--fps", "30")[0] == 0
+    signature = {"mp4": (4, b"ftyp"), "apng": (37, b"acTL"), "webp": (8, b"WEBPVP8X")}
+    at, expected = signature[ending]
+    assert film.read_bytes()[at : at + len(expected)] == expected
+
+
 @pytest.fixture(scope="module")
 def run_file(tmp_path_factory):
     path = tmp_path_factory.mktemp("run") / "run.npz"
@@ -340,7 +372,11 @@ def test_every_scenario_option_refuses_what_it_cannot_be(complaint, name, value)
         (["simulate", "--iterations", "0"], ["iterations", "0"]),
         (["simulate", "--fine", "--iterations", "9"], ["--fine", "--iterations"]),
         (["render", "nowhere.npz", "-o", "f.gif"], ["nowhere.npz"]),
-        (["render", "-o", "f.gif", "--fps", "30"], ["fps", "30", "25"]),
+        (["render", "-o", "f.gif", "--exact"], ["--exact", "run"]),
+        (["render", "-o", "f.gif", "--impulses"], ["show", "impulses", "engine"]),
+        (["render", "-o", "f.gif", "--workers", "0"], ["workers", "0"]),
+        (["render", "-o", "f.gif", "--title", "x" * 501], ["title", "500"]),
+        (["render", "-o", "f.gif", "--fps", "51"], ["fps", "51", "50"]),
         (["render", "-o", "f.gif", "--size", "big"], ["size", "big"]),
         (["render", "-o", "f.gif", "--size", "1x2x3"], ["size", "1x2x3"]),
         (["render", "-o", "f.gif", "--camera", "tail"], ["tail", "head"]),

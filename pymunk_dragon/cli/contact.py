@@ -110,7 +110,7 @@ def _answer(
 
 
 def _check_xlsx() -> None:
-    from pymunk_dragon.report.extras import library
+    from pymunk_dragon.extras import library
 
     library("xlsxwriter")
 

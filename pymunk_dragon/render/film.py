@@ -1,60 +1,40 @@
-"""Pictures of a run, or of a march, as a film or one by one."""
+"""How a run, or a march, becomes a film: its speed, its window, and what it shows."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
-from typing import Any
 
-import imageio.v3 as iio
 import numpy as np
 from numpy.typing import NDArray
 
 from pymunk_dragon.checks import finite, positive, whole
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.files import check_destination, written_in_place
 from pymunk_dragon.march import March
-from pymunk_dragon.render.camera import HEAD_SPAN, Camera
-from pymunk_dragon.render.gif import GifStream
-from pymunk_dragon.render.palette import TRANSPARENT, Palette
-from pymunk_dragon.render.scene import Scene
+from pymunk_dragon.render.camera import Camera
+from pymunk_dragon.render.moments import Mark, Source, window
+from pymunk_dragon.render.palette import Palette
 from pymunk_dragon.run import Run
 
-__all__ = [
-    "FILM_ENDINGS",
-    "FPS",
-    "STILL_ENDINGS",
-    "Film",
-    "make_scene",
-    "render",
-    "states",
-    "write_film",
-    "write_still",
-]
+__all__ = ["Film", "shared_window"]
 
 Array = NDArray[np.float64]
-Source = Run | March
-Progress = Callable[[int, int], None]
 
-FILM_ENDINGS, STILL_ENDINGS = (".gif",), (".png",)
-# A GIF's delays are whole centiseconds, and browsers slow 1 centisecond down to 10: these are the even rates left.
-FPS = (10, 20, 25, 50)
-# Centiseconds: the shortest delay that browsers keep to.
-MIN_DELAY = 2
-# Pixels a side. Below, the type fills the picture; above, a GIF is the wrong format.
+# Frames a second: what screens show.
+MAX_FPS = 60
+# s: the shortest that browsers show a frame of a GIF.
+MIN_DELAY = 0.02
+# Pixels a side. Below, the type fills the picture; above, a film is the wrong format.
 MIN_SIZE, MAX_SIZE = 64, 2048
 # Frames: half an hour at 10 a second. More is a slip of the finger.
 MAX_FRAMES = 20_000
 # Simulated seconds per second: faster than that, any march is over within its first frame.
 MAX_SPEEDUP = 1e6
-# Seconds; a GIF's longest delay is 655 s.
+# Seconds; an APNG's longest delay is 65 s.
 MAX_HOLD = 60.0
-# Frames whose poses are worked out at once: enough to make a call per frame cheap, little enough to stay small.
-CHUNK = 32
-# Samples of the march from which the field in view is found, and the free border around it as a share.
-FIELD_SAMPLES, FIELD_BORDER = 64, 0.03
+# Characters of a title or a caption: a few lines.
+MAX_TEXT = 500
 # Share of a frame that a window may be longer than its whole frames without getting one more.
 ROUNDING = 1e-6
 
@@ -65,8 +45,8 @@ class Film:
 
     Parameters
     ----------
-    fps : {10, 20, 25, 50}
-        Frames per second of film.
+    fps : int
+        Frames per second of film, at most 60, and 50 in a GIF.
     speedup : float
         Simulated seconds per second of film.
     size : int or tuple of int
@@ -83,6 +63,14 @@ class Film:
     gap : bool, optional
         Whether to write down the smallest gap between the head and a bench that is not its neighbour; by default
         where the camera follows the head.
+    show : tuple of str
+        Marks to lay over the benches: "velocities", as where each handle would be in half a second; "grid", the cells
+        of the broad phase, darker where a bench is filed; of runs "contacts" and "normals" where benches touch; of
+        the engine's runs "impulses" in the joints, as the areas of discs, the largest nearly as wide as a bench.
+    title, caption : str
+        Lines above and below the picture, which grows by as much.
+    headings : tuple of str
+        What stands above each of several pictures side by side; by default who played it.
 
     Raises
     ------
@@ -104,10 +92,13 @@ class Film:
     camera: Camera = field(default_factory=Camera)
     palette: Palette = field(default_factory=Palette)
     gap: bool | None = None
+    show: tuple[Mark, ...] = ()
+    title: str = ""
+    caption: str = ""
+    headings: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        if type(self.fps) is not int or self.fps not in FPS:
-            raise ParameterError("fps", self.fps, "one of " + ", ".join(map(str, FPS)))
+        whole("fps", self.fps, 1, MAX_FPS)
         positive("speedup", self.speedup, MAX_SPEEDUP, "")
         if isinstance(self.size, tuple) and len(self.size) != 2:
             raise ParameterError("size", self.size, "one number, or a width and a height")
@@ -117,6 +108,10 @@ class Film:
             if getattr(self, name) is not None:
                 finite(name, getattr(self, name), -math.inf, math.inf, "s")
         finite("hold", self.hold, 0.0, MAX_HOLD, "s")
+        texts: list[tuple[str, object]] = [("title", self.title), ("caption", self.caption)]
+        for name, text in texts + [("headings", heading) for heading in self.headings]:
+            if not (isinstance(text, str) and len(text) <= MAX_TEXT):
+                raise ParameterError(name, text, f"a text of at most {MAX_TEXT} characters")
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -128,7 +123,7 @@ class Film:
         """Whether the gap is written down."""
         return self.camera.follow == "head" if self.gap is None else self.gap
 
-    def times(self, source: Source) -> Array:
+    def times(self, sources: Sequence[Source]) -> Array:
         """Simulated times of the frames, (F,) in s; the last one is the end of the window, however near.
 
         Raises
@@ -136,7 +131,7 @@ class Film:
         ParameterError
             If the window is empty, leaves the run, or takes too many frames.
         """
-        since, until = self._window(source)
+        since, until = self._window(sources)
         step = self.speedup / self.fps
         frames = (until - since) / step
         if frames > MAX_FRAMES:
@@ -145,32 +140,26 @@ class Film:
         times: Array = np.minimum(since + step * np.arange(count + 1), until)
         return times
 
-    def delays(self, times: Array) -> list[int]:
-        """How long the frames at `times` (F,) stay, in centiseconds.
+    def ends(self, times: Array) -> Array:
+        """When in the film the frames at `times` (F,) end, (F,) in s.
 
-        A window that is no whole number of frames long shortens the last but one. The last stays for `hold`, and at
-        least as long as any.
+        The last stays for `hold`, and at least as long as any.
         """
-        delay = 100 // self.fps
-        last = max(delay, round(100 * self.hold))
-        if len(times) == 1:
-            return [last]
-        whole_frames = len(times) - 2
-        rest = round(100 * (times[-1] - times[0]) / self.speedup) - whole_frames * delay
-        return [delay] * whole_frames + [max(MIN_DELAY, rest), last]
+        starts = (times - times[0]) / self.speedup
+        # A window that is no whole number of frames long shortens the last but one.
+        starts[-1] = max(starts[-1], starts[max(0, len(times) - 2)] + (MIN_DELAY if len(times) > 1 else 0.0))
+        return np.append(starts[1:], starts[-1] + max(1 / self.fps, self.hold))
 
-    def _window(self, source: Source) -> tuple[float, float]:
-        if isinstance(source, Run):
-            begin, end = float(source.times[0]), float(source.times[-1])
-        else:
-            begin, end = -math.inf, source.end
+    def _window(self, sources: Sequence[Source]) -> tuple[float, float]:
+        begin, end = shared_window(sources)
         since, until = self.since, self.until
         if since is None:
-            since = begin if isinstance(source, Run) else 0.0
+            since = begin if math.isfinite(begin) else 0.0
         if until is None:
-            if isinstance(source, March):
+            ends = [float(source.times[-1]) for source in sources if isinstance(source, Run)]
+            if not ends:
                 raise ParameterError("until", None, f"given for a march, at most {end:.6g} s")
-            until = end
+            until = min(max(ends), end)
         finite("since", since, begin, end, "s")
         finite("until", until, begin, end, "s")
         if until < since:
@@ -178,109 +167,8 @@ class Film:
         return since, until
 
 
-def render(source: Source, path: str | Path, *, progress: Progress | None = None, **options: Any) -> None:
-    """Write a film: `write_film` with the parameters of `Film` given one by one.
-
-    Examples
-    --------
-    >>> render(March(), "march.gif", until=412.47, speedup=20)  # doctest: +SKIP
-    """
-    write_film(source, path, Film(**options), progress)
-
-
-def write_film(source: Source, path: str | Path, film: Film | None = None, progress: Progress | None = None) -> None:
-    """Write a film as GIF.
-
-    Parameters
-    ----------
-    source : Run or March
-        A run is played from its frames, a march by the exact model.
-    path : path
-        File to write, ending in .gif. An interrupted film leaves the old file or none.
-    film : Film, optional
-        Speed, size, window, camera and colours.
-    progress : callable, optional
-        Told the number of frames done, and of all frames, after each one.
-
-    Raises
-    ------
-    ParameterError
-        If the file cannot be made, or the film does not fit the run.
-    UnreachableError
-        If a march's dragon has no place on its curve within the film.
-    OutputError
-        If writing fails.
-    """
-    film = film or Film()
-    destination = check_destination(path, FILM_ENDINGS)
-    times = film.times(source)
-    delays = film.delays(times)
-    scene = make_scene(source, film, times)
-    with (
-        written_in_place(destination) as draft,
-        draft.open("wb") as file,
-        GifStream(file, film.shape, film.palette.table, TRANSPARENT) as gif,
-    ):
-        for done, (time, poses) in enumerate(states(source, times), start=1):
-            gif.add(scene.draw(time, poses), delays[done - 1])
-            if progress:
-                progress(done, len(times))
-
-
-def write_still(source: Source, time: float, path: str | Path, film: Film | None = None) -> None:
-    """Write one picture of a run or a march as PNG: what `film`, its window aside, shows at `time` s.
-
-    Raises
-    ------
-    ParameterError
-        If the file cannot be made, or `time` is outside the run.
-    UnreachableError
-        If the march's dragon has no place on its curve at `time`.
-    OutputError
-        If writing fails.
-    """
-    film = film or Film()
-    destination = check_destination(path, STILL_ENDINGS)
-    begin, end = (source.times[0], source.times[-1]) if isinstance(source, Run) else (-math.inf, source.end)
-    finite("time", time, begin, end, "s")
-    [(_, poses)] = states(source, np.array([time], dtype=float))
-    picture = make_scene(source, film, np.array([time], dtype=float)).draw(time, poses)
-    with written_in_place(destination) as draft:
-        iio.imwrite(draft, film.palette.table[np.asarray(picture)], extension=".png")
-
-
-def states(source: Source, times: Array) -> Iterator[tuple[float, Array]]:
-    """Time and poses (N, 3) of every frame, a few frames at once."""
-    for begin in range(0, len(times), CHUNK):
-        chunk = times[begin : begin + CHUNK]
-        yield from zip(chunk.tolist(), _poses(source, chunk), strict=True)
-
-
-def _poses(source: Source, times: Array) -> Array:
-    return source.poses_at(times) if isinstance(source, Run) else source.at(times).poses
-
-
-def make_scene(source: Source, film: Film, times: Array) -> Scene:
-    """Scene of a film whose frames are at `times` (F,) in s."""
-    centre, span = (0.0, 0.0), HEAD_SPAN
-    if film.camera.follow == "field":
-        low, high = _extent(source, np.linspace(times[0], times[-1], min(FIELD_SAMPLES, len(times))))
-        centre = (float(low[0] + high[0]) / 2, float(low[1] + high[1]) / 2)
-        width, height = film.shape
-        span = (1 + 2 * FIELD_BORDER) * float(max(high[0] - low[0], (high[1] - low[1]) * width / height))
-    return Scene(
-        source.march if isinstance(source, Run) else source,
-        film.camera,
-        centre=centre,
-        span=film.camera.span or span,
-        size=film.shape,
-        contact=source.first_contact if isinstance(source, Run) else None,
-        gap=film.shows_gap,
-    )
-
-
-def _extent(source: Source, times: Array) -> tuple[Array, Array]:
-    """Lower left and upper right corner, m, of the ground that the dragon covers at `times`."""
-    dragon = source.march.dragon if isinstance(source, Run) else source.dragon
-    corners = [dragon.outlines(poses).reshape(-1, 2) for _, poses in states(source, times)]
-    return np.min([c.min(axis=0) for c in corners], axis=0), np.max([c.max(axis=0) for c in corners], axis=0)
+def shared_window(sources: Sequence[Source]) -> tuple[float, float]:
+    """From when all of them have something to show, s, until when one moves; a run that is over can stand still."""
+    windows = [window(source) for source in sources]
+    marches = [end for source, (_, end) in zip(sources, windows, strict=True) if isinstance(source, March)]
+    return max(begin for begin, _ in windows), min([max(end for _, end in windows), *marches])

@@ -13,32 +13,62 @@ __all__ = ["Lettering"]
 
 # Type height as a share of the picture's shorter side, and the pixels below which figures run together.
 RELATIVE_HEIGHT, MIN_HEIGHT = 0.036, 15
+# Shares of the type's height: the margin at its sides, and the one above.
+SIDE, ABOVE = 0.6, 0.3
+# The 256 greys of Pillow's type, rounded to the palette's shades.
+SHADES = [TYPE_RAMP[i] for i in np.rint(np.linspace(0, len(TYPE_RAMP) - 1, 256)).astype(int)]
 
 
 class Lettering:
-    """Type on a ground of its own, in the corners of a picture of `size` pixels."""
+    """Type on a ground of its own, of a height that fits a picture of `size` pixels.
 
-    def __init__(self, size: tuple[int, int]) -> None:
-        self.height = max(MIN_HEIGHT, round(RELATIVE_HEIGHT * min(size)))
-        self.font = ImageFont.load_default(self.height)
-        # The 256 greys of Pillow's type, rounded to the palette's shades.
-        shades = np.rint(np.linspace(0, len(TYPE_RAMP) - 1, 256)).astype(int)
-        self._shades = [TYPE_RAMP[i] for i in shades]
-        self._patch = lru_cache(maxsize=16)(self._draw)
+    Parameters
+    ----------
+    size : tuple of int
+        Width and height of the picture, pixels.
+    scale : float
+        How much larger than usual the type is.
+    """
+
+    def __init__(self, size: tuple[int, int], scale: float = 1.0) -> None:
+        self.height = round(scale * max(MIN_HEIGHT, round(RELATIVE_HEIGHT * min(size))))
+
+    def line(self, text: str) -> Image.Image:
+        """One line with margins; all lines are equally high, whatever they say."""
+        return _patch(text, self.height)
 
     def put(self, picture: Image.Image, text: str, *, right: bool = False, bottom: bool = False) -> None:
         """Set a line into a corner of `picture`, the upper left one unless told otherwise."""
-        patch = self._patch(text)
+        patch = self.line(text)
         width, height = picture.size
         # Flush with the edge: the patch brings its own margin.
         picture.paste(patch, (width - patch.width if right else 0, height - patch.height if bottom else 0))
 
-    def _draw(self, text: str) -> Image.Image:
-        margin = round(0.6 * self.height)
-        draw = ImageDraw.Draw(Image.new("L", (1, 1)))
-        # "g" reaches as low as any figure or letter: all lines are equally high, whatever they say.
-        height = draw.textbbox((0, 0), text + "g", font=self.font)[3]
-        width = draw.textbbox((0, 0), text, font=self.font)[2]
-        patch = Image.new("L", (round(width) + 2 * margin, round(height) + margin))
-        ImageDraw.Draw(patch).text((margin, margin // 2), text, fill=255, font=self.font)
-        return patch.point(self._shades)
+    def wrapped(self, text: str, width: int) -> list[str]:
+        """`text` in lines that are at most `width` pixels wide, or a word long."""
+        lines: list[str] = []
+        for word in text.split():
+            longer = f"{lines[-1]} {word}" if lines else word
+            if lines and self.line(longer).width <= width:
+                lines[-1] = longer
+            else:
+                lines.append(word)
+        return lines
+
+
+@lru_cache(maxsize=8)
+def _font(height: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
+    return ImageFont.load_default(height)
+
+
+@lru_cache(maxsize=32)
+def _patch(text: str, size: int) -> Image.Image:
+    font = _font(size)
+    margin = round(SIDE * size)
+    draw = ImageDraw.Draw(Image.new("L", (1, 1)))
+    # "g" reaches as low as any figure or letter.
+    height = draw.textbbox((0, 0), text + "g", font=font)[3]
+    width = draw.textbbox((0, 0), text, font=font)[2]
+    patch = Image.new("L", (round(width) + 2 * margin, round(height) + margin))
+    ImageDraw.Draw(patch).text((margin, round(ABOVE * size)), text, fill=255, font=font)
+    return patch.point(SHADES)

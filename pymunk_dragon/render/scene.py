@@ -12,6 +12,8 @@ from pymunk_dragon.march import March
 from pymunk_dragon.render.camera import Camera, View
 from pymunk_dragon.render.gaps import smallest_gap
 from pymunk_dragon.render.lettering import Lettering
+from pymunk_dragon.render.moments import Mark, Moment
+from pymunk_dragon.render.overlay import Overlay
 from pymunk_dragon.render.palette import BLOCK, CODES
 
 __all__ = ["Scene"]
@@ -53,6 +55,15 @@ class Scene:
         Benches that take the contact colour from its time on.
     gap : bool
         Whether to write down how near the head is to the nearest bench that is not its neighbour.
+    marks : tuple of Mark
+        What to lay over the benches.
+    largest_impulse : float
+        Joint impulse that is drawn largest, N s.
+
+    Attributes
+    ----------
+    size : tuple of int
+        As given.
     """
 
     def __init__(
@@ -65,27 +76,31 @@ class Scene:
         size: tuple[int, int],
         contact: Contact | None = None,
         gap: bool = False,
+        marks: tuple[Mark, ...] = (),
+        largest_impulse: float = 0.0,
     ) -> None:
         self.march = march
         self.camera = camera
         self.contact = contact
         self.gap = gap
+        self.size = size
         self._drawn_size = (size[0] * BLOCK, size[1] * BLOCK)
         self._scale = self._drawn_size[0] / span
         self._lettering = Lettering(size)
+        self._overlay = Overlay(march, marks, largest_impulse)
         self._colours = [CODES["head"], *[CODES["body"]] * (march.dragon.benches - 2), CODES["tail"]]
         self._curve = self._sampled_curve()
         self._still = View(centre, self._scale, self._drawn_size)
         self._ground = self._drawn_ground(self._still) if camera.follow == "field" else None
 
-    def draw(self, time: float, poses: Array) -> Image.Image:
-        """Picture (mode L, palette indices) of the benches at `poses` (N, 3) at `time` s."""
-        touching = self.contact if self.contact and time >= self.contact.time else None
-        view = self.view(poses)
+    def draw(self, moment: Moment) -> Image.Image:
+        """Picture (mode L, palette indices) of a moment."""
+        touching = self.contact if self.contact and moment.time >= self.contact.time else None
+        view = self.view(moment.poses)
         canvas = self._ground.copy() if self._ground else self._drawn_ground(view)
-        self._draw_benches(canvas, view, poses, touching)
-        picture = canvas.reduce(BLOCK)
-        self._write(picture, time, poses, touching)
+        self._draw_benches(canvas, view, moment.poses, touching)
+        picture = self._overlay.over(canvas.reduce(BLOCK), view, moment)
+        self._write(picture, moment, touching)
         return picture
 
     def view(self, poses: Array) -> View:
@@ -142,14 +157,16 @@ class Scene:
             radius = RING_RADIUS * BLOCK
             draw.ellipse((x - radius, y - radius, x + radius, y + radius), outline=ink, width=BLOCK)
 
-    def _write(self, picture: Image.Image, time: float, poses: Array, touching: Contact | None) -> None:
+    def _write(self, picture: Image.Image, moment: Moment, touching: Contact | None) -> None:
         put = self._lettering.put
-        put(picture, f"t = {time:.2f} s")
+        put(picture, f"t = {moment.time:.2f} s")
         put(picture, f"{self.march.speed:.2f} m/s", right=True)
         if touching:
             # Short, to fit into the corner beside a round field.
             put(picture, "bench {} hits {}".format(*touching.benches), bottom=True)
-        elif self.gap and (nearest := smallest_gap(self.march.dragon, poses)):
+        elif self.gap and (nearest := smallest_gap(self.march.dragon, moment.poses)):
             bench, gap = nearest
             digits = 1 if gap < SMALL_GAP else 0
             put(picture, f"gap {1000 * gap:.{digits}f} mm to bench {bench}", bottom=True)
+        if moment.impulses is not None:
+            put(picture, f"up to {moment.impulses.max():.2g} N s", right=True, bottom=True)

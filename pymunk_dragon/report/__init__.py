@@ -6,10 +6,10 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
+from pymunk_dragon.extras import library
 from pymunk_dragon.files import check_destination, written_in_place
 from pymunk_dragon.report.contest import TABLE_ENDINGS, write_contact_table, write_tables
 from pymunk_dragon.report.exact import exact_impact, with_exact_contact
-from pymunk_dragon.report.extras import library
 from pymunk_dragon.report.page import as_html
 from pymunk_dragon.report.paper import paper_tables
 from pymunk_dragon.report.picture import Picture, pictures

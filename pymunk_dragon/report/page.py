@@ -7,8 +7,8 @@ from collections.abc import Iterable, Mapping
 from importlib.resources import files
 from typing import Any
 
+from pymunk_dragon.extras import library
 from pymunk_dragon.report import charts, sections
-from pymunk_dragon.report.extras import library
 from pymunk_dragon.report.picture import Picture
 
 __all__ = ["as_html"]

@@ -1,0 +1,32 @@
+"""The libraries that only some features need."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import Any
+
+from pymunk_dragon.errors import MissingExtraError
+
+__all__ = ["library"]
+
+# What needs it, and the extra that brings it.
+FEATURES = {
+    "imageio_ffmpeg": ("an MP4", "mp4"),
+    "jinja2": ("an HTML report", "report"),
+    "matplotlib": ("a figure", "figures"),
+    "xlsxwriter": ("an XLSX file", "report"),
+}
+
+
+def library(name: str) -> Any:
+    """A module of one of the extras.
+
+    Raises
+    ------
+    MissingExtraError
+        If it is not installed.
+    """
+    try:
+        return import_module(name)
+    except ImportError as error:
+        raise MissingExtraError(*FEATURES[name]) from error
