@@ -57,18 +57,18 @@ class Lettering:
 
 
 @lru_cache(maxsize=8)
-def _font(height: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
-    return ImageFont.load_default(height)
+def _font(size: int) -> tuple[ImageFont.FreeTypeFont | ImageFont.ImageFont, int]:
+    """The face at a size, and how low its lines reach."""
+    font = ImageFont.load_default(size)
+    # No figure or Latin letter reaches lower.
+    return font, round(font.getbbox("gjpqy,()[]|")[3])
 
 
 @lru_cache(maxsize=32)
 def _patch(text: str, size: int) -> Image.Image:
-    font = _font(size)
+    font, height = _font(size)
     margin = round(SIDE * size)
-    draw = ImageDraw.Draw(Image.new("L", (1, 1)))
-    # "g" reaches as low as any figure or letter.
-    height = draw.textbbox((0, 0), text + "g", font=font)[3]
-    width = draw.textbbox((0, 0), text, font=font)[2]
-    patch = Image.new("L", (round(width) + 2 * margin, round(height) + margin))
+    width = round(font.getbbox(text)[2])
+    patch = Image.new("L", (width + 2 * margin, height + margin))
     ImageDraw.Draw(patch).text((margin, round(ABOVE * size)), text, fill=255, font=font)
     return patch.point(SHADES)

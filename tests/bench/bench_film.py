@@ -1,17 +1,21 @@
-"""Time and memory of a film: `python tests/bench/bench_film.py`.
+"""Time and memory of a film, beside the usual ways to make one: `python tests/bench/bench_film.py [FRAMES]`.
 
-The film is 300 frames of 640 x 640 of the seed's 223 benches. Drawing and encoding are timed apart, frame by frame in
-turns, and the medians over the repeats are printed; the peak is that of a process of its own that makes the film once,
-interpreter and imports included.
+The film is 300 frames of 640 x 640 of the seed's 223 benches. Each way runs in a process of its own, in turns, and the
+medians over the rounds are printed: seconds from the first frame to the closed file, imports not counted, and the
+process's peak memory, interpreter and imports included. All ways draw the same polygons with their outlines, the spiral
+and the clock; matplotlib has its own anti-aliasing, the others the project's.
 """
 
 from __future__ import annotations
 
+import json
+import os
 import resource
 import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Callable
 from pathlib import Path
 from statistics import median
 
@@ -19,67 +23,114 @@ import numpy as np
 
 from pymunk_dragon.march import March
 from pymunk_dragon.render import Film, write_film
-from pymunk_dragon.render.film import make_scene, states
-from pymunk_dragon.render.gif import GifStream
-from pymunk_dragon.render.palette import TRANSPARENT
+from pymunk_dragon.render.moments import moments
+from pymunk_dragon.render.writing import make_sheet
 from pymunk_dragon.run import Run
 
-FRAMES, REPEATS = 300, 5
-SINCE = 100.0
-FILM = Film(size=640, fps=20, speedup=10.0, since=SINCE, until=SINCE + (FRAMES - 1) / 2)
-PEAK_ONLY = "--peak"
+FRAMES, ROUNDS = 300, 3
+SINCE, STEP, SIZE, FPS = 100.0, 0.5, 640, 20
 
 
-def example() -> Run:
-    """A run with a frame every half second, as a film of the whole march needs it."""
-    return Run.exact(March(), np.arange(SINCE, SINCE + FRAMES / 2 + 0.5, 0.5))
+def film_of(frames: int) -> tuple[Run, Film]:
+    """A run with a frame every half second, as a film of the whole march needs it, and the film."""
+    last = SINCE + (frames - 1) * STEP
+    return Run.exact(March(), np.arange(SINCE, last + STEP, STEP)), Film(
+        size=SIZE, fps=FPS, speedup=FPS * STEP, since=SINCE, until=last, hold=0.0
+    )
 
 
-def timed(run: Run, folder: Path) -> tuple[float, float]:
-    """Milliseconds a frame for drawing (poses included) and for encoding."""
-    times = FILM.times(run)
-    assert len(times) == FRAMES
-    scene = make_scene(run, FILM, times)
-    drawing = encoding = 0.0
-    with (folder / "film.gif").open("wb") as file, GifStream(file, FILM.shape, FILM.palette.table, TRANSPARENT) as gif:
-        moments = states(run, times)
-        while True:
-            begin = time.perf_counter()
-            moment = next(moments, None)
-            if moment is None:
-                break
-            picture = scene.draw(*moment)
-            drawn = time.perf_counter()
-            gif.add(picture, 5)
-            drawing += drawn - begin
-            encoding += time.perf_counter() - drawn
-    return 1000 * drawing / FRAMES, 1000 * encoding / FRAMES
+def ours(ending: str, workers: int) -> Callable[[Run, Film, Path], None]:
+    """The project's own way, to a format."""
+
+    def write(run: Run, film: Film, folder: Path) -> None:
+        write_film(run, folder / f"film{ending}", film, workers=workers)
+
+    return write
 
 
-def peak_memory() -> float:
-    """Largest resident set of this process so far, MB."""
+def imageio_rgb(run: Run, film: Film, folder: Path) -> None:
+    """The default of imageio: a stack of RGB frames, drawn as ours are."""
+    import imageio.v3 as iio
+
+    times = film.times([run])
+    sheet = make_sheet([run], film, times)
+    table = film.palette.table
+    stack = np.stack([table[np.asarray(sheet.draw([moment]))] for moment in moments(run, times)])
+    iio.imwrite(folder / "film.gif", stack, duration=1000 / FPS, loop=0)
+
+
+def matplotlib_animation(run: Run, film: Film, folder: Path) -> None:
+    """FuncAnimation and PillowWriter of matplotlib."""
+    from matplotlib.animation import FuncAnimation, PillowWriter
+    from matplotlib.collections import PolyCollection
+    from matplotlib.figure import Figure
+
+    times = film.times([run])
+    march, palette = run.march, film.palette
+    figure = Figure(figsize=(SIZE / 100, SIZE / 100), dpi=100, facecolor=palette.background)
+    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    axes.set_axis_off()
+    axes.set_aspect("equal")
+    axes.set_xlim(-11.5, 11.5)
+    axes.set_ylim(-11.5, 11.5)
+    tail = march.parameters(0.0)[0, -1]
+    curve = march.curve.point(march.curve.advance(tail, np.linspace(0.0, 0.999 * march.curve.remaining(tail), 5000)))
+    axes.plot(*curve.T, color=palette.curve, linewidth=0.5)
+    colours = [palette.head, *[palette.body] * (march.dragon.benches - 2), palette.tail]
+    benches = PolyCollection([], facecolors=colours, edgecolors=palette.ink, linewidths=0.5)
+    axes.add_collection(benches)
+    clock = axes.text(0.02, 0.95, "", transform=axes.transAxes)
+
+    def draw(frame: int) -> None:
+        benches.set_verts(march.dragon.outlines(run.poses_at(times[frame])[0]))
+        clock.set_text(f"t = {times[frame]:.2f} s")
+
+    FuncAnimation(figure, draw, frames=len(times)).save(str(folder / "film.gif"), writer=PillowWriter(fps=FPS))
+
+
+WAYS: dict[str, Callable[[Run, Film, Path], None]] = {
+    "ours, GIF": ours(".gif", 1),
+    "ours, GIF, drawn by two processes": ours(".gif", 2),
+    "ours, APNG": ours(".apng", 1),
+    "ours, WebP": ours(".webp", 1),
+    "ours, MP4": ours(".mp4", 1),
+    "imageio, a stack of RGB frames, GIF": imageio_rgb,
+    "matplotlib, FuncAnimation and PillowWriter, GIF": matplotlib_animation,
+}
+
+
+def measured(way: str, frames: int) -> tuple[float, float, float]:
+    """Milliseconds a frame, MB of film and MB of memory."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        # What is loaded on first use is loaded.
+        WAYS[way](*film_of(2), folder)
+        run, film = film_of(frames)
+        begin = time.perf_counter()
+        WAYS[way](run, film, folder)
+        seconds = time.perf_counter() - begin
+        size = max(file.stat().st_size for file in folder.iterdir())
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    return peak / (1e6 if sys.platform == "darwin" else 1e3)
+    return 1000 * seconds / frames, size / 1e6, peak / (1e6 if sys.platform == "darwin" else 1e3)
 
 
 def main() -> None:
-    """Print one line."""
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        if PEAK_ONLY in sys.argv:
-            write_film(example(), folder / "film.gif", FILM)
-            print(f"{peak_memory():.0f}")
-            return
-        run = example()
-        figures = [timed(run, folder) for _ in range(REPEATS)]
-        megabytes = (folder / "film.gif").stat().st_size / 1e6
-    child = subprocess.run([sys.executable, __file__, PEAK_ONLY], check=True, capture_output=True, text=True)
-    draw, encode = median(f[0] for f in figures), median(f[1] for f in figures)
-    total = median(sum(f) for f in figures)
-    print(
-        f"film, {FRAMES} frames of 640 x 640, 223 benches: draw {draw:.1f} ms, encode {encode:.1f} ms, "
-        f"total {total:.1f} ms a frame; {megabytes:.1f} MB; peak memory {child.stdout.strip()} MB"
-    )
+    """Print the table, or one way's figures as JSON for the process that makes it."""
+    if len(sys.argv) == 3:
+        print(json.dumps(measured(sys.argv[1], int(sys.argv[2]))))
+        return
+    frames = int(sys.argv[1]) if len(sys.argv) == 2 else FRAMES
+    found: dict[str, list[list[float]]] = {way: [] for way in WAYS}
+    for _ in range(ROUNDS):
+        for way, figures in found.items():
+            child = [sys.executable, __file__, way, str(frames)]
+            figures.append(json.loads(subprocess.run(child, check=True, capture_output=True, text=True).stdout))
+    print(f"{frames} frames of {SIZE} x {SIZE}, 223 benches; {os.cpu_count()} cores, medians of {ROUNDS}")
+    print(f"{'way':<50}{'ms a frame':>11}{'times ours':>12}{'MB':>7}{'memory, MB':>12}")
+    medians = {way: [median(column) for column in zip(*figures, strict=True)] for way, figures in found.items()}
+    first = next(iter(medians.values()))[0]
+    for way, (milliseconds, megabytes, memory) in medians.items():
+        print(f"{way:<50}{milliseconds:>11.1f}{milliseconds / first:>12.1f}{megabytes:>7.1f}{memory:>12.0f}")
 
 
 if __name__ == "__main__":

@@ -88,7 +88,7 @@ class PatchStream(ABC):
             if box:
                 patch, before = (np.asarray(image.crop(box)) for image in (frame, self._shown))
                 still = _long_runs(patch == before)
-                self._hold(Image.fromarray(np.where(still, np.uint8(TRANSPARENT), patch)), box, delay)
+                self._hold(Image.fromarray((patch & ~still) | (np.uint8(TRANSPARENT) & still)), box, delay)
             elif self._delay + delay <= self.MAX_DELAY:
                 self._delay += delay
             else:
@@ -124,14 +124,19 @@ class PatchStream(ABC):
             self._waiting = None
 
 
-def _long_runs(mask: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Only those true pixels of `mask` that stand in a horizontal run of at least 2^RUN_DOUBLINGS."""
-    runs = mask.copy()
+def _long_runs(same: NDArray[np.bool_]) -> NDArray[np.uint8]:
+    """255 where a pixel of `same` is one of 2^RUN_DOUBLINGS or more true ones in a row, 0 elsewhere.
+
+    A row goes on in the next line. All pixels are the bits of one number, which is shifted and compared as a whole.
+    """
+    bits = np.packbits(same)
+    runs = int.from_bytes(bits.tobytes())
     steps = [2**i for i in range(RUN_DOUBLINGS)]
     for step in steps:
-        # After these, a pixel is true where a whole run begins; a run would leave the picture at its right edge.
-        runs[:, :-step] &= runs[:, step:]
-        runs[:, -step:] = False
+        # After these, a bit is set where a whole run begins.
+        runs &= runs << step
     for step in steps:
-        runs[:, step:] |= runs[:, :-step]
-    return runs
+        runs |= runs >> step
+    # What was shifted out at the upper end is not of the picture.
+    kept = (runs & ((1 << 8 * bits.size) - 1)).to_bytes(bits.size)
+    return -np.unpackbits(np.frombuffer(kept, dtype=np.uint8), count=same.size).reshape(same.shape)
