@@ -122,6 +122,16 @@ def test_answer_is_the_same_again_and_cannot_be_changed(seed_march, seed_impact)
         seed_impact.time = 0.0
 
 
+def test_a_run_can_be_given_the_contact_where_there_is_one(seed_march, seed_impact):
+    contact = seed_impact.contact
+    assert (contact.time, contact.benches, contact.depth) == (seed_impact.time, (0, 8), 0)
+    assert (contact.point, contact.normal) == (seed_impact.point, seed_impact.normal)
+    assert first_contact(seed_march, until=10).contact is None
+    overlapping = first_contact(March(Dragon(benches=40), turns=3.9))
+    assert overlapping.status == "overlapping"
+    assert overlapping.contact is None
+
+
 def test_later_start_meets_the_same_contact(seed_march, seed_impact):
     later = first_contact(seed_march, start=410)
     assert later.benches == seed_impact.benches

@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 from pymunk_dragon.checks import finite
 from pymunk_dragon.collision.motion import Motion, Stretches, near_pairs
 from pymunk_dragon.collision.sat import separation
+from pymunk_dragon.contact import Contact
 from pymunk_dragon.dragon import bench_poses, outlines
 from pymunk_dragon.errors import ParameterError, UnreachableError
 from pymunk_dragon.march import March
@@ -114,6 +115,20 @@ class Impact:
     clearances: tuple[Clearance, ...] | None
     looks: int
     tests: int
+
+    @property
+    def contact(self) -> Contact | None:
+        """The same as a contact of a run; None where none came, and where benches overlapped at the start."""
+        if self.status != "contact" or self.benches is None or self.point is None or self.normal is None:
+            return None
+        return Contact(
+            time=self.time,
+            raw_time=self.time,
+            benches=self.benches,
+            point=self.point,
+            normal=self.normal,
+            depth=0.0,
+        )
 
     @classmethod
     def at(cls, march: March, status: Status, time: float, pair: tuple[int, int] | None, **others: Any) -> Impact:

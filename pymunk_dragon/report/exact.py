@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 
 from pymunk_dragon.collision import Impact, first_contact
-from pymunk_dragon.contact import Contact
 from pymunk_dragon.errors import ParameterError, UnreachableError
 from pymunk_dragon.run import Run
 
@@ -34,24 +33,14 @@ def with_exact_contact(run: Run, impact: Impact | None) -> Run:
 
     The moment of the contact is a frame of it, since a picture between two frames would be off by millimetres.
     """
-    if run.provenance.get("player") != "exact" or impact is None or impact.status != "contact":
+    contact = impact.contact if impact is not None else None
+    if run.provenance.get("player") != "exact" or contact is None:
         return run
-    assert impact.benches is not None
-    assert impact.point is not None
-    assert impact.normal is not None
-    contact = Contact(
-        time=impact.time,
-        raw_time=impact.time,
-        benches=impact.benches,
-        point=impact.point,
-        normal=impact.normal,
-        depth=0.0,
-    )
-    place = int(np.searchsorted(run.times, impact.time))
+    place = int(np.searchsorted(run.times, contact.time))
     return replace(
         run,
-        times=np.insert(run.times, place, impact.time),
-        poses=np.insert(run.poses, place, run.march.at([impact.time]).poses[0], axis=0),
+        times=np.insert(run.times, place, contact.time),
+        poses=np.insert(run.poses, place, run.march.at([contact.time]).poses[0], axis=0),
         drift=np.insert(run.drift, place, 0.0, axis=0),
         first_contact=contact,
         outcome="contact",
