@@ -22,7 +22,7 @@ $(VENV)/report: $(VENV)/core
 	@touch $@
 
 $(VENV)/all: $(VENV)/core
-	$(BIN)/pip install --quiet --editable '.[mp4,report,test,lint]'
+	$(BIN)/pip install --quiet --editable '.[figures,mp4,report,test,lint]'
 	@touch $@
 
 render: $(VENV)/core ## play the dragon in Pymunk and film it: renders/*.gif

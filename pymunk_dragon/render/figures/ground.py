@@ -1,0 +1,213 @@
+"""Figures that are seen from above: the spiral, the ways and the velocities of handles."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pymunk_dragon.march import March
+from pymunk_dragon.render.figures.style import (
+    BLUE,
+    COLOURS,
+    QUIET,
+    RULE,
+    WIDE_HALO,
+    halo,
+    page,
+    panel,
+)
+from pymunk_dragon.render.figures.times import ending, in_words, last_look
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+__all__ = ["spiral", "trajectories", "velocities"]
+
+Array = NDArray[np.float64]
+
+# Points of a way, spread over its angle: some 150 on each of the seed's turns, between which a line looks round.
+WAY_POINTS = 2400
+# A panel of seven is a quarter as wide.
+SMALL_WAY_POINTS = 900
+# s; and dots at whole minutes on a way, at most.
+MINUTE, MOST_DOTS = 60.0, 10
+# Free borders of a ground, as shares of its half: for short type at the right, for type all round, for a dot.
+BORDER, WIDE_BORDER, DOT_BORDER = 0.12, 0.3, 0.04
+# Metres of an arrow for each metre per second, as a share of the ground's half.
+ARROW = 0.26
+# How far from the centre type in the middle is, as a share of the way to what it names.
+CENTRAL = 0.3
+# Metres.
+SCALE_BAR = 10.0
+
+
+def spiral(march: March) -> Figure:
+    """The spiral that handle 0 walks (the paper's figure 2)."""
+    hit = ending(march)
+    step = MINUTE * max(1.0, np.ceil(hit.time / MINUTE / MOST_DOTS))
+    begin = march.curve.start(march.turns)
+    length, gone = float(march.curve.remaining(begin)), march.speed * hit.time
+    figure = page(
+        8.0,
+        8.6,
+        f"Handle 0 has {length:.1f} m of spiral ahead of it, and gets {gone:.1f} m far",
+        f"{march.turns:g} turns inward and clockwise, {march.curve.turn_distance:g} m apart; a dot every {step:g} s",
+    )
+    axes = panel(figure, 0.8, 0.65, 6.9, 6.9)
+    axes.plot(*_way(march, gone, length).T, color=QUIET, lw=1.0, ls=(0, (3, 2)), gid="ahead")
+    axes.plot(*_way(march, 0.0, gone).T, color=BLUE, lw=1.8, gid="walked")
+    minutes = np.arange(0.0, hit.time, step)
+    dots = march.curve.point(march.curve.advance(begin, march.speed * minutes))
+    axes.plot(*dots.T, "o", color=COLOURS.ink, ms=5, gid="minutes")
+    for time, dot in zip(minutes, dots, strict=True):
+        _note(axes, dot, f"{time:g} s")
+    last = march.curve.point(march.curve.advance(begin, gone))
+    axes.plot(*last, "o", color=COLOURS.contact, ms=7, gid="last")
+    # In the middle, where the spiral leaves room.
+    x, y = (CENTRAL * last).tolist()
+    text = f"{in_words(hit)}\n{hit.time:.2f} s"
+    axes.text(x, y, text, color=COLOURS.contact, ha="center", va="center", path_effects=halo(WIDE_HALO))
+    _frame(axes, float(np.hypot(*dots[0])), BORDER)
+    return figure
+
+
+def trajectories(march: March) -> Figure:
+    """The ways of the paper's seven handles until the first contact (its figure 7)."""
+    hit = ending(march)
+    handles = march.dragon.representatives
+    begin, end = march.parameters([0.0, hit.time])
+    # Four in a row, the key among them.
+    height = 1.0 + 2.3 * np.ceil((len(handles) + 1) / 4)
+    figure = page(
+        8.0,
+        height,
+        "All handles walk the same spiral, one behind the other",
+        f"from where they start, at 0 s, to where they are at {in_words(hit)}, {hit.time:.2f} s",
+    )
+    reach = float(np.hypot(*march.curve.point(begin[-1])))
+    whole = _between(march, begin[-1], end[0], SMALL_WAY_POINTS)
+    for place, handle in enumerate([*handles, None]):
+        row, column = divmod(place, 4)
+        axes = panel(figure, 0.25 + 1.9 * column, height - 3.15 - 2.3 * row, 1.8, 1.8)
+        _frame(axes, reach, DOT_BORDER)
+        axes.set_axis_off()
+        if handle is None:
+            _way_key(axes, reach)
+            continue
+        way = _between(march, begin[handle], end[handle], SMALL_WAY_POINTS)
+        axes.plot(*whole.T, color=RULE, lw=0.5)
+        axes.plot(*way.T, color=BLUE, lw=0.8, gid=f"way-{handle}")
+        axes.plot(*way[0], "o", color=COLOURS.ink, mfc=COLOURS.background, ms=6, mew=1.4)
+        axes.plot(*way[-1], "o", color=COLOURS.ink, ms=6)
+        axes.set_title(f"handle {handle}", size=11.5, pad=3)
+    return figure
+
+
+def velocities(march: March) -> Figure:
+    """Velocity vectors of the paper's seven handles at the first contact (its figure 8)."""
+    time, when = last_look(ending(march))
+    handles = march.dragon.representatives
+    states = march.at(time)
+    places, speeds = states.positions[0], states.speeds[0, handles]
+    figure = page(
+        8.0,
+        8.6,
+        f"The handles walk at {speeds.min():.3f} to {speeds.max():.3f} m/s {when}",
+        f"{len(handles)} handles at {time:.2f} s; each one walks along the spiral, inward and clockwise",
+    )
+    axes = panel(figure, 0.8, 0.65, 6.9, 6.9)
+    reach = float(np.hypot(*places.T).max())
+    first, last = states.parameters[0, [-1, 0]]
+    axes.plot(*_between(march, first, last, WAY_POINTS).T, color=RULE, lw=1.4)
+    arrows = ARROW * reach / march.speed * states.velocities[0, handles]
+    axes.quiver(
+        *places[handles].T,
+        *arrows.T,
+        angles="xy",
+        scale_units="xy",
+        scale=1.0,
+        width=0.006,
+        color=COLOURS.motion,
+        zorder=3,
+        gid="velocities",
+    )
+    axes.plot(*places[handles].T, "o", color=COLOURS.ink, ms=6, zorder=4, gid="handles")
+    _frame(axes, reach, WIDE_BORDER)
+    shares = np.linspace(0, 1, 12)[:, None, None]
+    taken = axes.transData.transform((places[handles] + shares * arrows).reshape(-1, 2))
+    boxes: list[Any] = []
+    for handle, speed, place in zip(handles, speeds, places[handles], strict=True):
+        boxes.append(_beside(axes, place, f"handle {handle}\n{speed:.3f} m/s", taken, boxes))
+    return figure
+
+
+def _way(march: March, begin: float, end: float) -> Array:
+    """Points (P, 2) in m of the curve from `begin` to `end` m from the start of handle 0."""
+    start = march.curve.start(march.turns)
+    # The very end of a curve may lie a rounding beyond it.
+    first, last = march.curve.advance(start, np.array([begin, end]) * (1 - 1e-12))
+    return _between(march, first, last, WAY_POINTS)
+
+
+def _between(march: March, first: float, last: float, points: int) -> Array:
+    """Points (P, 2) in m of the curve between two places."""
+    return march.curve.point(np.linspace(first, last, points))
+
+
+def _frame(axes: Axes, reach: float, border: float) -> None:
+    """Show the ground as far as `reach` m from the centre, and a border."""
+    from matplotlib.ticker import MaxNLocator
+
+    half = (1 + border) * reach
+    axes.set_aspect("equal")
+    axes.set_xlim(-half, half)
+    axes.set_ylim(-half, half)
+    for axis, name in ((axes.xaxis, "x (m)"), (axes.yaxis, "y (m)")):
+        axis.set_major_locator(MaxNLocator(5, steps=[1, 2, 4, 5, 10]))
+        axis.set_label_text(name)
+
+
+def _note(axes: Axes, place: Array, text: str) -> None:
+    """Type to the right of a dot, readable on lines."""
+    x, y = place.tolist()
+    axes.annotate(
+        text, (x, y), (6, 0), textcoords="offset points", va="center_baseline", size=10.5, path_effects=halo()
+    )
+
+
+def _beside(axes: Axes, place: Array, text: str, taken: Array, boxes: list[Any]) -> Any:
+    """Set type beside a dot, where it covers none of the points `taken` (P, 2) and no other type; its box, in pixels.
+
+    Away from the centre, or else towards it; where neither is free, towards it all the same.
+    """
+    x, y = place.tolist()
+    outward = place / (np.hypot(x, y) or 1.0)
+    for first, (right, up) in ((True, outward.tolist()), (False, (-outward).tolist())):
+        note = axes.annotate(
+            text,
+            (x, y),
+            (7 * right, 7 * up),
+            textcoords="offset points",
+            ha="left" if right > 0 else "right",
+            va="bottom" if up > 0 else "top",
+            zorder=5,
+            path_effects=halo(),
+        )
+        box = note.get_window_extent()
+        if not any(box.contains(*point) for point in taken) and not any(box.overlaps(other) for other in boxes):
+            break
+        if first:
+            note.remove()
+    return box
+
+
+def _way_key(axes: Axes, reach: float) -> None:
+    """What the dots of the ways mean, and how large the ground is."""
+    for y, text, filling in ((0.62, "at the start", COLOURS.background), (0.22, "at the end", COLOURS.ink)):
+        axes.plot(-0.7 * reach, y * reach, "o", color=COLOURS.ink, mfc=filling, ms=6, mew=1.4)
+        axes.annotate(text, (-0.5 * reach, y * reach), va="center_baseline", color=QUIET)
+    axes.plot([-0.8 * reach, -0.8 * reach + SCALE_BAR], [-0.3 * reach] * 2, color=QUIET, lw=1.4)
+    axes.annotate(f"{SCALE_BAR:g} m", (-0.8 * reach + SCALE_BAR / 2, -0.42 * reach), ha="center", va="top", color=QUIET)
