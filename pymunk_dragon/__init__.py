@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from pymunk_dragon.errors import DragonError, MissingExtraError, ParameterError, UnreachableError
     from pymunk_dragon.march import March, States
     from pymunk_dragon.physics import World, simulate
+    from pymunk_dragon.player import player_page, write_player
     from pymunk_dragon.render import Camera, Palette, Scene, write_film
     from pymunk_dragon.run import Run
     from pymunk_dragon.scenario import Scenario
@@ -40,10 +41,12 @@ __all__ = [
     "World",
     "first_contact",
     "outlines",
+    "player_page",
     "scan",
     "separation",
     "simulate",
     "write_film",
+    "write_player",
 ]
 
 # `render` and `report` are not among them: they are rooms as well, and a name should mean one thing. Take the functions
@@ -59,6 +62,7 @@ _ROOMS = {
     "errors": ("DragonError", "MissingExtraError", "ParameterError", "UnreachableError"),
     "march": ("March", "States"),
     "physics": ("World", "simulate"),
+    "player": ("player_page", "write_player"),
     "render": ("Camera", "Palette", "Scene", "write_film"),
     "run": ("Run",),
     "scenario": ("Scenario",),

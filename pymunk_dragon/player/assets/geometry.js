@@ -1,0 +1,107 @@
+// Rectangles on the floor: their corners, how far two are apart, and the cells of the grid that they lie in.
+
+// Cells by which a bench is taken to be nearer to a grid line than it is, as the package's grid has it: rounding never
+// loses a cell.
+const CELL_SLACK = 1e-8;
+
+class Benches {
+  constructor(motion, poses) {
+    this.motion = motion;
+    this.poses = poses;
+  }
+
+  // Rear right, front right, front left, rear left.
+  corners(i) {
+    const { x, y, cos, sin } = this.poses;
+    const along = this.motion.lengths[i] / 2, across = this.motion.width / 2;
+    return [[-along, -across], [along, -across], [along, across], [-along, across]].map(
+      ([a, c]) => [x[i] + a * cos[i] - c * sin[i], y[i] + a * sin[i] + c * cos[i]]);
+  }
+
+  // A point as bench `i` sees it: metres ahead of its centre, and to its left.
+  seenFrom(i, [px, py]) {
+    const { x, y, cos, sin } = this.poses;
+    const dx = px - x[i], dy = py - y[i];
+    return [dx * cos[i] + dy * sin[i], dy * cos[i] - dx * sin[i]];
+  }
+
+  // Point of bench `i` that is nearest to a point, and how far that is; 0 within.
+  nearestPoint(i, point) {
+    const { x, y, cos, sin } = this.poses;
+    const [ahead, left] = this.seenFrom(i, point);
+    const along = this.motion.lengths[i] / 2, across = this.motion.width / 2;
+    const a = Math.min(Math.max(ahead, -along), along), c = Math.min(Math.max(left, -across), across);
+    return {
+      distance: Math.hypot(ahead - a, left - c),
+      point: [x[i] + a * cos[i] - c * sin[i], y[i] + a * sin[i] + c * cos[i]],
+    };
+  }
+
+  // Whether no side of either bench separates the two.
+  overlap(i, j) {
+    return [[i, j], [j, i]].every(([own, other]) => {
+      const seen = this.corners(other).map((corner) => this.seenFrom(own, corner));
+      return [this.motion.lengths[own] / 2, this.motion.width / 2].every((half, axis) =>
+        seen.some((point) => point[axis] <= half) && seen.some((point) => point[axis] >= -half));
+    });
+  }
+
+  // The gap between two benches, and its two ends. Rectangles that do not overlap are nearest at a corner of one of them.
+  gap(i, j) {
+    let found = { gap: Infinity };
+    for (const [own, other] of [[i, j], [j, i]]) {
+      for (const corner of this.corners(own)) {
+        const { distance, point } = this.nearestPoint(other, corner);
+        if (distance < found.gap) found = { gap: distance, ends: [corner, point] };
+      }
+    }
+    return found.gap > 0 && this.overlap(i, j) ? { ...found, gap: 0 } : found;
+  }
+
+  // The bench nearest to bench `i` among those that are not its neighbours; null where there is none.
+  nextCoil(i) {
+    const { x, y } = this.poses;
+    const reach = (k) => Math.hypot(this.motion.lengths[k], this.motion.width) / 2;
+    let found = null;
+    for (let j = 0; j < this.motion.benches; j++) {
+      if (Math.abs(i - j) <= 1) continue;
+      // No nearer than their centres are, less half a diagonal each.
+      const least = Math.hypot(x[i] - x[j], y[i] - y[j]) - reach(i) - reach(j);
+      if (found && least >= found.gap) continue;
+      const between = this.gap(i, j);
+      if (!found || between.gap < found.gap) found = { bench: j, ...between };
+    }
+    return found;
+  }
+
+  // The bench at a point, the lowest number where several are; a finger may miss by `slip` m.
+  at(point, slip) {
+    let found = null, nearest = slip;
+    for (let i = 0; i < this.motion.benches; i++) {
+      const { distance } = this.nearestPoint(i, point);
+      if (distance === 0) return i;
+      if (distance <= nearest) [found, nearest] = [i, distance];
+    }
+    return found;
+  }
+
+  // Cells [row, column] of the grid that bench `i` touches or covers: rows count downward, columns to the right.
+  cells(i, { cell, origin }) {
+    const { x, y, cos, sin } = this.poses;
+    const u = (x[i] - origin[0]) / cell, v = (origin[1] - y[i]) / cell;
+    const along = this.motion.lengths[i] / 2 / cell, across = this.motion.width / 2 / cell;
+    const c = Math.abs(cos[i]), s = Math.abs(sin[i]);
+    const reachU = along * c + across * s + CELL_SLACK, reachV = along * s + across * c + CELL_SLACK;
+    const cells = [];
+    for (let row = Math.floor(v - reachV); row <= Math.floor(v + reachV); row++) {
+      for (let column = Math.floor(u - reachU); column <= Math.floor(u + reachU); column++) {
+        // The cell's own sides do not separate the two, as the range is the bench's; do the bench's?
+        const du = column + 0.5 - u, dv = row + 0.5 - v;
+        const half = (c + s) / 2 + CELL_SLACK;
+        if (Math.abs(du * cos[i] - dv * sin[i]) <= along + half
+          && Math.abs(du * sin[i] + dv * cos[i]) <= across + half) cells.push([row, column]);
+      }
+    }
+    return cells;
+  }
+}

@@ -1,0 +1,62 @@
+// Mouse, pen and fingers on the canvas: drag to pan, pinch or turn the wheel to zoom, tap to pick a bench.
+
+// Pixels that a finger may slip during a tap, and zoom per pixel of a turned wheel; some wheels count lines.
+const TAP_SLIP = 6, WHEEL_ZOOM = 0.0016, WHEEL_LINE = 16;
+
+function listenToPointers(canvas, view, { moved, hovered, tapped }) {
+  const down = new Map();
+  let slipped = false;
+  const place = (event) => {
+    const box = canvas.getBoundingClientRect();
+    return [event.clientX - box.left, event.clientY - box.top];
+  };
+  const spread = ([a, b]) => Math.hypot(a[0] - b[0], a[1] - b[1]);
+  const middle = ([a, b]) => [(a[0] + b[0]) / 2, (a[1] + b[1]) / 2];
+
+  canvas.addEventListener("pointerdown", (event) => {
+    if (event.button !== 0) return;
+    canvas.setPointerCapture(event.pointerId);
+    if (!down.size) slipped = false;
+    else slipped = true;
+    down.set(event.pointerId, { start: place(event), now: place(event) });
+  });
+  canvas.addEventListener("pointermove", (event) => {
+    const here = place(event);
+    const finger = down.get(event.pointerId);
+    if (!finger) {
+      if (event.pointerType === "mouse") hovered(here);
+      return;
+    }
+    const before = [...down.values()].map(({ now }) => now);
+    const last = finger.now;
+    finger.now = here;
+    if (down.size === 1) {
+      if (!slipped && spread([finger.start, here]) <= TAP_SLIP) {
+        finger.now = last;
+        return;
+      }
+      slipped = true;
+      view.pan(here[0] - last[0], here[1] - last[1]);
+      moved("pan");
+    } else if (down.size === 2) {
+      const after = [...down.values()].map(({ now }) => now);
+      const [from, to] = [middle(before), middle(after)];
+      view.zoom(spread(after) / Math.max(1, spread(before)), ...from);
+      view.pan(to[0] - from[0], to[1] - from[1]);
+      moved("pinch");
+    }
+  });
+  const up = (event) => {
+    if (down.delete(event.pointerId) && !slipped && event.type === "pointerup") tapped(place(event), event.pointerType);
+  };
+  canvas.addEventListener("pointerup", up);
+  canvas.addEventListener("pointercancel", up);
+  canvas.addEventListener("pointerleave", () => hovered(null));
+  canvas.addEventListener("wheel", (event) => {
+    event.preventDefault();
+    const turned = event.deltaY * (event.deltaMode === WheelEvent.DOM_DELTA_LINE ? WHEEL_LINE : 1);
+    // Pinching on a touchpad comes as a wheel with Ctrl, in small steps.
+    view.zoom(Math.exp(-turned * WHEEL_ZOOM * (event.ctrlKey ? 5 : 1)), ...place(event));
+    moved("zoom");
+  }, { passive: false });
+}

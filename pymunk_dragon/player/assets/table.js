@@ -1,0 +1,27 @@
+// The run as a CSV table, as `pymunk-dragon positions` writes it: a row for each handle at each time.
+
+// Digits after the point: places are known to some micrometres, and speeds to some 0.01 mm/s.
+const PLACE_DIGITS = 5, SPEED_DIGITS = 4;
+const HEADS = "time_s,handle,x_m,y_m,speed_m_s\n";
+
+function tableOf(motion, times) {
+  const parts = [HEADS];
+  for (const time of times) {
+    const handles = motion.handlesOf(motion.posesAt(time));
+    const velocities = motion.velocitiesAt(time);
+    parts.push(handles.map(([x, y], i) => {
+      const speed = velocities ? Math.hypot(...velocities[i]).toFixed(SPEED_DIGITS) : "";
+      return `${time},${i},${x.toFixed(PLACE_DIGITS)},${y.toFixed(PLACE_DIGITS)},${speed}\n`;
+    }).join(""));
+  }
+  return new Blob(parts, { type: "text/csv" });
+}
+
+function download(blob, name) {
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(blob);
+  link.download = name;
+  link.click();
+  // The browser has to have begun reading before the address may go.
+  setTimeout(() => URL.revokeObjectURL(link.href), 60_000);
+}

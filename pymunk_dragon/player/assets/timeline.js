@@ -1,0 +1,73 @@
+// What happens when: near misses and contacts, as a list to step through and as a strip above the slider.
+
+// Pixels: half the slider's thumb, which the strip keeps free on both sides, and how near a click has to be.
+const THUMB = 8, CLICK = 7;
+
+function eventsOf(told) {
+  const name = ([i, j]) => `benches ${i} and ${j}`;
+  const near = told.near.map(({ time, benches, gap }) => ({
+    time, end: time, kind: "near",
+    words: `Near miss: ${name(benches)}, ${(1000 * gap).toPrecision(3)} mm`,
+  }));
+  const contacts = told.windows.map(({ begin, end, benches }) => ({
+    time: begin, end: end ?? told.times.at(-1), kind: "contact",
+    words: `Contact: ${name(benches)}` + (end === null ? "" : `, for ${(end - begin).toFixed(2)} s`),
+  }));
+  return [...near, ...contacts].sort((a, b) => a.time - b.time);
+}
+
+class Timeline {
+  constructor(strip, motion, events) {
+    this.strip = strip;
+    this.motion = motion;
+    this.events = events;
+  }
+
+  // Pixels from the left.
+  place(time) {
+    const { begin, end } = this.motion;
+    return THUMB + (this.width - 2 * THUMB) * (end > begin ? (time - begin) / (end - begin) : 0);
+  }
+
+  timeAt(px) {
+    const { begin, end } = this.motion;
+    const share = (px - THUMB) / Math.max(1, this.width - 2 * THUMB);
+    return begin + Math.min(Math.max(share, 0), 1) * (end - begin);
+  }
+
+  // The time of an event close to a click, or else the time that was clicked.
+  clicked(px) {
+    const distance = (event) => Math.abs(this.place(event.time) - px);
+    const near = this.events.filter((event) => distance(event) <= CLICK).sort((a, b) => distance(a) - distance(b));
+    return near.length ? near[0].time : this.timeAt(px);
+  }
+
+  draw(colours) {
+    const { width, height } = this.strip.getBoundingClientRect();
+    const ratio = window.devicePixelRatio || 1;
+    Object.assign(this.strip, { width: Math.round(width * ratio), height: Math.round(height * ratio) });
+    this.width = width;
+    const context = this.strip.getContext("2d");
+    context.scale(ratio, ratio);
+    const middle = height / 2;
+    for (const event of this.events.filter(({ kind }) => kind === "contact")) {
+      context.fillStyle = colours.contact;
+      const from = this.place(event.time);
+      context.fillRect(from - 1.5, 1, Math.max(3, this.place(event.end) - from), height - 2);
+    }
+    for (const event of this.events.filter(({ kind }) => kind === "near")) {
+      const px = this.place(event.time);
+      context.beginPath();
+      context.moveTo(px, middle - 5);
+      context.lineTo(px + 4, middle);
+      context.lineTo(px, middle + 5);
+      context.lineTo(px - 4, middle);
+      context.closePath();
+      context.fillStyle = colours.head;
+      context.strokeStyle = colours.type;
+      context.lineWidth = 1;
+      context.fill();
+      context.stroke();
+    }
+  }
+}

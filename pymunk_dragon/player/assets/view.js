@@ -1,0 +1,83 @@
+// Which part of the floor is seen: x to the right and y up in m, screen pixels to the right and down.
+
+// Pixels that a bench may be wide at most: a near miss of the seed is then some 60 pixels wide.
+const WIDEST_BENCH = 20000;
+// How much smaller than a fitting view one may get, and the free border of a fitting one as a share.
+const SMALLEST = 0.2, BORDER = 0.04;
+
+class View {
+  constructor(motion) {
+    this.x = this.y = 0;
+    this.scale = 1; // pixels per m
+    this.width = this.height = 1; // pixels
+    this.headSpan = 20 * motion.width; // m: the head, the turn that it is on and the two beside it
+    this.maxScale = WIDEST_BENCH / motion.width;
+    const { counts, origin, step } = motion.packed;
+    const low = [Infinity, Infinity], high = [-Infinity, -Infinity];
+    for (let i = 0; i < counts.length; i++) {
+      const axis = i & 1;
+      if (counts[i] < low[axis]) low[axis] = counts[i];
+      if (counts[i] > high[axis]) high[axis] = counts[i];
+    }
+    // The ground that the benches ever cover: their holes, and an end beyond each.
+    const beyond = (motion.lengths[0] - motion.spacings[0]) / 2 + motion.width / 2;
+    this.field = {
+      centre: [0, 1].map((axis) => origin[axis] + step * (low[axis] + high[axis]) / 2),
+      size: [0, 1].map((axis) => step * (high[axis] - low[axis]) + 2 * beyond),
+    };
+  }
+
+  get fittingScale() {
+    const [width, height] = this.field.size;
+    return (1 - 2 * BORDER) * Math.min(this.width / width, this.height / height);
+  }
+
+  // Metres across the shorter side: what a link says, so that it shows as much on every screen.
+  get span() {
+    return Math.min(this.width, this.height) / this.scale;
+  }
+
+  set span(metres) {
+    this.scale = this.bounded(Math.min(this.width, this.height) / metres);
+  }
+
+  bounded(scale) {
+    return Math.min(Math.max(scale, SMALLEST * Math.min(this.fittingScale, this.maxScale)), this.maxScale);
+  }
+
+  fit() {
+    [this.x, this.y] = this.field.centre;
+    this.scale = Math.min(this.fittingScale, this.maxScale);
+  }
+
+  toScreen(x, y) {
+    return [(x - this.x) * this.scale + this.width / 2, (this.y - y) * this.scale + this.height / 2];
+  }
+
+  toFloor(px, py) {
+    return [this.x + (px - this.width / 2) / this.scale, this.y - (py - this.height / 2) / this.scale];
+  }
+
+  // Zoom such that the floor under a pixel stays there.
+  zoom(factor, px = this.width / 2, py = this.height / 2) {
+    const [x, y] = this.toFloor(px, py);
+    this.scale = this.bounded(this.scale * factor);
+    const [newX, newY] = this.toFloor(px, py);
+    this.x += x - newX;
+    this.y += y - newY;
+  }
+
+  // Move the floor by so many pixels, but never the whole field out of reach.
+  pan(dx, dy) {
+    const { centre, size } = this.field;
+    const within = (value, axis) => Math.min(Math.max(value, centre[axis] - size[axis]), centre[axis] + size[axis]);
+    this.x = within(this.x - dx / this.scale, 0);
+    this.y = within(this.y + dy / this.scale, 1);
+  }
+
+  // Whether anything within `reach` m of a point is in sight.
+  sees(x, y, reach) {
+    return Math.abs(x - this.x) <= this.width / 2 / this.scale + reach
+      && Math.abs(y - this.y) <= this.height / 2 / this.scale + reach;
+  }
+}

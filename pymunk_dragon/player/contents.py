@@ -1,0 +1,125 @@
+"""What the page knows of a run: sizes, places over time, and what happened."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pymunk_dragon.collision import Grid, Impact
+from pymunk_dragon.march import March
+from pymunk_dragon.player.packing import Packed, packed
+from pymunk_dragon.render.scene import HOLE_DIAMETER
+from pymunk_dragon.run import Run
+
+__all__ = ["PlayerData", "contact_windows", "curve_points", "handles", "player_data"]
+
+Array = NDArray[np.float64]
+
+# Share of a bench's width that one count of a place is: 5 micrometres at the contest's 0.3 m. Finer would be in vain,
+# since the engine's joints are up to 4 micrometres apart where a handle has one place.
+STEP = 1 / 60_000
+# Share of a bench's width that the drawn curve may be off between two of its points: 0.1 mm at the contest's.
+CURVE_ERROR = 1 / 3000
+# Points of the curve: so many to find out how it bends, and at most so many in the page.
+CURVE_SAMPLES, MAX_CURVE_POINTS = 4000, 20_000
+# Share of the curve's length that its last point stays away from the end, where rounding could put it beyond.
+CURVE_END = 1e-12
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlayerData:
+    """A run as the page holds it.
+
+    Attributes
+    ----------
+    told : dict
+        Everything but the places, as JSON values in m and s.
+    handles, curve : Packed
+        Places of the handles frame by frame, and points along the curve.
+    """
+
+    told: dict[str, Any]
+    handles: Packed
+    curve: Packed
+
+
+def player_data(run: Run, impact: Impact | None) -> PlayerData:
+    """What the page is told of `run`, of which the exact model says `impact`."""
+    dragon = run.march.dragon
+    places = packed(handles(run), STEP * dragon.width)
+    curve = packed(curve_points(run.march, float(run.times[0]))[:, None], STEP * dragon.width)
+    begin, end = float(run.times[0]), float(run.times[-1])
+    misses = (impact and impact.clearances) or ()
+    told = {
+        "dragon": asdict(dragon) | {"hole": HOLE_DIAMETER},
+        "grid": _grid(run.march),
+        "times": run.times.tolist(),
+        "near": [asdict(miss) for miss in misses if begin <= miss.time <= end],
+        "windows": contact_windows(run),
+        "first": None if run.first_contact is None else asdict(run.first_contact),
+        "handles": _shape(places),
+        "curve": _shape(curve),
+    }
+    return PlayerData(told=told, handles=places, curve=curve)
+
+
+def handles(run: Run) -> Array:
+    """Places (F, H, 2) of the handles in m; where two benches share a hole, midway between theirs."""
+    front, rear = run.march.dragon.holes(run.poses)
+    shared = (rear[:, :-1] + front[:, 1:]) / 2
+    return np.concatenate([front[:, :1], shared, rear[:, -1:]], axis=1)
+
+
+def contact_windows(run: Run) -> list[dict[str, Any]]:
+    """When which benches touch, by beginning; without an `end` where they still do when the run ends.
+
+    The log begins a window at the end of a substep. The first contact's begins when it truly does, and is there even
+    if nothing was logged.
+    """
+    windows = [asdict(window) for window in run.events.windows()]
+    first = run.first_contact
+    if first is not None:
+        its = [window for window in windows if window["benches"] == first.benches and window["begin"] >= first.time]
+        if its:
+            its[0]["begin"] = first.time
+        else:
+            windows.append({"benches": first.benches, "begin": first.time, "end": None})
+    return sorted(windows, key=lambda window: (window["begin"], window["benches"]))
+
+
+def curve_points(march: March, start: float) -> Array:
+    """Points (P, 2) in m of the curve from the tail at `start` s, or at 0 s where that is earlier, to its end.
+
+    They stand the closer, the tighter the curve bends.
+    """
+    curve = march.curve
+    tail = march.places([min(start, 0.0)])[0, -1]
+    if np.isnan(tail):
+        tail = march.parameters(0.0)[0, -1]
+    length = float(curve.remaining(tail)) * (1 - CURVE_END)
+    along = np.linspace(0.0, length, CURVE_SAMPLES)
+    tangents = curve.tangent(curve.advance(tail, along))
+    bend = np.linalg.norm(np.diff(tangents, axis=0), axis=1) / np.diff(along)
+    # A chord c of a curve that bends by k is off by k c^2 / 8; this is the number of chords up to each sample.
+    chords = np.sqrt(bend / (8 * CURVE_ERROR * march.dragon.width)) * np.diff(along)
+    passed = np.concatenate([[0.0], np.cumsum(chords)])
+    count = int(min(passed[-1] + 2, MAX_CURVE_POINTS))
+    if passed[-1] == 0:
+        # A straight one has nothing to go by, and needs nothing but its ends.
+        return curve.point(curve.advance(tail, np.array([0.0, length])))
+    chosen = np.interp(np.linspace(0.0, passed[-1], count), passed, along)
+    return curve.point(curve.advance(tail, chosen))
+
+
+def _grid(march: March) -> dict[str, Any] | None:
+    """The paper's grid; None for a curve that never comes back beside itself."""
+    return asdict(Grid.of(march)) if np.isfinite(march.curve.turn_distance) else None
+
+
+def _shape(places: Packed) -> dict[str, Any]:
+    whole = asdict(places)
+    del whole["text"]
+    return whole

@@ -1,0 +1,139 @@
+"""The page: one HTML file with its style, its script and its run inside, which asks nobody for anything."""
+
+from __future__ import annotations
+
+import json
+import re
+from base64 import b64encode
+from collections.abc import Callable, Mapping
+from hashlib import sha256
+from html import escape
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from pymunk_dragon.errors import ParameterError
+from pymunk_dragon.files import check_destination, written_in_place
+from pymunk_dragon.player.colours import variables
+from pymunk_dragon.player.contents import player_data
+from pymunk_dragon.report.exact import exact_impact, with_exact_contact
+from pymunk_dragon.report.sections import headline, sections, subtitle
+from pymunk_dragon.report.summary import told
+from pymunk_dragon.run import Run
+
+__all__ = ["PLAYER_ENDINGS", "player_page", "write_player"]
+
+Progress = Callable[[int, int], None]
+
+PLAYER_ENDINGS = (".html",)
+# The script in the order in which its parts build on each other.
+SCRIPTS = ("decode", "motion", "geometry", "view", "paint", "timeline", "link", "pointer", "table", "main")
+# Steps of `write_player`: the page, and the file.
+STEPS = 2
+PLACE = re.compile(r"\{\{(\w+)\}\}")
+
+
+def write_player(run: Run, path: str | Path, *, title: str | None = None, progress: Progress | None = None) -> None:
+    """Write a page that plays a run: one HTML file that needs no network.
+
+    Parameters
+    ----------
+    run : Run
+        What is played. A run of the exact player, who looks for no contacts, gets the exact model's.
+    path : path
+        File to write, ending in .html. An interrupted one leaves the old file or none.
+    title : str, optional
+        Heading of the page; by default what happened in the run.
+    progress : callable, optional
+        Told the number of steps done, and of all steps, after each one.
+
+    Raises
+    ------
+    ParameterError
+        If the file cannot be made, or the title is no text.
+    OutputError
+        If writing fails.
+
+    Examples
+    --------
+    >>> write_player(Run.load("run.npz"), "run.html")  # doctest: +SKIP
+    """
+    destination = check_destination(path, PLAYER_ENDINGS)
+    tell = progress or (lambda done, total: None)
+    page = player_page(run, title=title)
+    tell(1, STEPS)
+    with written_in_place(destination) as draft:
+        # As bytes: a text file would get the line ends of the machine, and the hashes would not fit any more.
+        draft.write_bytes(page.encode("utf-8"))
+    tell(STEPS, STEPS)
+
+
+def player_page(run: Run, *, title: str | None = None) -> str:
+    """The page that `write_player` writes, as a text, for example to be put into a frame of a notebook.
+
+    Raises
+    ------
+    ParameterError
+        If the title is no text.
+    """
+    if not (title is None or isinstance(title, str)):
+        raise ParameterError("title", title, "a text")
+    impact = exact_impact(run)
+    run = with_exact_contact(run, impact)
+    found = told(run, impact)
+    data = player_data(run, impact)
+    # Halves of surrogate pairs are no text that a file could hold.
+    heading = (title or headline(found)).encode("utf-8", "replace").decode("utf-8")
+    style = variables() + _asset("player.css")
+    script = "".join(_asset(f"{name}.js") for name in SCRIPTS)
+    policy = (
+        "default-src 'none'",
+        f"script-src {_hash(script)}",
+        f"style-src {_hash(style)}",
+        "img-src data:",
+        "base-uri 'none'",
+        "form-action 'none'",
+    )
+    return _filled(
+        _asset("player.html"),
+        {
+            "policy": "; ".join(policy),
+            "title": escape(heading),
+            "subtitle": escape(subtitle(found)),
+            "origin": _origin(found),
+            "last_bench": str(run.march.dragon.benches - 1),
+            "style": style,
+            "script": script,
+            "told": _json(data.told),
+            "handles": data.handles.text,
+            "curve": data.curve.text,
+        },
+    )
+
+
+def _asset(name: str) -> str:
+    return files(__package__).joinpath("assets", name).read_text(encoding="utf-8")
+
+
+def _filled(template: str, values: Mapping[str, str]) -> str:
+    """`template` with every {{name}} replaced at once, so that nothing within a value is taken for a name."""
+    return PLACE.sub(lambda match: values[match[1]], template)
+
+
+def _hash(text: str) -> str:
+    return f"'sha256-{b64encode(sha256(text.encode('utf-8')).digest()).decode('ascii')}'"
+
+
+def _json(value: Any) -> str:
+    """JSON that no HTML parser sees an end of the script in."""
+    return json.dumps(value, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
+
+
+def _origin(contents: Mapping[str, Any]) -> str:
+    """Where the run comes from, as a report tells it."""
+    [origin] = (section for section in sections(contents) if section.key == "origin")
+    parts = []
+    for heading, facts in origin.facts.items():
+        rows = "".join(f"<div><dt>{escape(name)}</dt><dd>{escape(value)}</dd></div>" for name, value in facts)
+        parts.append(f"<div><h3>{escape(heading)}</h3><dl>{rows}</dl></div>")
+    return "".join(parts)
