@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import signal
+from collections.abc import Iterator
 
 import hypothesis
 import numpy as np
 import pytest
+from browser import chromium
+from playwright.sync_api import Browser
 
 from pymunk_dragon.march import March
 
@@ -24,6 +27,13 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 def seed_march() -> March:
     """The march of the paper."""
     return March()
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Browser]:
+    """Chromium, started once for all the tests that need it."""
+    with chromium() as started:
+        yield started
 
 
 # What no length, speed or count can be, whatever its range.

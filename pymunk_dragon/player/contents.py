@@ -101,15 +101,14 @@ def curve_points(march: March, start: float) -> Array:
         tail = march.parameters(0.0)[0, -1]
     length = float(curve.remaining(tail)) * (1 - CURVE_END)
     along = np.linspace(0.0, length, CURVE_SAMPLES)
-    tangents = curve.tangent(curve.advance(tail, along))
-    bend = np.linalg.norm(np.diff(tangents, axis=0), axis=1) / np.diff(along)
-    # A chord c of a curve that bends by k is off by k c^2 / 8; this is the number of chords up to each sample.
-    chords = np.sqrt(bend / (8 * CURVE_ERROR * march.dragon.width)) * np.diff(along)
+    places = curve.advance(tail, along)
+    # A chord c of a curve that bends by k is off by k c^2 / 8; this is the number of chords between two samples.
+    chords = np.sqrt(curve.sharpest(places[:-1], places[1:]) / (8 * CURVE_ERROR * march.dragon.width)) * np.diff(along)
     passed = np.concatenate([[0.0], np.cumsum(chords)])
-    count = int(min(passed[-1] + 2, MAX_CURVE_POINTS))
     if passed[-1] == 0:
         # A straight one has nothing to go by, and needs nothing but its ends.
-        return curve.point(curve.advance(tail, np.array([0.0, length])))
+        return curve.point(places[[0, -1]])
+    count = int(min(passed[-1] + 2, MAX_CURVE_POINTS))
     chosen = np.interp(np.linspace(0.0, passed[-1], count), passed, along)
     return curve.point(curve.advance(tail, chosen))
 

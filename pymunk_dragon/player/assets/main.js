@@ -79,17 +79,18 @@ function player(told, packed, curve) {
       angle: degrees - 360 * Math.ceil((degrees - 180) / 360),
       gap: coil && coil.gap,
       nearest: coil && coil.bench,
+      blur: coil && Math.max(motion.blurAt(state.time, i), motion.blurAt(state.time, coil.bench)),
     };
   }
 
   function showCard(i) {
-    const { speed, angle, gap, nearest } = numbersOf(i);
+    const { speed, angle, gap, nearest, blur } = numbersOf(i);
     const input = element("bench");
     if (document.activeElement !== input) input.value = i;
     write("part", i === 0 ? "head" : i === motion.benches - 1 ? "tail" : "body");
     write("speed", speed === null ? "–" : `${speed.toFixed(3)} m/s`);
     write("angle", `${angle.toFixed(1).replace("-", "−")}°`);
-    write("gap", gap === null ? "–" : gap === 0 ? `touches ${nearest}` : `${inLength(gap)} to ${nearest}`);
+    write("gap", gap === null ? "–" : gap === 0 ? `touches ${nearest}` : `${inLength(gap, blur)} to ${nearest}`);
   }
 
   // ---- time
@@ -180,7 +181,8 @@ function player(told, packed, curve) {
 
   function follow(subject) {
     state.follow = subject;
-    if (subject === "head") view.span = view.headSpan;
+    // From close by one stays close.
+    if (subject === "head") view.span = Math.min(view.span, view.headSpan);
     showFollowing();
     settle();
   }
@@ -190,16 +192,17 @@ function player(told, packed, curve) {
     element("follow").setAttribute("aria-pressed", state.follow === "head");
   }
 
-  // Zooming in while the head is followed keeps it in the middle; whatever else moves the view lets go.
+  // While the dragon walks, zooming keeps the head in the middle if it was there; whatever else moves the view lets go.
   function moved(how) {
-    if (state.follow === "field" || how !== "zoom") state.follow = null;
+    const keeps = how === "step" || (how === "zoom" && state.playing);
+    if (state.follow === "field" || !keeps) state.follow = null;
     showFollowing();
     settle();
   }
 
   function zoom(factor) {
     view.zoom(factor);
-    moved("zoom");
+    moved("step");
   }
 
   function pan(right, down) {
@@ -363,6 +366,7 @@ function player(told, packed, curve) {
     numbers: (bench) => (draw(), numbersOf(bench)),
     cells: (bench) => new Benches(motion, motion.posesAt(state.time)).cells(bench, told.grid),
     pixel: (x, y) => view.toScreen(x, y),
+    gapEnds: (i, j) => benches.gap(i, j).ends,
   });
 }
 

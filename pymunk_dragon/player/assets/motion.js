@@ -39,7 +39,7 @@ class Motion {
     const places = placesIn(this.packed, frame);
     const poses = { x: [], y: [], angle: [] };
     for (let i = 0; i < this.benches; i++) {
-      const [frontX, frontY, rearX, rearY] = places.subarray(2 * i, 2 * i + 4);
+      const frontX = places[2 * i], frontY = places[2 * i + 1], rearX = places[2 * i + 2], rearY = places[2 * i + 3];
       poses.x.push((frontX + rearX) / 2);
       poses.y.push((frontY + rearY) / 2);
       poses.angle.push(Math.atan2(frontY - rearY, frontX - rearX));
@@ -50,13 +50,31 @@ class Motion {
     return poses;
   }
 
-  // Poses at any time: between frames, centres go straight and benches turn evenly, the shorter way round.
-  posesAt(time) {
+  // The two frames about a time, and which share of the way from one to the other it is.
+  between(time) {
     const last = this.times.length - 1;
     const after = Math.min(Math.max(this.frameFrom(time), Math.min(1, last)), last);
     const before = Math.max(after - 1, 0);
     const span = this.times[after] - this.times[before];
-    const share = Math.min(Math.max((time - this.times[before]) / (span > 0 ? span : 1), 0), 1);
+    return { before, after, share: Math.min(Math.max((time - this.times[before]) / (span > 0 ? span : 1), 0), 1) };
+  }
+
+  // About how far a bench is from its true place, m, because it goes straight between two frames: the way of a bent
+  // path from its chord, as four frames tell it. Uneven frames make it too large, never too small.
+  blurAt(time, bench) {
+    const { before, share } = this.between(time);
+    if (share === 0 || share === 1) return 0;
+    if (this.times.length < 4) return Infinity;
+    const first = Math.max(Math.min(before - 1, this.times.length - 4), 0);
+    const { points, step, counts } = this.packed;
+    const bends = [0, 1].map((axis) => [1, -1, -1, 1].reduce((sum, sign, k) =>
+      sum + sign * counts[2 * ((first + k) * points + bench) + axis], 0));
+    return share * (1 - share) / 4 * step * Math.hypot(...bends);
+  }
+
+  // Poses at any time: between frames, centres go straight and benches turn evenly, the shorter way round.
+  posesAt(time) {
+    const { before, after, share } = this.between(time);
     const one = this.framePoses(before), two = this.framePoses(after);
     const n = this.benches;
     const poses = {

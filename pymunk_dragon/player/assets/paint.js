@@ -4,11 +4,11 @@
 const CURVE_WIDTH = 0.04, THINNEST_CURVE = 1;
 // Pixels that the drawn curve may be off, and points of it that are looked at together for being in sight.
 const CURVE_ERROR_SHOWN = 0.3, CURVE_CHUNK = 64;
-// Pixels: smallest hole and smallest cell that are drawn, cell that is large enough for its name, width of a bench
-// that is large enough for its number.
-const SMALLEST_HOLE = 2.5, SMALLEST_CELL = 5, NAMED_CELL = 46, NUMBERED_BENCH = 10;
-// Where benches are smaller than that, every so many have a number beside them.
-const NUMBER_EVERY = 25;
+// Pixels: smallest hole and cell that are drawn, cells that are large enough for a number at the side and for a name, and
+// width of a bench that is large enough for its number.
+const SMALLEST_HOLE = 2.5, SMALLEST_CELL = 5, NUMBERED_CELL = 22, NAMED_CELL = 120, NUMBERED_BENCH = 10;
+// Where benches are smaller than that, every so many have a number, if there is room for its pixels.
+const NUMBER_EVERY = 25, NUMBER_SIZE = 28;
 // Metres of arrow for each m/s.
 const ARROW = 0.5;
 // Pixels: the ring around a contact, and its distance from its label.
@@ -34,7 +34,7 @@ class Painter {
     this.colours = {
       ...Object.fromEntries(["background", "curve", "head", "body", "tail", "contact", "ink"]
         .map((name) => [name, named(`--canvas-${name}`)])),
-      type: named("--ink"), quiet: named("--quiet"), line: named("--line"), shade: named("--shade"),
+      type: named("--ink"), line: named("--line"), shade: named("--shade"),
     };
     this.font = getComputedStyle(document.body).fontFamily;
   }
@@ -66,10 +66,11 @@ class Painter {
     if (show.grid && this.told.grid) this.drawGrid(benches, seen);
     if (show.curve) this.drawCurve();
     this.drawBenches(benches, seen, red);
-    if (pointed !== null) this.drawOutline(benches, pointed);
+    if (pointed !== null) this.drawPointed(benches, pointed, red);
     if (show.handles) this.drawHandles(benches, seen);
     if (show.velocities) this.drawVelocities(time, benches, seen);
     if (show.labels) this.drawNumbers(benches, seen, red);
+    if (show.grid && this.told.grid) this.drawGridNames();
     if (show.contacts) this.drawContacts(time, benches, touching);
   }
 
@@ -116,25 +117,20 @@ class Painter {
   drawBenches(benches, seen, red) {
     const { context, colours, motion, view } = this;
     const tail = motion.benches - 1;
-    // Benches overlap only with their neighbours, so the even ones make one path, and the odd ones lie on top of them.
-    const layers = [
-      [colours.body, (i) => i > 0 && i < tail && i % 2 === 0],
-      [colours.body, (i) => i > 0 && i < tail && i % 2 === 1],
-      [colours.tail, (i) => i === tail],
-      [colours.head, (i) => i === 0],
-    ];
+    const special = (i) => i === 0 || i === tail || red.has(i);
     context.strokeStyle = colours.ink;
     context.lineWidth = Math.min(Math.max(0.06 * motion.width * view.scale, 0.5), 1.25);
-    const paint = (colour, chosen) => {
+    const paint = (chosen) => {
       if (!chosen.length) return;
       const path = new Path2D();
       for (const i of chosen) this.outline(path, benches, i);
-      context.fillStyle = colour;
+      context.fillStyle = this.colourOf(chosen[0], red);
       context.fill(path);
       context.stroke(path);
     };
-    for (const [colour, belongs] of layers) paint(colour, seen.filter((i) => belongs(i) && !red.has(i)));
-    for (const i of seen) if (red.has(i)) paint(colours.contact, [i]);
+    // Benches overlap only with their neighbours, so the even ones make one path, and the odd ones lie on top of them.
+    for (const parity of [0, 1]) paint(seen.filter((i) => i % 2 === parity && !special(i)));
+    for (const i of seen.filter(special)) paint([i]);
     const radius = this.told.dragon.hole / 2 * view.scale;
     if (2 * radius >= SMALLEST_HOLE) this.drawHoles(benches, seen, radius, colours.ink);
   }
@@ -158,7 +154,7 @@ class Painter {
     const radius = Math.max(2.2, 0.8 * this.told.dragon.hole * view.scale);
     const path = this.drawHoles(benches, seen, radius, colours.background);
     context.strokeStyle = colours.type;
-    context.lineWidth = 1.25;
+    context.lineWidth = Math.min(1.25, 0.4 * radius);
     context.stroke(path);
   }
 
@@ -197,9 +193,13 @@ class Painter {
     context.textBaseline = "middle";
     if (thickness < NUMBERED_BENCH) {
       context.font = `600 12px ${this.font}`;
-      for (const i of seen) {
+      const written = [];
+      for (const i of seen.toReversed()) {
         if (i % NUMBER_EVERY && i !== motion.benches - 1 && !red.has(i)) continue;
-        this.write(String(i), ...view.toScreen(x[i], y[i]));
+        const [px, py] = view.toScreen(x[i], y[i]);
+        if (written.some(([qx, qy]) => Math.abs(px - qx) < NUMBER_SIZE && Math.abs(py - qy) < NUMBER_SIZE / 2)) continue;
+        written.push([px, py]);
+        this.write(String(i), px, py);
       }
       return;
     }
@@ -227,15 +227,24 @@ class Painter {
     context.fillText(text, px, py);
   }
 
-  drawOutline(benches, i) {
+  // The bench that is pointed at lies on top, with a line around it.
+  drawPointed(benches, i, red) {
     const { context, colours } = this;
     const path = new Path2D();
     this.outline(path, benches, i);
-    for (const [colour, width] of [[colours.background, 6], [colours.type, 2.5]]) {
+    for (const [colour, width] of [[colours.background, 9], [colours.type, 5]]) {
       context.strokeStyle = colour;
       context.lineWidth = width;
       context.stroke(path);
     }
+    context.fillStyle = this.colourOf(i, red);
+    context.fill(path);
+    this.drawHoles(benches, [i], this.told.dragon.hole / 2 * this.view.scale, colours.ink);
+  }
+
+  colourOf(i, red) {
+    const { contact, head, tail, body } = this.colours;
+    return red.has(i) ? contact : i === 0 ? head : i === this.motion.benches - 1 ? tail : body;
   }
 
   drawGrid(benches, seen) {
@@ -251,15 +260,13 @@ class Painter {
     context.fillStyle = colours.shade;
     context.fill(filed);
     const [west, north] = view.toFloor(0, 0), [east, south] = view.toFloor(view.width, view.height);
-    const rows = [Math.floor((origin[1] - north) / cell), Math.floor((origin[1] - south) / cell)];
-    const columns = [Math.floor((west - origin[0]) / cell), Math.floor((east - origin[0]) / cell)];
     const lines = new Path2D();
-    for (let row = rows[0]; row <= rows[1]; row++) {
+    for (const row of numbersBetween((origin[1] - north) / cell, (origin[1] - south) / cell)) {
       const py = corner(row, 0)[1];
       lines.moveTo(0, py);
       lines.lineTo(view.width, py);
     }
-    for (let column = columns[0]; column <= columns[1]; column++) {
+    for (const column of numbersBetween((west - origin[0]) / cell, (east - origin[0]) / cell)) {
       const px = corner(0, column)[0];
       lines.moveTo(px, 0);
       lines.lineTo(px, view.height);
@@ -267,15 +274,28 @@ class Painter {
     context.strokeStyle = colours.line;
     context.lineWidth = 1;
     context.stroke(lines);
-    if (size < NAMED_CELL) return;
+  }
+
+  // The grid's numbers, on top of everything: rows along the left side, columns along the top, and in large cells both.
+  drawGridNames() {
+    const { context, view, told } = this;
+    const { cell, origin } = told.grid;
+    const size = cell * view.scale;
+    if (size < NUMBERED_CELL) return;
+    const [west, north] = view.toFloor(0, 0), [east, south] = view.toFloor(view.width, view.height);
+    const rows = numbersBetween((origin[1] - north) / cell, (origin[1] - south) / cell);
+    const columns = numbersBetween((west - origin[0]) / cell, (east - origin[0]) / cell);
+    const middle = (row, column) => view.toScreen(origin[0] + (column + 0.5) * cell, origin[1] - (row + 0.5) * cell);
     context.font = `11px ${this.font}`;
-    context.textAlign = "left";
-    context.textBaseline = "top";
-    context.fillStyle = colours.quiet;
-    for (let row = rows[0]; row <= rows[1]; row++) {
-      for (let column = columns[0]; column <= columns[1]; column++) {
-        const [px, py] = corner(row, column);
-        context.fillText(`${row}, ${column}`, px + 4, py + 4);
+    context.textAlign = "center";
+    context.textBaseline = "middle";
+    for (const row of rows) if (middle(row, 0)[1] > 24) this.write(signed(row), 14, middle(row, 0)[1]);
+    for (const column of columns) this.write(signed(column), middle(0, column)[0], 10);
+    if (size < NAMED_CELL) return;
+    for (const row of rows) {
+      for (const column of columns) {
+        const [px, py] = middle(row, column);
+        this.write(`${signed(row)}, ${signed(column)}`, px, py);
       }
     }
   }
@@ -288,22 +308,23 @@ class Painter {
     }
     for (const miss of this.told.near) {
       if (Math.abs(miss.time - time) > NEAR_SHOWN) continue;
-      const { gap, ends } = benches.gap(...miss.benches);
+      const { ends } = benches.gap(...miss.benches);
       const [one, two] = ends.map((end) => view.toScreen(...end));
       const middle = [(one[0] + two[0]) / 2, (one[1] + two[1]) / 2];
-      this.ring(middle);
+      // Around both ends, as far apart as they may look.
+      this.ring(middle, Math.hypot(one[0] - two[0], one[1] - two[1]) / 2);
       context.font = `600 13px ${this.font}`;
       context.textAlign = "left";
       context.textBaseline = "middle";
-      this.write(inLength(gap), middle[0] + LABEL_OFFSET, middle[1] - LABEL_OFFSET);
+      this.write(`${inLength(miss.gap, 0)} at ${miss.time.toFixed(2)} s`, middle[0] + LABEL_OFFSET, middle[1] - LABEL_OFFSET);
     }
   }
 
-  ring([px, py]) {
+  ring([px, py], inner = 0) {
     const { context, colours } = this;
     for (const [stroke, width] of [[colours.background, 5], [colours.type, 2]]) {
       context.beginPath();
-      context.arc(px, py, RING, 0, TURN);
+      context.arc(px, py, Math.max(RING, 1.6 * inner), 0, TURN);
       context.strokeStyle = stroke;
       context.lineWidth = width;
       context.stroke();
@@ -311,14 +332,22 @@ class Painter {
   }
 }
 
+// The whole numbers from that of `from` to that of `to`.
+function numbersBetween(from, to) {
+  const first = Math.floor(from);
+  return Array.from({ length: Math.floor(to) - first + 1 }, (_, i) => first + i);
+}
+
+const signed = (number) => String(number).replace("-", "−");
+
 // All frames' places of a packed track in a row, in m.
 function placesOf(packed) {
   const { origin, step, counts } = packed;
   return Float64Array.from(counts, (count, i) => origin[i & 1] + step * count);
 }
 
-// A length in m as people read it: below 1 cm tenths of a millimetre count.
-function inLength(metres) {
+// A length in m as people read it. Below 1 cm tenths of a millimetre count, if they are known.
+function inLength(metres, blur) {
   if (metres >= 1) return `${metres.toFixed(2)} m`;
-  return `${(1000 * metres).toFixed(metres < 0.01 ? 1 : 0)} mm`;
+  return `${(1000 * metres).toFixed(metres < 0.01 && blur < 0.0001 ? 1 : 0)} mm`;
 }

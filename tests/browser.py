@@ -1,0 +1,51 @@
+"""A real browser for the tests that open a page in one, and what a page did there."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import Any
+
+import pytest
+from playwright.sync_api import Browser, Page, sync_playwright
+
+CHROMIUM = shutil.which("chromium")
+needs_browser = pytest.mark.skipif(CHROMIUM is None, reason="no browser to open a page in: apt-get install chromium")
+
+ARGUMENTS = ("--no-sandbox", "--disable-background-networking", "--disable-dev-shm-usage")
+
+
+@contextmanager
+def chromium() -> Iterator[Browser]:
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=ARGUMENTS)
+        yield browser
+        browser.close()
+
+
+@dataclass
+class Opened:
+    """A page, what the browser complained about, which addresses it asked for, and which boxes popped up."""
+
+    page: Page
+    complaints: list[str] = field(default_factory=list)
+    addresses: list[str] = field(default_factory=list)
+    boxes: list[str] = field(default_factory=list)
+
+
+@contextmanager
+def opened(browser: Browser, address: str, width: int = 1280, height: int = 800, **options: Any) -> Iterator[Opened]:
+    """Open a page in a window of its own; `options` are Playwright's for a browser context."""
+    context = browser.new_context(viewport={"width": width, "height": height}, **options)
+    found = Opened(context.new_page())
+    page = found.page
+    page.set_default_timeout(10_000)
+    page.on("console", lambda message: found.complaints.append(message.text))
+    page.on("pageerror", lambda error: found.complaints.append(str(error)))
+    page.on("request", lambda request: found.addresses.append(request.url))
+    page.on("dialog", lambda dialog: (found.boxes.append(dialog.message), dialog.dismiss()))
+    page.goto(address)
+    yield found
+    context.close()

@@ -1,0 +1,330 @@
+"""The page that plays a run, as a text: what is in it, and what is not."""
+
+from __future__ import annotations
+
+import json
+import re
+import zlib
+from base64 import b64decode, b64encode
+from dataclasses import replace
+from hashlib import sha256
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+from conftest import assert_says
+from hypothesis import given
+from hypothesis import strategies as st
+from shapely import LineString, points
+
+import pymunk_dragon
+from pymunk_dragon.contact import Contact, ContactEvent, ContactLog
+from pymunk_dragon.dragon import Dragon
+from pymunk_dragon.errors import ParameterError
+from pymunk_dragon.march import March
+from pymunk_dragon.player import player_page, write_player
+from pymunk_dragon.player.colours import DARK, LIGHT
+from pymunk_dragon.player.contents import contact_windows, curve_points, handles
+from pymunk_dragon.player.packing import packed
+from pymunk_dragon.run import Run
+
+SMALL = March(Dragon(benches=16), turns=4)
+MARKUP = "</script><img src=http://127.0.0.1:9/x onerror=alert(1)><!--<script>{{style}}&amp;"
+# What a page may be, and how fine its places have to be: the near misses are 0.9 mm.
+MAX_PAGE, COARSEST = 4_000_000, 1e-4
+COUNTS = 2**32
+
+
+class Page(HTMLParser):
+    """Tags with their attributes, the text, and the contents of styles and scripts."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.tags, self.texts, self.blocks, self._open = [], [], {}, None
+        self.feed(text)
+
+    def handle_starttag(self, tag, attributes):
+        self.tags.append((tag, dict(attributes)))
+        if tag in ("script", "style"):
+            self._open = dict(attributes).get("id", tag)
+
+    def handle_endtag(self, tag):
+        self._open = None
+
+    def handle_data(self, data):
+        if self._open:
+            self.blocks[self._open] = self.blocks.get(self._open, "") + data
+        else:
+            self.texts.append(data)
+
+    @property
+    def text(self):
+        return " ".join("".join(self.texts).split())
+
+    @property
+    def policy(self):
+        [content] = [found["content"] for tag, found in self.tags if "http-equiv" in found]
+        return dict(part.split(" ", 1) for part in content.split("; "))
+
+    @property
+    def told(self):
+        return json.loads(self.blocks["told"])
+
+
+def unpacked(shape, text):
+    """Places (F, H, 2) in m, one number after the other."""
+    planes = zlib.decompress(b64decode(text))
+    total = shape["frames"] * shape["points"] * 2
+    assert len(planes) == 4 * total
+    folded = [sum(planes[k * total + i] << (8 * k) for k in range(4)) for i in range(total)]
+    places = np.empty((shape["points"], 2, shape["frames"]))
+    for track in range(2 * shape["points"]):
+        count = step = turn = 0
+        for frame in range(shape["frames"]):
+            number = folded[track * shape["frames"] + frame]
+            turn += -(number + 1) // 2 if number % 2 else number // 2
+            step += turn
+            count += step
+            signed = (count + COUNTS // 2) % COUNTS - COUNTS // 2
+            places[track // 2, track % 2, frame] = shape["origin"][track % 2] + shape["step"] * signed
+    return places.transpose(2, 0, 1)
+
+
+def told_places(page, name="handles"):
+    return unpacked(page.told[name], page.blocks[f"{name}-packed"])
+
+
+def luminance(colour):
+    share = np.array([int(colour[i : i + 2], 16) for i in (1, 3, 5)]) / 255
+    linear = np.where(share <= 0.04045, share / 12.92, ((share + 0.055) / 1.055) ** 2.4)
+    return float(linear @ [0.2126, 0.7152, 0.0722])
+
+
+def contrast(one, two):
+    """Of WCAG 2.2: 4.5 for type, 3 for everything else that has to be seen."""
+    dark, light = sorted((luminance(one), luminance(two)))
+    return (light + 0.05) / (dark + 0.05)
+
+
+@pytest.fixture(scope="module")
+def run():
+    return Run.exact(SMALL, np.linspace(0, 10, 101))
+
+
+@pytest.fixture(scope="module")
+def page(run):
+    return Page(player_page(run))
+
+
+@pytest.fixture(scope="module")
+def seed_page():
+    """A page of the seed's whole run, frames a tenth of a second apart."""
+    return player_page(Run.exact(March(), np.arange(4125) / 10))
+
+
+def test_places_come_back_as_near_as_the_page_says(run, page):
+    front, rear = run.march.dragon.holes(run.poses)
+    step = page.told["handles"]["step"]
+    places = told_places(page)
+    np.testing.assert_allclose(places[:, :-1], front, rtol=0, atol=0.501 * step)
+    np.testing.assert_allclose(places[:, 1:], rear, rtol=0, atol=0.501 * step)
+    assert step <= COARSEST / 10
+
+
+@given(
+    places=st.lists(
+        st.lists(st.tuples(*[st.floats(-1e6, 1e6)] * 2), min_size=3, max_size=3), min_size=1, max_size=12
+    ).map(np.array),
+    offset=st.sampled_from([0.0, 1e9]),
+)
+def test_any_jump_comes_back(places, offset):
+    kept = packed(places + offset, 5e-6)
+    shape = {"frames": kept.frames, "points": kept.points, "origin": kept.origin, "step": kept.step}
+    # A double of 1e9 m is 1e-7 m wide.
+    np.testing.assert_allclose(unpacked(shape, kept.text), places + offset, rtol=0, atol=0.501 * kept.step + 5e-7)
+    reach = np.ptp(places, axis=(0, 1)).max()
+    assert kept.step <= max(5e-6, reach / 2**31)
+
+
+def test_seeds_whole_run_fits_into_4_megabytes_finer_than_a_tenth_of_a_millimetre(seed_page):
+    assert len(seed_page.encode()) <= MAX_PAGE / 2
+    told = Page(seed_page).told
+    assert told["handles"]["step"] == pytest.approx(5e-6)
+    assert [len(told["times"]), told["handles"]["points"]] == [4125, 224]
+
+
+def test_joints_that_gape_have_their_handle_in_the_middle(run):
+    poses = run.poses.copy()
+    poses[:, 3, 0] += 0.002
+    front, rear = SMALL.dragon.holes(poses)
+    found = handles(replace(run, poses=poses))
+    np.testing.assert_allclose(found[:, 3], (rear[:, 2] + front[:, 3]) / 2)
+    np.testing.assert_allclose(found[:, 0], front[:, 0])
+    np.testing.assert_allclose(found[:, 16], rear[:, 15])
+
+
+def test_curve_is_nowhere_further_off_than_a_tenth_of_a_millimetre():
+    march = March()
+    drawn = LineString(curve_points(march, 0.0))
+    tail = march.parameters(0.0)[0, -1]
+    curve = march.curve.point(np.linspace(tail, 0.0, 50_000))
+    assert drawn.distance(points(curve)).max() < 1.1e-4
+    np.testing.assert_allclose(drawn.coords[0], march.at(0.0).positions[0, -1], atol=1e-9)
+    np.testing.assert_allclose(drawn.coords[-1], [0, 0], atol=1e-4)
+
+
+def test_curve_of_a_run_that_starts_early_begins_at_its_tail():
+    tail = SMALL.at(-50.0).positions[0, -1]
+    np.testing.assert_allclose(curve_points(SMALL, -50.0)[0], tail, atol=1e-9)
+
+
+@pytest.mark.parametrize("given_title", [None, MARKUP])
+def test_markup_in_title_and_provenance_is_text(run, given_title):
+    odd = replace(run, provenance={"player": MARKUP, MARKUP: MARKUP, "versions": {MARKUP: [MARKUP]}})
+    page = Page(player_page(odd, title=given_title))
+    plain = Page(player_page(run))
+    assert {tag for tag, _ in page.tags} == {tag for tag, _ in plain.tags}
+    assert [tag for tag, _ in page.tags if tag == "script"] == ["script"] * 4
+    assert MARKUP in page.text
+    assert page.blocks["script"] == plain.blocks["script"]
+    if given_title:
+        assert page.text.startswith(MARKUP)
+
+
+def test_policy_allows_the_pages_own_script_and_style_and_nothing_else(page):
+    for kind in ("script", "style"):
+        digest = b64encode(sha256(page.blocks[kind].encode()).digest()).decode()
+        assert page.policy[f"{kind}-src"] == f"'sha256-{digest}'"
+    rest = {name: value for name, value in page.policy.items() if name not in ("script-src", "style-src")}
+    assert rest == {"default-src": "'none'", "img-src": "data:", "base-uri": "'none'", "form-action": "'none'"}
+
+
+def test_policy_stands_before_everything_that_it_governs(page):
+    tags = [tag if "http-equiv" not in found else "policy" for tag, found in page.tags]
+    assert tags.index("policy") < min(tags.index(tag) for tag in ("link", "style", "script"))
+
+
+def test_no_tag_carries_style_or_script_or_an_address(page):
+    names = {name for _, found in page.tags for name in found}
+    assert not {name for name in names if name.startswith("on")}
+    assert not names & {"style", "src", "srcset", "action", "data", "poster"}
+    assert {found["href"] for _, found in page.tags if "href" in found} == {"data:,"}
+
+
+@pytest.mark.parametrize("text", ["</script>", "<!--"])
+def test_script_holds_nothing_that_ends_it(page, text):
+    assert text not in page.blocks["script"]
+    assert "\r" not in page.blocks["script"] + page.blocks["style"]
+
+
+def test_title_is_what_happened_unless_one_is_given(run):
+    assert Page(player_page(run)).text.startswith("The dragon from 0.000 s to 10.000 s")
+    assert Page(player_page(run, title="Lesson 1")).text.startswith("Lesson 1")
+
+
+def test_title_with_half_a_character_can_be_written(run, tmp_path):
+    write_player(run, tmp_path / "run.html", title="a\ud800b")
+    assert "a?b" in (tmp_path / "run.html").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("title", [3, b"a", ["a"]])
+def test_title_that_is_no_text_is_bad_input(run, title):
+    with pytest.raises(ParameterError) as caught:
+        player_page(run, title=title)
+    assert_says(caught.value, "title", "text")
+
+
+def test_same_run_gives_the_same_file_and_the_same_text(run, tmp_path):
+    told = []
+    write_player(run, tmp_path / "run.html", progress=lambda done, total: told.append((done, total)))
+    assert (tmp_path / "run.html").read_bytes() == player_page(run).encode()
+    assert told == [(1, 2), (2, 2)]
+
+
+@pytest.mark.parametrize("name", ["run.htm", "run", "run.html.gz", "nowhere/run.html"])
+def test_a_place_where_no_page_can_be_is_bad_input(run, tmp_path, name):
+    with pytest.raises(ParameterError) as caught:
+        write_player(run, tmp_path / name)
+    assert_says(caught.value, "output")
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("failure", [KeyboardInterrupt, RuntimeError])
+def test_a_page_that_is_broken_off_leaves_the_old_one(run, tmp_path, failure):
+    path = tmp_path / "run.html"
+    path.write_bytes(b"old")
+
+    def stop(done, total):
+        raise failure
+
+    with pytest.raises(failure):
+        write_player(run, path, progress=stop)
+    assert path.read_bytes() == b"old"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_near_misses_are_the_exact_models(seed_page):
+    near = Page(seed_page).told["near"]
+    assert [(miss["benches"], round(miss["time"], 1), round(1e3 * miss["gap"], 1)) for miss in near] == [
+        ([0, 9], 406.8, 3.0),
+        ([0, 11], 409.8, 0.9),
+    ]
+
+
+def test_exact_run_past_its_contact_has_it_as_a_window():
+    run = Run.exact(March(), [412.0, 412.4, 412.6])
+    told = Page(player_page(run)).told
+    [window] = told["windows"]
+    assert window["benches"] == [0, 8]
+    assert window["end"] is None
+    assert window["begin"] == pytest.approx(412.4738, abs=1e-4)
+    assert told["times"] == [412.0, 412.4, window["begin"], 412.6]
+
+
+def first(time, benches=(0, 8)):
+    return Contact(time=time, raw_time=2.0, benches=benches, point=(0.0, 0.0), normal=(1.0, 0.0), depth=0.0)
+
+
+def log(*events):
+    return ContactLog(tuple(ContactEvent(time=time, phase=phase, benches=pair) for time, phase, pair in events))
+
+
+def test_first_window_begins_at_the_first_contact_and_not_at_the_end_of_its_substep(run):
+    events = log((2.0, "begin", (0, 8)), (2.5, "separate", (0, 8)), (3.0, "begin", (0, 8)))
+    found = contact_windows(replace(run, events=events, first_contact=first(1.993)))
+    assert [(window["begin"], window["end"]) for window in found] == [(1.993, 2.5), (3.0, None)]
+
+
+def test_first_contact_that_nobody_logged_lasts_to_the_end(run):
+    events = log((4.0, "begin", (1, 9)), (5.0, "separate", (1, 9)))
+    found = contact_windows(replace(run, events=events, first_contact=first(1.993)))
+    assert [(window["benches"], window["begin"], window["end"]) for window in found] == [
+        ((0, 8), 1.993, None),
+        ((1, 9), 4.0, 5.0),
+    ]
+
+
+@pytest.mark.parametrize("palette", [LIGHT, DARK])
+def test_numbers_and_outlines_of_benches_can_be_seen(palette):
+    assert min(contrast(palette.ink, palette.head), contrast(palette.ink, palette.body)) > 4.5
+    assert min(contrast(palette.background, palette.tail), contrast(palette.background, palette.contact)) > 4.5
+    for bench in (palette.head, palette.body, palette.tail, palette.contact):
+        assert max(contrast(bench, palette.background), contrast(palette.ink, palette.background)) > 3
+
+
+@pytest.mark.parametrize("scheme", [0, 1])
+def test_type_and_controls_can_be_seen(page, scheme):
+    blocks = re.findall(r":root \{([^}]*)\}", page.blocks["style"])
+    found = [dict(re.findall(r"--([a-z-]+): (#[0-9a-f]{6});", block)) for block in blocks]
+    # Variables in the order light and dark, first the canvas's, then the page's.
+    canvas, colours = found[scheme], found[scheme + 2]
+    assert canvas["canvas-background"] == (LIGHT, DARK)[scheme].background
+    for ground in (colours["ground"], colours["raised"]):
+        assert min(contrast(colours[name], ground) for name in ("ink", "quiet")) > 4.5
+        assert min(contrast(colours[name], ground) for name in ("any", "edge")) > 3
+    assert contrast(colours["ink"], canvas["canvas-background"]) > 4.5
+
+
+def test_player_is_there_at_the_top():
+    assert pymunk_dragon.write_player is write_player
+    assert pymunk_dragon.player_page is player_page
