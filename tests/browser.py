@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -49,3 +50,11 @@ def opened(browser: Browser, address: str, width: int = 1280, height: int = 800,
     page.goto(address)
     yield found
     context.close()
+
+
+def wait_until(page: Page, expression: str, seconds: float = 10.0) -> None:
+    """Wait for an expression to become true; Playwright's own way needs `eval`, which a strict page forbids."""
+    end = time.monotonic() + seconds
+    while not page.evaluate(expression):
+        assert time.monotonic() < end, f"still not true after {seconds:g} s: {expression}"
+        page.wait_for_timeout(20)

@@ -62,6 +62,7 @@ def player_data(run: Run, impact: Impact | None) -> PlayerData:
         "first": None if run.first_contact is None else asdict(run.first_contact),
         "handles": _shape(places),
         "curve": _shape(curve),
+        "curve_error": CURVE_ERROR * dragon.width,
     }
     return PlayerData(told=told, handles=places, curve=curve)
 

@@ -26,8 +26,11 @@ __all__ = ["PLAYER_ENDINGS", "player_page", "write_player"]
 Progress = Callable[[int, int], None]
 
 PLAYER_ENDINGS = (".html",)
-# The script in the order in which its parts build on each other.
-SCRIPTS = ("decode", "motion", "geometry", "view", "paint", "timeline", "link", "pointer", "table", "main")
+# The script's parts, from those that the others build on to the one that starts it all.
+SCRIPTS = (
+    *("decode", "motion", "geometry", "view", "words", "grid", "marks", "paint"),
+    *("timeline", "link", "table", "player", "pointer", "controls", "main"),
+)
 # Steps of `write_player`: the page, and the file.
 STEPS = 2
 PLACE = re.compile(r"\{\{(\w+)\}\}")

@@ -10,6 +10,10 @@ class Benches {
     this.poses = poses;
   }
 
+  get handles() {
+    return (this.places ??= this.motion.handlesOf(this.poses));
+  }
+
   // Rear right, front right, front left, rear left.
   corners(i) {
     const { x, y, cos, sin } = this.poses;

@@ -1,19 +1,19 @@
 // The part of the address after "#": which moment, seen from where. For example #t=409.8&follow=head&show=grid,labels
 
-// Times and places are written to this many digits after the point, scales to so many digits in all.
-const LINK_DIGITS = 4, SPAN_DIGITS = 4;
+// Times and places are written to this many digits after the point, spans to so many digits in all.
+const LINK_DIGITS = 6, SPAN_DIGITS = 4;
 const SWITCHES = ["curve", "contacts", "handles", "velocities", "grid", "labels"];
 const SHOWN_AT_FIRST = ["curve", "contacts"];
 
 const plain = (number) => String(Number(number.toFixed(LINK_DIGITS)));
 
-function linkOf({ time, rate, usualRate, follow, show, picked, view }) {
+function linkOf({ time, rate, usualRate, follow, shown, picked, view }) {
   const parts = [`t=${plain(time)}`];
   if (follow === "head") parts.push("follow=head");
   if (!follow) parts.push(`at=${plain(view.x)},${plain(view.y)}`);
   if (follow !== "field") parts.push(`span=${Number(view.span.toPrecision(SPAN_DIGITS))}`);
-  const shown = SWITCHES.filter((name) => show[name]);
-  if (shown.join() !== SHOWN_AT_FIRST.join()) parts.push(`show=${shown.join()}`);
+  const names = SWITCHES.filter((name) => shown[name]);
+  if (names.join() !== SHOWN_AT_FIRST.join()) parts.push(`show=${names.join()}`);
   if (picked !== null) parts.push(`bench=${picked}`);
   if (rate !== usualRate) parts.push(`speed=${rate}`);
   return `#${parts.join("&")}`;

@@ -3,6 +3,8 @@
 const TURN = 2 * Math.PI;
 // Frames that a speed is worked out from. Four give the seed's to 0.01 mm/s; more only bring in more rounding.
 const SPEED_FRAMES = 4;
+// Seconds by which a contact is taken to begin early: a link's time is rounded, and has to show the contact's moment.
+const EARLY = 1e-6;
 
 class Motion {
   constructor(told, packed) {
@@ -145,6 +147,6 @@ class Motion {
 
   // Windows in which two benches touch at `time`.
   touchingAt(time) {
-    return this.windows.filter(({ begin, end }) => begin <= time && (end === null || time < end));
+    return this.windows.filter(({ begin, end }) => begin - EARLY <= time && (end === null || time < end));
   }
 }

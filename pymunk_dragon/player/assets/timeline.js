@@ -42,11 +42,15 @@ class Timeline {
     return near.length ? near[0].time : this.timeAt(px);
   }
 
+  // Draws only where something has changed: the strip's size, or the colours.
   draw(colours) {
     const { width, height } = this.strip.getBoundingClientRect();
     const ratio = window.devicePixelRatio || 1;
-    Object.assign(this.strip, { width: Math.round(width * ratio), height: Math.round(height * ratio) });
+    const state = [width, height, ratio, colours.type].join();
+    if (state === this.drawn) return;
+    this.drawn = state;
     this.width = width;
+    Object.assign(this.strip, { width: Math.round(width * ratio), height: Math.round(height * ratio) });
     const context = this.strip.getContext("2d");
     context.scale(ratio, ratio);
     const middle = height / 2;

@@ -1,0 +1,110 @@
+// What can be switched on over the benches: handles, velocities, numbers, contacts and near misses.
+
+// Radius of a handle: pixels at least, and times a hole's diameter.
+const SMALLEST_HANDLE = 2.2, HANDLE_SIZE = 0.8;
+// Metres of arrow for each m/s; pixels of the shortest arrow and the longest head.
+const ARROW = 0.5, SHORTEST_ARROW = 2, LONGEST_HEAD = 9;
+// Width in pixels of a bench that is large enough for its number. Where benches are smaller, every so many have one, if
+// there is room for its pixels.
+const NUMBERED_BENCH = 10, NUMBER_EVERY = 25, NUMBER_SIZE = 28;
+// Pixels: the ring around a contact, and its distance from its label.
+const RING = 9, LABEL_OFFSET = 14;
+// Seconds before and after a near miss in which it is shown.
+const NEAR_SHOWN = 1.5;
+
+function drawHandles(painter, benches, seen) {
+  const { context, colours, view } = painter;
+  const radius = Math.max(SMALLEST_HANDLE, HANDLE_SIZE * painter.told.dragon.hole * view.scale);
+  const path = painter.drawHoles(benches, seen, radius, colours.background);
+  context.strokeStyle = colours.type;
+  context.lineWidth = Math.min(1.25, 0.4 * radius);
+  context.stroke(path);
+}
+
+function drawVelocities(painter, time, benches, seen) {
+  const { context, colours, motion, view } = painter;
+  const velocities = motion.velocitiesAt(time);
+  if (!velocities) return;
+  const shafts = new Path2D(), heads = new Path2D();
+  for (const handle of new Set(seen.flatMap((i) => [i, i + 1]))) {
+    const [vx, vy] = velocities[handle], [hx, hy] = benches.handles[handle];
+    const [px, py] = view.toScreen(hx, hy);
+    const [qx, qy] = view.toScreen(hx + ARROW * vx, hy + ARROW * vy);
+    const length = Math.hypot(qx - px, qy - py);
+    if (length < SHORTEST_ARROW) continue;
+    const ux = (qx - px) / length, uy = (qy - py) / length;
+    const head = Math.min(LONGEST_HEAD, 0.45 * length), half = 0.38 * head;
+    shafts.moveTo(px, py);
+    shafts.lineTo(qx - head * ux, qy - head * uy);
+    heads.moveTo(qx, qy);
+    heads.lineTo(qx - head * ux - half * uy, qy - head * uy + half * ux);
+    heads.lineTo(qx - head * ux + half * uy, qy - head * uy - half * ux);
+    heads.closePath();
+  }
+  context.strokeStyle = context.fillStyle = colours.type;
+  context.lineWidth = 1.5;
+  context.stroke(shafts);
+  context.fill(heads);
+}
+
+function drawNumbers(painter, benches, seen, red) {
+  const { context, colours, motion, view } = painter;
+  const { x, y, angle } = benches.poses;
+  const thickness = motion.width * view.scale;
+  context.textAlign = "center";
+  context.textBaseline = "middle";
+  if (thickness < NUMBERED_BENCH) {
+    context.font = `600 12px ${painter.font}`;
+    const written = [];
+    for (const i of seen.toReversed()) {
+      if (i % NUMBER_EVERY && i !== motion.benches - 1 && !red.has(i)) continue;
+      const [px, py] = view.toScreen(x[i], y[i]);
+      if (written.some(([qx, qy]) => Math.abs(px - qx) < NUMBER_SIZE && Math.abs(py - qy) < NUMBER_SIZE / 2)) continue;
+      written.push([px, py]);
+      painter.write(String(i), px, py);
+    }
+    return;
+  }
+  context.font = `${Math.min(0.72 * thickness, 16)}px ${painter.font}`;
+  for (const i of seen) {
+    const [px, py] = view.toScreen(x[i], y[i]);
+    // Along the bench, and never upside down.
+    let turn = -angle[i] - Math.PI * Math.round(-angle[i] / Math.PI);
+    if (turn <= -Math.PI / 2) turn += Math.PI;
+    context.translate(px, py);
+    context.rotate(turn);
+    context.fillStyle = red.has(i) || i === motion.benches - 1 ? colours.background : colours.ink;
+    context.fillText(String(i), 0, 0.04 * thickness);
+    context.setTransform(painter.ratio, 0, 0, painter.ratio, 0, 0);
+  }
+}
+
+function drawContacts(painter, time, benches, touching) {
+  const { context, view } = painter;
+  for (const { benches: two } of touching) {
+    drawRing(painter, view.toScreen(...benches.gap(...two).ends[0]));
+  }
+  for (const miss of painter.told.near) {
+    if (Math.abs(miss.time - time) > NEAR_SHOWN) continue;
+    const { ends } = benches.gap(...miss.benches);
+    const [one, two] = ends.map((end) => view.toScreen(...end));
+    const middle = [(one[0] + two[0]) / 2, (one[1] + two[1]) / 2];
+    // Around both ends, as far apart as they may look.
+    drawRing(painter, middle, Math.hypot(one[0] - two[0], one[1] - two[1]) / 2);
+    context.font = `600 13px ${painter.font}`;
+    context.textAlign = "left";
+    context.textBaseline = "middle";
+    const label = `${inLength(miss.gap, 0)} at ${miss.time.toFixed(2)} s`;
+    painter.write(label, middle[0] + LABEL_OFFSET, middle[1] - LABEL_OFFSET);
+  }
+}
+
+function drawRing({ context, colours }, [px, py], inner = 0) {
+  for (const [stroke, width] of [[colours.background, 5], [colours.type, 2]]) {
+    context.beginPath();
+    context.arc(px, py, Math.max(RING, 1.6 * inner), 0, TURN);
+    context.strokeStyle = stroke;
+    context.lineWidth = width;
+    context.stroke();
+  }
+}

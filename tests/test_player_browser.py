@@ -1,0 +1,644 @@
+"""The player in a real browser: it plays, shows what the run and the exact model say, and asks nobody for anything."""
+
+from __future__ import annotations
+
+import csv
+from contextlib import contextmanager
+from dataclasses import replace
+from html import escape
+
+import numpy as np
+import pytest
+from browser import needs_browser, opened, wait_until
+from shapely import Polygon
+
+from pymunk_dragon.collision import Grid
+from pymunk_dragon.dragon import Dragon, bench_poses
+from pymunk_dragon.march import March
+from pymunk_dragon.physics import simulate
+from pymunk_dragon.player import player_page, write_player
+from pymunk_dragon.player.colours import DARK, LIGHT
+from pymunk_dragon.run import Run
+
+pytestmark = needs_browser
+
+LABEL = "</script><img src=http://127.0.0.1:9/picture onerror=alert(1)><script>alert(2)</script>"
+# Half a count of a place: 5 micrometres at the usual width, m.
+RESOLUTION = 0.501 * 5e-6
+CONTACT_TIME = 412.47383768
+
+# Canvas pixel under a point of the floor, as #rrggbb.
+COLOUR = """([x, y]) => dragon.then((player) => {
+  player.draw();
+  const canvas = document.getElementById("field");
+  const ratio = canvas.width / canvas.getBoundingClientRect().width;
+  const [px, py] = player.pixel(x, y).map((value) => Math.floor(value * ratio));
+  const [r, g, b] = canvas.getContext("2d").getImageData(px, py, 1, 1).data;
+  return "#" + [r, g, b].map((value) => value.toString(16).padStart(2, "0")).join("");
+})"""
+# Where on the page a point of the floor is.
+PLACE = """([x, y]) => dragon.then((player) => {
+  player.draw();
+  const { left, top } = document.getElementById("field").getBoundingClientRect();
+  const [px, py] = player.pixel(x, y);
+  return [left + px, top + py];
+})"""
+
+
+@pytest.fixture(scope="module")
+def seed():
+    """The seed's last seconds in the exact model."""
+    return Run.exact(March(), np.arange(4050, 4127) / 10)
+
+
+@pytest.fixture(scope="module")
+def bumpy():
+    """16 benches that touch each other many times, with markup in a label."""
+    run = simulate(March(Dragon(benches=16), turns=8), start=80.0, until=90.0, contacts="report")
+    return replace(run, provenance={**run.provenance, LABEL: LABEL})
+
+
+@pytest.fixture(scope="module")
+def addresses(seed, bumpy, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("player")
+    for name, run in {"seed": seed, "bumpy": bumpy}.items():
+        write_player(run, folder / f"{name}.html")
+    return {name: (folder / f"{name}.html").as_uri() for name in ("seed", "bumpy")}
+
+
+@pytest.fixture
+def visit(browser, addresses):
+    """Open one of the pages, and wait until it shows its run."""
+
+    @contextmanager
+    def visited(link="", name="seed", **options):
+        with opened(browser, addresses[name] + link, **options) as found:
+            found.page.evaluate("dragon.then(() => null)")
+            yield found
+
+    return visited
+
+
+def ask(page, what):
+    """The value of an expression about `player`, what the page offers to others."""
+    return page.evaluate(f"dragon.then((player) => {what})")
+
+
+def shown(page, name):
+    return page.text_content(f"#{name}")
+
+
+def settled(page, what):
+    wait_until(page, f"dragon.then((player) => {what})")
+
+
+@pytest.mark.parametrize("name", ["seed", "bumpy"])
+def test_page_asks_for_nothing_and_browser_has_nothing_to_complain_about(visit, addresses, name):
+    with visit(name=name) as found:
+        found.page.keyboard.press("Space")
+        found.page.wait_for_timeout(200)
+        assert found.complaints == []
+        assert {url for url in found.addresses if not url.startswith("data:")} == {addresses[name]}
+        assert found.page.is_hidden("#failure")
+
+
+def test_label_with_markup_is_shown_as_text(visit):
+    with visit(name="bumpy") as found:
+        found.page.click("#help")
+        assert LABEL in shown(found.page, "about")
+        assert found.page.evaluate("[document.scripts.length, document.images.length]") == [4, 0]
+        assert found.boxes == []
+
+
+def test_policy_stops_scripts_and_styles_that_are_not_the_pages_own(visit):
+    with visit() as found:
+        found.page.evaluate("""() => {
+          document.body.append(Object.assign(document.createElement("script"), { textContent: "alert(3)" }));
+          document.body.insertAdjacentHTML("beforeend", "<b id='b' onclick='alert(4)' style='color: red'>b</b>");
+          document.getElementById("b").click();
+        }""")
+        assert found.boxes == []
+        assert len(found.complaints) == 3
+        assert all("Content Security Policy" in complaint for complaint in found.complaints)
+
+
+def test_places_in_the_page_are_the_runs(visit, bumpy):
+    front, rear = bumpy.march.dragon.holes(bumpy.poses)
+    with visit(name="bumpy") as found:
+        for frame in (0, 1, 57, len(bumpy.times) - 1):
+            places = np.reshape(ask(found.page, f"player.handles({frame})"), (-1, 2))
+            # Joints of the engine are up to some micrometres apart.
+            joint = np.abs(rear[frame, :-1] - front[frame, 1:]).max() / 2
+            np.testing.assert_allclose(places[:-1], front[frame], rtol=0, atol=RESOLUTION + joint)
+            np.testing.assert_allclose(places[1:], rear[frame], rtol=0, atol=RESOLUTION + joint)
+
+
+@pytest.mark.parametrize("time", [405.0, 405.05, 409.832, 412.43, CONTACT_TIME, 412.6])
+def test_poses_between_frames_are_the_runs(visit, seed, time):
+    with visit() as found:
+        poses = np.array(ask(found.page, f"player.poses({time})"))
+    # The page has one more frame, that of the contact.
+    frames = np.sort([*seed.times, 412.4738376821])
+    expected = Run.exact(seed.march, frames).poses_at([time])[0]
+    np.testing.assert_allclose(poses[:, :2], expected[:, :2], rtol=0, atol=RESOLUTION)
+    turn = (poses[:, 2] - expected[:, 2] + np.pi) % (2 * np.pi) - np.pi
+    np.testing.assert_allclose(turn, 0, atol=4 * RESOLUTION / 1.65)
+
+
+def test_it_plays_and_pauses(visit):
+    with visit() as found:
+        page = found.page
+        assert shown(page, "clock") == "405.00"
+        page.click("#play")
+        assert page.get_attribute("#play", "aria-label") == "Pause"
+        settled(page, "player.time > 405.2")
+        page.click("#play")
+        assert page.get_attribute("#play", "aria-label") == "Play"
+        time = ask(page, "player.time")
+        page.wait_for_timeout(150)
+        assert ask(page, "player.time") == time
+        assert float(shown(page, "clock")) == pytest.approx(time, abs=0.006)
+
+
+@pytest.mark.parametrize("rate", [0.5, 5])
+def test_speed_is_simulated_over_real_time(visit, rate):
+    with visit(f"#t=405&speed={rate}") as found:
+        passed, gone = found.page.evaluate("""async () => {
+          const player = await dragon;
+          player.play();
+          const frame = () => new Promise(requestAnimationFrame);
+          await frame();
+          const now = await frame(), time = player.time;
+          let later = now;
+          while (later < now + 500) later = await frame();
+          return [(later - now) / 1000, player.time - time];
+        }""")
+        # The player's own frame may come before or after the test's, and a stalled machine does not make it jump.
+        assert gone == pytest.approx(rate * passed, rel=0.35)
+
+
+def test_a_run_that_is_over_stops_and_starts_again(visit):
+    with visit("#t=412.55&speed=1") as found:
+        found.page.keyboard.press("Space")
+        settled(found.page, "!player.playing")
+        assert ask(found.page, "player.time") == 412.6
+        found.page.keyboard.press("Space")
+        settled(found.page, "player.time < 406")
+
+
+def test_keys_step_through_the_frames(visit):
+    with visit("#t=409.85") as found:
+        page = found.page
+
+        def time_after(*keys):
+            for key in keys:
+                page.keyboard.press(key)
+            return ask(page, "player.time")
+
+        assert time_after("ArrowRight") == pytest.approx(409.9)
+        assert time_after("ArrowRight") == pytest.approx(410.0)
+        assert time_after("ArrowLeft", "ArrowLeft", "ArrowLeft") == pytest.approx(409.7)
+        assert time_after("Shift+ArrowRight") == pytest.approx(410.7)
+        assert time_after("Shift+ArrowLeft", "Shift+ArrowLeft") == pytest.approx(408.7)
+        assert time_after("End") == 412.6
+        # The contact's own frame lies between the others.
+        assert time_after("ArrowLeft", "ArrowLeft") == pytest.approx(CONTACT_TIME, abs=1e-7)
+        assert time_after("Home") == 405.0
+        assert time_after("ArrowLeft") == 405.0
+
+
+def test_frame_keys_work_on_the_slider_too(visit):
+    with visit("#t=409") as found:
+        found.page.focus("#time")
+        found.page.keyboard.press("ArrowRight")
+        assert ask(found.page, "player.time") == pytest.approx(409.1)
+        found.page.fill("#time", "411.25")
+        assert ask(found.page, "player.time") == pytest.approx(411.25)
+
+
+def test_space_on_a_focused_button_presses_only_that_button(visit):
+    with visit() as found:
+        found.page.focus("#show-grid")
+        found.page.keyboard.press("Space")
+        assert found.page.is_checked("#show-grid")
+        assert not ask(found.page, "player.playing")
+
+
+def test_events_can_be_stepped_through_and_are_told(visit):
+    with visit() as found:
+        page = found.page
+        times = []
+        for _ in range(3):
+            page.keyboard.press("n")
+            times.append(ask(page, "player.time"))
+        assert times == [pytest.approx(time, abs=1e-3) for time in (406.8466, 409.8320, CONTACT_TIME)]
+        wait_until(page, "document.getElementById('said').textContent.includes('Contact: benches 0 and 8')")
+        page.keyboard.press("p")
+        wait_until(page, "document.getElementById('said').textContent.includes('benches 0 and 11, 0.865 mm')")
+        assert "0 and 11" in page.get_attribute("#field", "aria-label")
+
+
+def test_strip_marks_the_events_and_a_click_near_one_goes_to_it(visit):
+    with visit() as found:
+        # Share of the strip's width at which each colour is first seen, thumbs of the slider aside.
+        shares = found.page.evaluate("""() => {
+          const strip = document.getElementById("strip");
+          const { data } = strip.getContext("2d").getImageData(0, strip.height >> 1, strip.width, 1);
+          const names = {};
+          for (let x = 0; x < strip.width; x++) {
+            const colour = data.slice(4 * x, 4 * x + 4).join();
+            (names[colour] ??= []).push((x - 8) / (strip.width - 16));
+          }
+          return names;
+        }""")
+
+        def places(colour):
+            return shares[",".join(str(int(colour[i : i + 2], 16)) for i in (1, 3, 5)) + ",255"]
+
+        span = 412.6 - 405
+        assert min(places(LIGHT.contact)) == pytest.approx((CONTACT_TIME - 405) / span, abs=0.004)
+        for time in (406.8466, 409.8320):
+            assert min(abs(np.array(places(LIGHT.head)) - (time - 405) / span)) < 0.002
+        box = found.page.locator("#strip").bounding_box()
+        found.page.mouse.click(box["x"] + 8 + (box["width"] - 16) * (409.832 - 405) / span + 3, box["y"] + 7)
+        assert ask(found.page, "player.time") == pytest.approx(409.8320, abs=1e-3)
+        found.page.mouse.click(box["x"] + 8 + (box["width"] - 16) / 2, box["y"] + 7)
+        assert ask(found.page, "player.time") == pytest.approx((405 + 412.6) / 2, abs=0.01)
+
+
+def test_benches_in_contact_have_the_contact_colour_from_the_contact_on(visit, seed):
+    with visit() as found:
+        page = found.page
+        page.uncheck("#show-contacts")
+        page.select_option("#events", label="412.47 s: Contact: benches 0 and 8")
+        assert shown(page, "clock") == "412.47"
+        poses = seed.march.at([CONTACT_TIME]).poses[0]
+        for bench in (0, 8):
+            assert page.evaluate(COLOUR, poses[bench, :2].tolist()) == LIGHT.contact
+        assert page.evaluate(COLOUR, poses[9, :2].tolist()) == LIGHT.body
+        ask(page, f"player.seek({CONTACT_TIME} - 0.001)")
+        assert page.evaluate(COLOUR, poses[0, :2].tolist()) == LIGHT.head
+        assert page.evaluate(COLOUR, poses[8, :2].tolist()) == LIGHT.body
+
+
+def test_benches_lose_the_contact_colour_when_they_part(visit, bumpy):
+    windows = [window for window in bumpy.events.windows() if window.end is not None and window.end < 89]
+    window = max(windows, key=lambda window: window.end - window.begin)
+    touching = [w for w in bumpy.events.windows() if w.benches != window.benches]
+    with visit("#show=curve", name="bumpy") as found:
+        for time, alone in ((window.begin + 1e-6, False), (window.end + 1e-6, True)):
+            others = [w for w in touching if w.begin <= time and (w.end is None or w.end > time)]
+            ask(found.page, f"player.seek({time})")
+            for bench in window.benches:
+                if alone and any(bench in other.benches for other in others):
+                    continue
+                x, y, _ = ask(found.page, f"player.poses({time})[{bench}]")
+                is_red = found.page.evaluate(COLOUR, [x, y]) == LIGHT.contact
+                assert is_red is not alone
+
+
+@pytest.mark.parametrize("bench", [0, 1, 11, 100, 222])
+def test_hover_tells_the_exact_models_numbers(visit, seed, bench):
+    time = 409.8
+    states = seed.march.at([time])
+    pose = states.poses[0, bench]
+    shapes = [Polygon(corners) for corners in seed.march.dragon.outlines(states.poses[0])]
+    gaps = {i: shapes[bench].distance(shapes[i]) for i in range(223) if abs(i - bench) > 1}
+    nearest = min(gaps, key=gaps.get)
+    with visit(f"#t={time}&show=curve") as found:
+        page = found.page
+        page.mouse.move(*page.evaluate(PLACE, pose[:2].tolist()))
+        wait_until(page, f"document.getElementById('bench').value === '{bench}'")
+        assert shown(page, "speed") == f"{states.speeds[0, bench]:.3f} m/s"
+        degrees = f"{np.degrees(pose[2]):.1f}".replace("-", "−")
+        assert shown(page, "angle") == f"{degrees}°"
+        digits = 1 if gaps[nearest] < 0.01 else 0
+        assert shown(page, "gap") == f"{1000 * gaps[nearest]:.{digits}f} mm to {nearest}"
+        numbers = ask(page, f"player.numbers({bench})")
+        assert numbers["gap"] == pytest.approx(gaps[nearest], abs=4 * RESOLUTION)
+        assert numbers["speed"] == pytest.approx(states.speeds[0, bench], abs=1e-4)
+
+
+def test_between_frames_a_gap_is_told_no_closer_than_it_is_known(visit):
+    with visit("#t=409.832") as found:
+        assert shown(found.page, "gap") == "1 mm to 11"
+
+
+def test_bench_can_be_chosen_by_number(visit, seed):
+    with visit("#t=410") as found:
+        found.page.fill("#bench", "57")
+        wait_until(found.page, "document.getElementById('part').textContent === 'body'")
+        assert shown(found.page, "speed") == f"{seed.march.at([410.0]).speeds[0, 57]:.3f} m/s"
+        wait_until(found.page, "location.hash.includes('bench=57')")
+
+
+def test_click_keeps_a_benchs_numbers_in_sight_until_another_click(visit, seed):
+    with visit("#t=410") as found:
+        page = found.page
+        places = seed.march.at([410.0]).poses[0, :, :2].tolist()
+        page.mouse.click(*page.evaluate(PLACE, places[30]))
+        page.mouse.move(*page.evaluate(PLACE, [0, 0]))
+        page.wait_for_timeout(50)
+        assert page.input_value("#bench") == "30"
+        page.mouse.click(*page.evaluate(PLACE, [0, 0]))
+        wait_until(page, "document.getElementById('bench').value === '0'")
+
+
+def test_shaded_cells_are_those_of_the_packages_grid(visit, seed):
+    poses = seed.march.at([409.0]).poses[0]
+    cells, owners = Grid.of(seed.march).file(seed.march.dragon.outlines(poses))
+    with visit("#t=409&show=grid") as found:
+        for bench in (0, 1, 8, 77, 222):
+            expected = {tuple(cell) for cell in cells[owners == bench].tolist()}
+            assert {tuple(cell) for cell in ask(found.page, f"player.cells({bench})")} == expected
+
+
+def test_link_restores_moment_view_and_switches(visit):
+    link = "#t=409.8&at=-2.5,-1&span=1.25&show=curve,grid,labels&bench=11&speed=0.25"
+    with visit(link) as found:
+        page = found.page
+        assert ask(page, "player.time") == 409.8
+        view = ask(page, "player.view")
+        box = page.evaluate("document.getElementById('field').getBoundingClientRect().toJSON()")
+        assert [view["x"], view["y"]] == [-2.5, -1]
+        assert min(box["width"], box["height"]) / view["scale"] == pytest.approx(1.25)
+        checked = "[...document.querySelectorAll('fieldset input:checked')].map(({ id }) => id)"
+        assert page.evaluate(checked) == ["show-curve", "show-grid", "show-labels"]
+        assert page.input_value("#bench") == "11"
+        assert page.input_value("#rate") == "0.25"
+        wait_until(page, "location.hash.includes('span=')")
+        assert page.evaluate("location.hash") == link
+
+
+def test_link_that_the_page_wrote_gives_the_same_picture(visit):
+    with visit("#t=409.8") as found:
+        page = found.page
+        page.keyboard.press("h")
+        page.keyboard.press("+")
+        page.mouse.move(700, 300)
+        page.mouse.wheel(0, -200)
+        wait_until(page, "location.hash.includes('at=')")
+        page.wait_for_timeout(600)
+        link, before = page.evaluate("location.hash"), ask(page, "player.view")
+    with visit(link) as found:
+        after = ask(found.page, "player.view")
+    assert [after[name] for name in "xy"] == pytest.approx([before[name] for name in "xy"], abs=1e-4)
+    assert after["scale"] == pytest.approx(before["scale"], rel=1e-3)
+
+
+def test_link_to_the_moment_of_a_contact_shows_the_contact(visit, seed):
+    with visit() as found:
+        found.page.select_option("#events", label="412.47 s: Contact: benches 0 and 8")
+        wait_until(found.page, "location.hash.includes('t=412.47')")
+        link = found.page.evaluate("location.hash")
+    with visit(link + "&show=") as found:
+        place = seed.march.at([CONTACT_TIME]).poses[0, 8, :2].tolist()
+        assert found.page.evaluate(COLOUR, place) == LIGHT.contact
+
+
+def test_link_that_changes_is_followed(visit):
+    with visit() as found:
+        found.page.evaluate("location.hash = '#t=410.5&follow=head'")
+        settled(found.page, "player.time === 410.5 && player.view.follow === 'head'")
+        head = ask(found.page, "player.poses(410.5)[0]")
+        view = ask(found.page, "(player.draw(), player.view)")
+        assert [view["x"], view["y"]] == pytest.approx(head[:2])
+
+
+@pytest.mark.parametrize(
+    "link", ["#", "#t=", "#t=soon&at=1&span=-3&show=all&bench=9999&speed=3", "#t=1e999&%", "#head"]
+)
+def test_link_that_makes_no_sense_is_no_harm(visit, link):
+    with visit(link) as found:
+        assert found.complaints == []
+        assert ask(found.page, "player.time") == 405
+        assert ask(found.page, "player.view.follow") == "field"
+
+
+def test_address_follows_the_run_but_not_all_too_often(visit):
+    with visit() as found:
+        found.page.evaluate("""() => {
+          window.writes = 0;
+          const replaceState = history.replaceState.bind(history);
+          history.replaceState = (...given) => { window.writes += 1; replaceState(...given); };
+        }""")
+        found.page.keyboard.press("Space")
+        settled(found.page, "player.time > 406")
+        found.page.keyboard.press("Space")
+        found.page.wait_for_timeout(700)
+        assert found.page.evaluate("window.writes") <= 5
+        time = ask(found.page, "player.time")
+        assert float(found.page.evaluate("location.hash").removeprefix("#t=")) == pytest.approx(time, abs=1e-4)
+
+
+def test_wheel_zooms_around_the_pointer(visit):
+    with visit("#t=409") as found:
+        page = found.page
+        place = page.evaluate(PLACE, [3.0, 2.0])
+        page.mouse.move(*place)
+        before = ask(page, "player.view.scale")
+        page.mouse.wheel(0, -300)
+        settled(page, f"player.view.scale > 1.3 * {before}")
+        assert page.evaluate(PLACE, [3.0, 2.0]) == pytest.approx(place, abs=1)
+
+
+def test_drag_moves_the_floor_with_the_pointer(visit):
+    with visit("#t=409&follow=head") as found:
+        page = found.page
+        x, y, _ = ask(page, "player.poses(409)[20]")
+        begin = page.evaluate(PLACE, [x, y])
+        page.mouse.move(600, 300)
+        page.mouse.down()
+        page.mouse.move(650, 340, steps=5)
+        page.mouse.move(720, 350, steps=5)
+        page.mouse.up()
+        assert page.evaluate(PLACE, [x, y]) == pytest.approx([begin[0] + 120, begin[1] + 50], abs=1)
+        assert page.get_attribute("#follow", "aria-pressed") == "false"
+        page.keyboard.press("0")
+        settled(page, "player.view.follow === 'field'")
+
+
+def test_fingers_pinch_pan_and_tap(visit, seed):
+    with visit("#t=409", width=390, height=844, has_touch=True, is_mobile=True) as found:
+        page = found.page
+        touch = page.context.new_cdp_session(page)
+
+        def fingers(kind, *places):
+            points = [{"x": x, "y": y, "id": i} for i, (x, y) in enumerate(places)]
+            touch.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+
+        before = ask(page, "player.view.scale")
+        fingers("touchStart", (170, 300))
+        fingers("touchStart", (170, 300), (210, 300))
+        for reach in (30, 40, 50, 60):
+            fingers("touchMove", (190 - reach, 300), (190 + reach, 300))
+        fingers("touchEnd")
+        settled(page, f"Math.abs(player.view.scale / {before} - 3) < 0.1")
+        bench = seed.march.at([409.0]).poses[0, 60, :2].tolist()
+        assert page.input_value("#bench") == "0"
+        page.keyboard.press("0")
+        page.touchscreen.tap(*page.evaluate(PLACE, bench))
+        wait_until(page, "document.getElementById('bench').value === '60'")
+
+
+@pytest.mark.parametrize(("width", "height"), [(1280, 800), (390, 844), (320, 640), (844, 390)])
+def test_page_is_no_wider_than_the_window_and_every_control_can_be_reached(visit, width, height):
+    with visit(width=width, height=height) as found:
+        page = found.page
+        assert page.evaluate("document.documentElement.scrollWidth") <= width
+        hidden = page.evaluate("""() => [...document.querySelectorAll("button, input, select")]
+          .filter((control) => !control.closest("dialog, [popover]"))
+          .filter((control) => {
+            control.scrollIntoView({ block: "nearest" });
+            const { left, right, top, bottom } = control.getBoundingClientRect();
+            const found = document.elementFromPoint((left + right) / 2, (top + bottom) / 2);
+            return left < 0 || right > innerWidth || !(found && (control.contains(found) || found.contains(control)));
+          }).map((control) => control.id)""")
+        assert hidden == []
+        assert page.evaluate("document.getElementById('field').getBoundingClientRect().height") > 150
+
+
+def test_every_control_has_a_name(visit):
+    with visit() as found:
+        nameless = found.page.evaluate("""() => [...document.querySelectorAll("button, input, select, canvas, dialog")]
+          .filter((element) => !(element.ariaLabel || element.textContent.trim() || element.labels?.length
+            || element.ariaHidden || element.getAttribute("aria-labelledby")))
+          .map((element) => element.outerHTML)""")
+        assert nameless == []
+
+
+def test_tab_goes_through_the_controls_and_shows_where_it_is(visit):
+    with visit() as found:
+        page = found.page
+        seen = []
+        for _ in range(26):
+            page.keyboard.press("Tab")
+            seen.append(page.evaluate("document.activeElement.id"))
+            if seen[-1]:
+                assert page.evaluate("getComputedStyle(document.activeElement).outlineStyle") == "solid"
+        wanted = {"help", "field", "play", "next", "time", "rate", "events", "bench", "show-grid", "fit", "follow"}
+        assert wanted <= set(seen)
+
+
+@pytest.mark.parametrize(("scheme", "palette"), [("light", LIGHT), ("dark", DARK)])
+def test_colours_are_those_of_the_readers_scheme(visit, scheme, palette):
+    with visit("#t=409&show=curve", color_scheme=scheme) as found:
+        places = [ask(found.page, f"player.poses(409)[{bench}]")[:2] for bench in (0, 50, 222)]
+        colours = [found.page.evaluate(COLOUR, place) for place in (*places, [12.0, 0.0])]
+        assert colours == [palette.head, palette.body, palette.tail, palette.background]
+
+
+def test_colours_follow_a_scheme_that_changes(visit):
+    with visit("#t=409", color_scheme="light") as found:
+        found.page.emulate_media(color_scheme="dark")
+        found.page.wait_for_timeout(100)
+        assert found.page.evaluate(COLOUR, [12.0, 0.0]) == DARK.background
+
+
+@pytest.mark.parametrize(("motion", "plays"), [("no-preference", True), ("reduce", False)])
+def test_link_starts_the_run_unless_the_reader_wants_less_motion(visit, motion, plays):
+    with visit("#t=406&play", reduced_motion=motion) as found:
+        assert ask(found.page, "player.playing") is plays
+
+
+def test_picture_has_all_the_pixels_of_a_fine_screen(visit):
+    with visit(device_scale_factor=2) as found:
+        sizes = found.page.evaluate("""() => {
+          const canvas = document.getElementById("field");
+          const { width, height } = canvas.getBoundingClientRect();
+          return [canvas.width, canvas.height, width, height];
+        }""")
+        assert sizes[:2] == pytest.approx([2 * sizes[2], 2 * sizes[3]], abs=0.51)
+
+
+def test_moment_can_be_saved_as_a_table(visit, seed):
+    with visit("#t=409.8") as found:
+        found.page.click("text=Download")
+        with found.page.expect_download() as waiting:
+            found.page.click("#save-moment")
+        assert waiting.value.suggested_filename == "dragon_409.80_s.csv"
+        rows = list(csv.DictReader(waiting.value.path().read_text().splitlines()))
+    states = seed.march.at([409.8])
+    assert [int(row["handle"]) for row in rows] == list(range(224))
+    assert {float(row["time_s"]) for row in rows} == {409.8}
+    places = [(float(row["x_m"]), float(row["y_m"])) for row in rows]
+    np.testing.assert_allclose(places, states.positions[0], rtol=0, atol=2 * RESOLUTION)
+    np.testing.assert_allclose([float(row["speed_m_s"]) for row in rows], states.speeds[0], atol=2e-4)
+
+
+def test_whole_run_can_be_saved_as_a_table(visit, bumpy):
+    with visit(name="bumpy") as found:
+        found.page.click("text=Download")
+        with found.page.expect_download() as waiting:
+            found.page.click("#save-run")
+        rows = list(csv.DictReader(waiting.value.path().read_text().splitlines()))
+    assert len(rows) == len(bumpy.times) * 17
+    np.testing.assert_allclose([float(row["time_s"]) for row in rows[::17]], bumpy.times, rtol=1e-12)
+
+
+def test_page_works_within_a_frame_of_another_one(browser, seed, tmp_path):
+    outer = tmp_path / "notebook.html"
+    outer.write_text(
+        f'<!doctype html><title>Notebook</title><iframe width="900" height="600" srcdoc="'
+        f'{escape(player_page(seed))}"></iframe>',
+        encoding="utf-8",
+    )
+    with opened(browser, outer.as_uri()) as found:
+        frame = found.page.frame_locator("iframe")
+        frame.locator("#next").click()
+        found.page.wait_for_timeout(700)
+        assert frame.locator("#clock").text_content() == "406.85"
+        assert [text for text in found.complaints if "favicon" not in text] == []
+
+
+def test_benches_that_cross_touch_though_no_corner_is_inside(browser, tmp_path):
+    march = March(Dragon(benches=3), turns=8)
+    # The third bench lies across the middle of the first.
+    handles = np.array([[0, 0], [2.86, 0], [1.43, 0.823], [1.43, -0.827]])
+    run = Run(march=march, times=[0.0], poses=bench_poses(handles)[None], drift=np.zeros((1, 3)))
+    write_player(run, tmp_path / "run.html")
+    with opened(browser, (tmp_path / "run.html").as_uri()) as found:
+        assert ask(found.page, "player.numbers(0).gap") == 0
+        assert shown(found.page, "gap") == "touches 2"
+
+
+def chain(dragon, frames, reach, seed=0):
+    """Poses of a chain of benches that jumps about."""
+    random = np.random.default_rng(seed)
+    angles = random.uniform(-np.pi, np.pi, (frames, dragon.benches))
+    rods = dragon.spacings[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=-1)
+    begin = random.uniform(-reach, reach, (frames, 1, 2))
+    return bench_poses(np.concatenate([begin, begin - np.cumsum(rods, axis=1)], axis=1))
+
+
+@pytest.mark.parametrize(
+    ("benches", "times", "reach"),
+    [
+        (2, [0.0], 1.0),
+        (2, [0.0, 0.1, 0.1, 7.0], 1.0),
+        (3, [-5.0, 1.0], 0.0),
+        (16, np.linspace(0, 1, 30) ** 3, 1e5),
+        (1000, [0.0, 1.0, 2.0], 100.0),
+    ],
+    ids=["one-frame", "shared-time", "before-0", "far-jumps", "1000-benches"],
+)
+def test_odd_runs_are_shown_too(browser, tmp_path, benches, times, reach):
+    march = March(Dragon(benches=benches), turns=60 if benches > 16 else 8)
+    poses = chain(march.dragon, len(times), reach)
+    run = Run(march=march, times=times, poses=poses, drift=np.zeros(poses.shape[:2]))
+    write_player(run, tmp_path / "run.html")
+    resolution = max(RESOLUTION, 0.501 * 2 * (reach + 2 * benches) / 2**31)
+    moments = [*run.times.tolist(), float(run.times[0] + run.times[-1]) / 2]
+    with opened(browser, (tmp_path / "run.html").as_uri()) as found:
+        for time in moments:
+            shown_poses = np.array(ask(found.page, f"(player.seek({time!r}), player.draw(), player.poses({time!r}))"))
+            expected = run.poses_at([time])[0]
+            np.testing.assert_allclose(shown_poses[:, :2], expected[:, :2], rtol=0, atol=resolution)
+            error = np.abs(np.exp(1j * shown_poses[:, 2]) - np.exp(1j * expected[:, 2]))
+            assert error.max() < 4 * resolution / 1.65
+        for name in ("show-velocities", "show-grid", "show-labels", "show-handles"):
+            found.page.check(f"#{name}")
+        for key in ("End", "ArrowLeft", "ArrowLeft", "ArrowLeft", "Home", "Space", "n", "h", "+"):
+            found.page.keyboard.press(key)
+        found.page.wait_for_timeout(50)
+        assert found.complaints == []
