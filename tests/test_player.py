@@ -304,6 +304,12 @@ def test_first_contact_that_nobody_logged_lasts_to_the_end(run):
     ]
 
 
+def test_contacts_that_cannot_be_are_left_out(run):
+    events = log((1.0, "begin", (1, 9)), (float("nan"), "begin", (2, 9)), (2.0, "begin", (3, 16)))
+    changed = replace(run, events=events, first_contact=first(1.0, benches=(0, 99)))
+    assert [window["benches"] for window in Page(player_page(changed)).told["windows"]] == [[1, 9]]
+
+
 @pytest.mark.parametrize("palette", [LIGHT, DARK])
 def test_numbers_and_outlines_of_benches_can_be_seen(palette):
     assert min(contrast(palette.ink, palette.head), contrast(palette.ink, palette.body)) > 4.5

@@ -498,6 +498,20 @@ def test_page_is_no_wider_than_the_window_and_every_control_can_be_reached(visit
         assert page.evaluate("document.getElementById('field').getBoundingClientRect().height") > 150
 
 
+def test_help_opens_with_its_key_and_closes_again(visit):
+    with visit() as found:
+        page = found.page
+        for close in (lambda: page.keyboard.press("Escape"), lambda: page.click("#about button")):
+            page.keyboard.press("?")
+            assert page.is_visible("#about")
+            # Keys of the player do nothing behind it.
+            page.keyboard.press("n")
+            close()
+            assert page.is_hidden("#about")
+        assert ask(page, "player.time") == 405
+        assert found.complaints == []
+
+
 def test_every_control_has_a_name(visit):
     with visit() as found:
         nameless = found.page.evaluate("""() => [...document.querySelectorAll("button, input, select, canvas, dialog")]

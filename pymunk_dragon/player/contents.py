@@ -59,7 +59,6 @@ def player_data(run: Run, impact: Impact | None) -> PlayerData:
         "times": run.times.tolist(),
         "near": [asdict(miss) for miss in misses if begin <= miss.time <= end],
         "windows": contact_windows(run),
-        "first": None if run.first_contact is None else asdict(run.first_contact),
         "handles": _shape(places),
         "curve": _shape(curve),
         "curve_error": CURVE_ERROR * dragon.width,
@@ -78,7 +77,7 @@ def contact_windows(run: Run) -> list[dict[str, Any]]:
     """When which benches touch, by beginning; without an `end` where they still do when the run ends.
 
     The log begins a window at the end of a substep. The first contact's begins when it truly does, and is there even
-    if nothing was logged.
+    if nothing was logged. What a file that was changed by hand says of benches or times that are none is left out.
     """
     windows = [asdict(window) for window in run.events.windows()]
     first = run.first_contact
@@ -88,7 +87,13 @@ def contact_windows(run: Run) -> list[dict[str, Any]]:
             its[0]["begin"] = first.time
         else:
             windows.append({"benches": first.benches, "begin": first.time, "end": None})
-    return sorted(windows, key=lambda window: (window["begin"], window["benches"]))
+    known = [window for window in windows if _is_possible(window, run.march.dragon.benches)]
+    return sorted(known, key=lambda window: (window["begin"], window["benches"]))
+
+
+def _is_possible(window: dict[str, Any], benches: int) -> bool:
+    end = window["begin"] if window["end"] is None else window["end"]
+    return bool(window["benches"][1] < benches and np.isfinite(window["begin"]) and np.isfinite(end))
 
 
 def curve_points(march: March, start: float) -> Array:

@@ -1,10 +1,13 @@
 // Where the benches are at any time, how fast the handles are, and who touches whom.
 
 const TURN = 2 * Math.PI;
-// Frames that a speed is worked out from. Four give the seed's to 0.01 mm/s; more only bring in more rounding.
+// Frames that a speed is worked out from. Four give the seed's to 0.1 mm/s, and at its two ends to 0.3 mm/s, which is the
+// rounding of places.
 const SPEED_FRAMES = 4;
 // Seconds by which a contact is taken to begin early: a link's time is rounded, and has to show the contact's moment.
 const EARLY = 1e-6;
+// Frames whose poses are kept: slow motion asks for the same two again and again.
+const KEPT_FRAMES = 4;
 
 class Motion {
   constructor(told, packed) {
@@ -46,8 +49,7 @@ class Motion {
       poses.y.push((frontY + rearY) / 2);
       poses.angle.push(Math.atan2(frontY - rearY, frontX - rearX));
     }
-    // Slow motion asks for the same two frames again and again.
-    if (this.kept.size > 3) this.kept.clear();
+    if (this.kept.size >= KEPT_FRAMES) this.kept.clear();
     this.kept.set(frame, poses);
     return poses;
   }
@@ -62,7 +64,7 @@ class Motion {
   }
 
   // About how far a bench is from its true place, m, because it goes straight between two frames: the way of a bent
-  // path from its chord, as four frames tell it. Uneven frames make it too large, never too small.
+  // path from its chord, as four frames tell it that are taken to be evenly apart.
   blurAt(time, bench) {
     const { before, share } = this.between(time);
     if (share === 0 || share === 1) return 0;

@@ -1,6 +1,6 @@
 // The run as a CSV table, as `pymunk-dragon positions` writes it: a row for each handle at each time.
 
-// Digits after the point of a speed, which is known to some 0.01 mm/s.
+// Digits after the point of a speed, which is known to some 0.1 mm/s.
 const SPEED_DIGITS = 4;
 const HEADS = "time_s,handle,x_m,y_m,speed_m_s\n";
 
