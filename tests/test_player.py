@@ -314,6 +314,7 @@ def test_contacts_that_cannot_be_are_left_out(run):
 def test_numbers_and_outlines_of_benches_can_be_seen(palette):
     assert min(contrast(palette.ink, palette.head), contrast(palette.ink, palette.body)) > 4.5
     assert min(contrast(palette.background, palette.tail), contrast(palette.background, palette.contact)) > 4.5
+    assert min(contrast(colour, palette.background) for colour in (palette.motion, palette.force)) > 3
     for bench in (palette.head, palette.body, palette.tail, palette.contact):
         assert max(contrast(bench, palette.background), contrast(palette.ink, palette.background)) > 3
 

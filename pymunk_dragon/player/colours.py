@@ -18,6 +18,9 @@ DARK = Palette(
     tail="#3dbfae",
     contact="#ff6b7d",
     ink="#0e1217",
+    motion="#a6e69a",
+    force="#e3d0ff",
+    grid="#cfd6e2",
 )
 
 

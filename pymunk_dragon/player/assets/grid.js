@@ -2,6 +2,9 @@
 
 // Pixels: smallest cell that is drawn, and cells that are large enough for a number at the side, and for a name.
 const SMALLEST_CELL = 5, NUMBERED_CELL = 22, NAMED_CELL = 120;
+// How much of the grid's colour is laid over the ground for a cell that benches are filed under, and for a line, as in
+// the films.
+const FILED_TINT = 0.1, LINE_TINT = 0.28;
 // Pixels from the sides to the middle of their numbers, and from the top to the first one at the left.
 const FROM_LEFT = 14, FROM_TOP = 10, FIRST_ROW = 24;
 
@@ -15,7 +18,8 @@ function drawGrid(painter, benches, seen) {
   for (const i of seen) {
     for (const [row, column] of benches.cells(i, told.grid)) filed.rect(...corner(row, column), size, size);
   }
-  context.fillStyle = colours.shade;
+  context.fillStyle = context.strokeStyle = colours.grid;
+  context.globalAlpha = FILED_TINT;
   context.fill(filed);
   const [west, north] = view.toFloor(0, 0), [east, south] = view.toFloor(view.width, view.height);
   const lines = new Path2D();
@@ -29,9 +33,10 @@ function drawGrid(painter, benches, seen) {
     lines.moveTo(px, 0);
     lines.lineTo(px, view.height);
   }
-  context.strokeStyle = colours.line;
   context.lineWidth = 1;
+  context.globalAlpha = LINE_TINT;
   context.stroke(lines);
+  context.globalAlpha = 1;
 }
 
 // The grid's numbers, on top of everything: rows along the left side, columns along the top, and in large cells both.

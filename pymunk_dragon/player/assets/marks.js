@@ -2,8 +2,10 @@
 
 // Radius of a handle: pixels at least, and times a hole's diameter.
 const SMALLEST_HANDLE = 2.2, HANDLE_SIZE = 0.8;
-// Metres of arrow for each m/s; pixels of the shortest arrow and the longest head.
+// Metres of arrow for each m/s, as in the films; pixels of the shortest arrow and the longest head.
 const ARROW = 0.5, SHORTEST_ARROW = 2, LONGEST_HEAD = 9;
+// How thick a shaft is, as a share of its length at 1 m/s and in pixels, and pixels of the rim around it.
+const SHAFT = 0.1, THICKEST_SHAFT = 2, RIM = 0.9;
 // Width in pixels of a bench that is large enough for its number. Where benches are smaller, every so many have one, if
 // there is room for its pixels.
 const NUMBERED_BENCH = 10, NUMBER_EVERY = 25, NUMBER_SIZE = 28;
@@ -41,8 +43,14 @@ function drawVelocities(painter, time, benches, seen) {
     heads.lineTo(qx - head * ux + half * uy, qy - head * uy - half * ux);
     heads.closePath();
   }
-  context.strokeStyle = context.fillStyle = colours.type;
-  context.lineWidth = 1.5;
+  // A rim of the ground's colour sets them off from the benches.
+  context.strokeStyle = colours.background;
+  const width = Math.min(THICKEST_SHAFT, SHAFT * ARROW * view.scale);
+  context.lineWidth = width + 2 * RIM;
+  context.stroke(shafts);
+  context.stroke(heads);
+  context.strokeStyle = context.fillStyle = colours.motion;
+  context.lineWidth = width;
   context.stroke(shafts);
   context.fill(heads);
 }
@@ -100,7 +108,7 @@ function drawContacts(painter, time, benches, touching) {
 }
 
 function drawRing({ context, colours }, [px, py], inner = 0) {
-  for (const [stroke, width] of [[colours.background, 5], [colours.type, 2]]) {
+  for (const [stroke, width] of [[colours.background, 5], [colours.force, 2]]) {
     context.beginPath();
     context.arc(px, py, Math.max(RING, 1.6 * inner), 0, TURN);
     context.strokeStyle = stroke;

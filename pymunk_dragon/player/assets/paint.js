@@ -7,6 +7,9 @@ const CURVE_ERROR_SHOWN = 0.3, CURVE_CHUNK = 64;
 // Pixels: smallest hole that is drawn. Outlines: a share of a bench's width, within pixels.
 const SMALLEST_HOLE = 2.5, OUTLINE_WIDTH = 0.06, THINNEST_OUTLINE = 0.5, THICKEST_OUTLINE = 1.25;
 
+// The films' names, and what they stand for there.
+const CANVAS_COLOURS = ["background", "curve", "head", "body", "tail", "contact", "ink", "motion", "force", "grid"];
+
 class Painter {
   constructor(canvas, motion, view, told, curve) {
     this.canvas = canvas;
@@ -23,9 +26,8 @@ class Painter {
     const style = getComputedStyle(document.documentElement);
     const named = (name) => style.getPropertyValue(name).trim();
     this.colours = {
-      ...Object.fromEntries(["background", "curve", "head", "body", "tail", "contact", "ink"]
-        .map((name) => [name, named(`--canvas-${name}`)])),
-      type: named("--ink"), line: named("--line"), shade: named("--shade"),
+      ...Object.fromEntries(CANVAS_COLOURS.map((name) => [name, named(`--canvas-${name}`)])),
+      type: named("--ink"),
     };
     this.font = getComputedStyle(document.body).fontFamily;
   }
