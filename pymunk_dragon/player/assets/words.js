@@ -20,6 +20,7 @@ function numbersOf(benches, bench, time) {
   return {
     bench,
     part: bench === 0 ? "head" : bench === motion.benches - 1 ? "tail" : "body",
+    velocity: velocities && velocities[bench],
     speed: velocities && Math.hypot(...velocities[bench]),
     angle: degrees - 360 * Math.ceil((degrees - 180) / 360),
     gap: coil && coil.gap,
