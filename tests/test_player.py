@@ -9,6 +9,7 @@ from base64 import b64decode, b64encode
 from dataclasses import replace
 from hashlib import sha256
 from html.parser import HTMLParser
+from importlib import import_module
 
 import numpy as np
 import pytest
@@ -189,6 +190,16 @@ def test_markup_in_title_and_provenance_is_text(run, given_title):
     assert page.blocks["script"] == plain.blocks["script"]
     if given_title:
         assert page.text.startswith(MARKUP)
+
+
+def test_markup_in_the_data_is_data(run, page, monkeypatch):
+    # There are only numbers in it so far.
+    module = import_module("pymunk_dragon.player.page")
+    data = module.player_data(run, None)
+    monkeypatch.setattr(module, "player_data", lambda *_: replace(data, told={**data.told, "note": MARKUP}))
+    changed = Page(player_page(run))
+    assert changed.tags == page.tags
+    assert changed.told["note"] == MARKUP
 
 
 def test_policy_allows_the_pages_own_script_and_style_and_nothing_else(page):
