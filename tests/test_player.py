@@ -282,6 +282,13 @@ def test_near_misses_are_the_exact_models(seed_page):
     ]
 
 
+def test_dragon_off_its_path_has_none_of_the_exact_models_near_misses():
+    run = Run.exact(March(), [409.0, 410.0])
+    assert len(Page(player_page(run)).told["near"]) == 1
+    off = replace(run, provenance={"player": "pymunk", "guide": "none"})
+    assert Page(player_page(off)).told["near"] == []
+
+
 def test_exact_run_past_its_contact_has_it_as_a_window():
     run = Run.exact(March(), [412.0, 412.4, 412.6])
     told = Page(player_page(run)).told

@@ -52,7 +52,9 @@ def player_data(run: Run, impact: Impact | None) -> PlayerData:
     places = packed(handles(run), STEP * dragon.width)
     curve = packed(curve_points(run.march, float(run.times[0]))[:, None], STEP * dragon.width)
     begin, end = float(run.times[0]), float(run.times[-1])
-    misses = (impact and impact.clearances) or ()
+    # The exact model's near misses are none of a dragon that nobody kept on its path.
+    on_path = run.provenance.get("guide") != "none"
+    misses = (impact and on_path and impact.clearances) or ()
     told = {
         "dragon": asdict(dragon) | {"hole": HOLE_DIAMETER},
         "grid": _grid(run.march),
