@@ -238,6 +238,13 @@ def test_events_can_be_stepped_through_and_are_told(visit):
         assert "0 and 11" in page.get_attribute("#field", "aria-label")
 
 
+def test_events_that_a_run_passes_are_told(visit):
+    with visit("#t=409.7&speed=1") as found:
+        found.page.keyboard.press("Space")
+        wait_until(found.page, "document.getElementById('said').textContent.startsWith('Near miss: benches 0 and 11')")
+        assert ask(found.page, "player.playing")
+
+
 def test_strip_marks_the_events_and_a_click_near_one_goes_to_it(visit):
     with visit() as found:
         # Share of the strip's width at which each colour is first seen, thumbs of the slider aside.

@@ -48,7 +48,10 @@ class Player {
     if (this.playing) {
       const passed = this.last === null ? 0 : Math.min((now - this.last) / 1000, LONGEST_TICK);
       this.last = now;
-      this.time = Math.min(this.time + passed * this.rate, this.motion.end);
+      const before = this.time;
+      this.time = Math.min(before + passed * this.rate, this.motion.end);
+      const event = this.events.findLast(({ time }) => before < time && time <= this.time);
+      if (event) write("said", event.words);
       if (this.time >= this.motion.end) this.pause();
       else this.writeLinkSoon();
     }
