@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from pymunk_dragon.checks import finite, positive, whole
 from pymunk_dragon.curves import Curve, Spiral
+from pymunk_dragon.display import Displayed
 from pymunk_dragon.dragon import Dragon, bench_poses
 from pymunk_dragon.errors import ParameterError, UnreachableError
 
@@ -68,7 +69,7 @@ class States:
 
 
 @dataclass(frozen=True)
-class March:
+class March(Displayed):
     """A dragon on a curve at a speed; by default the march of the paper.
 
     Parameters

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from pymunk_dragon.contact import PHASES, Contact, ContactEvent, ContactLog
+from pymunk_dragon.display import Displayed
 from pymunk_dragon.dragon import interpolated
 from pymunk_dragon.errors import DragonError, FileFormatError, ParameterError
 from pymunk_dragon.files import check_destination, written_in_place
@@ -40,7 +41,7 @@ MAY_LACK = ("joint_impulses",)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Run:
+class Run(Displayed):
     """A dragon's run over F frames of N benches.
 
     Attributes

@@ -12,6 +12,7 @@ from pymunk_dragon.errors import ParameterError
 
 if TYPE_CHECKING:
     from pymunk_dragon.march import March
+    from pymunk_dragon.run import Run
 
 __all__ = [
     "PROGRAM",
@@ -22,6 +23,7 @@ __all__ = [
     "march_of",
     "number_list",
     "output_option",
+    "run_of",
     "scenario_options",
     "start_option",
 ]
@@ -79,6 +81,15 @@ def march_of(scenario_file: str | None) -> March:
 
     values = Scenario.read(scenario_file) if scenario_file is not None else {}
     return Scenario.from_mapping({**values, **chosen()}).march()
+
+
+def run_of(run_file: str, scenario_file: str | None) -> Run:
+    """A run that was saved, which brings its own scenario."""
+    from pymunk_dragon.run import Run
+
+    if chosen() or scenario_file:
+        raise click.UsageError("a run brings its own scenario: leave out the options of the dragon and its curve")
+    return Run.load(run_file)
 
 
 def destination_of(output: str | None, endings: tuple[str, ...]) -> Path | None:

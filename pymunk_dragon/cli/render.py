@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import os
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from pymunk_dragon.cli.options import (
     Command,
-    chosen,
     destination_of,
     json_option,
     march_of,
     output_option,
+    run_of,
     scenario_options,
 )
 from pymunk_dragon.cli.output import print_json, progress
@@ -25,9 +26,6 @@ if TYPE_CHECKING:
 
 __all__ = ["render"]
 
-# s: how much of a march is filmed when it is not told.
-MARCH_FILM = 60.0
-
 MARKS = {
     "velocities": "Arrows to where the handles would be in half a second.",
     "grid": "The cells of the broad phase, darker where a bench is filed.",
@@ -35,6 +33,12 @@ MARKS = {
     "normals": "In which direction they push.",
     "impulses": "Impulses in the joints, as discs.",
 }
+# s: how much of a march is filmed when it is not told.
+MARCH_FILM = 60.0
+# m that the head goes between the frames of a march in a player.
+PLAYER_STRIDE = 0.1
+# What a player has of its own, and so does not take.
+OF_FILMS = ("exact", "speedup", "fps", "size", "camera", "span", "hold", "caption", "workers", *MARKS)
 
 
 def mark_options(command: Command) -> Command:
@@ -72,7 +76,7 @@ def marks() -> tuple[Any, ...]:
 @click.option("--caption", metavar="TEXT", help="Lines below the picture.")
 @click.option("--workers", type=int, metavar="N", help="Processes that draw a long film.  [one a core]")
 @json_option
-@output_option(".gif, .mp4, .apng or .webp for a film, .png for a picture at --until", required=True)
+@output_option(".gif, .mp4, .apng or .webp; .png for a picture at --until; .html for a player", required=True)
 def render(
     run_files: tuple[str, ...],
     scenario_file: str | None,
@@ -85,11 +89,13 @@ def render(
     output: str,
     **choices: Any,
 ) -> None:
-    """Film a run, several side by side, or the exact march where no run is named."""
+    """Film a run, several side by side, or the exact march where no run is named; or write a page that plays it."""
+    from pymunk_dragon.player import PLAYER_ENDINGS
     from pymunk_dragon.render import FILM_ENDINGS, STILL_ENDINGS, Camera, Film, write_film, write_still
 
-    destination = destination_of(output, (*FILM_ENDINGS, *STILL_ENDINGS))
+    destination = destination_of(output, (*FILM_ENDINGS, *STILL_ENDINGS, *PLAYER_ENDINGS))
     assert destination is not None
+    ending = destination.suffix.lower()
     given = {name: value for name, value in choices.items() if value is not None}
     if size is not None:
         given["size"] = _size(size)
@@ -97,7 +103,9 @@ def render(
     given.setdefault("until", _last(sources, given.get("since", 0.0)))
     camera_ = Camera(follow=camera, span=span)  # type: ignore[arg-type]  # Camera checks the word.
     film = Film(camera=camera_, show=marks(), **given)
-    if destination.suffix.lower() in STILL_ENDINGS:
+    if ending in PLAYER_ENDINGS:
+        _write_player(sources, destination, given)
+    elif ending in STILL_ENDINGS:
         write_still(sources, given["until"], destination, film)
     else:
         with progress("frame") as show:
@@ -110,17 +118,39 @@ def render(
         print_json({"output": str(destination), "bytes": destination.stat().st_size})
 
 
-def _sources(run_files: tuple[str, ...], scenario_file: str | None, exact: bool) -> list[Run | March]:
-    """What is filmed: the runs, and the exact model of the first if it is asked for; or the march of a scenario."""
+def _write_player(sources: list[Run | March], path: Path, given: dict[str, Any]) -> None:
+    """A page that plays the run, or an exact one of the march."""
+    import numpy as np
+
+    from pymunk_dragon.player import write_player
     from pymunk_dragon.run import Run
 
+    context = click.get_current_context()
+    for name in OF_FILMS:
+        if context.get_parameter_source(name) is click.core.ParameterSource.COMMANDLINE:
+            raise click.UsageError(f"--{name} is of films: leave it out, or write one")
+    if len(sources) > 1:
+        raise click.UsageError("a page plays one run: name one, or write a film")
+    [source] = sources
+    if isinstance(source, Run):
+        if "since" in given or context.get_parameter_source("until") is click.core.ParameterSource.COMMANDLINE:
+            raise click.UsageError("a page plays the whole run: leave out --from and --until")
+        run = source
+    else:
+        since, until = given.get("since", 0.0), given["until"]
+        times = np.arange(since, until, PLAYER_STRIDE / source.speed)
+        run = Run.exact(source, np.append(times, until))
+    with progress("page") as show:
+        write_player(run, path, title=given.get("title"), progress=lambda done, total: show(done, total, "page"))
+
+
+def _sources(run_files: tuple[str, ...], scenario_file: str | None, exact: bool) -> list[Run | March]:
+    """What is filmed: the runs, and the exact model of the first if it is asked for; or the march of a scenario."""
     if not run_files:
         if exact:
             raise click.UsageError("--exact stands beside a run: name one, or leave it out")
         return [march_of(scenario_file)]
-    if chosen() or scenario_file:
-        raise click.UsageError("a run brings its own scenario: leave out the options of the dragon and its curve")
-    runs = [Run.load(file) for file in run_files]
+    runs = [run_of(file, scenario_file) for file in run_files]
     return [*runs, runs[0].march] if exact else [*runs]
 
 

@@ -6,7 +6,7 @@ from pymunk_dragon.render.moments import Mark, Moment
 from pymunk_dragon.render.palette import Palette
 from pymunk_dragon.render.scene import Scene
 from pymunk_dragon.render.streams import FILM_ENDINGS
-from pymunk_dragon.render.writing import STILL_ENDINGS, render, still, write_film, write_still
+from pymunk_dragon.render.writing import STILL_ENDINGS, render, still, still_png, write_film, write_still
 
 __all__ = [
     "FILM_ENDINGS",
@@ -19,6 +19,7 @@ __all__ = [
     "Scene",
     "render",
     "still",
+    "still_png",
     "write_film",
     "write_still",
 ]

@@ -24,7 +24,7 @@ from pymunk_dragon.render.sheet import Sheet
 from pymunk_dragon.render.streams import FILM_ENDINGS, check_ending, open_stream
 from pymunk_dragon.run import Run
 
-__all__ = ["STILL_ENDINGS", "make_sheet", "render", "still", "write_film", "write_still"]
+__all__ = ["STILL_ENDINGS", "make_sheet", "render", "still", "still_png", "write_film", "write_still"]
 
 Array = NDArray[np.float64]
 Progress = Callable[[int, int], None]
@@ -124,9 +124,15 @@ def write_still(source: Source | Sequence[Source], time: float, path: str | Path
         If writing fails.
     """
     destination = check_destination(path, STILL_ENDINGS)
-    picture = still(source, time, film)
+    picture = still_png(source, time, film)
     with written_in_place(destination) as draft:
-        iio.imwrite(draft, picture, extension=".png")
+        draft.write_bytes(picture)
+
+
+def still_png(source: Source | Sequence[Source], time: float, film: Film | None = None) -> bytes:
+    """What `write_still` writes."""
+    picture: bytes = iio.imwrite("<bytes>", still(source, time, film), extension=".png")
+    return picture
 
 
 def still(source: Source | Sequence[Source], time: float, film: Film | None = None) -> NDArray[np.uint8]:

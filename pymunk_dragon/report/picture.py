@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import tempfile
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
-from pymunk_dragon.render import Camera, Film, write_still
+from pymunk_dragon.render import Camera, Film, still_png
 from pymunk_dragon.run import Run
 
 __all__ = ["Picture", "pictures"]
@@ -56,7 +54,4 @@ def pictures(run: Run) -> list[Picture]:
 
 
 def _still(run: Run, time: float, camera: Camera) -> bytes:
-    with tempfile.TemporaryDirectory(prefix="pymunk-dragon-") as folder:
-        file = Path(folder) / "picture.png"
-        write_still(run, time, file, Film(size=SIZE, camera=camera, gap=False))
-        return file.read_bytes()
+    return still_png(run, time, Film(size=SIZE, camera=camera, gap=False))

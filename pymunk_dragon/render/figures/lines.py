@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pymunk_dragon.render.figures.style import COLOURS, RULE, blend, halo
+from pymunk_dragon.render.figures.style import COLOURS, RULE, WIDE_HALO, blend, halo
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -92,4 +92,4 @@ def time_name(time: float) -> str:
 
 def label(axes: Axes, x: float, y: float, text: str, offset: tuple[float, float], **options: Any) -> None:
     """Type beside a point of a line, readable on others."""
-    axes.annotate(text, (x, y), offset, textcoords="offset points", path_effects=halo(), **options)
+    axes.annotate(text, (x, y), offset, textcoords="offset points", path_effects=halo(WIDE_HALO), **options)

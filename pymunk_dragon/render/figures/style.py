@@ -122,9 +122,9 @@ def _face() -> str:
 
 def page(width: float, height: float, title: str, subtitle: str = "") -> Figure:
     """An empty page of so many inches, with what it tells in its upper left corner."""
-    from matplotlib.figure import Figure
+    from pymunk_dragon.render.figures.shown import ShownFigure
 
-    figure = Figure(figsize=(width, height), dpi=DPI)
+    figure = ShownFigure(figsize=(width, height), dpi=DPI)
     x = MARGIN / width
     figure.text(x, 1 - TITLE_DEPTH / height, title, size=TITLE_SIZE)
     figure.text(x, 1 - SUBTITLE_DEPTH / height, subtitle, color=QUIET)

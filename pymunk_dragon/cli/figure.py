@@ -1,0 +1,63 @@
+"""`pymunk-dragon figure`."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import click
+
+from pymunk_dragon.cli.options import (
+    chosen,
+    destination_of,
+    json_option,
+    march_of,
+    output_option,
+    run_of,
+    scenario_options,
+)
+from pymunk_dragon.cli.output import print_json
+
+if TYPE_CHECKING:
+    from pymunk_dragon.render.moments import Source
+
+__all__ = ["figure"]
+
+
+@click.command()
+@click.argument("name", required=False)
+@click.argument("run_file", metavar="[RUN.npz]", required=False)
+@scenario_options
+@json_option
+@output_option(".png, or .svg where the figure has axes")
+def figure(
+    name: str | None, run_file: str | None, scenario_file: str | None, as_json: bool, output: str | None
+) -> None:
+    """Draw one of the paper's figures, or one beyond it; without a name, list them.
+
+    Drift and impulses are drawn from a run of the engine, the others from a run's march or from the options.
+    """
+    from pymunk_dragon.render.figures import FIGURES, write_figure
+
+    if name is None:
+        shown = {known: kind.shows for known, kind in FIGURES.items()}
+        if as_json:
+            print_json({"figures": shown})
+        else:
+            click.echo("\n".join(f"{known:<13} {shows}" for known, shows in shown.items()))
+        return
+    if output is None:
+        raise click.UsageError("name a file to write: -o FILE.png or -o FILE.svg")
+    source = _source(run_file, scenario_file)
+    endings = FIGURES[name].endings if name in FIGURES else (".png", ".svg")
+    destination = destination_of(output, endings)
+    assert destination is not None
+    write_figure(name, destination, source)
+    if as_json:
+        print_json({"output": str(destination), "bytes": destination.stat().st_size})
+
+
+def _source(run_file: str | None, scenario_file: str | None) -> Source | None:
+    """The run or the march that is drawn; None for the figure's own."""
+    if run_file is not None:
+        return run_of(run_file, scenario_file)
+    return march_of(scenario_file) if chosen() or scenario_file else None

@@ -1,0 +1,40 @@
+"""How runs and marches look in a notebook: as a picture, and small runs as a player."""
+
+from __future__ import annotations
+
+from html import escape
+
+from pymunk_dragon.march import March
+from pymunk_dragon.player import player_page
+from pymunk_dragon.render import Film, still_png
+from pymunk_dragon.run import Run
+
+__all__ = ["as_html", "as_png"]
+
+# Places of handles over all frames up to which a run is played in the notebook, which keeps the page in its file: some
+# 400 kB. That is the last two minutes of the seed's 223 benches, or half an hour of 16.
+MAX_PLACES = 250_000
+# Pixels: height of a player, which is as wide as the notebook, and side of a picture, shown at half of it on screens
+# with two pixels to the point.
+PLAYER_HEIGHT, PICTURE_SIZE = 640, 640
+
+
+def as_html(shown: object) -> str | None:
+    """A frame with the player of a small run in it; None for anything else.
+
+    The frame keeps the page's script from the notebook's.
+    """
+    if not isinstance(shown, Run) or len(shown.times) * shown.march.dragon.handles > MAX_PLACES:
+        return None
+    return (
+        f'<iframe srcdoc="{escape(player_page(shown))}" title="A run of the bench dragon" width="100%" '
+        f'height="{PLAYER_HEIGHT}" style="border: 0" sandbox="allow-scripts allow-downloads"></iframe>'
+    )
+
+
+def as_png(shown: object) -> bytes | None:
+    """A run as it ended, or a march as it begins, as the bytes of a PNG."""
+    film = Film(size=PICTURE_SIZE)
+    if isinstance(shown, Run):
+        return still_png(shown, float(shown.times[-1]), film)
+    return still_png(shown, 0.0, film) if isinstance(shown, March) else None
