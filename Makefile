@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 DRAGON := $(BIN)/pymunk-dragon
 
 .DEFAULT_GOAL := help
-.PHONY: help render report test lint bench demos clean
+.PHONY: help render runs films figures report test lint bench demos clean
 # A film or a run that was interrupted is not a film or a run.
 .DELETE_ON_ERROR:
 
@@ -17,6 +17,10 @@ $(VENV)/core: pyproject.toml
 	$(BIN)/pip install --quiet --editable .
 	@touch $@
 
+$(VENV)/figures: $(VENV)/core
+	$(BIN)/pip install --quiet --editable '.[figures]'
+	@touch $@
+
 $(VENV)/report: $(VENV)/core
 	$(BIN)/pip install --quiet --editable '.[report]'
 	@touch $@
@@ -25,13 +29,31 @@ $(VENV)/all: $(VENV)/core
 	$(BIN)/pip install --quiet --editable '.[figures,mp4,report,test,lint]'
 	@touch $@
 
-render: $(VENV)/core ## play the dragon in Pymunk and film it: renders/*.gif
+render: runs films figures ## play the dragon in Pymunk, film it, draw the figures, and write a page that plays it
+
+# Every picture is the same to the byte until what it shows changes.
+runs: $(VENV)/figures
 	$(DRAGON) simulate -o renders/march.npz
-	$(DRAGON) render renders/march.npz -o renders/march.gif
 	$(DRAGON) simulate --from 400 --frame-interval 0.02 -o renders/first_contact.npz
-	$(DRAGON) render renders/first_contact.npz -o renders/first_contact.gif --from 405.4 --camera head --fps 20 --speedup 0.75 --hold 2.5
 	$(DRAGON) simulate --guide none -o renders/unguided.npz
-	$(DRAGON) render renders/unguided.npz -o renders/unguided.gif --fps 20 --speedup 1 --hold 2
+
+films: runs
+	$(DRAGON) render renders/march.npz -o renders/march.gif
+	$(DRAGON) render renders/first_contact.npz -o renders/first_contact.gif --from 405.4 --camera head --fps 20 --speedup 0.75 --hold 2.5
+	$(DRAGON) render renders/march.npz renders/unguided.npz -o renders/guides.gif --until 12.5 --size 330 --speedup 1 --hold 2 --title "Dancers keep the dragon on its path"
+	$(DRAGON) render renders/first_contact.npz --exact -o renders/exact.gif --from 409 --camera head --span 5 --size 330 --speedup 0.5 --hold 3 --title "The engine and the exact model"
+	$(DRAGON) render renders/first_contact.npz -o renders/marks.png --camera head --size 660 --velocities --grid --impulses --contacts --normals --title "The head meets bench 8" --caption "Arrows end where the handles would be in half a second; discs are impulses in the joints; cells are darker where a bench is filed."
+	$(DRAGON) render renders/march.npz -o renders/march.html
+
+STILLS := outer-loop inward collision
+CHARTS := spiral grid trajectories velocities gap speeds
+OF_RUNS := drift impulses
+
+figures: runs
+	mkdir -p renders/figures
+	set -e; for name in $(STILLS); do $(DRAGON) figure $$name -o renders/figures/$$name.png; done
+	set -e; for name in $(CHARTS); do for ending in png svg; do $(DRAGON) figure $$name -o renders/figures/$$name.$$ending; done; done
+	set -e; for name in $(OF_RUNS); do for ending in png svg; do $(DRAGON) figure $$name renders/march.npz -o renders/figures/$$name.$$ending; done; done
 
 report: $(VENV)/report ## play on past the first contact and tell what happened: renders/report.html
 	$(DRAGON) simulate --from 400 --until 416 --contacts report -o renders/report.npz
@@ -57,6 +79,6 @@ demos: $(VENV)/core ## the lessons: a head that only pulls, and a contact that a
 	$(DRAGON) contact --width 0.301
 	$(DRAGON) contact --width 0.301 --method grid
 
-clean: ## remove what the targets made, but not the films
-	rm -rf $(VENV) .venv-* renders/*.npz renders/report.html .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache
+clean: ## remove what the targets made, but not the gallery
+	rm -rf $(VENV) .venv-* renders/*.npz renders/report.html renders/march.html .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -169,4 +169,4 @@ class Scene:
             digits = 1 if gap < SMALL_GAP else 0
             put(picture, f"gap {1000 * gap:.{digits}f} mm to bench {bench}", bottom=True)
         if moment.impulses is not None:
-            put(picture, f"up to {moment.impulses.max():.2g} N s", right=True, bottom=True)
+            put(picture, f"joints up to {moment.impulses.max():.2g} N s", right=True, bottom=True)
