@@ -138,7 +138,9 @@ class PillowDrawOptions(pymunk.SpaceDebugDrawOptions):
         fill_color: SpaceDebugColor,
     ) -> None:
         """Draw a circle with a line from its centre in the direction of `angle`."""
-        needle = [pos, pos + pymunk.Vec2d.from_polar(radius, angle)] if math.isfinite(angle) else []
+        # Its round end stays inside the circle.
+        reach = max(0.0, radius - self.line_width / 2)
+        needle = [pos, pos + pymunk.Vec2d.from_polar(reach, angle)] if math.isfinite(angle) else []
         self._draw_shape([pos], radius, outline_color, fill_color, needle)
 
     def draw_segment(self, a: pymunk.Vec2d, b: pymunk.Vec2d, color: SpaceDebugColor) -> None:
@@ -264,8 +266,8 @@ def _extent(space: pymunk.Space) -> pymunk.BB:
     boxes = [shape.bb for shape in space.shapes]
     for joint in space.constraints:
         for name, body in (("anchor_a", joint.a), ("anchor_b", joint.b), ("groove_a", joint.a), ("groove_b", joint.a)):
-            if anchor := getattr(joint, name, None):
-                x, y = body.local_to_world(anchor)
+            if hasattr(joint, name):
+                x, y = body.local_to_world(getattr(joint, name))
                 boxes.append(pymunk.BB(x, y, x, y))
     # What was flung to infinity is not drawn either.
     boxes = [box for box in boxes if all(map(math.isfinite, box))]

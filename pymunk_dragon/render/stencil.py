@@ -21,7 +21,7 @@ FINENESS = 4
 FRINGE = 0.38 / FINENESS
 # Pixels of a tile, the piece of a picture that is drawn at once: small, so that the empty ground beside a slanting line
 # costs little, and large, so that there are few of them.
-TILE_AREA = 64 * 64
+TILE_AREA = 96 * 96
 # Pixels by which a polygon may reach over its tile, to keep the edge of the cut out of sight.
 OVERLAP = 1.0
 
