@@ -38,10 +38,13 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 @pytest.fixture
-def golden(request: pytest.FixtureRequest) -> Callable[[Image.Image, str], None]:
-    """A function that compares a picture with tests/data/<name>.png, as in `golden(image, "debug_draw/pendulum")`."""
+def golden(request: pytest.FixtureRequest) -> Callable[..., None]:
+    """A function that compares a picture with tests/data/<name>.png, as in `golden(image, "debug_draw/pendulum")`.
 
-    def compare(image: Image.Image, name: str) -> None:
+    A full path does as well as a name. `share` is the share of pixels that may differ.
+    """
+
+    def compare(image: Image.Image, name: str, share: float = SHARE) -> None:
         path = DATA / f"{name}.png"
         if request.config.getoption("--regenerate-golden"):
             path.parent.mkdir(parents=True, exist_ok=True)
@@ -49,8 +52,8 @@ def golden(request: pytest.FixtureRequest) -> Callable[[Image.Image, str], None]
         with Image.open(path) as expected:
             assert (image.mode, image.size) == (expected.mode, expected.size)
             off = np.abs(np.asarray(image).astype(int) - np.asarray(expected).astype(int)) > LEVELS
-        share = float(off.any(axis=-1).mean()) if off.ndim == 3 else float(off.mean())
-        assert share <= SHARE, f"{share:.2%} of the pixels are not those of {path}; see pytest --regenerate-golden"
+        found = float(np.mean(off.any(axis=-1) if off.ndim == 3 else off))
+        assert found <= share, f"{found:.2%} of the pixels are not those of {path}; see pytest --regenerate-golden"
 
     return compare
 

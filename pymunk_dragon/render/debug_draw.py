@@ -16,7 +16,7 @@ from pymunk_dragon.checks import finite
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.render.convex import Point, grown, within
 from pymunk_dragon.render.recording import Recording
-from pymunk_dragon.render.stencil import FRINGE, Colour, lay
+from pymunk_dragon.render.stencil import FRINGE, lay
 
 __all__ = ["PillowDrawOptions"]
 
@@ -204,8 +204,9 @@ class PillowDrawOptions(pymunk.SpaceDebugDrawOptions):
             return pos, self._seen_angle(angle), *others
         if name == "draw_segment":
             a, b, color = arguments
-            if color == self.collision_point_color != self.constraint_color:
-                middle, half = (a + b) / 2, (b - a).scale_to_length(MARK_LENGTH * self.line_width / 2)
+            length = math.dist(a, b)
+            if color == self.collision_point_color != self.constraint_color and 0 < length < math.inf:
+                middle, half = (a + b) / 2, (b - a) / length * MARK_LENGTH * self.line_width / 2
                 return middle - half, middle + half, color
         if name == "draw_dot":
             size, *others = arguments
@@ -213,7 +214,7 @@ class PillowDrawOptions(pymunk.SpaceDebugDrawOptions):
         return arguments
 
     def _seen_angle(self, angle: float) -> float:
-        """Direction on the image of a body's x axis, of whose angle Chipmunk only says that the picture is turned."""
+        """Direction of a body's x axis on the picture: Chipmunk adds the picture's angle even where it is mirrored."""
         a, b, c, d, _, _ = self.transform
         if (a == d and b == -c) or not math.isfinite(angle):
             return angle
@@ -236,29 +237,24 @@ class PillowDrawOptions(pymunk.SpaceDebugDrawOptions):
         if not grown(points, radius - MIN_THICKNESS * line / 2, box):
             if not grown(points, radius - line / 2, box):
                 radius = max(radius, line / 2)  # Nothing is thinner than a line.
-            lay(self.image, _rgba(fill_color), [grown(points, radius - FRINGE, box)])
+            lay(self.image, fill_color, [grown(points, radius - FRINGE, box)])
             return
         # The fill reaches to the middle of the outline, so that no ground shines through between the two.
         rim, middle, inside = (grown(points, radius - depth - FRINGE, box) for depth in (0, line / 2, line))
-        lay(self.image, _rgba(fill_color), [middle])
+        lay(self.image, fill_color, [middle])
         strokes = [grown(self._on_image(needle), line / 2 - FRINGE, box)] if needle else []
-        lay(self.image, _rgba(outline_color), [rim, inside, *strokes])
+        lay(self.image, outline_color, [rim, inside, *strokes])
 
     def _draw_plain(self, points: Sequence[Point], radius: float, color: SpaceDebugColor) -> None:
         """Draw what is nearer than `radius` to a point or a line, in one colour."""
         points, box = self._on_image(points), (0, 0, *self.image.size)
         if within(points, radius, box):
-            lay(self.image, _rgba(color), [grown(points, radius - FRINGE, box)])
+            lay(self.image, color, [grown(points, radius - FRINGE, box)])
 
     def _on_image(self, points: Sequence[Point]) -> list[Point]:
         """Pixels right of and below the image's upper left corner."""
         height = self.image.height
         return [(x, height - y if self.positive_y_is_up else y) for x, y in points]
-
-
-def _rgba(color: SpaceDebugColor) -> Colour:
-    red, green, blue, alpha = (min(255, max(0, part)) for part in SpaceDebugColor(*color).as_int())
-    return red, green, blue, alpha
 
 
 def _extent(space: pymunk.Space) -> pymunk.BB:

@@ -9,10 +9,7 @@ from PIL import Image, ImageDraw
 
 from pymunk_dragon.render.convex import Box, Point, clipped, covers
 
-__all__ = ["FRINGE", "Colour", "lay"]
-
-# Red, green, blue, alpha, from 0 to 255.
-Colour = tuple[int, int, int, int]
+__all__ = ["FRINGE", "lay"]
 
 # Pixels drawn for every pixel shown, along each side: 17 levels of coverage.
 FINENESS = 4
@@ -26,23 +23,24 @@ TILE_AREA = 96 * 96
 OVERLAP = 1.0
 
 
-def lay(image: Image.Image, colour: Colour, polygons: Sequence[list[Point]]) -> None:
+def lay(image: Image.Image, colour: Sequence[float], polygons: Sequence[list[Point]]) -> None:
     """Fill polygons in one colour on an RGB or RGBA image, over what it shows.
 
     The first polygon is filled, the second cut out of it, the third filled again, and so on; the first one holds them
-    all.
+    all. The colour is red, green, blue and alpha, from 0 to 255; Pillow takes what is beyond for the end of the range.
     """
-    if colour[3] == 0 or len(polygons[0]) < 3:
+    red, green, blue, alpha = (round(part) for part in colour)
+    if alpha <= 0 or len(polygons[0]) < 3:
         return
     for tile in _tiles(polygons[0], (0, 0, *image.size)):
-        stencil = _stencil(tile, polygons, colour[3])
+        stencil = _stencil(tile, polygons, alpha)
         if stencil is None:
             continue
         if image.mode == "RGB":
-            image.paste(colour[:3], tile, stencil)
+            image.paste((red, green, blue), tile, stencil)
         else:
             # To paste would mix the colour with that of transparent pixels, which have none.
-            layer = Image.new("RGBA", stencil.size, colour[:3])
+            layer = Image.new("RGBA", stencil.size, (red, green, blue))
             layer.putalpha(stencil)
             image.alpha_composite(layer, tile[:2])
 
