@@ -1,4 +1,4 @@
-"""Time of a picture of debug drawing: `python tests/bench/bench_debug_draw.py`.
+"""Processor time of a picture of debug drawing: `python tests/bench/bench_debug_draw.py`.
 
 A chain of 223 boxes with a pivot between any two, laid on a spiral, and a settled pile of 100 boxes, each drawn as
 640 x 640 pixels. Medians over the repeats. With matplotlib installed, `pymunk.matplotlib_util` draws the same beside
