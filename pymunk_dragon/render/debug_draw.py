@@ -198,7 +198,7 @@ class PillowDrawOptions(pymunk.SpaceDebugDrawOptions):
             getattr(self, name)(*self._mended(name, arguments))
 
     def _mended(self, name: str, arguments: tuple[Any, ...]) -> tuple[Any, ...]:
-        """What Chipmunk should have called a method with."""
+        """Arguments as they should be: Chipmunk has an eye neither for mirrors nor for the size of the space."""
         if name == "draw_circle":
             pos, angle, *others = arguments
             return pos, self._seen_angle(angle), *others
@@ -258,7 +258,7 @@ class PillowDrawOptions(pymunk.SpaceDebugDrawOptions):
 
 
 def _extent(space: pymunk.Space) -> pymunk.BB:
-    """Box around a space's shapes and its constraints' anchors, where they were drawn now."""
+    """Box around a space's shapes and its constraints' anchors, where a picture would show them now."""
     boxes = [shape.bb for shape in space.shapes]
     for joint in space.constraints:
         for name, body in (("anchor_a", joint.a), ("anchor_b", joint.b), ("groove_a", joint.a), ("groove_b", joint.a)):
