@@ -18,8 +18,8 @@ NO_COLOUR = (0, 0, 0, 0)
 class Recording:
     """Keeps some methods of an object from being called, and writes the calls down, from `begin` to `end`.
 
-    The methods are hidden behind attributes of the object with the same names. An interrupt may come at any time, even
-    before `end`: what is left behind does no harm, and goes with the next recording.
+    The methods are hidden behind attributes of the object with the same names. Where an interrupt strikes in the
+    middle of `begin` or `end`, they may stay there until the next recording, which clears them away.
 
     Parameters
     ----------
