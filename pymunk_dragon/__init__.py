@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from pymunk_dragon.physics import World, simulate
     from pymunk_dragon.player import player_page, write_player
     from pymunk_dragon.render import Camera, Palette, Scene, write_film
+    from pymunk_dragon.render.debug_draw import PillowDrawOptions
     from pymunk_dragon.run import Run
     from pymunk_dragon.scenario import Scenario
 
@@ -31,6 +32,7 @@ __all__ = [
     "MissingExtraError",
     "Palette",
     "ParameterError",
+    "PillowDrawOptions",
     "Run",
     "Scenario",
     "Scene",
@@ -64,6 +66,8 @@ _ROOMS = {
     "physics": ("World", "simulate"),
     "player": ("player_page", "write_player"),
     "render": ("Camera", "Palette", "Scene", "write_film"),
+    # Apart from its room, which does without Pymunk.
+    "render.debug_draw": ("PillowDrawOptions",),
     "run": ("Run",),
     "scenario": ("Scenario",),
 }

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import signal
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import hypothesis
 import numpy as np
 import pytest
 from browser import chromium
+from PIL import Image
 from playwright.sync_api import Browser
 
 from pymunk_dragon.march import March
@@ -21,6 +23,39 @@ hypothesis.settings.load_profile("house")
 
 # A shell that starts the tests in the background has them ignore Ctrl-C, and with them every program that they start.
 signal.signal(signal.SIGINT, signal.default_int_handler)
+
+DATA = Path(__file__).parent / "data"
+# What another machine's rounding may do to a picture: the grey levels by which a pixel may differ, and the share of
+# pixels that may differ by more.
+LEVELS, SHARE = 12, 0.002
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Add the flag that writes golden pictures."""
+    parser.addoption(
+        "--regenerate-golden", action="store_true", help="write tests/data/*/*.png; look at them afterwards"
+    )
+
+
+@pytest.fixture
+def golden(request: pytest.FixtureRequest) -> Callable[..., None]:
+    """A function that compares a picture with tests/data/<name>.png, as in `golden(image, "debug_draw/pendulum")`.
+
+    A full path does as well as a name. `share` is the share of pixels that may differ.
+    """
+
+    def compare(image: Image.Image, name: str, share: float = SHARE) -> None:
+        path = DATA / f"{name}.png"
+        if request.config.getoption("--regenerate-golden"):
+            path.parent.mkdir(parents=True, exist_ok=True)
+            image.save(path, optimize=True)
+        with Image.open(path) as expected:
+            assert (image.mode, image.size) == (expected.mode, expected.size)
+            off = np.abs(np.asarray(image).astype(int) - np.asarray(expected).astype(int)) > LEVELS
+        found = float(np.mean(off.any(axis=-1) if off.ndim == 3 else off))
+        assert found <= share, f"{found:.2%} of the pixels are not those of {path}; see pytest --regenerate-golden"
+
+    return compare
 
 
 @pytest.fixture(scope="session")

@@ -7,10 +7,12 @@ import shlex
 from pathlib import Path
 
 import pytest
+from PIL import Image
 
 from pymunk_dragon.cli import main
 
-README = (Path(__file__).parent.parent / "README.md").read_text(encoding="utf-8")
+ROOT = Path(__file__).parent.parent
+README = (ROOT / "README.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"```(\w+)\n(.*?)```", README, re.DOTALL)
 SNIPPETS = [text for language, text in BLOCKS if language == "python"]
 COMMANDS = [
@@ -22,15 +24,21 @@ COMMANDS = [
 ]
 
 
-def test_snippets_run_and_print_what_they_say(tmp_path, monkeypatch, capsys):
+# A pile falls otherwise where doubles are rounded otherwise; most of the picture stays as it is.
+PILE_SHARE = 0.3
+
+
+def test_snippets_run_and_print_what_they_say(tmp_path, monkeypatch, capsys, golden):
     monkeypatch.chdir(tmp_path)
-    (snippet,) = SNIPPETS
-    exec(compile(snippet, "README.md", "exec"), {})
+    for snippet in SNIPPETS:
+        exec(compile(snippet, "README.md", "exec"), {})
     out = capsys.readouterr().out
     assert "[ 5.79920903 -5.77109234]" in out
     assert "benches=(0, 8)" in out
     assert "time=412.4737" in out or "time=412.4736" in out
     assert (tmp_path / "last_seconds.gif").exists()
+    with Image.open(tmp_path / "debug_draw.png") as picture:
+        golden(picture, str(ROOT / "renders" / "debug_draw"), share=PILE_SHARE)
 
 
 def test_commands_run_in_the_order_in_which_they_stand(tmp_path, monkeypatch, capsys):
@@ -45,7 +53,7 @@ def test_commands_run_in_the_order_in_which_they_stand(tmp_path, monkeypatch, ca
 
 
 def test_make_targets_of_the_readme_exist():
-    makefile = (Path(__file__).parent.parent / "Makefile").read_text(encoding="utf-8")
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
     for command in COMMANDS:
         if command.startswith("make "):
             assert re.search(rf"^{shlex.split(command, comments=True)[1]}:", makefile, re.MULTILINE)
