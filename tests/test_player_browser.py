@@ -85,6 +85,8 @@ def ask(page, what):
 
 
 def shown(page, name):
+    # Texts come with the next picture.
+    ask(page, "player.draw()")
     return page.text_content(f"#{name}")
 
 
