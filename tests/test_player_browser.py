@@ -520,7 +520,7 @@ def test_page_is_no_wider_than_the_window_and_every_control_can_be_reached(visit
 def test_help_opens_with_its_key_and_closes_again(visit):
     with visit() as found:
         page = found.page
-        for close in (lambda: page.keyboard.press("Escape"), lambda: page.click("#about button")):
+        for close in (lambda: page.keyboard.press("Escape"), lambda: page.click("#close")):
             page.keyboard.press("?")
             assert page.is_visible("#about")
             # Keys of the player do nothing behind it.
@@ -609,19 +609,23 @@ def test_whole_run_can_be_saved_as_a_table(visit, bumpy):
     np.testing.assert_allclose([float(row["time_s"]) for row in rows[::17]], bumpy.times, rtol=1e-12)
 
 
-def test_page_works_within_a_frame_of_another_one(browser, seed, tmp_path):
+@pytest.mark.parametrize("sandbox", ["", 'sandbox="allow-scripts allow-downloads"'])
+def test_page_works_within_a_frame_of_another_one(browser, seed, tmp_path, sandbox):
     outer = tmp_path / "notebook.html"
-    outer.write_text(
-        f'<!doctype html><title>Notebook</title><iframe width="900" height="600" srcdoc="'
-        f'{escape(player_page(seed))}"></iframe>',
-        encoding="utf-8",
-    )
+    frame = f'<iframe width="900" height="600" {sandbox} srcdoc="{escape(player_page(seed))}"></iframe>'
+    outer.write_text(f"<!doctype html><title>Notebook</title>{frame}", encoding="utf-8")
     with opened(browser, outer.as_uri()) as found:
         frame = found.page.frame_locator("iframe")
         frame.locator("#next").click()
         found.page.wait_for_timeout(700)
         assert frame.locator("#clock").text_content() == "406.85"
-        assert [text for text in found.complaints if "favicon" not in text] == []
+        frame.locator("#help").click()
+        frame.locator("#close").click()
+        assert frame.locator("#about").is_hidden()
+        frame.locator("text=Download").click()
+        with found.page.expect_download():
+            frame.locator("#save-moment").click()
+        assert found.complaints == []
 
 
 def test_benches_that_cross_touch_though_no_corner_is_inside(browser, tmp_path):

@@ -81,8 +81,9 @@ def player_page(run: Run, *, title: str | None = None) -> str:
 
     Notes
     -----
-    The page's `dragon` is a promise of what steers it, so that a lesson that holds it in a frame may say
-    `frame.contentWindow.dragon.then((player) => player.seek(409.8))`. A link does it too: `#t=409.8&follow=head`.
+    The page's `dragon` is a promise of what steers it, so that a lesson with the page in a frame that is not sandboxed
+    may say `frame.contentWindow.dragon.then((player) => player.seek(409.8))`. A link does it too:
+    `#t=409.8&follow=head`.
     """
     if not (title is None or isinstance(title, str)):
         raise ParameterError("title", title, "a text")

@@ -39,6 +39,7 @@ function connectButtons(player) {
     fit: () => player.setFollow("field"),
     follow: () => player.toggleHead(),
     help: () => element("about").showModal(),
+    close: () => element("about").close(),
     "save-moment": () => save([player.time], `dragon_${player.time.toFixed(2)}_s.csv`),
     "save-run": () => save(player.motion.times, "dragon.csv"),
   };
