@@ -73,6 +73,7 @@ bench: $(VENV)/all ## measure the figures that README quotes
 	$(BIN)/python tests/bench/bench_drift.py
 	$(BIN)/python tests/bench/bench_film.py
 	$(BIN)/python tests/bench/bench_collision.py
+	$(BIN)/python tests/bench/bench_player.py
 	$(BIN)/python tests/bench/bench_debug_draw.py
 
 demos: $(VENV)/core ## the lessons: a head that only pulls, and a contact that a scan misses

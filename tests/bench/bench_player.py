@@ -1,0 +1,76 @@
+"""Size of a player's page, and time of its pictures in Chromium: `python tests/bench/bench_player.py [RUN]`.
+
+Without a run, the page plays the exact model's, 223 benches in frames a tenth of a second apart up to the first
+contact. It plays from 300 s on for five seconds, of which the first does not count, in a window of 1280 x 800. The cost
+is what the page's own script takes for a picture; the rate is what came of it with everything that the browser does.
+"""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+from browser import chromium, opened
+
+from pymunk_dragon.march import March
+from pymunk_dragon.player import write_player
+from pymunk_dragon.run import Run
+
+VIEWS = {
+    "whole field": "#t=300",
+    "following the head": "#t=300&follow=head",
+    "whole field, everything shown": "#t=300&show=curve,contacts,handles,velocities,grid,labels",
+    "following the head, everything shown": "#t=300&follow=head&show=curve,contacts,handles,velocities,grid,labels",
+}
+MEASURE = """async () => {
+  const player = await dragon;
+  const request = requestAnimationFrame.bind(window);
+  const costs = [], frames = [];
+  window.requestAnimationFrame = (action) => request((now) => {
+    const begin = performance.now();
+    action(now);
+    costs.push([now, performance.now() - begin]);
+  });
+  player.play();
+  const begin = performance.now();
+  await new Promise((done) => request(function look(now) {
+    frames.push(now);
+    if (now < begin + 5000) request(look);
+    else done();
+  }));
+  player.pause();
+  return {
+    costs: costs.filter(([now]) => now > begin + 1000).map(([, cost]) => cost),
+    frames: frames.filter((now) => now > begin + 1000),
+  };
+}"""
+
+
+def main() -> None:
+    """Print the table."""
+    run = Run.load(sys.argv[1]) if len(sys.argv) == 2 else Run.exact(March(), np.arange(4125) / 10)
+    with tempfile.TemporaryDirectory() as name, chromium() as browser:
+        file = Path(name) / "run.html"
+        begin = time.perf_counter()
+        write_player(run, file)
+        seconds = time.perf_counter() - begin
+        print(f"{len(run.times)} frames: {file.stat().st_size / 1e6:.2f} MB, written in {seconds:.2f} s")
+        with opened(browser, file.as_uri()) as found:
+            shown = found.page.evaluate("dragon.then(() => performance.now())")
+        print(f"shown {shown:.0f} ms after it is opened")
+        print(f"{'':<38}{'ms a picture':>13}{'95 of 100':>11}{'longest':>9}{'a second':>10}")
+        for view, link in VIEWS.items():
+            with opened(browser, file.as_uri() + link) as found:
+                measured = found.page.evaluate(MEASURE)
+            middle, most, longest = np.percentile(measured["costs"], [50, 95, 100])
+            rate = 1000 / np.mean(np.diff(measured["frames"]))
+            print(f"{view:<38}{middle:>13.1f}{most:>11.1f}{longest:>9.1f}{rate:>10.1f}")
+
+
+if __name__ == "__main__":
+    main()
