@@ -374,7 +374,7 @@ def test_every_scenario_option_refuses_what_it_cannot_be(complaint, name, value)
         (["render", "nowhere.npz", "-o", "f.gif"], ["nowhere.npz"]),
         (["render", "-o", "f.gif", "--exact"], ["--exact", "run"]),
         (["render", "-o", "f.gif", "--impulses"], ["show", "impulses", "engine"]),
-        (["render", "-o", "f.gif", "--workers", "0"], ["workers", "0"]),
+        (["render", "-o", "f.gif", "--workers", "-1"], ["workers", "-1"]),
         (["render", "-o", "f.gif", "--title", "x" * 501], ["title", "500"]),
         (["render", "-o", "f.gif", "--fps", "51"], ["fps", "51", "50"]),
         (["render", "-o", "f.gif", "--size", "big"], ["size", "big"]),

@@ -232,8 +232,9 @@ def long_film(path: Path, **options: Any) -> None:
 @in_every_lossless_format
 def test_several_processes_make_the_same_film(tmp_path: Path, ending: str) -> None:
     long_film(tmp_path / f"one{ending}")
-    long_film(tmp_path / f"two{ending}", workers=2)
-    assert (tmp_path / f"one{ending}").read_bytes() == (tmp_path / f"two{ending}").read_bytes()
+    for workers in (1, 2):
+        long_film(tmp_path / f"two{ending}", workers=workers)
+        assert (tmp_path / f"one{ending}").read_bytes() == (tmp_path / f"two{ending}").read_bytes()
 
 
 def test_a_film_by_several_processes_can_be_broken_off(tmp_path: Path) -> None:
@@ -245,7 +246,7 @@ def test_a_film_by_several_processes_can_be_broken_off(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize("workers", [0, -1, 1.5, "two", 1000])
+@pytest.mark.parametrize("workers", [-1, 1.5, "two", 1000])
 def test_a_number_of_processes_that_is_none_is_bad_input(tmp_path: Path, workers: Any) -> None:
     with pytest.raises(ParameterError, match="workers"):
         long_film(tmp_path / "film.gif", workers=workers)

@@ -74,7 +74,7 @@ def marks() -> tuple[Any, ...]:
 @mark_options
 @click.option("--title", metavar="TEXT", help="A line above the picture.")
 @click.option("--caption", metavar="TEXT", help="Lines below the picture.")
-@click.option("--workers", type=int, metavar="N", help="Processes that draw a long film.  [one a core]")
+@click.option("--workers", type=int, metavar="N", help="Other processes that draw a long film.  [all cores but one]")
 @json_option
 @output_option(".gif, .mp4, .apng or .webp; .png for a picture at --until; .html for a player", required=True)
 def render(
@@ -113,7 +113,7 @@ def render(
             def tell(done: int, total: int) -> None:
                 show(done, total, f"frame {done}")
 
-            write_film(sources, destination, film, tell, workers if workers is not None else os.cpu_count() or 1)
+            write_film(sources, destination, film, tell, workers if workers is not None else _spare_cores())
     if as_json:
         print_json({"output": str(destination), "bytes": destination.stat().st_size})
 
@@ -161,6 +161,11 @@ def _last(sources: list[Run | March], since: float) -> float:
     ends = [float(source.times[-1]) if isinstance(source, Run) else source.end for source in sources]
     runs = [end for source, end in zip(sources, ends, strict=True) if isinstance(source, Run)]
     return max(runs) if runs else min(since + MARCH_FILM, ends[0])
+
+
+def _spare_cores() -> int:
+    """Cores beside the one that writes the film."""
+    return (os.cpu_count() or 1) - 1
 
 
 def _size(text: str) -> int | tuple[int, int]:

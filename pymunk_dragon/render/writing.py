@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from contextlib import closing
 from pathlib import Path
 from typing import Any
 
-import imageio.v3 as iio
 import numpy as np
 from numpy.typing import NDArray
 
@@ -16,8 +14,8 @@ from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.files import check_destination, written_in_place
 from pymunk_dragon.march import March
 from pymunk_dragon.render.camera import HEAD_SPAN
-from pymunk_dragon.render.drawing import drawn
 from pymunk_dragon.render.film import Film, shared_window
+from pymunk_dragon.render.filming import expose
 from pymunk_dragon.render.moments import Source, check_marks, moments
 from pymunk_dragon.render.scene import Scene
 from pymunk_dragon.render.sheet import Sheet
@@ -43,7 +41,7 @@ def render(
     path: str | Path,
     *,
     progress: Progress | None = None,
-    workers: int = 1,
+    workers: int = 0,
     **options: Any,
 ) -> None:
     """Write a film: `write_film` with the parameters of `Film` given one by one.
@@ -60,7 +58,7 @@ def write_film(
     path: str | Path,
     film: Film | None = None,
     progress: Progress | None = None,
-    workers: int = 1,
+    workers: int = 0,
 ) -> None:
     """Write a film, frame by frame: it takes no more memory the longer it gets.
 
@@ -77,8 +75,8 @@ def write_film(
     progress : callable, optional
         Told the number of frames done, and of all frames, after each one.
     workers : int
-        Processes that draw. More than one make films of 300 frames and more faster, the same to the byte. As always
-        with processes in Python, a script that asks for them must guard its start: `if __name__ == "__main__":`.
+        Other processes that help with films of 150 frames and more; the film is the same to the byte. As always with
+        processes in Python, a script that asks for them must guard its start with `if __name__ == "__main__":`.
 
     Raises
     ------
@@ -93,22 +91,18 @@ def write_film(
     """
     film = film or Film()
     sources = _sources(source)
-    whole("workers", workers, 1, MAX_WORKERS)
+    whole("workers", workers, 0, MAX_WORKERS)
     destination = check_destination(path, FILM_ENDINGS)
     check_ending(destination, film.fps)
     times = film.times(sources)
     sheet = make_sheet(sources, film, times)
-    frames = zip(*(moments(one, times, film.show) for one in sources), strict=True)
-    pictures = drawn(sheet, frames, len(times), workers)
+    views = zip(*(moments(one, times, film.show) for one in sources), strict=True)
+    told = progress or (lambda done, total: None)
     with (
         written_in_place(destination) as draft,
-        closing(pictures),
         open_stream(draft, sheet.size, film.palette.table, film.fps) as stream,
     ):
-        for done, (picture, end) in enumerate(zip(pictures, film.ends(times), strict=True), start=1):
-            stream.add(picture, end)
-            if progress:
-                progress(done, len(times))
+        expose(stream, sheet, views, film.ends(times).tolist(), workers, lambda done: told(done, len(times)))
 
 
 def write_still(source: Source | Sequence[Source], time: float, path: str | Path, film: Film | None = None) -> None:
@@ -131,6 +125,9 @@ def write_still(source: Source | Sequence[Source], time: float, path: str | Path
 
 def still_png(source: Source | Sequence[Source], time: float, film: Film | None = None) -> bytes:
     """What `write_still` writes."""
+    # It takes longer to load than all the rest, and films do without it.
+    import imageio.v3 as iio
+
     picture: bytes = iio.imwrite("<bytes>", still(source, time, film), extension=".png")
     return picture
 

@@ -2,7 +2,7 @@
 
 The film is 300 frames of 640 x 640 of the seed's 223 benches. Each way runs in a process of its own, in turns, and the
 medians over the rounds are printed: seconds from the first frame to the closed file, imports not counted, and the
-process's peak memory, interpreter and imports included. All ways draw the same polygons with their outlines, the spiral
+process's peak memory and its largest child's, interpreters and imports included. All ways draw the same polygons with their outlines, the spiral
 and the clock; matplotlib has its own anti-aliasing, the others the project's.
 """
 
@@ -59,43 +59,50 @@ def imageio_rgb(run: Run, film: Film, folder: Path) -> None:
     iio.imwrite(folder / "film.gif", stack, duration=1000 / FPS, loop=0)
 
 
-def matplotlib_animation(run: Run, film: Film, folder: Path) -> None:
-    """FuncAnimation and PillowWriter of matplotlib."""
-    from matplotlib.animation import FuncAnimation, PillowWriter
-    from matplotlib.collections import PolyCollection
-    from matplotlib.figure import Figure
+def matplotlib_animation(bare: bool) -> Callable[[Run, Film, Path], None]:
+    """FuncAnimation and PillowWriter of matplotlib: with axes and a title, as they come, or nothing but the picture."""
 
-    times = film.times([run])
-    march, palette = run.march, film.palette
-    figure = Figure(figsize=(SIZE / 100, SIZE / 100), dpi=100, facecolor=palette.background)
-    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
-    axes.set_axis_off()
-    axes.set_aspect("equal")
-    axes.set_xlim(-11.5, 11.5)
-    axes.set_ylim(-11.5, 11.5)
-    tail = march.parameters(0.0)[0, -1]
-    curve = march.curve.point(march.curve.advance(tail, np.linspace(0.0, 0.999 * march.curve.remaining(tail), 5000)))
-    axes.plot(*curve.T, color=palette.curve, linewidth=0.5)
-    colours = [palette.head, *[palette.body] * (march.dragon.benches - 2), palette.tail]
-    benches = PolyCollection([], facecolors=colours, edgecolors=palette.ink, linewidths=0.5)
-    axes.add_collection(benches)
-    clock = axes.text(0.02, 0.95, "", transform=axes.transAxes)
+    def write(run: Run, film: Film, folder: Path) -> None:
+        from matplotlib.animation import FuncAnimation, PillowWriter
+        from matplotlib.collections import PolyCollection
+        from matplotlib.figure import Figure
 
-    def draw(frame: int) -> None:
-        benches.set_verts(march.dragon.outlines(run.poses_at(times[frame])[0]))
-        clock.set_text(f"t = {times[frame]:.2f} s")
+        times = film.times([run])
+        march, palette = run.march, film.palette
+        figure = Figure(figsize=(SIZE / 100, SIZE / 100), dpi=100)
+        axes = figure.add_subplot()
+        axes.set_aspect("equal")
+        axes.set_xlim(-11.5, 11.5)
+        axes.set_ylim(-11.5, 11.5)
+        if bare:
+            axes.set_axis_off()
+            axes.set_position((0.0, 0.0, 1.0, 1.0))
+        tail = march.parameters(0.0)[0, -1]
+        ways = np.linspace(0.0, 0.999 * march.curve.remaining(tail), 5000)
+        axes.plot(*march.curve.point(march.curve.advance(tail, ways)).T, color=palette.curve, linewidth=0.5)
+        colours = [palette.head, *[palette.body] * (march.dragon.benches - 2), palette.tail]
+        benches = PolyCollection([], facecolors=colours, edgecolors=palette.ink, linewidths=0.5)
+        axes.add_collection(benches)
+        clock = axes.text(0.02, 0.95, "", transform=axes.transAxes) if bare else axes.set_title("")
 
-    FuncAnimation(figure, draw, frames=len(times)).save(str(folder / "film.gif"), writer=PillowWriter(fps=FPS))
+        def draw(frame: int) -> None:
+            benches.set_verts(march.dragon.outlines(run.poses_at(times[frame])[0]))
+            clock.set_text(f"t = {times[frame]:.2f} s")
+
+        FuncAnimation(figure, draw, frames=len(times)).save(str(folder / "film.gif"), writer=PillowWriter(fps=FPS))
+
+    return write
 
 
 WAYS: dict[str, Callable[[Run, Film, Path], None]] = {
-    "ours, GIF": ours(".gif", 1),
-    "ours, GIF, drawn by two processes": ours(".gif", 2),
-    "ours, APNG": ours(".apng", 1),
-    "ours, WebP": ours(".webp", 1),
-    "ours, MP4": ours(".mp4", 1),
+    "ours, GIF, in two processes": ours(".gif", 1),
+    "ours, GIF, in one process": ours(".gif", 0),
+    "ours, APNG, in two": ours(".apng", 1),
+    "ours, WebP, in two": ours(".webp", 1),
+    "ours, MP4, beside FFmpeg": ours(".mp4", 0),
     "imageio, a stack of RGB frames, GIF": imageio_rgb,
-    "matplotlib, FuncAnimation and PillowWriter, GIF": matplotlib_animation,
+    "matplotlib, FuncAnimation and PillowWriter, GIF": matplotlib_animation(bare=False),
+    "the same, without axes": matplotlib_animation(bare=True),
 }
 
 
@@ -110,7 +117,7 @@ def measured(way: str, frames: int) -> tuple[float, float, float]:
         WAYS[way](run, film, folder)
         seconds = time.perf_counter() - begin
         size = max(file.stat().st_size for file in folder.iterdir())
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    peak = sum(resource.getrusage(whose).ru_maxrss for whose in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
     return 1000 * seconds / frames, size / 1e6, peak / (1e6 if sys.platform == "darwin" else 1e3)
 
 

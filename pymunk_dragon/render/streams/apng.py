@@ -20,7 +20,7 @@ import numpy as np
 from PIL import Image
 
 from pymunk_dragon.render.palette import TRANSPARENT
-from pymunk_dragon.render.streams.base import Box, PatchStream
+from pymunk_dragon.render.streams.base import Box, Patch, PatchStream, Table
 
 __all__ = ["ApngStream"]
 
@@ -39,26 +39,31 @@ class ApngStream(PatchStream):
     TICKS_PER_SECOND = 1000
     MAX_DELAY = 0xFFFF
 
+    @classmethod
+    def _compressed(cls, pixels: Image.Image, box: Box, table: Table) -> bytes:
+        # Before each row stands its filter: none, since neighbouring indices have nothing to do with each other.
+        return zlib.compress(np.pad(np.asarray(pixels), ((0, 0), (1, 0))).tobytes(), LEVEL)
+
     def _begin(self) -> None:
         self._frames = self._numbered = 0
         self._file.write(b"\x89PNG\r\n\x1a\n")
         self._chunk(b"IHDR", struct.pack(HEADER, *self._size, DEPTH, INDEXED, 0, 0, 0))
         self._counted = self._file.tell()
         self._count()
-        self._chunk(b"PLTE", self._table.tobytes())
+        self._chunk(b"PLTE", self.table.tobytes())
         # Every index up to the transparent one is opaque, and so are those behind it, which need not be named.
         self._chunk(b"tRNS", b"\xff" * TRANSPARENT + b"\x00")
 
-    def _write(self, patch: Image.Image, box: Box, delay: int) -> None:
-        left, top, _, _ = box
-        place = struct.pack(">IIIIHHBB", *patch.size, left, top, delay, self.TICKS_PER_SECOND, KEEP, OVER)
-        self._chunk(b"fcTL", self._number() + place)
-        # Before each row stands its filter: none, since neighbouring indices have nothing to do with each other.
-        data = zlib.compress(np.pad(np.asarray(patch), ((0, 0), (1, 0))).tobytes(), LEVEL)
+    def _write(self, patch: Patch, delay: int) -> None:
+        left, top, right, bottom = patch.box
+        place = right - left, bottom - top, left, top
+        self._chunk(
+            b"fcTL", self._number() + struct.pack(">IIIIHHBB", *place, delay, self.TICKS_PER_SECOND, KEEP, OVER)
+        )
         if self._frames == 0:
-            self._chunk(b"IDAT", data)
+            self._chunk(b"IDAT", patch.data)
         else:
-            self._chunk(b"fdAT", self._number() + data)
+            self._chunk(b"fdAT", self._number() + patch.data)
         self._frames += 1
 
     def _end(self) -> None:

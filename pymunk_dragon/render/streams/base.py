@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from dataclasses import dataclass
 from types import TracebackType
 from typing import BinaryIO, ClassVar, Protocol, Self
 
@@ -12,7 +13,7 @@ from PIL import Image, ImageChops
 
 from pymunk_dragon.render.palette import TRANSPARENT
 
-__all__ = ["Box", "PatchStream", "Stream"]
+__all__ = ["Box", "Patch", "PatchStream", "Stream", "Table"]
 
 Box = tuple[int, int, int, int]
 Table = NDArray[np.uint8]
@@ -37,10 +38,18 @@ class Stream(Protocol):
         ...
 
 
+@dataclass(frozen=True)
+class Patch:
+    """What changes from one frame to the next: pixels in a box, as the container keeps them."""
+
+    box: Box
+    data: bytes
+
+
 class PatchStream(ABC):
     """A film of which only what changes is stored: of each frame the box that changed, and in it the pixels that did.
 
-    A frame like the one before lengthens it. Subclasses write the container.
+    A frame like the one before lengthens it. Subclasses compress the patches and write the container.
 
     Parameters
     ----------
@@ -60,9 +69,9 @@ class PatchStream(ABC):
     def __init__(self, file: BinaryIO, size: tuple[int, int], table: Table) -> None:
         self._file = file
         self._size = size
-        self._table = table
+        self.table = table
         self._shown: Image.Image | None = None
-        self._waiting: tuple[Image.Image, Box] | None = None
+        self._waiting: Patch | None = None
         self._delay = self._now = 0
         self._begin()
 
@@ -78,49 +87,62 @@ class PatchStream(ABC):
 
     def add(self, frame: Image.Image, end: float) -> None:
         """Show `frame`, palette indices (mode L), until `end` s of film. It must not change afterwards."""
+        self.put(self.patch(frame, self._shown, self.table), end)
+        self._shown = frame
+
+    @classmethod
+    def patch(cls, frame: Image.Image, before: Image.Image | None, table: Table) -> Patch | None:
+        """What turns the frame `before` into `frame`, both palette indices (mode L); None where nothing has to."""
+        if before is None:
+            whole = (0, 0, *frame.size)
+            return Patch(whole, cls._compressed(frame, whole, table))
+        changed = ImageChops.difference(frame, before).getbbox()
+        if changed is None:
+            return None
+        left, top, right, bottom = changed
+        box = (left - left % cls.GRID, top - top % cls.GRID, right, bottom)
+        new, old = np.asarray(frame.crop(box)), np.asarray(before.crop(box))
+        still = _long_runs(new == old)
+        pixels = (new & ~still) | (np.uint8(TRANSPARENT) & still)
+        return Patch(box, cls._compressed(Image.fromarray(pixels), box, table))
+
+    def put(self, patch: Patch | None, end: float) -> None:
+        """Show what `patch` makes of the frame before, or the same once more, until `end` s of film."""
         # Times are rounded, not delays: however many frames, the film is as long as it should be.
         then = round(end * self.TICKS_PER_SECOND)
         delay, self._now = then - self._now, then
-        if self._shown is None:
-            self._hold(frame, (0, 0, *frame.size), delay)
-        else:
-            box = self._aligned(ImageChops.difference(frame, self._shown).getbbox())
-            if box:
-                patch, before = (np.asarray(image.crop(box)) for image in (frame, self._shown))
-                still = _long_runs(patch == before)
-                self._hold(Image.fromarray((patch & ~still) | (np.uint8(TRANSPARENT) & still)), box, delay)
-            elif self._delay + delay <= self.MAX_DELAY:
-                self._delay += delay
-            else:
-                self._hold(frame.crop((0, 0, 1, 1)), (0, 0, 1, 1), delay)
-        self._shown = frame
+        if patch is None and self._delay + delay <= self.MAX_DELAY:
+            self._delay += delay
+            return
+        self._flush()
+        self._waiting, self._delay = patch or self._nothing(), delay
+
+    @classmethod
+    @abstractmethod
+    def _compressed(cls, pixels: Image.Image, box: Box, table: Table) -> bytes:
+        """The container's data for `pixels`, palette indices (mode L), over `box`."""
 
     @abstractmethod
     def _begin(self) -> None:
         """Write what comes before the frames."""
 
     @abstractmethod
-    def _write(self, patch: Image.Image, box: Box, delay: int) -> None:
-        """Write one frame: `patch`, palette indices (mode L), over `box`, for `delay` ticks."""
+    def _write(self, patch: Patch, delay: int) -> None:
+        """Write one frame that stays for `delay` ticks."""
 
     @abstractmethod
     def _end(self) -> None:
         """Write what comes after the frames."""
 
-    def _aligned(self, box: Box | None) -> Box | None:
-        if box is None:
-            return None
-        left, top, right, bottom = box
-        return left - left % self.GRID, top - top % self.GRID, right, bottom
-
-    def _hold(self, patch: Image.Image, box: Box, delay: int) -> None:
-        """Write what waits, and let `patch` wait until its whole delay is known."""
-        self._flush()
-        self._waiting, self._delay = (patch, box), delay
+    def _nothing(self) -> Patch:
+        """A patch that changes nothing, for a frame that stays longer than one delay can say."""
+        box = (0, 0, 1, 1)
+        return Patch(box, self._compressed(Image.new("L", (1, 1), TRANSPARENT), box, self.table))
 
     def _flush(self) -> None:
+        """Write what waits until its whole delay is known."""
         if self._waiting is not None:
-            self._write(*self._waiting, self._delay)
+            self._write(self._waiting, self._delay)
             self._waiting = None
 
 

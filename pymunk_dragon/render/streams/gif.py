@@ -21,12 +21,14 @@ import struct
 from PIL import GifImagePlugin, Image
 
 from pymunk_dragon.render.palette import TRANSPARENT
-from pymunk_dragon.render.streams.base import Box, PatchStream
+from pymunk_dragon.render.streams.base import Box, Patch, PatchStream, Table
 
 __all__ = ["GifStream"]
 
 # "Leave the frame in place": the next one is drawn over it.
 KEEP = 1
+# Where the delay stands in what Pillow makes of a frame: a graphic control extension comes first.
+DELAY = slice(4, 6)
 
 
 class GifStream(PatchStream):
@@ -35,14 +37,19 @@ class GifStream(PatchStream):
     TICKS_PER_SECOND = 100
     MAX_DELAY = 0xFFFF
 
+    @classmethod
+    def _compressed(cls, pixels: Image.Image, box: Box, table: Table) -> bytes:
+        return b"".join(GifImagePlugin.getdata(pixels, box[:2], transparency=TRANSPARENT, disposal=KEEP, duration=0))
+
     def _begin(self) -> None:
         # Screen of `size`, a global table of 2^(7 + 1) colours, background 0, square pixels; then "loop for ever".
-        self._file.write(b"GIF89a" + struct.pack("<HHBBB", *self._size, 0xF7, 0, 0) + self._table.tobytes())
+        self._file.write(b"GIF89a" + struct.pack("<HHBBB", *self._size, 0xF7, 0, 0) + self.table.tobytes())
         self._file.write(b"!\xff\x0bNETSCAPE2.0\x03\x01\x00\x00\x00")
 
-    def _write(self, patch: Image.Image, box: Box, delay: int) -> None:
-        options = {"transparency": TRANSPARENT, "disposal": KEEP, "duration": 10 * delay}
-        self._file.writelines(GifImagePlugin.getdata(patch, box[:2], **options))
+    def _write(self, patch: Patch, delay: int) -> None:
+        data = bytearray(patch.data)
+        data[DELAY] = struct.pack("<H", delay)
+        self._file.write(data)
 
     def _end(self) -> None:
         self._file.write(b";")

@@ -20,7 +20,7 @@ from io import BytesIO
 from PIL import Image
 
 from pymunk_dragon.render.palette import TRANSPARENT
-from pymunk_dragon.render.streams.base import Box, PatchStream
+from pymunk_dragon.render.streams.base import Box, Patch, PatchStream, Table
 
 __all__ = ["WebpStream"]
 
@@ -40,6 +40,16 @@ class WebpStream(PatchStream):
     # Places are stored as halves.
     GRID = 2
 
+    @classmethod
+    def _compressed(cls, pixels: Image.Image, box: Box, table: Table) -> bytes:
+        """The chunk of a still WebP that holds the pixels."""
+        coloured = Image.frombuffer("P", pixels.size, pixels.tobytes())
+        coloured.putpalette(table.tobytes())
+        coloured.info["transparency"] = TRANSPARENT
+        file = BytesIO()
+        coloured.convert("RGBA").save(file, "WEBP", lossless=True, method=METHOD, quality=EFFORT)
+        return _chunk_of(file.getvalue(), b"VP8L")
+
     def _begin(self) -> None:
         width, height = self._size
         self._file.write(b"RIFF\x00\x00\x00\x00WEBP")
@@ -47,26 +57,17 @@ class WebpStream(PatchStream):
         # A transparent background, and as many rounds as the viewer likes.
         self._chunk(b"ANIM", struct.pack("<IH", 0, 0))
 
-    def _write(self, patch: Image.Image, box: Box, delay: int) -> None:
-        left, top, _, _ = box
-        width, height = patch.size
+    def _write(self, patch: Patch, delay: int) -> None:
+        left, top, right, bottom = patch.box
+        place = left // self.GRID, top // self.GRID, right - left - 1, bottom - top - 1
         # A last byte of 0 is "blend, and leave the frame in place".
-        head = b"".join(_uint24(n) for n in (left // 2, top // 2, width - 1, height - 1, delay)) + b"\x00"
-        self._chunk(b"ANMF", head + self._compressed(patch))
+        head = b"".join(_uint24(number) for number in (*place, delay)) + b"\x00"
+        self._chunk(b"ANMF", head + patch.data)
 
     def _end(self) -> None:
         length = self._file.tell() - RIFF + 4
         self._file.seek(4)
         self._file.write(struct.pack("<I", length))
-
-    def _compressed(self, patch: Image.Image) -> bytes:
-        """The chunk of a still WebP that holds the pixels."""
-        coloured = Image.frombuffer("P", patch.size, patch.tobytes())
-        coloured.putpalette(self._table.tobytes())
-        coloured.info["transparency"] = TRANSPARENT
-        file = BytesIO()
-        coloured.convert("RGBA").save(file, "WEBP", lossless=True, method=METHOD, quality=EFFORT)
-        return _chunk_of(file.getvalue(), b"VP8L")
 
     def _chunk(self, kind: bytes, data: bytes) -> None:
         # A chunk of an odd length is followed by a zero that the length does not count.
