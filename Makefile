@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 DRAGON := $(BIN)/pymunk-dragon
 
 .DEFAULT_GOAL := help
-.PHONY: help render runs films figures report test lint bench demos clean
+.PHONY: help render runs films figures screenshot report test lint bench demos clean
 # A film or a run that was interrupted is not a film or a run.
 .DELETE_ON_ERROR:
 
@@ -54,6 +54,9 @@ figures: runs
 	set -e; for name in $(STILLS); do $(DRAGON) figure $$name -o renders/figures/$$name.png; done
 	set -e; for name in $(CHARTS); do for ending in png svg; do $(DRAGON) figure $$name -o renders/figures/$$name.$$ending; done; done
 	set -e; for name in $(OF_RUNS); do for ending in png svg; do $(DRAGON) figure $$name renders/march.npz -o renders/figures/$$name.$$ending; done; done
+
+screenshot: $(VENV)/all ## the picture of the player, in Chromium: renders/player.png
+	$(BIN)/python tests/bench/screenshot.py renders/march.html renders/player.png
 
 report: $(VENV)/report ## play on past the first contact and tell what happened: renders/report.html
 	$(DRAGON) simulate --from 400 --until 416 --contacts report -o renders/report.npz

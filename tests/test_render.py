@@ -300,6 +300,13 @@ def test_no_two_bench_colours_look_alike_to_anyone(vision: str) -> None:
     assert distances.min() > 60
 
 
+def test_no_two_bench_colours_look_alike_in_grey() -> None:
+    palette = Palette()
+    names = ("head", "body", "tail", "contact", "background")
+    greys = sorted(float(palette.rgb(name) @ (0.299, 0.587, 0.114)) for name in names)
+    assert np.diff(greys).min() > 255 / 7
+
+
 def test_the_defaults_film_the_seeds_march_in_3_megabytes(tmp_path: Path) -> None:
     render(March(), tmp_path / "march.gif", until=CONTACT_TIME)
     assert (tmp_path / "march.gif").stat().st_size <= 3_000_000

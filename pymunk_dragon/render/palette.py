@@ -76,16 +76,16 @@ class Palette:
 
     Notes
     -----
-    The defaults stay apart for people who cannot tell red from green (Okabe and Ito's reasoning: they differ in
-    lightness or along blue and yellow, not only in hue).
+    The defaults stay apart for people who cannot tell red from green, and printed in grey: the benches' colours differ
+    in lightness by a seventh of the scale and more, not only in hue.
     """
 
     background: str = "#fbf8f1"
     curve: str = "#c6b99f"
-    head: str = "#f0a202"
-    body: str = "#8db4d6"
-    tail: str = "#00796b"
-    contact: str = "#c8102e"
+    head: str = "#ffbf2e"
+    body: str = "#78a6d0"
+    tail: str = "#357e74"
+    contact: str = "#b00d27"
     ink: str = "#27303f"
     motion: str = "#1b7837"
     force: str = "#2b0f54"

@@ -1,9 +1,9 @@
 """Time and memory of a film, beside the usual ways to make one: `python tests/bench/bench_film.py [FRAMES]`.
 
 The film is 300 frames of 640 x 640 of the seed's 223 benches. Each way runs in a process of its own, in turns, and the
-medians over the rounds are printed: seconds from the first frame to the closed file, imports not counted, and the
-process's peak memory and its largest child's, interpreters and imports included. All ways draw the same polygons with their outlines, the spiral
-and the clock; matplotlib has its own anti-aliasing, the others the project's.
+medians over the rounds are printed: the time from the first frame to the closed file, imports not counted, and the
+peak memory of the process and of its largest child, interpreters and imports included. All ways draw the same polygons
+with their outlines, the spiral and the clock; matplotlib has its own anti-aliasing, the others the project's.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from pymunk_dragon.render.moments import moments
 from pymunk_dragon.render.writing import make_sheet
 from pymunk_dragon.run import Run
 
-FRAMES, ROUNDS = 300, 3
+FRAMES, ROUNDS = 300, 5
 SINCE, STEP, SIZE, FPS = 100.0, 0.5, 640, 20
 
 

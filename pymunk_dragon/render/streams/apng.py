@@ -6,8 +6,8 @@ Pillow keeps all frames before it writes the first, and imageio has FFmpeg store
 ============================  ==========  =====
 way                           ms a frame  MB
 ============================  ==========  =====
-this module                   5.6         3.9
-imageio.v3, pyav, apng        27          9.0
+this module                   5.8         3.8
+imageio.v3, pyav, apng        33          9.0
 ============================  ==========  =====
 """
 

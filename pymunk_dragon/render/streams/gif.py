@@ -7,7 +7,7 @@ alone, 300 frames of 640 x 640 with 223 benches (Pillow 13, imageio 2.38, 2 core
 =======================================  ==========  =====  ==================================================
 way                                      ms a frame  MB     memory
 =======================================  ==========  =====  ==================================================
-this module                              3.0         7.4    two frames
+this module                              2.1         7.4    two frames
 imageio.v3.imopen, palette indices       31          10.2   188 MB, grows with the film
 imageio.v3.imopen, RGB                   32          8.9    555 MB, grows with the film
 imageio.v2, GIF-PIL (legacy), RGB        35          10.8   one frame, each with a palette and quantiser of its own
