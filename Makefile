@@ -55,7 +55,7 @@ figures: runs
 	set -e; for name in $(CHARTS); do for ending in png svg; do $(DRAGON) figure $$name -o renders/figures/$$name.$$ending; done; done
 	set -e; for name in $(OF_RUNS); do for ending in png svg; do $(DRAGON) figure $$name renders/march.npz -o renders/figures/$$name.$$ending; done; done
 
-screenshot: $(VENV)/all ## the picture of the player, in Chromium: renders/player.png
+screenshot: films $(VENV)/all ## the picture of the player, in Chromium: renders/player.png
 	$(BIN)/python tests/bench/screenshot.py renders/march.html renders/player.png
 
 report: $(VENV)/report ## play on past the first contact and tell what happened: renders/report.html

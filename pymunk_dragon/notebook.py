@@ -12,7 +12,7 @@ from pymunk_dragon.run import Run
 __all__ = ["as_html", "as_png"]
 
 # Places of handles over all frames up to which a run is played in the notebook, which keeps the page in its file: some
-# 400 kB. That is the last two minutes of the seed's 223 benches, or half an hour of 16.
+# 400 kB. That is the last two minutes of the seed's 223 benches, or twenty minutes of 16.
 MAX_PLACES = 250_000
 # Pixels: height of a player, which is as wide as the notebook, and side of a picture, shown at half of it on screens
 # with two pixels to the point.

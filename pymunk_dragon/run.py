@@ -56,7 +56,8 @@ class Run(Displayed):
         How far each bench's worse hole is from where the exact model has it, m; nan where that has no place for it.
     joint_impulses : ndarray, shape (F, N - 1), or None
         Size of the impulse in each pivot, N s, in the substep that ended at the frame; pivot i joins benches i and
-        i + 1. None where no engine played.
+        i + 1. At a contact that ended the run it is the substep of the contact, blow included. None where no engine
+        played.
     events : ContactLog
         Every collision callback.
     first_contact : Contact or None

@@ -7,6 +7,7 @@ import json
 import os
 import pty
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -22,7 +23,6 @@ from PIL import Image
 from pymunk_dragon.cli import main
 from pymunk_dragon.cli.options import SCENARIO_OPTIONS
 from pymunk_dragon.dragon import Dragon
-from pymunk_dragon.errors import OutputError
 from pymunk_dragon.march import March
 from pymunk_dragon.run import Run
 from pymunk_dragon.scenario import Scenario
@@ -372,6 +372,16 @@ def test_every_scenario_option_refuses_what_it_cannot_be(complaint, name, value)
         (["simulate", "--iterations", "0"], ["iterations", "0"]),
         (["simulate", "--fine", "--iterations", "9"], ["--fine", "--iterations"]),
         (["render", "nowhere.npz", "-o", "f.gif"], ["nowhere.npz"]),
+        (["render", "-o", "f.png", "--from", "5"], ["picture", "--from"]),
+        (["render", "-o", "f.png", "--fps", "20"], ["picture", "--fps"]),
+        (["render", "-o", "f.html", "--speedup", "2"], ["page", "--speedup"]),
+        (["render", "-o", "f.html", "--grid"], ["page", "--grid"]),
+        (["render", "-o", "f.gif", "--title", "\u677f\u51f3\u9f99"], ["title", "lacks", "\u677f"]),
+        (["render", "-o", "f.gif", "--title", "x", "--font", "nowhere.ttf"], ["font", "nowhere.ttf"]),
+        (["figure", "nothing", "-o", "f.png"], ["figure", "nothing", "spiral"]),
+        (["figure", "collision", "-o", "f.svg"], ["f.svg", ".png"]),
+        (["figure", "drift", "-o", "f.png"], ["run", "engine"]),
+        (["figure", "gap"], ["-o"]),
         (["render", "-o", "f.gif", "--exact"], ["--exact", "run"]),
         (["render", "-o", "f.gif", "--impulses"], ["show", "impulses", "engine"]),
         (["render", "-o", "f.gif", "--workers", "-1"], ["workers", "-1"]),
@@ -428,8 +438,7 @@ def test_full_disk_is_exit_code_1_and_leaves_nothing(call, tmp_path, monkeypatch
     monkeypatch.setattr("numpy.savez_compressed", lambda *_, **__: full())
     code, out, err = call("simulate", *SHORT, "-o", tmp_path / "run.npz")
     assert (code, out) == (1, "")
-    assert_says(OutputError("x", "y"), "cannot write")
-    assert_says(Exception(err[:-1]), "No space left on device")
+    assert_says(Exception(err[:-1]), "cannot write", "No space left on device")
     assert os.listdir(tmp_path) == []
 
 
@@ -499,3 +508,103 @@ def test_closed_pipe_is_no_traceback():
     told = subprocess.run(["bash", "-c", command], capture_output=True, text=True)
     assert told.stdout.startswith("     t (s)")
     assert told.stderr == ""
+
+
+# Films by several processes, and by FFmpeg
+
+LONG_FILM = [*PROGRAM, "render", "--until", "400", "--speedup", "0.5", "--size", "640", "--workers", "1"]
+
+
+def members(session):
+    """Numbers of the processes of a session that still run."""
+    found = subprocess.run(["ps", "-s", str(session), "-o", "pid=,stat="], capture_output=True, text=True).stdout
+    return [int(pid) for pid, state in map(str.split, found.splitlines()) if not state.startswith("Z")]
+
+
+def all_gone(session):
+    """Wait a while until no process of a session is left."""
+    for _ in range(100):
+        if not members(session):
+            return True
+        time.sleep(0.1)
+    return False
+
+
+def helper_of(session):
+    """Number of the other process that draws, once there is one."""
+    for _ in range(1000):
+        found = subprocess.run(["pgrep", "-s", str(session), "-f", "spawn_main"], capture_output=True, text=True)
+        if found.stdout:
+            return int(found.stdout.split()[-1])
+        time.sleep(0.01)
+    raise AssertionError("no other process was started")
+
+
+@pytest.fixture
+def filming(tmp_path):
+    """A long film that is being made, in a session of its own and by two processes; and the other one's number."""
+    if shutil.which("pgrep") is None:
+        pytest.skip("no pgrep (Debian's procps) to find the other processes with")
+    with subprocess.Popen(
+        [*LONG_FILM, "-o", str(tmp_path / "film.gif")],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    ) as process:
+        yield process, helper_of(process.pid)
+
+
+# Seconds after the start of the other process, which at first loads what it needs.
+@pytest.mark.parametrize("patience", [0.0, 0.15, 2.0])
+def test_ctrl_c_ends_all_processes_of_a_film_with_one_line(filming, tmp_path, patience):
+    process, _ = filming
+    time.sleep(patience)
+    # A terminal sends it to all of them.
+    os.killpg(process.pid, signal.SIGINT)
+    out, err = process.communicate(timeout=60)
+    assert (process.returncode, out, err.strip()) == (130, "", "pymunk-dragon: interrupted")
+    assert list(tmp_path.iterdir()) == []
+    assert all_gone(process.pid)
+
+
+def test_processes_of_a_film_do_not_outlive_the_one_that_asked_for_them(filming):
+    process, helper = filming
+    time.sleep(2.0)
+    assert helper in members(process.pid)
+    process.kill()
+    process.communicate(timeout=60)
+    assert all_gone(process.pid)
+
+
+def test_a_film_whose_other_process_was_ended_fails_with_one_line(filming, tmp_path):
+    process, helper = filming
+    time.sleep(2.0)
+    os.kill(helper, signal.SIGKILL)
+    out, err = process.communicate(timeout=60)
+    assert (process.returncode, out) == (1, "")
+    assert_says(Exception(err[:-1]), "pymunk-dragon: ", "ended from outside")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_film_takes_no_more_processes_than_have_work(call, tmp_path, monkeypatch):
+    monkeypatch.setattr("os.sched_getaffinity", lambda _: set(range(96)))
+    assert call("render", "-o", tmp_path / "film.gif", "--until", "1", "--size", "64") == (0, "", "")
+
+
+def test_a_video_that_does_not_fit_on_the_disk_leaves_the_old_one(tmp_path):
+    path = tmp_path / "film.mp4"
+    path.write_bytes(b"old")
+    # All of such a short film is written at its very end.
+    command = ["bash", "-c", 'ulimit -f 30; exec "$@"', "-", *PROGRAM, "render", "-o", str(path), "--until", "6"]
+    ended = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    assert (ended.returncode, ended.stdout) == (1, "")
+    assert_says(Exception(ended.stderr[:-1]), "pymunk-dragon: cannot write ")
+    assert path.read_bytes() == b"old"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_video_without_a_usable_ffmpeg_names_the_extra(complaint, tmp_path, monkeypatch):
+    monkeypatch.setattr("imageio_ffmpeg.get_ffmpeg_exe", lambda: str(tmp_path / "nothing"))
+    assert "pymunk-dragon[mp4]" in complaint("render", "-o", tmp_path / "film.mp4")
+    assert list(tmp_path.iterdir()) == []

@@ -13,6 +13,7 @@ from typing import Any
 
 import imageio.v3 as iio
 import imageio_ffmpeg
+import matplotlib
 import numpy as np
 import pytest
 from conftest import assert_says
@@ -297,7 +298,21 @@ def test_headings_say_who_played(run: Run) -> None:
     ]
 
 
-@pytest.mark.parametrize("sources", [[], "run.npz", [1], [MARCH] * 5])
+def test_another_face_has_letters_that_the_usual_one_lacks(run: Run) -> None:
+    face = Path(matplotlib.get_data_path()) / "fonts" / "ttf" / "DejaVuSans.ttf"
+    with pytest.raises(ParameterError, match="lacks 'θ'"):
+        still(run, 4.0, Film(size=200, title="θ"))
+    titled = still(run, 4.0, Film(size=200, title="θ", font=face))
+    assert len(titled) > 200
+
+
+def test_a_word_too_long_for_a_line_goes_on_in_the_next(run: Run) -> None:
+    short, long = (still(run, 4.0, Film(size=200, caption=word)) for word in ("w" * 5, "w" * 60))
+    assert len(long) > len(short)
+    assert np.all(long[200:, -3:] == Film().palette.rgb("background"))
+
+
+@pytest.mark.parametrize("sources", [[], "run.npz", [1], [MARCH] * 5, None])
 def test_what_is_no_run_and_no_march_is_bad_input(tmp_path: Path, sources: Any) -> None:
     with pytest.raises(ParameterError, match="source") as caught:
         render(sources, tmp_path / "film.gif", until=1)
@@ -335,6 +350,13 @@ def test_a_long_caption_takes_as_many_lines_as_it_needs(run: Run) -> None:
         ("headings", {"headings": ("a", None)}),
         ("headings", {"headings": ("one", "too many")}),
         ("show", {"show": ("shadows",)}),
+        ("show", {"show": "grid"}),
+        ("camera", {"camera": "head"}),
+        ("palette", {"palette": "red"}),
+        ("title", {"title": "\u9f99"}),
+        ("headings", {"headings": ("\u9f99",)}),
+        ("font", {"title": "Dragon", "font": "nowhere.ttf"}),
+        ("font", {"title": "Dragon", "font": __file__}),
         ("show", {"show": ("impulses",)}),
     ],
 )

@@ -219,6 +219,42 @@ def test_the_area_of_a_disc_is_in_proportion_to_the_impulse(run: Run) -> None:
     assert areas[0] / areas[1] == pytest.approx(4.0, rel=0.1)
 
 
+def discs_of(source: Any, time: float) -> int:
+    """Pixels of discs in a picture."""
+    film = Film(size=400, camera=Camera(follow="head", span=8.0), gap=False, show=("impulses",))
+    return int(np.all(still(source, time, film) == PALETTE.rgb("force"), axis=-1).sum())
+
+
+def pulling(run: Run, impulse: float) -> Run:
+    return replace(run, joint_impulses=np.full((len(run.times), 15), impulse))
+
+
+def test_discs_are_there_between_two_frames_and_after_the_last() -> None:
+    slow = pulling(Run.exact(MARCH, np.linspace(0, 10, 5)), 2.0)
+    assert discs_of(slow, 2.5) > 100
+    assert discs_of(slow, 3.3) > 100
+    longer = pulling(Run.exact(MARCH, np.linspace(0, 14, 5)), 2.0)
+    assert discs_of([longer, slow], 13.0) > 1.5 * discs_of(longer, 13.0)
+
+
+def test_discs_side_by_side_have_one_scale(run: Run) -> None:
+    film = Film(size=600, camera=Camera(follow="head", span=8.0), gap=False, show=("impulses",))
+    picture = still([pulling(run, 4.0), pulling(run, 1.0)], 5.0, film)
+    forces = np.all(picture == PALETTE.rgb("force"), axis=-1)
+    assert forces[:, :600].sum() / forces[:, -600:].sum() == pytest.approx(4.0, rel=0.15)
+
+
+def test_lines_that_would_meet_are_not_both_written(run: Run) -> None:
+    wide, narrow = (
+        still(pulling(run, 2.0), 5.0, Film(size=size, camera=HEAD, show=("impulses",))) for size in (440, 150)
+    )
+    # The lower right corner is the label's where there is room for it, and else the picture's.
+    label = wide[-8:, -8:].reshape(-1, 3)
+    assert np.all(label == PALETTE.rgb("background"))
+    plain = still(run, 5.0, Film(size=150, camera=HEAD))
+    np.testing.assert_array_equal(narrow[-6:, -6:], plain[-6:, -6:])
+
+
 def test_impulses_between_frames_are_those_of_the_frame_before(run: Run) -> None:
     impulses = np.repeat(np.arange(len(run.times), dtype=float)[:, None], 15, axis=1)
     pulling = replace(run, joint_impulses=impulses)

@@ -37,8 +37,11 @@ MARKS = {
 MARCH_FILM = 60.0
 # m that the head goes between the frames of a march in a player.
 PLAYER_STRIDE = 0.1
-# What a player has of its own, and so does not take.
-OF_FILMS = ("exact", "speedup", "fps", "size", "camera", "span", "hold", "caption", "workers", *MARKS)
+# What pages and stills have no use for.
+OF_FILMS = ("speedup", "fps", "hold", "workers")
+OF_PICTURES = ("exact", "size", "camera", "span", "caption", "font", *MARKS)
+# Processes beside the first one; more have nothing to do but wait for it.
+MOST_WORKERS = 3
 
 
 def mark_options(command: Command) -> Command:
@@ -74,7 +77,10 @@ def marks() -> tuple[Any, ...]:
 @mark_options
 @click.option("--title", metavar="TEXT", help="A line above the picture.")
 @click.option("--caption", metavar="TEXT", help="Lines below the picture.")
-@click.option("--workers", type=int, metavar="N", help="Other processes that draw a long film.  [all cores but one]")
+@click.option("--font", metavar="FILE", help="Face of the type, for what the usual one lacks.")
+@click.option(
+    "--workers", type=int, metavar="N", help="Other processes that draw a long film.  [spare cores, at most 3]"
+)
 @json_option
 @output_option(".gif, .mp4, .apng or .webp; .png for a picture at --until; .html for a player", required=True)
 def render(
@@ -90,6 +96,7 @@ def render(
     **choices: Any,
 ) -> None:
     """Film a run, several side by side, or the exact march where no run is named; or write a page that plays it."""
+    from pymunk_dragon.march import March
     from pymunk_dragon.player import PLAYER_ENDINGS
     from pymunk_dragon.render import FILM_ENDINGS, STILL_ENDINGS, Camera, Film, write_film, write_still
 
@@ -100,13 +107,16 @@ def render(
     if size is not None:
         given["size"] = _size(size)
     sources = _sources(run_files, scenario_file, exact)
-    given.setdefault("until", _last(sources, given.get("since", 0.0)))
-    camera_ = Camera(follow=camera, span=span)  # type: ignore[arg-type]  # Camera checks the word.
-    film = Film(camera=camera_, show=marks(), **given)
+    if isinstance(sources[0], March):
+        given.setdefault("until", min(given.get("since", 0.0) + MARCH_FILM, sources[0].end))
+    view = Camera(follow=camera, span=span)  # type: ignore[arg-type]  # Camera checks the word.
+    film = Film(camera=view, show=marks(), **given)
     if ending in PLAYER_ENDINGS:
+        _refuse("a page", *OF_FILMS, *OF_PICTURES)
         _write_player(sources, destination, given)
     elif ending in STILL_ENDINGS:
-        write_still(sources, given["until"], destination, film)
+        _refuse("a picture", "since", *OF_FILMS)
+        write_still(sources, float(film.times(sources)[-1]), destination, film)
     else:
         with progress("frame") as show:
 
@@ -125,16 +135,11 @@ def _write_player(sources: list[Run | March], path: Path, given: dict[str, Any])
     from pymunk_dragon.player import write_player
     from pymunk_dragon.run import Run
 
-    context = click.get_current_context()
-    for name in OF_FILMS:
-        if context.get_parameter_source(name) is click.core.ParameterSource.COMMANDLINE:
-            raise click.UsageError(f"--{name} is of films: leave it out, or write one")
     if len(sources) > 1:
         raise click.UsageError("a page plays one run: name one, or write a film")
     [source] = sources
     if isinstance(source, Run):
-        if "since" in given or context.get_parameter_source("until") is click.core.ParameterSource.COMMANDLINE:
-            raise click.UsageError("a page plays the whole run: leave out --from and --until")
+        _refuse("a page that plays a whole run", "since", "until")
         run = source
     else:
         since, until = given.get("since", 0.0), given["until"]
@@ -154,18 +159,19 @@ def _sources(run_files: tuple[str, ...], scenario_file: str | None, exact: bool)
     return [*runs, runs[0].march] if exact else [*runs]
 
 
-def _last(sources: list[Run | March], since: float) -> float:
-    """When the last run is over, s; a march ends a minute after `since`, or where its curve does."""
-    from pymunk_dragon.run import Run
-
-    ends = [float(source.times[-1]) if isinstance(source, Run) else source.end for source in sources]
-    runs = [end for source, end in zip(sources, ends, strict=True) if isinstance(source, Run)]
-    return max(runs) if runs else min(since + MARCH_FILM, ends[0])
+def _refuse(what: str, *names: str) -> None:
+    """Complain of options that were given, but have no meaning for `what` is written."""
+    context = click.get_current_context()
+    for name in names:
+        if context.get_parameter_source(name) is click.core.ParameterSource.COMMANDLINE:
+            flag = "from" if name == "since" else name
+            raise click.UsageError(f"{what} has no --{flag}: leave it out, or write a film")
 
 
 def _spare_cores() -> int:
-    """Cores beside the one that writes the film."""
-    return (os.cpu_count() or 1) - 1
+    """Cores beside the one of this process, as far as there is work for them."""
+    usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return min(usable - 1, MOST_WORKERS)
 
 
 def _size(text: str) -> int | tuple[int, int]:

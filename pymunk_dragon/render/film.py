@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -71,6 +72,8 @@ class Film:
         Lines above and below the picture, which grows by as much.
     headings : tuple of str
         What stands above each of several pictures side by side; by default who played it.
+    font : str or Path, optional
+        File of a TrueType or OpenType face, for words that Pillow's own has no letters for, as Chinese ones.
 
     Raises
     ------
@@ -96,6 +99,7 @@ class Film:
     title: str = ""
     caption: str = ""
     headings: tuple[str, ...] = ()
+    font: str | Path | None = None
 
     def __post_init__(self) -> None:
         whole("fps", self.fps, 1, MAX_FPS)
@@ -108,6 +112,12 @@ class Film:
             if getattr(self, name) is not None:
                 finite(name, getattr(self, name), -math.inf, math.inf, "s")
         finite("hold", self.hold, 0.0, MAX_HOLD, "s")
+        for name, kind in (("camera", Camera), ("palette", Palette)):
+            if not isinstance(getattr(self, name), kind):
+                raise ParameterError(name, getattr(self, name), f"a {kind.__name__}")
+        for name in ("show", "headings"):
+            if not isinstance(getattr(self, name), tuple):
+                raise ParameterError(name, getattr(self, name), "a tuple of texts")
         texts: list[tuple[str, object]] = [("title", self.title), ("caption", self.caption)]
         for name, text in texts + [("headings", heading) for heading in self.headings]:
             if not (isinstance(text, str) and len(text) <= MAX_TEXT):

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import os
 import signal
+import threading
 from collections import deque
 from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
-from contextlib import closing
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from itertools import islice
-from multiprocessing import get_context
+from multiprocessing import get_context, parent_process, resource_tracker
+from multiprocessing.connection import wait
 
+from pymunk_dragon.errors import DragonError
 from pymunk_dragon.render.moments import Moment
 from pymunk_dragon.render.sheet import Sheet
 from pymunk_dragon.render.streams import Stream
@@ -80,8 +85,9 @@ def _developed(darkroom: Darkroom, moments: Iterator[View], workers: int) -> Gen
     try:
         while True:
             asked = sum(isinstance(batch, Future) and not batch.done() for batch in coming)
-            for batch in islice(batches, QUEUE * workers - asked):
-                coming.append(pool.submit(_patches, *batch))
+            for batch in islice(batches, max(0, min(QUEUE * workers - asked, AHEAD - len(coming)))):
+                with _interrupts_held():
+                    coming.append(pool.submit(_patches, *batch))
             if not coming:
                 return
             first = coming[0]
@@ -92,6 +98,8 @@ def _developed(darkroom: Darkroom, moments: Iterator[View], workers: int) -> Gen
                     continue
             coming.popleft()
             yield from first.result() if isinstance(first, Future) else first
+    except BrokenProcessPool as error:
+        raise DragonError("a process that drew the film was ended from outside; it can be drawn by one") from error
     finally:
         pool.shutdown(cancel_futures=True)
 
@@ -110,8 +118,33 @@ _darkroom: Darkroom
 def _move_in(darkroom: Darkroom) -> None:
     global _darkroom
     _darkroom = darkroom
-    # Ctrl-C goes to every process of a terminal; the one that asked for the patches tells the others to stop.
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_follow_parent, daemon=True).start()
+
+
+def _follow_parent() -> None:
+    """End when the process ends that asked for the patches, in whatever way it does."""
+    parent = parent_process()
+    assert parent is not None
+    wait([parent.sentinel])
+    os._exit(1)
+
+
+@contextmanager
+def _interrupts_held() -> Iterator[None]:
+    """Let Ctrl-C wait; a process that is started meanwhile will never hear of it.
+
+    A terminal sends it to all processes. The one that asked for the patches tells the others to stop.
+    """
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    # It would let interrupts through when it starts, and it starts before the first process does.
+    resource_tracker.ensure_running()
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _patches(before: View | None, batch: Sequence[View]) -> list[Patch | None]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
@@ -15,7 +15,7 @@ from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.march import March
 from pymunk_dragon.run import Run
 
-__all__ = ["Mark", "Moment", "Source", "Touch", "check_marks", "moments", "window"]
+__all__ = ["Mark", "Moment", "Source", "Touch", "check_marks", "largest_impulse", "moments", "window"]
 
 Array = NDArray[np.float64]
 Vector = tuple[float, float]
@@ -131,8 +131,22 @@ def _handles(run: Run, times: Array) -> Array:
 def _impulses(run: Run, times: Array) -> Array:
     """Impulses (T, N - 1) of the frames before `times`, N s; between two frames nothing is known."""
     assert run.joint_impulses is not None
-    impulses: Array = run.joint_impulses[np.searchsorted(run.times, times, side="right") - 1]
+    impulses: Array = run.joint_impulses[_frames_before(run, times)]
     return impulses
+
+
+def _frames_before(run: Run, times: Array) -> NDArray[np.intp]:
+    return np.searchsorted(run.times, times, side="right") - 1
+
+
+def largest_impulse(sources: Sequence[Source], times: Array) -> float:
+    """The largest joint impulse of all in a film with frames at `times` (F,), N s; 0 where none is known."""
+    largest = 0.0
+    for source in sources:
+        if isinstance(source, Run) and source.joint_impulses is not None:
+            first, last = _frames_before(source, np.clip(times[[0, -1]], *window(source)))
+            largest = max(largest, float(source.joint_impulses[first : last + 1].max()))
+    return largest
 
 
 class _Touches:
@@ -141,7 +155,9 @@ class _Touches:
     def __init__(self, run: Run) -> None:
         self._first = run.first_contact
         self._events = [event for event in run.events if event.points]
-        self._recent = RECENT * run.provenance.get("substep", 0.0)
+        substep = run.provenance.get("substep")
+        # What a file that was changed by hand says may be anything.
+        self._recent = RECENT * substep if isinstance(substep, int | float) else 0.0
         pair = self._first.benches if self._first else None
         ends = (event.time for event in run.events if event.phase == "separate" and event.benches == pair)
         # Only an engine that played on knows when the first contact ended.

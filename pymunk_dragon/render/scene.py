@@ -158,15 +158,20 @@ class Scene:
             draw.ellipse((x - radius, y - radius, x + radius, y + radius), outline=ink, width=BLOCK)
 
     def _write(self, picture: Image.Image, moment: Moment, touching: Contact | None) -> None:
-        put = self._lettering.put
-        put(picture, f"t = {moment.time:.2f} s")
-        put(picture, f"{self.march.speed:.2f} m/s", right=True)
+        left = right = ""
         if touching:
             # Short, to fit into the corner beside a round field.
-            put(picture, "bench {} hits {}".format(*touching.benches), bottom=True)
+            left = "bench {} hits {}".format(*touching.benches)
         elif self.gap and (nearest := smallest_gap(self.march.dragon, moment.poses)):
             bench, gap = nearest
             digits = 1 if gap < SMALL_GAP else 0
-            put(picture, f"gap {1000 * gap:.{digits}f} mm to bench {bench}", bottom=True)
+            left = f"gap {1000 * gap:.{digits}f} mm to bench {bench}"
         if moment.impulses is not None:
-            put(picture, f"joints up to {moment.impulses.max():.2g} N s", right=True, bottom=True)
+            right = f"joints up to {_impulse(float(moment.impulses.max()))} N s"
+        self._lettering.put(picture, f"t = {moment.time:.2f} s", f"{self.march.speed:.2f} m/s")
+        self._lettering.put(picture, left, right, bottom=True)
+
+
+def _impulse(size: float) -> str:
+    """Two digits, or all before the point."""
+    return f"{size:.0f}" if size >= 10 else f"{size:.2g}"

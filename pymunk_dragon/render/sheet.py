@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 
 from PIL import Image
 
@@ -29,7 +30,14 @@ class Sheet:
     headings : sequence of str
         What stands above each of them; none, or one for each scene.
     title, caption : str
-        Lines above and below all; an empty one takes no room. A long caption takes several lines.
+        Lines above and below all; an empty one takes no room, a long one several lines.
+    font : str or Path, optional
+        File of the face of these words.
+
+    Raises
+    ------
+    ParameterError
+        If the face lacks a character, or its file cannot be read.
 
     Attributes
     ----------
@@ -40,25 +48,35 @@ class Sheet:
     """
 
     def __init__(
-        self, scenes: Sequence[Scene], headings: Sequence[str] = (), title: str = "", caption: str = ""
+        self,
+        scenes: Sequence[Scene],
+        headings: Sequence[str] = (),
+        title: str = "",
+        caption: str = "",
+        font: str | Path | None = None,
     ) -> None:
         self.scenes = scenes
         width, height = scenes[0].size
         total = len(scenes) * (width + GUTTER) - GUTTER
-        type_, large = Lettering((width, height)), Lettering((width, height), TITLE)
+        type_ = Lettering((width, height), font=font)
+        large = Lettering((width, height), TITLE, font=font)
+        for name, text in (("title", title), ("caption", caption), *(("headings", heading) for heading in headings)):
+            type_.check(name, text)
         # What stands where: patches of type at their upper left corners.
         lines: list[tuple[Image.Image, int, int]] = []
         top = 0
-        for line in large.wrapped(title, total):
-            lines.append((large.line(line), 0, top))
+        for text in large.wrapped(title, total):
+            lines.append((large.line(text), 0, top))
             top += lines[-1][0].height
         for i, heading in enumerate(headings):
-            lines.append((type_.line(heading), i * (width + GUTTER), top))
+            # One that is too long is cut, and does not run into the next.
+            line = type_.line(heading)
+            lines.append((line.crop((0, 0, min(line.width, width), line.height)), i * (width + GUTTER), top))
         if headings:
             top += type_.line("").height
         self._top, bottom = top, top + height
-        for line in type_.wrapped(caption, total):
-            lines.append((type_.line(line), 0, bottom))
+        for text in type_.wrapped(caption, total):
+            lines.append((type_.line(text), 0, bottom))
             bottom += lines[-1][0].height
         self.size = total, bottom
         self._frame = Image.new("L", self.size, CODES["background"])

@@ -16,7 +16,7 @@ from pymunk_dragon.march import March
 from pymunk_dragon.render.camera import HEAD_SPAN
 from pymunk_dragon.render.film import Film, shared_window
 from pymunk_dragon.render.filming import expose
-from pymunk_dragon.render.moments import Source, check_marks, moments
+from pymunk_dragon.render.moments import Source, check_marks, largest_impulse, moments
 from pymunk_dragon.render.scene import Scene
 from pymunk_dragon.render.sheet import Sheet
 from pymunk_dragon.render.streams import FILM_ENDINGS, check_ending, open_stream
@@ -30,7 +30,7 @@ Progress = Callable[[int, int], None]
 STILL_ENDINGS = (".png",)
 # Side by side; more would be too small to see.
 MAX_PANELS = 4
-# Processes: more than any encoder keeps up with.
+# Processes: more than any machine has that films a dragon.
 MAX_WORKERS = 64
 # Samples of the march from which the field in view is found, and the free border around it as a share.
 FIELD_SAMPLES, FIELD_BORDER = 64, 0.03
@@ -165,6 +165,7 @@ def make_sheet(sources: Sequence[Source], film: Film, times: Array) -> Sheet:
         centre = (float(low[0] + high[0]) / 2, float(low[1] + high[1]) / 2)
         width, height = film.shape
         span = (1 + 2 * FIELD_BORDER) * float(max(high[0] - low[0], (high[1] - low[1]) * width / height))
+    largest = largest_impulse(sources, times)
     scenes = [
         Scene(
             _march(source),
@@ -175,20 +176,23 @@ def make_sheet(sources: Sequence[Source], film: Film, times: Array) -> Sheet:
             contact=source.first_contact if isinstance(source, Run) else None,
             gap=film.shows_gap,
             marks=film.show,
-            largest_impulse=_largest_impulse(source, times),
+            largest_impulse=largest,
         )
         for source in sources
     ]
     headings = film.headings or (tuple(map(_heading, sources)) if len(sources) > 1 else ())
     if headings and len(headings) != len(sources):
         raise ParameterError("headings", headings, f"one for each picture, so {len(sources)}")
-    return Sheet(scenes, headings, film.title, film.caption)
+    return Sheet(scenes, headings, film.title, film.caption, film.font)
 
 
-def _sources(source: Source | Sequence[Source]) -> tuple[Source, ...]:
-    sources = (source,) if isinstance(source, Run | March) else tuple(source)
-    if not 1 <= len(sources) <= MAX_PANELS or not all(isinstance(one, Run | March) for one in sources):
-        raise ParameterError("source", source, f"a Run or a March, or at most {MAX_PANELS} of them")
+def _sources(source: Any) -> tuple[Source, ...]:
+    if isinstance(source, Run | March):
+        return (source,)
+    sources = tuple(source) if isinstance(source, Sequence) else ()
+    if not all(isinstance(one, Run | March) for one in sources) or not 1 <= len(sources) <= MAX_PANELS:
+        kinds = [type(one).__name__ for one in sources] if sources else source
+        raise ParameterError("source", kinds, f"a Run or a March, or a list of at most {MAX_PANELS} of them")
     return sources
 
 
@@ -200,15 +204,13 @@ def _heading(source: Source) -> str:
     """Who played, in a word or two."""
     if isinstance(source, March) or source.provenance.get("player") == "exact":
         return "exact model"
-    guide = source.provenance.get("guide")
-    return "engine" if guide is None else {"none": "engine, no guide"}.get(guide, f"engine, {guide}")
-
-
-def _largest_impulse(source: Source, times: Array) -> float:
-    if isinstance(source, March) or source.joint_impulses is None:
-        return 0.0
-    shown = (source.times >= times[0]) & (source.times <= times[-1])
-    return float(source.joint_impulses[shown].max(initial=0.0))
+    words = ["engine"]
+    guide, contacts = (source.provenance.get(name) for name in ("guide", "contacts"))
+    if guide is not None:
+        words.append("no guide" if guide == "none" else str(guide))
+    if contacts == "resolve":
+        words.append("contacts resolved")
+    return ", ".join(words)
 
 
 def _extent(source: Source, times: Array) -> tuple[Array, Array]:

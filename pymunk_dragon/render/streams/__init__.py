@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.extras import library
 from pymunk_dragon.render.streams.apng import ApngStream
 from pymunk_dragon.render.streams.base import PatchStream, Stream
 from pymunk_dragon.render.streams.gif import GifStream
+from pymunk_dragon.render.streams.mp4 import Mp4Stream, ffmpeg
 from pymunk_dragon.render.streams.webp import WebpStream
 
 __all__ = ["FILM_ENDINGS", "Stream", "check_ending", "open_stream"]
@@ -33,13 +33,13 @@ def check_ending(path: Path, fps: int) -> None:
     ParameterError
         If it is a GIF with so many that browsers would slow it down.
     MissingExtraError
-        If it is an MP4, and FFmpeg is not installed.
+        If it is an MP4, and there is no FFmpeg.
     """
     ending = path.suffix.lower()
     if ending == ".gif" and fps > MAX_GIF_FPS:
         raise ParameterError("fps", fps, f"at most {MAX_GIF_FPS} in a GIF")
     if ending == VIDEO:
-        library("imageio_ffmpeg")
+        ffmpeg()
 
 
 @contextmanager
@@ -47,10 +47,7 @@ def open_stream(path: Path, size: tuple[int, int], table: NDArray[np.uint8], fps
     """A film to add frames to, of `size` in pixels and the colours of `table` (256, 3)."""
     ending = path.suffix.lower()
     if ending == VIDEO:
-        # Loads imageio's older half, which no other film needs.
-        from pymunk_dragon.render.streams.mp4 import Mp4Stream
-
-        with Mp4Stream(path, table, fps) as video:
+        with Mp4Stream(path, size, table, fps) as video:
             yield video
     else:
         with path.open("wb") as file, PATCHED[ending](file, size, table) as stream:
