@@ -99,7 +99,7 @@ def _developed(darkroom: Darkroom, moments: Iterator[View], workers: int) -> Gen
             coming.popleft()
             yield from first.result() if isinstance(first, Future) else first
     except BrokenProcessPool as error:
-        raise DragonError("a process that drew the film was ended from outside; it can be drawn by one") from error
+        raise DragonError("a process that drew the film was ended from outside; 0 workers need none") from error
     finally:
         pool.shutdown(cancel_futures=True)
 
