@@ -78,6 +78,11 @@ class Dragon:
         last = self.handles - 1
         return [*(handle for handle in TABLE_HANDLES if handle < last), last]
 
+    @property
+    def alike(self) -> bool:
+        """Whether all benches but the head are the same."""
+        return True
+
     @cached_property
     def spacings(self) -> Array:
         """Distance between the two holes of each bench, (N,), m."""

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from pymunk_dragon.checks import finite, positive, whole
-from pymunk_dragon.curves import Curve, Spiral
+from pymunk_dragon.curves import Curve, Reversed, Spiral, chain
+from pymunk_dragon.curves.spiral import MAX_TURNS
 from pymunk_dragon.display import Displayed
 from pymunk_dragon.dragon import Dragon, bench_poses
 from pymunk_dragon.errors import ParameterError, UnreachableError
@@ -18,12 +19,14 @@ __all__ = ["March", "States"]
 
 Array = NDArray[np.float64]
 
-# A thousand turns of the contest's pitch are a dance floor of a kilometre; more is a slip of the finger.
-MAX_TURNS = 1000.0
 # Metres per second. Nobody runs faster than 13, and a snail is a thousand times as fast as the slowest.
 MIN_SPEED, MAX_SPEED = 1e-6, 20.0
 # Metres before the start, a day's march. So far out a double still tells places 0.1 nm apart.
 MAX_RETREAT = 1e5
+# The turn of a spiral on which the contest's march begins.
+TURNS = 16.0
+# m from where a curve begins to the last hole of a dragon that is put there: a thousand roundings.
+CLEAR_OF_BEGIN = 1e-9
 
 
 @dataclass(frozen=True)
@@ -34,8 +37,8 @@ class States:
     ----------
     times : ndarray, shape (T,)
         s.
-    parameters : ndarray, shape (T, H)
-        The handles' places on the curve, in the curve's own parameter.
+    places : ndarray, shape (T, H)
+        Places of the handles on the curve, m of arc length.
     positions, velocities : ndarray, shape (T, H, 2)
         m and m/s.
     speeds : ndarray, shape (T, H)
@@ -43,13 +46,13 @@ class States:
     """
 
     times: Array
-    parameters: Array
+    places: Array
     positions: Array
     velocities: Array
     speeds: Array
 
     def __post_init__(self) -> None:
-        for array in (self.times, self.parameters, self.positions, self.velocities, self.speeds):
+        for array in (self.times, self.places, self.positions, self.velocities, self.speeds):
             array.flags.writeable = False
 
     @cached_property
@@ -78,22 +81,27 @@ class March(Displayed):
         What marches.
     curve : Curve
         What it marches on.
-    turns : float
-        Turn of the curve on which handle 0 stands at t = 0; 16 is the contest's (8.8, 0) m.
+    turns : float, optional
+        Turn of a spiral on which handle 0 stands at t = 0; 16, the contest's (8.8, 0) m, if `start` is not given.
+    start : float, optional
+        Place of handle 0 at t = 0, m. By default 0 on a curve other than a spiral that comes from infinity, and the
+        first place at which the whole dragon is on the curve where that has a begin.
     speed : float
         Speed of handle 0, m/s.
 
     Raises
     ------
     ParameterError
-        If `dragon` is no `Dragon` or `curve` no `Curve`, if `turns` is not a number above 0 and at most 1000 or
-        `speed` not one from 1e-6 to 20 m/s, if the curve's turns are no further apart than the benches are
-        wide, or if the curve cannot take the dragon at t = 0.
+        If `dragon` is no `Dragon` or `curve` no `Curve`, if `turns` is not a number above 0 and at most 1000, `start`
+        no place on the curve or `speed` not a number from 1e-6 to 20 m/s, if `turns` are given with a `start` or for
+        a curve without turns, if a spiral's turns are no further apart than the benches are wide, or if the curve
+        cannot take the dragon at t = 0.
     """
 
     dragon: Dragon = field(default_factory=Dragon)
     curve: Curve = field(default_factory=Spiral)
-    turns: float = field(default=16.0, kw_only=True)
+    turns: float | None = field(default=None, kw_only=True)
+    start: float | None = field(default=None, kw_only=True)
     speed: float = field(default=1.0, kw_only=True)
 
     def __post_init__(self) -> None:
@@ -101,24 +109,95 @@ class March(Displayed):
             raise ParameterError("dragon", self.dragon, "a Dragon")
         if not isinstance(self.curve, Curve):
             raise ParameterError("curve", self.curve, "a Curve")
-        object.__setattr__(self, "turns", positive("turns", self.turns, MAX_TURNS, ""))
         object.__setattr__(self, "speed", finite("speed", self.speed, MIN_SPEED, MAX_SPEED, "m/s"))
-        if self.curve.turn_distance <= self.dragon.width:
-            raise ParameterError("pitch", self.curve.turn_distance, f"more than the width, {self.dragon.width:g} m")
+        if isinstance(self.curve, Spiral) and self.curve.pitch <= self.dragon.width:
+            raise ParameterError("pitch", self.curve.pitch, f"more than the width, {self.dragon.width:g} m")
+        self._check_start()
         try:
             self.parameters(0.0)
         except UnreachableError as error:
-            name = "head_spacing" if error.handle == 1 else "body_spacing"
-            bound = f"short enough for the curve at turn {self.turns:g}: handle {error.handle} has no place there"
-            raise ParameterError(name, getattr(self.dragon, name), bound) from error
+            raise self._misfit(error) from error
+
+    def _check_start(self) -> None:
+        """Check `turns` and `start`, of which a march has one or none."""
+        if self.start is not None:
+            if self.turns is not None:
+                raise ParameterError("turns", self.turns, "absent where a start is given")
+            object.__setattr__(self, "start", finite("start", self.start, self.curve.begin, self.curve.end, "m"))
+        elif isinstance(self.curve, Spiral):
+            turns = positive("turns", TURNS if self.turns is None else self.turns, MAX_TURNS, "")
+            object.__setattr__(self, "turns", turns)
+        elif self.turns is not None:
+            raise ParameterError("turns", self.turns, "absent: only a Spiral has turns, other curves have a start")
+
+    def _misfit(self, error: UnreachableError) -> ParameterError:
+        """What is wrong with a march that has no place for a handle at t = 0."""
+        handle = error.handle
+        if self.start is None and isinstance(self.curve, Spiral):
+            name = "head_spacing" if handle == 1 else "body_spacing"
+            bound = f"short enough for the curve at turn {self.turns:g}: handle {handle} has no place there"
+            return ParameterError(name, getattr(self.dragon, name), bound)
+        bound = f"a place with room for the whole dragon behind it: handle {handle} has none"
+        return ParameterError("start", self.head_start, bound)
+
+    @cached_property
+    def head_start(self) -> float:
+        """Place of handle 0 at t = 0, m.
+
+        Raises
+        ------
+        ParameterError
+            If the curve is too short for the dragon, or turns back within a bench's length.
+        """
+        if self.start is not None:
+            return self.start
+        if isinstance(self.curve, Spiral) and self.turns is not None:
+            return self.curve.at_turn(self.turns)
+        if self.curve.begin == -np.inf:
+            return min(0.0, self.curve.end)
+        # The dragon seen from its tail: its holes follow each other back along the curve travelled the other way.
+        tail = self.curve.begin + CLEAR_OF_BEGIN
+        head = -float(chain(Reversed(self.curve), [-tail], self.dragon.spacings[::-1])[0, -1])
+        if np.isnan(head):
+            length = self.curve.end - self.curve.begin
+            bound = f"one that takes the whole dragon: {length:g} m of it do not, or it turns back within a bench"
+            raise ParameterError("curve", type(self.curve).__name__, bound)
+        return head
 
     @property
     def end(self) -> float:
-        """Time at which handle 0 reaches the end of the curve, s."""
-        return float(self.curve.remaining(self.curve.start(self.turns))) / self.speed
+        """Time at which handle 0 reaches the end of the curve, s; inf where it has none."""
+        return float(self.time(self.curve.end - self.head_start))
+
+    def span(self, since: float = 0.0, until: float | None = None) -> tuple[float, float]:
+        """Places in m between which the whole dragon marches: that of its last handle at `since`, and the curve's end.
+
+        On a curve without end it is that of handle 0 at `until` s, by default at `since`.
+
+        Raises
+        ------
+        UnreachableError
+            If the dragon has no place at `since`.
+        """
+        first, last = self.parameters(since)[0, [-1, 0]].tolist()
+        if np.isfinite(self.curve.end):
+            return first, self.curve.end
+        return first, last if until is None else self.head_start + float(self.way(until))
+
+    def way(self, times: ArrayLike) -> Array:
+        """How far (T,) in m handle 0 has gone since t = 0; negative before."""
+        return self.speed * np.asarray(times, dtype=float)
+
+    def time(self, ways: ArrayLike) -> Array:
+        """When (T,) in s handle 0 has gone so far, in m, since t = 0."""
+        return np.asarray(ways, dtype=float) / self.speed
+
+    def head_speed(self, times: ArrayLike) -> Array:
+        """Speed of handle 0 (T,), m/s."""
+        return np.full(np.shape(times), self.speed)
 
     def parameters(self, times: ArrayLike, handles: int | None = None) -> Array:
-        """Places (T, H) of the first `handles` (all by default) at `times` (T,), in the curve's own parameter.
+        """Places (T, H) of the first `handles` (all by default) at `times` (T,), m of arc length.
 
         Raises
         ------
@@ -146,16 +225,12 @@ class March(Displayed):
         spacings = self.dragon.spacings
         if handles is not None:
             spacings = spacings[: whole("handles", handles, 1, self.dragon.handles) - 1]
-        places = np.empty((t.size, spacings.size + 1))
-        begin, end = self.curve.start(self.turns), self.end
-        # No time after the end makes a difference, and a distance of 1e308 m does not fit into a double; nor does
-        # rounding carry the head past the end before its time.
-        gone = self.speed * np.minimum(t, 2 * end)
-        gone = np.where(t <= end, np.minimum(gone, self.curve.remaining(begin)), gone)
-        places[:, 0] = self.curve.advance(begin, gone)
-        for i, spacing in enumerate(spacings):
-            places[:, i + 1] = self.curve.behind(places[:, i], spacing)
-        return places
+        begin, end = self.head_start, self.end
+        # No time after the end makes a difference, and a way of 1e308 m does not fit into a double; nor does rounding
+        # carry the head past the end before its time.
+        heads = begin + self.way(np.minimum(t, 2 * abs(end)))
+        heads = np.where(t <= end, np.minimum(heads, self.curve.end), np.nan)
+        return chain(self.curve, heads, spacings)
 
     def _checked(self, times: ArrayLike) -> Array:
         """A copy of `times` as an array (T,) in s."""
@@ -163,7 +238,7 @@ class March(Displayed):
             t = np.array(times, dtype=float).ravel()
         except (TypeError, ValueError, OverflowError) as error:
             raise ParameterError("times", times, "finite numbers, s") from error
-        earliest = -MAX_RETREAT / self.speed
+        earliest = float(self.time(-MAX_RETREAT))
         bad = ~(np.isfinite(t) & (t >= earliest))
         if bad.any():
             raise ParameterError("times", t[bad][0].item(), f"finite numbers, at least {earliest:g} s")
@@ -199,17 +274,25 @@ class March(Displayed):
         rear = np.sum(tangents[:, 1:] * along, axis=-1)
         # Signed along the path: a head that has come more than square across its bench pushes it back out.
         rates = np.empty(places.shape)
-        rates[:, 0] = self.speed
-        rates[:, 1:] = self.speed * np.cumprod(front / rear, axis=1)
+        rates[:, 0] = self.head_speed(t)
+        rates[:, 1:] = rates[:, :1] * np.cumprod(front / rear, axis=1)
         return States(t, places, positions, rates[..., None] * tangents, np.abs(rates))
 
     def speeds_by_difference(self, times: ArrayLike, step: float) -> Array:
         """Speeds (T, H) in m/s by the paper's forward difference over `step` s (eq. 15), for comparison.
 
-        The curve parameter's rate of change is approximated by (u(t + step) - u(t)) / step, and the speed is that
-        rate times the arc length per unit of u. The error falls in proportion to `step`.
+        The polar angle's rate of change is approximated by (theta(t + step) - theta(t)) / step, and the speed is that
+        rate times the arc length per radian. The error falls in proportion to `step`.
+
+        Raises
+        ------
+        ParameterError
+            If the curve is no spiral, or `step` not above 0.
         """
         positive("step", step, np.inf, "s")
+        if not isinstance(self.curve, Spiral):
+            raise ParameterError("curve", type(self.curve).__name__, "a Spiral, which has polar angles")
         t = self._checked(times)
-        now, later = self.parameters(t), self.parameters(t + step)
-        return self.curve.stretch(now) * np.abs(later - now) / step
+        now, later = (self.curve.angle(self.parameters(when)) for when in (t, t + step))
+        speeds: Array = self.curve.k * np.hypot(now, 1) * np.abs(later - now) / step
+        return speeds

@@ -327,8 +327,8 @@ def test_benches_stay_within_their_bounds(choice, share, exponent):
         assume(False)
     stretches = Stretches.between(march, times[[0, -1]])
     motion = Motion(march, stretches)
-    left = march.curve.remaining(march.parameters(times))
-    assert np.all(np.abs(left - left[50]) <= motion.ways[0] + 1e-12)
+    gone = march.parameters(times)
+    assert np.all(np.abs(gone - gone[50]) <= motion.ways[0] + 1e-12)
     rows, pairs = motion.candidates(0.0, everyone=True)
     apart, all_pairs = gaps(march, times)
     among = {tuple(pair) for pair in pairs.tolist()}
@@ -349,8 +349,8 @@ def test_bounds_hold_at_the_end_of_a_way_of_many_kilometres():
     for begin, end in ((41461.258312833335, 41468.1838615804), (41468.18332751512, 41468.1838615804)):
         times = np.linspace(begin, end, 41)
         motion = Motion(march, Stretches.between(march, times[[0, -1]]))
-        left = march.curve.remaining(march.parameters(times))
-        assert np.all(np.abs(left - left[20]) <= motion.ways[0])
+        gone = march.parameters(times)
+        assert np.all(np.abs(gone - gone[20]) <= motion.ways[0])
 
 
 def test_bound_falls_short_of_the_smallest_gap_by_the_square_of_the_length(seed_march):

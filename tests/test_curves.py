@@ -8,10 +8,10 @@ import mpmath as mp
 import numpy as np
 import pytest
 from conftest import NO_NUMBERS, assert_says
-from hypothesis import assume, example, given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from pymunk_dragon.curves import Curve, Spiral
+from pymunk_dragon.curves import Curve, Reversed, Spiral, chain, foot
 from pymunk_dragon.errors import ParameterError
 
 PITCH = 0.55
@@ -36,18 +36,34 @@ def first_top(distances):
     return int(falls[0]) if falls.size else distances.size - 1
 
 
+def place(theta):
+    """The place on the spiral at a polar angle, m."""
+    k = PITCH / (2 * np.pi)
+    return -k / 2 * (theta * np.hypot(theta, 1) + np.arcsinh(theta))
+
+
+def behind(theta, chord):
+    """How far back, in rad, the next handle is."""
+    return float(SPIRAL.angle(chain(SPIRAL, [place(theta)], [chord])[0, 1])) - theta
+
+
 def test_spiral_is_a_curve():
     assert isinstance(SPIRAL, Curve)
 
 
 def test_turn_16_is_8_8_m_out():
-    assert SPIRAL.point(SPIRAL.start(16)) == pytest.approx([8.8, 0], abs=1e-12)
+    assert SPIRAL.point(SPIRAL.at_turn(16)) == pytest.approx([8.8, 0], abs=1e-12)
+
+
+def test_the_turning_circle_of_the_contest_is_4_5_m_out():
+    wide = Spiral(pitch=1.7)
+    assert np.linalg.norm(wide.point(wide.at_radius(4.5))) == pytest.approx(4.5, abs=1e-14)
+    assert wide.at_radius(4.5) == pytest.approx(wide.at_turn(4.5 / 1.7), abs=1e-13)
 
 
 def test_neighbouring_turns_are_a_pitch_apart():
-    radii = np.linalg.norm(SPIRAL.point(1.2 + 2 * np.pi * np.arange(20)), axis=-1)
+    radii = np.linalg.norm(SPIRAL.point([SPIRAL.at_turn(0.2 + turn) for turn in range(20)]), axis=-1)
     assert np.diff(radii) == pytest.approx(np.full(19, PITCH))
-    assert SPIRAL.turn_distance == PITCH
 
 
 @pytest.mark.parametrize("value", [*NO_NUMBERS, 1e-9, 1000.001, 1e308], ids=repr)
@@ -58,40 +74,78 @@ def test_impossible_pitch_is_refused(value):
     assert_says(caught.value, "pitch is ", "must be a number from 0.001 to 1000 m")
 
 
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), 10**400, "1", True, None, 1j, [1.0], 1001, -1001], ids=repr)
+def test_impossible_rotation_is_refused(value):
+    with pytest.raises(ParameterError) as caught:
+        Spiral(rotation=value)
+    assert_says(caught.value, "rotation is ", "must be a number from -1000 to 1000 rad")
+
+
+@pytest.mark.parametrize("name", ["mirrored", "outward"])
+def test_a_direction_is_true_or_false(name):
+    with pytest.raises(ParameterError) as caught:
+        Spiral(**{name: 1})
+    assert_says(caught.value, f"{name} is 1, but must be True or False")
+
+
 def test_pitch_of_a_numpy_kind_becomes_a_plain_float():
     assert type(Spiral(pitch=np.float32(0.5)).pitch) is float
     assert Spiral(pitch=np.int64(2)) == Spiral(pitch=2.0)
 
 
-@pytest.mark.parametrize("theta", [0.0, 1e-6, 0.3, 1.0, 10.0, 100.53])
-def test_remaining_length_is_the_integral_of_the_stretch(theta):
-    k = mp.mpf(PITCH) / (2 * mp.pi)
-    length = mp.quad(lambda u: k * mp.sqrt(u * u + 1), mp.linspace(0, theta, 20)) if theta else mp.mpf(0)
-    assert float(SPIRAL.remaining(theta)) == pytest.approx(float(length), rel=1e-14, abs=0)
+SPIRALS = [
+    Spiral(pitch=pitch, rotation=rotation, mirrored=mirrored, outward=outward)
+    for pitch, rotation in ((0.55, 0.0), (1.7, 2.5))
+    for mirrored in (False, True)
+    for outward in (False, True)
+]
 
 
-@given(angles, st.floats(-500, 500))
-@example(0.0, 0.0)
-@example(1e-9, -1e-9)
-def test_advance_travels_exactly_the_distance(theta, distance):
-    assume(distance <= SPIRAL.remaining(theta))
-    there = SPIRAL.advance(theta, distance)
-    assert float(SPIRAL.remaining(theta) - SPIRAL.remaining(there)) == pytest.approx(distance, abs=1e-11)
+@pytest.mark.parametrize("spiral", SPIRALS, ids=repr)
+@pytest.mark.parametrize("theta", [0.0, 1e-6, 0.3, 1.0, 2.3, 2.4, 10.0, 16.63, 100.53, 700.0])
+def test_a_spiral_is_what_its_formula_says_to_1e_12(spiral, theta):
+    with mp.workdps(50):
+        k = mp.mpf(spiral.pitch) / (2 * mp.pi)
+        sign = -1 if spiral.mirrored else 1
+        ahead = 1 if spiral.outward else -1
+        turn = mp.expj(mp.mpf(spiral.rotation))
+        u = mp.mpf(theta)
+        length = k / 2 * (u * mp.sqrt(u * u + 1) + mp.asinh(u))
+        assert mp.almosteq(length, mp.quad(lambda v: k * mp.sqrt(v * v + 1), mp.linspace(0, u, 60)), 1e-15)
+        # The double next to the true place is a place of its own.
+        s = float(ahead * length)
+        u = mp.findroot(lambda v: k / 2 * (v * mp.sqrt(v * v + 1) + mp.asinh(v)) - mp.mpf(ahead * s), u)
+        first = k * (1 + sign * 1j * u) * mp.expj(sign * u) * turn
+        second = k * (sign * 2j - u) * mp.expj(sign * u) * turn
+        point = k * u * mp.expj(sign * u) * turn
+        tangent = ahead * first / abs(first)
+        bend = ahead * mp.im(mp.conj(first) * second) / abs(first) ** 3
+        # A place 20 km out is itself known to a few picometres only.
+        exact = max(1e-12, 2 * np.spacing(abs(s)))
+        assert abs(mp.mpc(*spiral.point(s)) - point) < exact
+        assert abs(mp.mpc(*spiral.tangent(s)) - tangent) < 1e-12
+        assert abs(float(spiral.curvature(s)) - bend) < 1e-12 * abs(bend)
+        assert abs(float(spiral.angle(s)) - u) < 1e-12
+    assert spiral.sharpest(s, 1.01 * s) == pytest.approx(abs(float(bend)), rel=1e-12)
 
 
-@given(angles, st.floats(1e-6, 1e6))
-def test_nothing_lies_beyond_the_centre(theta, excess):
-    assert np.isnan(SPIRAL.advance(theta, SPIRAL.remaining(theta) + excess))
+@pytest.mark.parametrize("spiral", SPIRALS, ids=repr)
+def test_nothing_lies_beyond_the_centre(spiral):
+    beyond = (-1 if spiral.outward else 1) * np.array([1e-300, 1.0, 1e6])
+    for answer in (spiral.point(beyond), spiral.tangent(beyond), spiral.curvature(beyond), spiral.angle(beyond)):
+        assert np.isnan(answer).all()
+    assert spiral.point(0.0).tolist() == [0, 0]
 
 
-@given(angles)
-def test_tangent_and_stretch_are_the_derivative_of_the_point(theta):
-    k = mp.mpf(PITCH) / (2 * mp.pi)
-    with mp.workdps(40):
-        slope = [mp.diff(lambda u, f=f: k * u * f(u), mp.mpf(theta)) for f in (mp.cos, mp.sin)]
-    inward = [-float(part) for part in slope]
-    assert (SPIRAL.tangent(theta) * SPIRAL.stretch(theta)).tolist() == pytest.approx(inward, abs=1e-11)
-    assert np.linalg.norm(SPIRAL.tangent(theta)) == pytest.approx(1, abs=1e-15)
+def test_out_is_the_way_in_travelled_back():
+    back = Reversed(Spiral(outward=True))
+    s = np.linspace(-400, 0, 50)
+    assert back.end == 0
+    assert back.begin == -np.inf
+    assert np.array_equal(back.point(s), SPIRAL.point(s))
+    assert back.tangent(s) == pytest.approx(SPIRAL.tangent(s), abs=1e-15)
+    assert np.array_equal(back.curvature(s), SPIRAL.curvature(s))
+    assert np.array_equal(back.sharpest(s, s - 1), SPIRAL.sharpest(s, s - 1))
 
 
 @given(angles, st.floats(1e-3, 1.5))
@@ -111,16 +165,16 @@ def test_place_behind_is_the_first_intersection_and_none_lies_past_the_first_top
     distances = scanned(theta)
     top = first_top(distances)
     chord = share * distances[top]
-    back = float(SPIRAL.behind(theta, chord)) - theta
+    back = behind(theta, chord)
     # The scan knows the height of the top to a few parts in 1e8.
     if share > 1 + 1e-7:
         assert np.isnan(back)
     if share < 1 - 1e-7:
         assert 0 < back <= 2 * np.pi + 1e-12
-        here, there = SPIRAL.point([theta, theta + back])
-        # A place is stored as an angle, and its last digit times the radius is how well the chord can be kept.
-        resolution = np.spacing(theta + back) * np.linalg.norm(there)
-        assert np.linalg.norm(here - there) == pytest.approx(chord, rel=1e-13, abs=4 * resolution + 1e-15)
+        here, there = SPIRAL.point(chain(SPIRAL, [place(theta)], [chord])[0])
+        # The last digit of a place is how well the chord can be kept.
+        resolution = np.spacing(-place(theta + back))
+        assert np.linalg.norm(here - there) == pytest.approx(chord, rel=1e-13, abs=8 * resolution + 1e-15)
         earlier = distances[: np.searchsorted(SCAN, back - 1e-9)]
         assert np.all(earlier < chord * (1 + 1e-12))
         assert back <= SCAN[top] + 1e-12
@@ -143,35 +197,34 @@ def test_nearest_of_three_intersections_is_taken_close_to_the_centre(theta):
     chord = (distances[top] + distances[valley]) / 2
     crossings = SCAN[1:][np.diff(np.sign(distances - chord)) != 0]
     assert crossings.size == 3
-    assert float(SPIRAL.behind(theta, chord)) - theta == pytest.approx(crossings[0], abs=2e-4)
+    assert behind(theta, chord) == pytest.approx(crossings[0], abs=2e-4)
 
 
-def test_places_behind_keep_shape_and_carry_nan():
-    theta = np.array([[1.0, 50.0, np.nan], [100.0, 0.0, 3.0]])
+def test_a_chain_without_a_place_for_one_handle_has_none_for_those_behind():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        there = SPIRAL.behind(theta, 1.65)
-    assert there.shape == (2, 3)
-    assert np.isnan(there).tolist() == [[True, False, True], [False, True, True]]
-    assert there[1, 0] == SPIRAL.behind(100.0, 1.65)
-    assert SPIRAL.behind(np.empty(0), 1.65).shape == (0,)
+        places = chain(SPIRAL, [place(50.0), np.nan, place(0.5), 1.0], [1.65, 1.65])
+    assert np.isnan(places).tolist() == [[False] * 3, [True] * 3, [False, True, True], [True] * 3]
+    assert chain(SPIRAL, np.empty(0), [1.65]).shape == (0, 2)
 
 
 # From two turns out, where a fifth of a pitch aside is still on the same side of the centre.
-@given(st.floats(4 * np.pi, 300), st.floats(-3, 3), st.floats(-0.2, 0.2))
+@given(st.floats(4 * np.pi, 300), st.floats(-2.7, 2.7), st.floats(-0.2, 0.2))
 def test_foot_of_a_point_beside_the_path_is_on_the_turn_nearest_to_the_guess(theta, off, aside):
-    point = SPIRAL.point(theta)
+    s = place(theta)
+    point = SPIRAL.point(s)
     beside = point + aside * PITCH * point / np.linalg.norm(point)
-    place, foot, tangent = SPIRAL.foot(beside, theta + off)
-    assert float(place) == pytest.approx(theta, abs=1e-12)
-    assert foot == pytest.approx(point, abs=1e-11)
-    assert tangent == pytest.approx(SPIRAL.tangent(theta), abs=1e-11)
+    found, at, tangent = foot(SPIRAL, beside, place(theta + off))
+    assert float(found) == pytest.approx(s, abs=1e-10)
+    assert at == pytest.approx(point, abs=1e-11)
+    assert tangent == pytest.approx(SPIRAL.tangent(s), abs=1e-11)
 
 
 def test_feet_of_many_points_are_those_of_each():
     theta = np.array([[20.0, 31.5, 40.0], [7.0, 8.0, 9.0]])
-    points = 1.01 * SPIRAL.point(theta)
-    together = SPIRAL.foot(points, theta)
+    places = place(theta)
+    points = 1.01 * SPIRAL.point(places)
+    together = foot(SPIRAL, points, places)
     assert [part.shape for part in together] == [(2, 3), (2, 3, 2), (2, 3, 2)]
-    for part, alone in zip(together, SPIRAL.foot(points[1, 2], theta[1, 2]), strict=True):
+    for part, alone in zip(together, foot(SPIRAL, points[1, 2], places[1, 2]), strict=True):
         assert np.array_equal(part[1, 2], alone)

@@ -166,7 +166,7 @@ def test_joints_that_gape_have_their_handle_in_the_middle(run):
 
 def test_curve_is_nowhere_further_off_than_a_tenth_of_a_millimetre():
     march = March()
-    drawn = LineString(curve_points(march, 0.0))
+    drawn = LineString(curve_points(march, 0.0, 1.0))
     tail = march.parameters(0.0)[0, -1]
     curve = march.curve.point(np.linspace(tail, 0.0, 5000))
     assert drawn.distance(points(curve)).max() < 1.1e-4
@@ -176,7 +176,7 @@ def test_curve_is_nowhere_further_off_than_a_tenth_of_a_millimetre():
 
 def test_curve_of_a_run_that_starts_early_begins_at_its_tail():
     tail = SMALL.at(-50.0).positions[0, -1]
-    np.testing.assert_allclose(curve_points(SMALL, -50.0)[0], tail, atol=1e-9)
+    np.testing.assert_allclose(curve_points(SMALL, -50.0, 1.0)[0], tail, atol=1e-9)
 
 
 @pytest.mark.parametrize("given_title", [None, MARKUP])

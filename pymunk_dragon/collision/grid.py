@@ -21,6 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from pymunk_dragon.checks import finite, whole
 from pymunk_dragon.collision.outlines import MAX_COORDINATE, checked_outlines, numbers
+from pymunk_dragon.curves import Spiral
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.march import March
 
@@ -29,6 +30,7 @@ __all__ = ["Grid"]
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
+TURN = 2 * np.pi
 # Metres: the range of a spiral's pitch, to which the paper ties the cell.
 MIN_CELL, MAX_CELL = 0.001, 1000.0
 # Cells from the origin, in either direction. At the paper's pitch that is 550 km.
@@ -78,10 +80,16 @@ class Grid:
 
     @classmethod
     def of(cls, march: March) -> Grid:
-        """The paper's grid for `march`: cells as wide as the pitch, and the head starts on the frame's right side."""
-        pitch = march.curve.turn_distance
-        radius = march.turns * pitch
-        return cls(cell=pitch, origin=(-radius, radius))
+        """The grid for `march`: on a spiral the paper's, its cells a pitch wide and the head's start on its right side.
+
+        On other curves the cells are as wide as the longest bench is long, and the origin is the plane's.
+        """
+        curve = march.curve
+        if not isinstance(curve, Spiral):
+            return cls(cell=float(march.dragon.lengths.max()), origin=(0.0, 0.0))
+        turns = march.turns if march.turns is not None else float(curve.angle(march.head_start)) / TURN
+        radius = turns * curve.pitch
+        return cls(cell=curve.pitch, origin=(-radius, radius))
 
     def cell_of(self, points: ArrayLike) -> Indices:
         """Cells (..., 2) as (i, j) of `points` (..., 2) in m; on a grid line the one below it or to its right.

@@ -5,17 +5,21 @@ of time is cleared only by proof: where two benches are in its middle, and how f
 (`motion.py`), leave a gap between them. A stretch that is not cleared is halved, down to a picosecond: conservative
 advancement (B. Mirtich, "Impulse-based Dynamic Simulation of Rigid Body Systems", 1996) on all pairs at once.
 
-Two benches break new ground, and only they have to be watched for long. All benches but the head are alike, and each
-passes where the one before it passed. Once every bench has reached the place where its predecessor stood at the start,
-it repeats with the benches behind it what its predecessor did with those behind that one. From then on a first contact
-is one of the head or of bench 1. (Near the end of a path the head may push holes back. What they do then has been seen
-as well, unless one is pushed back behind its own start: that is assumed not to happen, and not checked.)
+How fast the head goes does not matter: where the dragon is depends on nothing but how far the head has gone. So the
+search goes by that way, and times are only worked out of it in the end.
+
+Where all benches but the head are alike, two of them break new ground, and only they have to be watched for long. Each
+bench passes where the one before it passed, on any curve. Once every bench has reached the place where its predecessor
+stood at the start, it repeats with the benches behind it what its predecessor did with those behind that one. From then
+on a first contact is one of the head or of bench 1. (Near the end of a path the head may push holes back. What they do
+then has been seen as well, unless one is pushed back behind its own start: that is assumed not to happen, and not
+checked.) Where benches differ, all of them are watched to the end.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -45,8 +49,7 @@ SHORT_STRETCH = 0.3
 WINDOW = 128
 # Roundings. So much less than in the middle of a stretch a gap seems to become within it when only rounding changes it.
 BLUR = 4
-# s, and last digits of the time. Shorter stretches are decided by their middle: at walking speed that is as long as
-# positions are exact.
+# m of the head's way, and its last digits. Shorter stretches are decided by their middle: positions are no more exact.
 RESOLUTION, LAST_DIGITS = 1e-12, 4
 # Where so few pairs are left, stretches are halved this often before the next look, which costs NumPy as much for one.
 FEW, HALVINGS = 8, 3
@@ -172,29 +175,44 @@ def first_contact(
         If the dragon has no place at `start`.
     """
     start, until = checked_times(march, start, until)
-    return _Search(march).run(start, until, progress or (lambda cleared, last: None))
+    steady = March(march.dragon, march.curve, start=march.head_start)
+    begin, end = march.way([start, until]).tolist()
+
+    def tell(cleared: float, last: float) -> None:
+        if progress is not None:
+            progress(float(march.time(cleared)), until)
+
+    found = _Search(steady).run(begin, end, tell)
+    # The times that were given stay as they were given.
+    time = {begin: start, end: until}.get(found.time, float(march.time(found.time)))
+    misses = [replace(miss, time=float(march.time(miss.time))) for miss in found.clearances or ()]
+    return replace(found, time=time, clearances=tuple(misses))
 
 
 def checked_times(march: March, start: float, until: float | None) -> tuple[float, float]:
     """Both as floats, `until` by default the end of the curve; a `ParameterError` if the one is not after the other."""
     start = finite("start", start, -np.inf, np.inf, "s")
     until = march.end if until is None else finite("until", until, -np.inf, np.inf, "s")
+    if until == np.inf:
+        raise ParameterError("until", until, "a time, s, on a curve that does not end")
     if until <= start:
         raise ParameterError("until", until, f"later than the start, {start:g} s")
     return start, until
 
 
 class _Search:
-    """What is known so far: the earliest touch, and where gaps are small."""
+    """What is known so far of a march at 1 m/s: the earliest touch, and where gaps are small.
+
+    Its times are the head's ways.
+    """
 
     def __init__(self, march: March) -> None:
         self._march = march
         dragon = march.dragon
         self._near = NEAR * dragon.width
-        # s.
-        self._near_stretch = NEAR_STRETCH * dragon.width / march.speed
-        self._stretch = STRETCH * dragon.spacings.min() / march.speed
-        self._short_stretch = SHORT_STRETCH * dragon.spacings.min() / march.speed
+        self._near_stretch = NEAR_STRETCH * dragon.width
+        self._stretch = STRETCH * dragon.spacings.min()
+        self._short_stretch = SHORT_STRETCH * dragon.spacings.min()
         self._hit, self._pair = np.inf, (0, 0)
         self._looks = self._tests = 0
         # Rows of pair, time, length of the stretch, gap.
@@ -230,13 +248,17 @@ class _Search:
                 yield (1 - shares) * begin + shares * last, everyone
 
     def _familiar(self, start: float, begins: Array, end: float) -> float:
-        """Time by which each bench behind bench 1 has reached the place where the one before it stood at the start."""
+        """Time by which each bench behind bench 1 has reached the place where the one before it stood at the start.
+
+        There is none, and so it is the end, where these benches differ.
+        """
         march = self._march
-        before = march.curve.remaining(begins[0, 1:-2])
+        if not march.dragon.alike:
+            return end
         # A little longer than it takes at the head's speed; where that is too short, a little more.
-        wait = 1.05 * march.dragon.body_spacing / march.speed
+        wait = 1.05 * float(march.dragon.spacings[-1])
         while start + wait < end:
-            if np.all(march.curve.remaining(march.places(start + wait)[0, 2:-1]) <= before):
+            if np.all(march.places(start + wait)[0, 2:-1] >= begins[0, 1:-2]):
                 return start + wait
             wait *= 1.05
         return end
@@ -336,7 +358,7 @@ class _Search:
         parts = [slice(at, at + some) for at in range(0, len(pairs), some)]
         smallest_gaps = [_smallest_gaps(self._march, pairs[part], low[part], high[part]) for part in parts]
         times, gaps = np.concatenate(smallest_gaps, axis=1)
-        margin = np.maximum(NEAR_END_SHARE * (high - low), NEAR_END / self._march.speed)
+        margin = np.maximum(NEAR_END_SHARE * (high - low), NEAR_END)
         inside = (times > low + margin) & (times < high - margin) & (gaps > 0) & (gaps < self._near)
         found = zip(times[inside].tolist(), pairs[inside].tolist(), gaps[inside].tolist(), strict=True)
         return tuple(Clearance(time=time, benches=(i, j), gap=gap) for time, (i, j), gap in sorted(found))

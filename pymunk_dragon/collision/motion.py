@@ -161,19 +161,14 @@ class Motion:
         self._spacings = march.dragon.spacings[: handles - 1]
         self._points, self._tangents = march.curve.point(stretches.places), march.curve.tangent(stretches.places)
         self.outlines = outlines(bench_poses(self._points), march.dragon.lengths[: handles - 1], march.dragon.width)
-        # However near the end, places come from the arc length at the start, less the way gone.
-        longest = max(march.curve.remaining(stretches.first_places[:, -1]).max(), march.speed * march.end)
+        # However near zero, places come from that of the head at the start and its way.
+        longest = max(np.abs(stretches.first_places[:, [0, -1]]).max(), abs(march.head_start))
         self.rounding = max(ROUNDING, LAST_DIGITS * float(np.spacing(longest)))
-        self._bends = self._sharpest_bends(stretches)
+        # Where all holes go forward, a bench stays between where its rear hole begins and its front hole ends.
+        rears, fronts = stretches.first_places[:, 1:], stretches.last_places[:, :-1]
+        self._bends = march.curve.sharpest(rears - self.rounding, fronts + self.rounding)
         self._front_turns, self._rear_turns = self._turns()
         self.ways, self._rates = self._bounds(stretches)
-
-    def _sharpest_bends(self, stretches: Stretches) -> Array:
-        """Largest curvature (T,) in 1/m of the path under the benches, wherever they may be in the stretch."""
-        curve = self._march.curve
-        # Where holes are pushed back, `_driven_ways` trusts no bound on more than this.
-        back = -(self._march.speed * stretches.lengths + self._spacings.sum())
-        return curve.sharpest(stretches.last_places[:, 0], curve.advance(stretches.places[:, -1], back))
 
     def _turns(self) -> tuple[Complex, Complex]:
         """Turns (T, N), e^(i angle), from each bench to the path at its front and its rear hole."""
@@ -186,30 +181,27 @@ class Motion:
 
         Where all holes go forward they stay between their places at both ends of the stretch.
         """
-        remaining = self._march.curve.remaining
-        middle = remaining(stretches.places)
-        first, last = remaining(stretches.first_places), remaining(stretches.last_places)
-        ways = np.maximum(np.abs(first - middle), np.abs(last - middle)) + self.rounding
-        # The speed is the head's, so its way needs no places.
-        ways[:, 0] = self._march.speed * stretches.lengths / 2 + self.rounding
-        bends = self._bends[:, None]
-        rates = _rates(self._front_turns, self._rear_turns, ways[:, :-1], bends, self._spacings)
+        middle, first, last = stretches.places, stretches.first_places, stretches.last_places
+        ways = np.maximum(middle - first, last - middle) + self.rounding
+        rates = _rates(self._front_turns, self._rear_turns, ways[:, :-1], self._bends, self._spacings)
         doubtful = np.flatnonzero(~rates.forward.all(axis=1))
         if doubtful.size:
-            ways[doubtful] = self._driven_ways(ways[doubtful], doubtful)
-            rates = _rates(self._front_turns, self._rear_turns, ways[:, :-1], bends, self._spacings)
+            ways[doubtful] = self._driven_ways(ways[doubtful], doubtful, middle[doubtful])
+            rates = _rates(self._front_turns, self._rear_turns, ways[:, :-1], self._bends, self._spacings)
         return ways, rates
 
-    def _driven_ways(self, ways: Array, rows: Indices) -> Array:
+    def _driven_ways(self, ways: Array, rows: Indices, places: Array) -> Array:
         """`ways` of stretches in which some hole may be pushed back: at most its lag times that before it."""
         forward = np.ones(rows.size, dtype=bool)
+        # A hole pushed further than this is not followed: no bound is known on how the path bends there.
         longest = ways[:, 0] + self._spacings.sum()
+        reach = longest[:, None] + self.rounding
+        self._bends[rows] = self._march.curve.sharpest(places[:, 1:] - reach, places[:, :-1] + reach)
         for bench, spacing in enumerate(self._spacings):
             front, rear = self._front_turns[rows, bench], self._rear_turns[rows, bench]
-            rates = _rates(front, rear, ways[:, bench], self._bends[rows], spacing)
+            rates = _rates(front, rear, ways[:, bench], self._bends[rows, bench], spacing)
             forward &= rates.forward
             driven = np.where(rates.known, rates.lag * ways[:, bench] + self.rounding, np.inf)
-            # Further than `_sharpest_bends` has looked no bound holds.
             driven = np.where(driven <= longest, driven, np.inf)
             ways[:, bench + 1] = np.where(forward, ways[:, bench + 1], driven)
             if not (forward | (driven < np.inf)).any():
@@ -259,7 +251,7 @@ class Motion:
             speeds = other_lag * seen.speeds + lag * (aside - ahead)
             fastest = other_most * seen.fastest + most
             bends = other_most**2 * seen.bends + other_change * seen.fastest
-            bends += most**2 * self._bends[rows][:, None] + change + 2 * turn * most * fastest
+            bends += most**2 * self._bends[rows, own][:, None] + change + 2 * turn * most * fastest
             bends += (most**2 * (turn_change + turn**2) + change * turn) * (np.hypot(*arms.T).T + way * fastest)
             gaps = seen.heights - _dot(self.outlines[rows, own], normals).max(axis=1, keepdims=True)
             gaps = (gaps - np.abs(speeds) * way - bends * way**2 / 2).min(axis=1) - self.rounding
@@ -299,7 +291,7 @@ class Motion:
             heights=_dot(corners, normals),
             speeds=_dot(self._tangents[rows, benches][:, None], normals) + turning,
             fastest=1 + lengths * turn,
-            bends=self._bends[rows][:, None] + lengths * (turn_change + turn**2),
+            bends=self._bends[rows, benches][:, None] + lengths * (turn_change + turn**2),
         )
 
     @cached_property

@@ -7,57 +7,47 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["Curve"]
+__all__ = ["Array", "Curve"]
 
 Array = NDArray[np.float64]
 
 
 @runtime_checkable
 class Curve(Protocol):
-    """A path with a direction of travel.
+    """A smooth path with a direction of travel, by arc length.
 
-    A place on the path is a value of the curve's own parameter ``u``; every method is vectorised over it and returns
-    arrays of the broadcast shape, or that shape + (2,) for points and vectors. Where a place does not exist the
-    answer is nan, never another place.
+    A place on the path is its arc length ``s`` in m, which grows in the direction of travel; where it is zero is the
+    curve's own choice. Every method is vectorised over places and returns arrays of their shape, or that shape + (2,)
+    for points and vectors. Beyond the ends there is no place: the answer is nan.
+
+    Any class with these members is a curve that a dragon can march on.
     """
 
     @property
-    def turn_distance(self) -> float:
-        """Distance between neighbouring turns in m, ``inf`` for a path that never comes back beside itself."""
+    def begin(self) -> float:
+        """Place where the path begins, m; -inf for one that comes from infinity."""
         ...
 
-    def start(self, turns: float) -> float:
-        """Parameter of the place where a march that begins on turn `turns` begins."""
+    @property
+    def end(self) -> float:
+        """Place where the path ends, m; inf for one that goes on for ever."""
         ...
 
-    def remaining(self, u: ArrayLike) -> Array:
-        """Arc length from `u` to the end of the path, m."""
-        ...
-
-    def advance(self, u: ArrayLike, distance: ArrayLike) -> Array:
-        """Place that lies `distance` m of arc length further along (negative: back)."""
-        ...
-
-    def behind(self, u: ArrayLike, chord: float) -> Array:
-        """Nearest place back along the path whose straight distance from `u` is `chord` m."""
-        ...
-
-    def foot(self, points: ArrayLike, near: ArrayLike) -> tuple[Array, Array, Array]:
-        """Place beside each of `points` (..., 2) on the turn nearest to the place `near`, its point and its tangent."""
-        ...
-
-    def point(self, u: ArrayLike) -> Array:
+    def point(self, s: ArrayLike) -> Array:
         """Position (..., 2) in m."""
         ...
 
-    def tangent(self, u: ArrayLike) -> Array:
+    def tangent(self, s: ArrayLike) -> Array:
         """Unit vector (..., 2) in the direction of travel."""
         ...
 
-    def stretch(self, u: ArrayLike) -> Array:
-        """Metres of arc length per unit of `u` (positive)."""
+    def curvature(self, s: ArrayLike) -> Array:
+        """Curvature (...) in 1/m, positive where the path bends to the left."""
         ...
 
-    def sharpest(self, u: ArrayLike, v: ArrayLike) -> Array:
-        """Largest curvature in 1/m, whichever way the path bends, between the places `u` and `v`."""
+    def sharpest(self, s: ArrayLike, other: ArrayLike) -> Array:
+        """Curvature (...) in 1/m that the path nowhere exceeds, to either side, between two places in any order.
+
+        The certificate of a first contact rests on this bound. What lies beyond the ends bends nowhere.
+        """
         ...

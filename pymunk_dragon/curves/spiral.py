@@ -1,100 +1,231 @@
-"""The Archimedean spiral r = k theta, travelled inward and clockwise (paper, eq. 2-13)."""
+"""The Archimedean spiral r = k theta (paper, eq. 2-13), travelled inward or outward."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
-from pymunk_dragon.checks import finite
+from pymunk_dragon.checks import finite, positive
 from pymunk_dragon.curves.base import Array
+from pymunk_dragon.errors import ParameterError
 
 __all__ = ["Spiral"]
+
+Complex = NDArray[np.complex128]
 
 # Metres. A turn wider than this is no dance floor, and no bench fits into a narrower one; the bounds also keep squares
 # of lengths far from the ends of a double.
 MIN_PITCH, MAX_PITCH = 0.001, 1000.0
 TURN = 2 * np.pi
+# A thousand turns of the contest's pitch are a dance floor of a kilometre; more is a slip of the finger.
+MAX_TURNS = 1000.0
 # Newton doubles its digits at every pass and reaches a double's last one in about 6; bisection, its fallback, in 53.
 MAX_PASSES = 80
 # Most benches need 2; what needs more than this is better kept within a bracket.
 FREE_PASSES = 6
 # Share of an angle: after so small a step of Newton's the next one would be below the last digit.
 SETTLED = 1e-10
+# The same for Halley's, which trebles the digits.
+HALLEY_SETTLED = 5e-6
+# Arc length over k / 2 from which the angle is guessed by its asymptotic form; that is right to 2 % there.
+FAR_OUT = 8.0
 
 
 @dataclass(frozen=True, kw_only=True)
 class Spiral:
-    """Archimedean spiral about the origin; its parameter ``u`` is the polar angle theta in rad, which falls on the way.
+    """Archimedean spiral about the origin; places on it are arc lengths from the centre, negative on the way in.
 
     Parameters
     ----------
     pitch : float
         Radial distance between turns, m.
+    rotation : float
+        Angle by which the spiral is turned about the origin, counter-clockwise, rad. At 0 it leaves the centre along
+        the x axis.
+    mirrored : bool
+        Whether it winds clockwise on the way out; the paper's winds clockwise on the way in. It is mirrored in the x
+        axis first and turned then.
+    outward : bool
+        Whether it is travelled from the centre out; the paper's goes in.
 
     Raises
     ------
     ParameterError
-        If `pitch` is not a number from 0.001 to 1000 m.
+        If `pitch` is not a number from 0.001 to 1000 m, or `rotation` not one from -1000 to 1000 rad.
     """
 
     pitch: float = 0.55
+    rotation: float = 0.0
+    mirrored: bool = False
+    outward: bool = False
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "pitch", finite("pitch", self.pitch, MIN_PITCH, MAX_PITCH, "m"))
+        object.__setattr__(self, "rotation", finite("rotation", self.rotation, -1000.0, 1000.0, "rad"))
+        for name in ("mirrored", "outward"):
+            if not isinstance(getattr(self, name), bool):
+                raise ParameterError(name, getattr(self, name), "True or False")
 
     @property
     def k(self) -> float:
         """Metres of radius per radian (eq. 2)."""
-        return self.pitch / (2 * np.pi)
+        return self.pitch / TURN
 
     @property
-    def turn_distance(self) -> float:
-        """Distance between neighbouring turns: the pitch, m."""
-        return self.pitch
+    def begin(self) -> float:
+        """The centre, 0 m, on the way out; on the way in it comes from infinity."""
+        return 0.0 if self.outward else -np.inf
 
-    def start(self, turns: float) -> float:
-        """Polar angle after `turns` whole turns from the centre, rad."""
-        return 2 * np.pi * turns
+    @property
+    def end(self) -> float:
+        """The centre, 0 m, on the way in; on the way out it goes on for ever."""
+        return np.inf if self.outward else 0.0
 
-    def remaining(self, u: ArrayLike) -> Array:
+    def at_turn(self, turns: float) -> float:
+        """Place `turns` turns from the centre, m.
+
+        Raises
+        ------
+        ParameterError
+            If `turns` is not a number above 0 and at most 1000.
+        """
+        return self._at_angle(TURN * positive("turns", turns, MAX_TURNS, ""))
+
+    def at_radius(self, radius: float) -> float:
+        """Place `radius` m from the centre, m.
+
+        Raises
+        ------
+        ParameterError
+            If `radius` is not a number above 0 and at most 1000 pitches.
+        """
+        return self._at_angle(positive("radius", radius, MAX_TURNS * self.pitch, "m") / self.k)
+
+    def angle(self, s: ArrayLike) -> Array:
+        """Polar angle theta in rad, counted from the centre along the winding (eq. 6); nan beyond the centre."""
+        length = self._length(s)
+        # Twice the arc length over k: theta sqrt(theta^2 + 1) + arcsinh theta (eq. 3-5).
+        target = 2 / self.k * np.where(length >= 0, length, 0.0)
+        far = np.maximum(target, FAR_OUT)
+        theta = np.where(target > FAR_OUT, np.sqrt(far - 0.5 * np.log(4 * far) - 0.5), np.minimum(target, FAR_OUT) / 2)
+        for _ in range(MAX_PASSES):
+            rise = np.hypot(theta, 1)
+            newton = (theta + (np.arcsinh(theta) - target) / rise) / 2
+            # Halley's method; the derivative of `rise` is theta / rise.
+            step = newton / (1 - newton * theta / (2 * rise**2))
+            theta = np.maximum(theta - step, 0.0)
+            if np.all(np.abs(step) <= HALLEY_SETTLED * theta + SETTLED):
+                break
+        return np.where(length >= 0, theta, np.nan)
+
+    def point(self, s: ArrayLike) -> Array:
+        """Position (..., 2) in m (eq. 7, 8, 11)."""
+        theta = self.angle(s)
+        return self._placed(self.k * theta * _direction(theta))
+
+    def tangent(self, s: ArrayLike) -> Array:
+        """Unit vector (..., 2) in the direction of travel."""
+        theta = self.angle(s)
+        return self._placed(self._tangent(theta, _direction(theta)))
+
+    def curvature(self, s: ArrayLike) -> Array:
+        """Curvature (...) in 1/m, positive to the left: the paper's spiral bends to the right."""
+        return np.asarray(self._bend(self.angle(s)) * (1 if self.outward != self.mirrored else -1))
+
+    def sharpest(self, s: ArrayLike, other: ArrayLike) -> Array:
+        """Curvature in 1/m of whichever place is further in: it falls on the way out."""
+        nearest = np.maximum(np.minimum(self._length(s), self._length(other)), 0.0)
+        return self._bend(self.angle(nearest if self.outward else -nearest))
+
+    def chain(self, s: ArrayLike, spacings: ArrayLike) -> Array:
+        """Places (T, H) of the handles of heads at `s` (T,), as `curves.chain` finds them, for an inward spiral.
+
+        Everything is done in polar angles, so only the heads' places have to be turned into them (eq. 10, 12, 13).
+        """
+        chords = np.asarray(spacings, dtype=float)
+        theta = np.empty((np.size(s), chords.size + 1))
+        theta[:, 0] = self.angle(s)
+        for i, chord in enumerate(chords.tolist()):
+            theta[:, i + 1] = self._behind(theta[:, i], chord)
+        places = -self._arc(theta)
+        # A head stays where it is, to the last digit.
+        places[:, 0] = np.where(np.isnan(theta[:, 0]), np.nan, s)
+        return places
+
+    def foot(self, points: ArrayLike, near: ArrayLike) -> tuple[Array, Array, Array]:
+        """Place of each of `points` (..., 2) on the turn nearest to the place `near`, its point and its tangent.
+
+        The foot has the bearing of the point, so one division replaces four sines: rails ask for it at every substep.
+        """
+        z = np.ascontiguousarray(points, dtype=float).view(complex)[..., 0]
+        z = self._unplaced(z)
+        bearing = np.arctan2(z.imag, z.real)
+        # Close enough to tell the turn: the angle at `near` to a few hundredths, but for the innermost turn.
+        about = np.sqrt(2 / self.k * np.abs(near))
+        theta = bearing + TURN * np.rint((about - bearing) / TURN)
+        direction = z / np.abs(z)
+        tangents = self._tangent(theta, direction)
+        place = self._arc(theta)
+        return place if self.outward else -place, self._placed(self.k * theta * direction), self._placed(tangents)
+
+    def _length(self, s: ArrayLike) -> Array:
+        """Arc length from the centre, m; negative beyond it."""
+        length = np.asarray(s, dtype=float)
+        return length if self.outward else -length
+
+    def _at_angle(self, theta: float) -> float:
+        length = float(self._arc(np.asarray(theta)))
+        return length if self.outward else -length
+
+    def _arc(self, theta: Array) -> Array:
         """Arc length from the centre, m: the closed form of eq. 3-5."""
-        theta = np.asarray(u, dtype=float)
         length: Array = self.k / 2 * (theta * np.hypot(theta, 1) + np.arcsinh(theta))
         return length
 
-    def advance(self, u: ArrayLike, distance: ArrayLike) -> Array:
-        """Polar angle `distance` m further inward (eq. 6); nan beyond the centre."""
-        s = np.asarray(self.remaining(u) - np.asarray(distance, dtype=float))
-        valid = s >= 0
-        s = np.where(valid, s, 0.0)
-        # Both are upper bounds, and s(theta) is convex: Newton comes down from them without ever passing the root.
-        theta = np.minimum(np.sqrt(2 * s / self.k), s / self.k)
-        for _ in range(MAX_PASSES):
-            step = (self.remaining(theta) - s) / self.stretch(theta)
-            theta = np.maximum(theta - step, 0.0)
-            if np.all(np.abs(step) <= 4 * np.spacing(theta + 1)):
-                break
-        return np.where(valid, theta, np.nan)
+    def _bend(self, theta: Array) -> Array:
+        square = theta**2
+        curvature: Array = (square + 2) / (self.k * (square + 1) ** 1.5)
+        return curvature
 
-    def behind(self, u: ArrayLike, chord: float) -> Array:
-        """Polar angle of the nearest point back along the spiral at straight distance `chord` (eq. 10, 12, 13).
+    def _tangent(self, theta: Array, direction: Complex) -> Complex:
+        """Tangents before the spiral is mirrored and turned, where `direction` points away from the centre."""
+        ahead = np.empty(theta.shape, dtype=complex)
+        ahead.real = (1 if self.outward else -1) / np.hypot(theta, 1)
+        ahead.imag = theta * ahead.real
+        ahead *= direction
+        return ahead
+
+    def _placed(self, vectors: Complex) -> Array:
+        """Vectors (..., 2) of the plane, from those of a spiral that is neither mirrored nor turned."""
+        if self.mirrored:
+            vectors = vectors.conj()
+        if self.rotation:
+            vectors = vectors * np.exp(1j * self.rotation)
+        return vectors[..., None].view(float)
+
+    def _unplaced(self, vectors: Complex) -> Complex:
+        """The way back."""
+        if self.rotation:
+            vectors = vectors * np.exp(-1j * self.rotation)
+        return vectors.conj() if self.mirrored else vectors
+
+    def _behind(self, theta: Array, chord: float) -> Array:
+        """Polar angles of the nearest points back along an inward spiral at straight distance `chord`.
 
         The distance grows along the path up to its first maximum, a little over half a turn back. Up to there the
         nearest intersection is the only one. Further back the bench would lie across the spiral with its end on
         another turn, a place that no motion of the chain leads to: then the answer is nan. So it is where a distance
         that grows all the way round, as it does close to the centre, is still too short after one whole turn.
         """
-        theta = np.asarray(u, dtype=float)
-        flat = theta.ravel()
         reach = (chord / self.k) ** 2
         # The chord of a circle with the radius that the spiral has halfway, to third order.
-        phi = chord / self.stretch(flat + chord / (2 * self.stretch(flat)))
+        phi = chord / (self.k * np.hypot(theta + chord / (2 * self.k * np.hypot(theta, 1)), 1))
         phi += phi**3 / 24
         with np.errstate(all="ignore"):
             for _ in range(FREE_PASSES):
-                value, growth = _squared_distance(phi, flat)
+                value, growth = _squared_distance(phi, theta)
                 step = (value - reach) / growth
                 phi = phi - step
                 settled = np.abs(step) <= SETTLED * phi
@@ -102,53 +233,10 @@ class Spiral:
                     break
             # Every term of the growth is positive up to half a turn back, so what Newton finds there is the only place.
             found = settled & (phi < np.pi)
-        missed = ~(found | np.isnan(flat))
+        missed = ~(found | np.isnan(theta))
         if missed.any():
-            phi[missed] = _first_reached(flat[missed], reach)
-        return (flat + phi).reshape(theta.shape)
-
-    def foot(self, points: ArrayLike, near: ArrayLike) -> tuple[Array, Array, Array]:
-        """Polar angle of each of `points` on the turn nearest to `near`, with the point and tangent there.
-
-        The foot has the bearing of the point, so one division replaces four sines: rails ask for it at every substep.
-        """
-        xy = np.ascontiguousarray(points, dtype=float)
-        z = xy.view(complex)
-        bearing = np.arctan2(z.imag, z.real)
-        turns = np.rint((np.asarray(near, dtype=float)[..., None] - bearing) / TURN)
-        theta = bearing + TURN * turns
-        outward = z / np.abs(z)
-        tangents = np.empty_like(z)
-        tangents.real, tangents.imag = -1.0, -theta
-        tangents *= outward
-        tangents /= np.hypot(theta, 1)
-        outward *= self.k * theta
-        return theta[..., 0], outward.view(float), tangents.view(float)
-
-    def point(self, u: ArrayLike) -> Array:
-        """Position (..., 2) in m (eq. 7, 8, 11)."""
-        theta = np.asarray(u, dtype=float)
-        unit: Array = np.stack([np.cos(theta), np.sin(theta)], axis=-1)
-        return self.k * theta[..., None] * unit
-
-    def tangent(self, u: ArrayLike) -> Array:
-        """Unit vector (..., 2) inward along the spiral."""
-        theta = np.asarray(u, dtype=float)
-        cos, sin = np.cos(theta), np.sin(theta)
-        inward: Array = np.stack([theta * sin - cos, -sin - theta * cos], axis=-1)
-        inward /= np.hypot(theta, 1)[..., None]
-        return inward
-
-    def stretch(self, u: ArrayLike) -> Array:
-        """Metres of arc per radian (eq. 3)."""
-        metres: Array = self.k * np.hypot(u, 1)
-        return metres
-
-    def sharpest(self, u: ArrayLike, v: ArrayLike) -> Array:
-        """Curvature in 1/m of whichever place is further in: it falls on the way out."""
-        square = np.minimum(u, v) ** 2
-        curvature: Array = (square + 2) / (self.k * (square + 1) ** 1.5)
-        return curvature
+            phi[missed] = _first_reached(theta[missed], reach)
+        return theta + phi
 
 
 def _squared_distance(phi: Array, theta: Array) -> tuple[Array, Array]:
@@ -214,3 +302,11 @@ def _least_growth(theta: Array) -> Array:
         falling = 1 + 2 * theta * np.sin(phi) + theta * (theta + phi) * np.cos(phi) < 0
         low, high = np.where(falling, phi, low), np.where(falling, high, phi)
     return low
+
+
+def _direction(theta: Array) -> Complex:
+    """e^(i theta)."""
+    direction = np.empty(theta.shape, dtype=complex)
+    np.cos(theta, out=direction.real)
+    np.sin(theta, out=direction.imag)
+    return direction

@@ -8,6 +8,7 @@ import numpy as np
 import pymunk
 from numpy.typing import NDArray
 
+from pymunk_dragon.curves import foot
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.march import March
 from pymunk_dragon.physics.world import DRAG, Joiner, bench_mass
@@ -71,7 +72,7 @@ class Rails:
         self.carriers = [pymunk.Body(body_type=pymunk.Body.KINEMATIC) for _ in range(1, dragon.benches)]
         self._curve = march.curve
         self._half = dragon.spacings[1:, None] / 2
-        # Places of the rear holes at the start: they tell on which turn each hole is, no more.
+        # Places of the rear holes at the start: they tell on which of the curve's turns each hole is, no more.
         self._places = march.parameters(start)[0, 2:]
         masses = np.array([bench_mass(length, dragon.width) for length in dragon.lengths[1:]])
         lost_speed = march.speed * -np.expm1(-DRAG * march.speed * substep)
@@ -91,7 +92,7 @@ class Rails:
         np.sin(angles, out=headings[:, 1])
         rear_holes = self._half * headings
         np.subtract(poses[1:, :2], rear_holes, out=rear_holes)
-        self._places, feet, tangents = self._curve.foot(rear_holes, self._places)
+        self._places, feet, tangents = foot(self._curve, rear_holes, self._places)
         carriers[:, 0] = feet[:, 0] - PIN_LENGTH * tangents[:, 1]
         carriers[:, 1] = feet[:, 1] + PIN_LENGTH * tangents[:, 0]
         np.multiply(self._pushes, headings, out=forces[1:])

@@ -25,8 +25,6 @@ STEP = 1 / 60_000
 CURVE_ERROR = 1 / 3000
 # Points of the curve: so many to find out how it bends, and at most so many in the page.
 CURVE_SAMPLES, MAX_CURVE_POINTS = 4000, 20_000
-# Share of the curve's length that its last point stays away from the end, where rounding could put it beyond.
-CURVE_END = 1e-12
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,15 +47,15 @@ class PlayerData:
 def player_data(run: Run, impact: Impact | None) -> PlayerData:
     """What the page is told of `run`, of which the exact model says `impact`."""
     dragon = run.march.dragon
-    places = packed(handles(run), STEP * dragon.width)
-    curve = packed(curve_points(run.march, float(run.times[0]))[:, None], STEP * dragon.width)
     begin, end = float(run.times[0]), float(run.times[-1])
+    places = packed(handles(run), STEP * dragon.width)
+    curve = packed(curve_points(run.march, begin, end)[:, None], STEP * dragon.width)
     # The exact model's near misses are none of a dragon that nobody kept on its path.
     on_path = run.provenance.get("guide") != "none"
     misses = (impact and on_path and impact.clearances) or ()
     told = {
         "dragon": asdict(dragon) | {"hole": HOLE_DIAMETER},
-        "grid": _grid(run.march),
+        "grid": asdict(Grid.of(run.march)),
         "times": run.times.tolist(),
         "near": [asdict(miss) for miss in misses if begin <= miss.time <= end],
         "windows": contact_windows(run),
@@ -98,32 +96,24 @@ def _is_possible(window: dict[str, Any], benches: int) -> bool:
     return bool(window["benches"][1] < benches and np.isfinite(window["begin"]) and np.isfinite(end))
 
 
-def curve_points(march: March, start: float) -> Array:
+def curve_points(march: March, start: float, end: float) -> Array:
     """Points (P, 2) in m of the curve from the tail at `start` s, or at 0 s where that is earlier, to its end.
 
-    They stand the closer, the tighter the curve bends.
+    They stand the closer, the tighter the curve bends. A curve without end is left where the head is at `end` s.
     """
     curve = march.curve
-    tail = march.places([min(start, 0.0)])[0, -1]
-    if np.isnan(tail):
-        tail = march.parameters(0.0)[0, -1]
-    length = float(curve.remaining(tail)) * (1 - CURVE_END)
-    along = np.linspace(0.0, length, CURVE_SAMPLES)
-    places = curve.advance(tail, along)
+    since = min(start, 0.0)
+    first, last = march.span(0.0 if np.isnan(march.places(since)).any() else since, end)
+    places = np.linspace(first, last, CURVE_SAMPLES)
     # A chord c of a curve that bends by k is off by k c^2 / 8; this is the number of chords between two samples.
-    chords = np.sqrt(curve.sharpest(places[:-1], places[1:]) / (8 * CURVE_ERROR * march.dragon.width)) * np.diff(along)
+    bend = curve.sharpest(places[:-1], places[1:])
+    chords = np.sqrt(bend / (8 * CURVE_ERROR * march.dragon.width)) * np.diff(places)
     passed = np.concatenate([[0.0], np.cumsum(chords)])
     if passed[-1] == 0:
         # A straight one has nothing to go by, and needs nothing but its ends.
         return curve.point(places[[0, -1]])
     count = int(min(passed[-1] + 2, MAX_CURVE_POINTS))
-    chosen = np.interp(np.linspace(0.0, passed[-1], count), passed, along)
-    return curve.point(curve.advance(tail, chosen))
-
-
-def _grid(march: March) -> dict[str, Any] | None:
-    """The paper's grid; None for a curve that never comes back beside itself."""
-    return asdict(Grid.of(march)) if np.isfinite(march.curve.turn_distance) else None
+    return curve.point(np.interp(np.linspace(0.0, passed[-1], count), passed, places))
 
 
 def _shape(places: Packed) -> dict[str, Any]:

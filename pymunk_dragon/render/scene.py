@@ -111,11 +111,9 @@ class Scene:
 
     def _sampled_curve(self) -> Array:
         """Points of the curve, (P, 2) in m, from the tail at the start to the end of the march."""
-        curve = self.march.curve
-        tail = self.march.parameters(0.0)[0, -1]
-        length = float(curve.remaining(tail))
-        points = min(int(length * self._scale / CURVE_STEP) + 2, MAX_CURVE_POINTS)
-        return curve.point(curve.advance(tail, np.linspace(0.0, length * (1 - 1e-12), points)))
+        first, last = self.march.span()
+        points = min(int((last - first) * self._scale / CURVE_STEP) + 2, MAX_CURVE_POINTS)
+        return self.march.curve.point(np.linspace(first, last, points))
 
     def _drawn_ground(self, view: View) -> Image.Image:
         canvas = Image.new("L", self._drawn_size, CODES["background"])

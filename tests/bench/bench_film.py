@@ -77,9 +77,7 @@ def matplotlib_animation(bare: bool) -> Callable[[Run, Film, Path], None]:
         if bare:
             axes.set_axis_off()
             axes.set_position((0.0, 0.0, 1.0, 1.0))
-        tail = march.parameters(0.0)[0, -1]
-        ways = np.linspace(0.0, 0.999 * march.curve.remaining(tail), 5000)
-        axes.plot(*march.curve.point(march.curve.advance(tail, ways)).T, color=palette.curve, linewidth=0.5)
+        axes.plot(*march.curve.point(np.linspace(*march.span(), 5000)).T, color=palette.curve, linewidth=0.5)
         colours = [palette.head, *[palette.body] * (march.dragon.benches - 2), palette.tail]
         benches = PolyCollection([], facecolors=colours, edgecolors=palette.ink, linewidths=0.5)
         axes.add_collection(benches)

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pymunk_dragon.curves import Spiral
+from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.march import March
 from pymunk_dragon.render.figures.style import (
     BLUE,
@@ -46,25 +48,26 @@ SCALE_BAR = 10.0
 
 def spiral(march: March) -> Figure:
     """The spiral that handle 0 walks (the paper's figure 2)."""
+    if not isinstance(march.curve, Spiral):
+        raise ParameterError("curve", type(march.curve).__name__, "a Spiral, for this figure")
     hit = ending(march)
     step = MINUTE * max(1.0, np.ceil(hit.time / MINUTE / MOST_DOTS))
-    begin = march.curve.start(march.turns)
-    length, gone = float(march.curve.remaining(begin)), march.speed * hit.time
+    length, gone = march.curve.end - march.head_start, float(march.way(hit.time))
     figure = page(
         8.0,
         8.6,
         f"Handle 0 has {length:.1f} m of spiral ahead of it, and gets {gone:.1f} m far",
-        f"{march.turns:g} turns inward and clockwise, {march.curve.turn_distance:g} m apart; a dot every {step:g} s",
+        f"{march.turns:g} turns inward and clockwise, {march.curve.pitch:g} m apart; a dot every {step:g} s",
     )
     axes = panel(figure, 0.8, 0.65, 6.9, 6.9)
     axes.plot(*_way(march, gone, length).T, color=QUIET, lw=1.0, ls=(0, (3, 2)), gid="ahead")
     axes.plot(*_way(march, 0.0, gone).T, color=BLUE, lw=1.8, gid="walked")
     minutes = np.arange(0.0, hit.time, step)
-    dots = march.curve.point(march.curve.advance(begin, march.speed * minutes))
+    dots = march.curve.point(march.head_start + march.way(minutes))
     axes.plot(*dots.T, "o", color=COLOURS.ink, ms=5, gid="minutes")
     for time, dot in zip(minutes, dots, strict=True):
         _note(axes, dot, f"{time:g} s")
-    last = march.curve.point(march.curve.advance(begin, gone))
+    last = march.curve.point(march.head_start + gone)
     axes.plot(*last, "o", color=COLOURS.contact, ms=7, gid="last")
     # In the middle, where the spiral leaves room.
     x, y = (CENTRAL * last).tolist()
@@ -120,7 +123,7 @@ def velocities(march: March) -> Figure:
     )
     axes = panel(figure, 0.8, 0.65, 6.9, 6.9)
     reach = float(np.hypot(*places.T).max())
-    first, last = states.parameters[0, [-1, 0]]
+    first, last = states.places[0, [-1, 0]]
     axes.plot(*_between(march, first, last, WAY_POINTS).T, color=RULE, lw=1.4)
     arrows = ARROW * reach / march.speed * states.velocities[0, handles]
     axes.quiver(
@@ -146,10 +149,7 @@ def velocities(march: March) -> Figure:
 
 def _way(march: March, begin: float, end: float) -> Array:
     """Points (P, 2) in m of the curve from `begin` to `end` m from the start of handle 0."""
-    start = march.curve.start(march.turns)
-    # The very end of a curve may lie a rounding beyond it.
-    first, last = march.curve.advance(start, np.array([begin, end]) * (1 - 1e-12))
-    return _between(march, first, last, WAY_POINTS)
+    return _between(march, march.head_start + begin, march.head_start + end, WAY_POINTS)
 
 
 def _between(march: March, first: float, last: float, points: int) -> Array:

@@ -1,0 +1,184 @@
+"""Where the handles of a chain stand on any curve, and which place on it is beside a point."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from pymunk_dragon.curves.base import Array, Curve
+from pymunk_dragon.curves.spiral import Spiral
+
+__all__ = ["chain", "foot"]
+
+Flags = NDArray[np.bool_]
+
+# Newton needs 3 or 4 passes, and bisection, its fallback within a bracket, 53.
+MAX_PASSES = 80
+# Share of a chord: after so small a step of Newton's the next one would be below the last digit.
+SETTLED = 1e-10
+# A share of a chord that is no step any more: there the straight distance has its maximum.
+SMALLEST_STEP = 1e-9
+# Steps after which a path that bends too sharply to be followed any further has no place.
+MAX_STEPS = 10_000
+# Chords that are looked ahead for the sharpest bend when the growth of a distance is followed.
+LOOK = 0.25
+# m. So close to where a foot was supposed to be, the path bends by less than 1e-12 m from its tangent.
+BESIDE = 1e-6
+# Passes of Newton's method for a foot: from a few millimetres 2 are enough.
+FOOT_PASSES = 8
+
+
+def chain(curve: Curve, s: ArrayLike, spacings: ArrayLike) -> Array:
+    """Places of all handles of chains whose heads stand at `s`.
+
+    Each handle is at the first place back along the path whose straight distance from the handle before is the spacing,
+    never at a later intersection. That distance has to grow all the way: where the path turns back on itself within a
+    bench's length no motion of the chain leads to a place beyond.
+
+    Parameters
+    ----------
+    curve : Curve
+        What they stand on.
+    s : array_like, shape (T,)
+        Places of the heads, m.
+    spacings : array_like, shape (N,)
+        Straight distances between neighbouring handles, m.
+
+    Returns
+    -------
+    ndarray, shape (T, N + 1)
+        Places, m; nan for a handle that has none on the curve, and for all behind it.
+    """
+    if isinstance(curve, Spiral) and not curve.outward:
+        return curve.chain(s, spacings)
+    chords = np.asarray(spacings, dtype=float)
+    places = np.empty((np.size(s), chords.size + 1))
+    places[:, 0] = s
+    fronts = curve.point(places[:, 0])
+    places[np.isnan(fronts[:, 0]), 0] = np.nan
+    for i, chord in enumerate(chords.tolist()):
+        places[:, i + 1], fronts = _behind(curve, places[:, i], fronts, chord)
+    return places
+
+
+def foot(curve: Curve, points: ArrayLike, near: ArrayLike) -> tuple[Array, Array, Array]:
+    """The place beside each of some points, near places that are known.
+
+    Parameters
+    ----------
+    curve : Curve
+        What the points lie close to.
+    points : array_like, shape (..., 2)
+        m.
+    near : array_like, shape (...)
+        Places from which to look, m: the foot is the one that lies nearest along the path.
+
+    Returns
+    -------
+    places : ndarray, shape (...)
+        m.
+    feet, tangents : ndarray, shape (..., 2)
+        The path's points there, and its directions.
+    """
+    if isinstance(curve, Spiral):
+        return curve.foot(points, near)
+    xy = np.asarray(points, dtype=float)
+    places = np.clip(np.array(near, dtype=float), curve.begin, curve.end)
+    for _ in range(FOOT_PASSES):
+        feet, tangents, bend = curve.point(places), curve.tangent(places), curve.curvature(places)
+        offset = xy - feet
+        aside = tangents[..., 0] * offset[..., 1] - tangents[..., 1] * offset[..., 0]
+        step = np.clip(places + _dot(offset, tangents) / (1 - bend * aside), curve.begin, curve.end) - places
+        places += step
+        if np.all(np.abs(step) <= BESIDE):
+            break
+    # The rest of the way along the circle that bends as the path does, to first order.
+    turned = (bend * step)[..., None] * np.stack([-tangents[..., 1], tangents[..., 0]], axis=-1)
+    return places, feet + step[..., None] * tangents, tangents + turned
+
+
+def _behind(curve: Curve, s: Array, fronts: Array, chord: float) -> tuple[Array, Array]:
+    """Nearest places (T,) back along the curve from `s`, at straight distance `chord` from `fronts`, and their points.
+
+    On a path that bends no more than a circle with the chord as its diameter, the distance grows until the way is that
+    circle's half, and the way to the place is no longer than along the circle's arc.
+    """
+    sine = curve.sharpest(s - np.pi / 2 * chord, s) * chord / 2
+    gentle = sine < 1
+    # At least one last digit, so that a straight line has its place in it.
+    longest = np.where(gentle, np.arcsin(np.where(gentle, sine, 0.0)) / np.where(sine > 0, sine, 1.0), 1.0)
+    longest = np.where(sine > 0, longest, 1.0) * chord * (1 + SETTLED)
+    shortest = np.full(s.shape, chord * (1 - SETTLED))
+    sharp = np.flatnonzero(~gentle & ~np.isnan(s))
+    if sharp.size:
+        shortest[sharp], longest[sharp] = _bracket(curve, s[sharp], fronts[sharp], chord)
+    return _reached(curve, s, fronts, chord, shortest, longest)
+
+
+def _reached(curve: Curve, s: Array, fronts: Array, chord: float, low: Array, high: Array) -> tuple[Array, Array]:
+    """Places (T,) back from `s` where the distance from `fronts` becomes `chord`, by Newton, and the points there.
+
+    They are sought between the ways `low` and `high`, within which the distance grows; nan before the curve's begin.
+    """
+    first = s - curve.begin
+    high = np.minimum(high, first)
+    begins = curve.point(np.full(s.shape, curve.begin)) if np.isfinite(curve.begin) else fronts
+    # A place at the very begin is one, rounding or not.
+    lost = np.isnan(low) | (low > first) | ((high == first) & (_distance(fronts, begins) < chord * (1 - SETTLED)))
+    low, high = np.where(lost, np.nan, low), np.where(lost, np.nan, high)
+    way = high.copy()
+    for _ in range(MAX_PASSES):
+        place = np.maximum(s - way, curve.begin)
+        between = fronts - curve.point(place)
+        distance = np.hypot(between[..., 0], between[..., 1])
+        short = distance < chord
+        low, high = np.where(short, way, low), np.where(short, high, way)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            better = way + (chord - distance) * distance / _dot(between, curve.tangent(place))
+        better = np.where((better >= low) & (better <= high), better, (low + high) / 2)
+        step = np.abs(better - way)
+        way = better
+        if not np.any(step > SETTLED * chord):
+            break
+    place = np.maximum(s - way, curve.begin)
+    return place, curve.point(place)
+
+
+def _bracket(curve: Curve, s: Array, fronts: Array, chord: float) -> tuple[Array, Array]:
+    """Ways back, each (T,), between which the distance from `fronts` comes to `chord`, growing all the way from `s` on.
+
+    With the way h the growth g of half the square of the distance d changes by at least 1 - K (d + h) per metre, where
+    the path bends by K at most. So it is safe to go on by h as long as g + h (1 - K (d + h)) is not negative.
+    """
+    before, way = np.zeros(s.shape), np.zeros(s.shape)
+    distance, growth = np.zeros(s.shape), np.zeros(s.shape)
+    rows = np.arange(s.size)
+    for _ in range(MAX_STEPS):
+        at, look = way[rows], LOOK * chord
+        bend = np.maximum(curve.sharpest(s[rows] - at, s[rows] - at - look), SMALLEST_STEP / chord)
+        slope = 1 - bend * distance[rows]
+        # The positive root, without cancellation.
+        total = np.abs(slope) + np.sqrt(slope**2 + 4 * bend * growth[rows])
+        step = np.minimum(np.where(slope > 0, total / (2 * bend), 2 * growth[rows] / total), look)
+        before[rows], way[rows] = at, at + step
+        points, tangents = curve.point(s[rows] - way[rows]), curve.tangent(s[rows] - way[rows])
+        between = fronts[rows] - points
+        distance[rows], growth[rows] = np.hypot(between[..., 0], between[..., 1]), _dot(between, tangents)
+        beyond = np.isnan(distance[rows]) | (distance[rows] >= chord)
+        stuck = ~beyond & (step < SMALLEST_STEP * chord)
+        before[rows[stuck]] = np.nan
+        rows = rows[~(beyond | stuck)]
+        if not rows.size:
+            break
+    before[rows] = np.nan
+    return before, way
+
+
+def _distance(points: Array, others: Array) -> Array:
+    distance: Array = np.hypot(points[..., 0] - others[..., 0], points[..., 1] - others[..., 1])
+    return distance
+
+
+def _dot(vectors: Array, directions: Array) -> Array:
+    product: Array = vectors[..., 0] * directions[..., 0] + vectors[..., 1] * directions[..., 1]
+    return product

@@ -1,0 +1,51 @@
+"""Any path, travelled the other way."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from pymunk_dragon.curves.base import Array, Curve
+
+__all__ = ["Reversed"]
+
+
+@dataclass(frozen=True)
+class Reversed:
+    """A curve travelled the other way; its places are those of the curve with the other sign.
+
+    Parameters
+    ----------
+    curve : Curve
+        The same path, travelled forward.
+    """
+
+    curve: Curve
+
+    @property
+    def begin(self) -> float:
+        """Where the curve ends, m."""
+        return -self.curve.end
+
+    @property
+    def end(self) -> float:
+        """Where the curve begins, m."""
+        return -self.curve.begin
+
+    def point(self, s: ArrayLike) -> Array:
+        """Position (..., 2) in m."""
+        return self.curve.point(-np.asarray(s, dtype=float))
+
+    def tangent(self, s: ArrayLike) -> Array:
+        """Unit vector (..., 2) in the direction of travel."""
+        return -self.curve.tangent(-np.asarray(s, dtype=float))
+
+    def curvature(self, s: ArrayLike) -> Array:
+        """Curvature (...) in 1/m, positive where the path bends to the left."""
+        return -self.curve.curvature(-np.asarray(s, dtype=float))
+
+    def sharpest(self, s: ArrayLike, other: ArrayLike) -> Array:
+        """Curvature (...) in 1/m that the path nowhere exceeds between two places."""
+        return self.curve.sharpest(-np.asarray(s, dtype=float), -np.asarray(other, dtype=float))
