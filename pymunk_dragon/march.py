@@ -13,6 +13,7 @@ from pymunk_dragon.curves import Curve, Spiral
 from pymunk_dragon.display import Displayed
 from pymunk_dragon.dragon import Dragon, bench_poses
 from pymunk_dragon.errors import ParameterError, UnreachableError
+from pymunk_dragon.speed import MAX_SPEED, MIN_SPEED
 
 __all__ = ["March", "States"]
 
@@ -20,8 +21,6 @@ Array = NDArray[np.float64]
 
 # A thousand turns of the contest's pitch are a dance floor of a kilometre; more is a slip of the finger.
 MAX_TURNS = 1000.0
-# Metres per second. Nobody runs faster than 13, and a snail is a thousand times as fast as the slowest.
-MIN_SPEED, MAX_SPEED = 1e-6, 20.0
 # Metres before the start, a day's march. So far out a double still tells places 0.1 nm apart.
 MAX_RETREAT = 1e5
 
@@ -103,8 +102,9 @@ class March(Displayed):
             raise ParameterError("curve", self.curve, "a Curve")
         object.__setattr__(self, "turns", positive("turns", self.turns, MAX_TURNS, ""))
         object.__setattr__(self, "speed", finite("speed", self.speed, MIN_SPEED, MAX_SPEED, "m/s"))
-        if self.curve.turn_distance <= self.dragon.width:
-            raise ParameterError("pitch", self.curve.turn_distance, f"more than the width, {self.dragon.width:g} m")
+        widest = float(self.dragon.widths.max())
+        if self.curve.turn_distance <= widest:
+            raise ParameterError("pitch", self.curve.turn_distance, f"more than the width, {widest:g} m")
         try:
             self.parameters(0.0)
         except UnreachableError as error:

@@ -73,7 +73,7 @@ class Rails:
         self._half = dragon.spacings[1:, None] / 2
         # Places of the rear holes at the start: they tell on which turn each hole is, no more.
         self._places = march.parameters(start)[0, 2:]
-        masses = np.array([bench_mass(length, dragon.width) for length in dragon.lengths[1:]])
+        masses = np.array([bench_mass(*size) for size in zip(dragon.lengths[1:], dragon.widths[1:], strict=True)])
         lost_speed = march.speed * -np.expm1(-DRAG * march.speed * substep)
         self._pushes = (masses * lost_speed / substep)[:, None]
         self._headings = np.empty((dragon.benches - 1, 2))

@@ -132,7 +132,7 @@ class World:
     def _body(self, bench: int) -> pymunk.Body:
         if bench == 0:
             return pymunk.Body(body_type=pymunk.Body.KINEMATIC)
-        size = (float(self.march.dragon.lengths[bench]), self.march.dragon.width)
+        size = (float(self.march.dragon.lengths[bench]), float(self.march.dragon.widths[bench]))
         mass = bench_mass(*size)
         return pymunk.Body(mass, pymunk.moment_for_box(mass, size))
 
@@ -153,7 +153,7 @@ class World:
 
     def _add_shapes(self) -> list[pymunk.Poly]:
         dragon: Dragon = self.march.dragon
-        shapes = [bench_shape(body, dragon.lengths[i], dragon.width) for i, body in enumerate(self.bodies)]
+        shapes = [bench_shape(body, dragon.lengths[i], dragon.widths[i]) for i, body in enumerate(self.bodies)]
         for shape in shapes:
             shape.friction = FRICTION
         self.space.add(*shapes)

@@ -49,8 +49,9 @@ class PlayerData:
 def player_data(run: Run, impact: Impact | None) -> PlayerData:
     """What the page is told of `run`, of which the exact model says `impact`."""
     dragon = run.march.dragon
-    places = packed(handles(run), STEP * dragon.width)
-    curve = packed(curve_points(run.march, float(run.times[0]))[:, None], STEP * dragon.width)
+    narrowest = float(dragon.widths.min())
+    places = packed(handles(run), STEP * narrowest)
+    curve = packed(curve_points(run.march, float(run.times[0]))[:, None], STEP * narrowest)
     begin, end = float(run.times[0]), float(run.times[-1])
     # The exact model's near misses are none of a dragon that nobody kept on its path.
     on_path = run.provenance.get("guide") != "none"
@@ -63,7 +64,7 @@ def player_data(run: Run, impact: Impact | None) -> PlayerData:
         "windows": contact_windows(run),
         "handles": _shape(places),
         "curve": _shape(curve),
-        "curve_error": CURVE_ERROR * dragon.width,
+        "curve_error": CURVE_ERROR * narrowest,
     }
     return PlayerData(told=told, handles=places, curve=curve)
 
@@ -111,7 +112,8 @@ def curve_points(march: March, start: float) -> Array:
     along = np.linspace(0.0, length, CURVE_SAMPLES)
     places = curve.advance(tail, along)
     # A chord c of a curve that bends by k is off by k c^2 / 8; this is the number of chords between two samples.
-    chords = np.sqrt(curve.sharpest(places[:-1], places[1:]) / (8 * CURVE_ERROR * march.dragon.width)) * np.diff(along)
+    error = CURVE_ERROR * float(march.dragon.widths.min())
+    chords = np.sqrt(curve.sharpest(places[:-1], places[1:]) / (8 * error)) * np.diff(along)
     passed = np.concatenate([[0.0], np.cumsum(chords)])
     if passed[-1] == 0:
         # A straight one has nothing to go by, and needs nothing but its ends.

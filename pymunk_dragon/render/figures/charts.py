@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pymunk_dragon.collision import Impact, separation
-from pymunk_dragon.dragon import outlines
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.march import March
 from pymunk_dragon.render.figures.lines import ASIDE, bundle, label, logarithmic, name, several_times
@@ -114,6 +113,5 @@ def _gap_line(axes: Axes, march: March, times: Array, gid: str) -> float:
 
 def _gaps_to(march: March, times: Array, bench: int) -> Array:
     """Gap (T,) in m between the head and `bench` at `times` (T,)."""
-    dragon, poses = march.dragon, march.at(times, bench + 2).poses
-    corners = outlines(poses, dragon.lengths[: bench + 1], dragon.width)
+    corners = march.dragon.outlines(march.at(times, bench + 2).poses)
     return separation(corners[:, 0], corners[:, bench]).distance
