@@ -33,6 +33,8 @@ MAX_TIME = 1e5
 CELLS = 32
 # A bracket of Newton's method is halved where a step leaves it, so that this many steps always end it.
 MAX_STEPS = 60
+# Half lengths of a piece. The error after a step is about the step's square: nothing is left of it after this one.
+LAST_STEP = 1e-9
 
 _ANGLES = np.pi * np.arange(DEGREE + 1) / DEGREE
 _NODES = -np.cos(_ANGLES)
@@ -124,7 +126,7 @@ class SpeedFunction:
             low, high = np.where(excess < 0, x, low), np.where(excess < 0, high, x)
             better = x - excess / (half * chebval(x, speeds, tensor=False))
             better = np.where((better < low) | (better > high), (low + high) / 2, better)
-            done = np.abs(better - x) <= 2 * np.finfo(float).eps
+            done = np.abs(better - x) <= LAST_STEP
             x = better
             if done.all():
                 break
