@@ -124,7 +124,7 @@ class SpeedFunction:
         for _ in range(MAX_STEPS):
             excess = chebval(x, gone, tensor=False) - target
             low, high = np.where(excess < 0, x, low), np.where(excess < 0, high, x)
-            better = x - excess / (half * chebval(x, speeds, tensor=False))
+            better = np.clip(x - excess / (half * chebval(x, speeds, tensor=False)), -1, 1)
             better = np.where((better < low) | (better > high), (low + high) / 2, better)
             done = np.abs(better - x) <= LAST_STEP
             x = better
