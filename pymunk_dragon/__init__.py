@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from pymunk_dragon.render.debug_draw import PillowDrawOptions
     from pymunk_dragon.run import Run
     from pymunk_dragon.scenario import Scenario
+    from pymunk_dragon.speed import Speed, SpeedTable
 
 __all__ = [
     "Camera",
@@ -37,6 +38,8 @@ __all__ = [
     "Scenario",
     "Scene",
     "Separation",
+    "Speed",
+    "SpeedTable",
     "Spiral",
     "States",
     "UnreachableError",
@@ -70,6 +73,7 @@ _ROOMS = {
     "render.debug_draw": ("PillowDrawOptions",),
     "run": ("Run",),
     "scenario": ("Scenario",),
+    "speed": ("Speed", "SpeedTable"),
 }
 
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,9 +13,11 @@ from numpy.typing import ArrayLike, NDArray
 from pymunk_dragon.checks import finite, whole
 from pymunk_dragon.errors import ParameterError
 
-__all__ = ["Dragon", "bench_poses", "interpolated", "outlines"]
+__all__ = ["BENCHES", "Dragon", "Sizes", "bench_poses", "interpolated", "outlines"]
 
 Array = NDArray[np.float64]
+# m: the same for all benches, or one for each.
+Sizes = float | Sequence[float]
 
 # A head and a tail are the shortest chain. Ten thousand benches are 16 km of dragon, 45 times the contest's, and
 # still fit into memory; far more is a slip of the finger.
@@ -21,8 +25,16 @@ MIN_BENCHES, MAX_BENCHES = 2, 10_000
 # Metres. No bench is longer; the bound catches centimetres and millimetres given as metres. The lower end keeps every
 # length far above what a double resolves at the rim of the largest spiral.
 MIN_LENGTH, MAX_LENGTH = 0.001, 100.0
+_ALLOWED = f"a number from {MIN_LENGTH:g} to {MAX_LENGTH:g} m"
 # The paper's choice, beside the last handle: the head's two, and every fiftieth.
 TABLE_HANDLES = (0, 1, 51, 101, 151, 201)
+
+
+class _Contests(int):
+    """A number that nobody chose: it gives way where sizes of single benches tell how many there are."""
+
+
+BENCHES = _Contests(223)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,19 +44,21 @@ class Dragon:
     Parameters
     ----------
     benches : int
-        Number of benches N: one head, N - 2 of the body, one tail.
-    head_spacing, body_spacing : float
-        Distance between the two holes of the head and of every other bench, m.
-    overhang : float
-        From a hole's centre to the bench end beside it, m.
-    width : float
-        Width of every bench, m.
+        Number of benches N: one head, N - 2 of the body, one tail. It may be left out where a sequence tells it.
+    head_spacing : float
+        Distance between the two holes of the head, m.
+    body_spacing : float or sequence of float
+        Distance between the two holes of every other bench, m: of all, or of each, N - 1.
+    overhang : float or sequence of float
+        From a hole's centre to the bench end beside it, at both ends, m: of all benches, or of each, N.
+    width : float or sequence of float
+        Width, m: of all benches, or of each, N.
 
     Raises
     ------
     ParameterError
-        If a size is not a number from 0.001 to 100 m, `benches` is no whole number from 2 to 10,000, or the overhang
-        is half the shortest spacing or more.
+        If a size is not a number from 0.001 to 100 m, `benches` is no whole number from 2 to 10,000, a sequence is
+        not as long as that, or a bench is so short that those before and after it would lie on each other.
 
     Notes
     -----
@@ -52,20 +66,46 @@ class Dragon:
     the tail. The defaults are the dragon of the contest (paper, section 2.1).
     """
 
-    benches: int = 223
+    benches: int = BENCHES
     head_spacing: float = 2.86
-    body_spacing: float = 1.65
-    overhang: float = 0.275
-    width: float = 0.30
+    body_spacing: Sizes = 1.65
+    overhang: Sizes = 0.275
+    width: Sizes = 0.30
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "benches", whole("benches", self.benches, MIN_BENCHES, MAX_BENCHES))
-        for name in ("head_spacing", "body_spacing", "overhang", "width"):
-            object.__setattr__(self, name, finite(name, getattr(self, name), MIN_LENGTH, MAX_LENGTH, "m"))
-        shortest = min(self.head_spacing, self.body_spacing)
-        if 2 * self.overhang >= shortest:
-            # Otherwise the ends of the benches before and after the same bench would lie on each other for good.
-            raise ParameterError("overhang", self.overhang, f"less than half the shortest spacing, {shortest / 2:g} m")
+        object.__setattr__(self, "benches", self._checked_benches())
+        object.__setattr__(self, "head_spacing", _length("head_spacing", self.head_spacing))
+        for name, count in (("body_spacing", self.benches - 1), ("overhang", self.benches), ("width", self.benches)):
+            object.__setattr__(self, name, _sizes(name, getattr(self, name), count))
+        self._check_overhangs()
+
+    def _check_overhangs(self) -> None:
+        """Refuse benches so short that those before and after them would lie on each other for good."""
+        if isinstance(self.overhang, float):
+            shortest = float(self.spacings.min())
+            if 2 * self.overhang >= shortest:
+                bound = f"less than half the shortest spacing, {shortest / 2:g} m"
+                raise ParameterError("overhang", self.overhang, bound)
+            return
+        # At an end of the chain the bench stands in for its missing neighbour.
+        beside = np.pad(self.overhangs, 1, mode="edge")
+        before, after = beside[:-2], beside[2:]
+        short = np.flatnonzero(before + after >= self.spacings)
+        if short.size:
+            i = int(short[0])
+            bound = f"together less than the spacing of bench {i} between them, {self.spacings[i]:g} m"
+            raise ParameterError(f"overhang beside bench {i}", (before[i].item(), after[i].item()), bound)
+
+    def _checked_benches(self) -> int:
+        """The number of benches: the given one, that of a sequence, or the contest's."""
+        if isinstance(self.benches, _Contests):
+            for name, more in (("body_spacing", 1), ("overhang", 0), ("width", 0)):
+                if _is_sequence(value := getattr(self, name)):
+                    if not MIN_BENCHES <= len(value) + more <= MAX_BENCHES:
+                        bound = f"{MIN_BENCHES - more} to {MAX_BENCHES - more} of them, one for each bench"
+                        raise ParameterError(name, value, f"{_ALLOWED}, or {bound}")
+                    return len(value) + more
+        return whole("benches", self.benches, MIN_BENCHES, MAX_BENCHES)
 
     @property
     def handles(self) -> int:
@@ -78,35 +118,53 @@ class Dragon:
         last = self.handles - 1
         return [*(handle for handle in TABLE_HANDLES if handle < last), last]
 
-    @property
-    def alike(self) -> bool:
-        """Whether all benches but the head are the same."""
-        return True
-
     @cached_property
     def spacings(self) -> Array:
         """Distance between the two holes of each bench, (N,), m."""
-        spacings = np.full(self.benches, self.body_spacing)
-        spacings[0] = self.head_spacing
+        spacings = np.empty(self.benches)
+        spacings[0], spacings[1:] = self.head_spacing, self.body_spacing
         spacings.flags.writeable = False
         return spacings
 
     @cached_property
+    def overhangs(self) -> Array:
+        """From the holes of each bench to its ends, (N,), m."""
+        return self._of_each(self.overhang)
+
+    @cached_property
+    def widths(self) -> Array:
+        """Width of each bench, (N,), m."""
+        return self._of_each(self.width)
+
+    @cached_property
     def lengths(self) -> Array:
         """Length of each bench, (N,), m."""
-        lengths = self.spacings + 2 * self.overhang
+        lengths = self.spacings + 2 * self.overhangs
         lengths.flags.writeable = False
         return lengths
 
+    @cached_property
+    def alike(self) -> bool:
+        """Whether all benches but the head have the same sizes: each then passes where the one before it passed."""
+        sizes = np.stack([self.spacings, self.overhangs, self.widths])[:, 1:]
+        return bool(np.all(sizes == sizes[:, :1]))
+
     def outlines(self, poses: ArrayLike) -> Array:
-        """Corners (..., N, 4, 2) in m of the benches at `poses` (..., N, 3), counter-clockwise from the rear right."""
-        return outlines(poses, self.lengths, self.width)
+        """Corners (..., M, 4, 2) in m of the first M benches, at `poses` (..., M, 3); see the function `outlines`."""
+        pose = np.asarray(poses, dtype=float)
+        first = slice(pose.shape[-2])
+        return outlines(pose, self.lengths[first], self.widths[first])
 
     def holes(self, poses: ArrayLike) -> tuple[Array, Array]:
         """Front and rear hole, each (..., N, 2) in m, of the benches at `poses` (..., N, 3)."""
         pose = np.asarray(poses, dtype=float)
         half = self.spacings[:, None] / 2 * _headings(pose)
         return pose[..., :2] + half, pose[..., :2] - half
+
+    def _of_each(self, size: Sizes) -> Array:
+        sizes = np.full(self.benches, size)
+        sizes.flags.writeable = False
+        return sizes
 
 
 def bench_poses(handles: ArrayLike) -> Array:
@@ -121,7 +179,7 @@ def bench_poses(handles: ArrayLike) -> Array:
     return np.concatenate([(front + rear) / 2, angle[..., None]], axis=-1)
 
 
-def outlines(poses: ArrayLike, lengths: ArrayLike, width: float) -> Array:
+def outlines(poses: ArrayLike, lengths: ArrayLike, width: ArrayLike) -> Array:
     """Corners of benches as rectangles (paper, eq. 16-19).
 
     Parameters
@@ -130,8 +188,8 @@ def outlines(poses: ArrayLike, lengths: ArrayLike, width: float) -> Array:
         Centres in m and angles in rad.
     lengths : array_like, shape (N,)
         Length of each bench, m.
-    width : float
-        Width of every bench, m.
+    width : float or array_like, shape (N,)
+        Width of every bench, or of each, m.
 
     Returns
     -------
@@ -141,7 +199,7 @@ def outlines(poses: ArrayLike, lengths: ArrayLike, width: float) -> Array:
     pose = np.asarray(poses, dtype=float)
     along = _headings(pose) * np.asarray(lengths, dtype=float)[..., None] / 2
     left = np.stack([-along[..., 1], along[..., 0]], axis=-1)
-    left *= (width / np.asarray(lengths, dtype=float))[..., None]
+    left *= (np.asarray(width, dtype=float) / np.asarray(lengths, dtype=float))[..., None]
     corners: Array = np.stack([-along - left, along - left, along + left, left - along], axis=-2)
     corners += pose[..., None, :2]
     return corners
@@ -152,6 +210,23 @@ def interpolated(before: Array, after: Array, share: ArrayLike) -> Array:
     step = after - before
     step[..., 2] = (step[..., 2] + np.pi) % (2 * np.pi) - np.pi
     return before + np.asarray(share)[..., None] * step
+
+
+def _length(name: str, value: object) -> float:
+    return finite(name, value, MIN_LENGTH, MAX_LENGTH, "m")
+
+
+def _is_sequence(value: object) -> bool:
+    return np.ndim(value) == 1 if isinstance(value, np.ndarray) else isinstance(value, list | tuple)
+
+
+def _sizes(name: str, value: Any, count: int) -> Sizes:
+    """`value` as a float, or as a tuple of `count` floats."""
+    if not _is_sequence(value):
+        return _length(name, value)
+    if len(value) != count:
+        raise ParameterError(name, value, f"{_ALLOWED}, or {count} of them, one for each bench")
+    return tuple(_length(f"{name}[{i}]", size) for i, size in enumerate(value))
 
 
 def _headings(poses: Array) -> Array:

@@ -1,16 +1,17 @@
-"""Writing files so that an interrupted run leaves the old file or none."""
+"""Writing files so that an interrupted run leaves the old file or none; reading tables of numbers."""
 
 from __future__ import annotations
 
+import csv
 import os
 import tempfile
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from pymunk_dragon.errors import OutputError, ParameterError
+from pymunk_dragon.errors import FileFormatError, OutputError, ParameterError
 
-__all__ = ["check_destination", "written_in_place"]
+__all__ = ["check_destination", "number_rows", "written_in_place"]
 
 
 def check_destination(path: str | Path, endings: Iterable[str]) -> Path:
@@ -54,6 +55,52 @@ def written_in_place(path: str | Path) -> Iterator[Path]:
     finally:
         with suppress(FileNotFoundError):
             os.unlink(draft)
+
+
+def number_rows(path: str | Path, name: str, columns: Sequence[str]) -> tuple[list[int], list[tuple[float, ...]]]:
+    """Line numbers and rows of a CSV file of numbers, whose first line may hold names; empty lines are passed over.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file.
+    name : str
+        The parameter that it is given for.
+    columns : sequence of str
+        What stands in each column, as words.
+
+    Raises
+    ------
+    ParameterError
+        If the file cannot be read.
+    FileFormatError
+        If a line is anything else, or there is none: the first such line.
+    """
+    try:
+        text = Path(path).read_text(encoding="utf-8-sig")
+    except OSError as error:
+        raise ParameterError(name, str(path), f"a readable file ({error.strerror})") from error
+    except ValueError as error:
+        raise FileFormatError(path, f"no CSV file: {error}") from error
+    meant = " and ".join(columns)
+    lines, rows = [], []
+    for line, content in enumerate(text.splitlines(), start=1):
+        cells = next(csv.reader([content]), [])
+        if not any(cell.strip() for cell in cells):
+            continue
+        try:
+            row = tuple(float(cell) for cell in cells)
+        except ValueError:
+            if line == 1:
+                continue
+            row = ()
+        if len(row) != len(columns):
+            raise FileFormatError(path, f"line {line} must hold {meant}, not {content.strip()[:40]!r}")
+        lines.append(line)
+        rows.append(row)
+    if not rows:
+        raise FileFormatError(path, f"no line holds {meant}")
+    return lines, rows
 
 
 def _beside(destination: Path) -> Path:

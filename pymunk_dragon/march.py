@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -14,13 +15,12 @@ from pymunk_dragon.curves.spiral import MAX_TURNS
 from pymunk_dragon.display import Displayed
 from pymunk_dragon.dragon import Dragon, bench_poses
 from pymunk_dragon.errors import ParameterError, UnreachableError
+from pymunk_dragon.speed import ConstantSpeed, Speed, speed_of
 
 __all__ = ["March", "States"]
 
 Array = NDArray[np.float64]
 
-# Metres per second. Nobody runs faster than 13, and a snail is a thousand times as fast as the slowest.
-MIN_SPEED, MAX_SPEED = 1e-6, 20.0
 # Metres before the start, a day's march. So far out a double still tells places 0.1 nm apart.
 MAX_RETREAT = 1e5
 # The turn of a spiral on which the contest's march begins.
@@ -86,32 +86,35 @@ class March(Displayed):
     start : float, optional
         Place of handle 0 at t = 0, m. By default 0 on a curve other than a spiral that comes from infinity, and the
         first place at which the whole dragon is on the curve where that has a begin.
-    speed : float
-        Speed of handle 0, m/s.
+    speed : float, Speed or callable
+        Speed of handle 0: a number in m/s, a `SpeedTable`, or a function of the time in s.
 
     Raises
     ------
     ParameterError
         If `dragon` is no `Dragon` or `curve` no `Curve`, if `turns` is not a number above 0 and at most 1000, `start`
-        no place on the curve or `speed` not a number from 1e-6 to 20 m/s, if `turns` are given with a `start` or for
-        a curve without turns, if a spiral's turns are no further apart than the benches are wide, or if the curve
-        cannot take the dragon at t = 0.
+        no place on the curve or `speed` anywhere not from 1e-6 to 20 m/s, if `turns` are given with a `start` or for a
+        curve without turns, if a spiral's turns are no further apart than the benches are wide, or if the curve cannot
+        take the dragon at t = 0.
     """
 
     dragon: Dragon = field(default_factory=Dragon)
     curve: Curve = field(default_factory=Spiral)
     turns: float | None = field(default=None, kw_only=True)
     start: float | None = field(default=None, kw_only=True)
-    speed: float = field(default=1.0, kw_only=True)
+    speed: float | Speed | Callable[[float], float] = field(default=1.0, kw_only=True)
 
     def __post_init__(self) -> None:
         if not isinstance(self.dragon, Dragon):
             raise ParameterError("dragon", self.dragon, "a Dragon")
         if not isinstance(self.curve, Curve):
             raise ParameterError("curve", self.curve, "a Curve")
-        object.__setattr__(self, "speed", finite("speed", self.speed, MIN_SPEED, MAX_SPEED, "m/s"))
-        if isinstance(self.curve, Spiral) and self.curve.pitch <= self.dragon.width:
-            raise ParameterError("pitch", self.curve.pitch, f"more than the width, {self.dragon.width:g} m")
+        pace = speed_of(self.speed)
+        if isinstance(pace, ConstantSpeed):
+            object.__setattr__(self, "speed", pace.value)
+        widest = float(self.dragon.widths.max())
+        if isinstance(self.curve, Spiral) and self.curve.pitch <= widest:
+            raise ParameterError("pitch", self.curve.pitch, f"more than the width, {widest:g} m")
         self._check_start()
         try:
             self.parameters(0.0)
@@ -184,17 +187,18 @@ class March(Displayed):
             return first, self.curve.end
         return first, last if until is None else self.head_start + float(self.way(until))
 
+    @cached_property
+    def pace(self) -> Speed:
+        """The speed as something that knows ways and times."""
+        return speed_of(self.speed)
+
     def way(self, times: ArrayLike) -> Array:
         """How far (T,) in m handle 0 has gone since t = 0; negative before."""
-        return self.speed * np.asarray(times, dtype=float)
+        return self.pace.way(times)
 
     def time(self, ways: ArrayLike) -> Array:
         """When (T,) in s handle 0 has gone so far, in m, since t = 0."""
-        return np.asarray(ways, dtype=float) / self.speed
-
-    def head_speed(self, times: ArrayLike) -> Array:
-        """Speed of handle 0 (T,), m/s."""
-        return np.full(np.shape(times), self.speed)
+        return self.pace.time(ways)
 
     def parameters(self, times: ArrayLike, handles: int | None = None) -> Array:
         """Places (T, H) of the first `handles` (all by default) at `times` (T,), m of arc length.
@@ -225,11 +229,11 @@ class March(Displayed):
         spacings = self.dragon.spacings
         if handles is not None:
             spacings = spacings[: whole("handles", handles, 1, self.dragon.handles) - 1]
-        begin, end = self.head_start, self.end
-        # No time after the end makes a difference, and a way of 1e308 m does not fit into a double; nor does rounding
-        # carry the head past the end before its time.
-        heads = begin + self.way(np.minimum(t, 2 * abs(end)))
-        heads = np.where(t <= end, np.minimum(heads, self.curve.end), np.nan)
+        heads = self.head_start + self.way(t)
+        beyond = heads > self.curve.end
+        if beyond.any():
+            # Rounding does not carry the head past the end before its time.
+            heads[beyond] = np.where(t[beyond] <= self.end, self.curve.end, np.nan)
         return chain(self.curve, heads, spacings)
 
     def _checked(self, times: ArrayLike) -> Array:
@@ -238,11 +242,17 @@ class March(Displayed):
             t = np.array(times, dtype=float).ravel()
         except (TypeError, ValueError, OverflowError) as error:
             raise ParameterError("times", times, "finite numbers, s") from error
-        earliest = float(self.time(-MAX_RETREAT))
-        bad = ~(np.isfinite(t) & (t >= earliest))
+        bad = ~np.isfinite(t)
+        if not bad.any():
+            with np.errstate(over="ignore"):
+                bad = self.way(t) < -MAX_RETREAT
         if bad.any():
-            raise ParameterError("times", t[bad][0].item(), f"finite numbers, at least {earliest:g} s")
+            raise ParameterError("times", t[bad][0].item(), f"finite numbers, at least {self._earliest:g} s")
         return t
+
+    @property
+    def _earliest(self) -> float:
+        return float(self.time(-MAX_RETREAT))
 
     def _raise_unreachable(self, times: Array, lost: NDArray[np.bool_]) -> None:
         affected = np.flatnonzero(lost.any(axis=1))
@@ -274,7 +284,7 @@ class March(Displayed):
         rear = np.sum(tangents[:, 1:] * along, axis=-1)
         # Signed along the path: a head that has come more than square across its bench pushes it back out.
         rates = np.empty(places.shape)
-        rates[:, 0] = self.head_speed(t)
+        rates[:, 0] = self.pace.at(t)
         rates[:, 1:] = rates[:, :1] * np.cumprod(front / rear, axis=1)
         return States(t, places, positions, rates[..., None] * tangents, np.abs(rates))
 

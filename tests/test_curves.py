@@ -74,7 +74,9 @@ def test_impossible_pitch_is_refused(value):
     assert_says(caught.value, "pitch is ", "must be a number from 0.001 to 1000 m")
 
 
-@pytest.mark.parametrize("value", [float("nan"), float("inf"), 10**400, "1", True, None, 1j, [1.0], 1001, -1001], ids=repr)
+@pytest.mark.parametrize(
+    "value", [float("nan"), float("inf"), 10**400, "1", True, None, 1j, [1.0], 1001, -1001], ids=repr
+)
 def test_impossible_rotation_is_refused(value):
     with pytest.raises(ParameterError) as caught:
         Spiral(rotation=value)

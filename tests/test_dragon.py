@@ -44,7 +44,7 @@ def test_sizes_cannot_be_changed_afterwards():
 @pytest.mark.parametrize("value", [*NO_NUMBERS, 1e-9, 1e9, 100.001], ids=repr)
 def test_impossible_length_is_refused_by_name(name, value):
     with pytest.raises(ParameterError) as caught:
-        Dragon(**{name: value})
+        Dragon(benches=223, **{name: value})
     assert caught.value.name == name
     assert caught.value.value is value
     assert_says(caught.value, f"{name} is ", "must be a number from 0.001 to 100 m")
@@ -63,6 +63,109 @@ def test_overhang_of_half_a_spacing_is_refused(overhang):
     with pytest.raises(ParameterError, match=r"overhang is .* less than half the shortest spacing, 0.825 m") as caught:
         Dragon(overhang=overhang)
     assert_says(caught.value)
+
+
+TRACTOR = {
+    "head_spacing": 3.0,
+    "body_spacing": [4.0, 2.5, 6],
+    "overhang": [0.5, 0.3, 0.8, 1],
+    "width": [2, 1.5, 2.2, 1.8],
+}
+
+
+def test_benches_may_differ():
+    dragon = Dragon(**TRACTOR)
+    assert dragon.benches == 4
+    assert dragon.spacings.tolist() == [3.0, 4.0, 2.5, 6.0]
+    assert dragon.overhangs.tolist() == [0.5, 0.3, 0.8, 1.0]
+    assert dragon.widths.tolist() == [2.0, 1.5, 2.2, 1.8]
+    assert dragon.lengths.tolist() == pytest.approx([4.0, 4.6, 4.1, 8.0])
+    assert not dragon.alike
+    with pytest.raises(ValueError, match="read-only"):
+        dragon.widths[0] = 1.0
+
+
+def test_dragons_of_lists_are_equal_and_hash_alike():
+    dragon = Dragon(**TRACTOR)
+    arrays = {name: np.array(TRACTOR[name]) for name in LENGTHS[1:]}
+    same = Dragon(benches=4, head_spacing=3, **arrays)
+    assert dragon == same
+    assert hash(dragon) == hash(same)
+    assert {type(size) for name in LENGTHS[1:] for size in getattr(dragon, name)} == {float}
+    assert pickle.loads(pickle.dumps(dragon)) == dragon
+    assert replace(dragon, width=0.5).width == 0.5
+
+
+@pytest.mark.parametrize(
+    ("sizes", "alike"),
+    [
+        ({}, True),
+        ({"width": [0.5, 0.3, 0.3]}, True),
+        ({"overhang": [0.1, 0.2, 0.2], "body_spacing": [1.65, 1.65]}, True),
+        ({"width": [0.3, 0.3, 0.4]}, False),
+        ({"overhang": [0.275, 0.275, 0.2]}, False),
+        ({"body_spacing": [1.65, 1.7]}, False),
+    ],
+)
+def test_benches_are_alike_where_all_but_the_head_have_the_same_sizes(sizes, alike):
+    assert Dragon(**sizes).alike is alike
+
+
+@pytest.mark.parametrize(
+    ("sizes", "words"),
+    [
+        ({"benches": 223, "width": [0.3, 0.3]}, ["width is [0.3, 0.3]", "or 223 of them, one for each bench"]),
+        ({"width": [0.3] * 3, "overhang": [0.2] * 4}, ["width is ", "or 4 of them"]),
+        ({"body_spacing": [1.65] * 3, "overhang": [0.2] * 3}, ["overhang is ", "or 4 of them"]),
+        ({"width": [0.3]}, ["width is [0.3]", "or 2 to 10000 of them"]),
+        ({"body_spacing": []}, ["body_spacing is []", "or 1 to 9999 of them"]),
+        ({"width": [0.3] * 10_001}, ["width is ", "or 2 to 10000 of them"]),
+        ({"width": [0.3, -1, 0.3]}, ["width[1] is -1", "must be a number from 0.001 to 100 m"]),
+        ({"width": [0.3, [0.3], 0.3]}, ["width[1] is [0.3]"]),
+        ({"head_spacing": [2.86, 1.65]}, ["head_spacing is [2.86, 1.65]", "must be a number"]),
+        ({"width": "0.3"}, ["width is '0.3'"]),
+        (
+            {"overhang": [0.1, 0.5, 0.2, 0.5], "body_spacing": [1.0, 1.0, 1.0]},
+            ["overhang beside bench 2 is (0.5, 0.5)", "spacing of bench 2 between them, 1 m"],
+        ),
+    ],
+)
+def test_impossible_lists_are_refused_by_name(sizes, words):
+    with pytest.raises(ParameterError) as caught:
+        Dragon(**sizes)
+    assert_says(caught.value, *words)
+
+
+@given(st.lists(st.floats(0.01, 1.0), min_size=3, max_size=6), st.integers(0, 5))
+def test_benches_before_and_after_one_never_meet_when_all_are_straight(overhangs, shortest):
+    """The chain laid out straight: no bench may reach one that it shares no hole with."""
+    benches, shortest = len(overhangs), shortest % len(overhangs)
+    spacings = [5.0] * benches
+    spacings[shortest] = 1.0
+    ends = np.concatenate([[0.0], -np.cumsum(spacings)])
+    front, rear = ends[:-1] + overhangs, ends[1:] - overhangs
+    apart = all(rear[i] > front[i + 2] for i in range(benches - 2))
+    # At the ends a bench has one neighbour only, and counts as its own second one.
+    if shortest in (0, benches - 1):
+        beside = overhangs[1] if shortest == 0 else overhangs[-2]
+        apart = overhangs[shortest] + beside < 1.0
+    try:
+        Dragon(head_spacing=spacings[0], body_spacing=spacings[1:], overhang=overhangs)
+    except ParameterError:
+        assert not apart
+    else:
+        assert apart
+
+
+def test_outlines_are_as_wide_and_long_as_each_bench():
+    dragon = Dragon(**TRACTOR)
+    corners = dragon.outlines(np.random.default_rng(3).normal(size=(5, 4, 3)))
+    sides = np.linalg.norm(np.roll(corners, -1, axis=-2) - corners, axis=-1)
+    assert sides == pytest.approx(
+        np.tile(np.stack([dragon.lengths, dragon.widths], axis=-1), 2)[None].repeat(5, axis=0)
+    )
+    poses = [[1.0, 2.0, 0.5], [3.0, 4.0, 0.1]]
+    assert np.array_equal(dragon.outlines(poses), outlines(poses, dragon.lengths[:2], dragon.widths[:2]))
 
 
 def test_two_benches_are_the_shortest_dragon():

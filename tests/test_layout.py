@@ -12,7 +12,7 @@ import pymunk_dragon
 
 ROOT = Path(pymunk_dragon.__file__).parent
 MODULES = sorted(ROOT.rglob("*.py"))
-GROUND_FLOOR = {"errors", "checks", "dragon", "march", "scenario", "contact", "run", "files"}
+GROUND_FLOOR = {"errors", "checks", "dragon", "speed", "march", "scenario", "contact", "run", "files"}
 
 every_module = pytest.mark.parametrize("path", MODULES, ids=lambda path: str(path.relative_to(ROOT)))
 

@@ -69,6 +69,18 @@ def assert_keeps_to_the_model(run):
     assert run.max_drift <= MAX_DRIFT
 
 
+def test_benches_of_their_own_sizes_weigh_and_reach_what_they_should():
+    dragon = Dragon(body_spacing=[1.65, 2.5, 1.65], overhang=[0.2, 0.4, 0.1, 0.3], width=[0.2, 0.5, 0.3, 0.4])
+    march = March(dragon, turns=10)
+    assert_keeps_to_the_model(simulate(march, until=4.0))
+    world = World(march, Free(), start=0.0, substep=0.01, iterations=1)
+    sizes = list(zip(dragon.lengths, dragon.width, strict=True))
+    for body, (length, width) in list(zip(world.bodies, sizes, strict=True))[1:]:
+        assert body.mass / world.bodies[1].mass == pytest.approx(length * width / (sizes[1][0] * sizes[1][1]))
+        (shape,) = body.shapes
+        assert shape.area == pytest.approx(length * width)
+
+
 # The seed's dragon on rails
 
 

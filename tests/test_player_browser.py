@@ -639,6 +639,19 @@ def test_benches_that_cross_touch_though_no_corner_is_inside(browser, tmp_path):
         assert shown(found.page, "gap") == "touches 2"
 
 
+def test_benches_of_their_own_sizes_are_shown_in_them(browser, tmp_path):
+    dragon = Dragon(body_spacing=[1.65, 2.5, 1.65], overhang=[0.2, 0.4, 0.1, 0.3], width=[0.2, 0.5, 0.3, 0.4])
+    march = March(dragon, turns=6)
+    run = Run.exact(march, [0.0, 1.0])
+    write_player(run, tmp_path / "run.html")
+    outlines = [Polygon(corners) for corners in dragon.outlines(run.poses[0])]
+    with opened(browser, (tmp_path / "run.html").as_uri()) as found:
+        for bench, others in {0: (2, 3), 1: (3,), 3: (0, 1)}.items():
+            gap = ask(found.page, f"player.numbers({bench}).gap")
+            assert gap == pytest.approx(min(outlines[bench].distance(outlines[i]) for i in others), abs=2 * RESOLUTION)
+        assert found.complaints == []
+
+
 def chain(dragon, frames, reach, seed=0):
     """Poses of a chain of benches that jumps about."""
     random = np.random.default_rng(seed)

@@ -8,8 +8,11 @@ from typing import Any
 import imageio.v3 as iio
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from numpy.typing import NDArray
 from PIL import Image
+from shapely import affinity, box
 
 from pymunk_dragon.contact import Contact
 from pymunk_dragon.dragon import Dragon
@@ -186,6 +189,36 @@ def test_the_gap_is_the_smallest_distance_between_outlines(march: March) -> None
     bench, gap = smallest_gap(replace(SMALL, benches=5), poses[:5]) or (0, 0.0)
     assert bench == min(brute, key=lambda i: brute[i])
     assert gap == pytest.approx(brute[bench], abs=1e-3)
+
+
+@given(st.lists(st.tuples(st.floats(-3, 3), st.floats(-3, 3), st.floats(-4, 4)), min_size=4, max_size=4))
+def test_the_gap_is_that_of_benches_of_their_own_widths(rows: list[tuple[float, float, float]]) -> None:
+    dragon = Dragon(body_spacing=[1.0, 2.0, 0.8], overhang=[0.3, 0.1, 0.2, 0.25], width=[0.5, 0.2, 1.1, 0.05])
+    poses = np.array(rows)
+    # Shapely knows nothing of the project's outlines.
+    benches = [
+        affinity.translate(affinity.rotate(box(-a / 2, -c / 2, a / 2, c / 2), angle, use_radians=True), x, y)
+        for a, c, (x, y, angle) in zip([3.46, 1.2, 2.4, 1.3], dragon.width, rows, strict=True)
+    ]
+    gaps = {i: benches[0].distance(benches[i]) for i in (2, 3)}
+    crossing = any(benches[0].intersects(benches[i]) for i in (2, 3))
+    bench, gap = smallest_gap(dragon, poses) or (0, 0.0)
+    assert crossing or gap == pytest.approx(min(gaps.values()), abs=1e-9)
+    assert crossing or gaps[bench] == pytest.approx(gap, abs=1e-9)
+
+
+def test_each_bench_is_drawn_in_its_own_size() -> None:
+    dragon = Dragon(body_spacing=[1.65, 2.5, 1.65], overhang=[0.2, 0.4, 0.1, 0.3], width=[0.2, 0.5, 0.3, 0.4])
+    march = March(dragon, turns=6)
+    picture, place = drawn(march, Film(size=600, until=1.0, gap=False), 0.0)
+    pose, ground = march.at(0.0).poses[0], colour_at(picture, 5, 300)
+    for length, width, (x, y, angle) in zip(dragon.lengths, dragon.width, pose, strict=True):
+        along, left = np.array([np.cos(angle), np.sin(angle)]), np.array([-np.sin(angle), np.cos(angle)])
+        for way, reach in ((along, length / 2), (-along, length / 2), (left, width / 2), (-left, width / 2)):
+            inside, outside = place(np.array([[x, y] + (reach - 0.02) * way, [x, y] + (reach + 0.04) * way]))
+            assert colour_at(picture, *inside) != ground
+            # An end lies on the neighbour, and nowhere else is there anything but the curve.
+            assert reach == length / 2 or colour_at(picture, *outside) in (ground, Palette().curve)
 
 
 def test_a_dragon_of_head_and_tail_can_be_filmed(tmp_path: Path) -> None:

@@ -60,10 +60,11 @@ def simulate(scenario_file: str | None, as_json: bool, output: str | None, fine:
 def played(march: March, *, fine: bool, **settings: Any) -> Run:
     """Play `march` in Pymunk, with progress."""
     from pymunk_dragon.physics import simulate as play
-    from pymunk_dragon.physics.simulation import FINE_ITERATIONS, FINE_STRIDE
+    from pymunk_dragon.physics.simulation import FINE_ITERATIONS, FINE_STRIDE, top_speed
 
     if fine:
-        settings |= {"substep": FINE_STRIDE / march.speed, "iterations": FINE_ITERATIONS}
+        fastest = top_speed(march, settings["start"], settings["until"])
+        settings |= {"substep": FINE_STRIDE / fastest, "iterations": FINE_ITERATIONS}
     given = {name: value for name, value in settings.items() if value is not None}
     start = given["start"]
     with progress("t") as show:

@@ -29,7 +29,7 @@ from pymunk_dragon.checks import finite
 from pymunk_dragon.collision.motion import Motion, Stretches, near_pairs
 from pymunk_dragon.collision.sat import separation
 from pymunk_dragon.contact import Contact
-from pymunk_dragon.dragon import bench_poses, outlines
+from pymunk_dragon.dragon import bench_poses
 from pymunk_dragon.errors import ParameterError, UnreachableError
 from pymunk_dragon.march import March
 
@@ -138,8 +138,8 @@ class Impact:
         """The answer with the point and the normal of the benches `pair`, if there is one, at `time`."""
         if pair is None:
             return cls(status=status, time=time, benches=None, point=None, normal=None, **others)
-        dragon, poses = march.dragon, march.at(time, handles=pair[1] + 2).poses[0]
-        corners = outlines(poses, dragon.lengths[: len(poses)], dragon.width)
+        poses = march.at(time, handles=pair[1] + 2).poses[0]
+        corners = march.dragon.outlines(poses)
         found = separation(*corners[list(pair)])
         (x, y), (nx, ny) = found.point.tolist(), found.normal.tolist()
         return cls(status=status, time=time, benches=pair, point=(x, y), normal=(nx, ny), **others)
@@ -209,8 +209,9 @@ class _Search:
     def __init__(self, march: March) -> None:
         self._march = march
         dragon = march.dragon
-        self._near = NEAR * dragon.width
-        self._near_stretch = NEAR_STRETCH * dragon.width
+        narrowest = float(dragon.widths.min())
+        self._near = NEAR * narrowest
+        self._near_stretch = NEAR_STRETCH * narrowest
         self._stretch = STRETCH * dragon.spacings.min()
         self._short_stretch = SHORT_STRETCH * dragon.spacings.min()
         self._hit, self._pair = np.inf, (0, 0)
@@ -368,7 +369,7 @@ def _overlapping(march: March, places: Array) -> tuple[int, int] | None:
     """The pair that overlaps most where the handles are at `places` (1, H), if any does."""
     dragon, poses = march.dragon, bench_poses(march.curve.point(places[0]))
     corners = dragon.outlines(poses)
-    first, second = near_pairs(poses[:, :2], np.hypot(dragon.lengths, dragon.width) / 2).T
+    first, second = near_pairs(poses[:, :2], np.hypot(dragon.lengths, dragon.widths) / 2).T
     distances = separation(corners[first], corners[second]).distance
     if not np.any(distances <= 0):
         return None
@@ -389,11 +390,11 @@ def _last_placed(march: March, placed: float, later: float) -> float:
 def _smallest_gaps(march: March, pairs: Indices, low: Array, high: Array) -> tuple[Array, Array]:
     """When the gaps of `pairs` (B, 2) are smallest between the times `low` and `high` (B,), and how small then."""
     handles, chosen = int(pairs.max()) + 2, np.arange(len(pairs))
-    dragon, rows = march.dragon, np.arange(len(pairs) * NEAR_POINTS)
+    rows = np.arange(len(pairs) * NEAR_POINTS)
     first, second = np.repeat(pairs, NEAR_POINTS, axis=0).T
     for _ in range(NEAR_PASSES):
         times = np.linspace(low, high, NEAR_POINTS, axis=-1)
-        corners = outlines(march.at(times, handles).poses, dragon.lengths[: handles - 1], dragon.width)
+        corners = march.dragon.outlines(march.at(times, handles).poses)
         gaps = separation(corners[rows, first], corners[rows, second]).distance.reshape(times.shape)
         best = gaps.argmin(axis=1)
         low, high = times[chosen, np.maximum(best - 1, 0)], times[chosen, np.minimum(best + 1, NEAR_POINTS - 1)]

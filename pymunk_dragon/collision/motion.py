@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from pymunk_dragon.collision.grid import MAX_CELL, MIN_CELL, Grid
 from pymunk_dragon.collision.sat import Separation, separation
-from pymunk_dragon.dragon import bench_poses, outlines
+from pymunk_dragon.dragon import bench_poses
 from pymunk_dragon.march import March
 
 __all__ = ["Motion", "Stretches", "near_pairs"]
@@ -160,7 +160,7 @@ class Motion:
         handles = stretches.places.shape[1]
         self._spacings = march.dragon.spacings[: handles - 1]
         self._points, self._tangents = march.curve.point(stretches.places), march.curve.tangent(stretches.places)
-        self.outlines = outlines(bench_poses(self._points), march.dragon.lengths[: handles - 1], march.dragon.width)
+        self.outlines = march.dragon.outlines(bench_poses(self._points))
         # However near zero, places come from that of the head at the start and its way.
         longest = max(np.abs(stretches.first_places[:, [0, -1]]).max(), abs(march.head_start))
         self.rounding = max(ROUNDING, LAST_DIGITS * float(np.spacing(longest)))

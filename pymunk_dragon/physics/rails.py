@@ -22,7 +22,7 @@ Guide = Literal["rails", "none"]
 PIN_LENGTH = 1.0
 
 
-def make_guide(name: Guide, march: March, *, start: float, substep: float) -> Joiner:
+def make_guide(name: Guide, march: March, *, start: float, substep: float, top_speed: float) -> Joiner:
     """The guide called `name`.
 
     Raises
@@ -31,7 +31,7 @@ def make_guide(name: Guide, march: March, *, start: float, substep: float) -> Jo
         If there is none of that name.
     """
     if name == "rails":
-        return Rails(march, start=start, substep=substep)
+        return Rails(march, start=start, substep=substep, top_speed=top_speed)
     if name == "none":
         return Free()
     raise ParameterError("guide", name, "one of " + ", ".join(get_args(Guide)))
@@ -47,7 +47,7 @@ class Free:
         """No joints."""
         return []
 
-    def lead(self, poses: Array, carriers: Array, forces: Array) -> None:
+    def lead(self, poses: Array, speed: float, carriers: Array, forces: Array) -> None:
         """Nobody pushes."""
 
 
@@ -67,16 +67,17 @@ class Rails:
     certain time is for the engine to find.
     """
 
-    def __init__(self, march: March, *, start: float, substep: float) -> None:
+    def __init__(self, march: March, *, start: float, substep: float, top_speed: float) -> None:
         dragon = march.dragon
         self.carriers = [pymunk.Body(body_type=pymunk.Body.KINEMATIC) for _ in range(1, dragon.benches)]
         self._curve = march.curve
         self._half = dragon.spacings[1:, None] / 2
         # Places of the rear holes at the start: they tell on which of the curve's turns each hole is, no more.
         self._places = march.parameters(start)[0, 2:]
-        masses = np.array([bench_mass(length, dragon.width) for length in dragon.lengths[1:]])
-        lost_speed = march.speed * -np.expm1(-DRAG * march.speed * substep)
-        self._pushes = (masses * lost_speed / substep)[:, None]
+        masses = np.array([bench_mass(*size) for size in zip(dragon.lengths[1:], dragon.widths[1:], strict=True)])
+        # N for each m/s of the head: what makes up for the share of its speed that the drag takes in a substep.
+        self._efforts = (masses * -np.expm1(-DRAG * top_speed * substep) / substep)[:, None]
+        self._substep = substep
         self._headings = np.empty((dragon.benches - 1, 2))
 
     def joints(self, bench: int, body: pymunk.Body) -> list[pymunk.Constraint]:
@@ -85,14 +86,14 @@ class Rails:
         pin.distance = PIN_LENGTH
         return [pin]
 
-    def lead(self, poses: Array, carriers: Array, forces: Array) -> None:
+    def lead(self, poses: Array, speed: float, carriers: Array, forces: Array) -> None:
         """Move every rail beside its hole, and let the dancers push along their benches."""
         angles, headings = poses[1:, 2], self._headings
         np.cos(angles, out=headings[:, 0])
         np.sin(angles, out=headings[:, 1])
         rear_holes = self._half * headings
         np.subtract(poses[1:, :2], rear_holes, out=rear_holes)
-        self._places, feet, tangents = foot(self._curve, rear_holes, self._places)
+        self._places, feet, tangents = foot(self._curve, rear_holes, self._places + speed * self._substep)
         carriers[:, 0] = feet[:, 0] - PIN_LENGTH * tangents[:, 1]
         carriers[:, 1] = feet[:, 1] + PIN_LENGTH * tangents[:, 0]
-        np.multiply(self._pushes, headings, out=forces[1:])
+        np.multiply(speed * self._efforts, headings, out=forces[1:])

@@ -48,7 +48,8 @@ def refined_contact(
     # Shape.shapes_collide fails an assertion of its own where shapes are apart (Pymunk 7.3.1); a query does not.
     space = pymunk.Space()
     bodies = [pymunk.Body(body_type=pymunk.Body.KINEMATIC) for _ in pair]
-    first, second = (bench_shape(body, dragon.lengths[i], dragon.width) for i, body in zip(pair, bodies, strict=True))
+    sizes = dragon.lengths[pair].tolist(), dragon.widths[pair].tolist()
+    first, second = (bench_shape(body, *size) for body, size in zip(bodies, zip(*sizes, strict=True), strict=True))
     space.add(bodies[1], second)
 
     def touch(share: float) -> pymunk.ContactPointSet | None:

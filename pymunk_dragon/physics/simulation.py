@@ -14,14 +14,14 @@ from pymunk_dragon.checks import finite, positive, whole
 from pymunk_dragon.contact import Contact, ContactEvent, ContactLog
 from pymunk_dragon.dragon import interpolated
 from pymunk_dragon.errors import DragonError, ParameterError, UnreachableError
-from pymunk_dragon.march import March
+from pymunk_dragon.march import March, States
 from pymunk_dragon.physics.callbacks import Contacts, Recorder
 from pymunk_dragon.physics.rails import Guide, make_guide
 from pymunk_dragon.physics.refine import refined_contact
 from pymunk_dragon.physics.world import World
 from pymunk_dragon.run import Outcome, Run, versions
 
-__all__ = ["FINE_ITERATIONS", "FINE_STRIDE", "ITERATIONS", "STRIDE", "simulate"]
+__all__ = ["FINE_ITERATIONS", "FINE_STRIDE", "ITERATIONS", "STRIDE", "simulate", "top_speed"]
 
 Array = NDArray[np.float64]
 
@@ -92,12 +92,15 @@ def simulate(
     DragonError
         If the engine's chain flew apart.
     """
-    substep = STRIDE / march.speed if substep is None else substep
-    frame_interval = FRAME_INTERVAL / march.speed if frame_interval is None else frame_interval
     until = march.end if until is None else until
-    _check(march, contacts, start, until, substep, iterations, frame_interval)
-    joiner = make_guide(guide, march, start=start, substep=substep)
-    world = World(march, joiner, start=start, substep=substep, iterations=iterations)
+    _check(contacts, start, until, iterations)
+    fastest = top_speed(march, start, until)
+    substep = STRIDE / fastest if substep is None else substep
+    frame_interval = FRAME_INTERVAL / fastest if frame_interval is None else frame_interval
+    finite("substep", substep, MIN_STRIDE / fastest, MAX_STRIDE / fastest, "s")
+    positive("frame_interval", frame_interval, MAX_TIME, "s")
+    joiner = make_guide(guide, march, start=start, substep=substep, top_speed=fastest)
+    world = World(march, joiner, start=start, substep=substep, iterations=iterations, top_speed=fastest)
     recorder = Recorder(world.space, world.bodies, world.shapes, resolve=contacts != "report", on_event=on_event)
     loop = _Loop(world, recorder, contacts, start, max(1, round(frame_interval / substep)))
     try:
@@ -130,6 +133,12 @@ def simulate(
     )
 
 
+def top_speed(march: March, start: float, until: float | None) -> float:
+    """The highest speed of the head between two times, or until it comes to the end of the curve, m/s."""
+    end = march.end
+    return float(march.pace.fastest(start, max(start, end if until is None else min(until, end))))
+
+
 class _Loop:
     """Steps a world and keeps what a run is made of."""
 
@@ -155,8 +164,8 @@ class _Loop:
         begin = perf_counter()
         # A chain that flies apart is found by `_keep`, in the next frame; until then NumPy need not warn of it.
         with np.errstate(all="ignore"):
-            for pose, velocity in self._head_track(total):
-                self._substep(pose, velocity)
+            for pose, velocity, speed in self._head_track(total):
+                self._substep(pose, velocity, speed)
                 if self.first_contact is not None and self._contacts == "stop":
                     break
                 if self.substeps % self._stride == 0:
@@ -176,8 +185,8 @@ class _Loop:
         """Simulated time, s."""
         return self._start + self.substeps * self._world.substep
 
-    def _head_track(self, total: int) -> Iterator[tuple[Array, Array]]:
-        """Exact pose and velocity of the head at the end of each substep, as far as the curve goes."""
+    def _head_track(self, total: int) -> Iterator[tuple[Array, Array, float]]:
+        """Exact pose and velocity of the head at the end of each substep, and its speed, as far as the curve goes."""
         march = self._world.march
         for first in range(1, total + 1, BLOCK):
             steps = np.arange(first, min(first + BLOCK, total + 1))
@@ -188,14 +197,13 @@ class _Loop:
                 self.outcome = "unreachable"
                 reachable = times[times < error.time]
                 if reachable.size:
-                    head = march.at(reachable, handles=2)
-                    yield from zip(head.poses[:, 0], head.pose_velocities[:, 0], strict=True)
+                    yield from _track(march.at(reachable, handles=2))
                 return
-            yield from zip(head.poses[:, 0], head.pose_velocities[:, 0], strict=True)
+            yield from _track(head)
 
-    def _substep(self, head_pose: Array, head_velocity: Array) -> None:
+    def _substep(self, head_pose: Array, head_velocity: Array, speed: float) -> None:
         world, recorder = self._world, self._recorder
-        world.prepare(head_pose, head_velocity)
+        world.prepare(head_pose, head_velocity, speed)
         begin_time = self.time
         self.substeps += 1
         recorder.time = self.time
@@ -230,25 +238,21 @@ class _Loop:
             self.joint_impulses.append(self._world.joint_impulses)
 
 
-def _check(
-    march: March,
-    contacts: str,
-    start: float,
-    until: float,
-    substep: float,
-    iterations: int,
-    frame_interval: float,
-) -> None:
+def _track(head: States) -> Iterator[tuple[Array, Array, float]]:
+    return zip(head.poses[:, 0], head.pose_velocities[:, 0], head.speeds[:, 0].tolist(), strict=True)
+
+
+def _check(contacts: str, start: float, until: float, iterations: int) -> None:
     """Raise a ParameterError for settings that no run can be made of."""
     if contacts not in get_args(Contacts):
         raise ParameterError("contacts", contacts, "one of " + ", ".join(get_args(Contacts)))
     finite("start", start, -MAX_TIME, MAX_TIME, "s")
+    if until == math.inf:
+        raise ParameterError("until", until, "a time, s, on a curve that does not end")
     finite("until", until, -MAX_TIME, MAX_TIME, "s")
     if until <= start:
         raise ParameterError("until", until, f"later than the start, {start:g} s")
-    finite("substep", substep, MIN_STRIDE / march.speed, MAX_STRIDE / march.speed, "s")
     whole("iterations", iterations, 1, MAX_ITERATIONS)
-    positive("frame_interval", frame_interval, MAX_TIME, "s")
 
 
 def _drift(march: March, times: Array, poses: Array) -> Array:

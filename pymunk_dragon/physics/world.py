@@ -12,7 +12,7 @@ from pymunk import batch
 from pymunk.batch import BodyFields
 
 from pymunk_dragon.dragon import Dragon
-from pymunk_dragon.march import March
+from pymunk_dragon.march import March, States
 
 __all__ = ["DRAG", "Joiner", "World", "bench_mass", "bench_shape"]
 
@@ -54,8 +54,11 @@ class Joiner(Protocol):
         """Joints that tie `bench` to the guide."""
         ...
 
-    def lead(self, poses: Array, carriers: Array, forces: Array) -> None:
-        """Write the carriers' positions and the forces (both (..., 2)) for benches that are about to be at `poses`."""
+    def lead(self, poses: Array, speed: float, carriers: Array, forces: Array) -> None:
+        """Write the carriers' positions and the forces (both (..., 2)) for benches that are about to be at `poses`.
+
+        The head walks at `speed`, m/s.
+        """
         ...
 
 
@@ -85,6 +88,8 @@ class World:
         Length of a step, s.
     iterations : int
         Solver iterations per step.
+    top_speed : float
+        The highest speed that the head will have, m/s: drag and joint correction are as fast as it wants them.
 
     Attributes
     ----------
@@ -101,12 +106,14 @@ class World:
     makes it the second-order Adams-Bashforth method, from the engine's own velocities.
     """
 
-    def __init__(self, march: March, guide: Joiner, *, start: float, substep: float, iterations: int) -> None:
+    def __init__(
+        self, march: March, guide: Joiner, *, start: float, substep: float, iterations: int, top_speed: float
+    ) -> None:
         self.march = march
         self.substep = substep
         self.space = pymunk.Space()
         self.space.iterations = iterations
-        self.space.damping = float(np.exp(-DRAG * march.speed))
+        self.space.damping = float(np.exp(-DRAG * top_speed))
         # A contact is reported when the benches touch, not when they are a tenth of a metre deep.
         self.space.collision_slop = 0.0
         self._guide = guide
@@ -114,9 +121,9 @@ class World:
         state = march.at(start)
         self.bodies = [self._body(bench) for bench in range(march.dragon.benches)]
         self.space.add(*self.bodies, *guide.carriers)
-        self._join()
+        self._join(top_speed)
         self._open_buffers(len(guide.carriers))
-        self._settle(start, state.poses[0], state.pose_velocities[0])
+        self._settle(start, state)
         self.shapes = self._add_shapes()
 
     @property
@@ -132,11 +139,11 @@ class World:
     def _body(self, bench: int) -> pymunk.Body:
         if bench == 0:
             return pymunk.Body(body_type=pymunk.Body.KINEMATIC)
-        size = (float(self.march.dragon.lengths[bench]), self.march.dragon.width)
+        size = (float(self.march.dragon.lengths[bench]), float(self.march.dragon.widths[bench]))
         mass = bench_mass(*size)
         return pymunk.Body(mass, pymunk.moment_for_box(mass, size))
 
-    def _join(self) -> None:
+    def _join(self, top_speed: float) -> None:
         """Add each bench's pivot and then its guide, from head to tail: the solver takes them in this order."""
         half = self.march.dragon.spacings / 2
         self.pivots: list[pymunk.PivotJoint] = []
@@ -148,12 +155,12 @@ class World:
             joints = [pivot, *self._guide.joints(bench, body)]
             for joint in joints:
                 # The correction's rate is per metre marched, as the drag is: a faster march is the same march.
-                joint.error_bias **= self.march.speed
+                joint.error_bias **= top_speed
             self.space.add(*joints)
 
     def _add_shapes(self) -> list[pymunk.Poly]:
         dragon: Dragon = self.march.dragon
-        shapes = [bench_shape(body, dragon.lengths[i], dragon.width) for i, body in enumerate(self.bodies)]
+        shapes = [bench_shape(body, dragon.lengths[i], dragon.widths[i]) for i, body in enumerate(self.bodies)]
         for shape in shapes:
             shape.friction = FRICTION
         self.space.add(*shapes)
@@ -189,8 +196,10 @@ class World:
         self.poses[:] = state[:, :3]
         self.velocities[:] = state[:, 3:]
 
-    def prepare(self, head_pose: Array, head_velocity: Array) -> None:
+    def prepare(self, head_pose: Array, head_velocity: Array, speed: float) -> None:
         """Make the next step end with the head at `head_pose` (3,), moving at `head_velocity` (3,).
+
+        Handle 0 then walks at `speed`, m/s.
 
         Pymunk will first move every body by its velocity and then solve the joints, so the poses given to it lie one
         such move before the ones at which the joints shall hold.
@@ -202,23 +211,24 @@ class World:
         np.multiply(self.velocities, self.substep, out=coming)
         coming += given
         given[0] = head_pose - self.substep * head_velocity
-        self._send(head_velocity)
+        self._send(head_velocity, speed)
 
-    def _send(self, head_velocity: Array) -> None:
+    def _send(self, head_velocity: Array, speed: float) -> None:
         """Give the space its poses, and the guide's carriers and forces for where the benches are about to be."""
-        self._guide.lead(self._coming, self._out_carriers, self._out_forces)
+        self._guide.lead(self._coming, speed, self._out_carriers, self._out_forces)
         self._out_poses[:] = self._given
         batch.set_space_bodies(self.space, WRITE, self._outbox)
         vx, vy, spin = head_velocity.tolist()
         self.head.velocity = vx, vy
         self.head.angular_velocity = spin
 
-    def _settle(self, start: float, poses: Array, velocities: Array) -> None:
+    def _settle(self, start: float, state: States) -> None:
         """Put the benches on the exact state at `start` and let the joints find the impulses that hold them there.
 
         The solver begins each step with the impulses of the one before. Without any, the drag would stretch the chain
         in the first second by more than the drift of the whole march.
         """
+        poses, velocities, speed = state.poses[0], state.pose_velocities[0], float(state.speeds[0, 0])
         before = self.march.at(start - self.substep).pose_velocities[0]
         before[0] = velocities[0]
         benches, iterations = len(self.bodies), self.space.iterations
@@ -230,7 +240,7 @@ class World:
                 body.angular_velocity = spin
             np.subtract(poses, self.substep * before, out=self._given)
             self._coming[:] = poses
-            self._send(velocities[0])
+            self._send(velocities[0], speed)
             self.space.step(self.substep)
         self.space.iterations = iterations
         self.velocities[:] = before

@@ -47,9 +47,10 @@ class PlayerData:
 def player_data(run: Run, impact: Impact | None) -> PlayerData:
     """What the page is told of `run`, of which the exact model says `impact`."""
     dragon = run.march.dragon
+    narrowest = float(dragon.widths.min())
     begin, end = float(run.times[0]), float(run.times[-1])
-    places = packed(handles(run), STEP * dragon.width)
-    curve = packed(curve_points(run.march, begin, end)[:, None], STEP * dragon.width)
+    places = packed(handles(run), STEP * narrowest)
+    curve = packed(curve_points(run.march, begin, end)[:, None], STEP * narrowest)
     # The exact model's near misses are none of a dragon that nobody kept on its path.
     on_path = run.provenance.get("guide") != "none"
     misses = (impact and on_path and impact.clearances) or ()
@@ -61,7 +62,7 @@ def player_data(run: Run, impact: Impact | None) -> PlayerData:
         "windows": contact_windows(run),
         "handles": _shape(places),
         "curve": _shape(curve),
-        "curve_error": CURVE_ERROR * dragon.width,
+        "curve_error": CURVE_ERROR * narrowest,
     }
     return PlayerData(told=told, handles=places, curve=curve)
 
@@ -107,7 +108,7 @@ def curve_points(march: March, start: float, end: float) -> Array:
     places = np.linspace(first, last, CURVE_SAMPLES)
     # A chord c of a curve that bends by k is off by k c^2 / 8; this is the number of chords between two samples.
     bend = curve.sharpest(places[:-1], places[1:])
-    chords = np.sqrt(bend / (8 * CURVE_ERROR * march.dragon.width)) * np.diff(places)
+    chords = np.sqrt(bend / (8 * CURVE_ERROR * float(march.dragon.widths.min()))) * np.diff(places)
     passed = np.concatenate([[0.0], np.cumsum(chords)])
     if passed[-1] == 0:
         # A straight one has nothing to go by, and needs nothing but its ends.

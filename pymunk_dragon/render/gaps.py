@@ -32,17 +32,17 @@ def smallest_gap(dragon: Dragon, poses: Array) -> tuple[int, float] | None:
         return None
     corners = dragon.outlines(poses)
     # Two rectangles that do not overlap are nearest at a corner of one of them, so corners against rectangles will do.
-    to_head = _outside(corners[2:], poses[0], dragon.lengths[0], dragon.width)
-    from_head = _outside(corners[:1], poses[2:, None], dragon.lengths[2:, None], dragon.width)
+    to_head = _outside(corners[2:], poses[0], dragon.lengths[0], dragon.widths[0])
+    from_head = _outside(corners[:1], poses[2:, None], dragon.lengths[2:, None], dragon.widths[2:, None])
     gaps = np.minimum(to_head.min(axis=1), from_head.min(axis=1))
     nearest = int(np.argmin(gaps))
     return nearest + 2, float(gaps[nearest])
 
 
-def _outside(points: Array, poses: Array, lengths: Array, width: float) -> Array:
+def _outside(points: Array, poses: Array, lengths: Array, widths: Array) -> Array:
     """Distance of points (..., 2) to the rectangles at `poses` (..., 3), m, and 0 inside; leading axes broadcast."""
     offset = points - poses[..., :2]
     cos, sin = np.cos(poses[..., 2]), np.sin(poses[..., 2])
     along = np.abs(offset[..., 0] * cos + offset[..., 1] * sin) - lengths / 2
-    across = np.abs(offset[..., 1] * cos - offset[..., 0] * sin) - width / 2
+    across = np.abs(offset[..., 1] * cos - offset[..., 0] * sin) - widths / 2
     return np.hypot(np.maximum(along, 0.0), np.maximum(across, 0.0))

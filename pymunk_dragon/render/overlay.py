@@ -102,7 +102,7 @@ class Overlay:
 
     def _forces(self, draw: ImageDraw.ImageDraw, view: View, moment: Moment) -> None:
         if "impulses" in self._marks and moment.impulses is not None and self._largest > 0:
-            largest = min(MAX_DISC, DISC_SHARE * self._march.dragon.width * view.scale)
+            largest = min(MAX_DISC, DISC_SHARE * float(self._march.dragon.widths.min()) * view.scale)
             # The disc's area is in proportion to the impulse.
             radii = largest * np.sqrt(moment.impulses / self._largest)
             _, rear = self._march.dragon.holes(moment.poses)

@@ -122,7 +122,7 @@ class Scene:
         # One line for every stretch of the curve that is in view.
         borders = np.flatnonzero(np.diff(np.concatenate([[False], seen, [False]]).astype(np.int8)))
         points = np.floor(view.pixels(self._curve[seen]))
-        width = max(1, round(CURVE_WIDTH * self.march.dragon.width * self._scale))
+        width = max(1, round(CURVE_WIDTH * self.march.dragon.widths.min() * self._scale))
         begin = 0
         for first, last in borders.reshape(-1, 2).tolist():
             draw.line(points[begin : begin + last - first].ravel().tolist(), fill=CODES["curve"], width=width)
@@ -133,7 +133,7 @@ class Scene:
         dragon = self.march.dragon
         # ImageDraw fills the pixels on a polygon's edge too: half a pixel less on every side gives the true size.
         pixel = 1 / self._scale
-        corners = outlines(poses, dragon.lengths - pixel, dragon.width - pixel)
+        corners = outlines(poses, dragon.lengths - pixel, dragon.widths - pixel)
         seen = np.flatnonzero(view.holds(poses[:, :2], float(dragon.lengths.max())))
         polygons = np.floor(view.pixels(corners[seen])).astype(int).reshape(-1, 8).tolist()
         draw = ImageDraw.Draw(canvas)
@@ -150,7 +150,7 @@ class Scene:
             boxes = np.concatenate([corner, corner + round(diameter) - 1], axis=1)
             for box in boxes.tolist():
                 draw.ellipse(box, fill=ink)
-        if touching and dragon.width * self._scale >= RING_BENCH_WIDTH * BLOCK:
+        if touching and dragon.widths.min() * self._scale >= RING_BENCH_WIDTH * BLOCK:
             x, y = view.pixels(touching.point).tolist()
             radius = RING_RADIUS * BLOCK
             draw.ellipse((x - radius, y - radius, x + radius, y + radius), outline=ink, width=BLOCK)
@@ -166,7 +166,7 @@ class Scene:
             left = f"gap {1000 * gap:.{digits}f} mm to bench {bench}"
         if moment.impulses is not None:
             right = f"joints up to {_impulse(float(moment.impulses.max()))} N s"
-        self._lettering.put(picture, f"t = {moment.time:.2f} s", f"{self.march.speed:.2f} m/s")
+        self._lettering.put(picture, f"t = {moment.time:.2f} s", f"{float(self.march.pace.at(moment.time)):.2f} m/s")
         self._lettering.put(picture, left, right, bottom=True)
 
 

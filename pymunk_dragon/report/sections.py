@@ -238,7 +238,8 @@ def _origin(contents: Contents) -> Section:
     for name, value in contents["scenario"].items():
         label, unit = SCENARIO_WORDS[name]
         if value is not None:
-            text = f"{value:g}" if isinstance(value, float) else str(value)
+            values = value if isinstance(value, list | tuple) else [value]
+            text = ", ".join(f"{one:g}" if isinstance(one, float) else str(one) for one in values)
             scenario.append((label, f"{text} {unit}".rstrip()))
     versions = [*tables.settings(contents["versions"]), ("report format", str(contents["version"]))]
     facts = {"Scenario": scenario, "Settings": tables.settings(contents["settings"]), "Versions": versions}

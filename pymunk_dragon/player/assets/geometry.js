@@ -17,7 +17,7 @@ class Benches {
   // Rear right, front right, front left, rear left.
   corners(i) {
     const { x, y, cos, sin } = this.poses;
-    const along = this.motion.lengths[i] / 2, across = this.motion.width / 2;
+    const along = this.motion.lengths[i] / 2, across = this.motion.widths[i] / 2;
     return [[-along, -across], [along, -across], [along, across], [-along, across]].map(
       ([a, c]) => [x[i] + a * cos[i] - c * sin[i], y[i] + a * sin[i] + c * cos[i]]);
   }
@@ -33,7 +33,7 @@ class Benches {
   nearestPoint(i, point) {
     const { x, y, cos, sin } = this.poses;
     const [ahead, left] = this.seenFrom(i, point);
-    const along = this.motion.lengths[i] / 2, across = this.motion.width / 2;
+    const along = this.motion.lengths[i] / 2, across = this.motion.widths[i] / 2;
     const a = Math.min(Math.max(ahead, -along), along), c = Math.min(Math.max(left, -across), across);
     return {
       distance: Math.hypot(ahead - a, left - c),
@@ -45,7 +45,7 @@ class Benches {
   overlap(i, j) {
     return [[i, j], [j, i]].every(([own, other]) => {
       const seen = this.corners(other).map((corner) => this.seenFrom(own, corner));
-      return [this.motion.lengths[own] / 2, this.motion.width / 2].every((half, axis) =>
+      return [this.motion.lengths[own] / 2, this.motion.widths[own] / 2].every((half, axis) =>
         seen.some((point) => point[axis] <= half) && seen.some((point) => point[axis] >= -half));
     });
   }
@@ -65,7 +65,7 @@ class Benches {
   // The bench nearest to bench `i` among those that are not its neighbours; null where there is none.
   nextCoil(i) {
     const { x, y } = this.poses;
-    const reach = (k) => Math.hypot(this.motion.lengths[k], this.motion.width) / 2;
+    const reach = (k) => Math.hypot(this.motion.lengths[k], this.motion.widths[k]) / 2;
     let found = null;
     for (let j = 0; j < this.motion.benches; j++) {
       if (Math.abs(i - j) <= 1) continue;
@@ -93,7 +93,7 @@ class Benches {
   cells(i, { cell, origin }) {
     const { x, y, cos, sin } = this.poses;
     const u = (x[i] - origin[0]) / cell, v = (origin[1] - y[i]) / cell;
-    const along = this.motion.lengths[i] / 2 / cell, across = this.motion.width / 2 / cell;
+    const along = this.motion.lengths[i] / 2 / cell, across = this.motion.widths[i] / 2 / cell;
     const c = Math.abs(cos[i]), s = Math.abs(sin[i]);
     const reachU = along * c + across * s + CELL_SLACK, reachV = along * s + across * c + CELL_SLACK;
     const cells = [];

@@ -58,7 +58,7 @@ function drawVelocities(painter, time, benches, seen) {
 function drawNumbers(painter, benches, seen, red) {
   const { context, colours, motion, view } = painter;
   const { x, y, angle } = benches.poses;
-  const thickness = motion.width * view.scale;
+  const thickness = motion.narrowest * view.scale;
   context.textAlign = "center";
   context.textBaseline = "middle";
   if (thickness < NUMBERED_BENCH) {

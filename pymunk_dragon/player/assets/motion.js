@@ -17,9 +17,14 @@ class Motion {
     this.end = this.times.at(-1);
     this.packed = packed;
     this.benches = benches;
-    this.width = width;
-    this.lengths = Float64Array.from({ length: benches }, (_, i) => (i ? body_spacing : head_spacing) + 2 * overhang);
-    this.spacings = this.lengths.map((length) => length - 2 * overhang);
+    // A size is one number for all benches, or one for each.
+    const each = (sizes) => Float64Array.from({ length: benches }, (_, i) => Array.isArray(sizes) ? sizes[i] : sizes);
+    this.widths = each(width);
+    this.narrowest = Math.min(...this.widths);
+    this.spacings = each(Array.isArray(body_spacing) ? [head_spacing, ...body_spacing] : body_spacing);
+    this.spacings[0] = head_spacing;
+    const overhangs = each(overhang);
+    this.lengths = this.spacings.map((spacing, i) => spacing + 2 * overhangs[i]);
     this.windows = told.windows;
     const steps = Array.from(this.times.subarray(1), (time, i) => time - this.times[i]).filter((step) => step > 0);
     this.interval = steps.sort((a, b) => a - b)[steps.length >> 1] ?? 0;

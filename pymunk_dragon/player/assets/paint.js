@@ -82,7 +82,7 @@ class Painter {
       }
     }
     context.strokeStyle = this.colours.curve;
-    context.lineWidth = Math.max(THINNEST_CURVE, CURVE_WIDTH * this.motion.width * view.scale);
+    context.lineWidth = Math.max(THINNEST_CURVE, CURVE_WIDTH * this.motion.narrowest * view.scale);
     context.stroke(path);
   }
 
@@ -111,7 +111,7 @@ class Painter {
     const tail = motion.benches - 1;
     const special = (i) => i === 0 || i === tail || red.has(i);
     context.strokeStyle = colours.ink;
-    context.lineWidth = Math.min(Math.max(OUTLINE_WIDTH * motion.width * view.scale, THINNEST_OUTLINE), THICKEST_OUTLINE);
+    context.lineWidth = Math.min(Math.max(OUTLINE_WIDTH * motion.narrowest * view.scale, THINNEST_OUTLINE), THICKEST_OUTLINE);
     const paint = (chosen) => {
       if (!chosen.length) return;
       const path = new Path2D();

@@ -10,8 +10,8 @@ class View {
     this.x = this.y = 0;
     this.scale = 1; // pixels per m
     this.width = this.height = 1; // pixels
-    this.headSpan = 20 * motion.width; // m: the head, the turn that it is on and the two beside it
-    this.maxScale = WIDEST_BENCH / motion.width;
+    this.headSpan = 20 * motion.widths[0]; // m: the head, the turn that it is on and the two beside it
+    this.maxScale = WIDEST_BENCH / motion.narrowest;
     const { counts, origin, step } = motion.packed;
     const low = [Infinity, Infinity], high = [-Infinity, -Infinity];
     for (let i = 0; i < counts.length; i++) {
@@ -20,7 +20,7 @@ class View {
       if (counts[i] > high[axis]) high[axis] = counts[i];
     }
     // The ground that the benches ever cover: their holes, and an end beyond each.
-    const beyond = (motion.lengths[0] - motion.spacings[0]) / 2 + motion.width / 2;
+    const beyond = Math.max(...motion.lengths.map((length, i) => (length - motion.spacings[i] + motion.widths[i]) / 2));
     this.field = {
       centre: [0, 1].map((axis) => origin[axis] + step * (low[axis] + high[axis]) / 2),
       size: [0, 1].map((axis) => step * (high[axis] - low[axis]) + 2 * beyond),

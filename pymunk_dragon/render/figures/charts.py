@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pymunk_dragon.collision import Impact, separation
-from pymunk_dragon.dragon import outlines
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.march import March
 from pymunk_dragon.render.figures.lines import ASIDE, bundle, label, logarithmic, name, several_times
@@ -55,7 +54,7 @@ def gap(march: March) -> Figure:
         title,
         "gap between the head and the nearest bench but its neighbour, mm; dashed, to each bench by itself",
     )
-    since = max(0.0, hit.time - LAST_LENGTHS * float(march.dragon.lengths[0]) / march.speed)
+    since = max(0.0, float(march.time(march.way(hit.time) - LAST_LENGTHS * march.dragon.lengths[0])))
     whole = panel(figure, 0.85, 4.85, 6.85, 1.75)
     close = panel(figure, 0.85, 0.65, 6.85, 3.5)
     whole.axvspan(since, hit.time, color=FAINT, lw=0)
@@ -114,6 +113,5 @@ def _gap_line(axes: Axes, march: March, times: Array, gid: str) -> float:
 
 def _gaps_to(march: March, times: Array, bench: int) -> Array:
     """Gap (T,) in m between the head and `bench` at `times` (T,)."""
-    dragon, poses = march.dragon, march.at(times, bench + 2).poses
-    corners = outlines(poses, dragon.lengths[: bench + 1], dragon.width)
+    corners = march.dragon.outlines(march.at(times, bench + 2).poses)
     return separation(corners[:, 0], corners[:, bench]).distance

@@ -125,7 +125,7 @@ def velocities(march: March) -> Figure:
     reach = float(np.hypot(*places.T).max())
     first, last = states.places[0, [-1, 0]]
     axes.plot(*_between(march, first, last, WAY_POINTS).T, color=RULE, lw=1.4)
-    arrows = ARROW * reach / march.speed * states.velocities[0, handles]
+    arrows = ARROW * reach / states.speeds[0, 0] * states.velocities[0, handles]
     axes.quiver(
         *places[handles].T,
         *arrows.T,

@@ -1,0 +1,22 @@
+"""How fast the head goes: a number, a table over time, or a function."""
+
+from __future__ import annotations
+
+from pymunk_dragon.speed.base import MAX_SPEED, MIN_SPEED, ConstantSpeed, Speed
+from pymunk_dragon.speed.function import SpeedFunction
+from pymunk_dragon.speed.table import SpeedTable
+
+__all__ = ["MAX_SPEED", "MIN_SPEED", "ConstantSpeed", "Speed", "SpeedFunction", "SpeedTable", "speed_of"]
+
+
+def speed_of(value: object) -> Speed:
+    """`value` as a `Speed`: a number in m/s, a `SpeedTable`, a function from s to m/s, or what is a `Speed` already.
+
+    Raises
+    ------
+    ParameterError
+        If it is none of them, or a number that is not from 1e-6 to 20 m/s.
+    """
+    if isinstance(value, Speed):
+        return value
+    return SpeedFunction(value) if callable(value) else ConstantSpeed(value)  # type: ignore[arg-type]  # checks it
