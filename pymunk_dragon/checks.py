@@ -10,24 +10,24 @@ from numbers import Integral, Real
 
 from pymunk_dragon.errors import ParameterError
 
-__all__ = ["finite", "positive", "whole"]
+__all__ = ["finite", "number", "positive", "whole"]
 
 
 def finite(name: str, value: object, low: float, high: float, unit: str) -> float:
     """`value` as a float, if it is a number within [low, high]."""
-    number = _number(value)
-    if not (math.isfinite(number) and low <= number <= high):
+    amount = number(value)
+    if not (math.isfinite(amount) and low <= amount <= high):
         raise ParameterError(name, value, f"a number from {low:g} to {high:g} {unit}".rstrip())
-    return number
+    return amount
 
 
 def positive(name: str, value: object, high: float, unit: str) -> float:
     """`value` as a float, if it is a number above 0 and at most `high`, and finite."""
-    number = _number(value)
-    if not (math.isfinite(number) and 0 < number <= high):
+    amount = number(value)
+    if not (math.isfinite(amount) and 0 < amount <= high):
         upper = "finite" if high == math.inf else f"at most {high:g}"
         raise ParameterError(name, value, f"a number above 0 and {upper} {unit}".rstrip())
-    return number
+    return amount
 
 
 def whole(name: str, value: object, low: int, high: int) -> int:
@@ -37,7 +37,7 @@ def whole(name: str, value: object, low: int, high: int) -> int:
     raise ParameterError(name, value, f"a whole number from {low} to {high}")
 
 
-def _number(value: object) -> float:
+def number(value: object) -> float:
     """`value` as a float, nan where it is no real number."""
     if not isinstance(value, Real) or isinstance(value, bool):
         return math.nan

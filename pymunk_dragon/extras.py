@@ -14,6 +14,7 @@ FEATURES = {
     "imageio_ffmpeg": ("an MP4", "mp4"),
     "jinja2": ("an HTML report", "report"),
     "matplotlib": ("a figure", "figures"),
+    "scipy.interpolate": ("a path through points", "curves"),
     "xlsxwriter": ("an XLSX file", "report"),
 }
 

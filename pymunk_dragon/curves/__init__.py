@@ -1,8 +1,26 @@
 """What a dragon marches on."""
 
+from pymunk_dragon.curves.arc import Arc
 from pymunk_dragon.curves.base import Curve
 from pymunk_dragon.curves.chain import chain, foot
+from pymunk_dragon.curves.composite import Composite
+from pymunk_dragon.curves.line import Line
 from pymunk_dragon.curves.reversed import Reversed
+from pymunk_dragon.curves.sampled import Sampled
+from pymunk_dragon.curves.section import Section
 from pymunk_dragon.curves.spiral import Spiral
+from pymunk_dragon.curves.u_turn import UTurn
 
-__all__ = ["Curve", "Reversed", "Spiral", "chain", "foot"]
+__all__ = [
+    "Arc",
+    "Composite",
+    "Curve",
+    "Line",
+    "Reversed",
+    "Sampled",
+    "Section",
+    "Spiral",
+    "UTurn",
+    "chain",
+    "foot",
+]

@@ -21,6 +21,33 @@ class Curve(Protocol):
     for points and vectors. Beyond the ends there is no place: the answer is nan.
 
     Any class with these members is a curve that a dragon can march on.
+
+    Examples
+    --------
+    A rope that hangs between two posts, with its lowest point at (0, 2) m:
+
+    >>> import numpy as np
+    >>> class Catenary:
+    ...     begin, end = -np.inf, np.inf
+    ...
+    ...     def point(self, s):
+    ...         return np.stack([2 * np.arcsinh(np.divide(s, 2)), np.hypot(s, 2)], axis=-1)
+    ...
+    ...     def tangent(self, s):
+    ...         return np.stack([np.full(np.shape(s), 2.0), np.asarray(s)], axis=-1) / np.hypot(s, 2)[..., None]
+    ...
+    ...     def curvature(self, s):
+    ...         return 2 / (np.square(s) + 4)
+    ...
+    ...     def sharpest(self, s, other):
+    ...         # It bends most at its lowest point.
+    ...         return self.curvature(np.clip(0, np.minimum(s, other), np.maximum(s, other)))
+    >>> from pymunk_dragon.curves import Composite, Line, Section
+    >>> slope = Catenary().tangent(3.0)
+    >>> bottom = Catenary().point(3.0)
+    >>> path = Composite([Section(Catenary(), -3.0, 3.0), Line(start=bottom, stop=top + slope)])
+    >>> path.point([0.0, 3.0, 6.0, 7.0]).round(3).tolist()
+    [[-2.39, 3.606], [0.0, 2.0], [2.39, 3.606], [2.944, 4.438]]
     """
 
     @property

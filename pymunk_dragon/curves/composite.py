@@ -1,0 +1,132 @@
+"""Curves joined end to begin."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from pymunk_dragon.curves.base import Array, Curve
+from pymunk_dragon.curves.places import overlap, within
+from pymunk_dragon.errors import ParameterError
+
+__all__ = ["Composite"]
+
+# Metres and rad that two pieces may be apart where they meet. Rounding leaves some 1e-13 on a dance floor; a thousandth
+# of a micrometre is far below what any result is told to, and far above that.
+MAX_GAP, MAX_KINK = 1e-9, 1e-9
+
+
+@dataclass(frozen=True)
+class Composite:
+    """Curves joined end to begin, without gaps and kinks.
+
+    Its place 0 is where its first piece begins, or where that one ends if it comes from infinity.
+
+    Parameters
+    ----------
+    pieces : iterable of Curve
+        In the order of travel. Only the first may come from infinity, only the last may go on for ever.
+
+    Attributes
+    ----------
+    joints : tuple of float
+        The places where a piece ends and the next one begins, m: one fewer than pieces. At a joint the curvature is
+        that of the later piece.
+
+    Raises
+    ------
+    ParameterError
+        If there is no piece or one is no curve, if an inner end lies at infinity, or if two pieces do not meet: they
+        may be 1e-9 m and 1e-9 rad apart.
+    """
+
+    pieces: tuple[Curve, ...]
+    joints: tuple[float, ...] = field(init=False, repr=False, compare=False)
+    # What to add to a place, to have that of the piece.
+    _shifts: tuple[float, ...] = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        pieces = tuple(self.pieces) if isinstance(self.pieces, Iterable) else ()
+        if not pieces or not all(isinstance(piece, Curve) for piece in pieces):
+            raise ParameterError("pieces", self.pieces, "one Curve or more")
+        first = pieces[0]
+        shifts = [next((float(place) for place in (first.begin, first.end) if math.isfinite(place)), 0.0)]
+        joints: list[float] = []
+        for before, after in pairwise(pieces):
+            self._check_joint(len(shifts), before, after)
+            joints.append(before.end - shifts[-1])
+            shifts.append(after.begin - joints[-1])
+        object.__setattr__(self, "pieces", pieces)
+        object.__setattr__(self, "joints", tuple(joints))
+        object.__setattr__(self, "_shifts", tuple(shifts))
+
+    @property
+    def begin(self) -> float:
+        """Place where the first piece begins: 0 m, or -inf."""
+        return self.pieces[0].begin - self._shifts[0]
+
+    @property
+    def end(self) -> float:
+        """Place where the last piece ends, m."""
+        return self.pieces[-1].end - self._shifts[-1]
+
+    def point(self, s: ArrayLike) -> Array:
+        """Position (..., 2) in m."""
+        return self._by_piece(s, [piece.point for piece in self.pieces], (2,))
+
+    def tangent(self, s: ArrayLike) -> Array:
+        """Unit vector (..., 2) in the direction of travel."""
+        return self._by_piece(s, [piece.tangent for piece in self.pieces], (2,))
+
+    def curvature(self, s: ArrayLike) -> Array:
+        """Curvature (...) in 1/m, positive to the left."""
+        return self._by_piece(s, [piece.curvature for piece in self.pieces], ())
+
+    def sharpest(self, s: ArrayLike, other: ArrayLike) -> Array:
+        """Curvature (...) in 1/m that is nowhere exceeded between two places."""
+        lower, upper = overlap(s, other, self.begin, self.end)
+        bends = np.zeros(lower.shape)
+        edges = [self.begin, *self.joints, self.end]
+        for k, piece in enumerate(self.pieces):
+            shared = (lower <= edges[k + 1]) & (upper >= edges[k]) & (lower <= upper)
+            if shared.any():
+                first, last = self._place_on(k, lower[shared]), self._place_on(k, upper[shared])
+                bends[shared] = np.maximum(bends[shared], piece.sharpest(first, last))
+        return bends
+
+    def _by_piece(self, s: ArrayLike, methods: list[Callable[[Array], Array]], tail: tuple[int, ...]) -> Array:
+        """What the pieces' `methods` say of places: arrays of their shape and `tail`."""
+        places = within(s, self.begin, self.end)
+        # What is no place is sorted behind all joints, and is nan on the last piece as well.
+        index = np.searchsorted(self.joints, places, side="right")
+        first, last = (int(index.min()), int(index.max())) if index.size else (0, 0)
+        if first == last:
+            return methods[first](self._place_on(first, places))
+        answer = np.empty(places.shape + tail)
+        for k in range(first, last + 1):
+            here = index == k
+            answer[here] = methods[k](self._place_on(k, places[here]))
+        return answer
+
+    def _place_on(self, k: int, places: Array) -> Array:
+        """Places on piece `k`, kept from leaving it by rounding."""
+        return np.clip(places + self._shifts[k], self.pieces[k].begin, self.pieces[k].end)
+
+    def _check_joint(self, number: int, before: Curve, after: Curve) -> None:
+        """Refuse two pieces that do not meet at joint `number`, counted from 1."""
+        names = f"piece {number} ({type(before).__name__}) and piece {number + 1} ({type(after).__name__})"
+        if not (math.isfinite(before.end) and math.isfinite(after.begin)):
+            raise ParameterError("pieces", self.pieces, f"finite where they meet: {names} lie infinitely far apart")
+        (x, y), (dx, dy) = (part(before.end) for part in (before.point, before.tangent))
+        (x_after, y_after), (dx_after, dy_after) = (part(after.begin) for part in (after.point, after.tangent))
+        gap = math.hypot(x_after - x, y_after - y)
+        kink = abs(math.atan2(dx * dy_after - dy * dx_after, dx * dx_after + dy * dy_after))
+        # Written so that nan fails.
+        if not (gap <= MAX_GAP and kink <= MAX_KINK):
+            apart = f"{gap:.3g} m and {kink:.3g} rad ({math.degrees(kink):.3g} degrees)"
+            raise ParameterError("pieces", self.pieces, f"joined smoothly: at joint {number} {names} are {apart} apart")

@@ -1,0 +1,117 @@
+"""A part of a curve, and a curve travelled the other way."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from pymunk_dragon.checks import number
+from pymunk_dragon.curves.base import Array, Curve
+from pymunk_dragon.curves.places import overlap, within
+from pymunk_dragon.errors import ParameterError
+
+__all__ = ["Reversed", "Section"]
+
+
+@dataclass(frozen=True)
+class Section:
+    """Part of a curve; its places are those of the curve.
+
+    Parameters
+    ----------
+    curve : Curve
+        What it is a part of.
+    begin, end : float
+        Its first and last place on the curve, m. They may be infinite where the curve is.
+
+    Raises
+    ------
+    ParameterError
+        If `curve` is no curve, or the places are not on it or not in the order of travel.
+    """
+
+    curve: Curve
+    begin: float
+    end: float
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.curve, Curve):
+            raise ParameterError("curve", self.curve, "a Curve")
+        first, last = self.curve.begin, self.curve.end
+        begin, end = number(self.begin), number(self.end)
+        # Written so that nan fails.
+        if not first <= begin < last:
+            raise ParameterError("begin", self.begin, f"a place on the curve, from {first:g} to {last:g} m")
+        if not begin < end <= last:
+            raise ParameterError("end", self.end, f"a place on the curve after {begin:g} m, at most {last:g} m")
+        object.__setattr__(self, "begin", begin)
+        object.__setattr__(self, "end", end)
+
+    def point(self, s: ArrayLike) -> Array:
+        """Position (..., 2) in m."""
+        return self.curve.point(within(s, self.begin, self.end))
+
+    def tangent(self, s: ArrayLike) -> Array:
+        """Unit vector (..., 2) in the direction of travel."""
+        return self.curve.tangent(within(s, self.begin, self.end))
+
+    def curvature(self, s: ArrayLike) -> Array:
+        """Curvature (...) in 1/m, positive to the left."""
+        return self.curve.curvature(within(s, self.begin, self.end))
+
+    def sharpest(self, s: ArrayLike, other: ArrayLike) -> Array:
+        """Curvature (...) in 1/m that is nowhere exceeded between two places."""
+        lower, upper = overlap(s, other, self.begin, self.end)
+        shared = lower <= upper
+        return np.where(shared, self.curve.sharpest(np.where(shared, lower, np.nan), upper), 0.0)
+
+
+@dataclass(frozen=True)
+class Reversed:
+    """A curve travelled the other way: its place s is the curve's -s.
+
+    Parameters
+    ----------
+    curve : Curve
+        What is travelled the other way.
+
+    Raises
+    ------
+    ParameterError
+        If `curve` is no curve.
+    """
+
+    curve: Curve
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.curve, Curve):
+            raise ParameterError("curve", self.curve, "a Curve")
+
+    @property
+    def begin(self) -> float:
+        """Place where it begins, m: the end of the curve."""
+        # Not -x, which would make -0.0 of 0.0.
+        return 0.0 - self.curve.end
+
+    @property
+    def end(self) -> float:
+        """Place where it ends, m: the begin of the curve."""
+        return 0.0 - self.curve.begin
+
+    def point(self, s: ArrayLike) -> Array:
+        """Position (..., 2) in m."""
+        return self.curve.point(np.negative(s))
+
+    def tangent(self, s: ArrayLike) -> Array:
+        """Unit vector (..., 2) in the direction of travel."""
+        return -self.curve.tangent(np.negative(s))
+
+    def curvature(self, s: ArrayLike) -> Array:
+        """Curvature (...) in 1/m, positive to the left."""
+        return np.asarray(0.0 - self.curve.curvature(np.negative(s)))
+
+    def sharpest(self, s: ArrayLike, other: ArrayLike) -> Array:
+        """Curvature (...) in 1/m that is nowhere exceeded between two places."""
+        return self.curve.sharpest(np.negative(s), np.negative(other))

@@ -1,0 +1,215 @@
+"""A smooth path through points that a user gives."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from pymunk_dragon.curves.base import Array
+from pymunk_dragon.curves.cells import Cells, bend, cut, speed, travelled
+from pymunk_dragon.curves.places import FARTHEST, overlap, within
+from pymunk_dragon.errors import FileFormatError, ParameterError
+from pymunk_dragon.extras import library
+
+__all__ = ["Sampled"]
+
+Indices = NDArray[np.intp]
+
+# A cubic that is the same on both sides of the second and the last but one point needs two more.
+MIN_POINTS = 4
+# A point for every metre of a day's march, nearly; every point costs some kB and a millisecond for a hundred of them.
+MAX_POINTS = 50_000
+# Metres. Neighbouring points closer than this are the same point given twice, or its direction is not told.
+MIN_CHORD = 1e-3
+# Places that are looked up together: what they need stays in a processor's cache.
+CHUNK = 8192
+# Share of a cell: after so small a step of Newton's the next one would be below the last digit.
+SETTLED = 1e-9
+# Newton's method doubles the digits of a guess that is right to a hundredth; 3 are enough.
+MAX_PASSES = 8
+
+
+@dataclass(frozen=True, eq=False)
+class Sampled:
+    """Smooth path through points: the cubic spline by chord length, whose curvature is continuous (not-a-knot ends).
+
+    It begins at the first point and ends at the last one; its places are arc lengths from the first. Two of them are
+    equal if they are the same object.
+
+    Parameters
+    ----------
+    points : array_like, shape (N, 2)
+        x and y in m, in the order of travel, N from 4 to 50 000.
+
+    Raises
+    ------
+    ParameterError
+        If the points are no such array of finite numbers, if one lies more than 100 km from the origin along an axis or
+        less than 1 mm from the one before, or if the path through them nearly stops on its way, as at a cusp.
+    MissingExtraError
+        If SciPy is not installed.
+
+    References
+    ----------
+    C. de Boor, A Practical Guide to Splines, chapter IV. SciPy's `CubicSpline` solves for it.
+    """
+
+    points: Array
+    _cells: Cells = field(init=False, repr=False)
+    # Place where each cell begins and the last one ends, (C + 1,), m.
+    _edges: Array = field(init=False, repr=False)
+    # The bound on the curvature over 2^k cells from each on, one row for each k.
+    _bends: list[Array] = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        points = _checked(self.points)
+        chords = np.hypot(*np.diff(points, axis=0).T)
+        spline = library("scipy.interpolate").CubicSpline(np.concatenate([[0.0], np.cumsum(chords)]), points)
+        # SciPy gives the highest power first, and a piece's parameter in m.
+        powers = np.arange(4)[:, None, None]
+        cells = cut(np.moveaxis(spline.c[::-1] * np.diff(spline.x)[:, None] ** powers, 0, 1), chords)
+        # Summed in more digits, so that a thousand cells are as exact as one.
+        edges = np.concatenate([[0.0], np.cumsum(cells.lengths, dtype=np.longdouble).astype(float)])
+        bends = [cells.bends]
+        while 2 ** len(bends) <= cells.bends.size:
+            half = 2 ** (len(bends) - 1)
+            bends.append(np.maximum(bends[-1][:-half], bends[-1][half:]))
+        for name, value in (("points", points), ("_cells", cells), ("_edges", edges), ("_bends", bends)):
+            object.__setattr__(self, name, value)
+
+    @classmethod
+    def read(cls, path: str | Path) -> Self:
+        """Path through the points of a CSV file: x and y in m on each line, with or without one line of heads.
+
+        Raises
+        ------
+        ParameterError
+            If there is no such file, if it cannot be read, or as for `Sampled`.
+        FileFormatError
+            If a line is not two numbers.
+        MissingExtraError
+            If SciPy is not installed.
+        """
+        try:
+            lines = Path(path).read_text(encoding="utf-8-sig").splitlines()
+        except UnicodeDecodeError as error:
+            raise FileFormatError(path, "not a text file") from error
+        except (OSError, ValueError) as error:
+            reason = (isinstance(error, OSError) and error.strerror) or error
+            raise ParameterError("points", str(path), f"a readable file ({reason})") from error
+        points = []
+        for number, line in enumerate(lines, start=1):
+            if not line.strip():
+                continue
+            try:
+                x, y = (float(part) for part in line.split(","))
+            except ValueError as error:
+                if number == 1:
+                    continue
+                raise FileFormatError(path, f"line {number} is not two numbers x,y: {line.strip()[:40]!r}") from error
+            points.append((x, y))
+        return cls(np.array(points))
+
+    @property
+    def begin(self) -> float:
+        """0 m."""
+        return 0.0
+
+    @property
+    def end(self) -> float:
+        """Length, m."""
+        return float(self._edges[-1])
+
+    def point(self, s: ArrayLike) -> Array:
+        """Position (..., 2) in m."""
+        return self._looked_up(s, _point, (2,))
+
+    def tangent(self, s: ArrayLike) -> Array:
+        """Unit vector (..., 2) in the direction of travel."""
+        return self._looked_up(s, _tangent, (2,))
+
+    def curvature(self, s: ArrayLike) -> Array:
+        """Curvature (...) in 1/m, positive to the left."""
+        return self._looked_up(s, bend, ())
+
+    def sharpest(self, s: ArrayLike, other: ArrayLike) -> Array:
+        """Curvature (...) in 1/m that is nowhere exceeded between two places."""
+        lower, upper = overlap(s, other, self.begin, self.end)
+        shared = lower <= upper
+        first, last = self._cell(np.where(shared, lower, 0.0)), self._cell(np.where(shared, upper, 0.0))
+        # Two overlapping ranges of 2^k cells each cover all from the first to the last one.
+        rows = np.frexp(last - first + 1)[1] - 1
+        bends = np.zeros(lower.shape)
+        for k in np.unique(rows[shared]).tolist():
+            here = shared & (rows == k)
+            bends[here] = np.maximum(self._bends[k][first[here]], self._bends[k][last[here] - 2**k + 1])
+        return bends
+
+    def _cell(self, s: Array) -> Indices:
+        """Cell that each place is in."""
+        return np.clip(np.searchsorted(self._edges, s, side="right") - 1, 0, self._cells.lengths.size - 1)
+
+    def _looked_up(self, s: ArrayLike, what: Callable[[Array, Array], Array], tail: tuple[int, ...]) -> Array:
+        """`what` (n, ...) of cubics (n, 4, 2) at their w (n,), for places of any shape."""
+        places = within(s, self.begin, self.end)
+        flat = places.ravel()
+        answer = np.empty(flat.shape + tail)
+        for start in range(0, flat.size, CHUNK):
+            chunk = flat[start : start + CHUNK]
+            cell = self._cell(chunk)
+            cubics = self._cells.cubics[cell]
+            answer[start : start + CHUNK] = what(cubics, _solved(cubics, chunk - self._edges[cell], self._cells.lengths[cell]))
+        return answer.reshape(places.shape + tail)
+
+
+def _solved(cubics: Array, way: Array, lengths: Array) -> Array:
+    """Where, from 0 to 1, each cubic (n, 4, 2) of known length (n,) has gone its `way` (n,): Newton's method."""
+    share = way / lengths
+    # The cubic that has the right values and slopes at both ends is a guess.
+    first, last = lengths / speed(cubics, 0.0), lengths / speed(cubics, 1.0)
+    w = share * (first + share * (3 - 2 * first - last + share * (first + last - 2)))
+    for _ in range(MAX_PASSES):
+        step = (travelled(cubics, w) - way) / speed(cubics, w)
+        w = np.clip(w - step, 0.0, 1.0)
+        if not np.any(np.abs(step) > SETTLED):
+            break
+    return w
+
+
+def _point(cubics: Array, w: Array) -> Array:
+    w = w[:, None]
+    points: Array = cubics[:, 0] + w * (cubics[:, 1] + w * (cubics[:, 2] + w * cubics[:, 3]))
+    return points
+
+
+def _tangent(cubics: Array, w: Array) -> Array:
+    w = w[:, None]
+    velocity = cubics[:, 1] + w * (2 * cubics[:, 2] + w * (3 * cubics[:, 3]))
+    tangents: Array = velocity / np.hypot(velocity[:, :1], velocity[:, 1:])
+    return tangents
+
+
+def _checked(points: object) -> Array:
+    """A read-only copy of `points` (N, 2), if a path can go through them."""
+    try:
+        array = np.array(points, dtype=float)
+    except (TypeError, ValueError, OverflowError):
+        array = np.empty(0)
+    if array.ndim != 2 or array.shape[1] != 2 or not MIN_POINTS <= len(array) <= MAX_POINTS:
+        raise ParameterError("points", points, f"{MIN_POINTS} to {MAX_POINTS} points, each x and y in m")
+    bad = ~(np.abs(array) <= FARTHEST).all(axis=1)
+    if bad.any():
+        number = int(np.argmax(bad))
+        bound = f"finite and at most {FARTHEST:g} m from the origin along either axis"
+        raise ParameterError(f"point {number + 1}", array[number].tolist(), bound)
+    close = np.hypot(*np.diff(array, axis=0).T) < MIN_CHORD
+    if close.any():
+        number = int(np.argmax(close)) + 1
+        raise ParameterError(f"point {number + 1}", array[number].tolist(), f"at least {MIN_CHORD:g} m from the one before")
+    array.flags.writeable = False
+    return array

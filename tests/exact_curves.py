@@ -1,0 +1,140 @@
+"""Curves in many digits, from their definitions alone: it imports nothing of the package.
+
+Each is a function of arc length that gives x, y, the direction's x and y, and the signed curvature, as mpf.
+"""
+
+from __future__ import annotations
+
+import mpmath as mp
+
+DIGITS = 34
+
+
+def line(start, stop):
+    (x, y), (u, v) = [[mp.mpf(part) for part in point] for point in (start, stop)]
+
+    def at(s):
+        length = mp.hypot(u - x, v - y)
+        dx, dy = (u - x) / length, (v - y) / length
+        return x + s * dx, y + s * dy, dx, dy, mp.mpf(0)
+
+    return at
+
+
+def arc(centre, radius, begin_angle, sweep):
+    def at(s):
+        side = mp.sign(sweep)
+        angle = mp.mpf(begin_angle) + side * s / mp.mpf(radius)
+        x, y = (mp.mpf(part) for part in centre)
+        x, y = x + radius * mp.cos(angle), y + radius * mp.sin(angle)
+        return x, y, -side * mp.sin(angle), side * mp.cos(angle), side / mp.mpf(radius)
+
+    return at
+
+
+def spiral(pitch, rotation=0, outward=False):
+    """r = k theta about the origin, by its arc length from the centre, negative on the way in."""
+    k = mp.mpf(pitch) / (2 * mp.pi)
+
+    def at(s):
+        length = s if outward else -s
+
+        def miss(theta):
+            return k / 2 * (theta * mp.sqrt(theta**2 + 1) + mp.asinh(theta)) - length
+
+        theta = mp.findroot(miss, mp.sqrt(2 * length / k) + mp.mpf("1e-9"))
+        return _of_parameter(lambda p: k * p * mp.expj(p + rotation), theta, 1 if outward else -1)
+
+    return at
+
+
+def _of_parameter(path, p, side):
+    """The five numbers at parameter p of a path in the complex plane, travelled forward (side 1) or back (-1)."""
+    here, first, second = path(p), mp.diff(path, p), mp.diff(path, p, 2)
+    direction = side * first / abs(first)
+    bend = side * (mp.conj(first) * second).imag / abs(first) ** 3
+    return here.real, here.imag, direction.real, direction.imag, bend
+
+
+def s_turn(pitch, radius, ratio):
+    """Radii, centres, sweeps and length of question 4's turn, from what it has to be tangent to."""
+    k = mp.mpf(pitch) / (2 * mp.pi)
+    theta = radius / k
+    entry = radius * mp.expj(theta)
+    inward = -mp.diff(lambda p: k * p * mp.expj(p), theta)
+    right = -mp.j * inward / abs(inward)
+
+    def centres(second):
+        return entry + ratio * second * right, -entry - second * right
+
+    # The arcs meet: their centres are as far apart as both radii together.
+    second = mp.findroot(lambda r: abs(mp.fsub(*centres(r))) - (1 + ratio) * r, radius / 3)
+    (one, two), radii = centres(second), (ratio * second, second)
+    middle = one + (two - one) * ratio / (1 + ratio)
+    # How far round each centre, clockwise about the first and counter-clockwise about the second.
+    sweeps = [
+        -(mp.arg((entry - one) / (middle - one)) % (2 * mp.pi)),
+        mp.arg((-entry - two) / (middle - two)) % (2 * mp.pi),
+    ]
+    length = sum(r * abs(sweep) for r, sweep in zip(radii, sweeps, strict=True))
+    return radii, (one, two), sweeps, (entry, middle, -entry), length
+
+
+def spline(points):
+    """The not-a-knot cubic spline by chord length through points, and its length."""
+    with mp.workdps(DIGITS):
+        nodes = [mp.mpc(x, y) for x, y in points]
+        n = len(nodes)
+        h = [abs(b - a) for a, b in zip(nodes, nodes[1:], strict=False)]
+        rises = [(b - a) / step for a, b, step in zip(nodes, nodes[1:], h, strict=False)]
+        # Unknown: second derivatives at the nodes. First and last row: the third derivative does not jump.
+        matrix, right = mp.zeros(n), mp.zeros(n, 1)
+        for row, at in ((0, 0), (n - 1, n - 3)):
+            matrix[row, at], matrix[row, at + 1], matrix[row, at + 2] = h[at + 1], -(h[at] + h[at + 1]), h[at]
+        for i in range(1, n - 1):
+            matrix[i, i - 1], matrix[i, i], matrix[i, i + 1] = h[i - 1], 2 * (h[i - 1] + h[i]), h[i]
+            right[i] = 6 * (rises[i] - rises[i - 1])
+        second = mp.lu_solve(matrix, right)
+
+    def cubic(i):
+        slope = rises[i] - h[i] * (2 * second[i] + second[i + 1]) / 6
+        third = (second[i + 1] - second[i]) / h[i]
+        return [nodes[i], slope, second[i] / 2, third / 6]
+
+    def derivative(i, p):
+        _, one, two, three = cubics[i]
+        return one + p * (2 * two + 3 * p * three)
+
+    def length(i, p):
+        return mp.quad(lambda q: abs(derivative(i, q)), mp.linspace(0, p, 7))
+
+    with mp.workdps(DIGITS):
+        cubics = [cubic(i) for i in range(n - 1)]
+        lengths = [length(i, h[i]) for i in range(n - 1)]
+
+    def at(s):
+        i = 0
+        while i < n - 2 and s > lengths[i]:
+            s, i = s - lengths[i], i + 1
+        p = h[i] * s / lengths[i]
+        for _ in range(7):
+            p -= (length(i, p) - s) / abs(derivative(i, p))
+        zero, one, two, three = cubics[i]
+        first, bent = derivative(i, p), 2 * two + 6 * p * three
+        here, direction = zero + p * (one + p * (two + p * three)), first / abs(first)
+        bend = (mp.conj(first) * bent).imag / abs(first) ** 3
+        return here.real, here.imag, direction.real, direction.imag, bend
+
+    return at, sum(lengths)
+
+
+def worst_errors(curve, truth, places):
+    """Largest errors of a curve's points (m), tangents and curvatures (1/m) at places, against the truth."""
+    with mp.workdps(DIGITS):
+        off = [0.0, 0.0, 0.0]
+        for place in places:
+            exact = truth(mp.mpf(float(place)))
+            found = [*curve.point(place), *curve.tangent(place), curve.curvature(place)]
+            misses = [abs(float(mp.mpf(float(a)) - b)) for a, b in zip(found, exact, strict=True)]
+            off = [max(a, b) for a, b in zip(off, (max(misses[:2]), max(misses[2:4]), misses[4]), strict=True)]
+        return off
