@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from pymunk_dragon.collision import Clearance, Grid, Impact, Separation, first_contact, scan, separation
     from pymunk_dragon.contact import Contact, ContactEvent, ContactLog
-    from pymunk_dragon.curves import Curve, Spiral
+    from pymunk_dragon.curves import Arc, Composite, Curve, Line, Reversed, Sampled, Section, Spiral, UTurn
     from pymunk_dragon.dragon import Dragon, outlines
     from pymunk_dragon.errors import DragonError, MissingExtraError, ParameterError, UnreachableError
     from pymunk_dragon.march import March, States
@@ -19,8 +19,10 @@ if TYPE_CHECKING:
     from pymunk_dragon.speed import Speed, SpeedTable
 
 __all__ = [
+    "Arc",
     "Camera",
     "Clearance",
+    "Composite",
     "Contact",
     "ContactEvent",
     "ContactLog",
@@ -29,19 +31,24 @@ __all__ = [
     "DragonError",
     "Grid",
     "Impact",
+    "Line",
     "March",
     "MissingExtraError",
     "Palette",
     "ParameterError",
     "PillowDrawOptions",
+    "Reversed",
     "Run",
+    "Sampled",
     "Scenario",
     "Scene",
+    "Section",
     "Separation",
     "Speed",
     "SpeedTable",
     "Spiral",
     "States",
+    "UTurn",
     "UnreachableError",
     "World",
     "first_contact",
@@ -62,7 +69,7 @@ __all__ = [
 _ROOMS = {
     "collision": ("Grid", "Impact", "Clearance", "Separation", "first_contact", "scan", "separation"),
     "contact": ("Contact", "ContactEvent", "ContactLog"),
-    "curves": ("Curve", "Spiral"),
+    "curves": ("Arc", "Composite", "Curve", "Line", "Reversed", "Sampled", "Section", "Spiral", "UTurn"),
     "dragon": ("Dragon", "outlines"),
     "errors": ("DragonError", "MissingExtraError", "ParameterError", "UnreachableError"),
     "march": ("March", "States"),

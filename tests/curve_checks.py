@@ -10,29 +10,33 @@ from pymunk_dragon.curves import Curve
 
 # m. Central differences over it are off by its square, and rounding by a double's last digit over it.
 STEP = 1e-4
-# Of a unit vector, and of a curvature times a metre, for coordinates of some 100 m.
+# Of a unit vector, and of a curvature times a metre, for coordinates of some 100 m and a radius of 1 m.
 TOLERANCE = 3e-7
 # m beyond an end that are no rounding.
 BEYOND = 1e-6
+PLACES = 2001
 # Share of a bound: what is found together with other places may differ from what is found alone by its last digits.
 ROUNDING = 1e-12
 
 
-def assert_is_a_curve(curve: Curve, low: float, high: float, joints: Sequence[float] = (), places: int = 2001) -> None:
+def assert_is_a_curve(
+    curve: Curve, low: float, high: float, joints: Sequence[float] = (), *, tolerance: float = TOLERANCE
+) -> None:
     """Check a curve between two places, both within its ends, and what it says beyond its ends.
 
-    Points must have the tangent as their derivative, and tangents the curvature, but for `joints` where that jumps; `sharpest` must be above all curvatures; shapes must follow those of the places; beyond the ends is nan.
+    Points must have the tangent as their derivative, and tangents the curvature, but for `joints` where that jumps;
+    `sharpest` must be above all curvatures; shapes must follow those of the places; beyond the ends is nan.
     """
     assert isinstance(curve, Curve)
     assert curve.begin <= low < high <= curve.end
-    s = np.linspace(low, high, places)
-    _check_derivatives(curve, s, joints)
+    s = np.linspace(low, high, PLACES)
+    _check_derivatives(curve, s, joints, tolerance)
     _check_sharpest(curve, s)
     _check_shapes(curve, s)
     _check_ends(curve, low, high)
 
 
-def _check_derivatives(curve, s, joints):
+def _check_derivatives(curve, s, joints, tolerance):
     inner = s[(s - STEP >= curve.begin) & (s + STEP <= curve.end)]
     for joint in joints:
         inner = inner[np.abs(inner - joint) > 2 * STEP]
@@ -40,10 +44,10 @@ def _check_derivatives(curve, s, joints):
     assert np.abs(np.hypot(*tangents.T) - 1).max() < 1e-14
     moved = (curve.point(inner + STEP) - curve.point(inner - STEP)) / (2 * STEP)
     size = 1 + np.abs(bends).max() ** 2
-    assert np.abs(moved - tangents).max() < TOLERANCE * size
+    assert np.abs(moved - tangents).max() < tolerance * size
     turned = (curve.tangent(inner + STEP) - curve.tangent(inner - STEP)) / (2 * STEP)
     normals = np.stack([-tangents[:, 1], tangents[:, 0]], axis=-1)
-    assert np.abs(turned - bends[:, None] * normals).max() < TOLERANCE * size**1.5
+    assert np.abs(turned - bends[:, None] * normals).max() < tolerance * size**1.5
 
 
 def _check_sharpest(curve, s):

@@ -5,6 +5,8 @@ Each is a function of arc length that gives x, y, the direction's x and y, and t
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import mpmath as mp
 
 DIGITS = 34
@@ -33,7 +35,7 @@ def arc(centre, radius, begin_angle, sweep):
 
 
 def spiral(pitch, rotation=0, outward=False):
-    """r = k theta about the origin, by its arc length from the centre, negative on the way in."""
+    """The path r = k theta about the origin, by its arc length from the centre, negative on the way in."""
     k = mp.mpf(pitch) / (2 * mp.pi)
 
     def at(s):
@@ -85,8 +87,8 @@ def spline(points):
     with mp.workdps(DIGITS):
         nodes = [mp.mpc(x, y) for x, y in points]
         n = len(nodes)
-        h = [abs(b - a) for a, b in zip(nodes, nodes[1:], strict=False)]
-        rises = [(b - a) / step for a, b, step in zip(nodes, nodes[1:], h, strict=False)]
+        h = [abs(b - a) for a, b in pairwise(nodes)]
+        rises = [(b - a) / step for (a, b), step in zip(pairwise(nodes), h, strict=True)]
         # Unknown: second derivatives at the nodes. First and last row: the third derivative does not jump.
         matrix, right = mp.zeros(n), mp.zeros(n, 1)
         for row, at in ((0, 0), (n - 1, n - 3)):

@@ -63,6 +63,7 @@ def logarithmic(s):
     return x, y, mp.cos(angle + mp.pi / 4), mp.sin(angle + mp.pi / 4), 1 / s
 
 
+LONGER = Composite([PATH, Line(start=(2, 8), stop=(2, 9))])
 KINDS = {
     "line": (LINE, 0, LINE.end),
     "arc": (ARC, 0, ARC.end),
@@ -74,7 +75,7 @@ KINDS = {
     "reversed spiral": (Reversed(Spiral()), 1, 300),
     "composite": (PATH, 0, PATH.end, PATH.joints),
     "composite of one": (Composite([ARC]), 0, ARC.end),
-    "composite of composites": (Composite([PATH, Line(start=(2, 8), stop=(2, 9))]), 0, PATH.end + 1, [*PATH.joints, PATH.end]),
+    "composite of composites": (LONGER, 0, LONGER.end, [*PATH.joints, PATH.end]),
     "u-turn": (UTurn(), -100, 100, UTurn().joints),
     "reversed u-turn": (Reversed(UTurn(ratio=0.7)), -100, 100, [-joint for joint in UTurn(ratio=0.7).joints]),
     "a user's own": (LogarithmicSpiral(), 1, 200),
@@ -222,7 +223,8 @@ def test_at_a_joint_the_curvature_is_that_of_the_later_piece():
 
 
 def test_bound_on_the_bends_is_that_of_the_pieces_between():
-    assert PATH.sharpest([0, 0, 0, 21, 11, 10], [9, 11, PATH.end, 22, 12, 9]).tolist() == [0, 1 / 3, 1 / 2, 0, 1 / 3, 1 / 3]
+    bounds = PATH.sharpest([0, 0, 0, 21, 11, 10], [9, 11, PATH.end, 22, 12, 9])
+    assert bounds.tolist() == [0, 1 / 3, 1 / 2, 0, 1 / 3, 1 / 3]
 
 
 @pytest.mark.parametrize(
@@ -283,8 +285,7 @@ def test_u_turn_is_exact_everywhere():
         radii, centres, sweeps, points, length = s_turn(mp.mpf(1.7), mp.mpf(4.5), mp.mpf(2))
         angles = [mp.arg(points[0] - centres[0]), mp.arg(points[1] - centres[1])]
         arcs = [
-            arc((centre.real, centre.imag), *rest)
-            for centre, *rest in zip(centres, radii, angles, sweeps, strict=True)
+            arc((centre.real, centre.imag), *rest) for centre, *rest in zip(centres, radii, angles, sweeps, strict=True)
         ]
         k = mp.mpf(1.7) / (2 * mp.pi)
         theta = mp.mpf(4.5) / k
@@ -310,7 +311,9 @@ def test_length_of_the_u_turn_does_not_depend_on_the_ratio(pitch, radius, ratio)
     assert turn.radii[0] == pytest.approx(ratio * turn.radii[1])
 
 
-@pytest.mark.parametrize(("name", "bound"), [("pitch", "0.001 to 1000 m"), ("radius", "0.1 to 100 m"), ("ratio", "0.02 to 50")])
+@pytest.mark.parametrize(
+    ("name", "bound"), [("pitch", "0.001 to 1000 m"), ("radius", "0.1 to 100 m"), ("ratio", "0.02 to 50")]
+)
 @pytest.mark.parametrize("value", NO_NUMBERS, ids=repr)
 def test_impossible_u_turns_are_refused(name, bound, value):
     with pytest.raises(ParameterError) as caught:
@@ -319,9 +322,12 @@ def test_impossible_u_turns_are_refused(name, bound, value):
     assert_says(caught.value, bound)
 
 
-@pytest.mark.parametrize("corner", [(0.1, 100, 0.02), (1000, 100, 50), (1000, 0.1, 50), (0.001, 0.1, 50), (0.001, 1, 2)])
-def test_extreme_u_turns_are_joined(corner):
-    turn = UTurn(**dict(zip(("pitch", "radius", "ratio"), corner, strict=True)))
+@pytest.mark.parametrize(
+    ("pitch", "radius", "ratio"),
+    [(0.1, 100, 0.02), (1000, 100, 50), (1000, 0.1, 50), (0.001, 0.1, 50), (0.001, 1, 2)],
+)
+def test_extreme_u_turns_are_joined(pitch, radius, ratio):
+    turn = UTurn(pitch=pitch, radius=radius, ratio=ratio)
     assert np.isfinite(turn.point(turn.joints)).all()
 
 

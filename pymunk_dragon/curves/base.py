@@ -43,9 +43,8 @@ class Curve(Protocol):
     ...         # It bends most at its lowest point.
     ...         return self.curvature(np.clip(0, np.minimum(s, other), np.maximum(s, other)))
     >>> from pymunk_dragon.curves import Composite, Line, Section
-    >>> slope = Catenary().tangent(3.0)
-    >>> bottom = Catenary().point(3.0)
-    >>> path = Composite([Section(Catenary(), -3.0, 3.0), Line(start=bottom, stop=top + slope)])
+    >>> top, slope = Catenary().point(3.0), Catenary().tangent(3.0)
+    >>> path = Composite([Section(Catenary(), -3.0, 3.0), Line(start=top, stop=top + slope)])
     >>> path.point([0.0, 3.0, 6.0, 7.0]).round(3).tolist()
     [[-2.39, 3.606], [0.0, 2.0], [2.39, 3.606], [2.944, 4.438]]
     """

@@ -76,14 +76,15 @@ def bend(cubics: Array, w: Array | float) -> Array:
     return bends
 
 
-def cut(cubics: Array, chords: Array) -> Cells:
-    """Cells of a path, from one cubic (n, 4, 2) for each of its chords (n,) in m.
+def cut(cubics: Array, points: Array) -> Cells:
+    """Cells of a path, from the cubics (n, 4, 2) between the points (n + 1, 2) that it goes through.
 
     Raises
     ------
     ParameterError
         If the path nearly stands somewhere, as at a cusp.
     """
+    chords = np.hypot(*np.diff(points, axis=0).T)
     numbers = np.arange(1, chords.size + 1)
     for _ in range(MAX_HALVINGS):
         slowest, bends = _bounds(cubics)
@@ -106,18 +107,16 @@ def cut(cubics: Array, chords: Array) -> Cells:
         cubics[places[coarse] - 1], cubics[places[coarse]] = halves[0::2][coarse], halves[1::2][coarse]
         chords = np.repeat(np.where(coarse, chords / 2, chords), 1 + coarse)
         numbers = np.repeat(numbers, 1 + coarse)
-    slow = int(np.argmax(too_slow))
-    number = int(numbers[slow])
-    bound = f"on a smooth path; between it and point {number + 1} the path nearly stops, as at a cusp"
-    raise ParameterError(f"point {number}", np.round(cubics[slow, 0], 6).tolist(), bound)
+    number = int(numbers[np.argmax(too_slow)])
+    bound = f"followed by a smooth path; from it to point {number + 1} the path nearly stops, as at a cusp"
+    raise ParameterError(f"point {number}", points[number - 1].tolist(), bound)
 
 
 def _bounds(cubics: Array) -> tuple[Array, Array]:
     """Lower bound on the speed and upper bound on the size of the curvature of each cubic, (n,) each."""
     one, two, three = cubics[:, 1], 2 * cubics[:, 2], 3 * cubics[:, 3]
-    squares = np.stack(
-        [_dot(one, one), 2 * _dot(one, two), _dot(two, two) + 2 * _dot(one, three), 2 * _dot(two, three), _dot(three, three)]
-    )
+    middle = _dot(two, two) + 2 * _dot(one, three)
+    squares = np.stack([_dot(one, one), 2 * _dot(one, two), middle, 2 * _dot(two, three), _dot(three, three)])
     slowest = np.sqrt(np.maximum((BERNSTEIN_4 @ squares).min(axis=0), 0.0))
     turning = np.stack([_cross(one, two), 2 * _cross(one, three), _cross(two, three)])
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -127,8 +126,9 @@ def _bounds(cubics: Array) -> tuple[Array, Array]:
 def _halved(cubics: Array) -> Array:
     """Both halves (2n, 4, 2) of each cubic (n, 4, 2), with w from 0 to 1 again."""
     zero, one, two, three = np.moveaxis(cubics, 1, 0)
-    left = [zero, one / 2, two / 4, three / 8]
-    right = [zero + one / 2 + two / 4 + three / 8, one / 2 + two / 2 + 3 / 8 * three, two / 4 + 3 / 8 * three, three / 8]
+    one, two, three = one / 2, two / 4, three / 8
+    left = [zero, one, two, three]
+    right = [zero + one + two + three, one + 2 * two + 3 * three, two + 3 * three, three]
     return np.stack([np.stack(left, axis=1), np.stack(right, axis=1)], axis=1).reshape(-1, 4, 2)
 
 

@@ -51,7 +51,8 @@ class Composite:
     _shifts: tuple[float, ...] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        pieces = tuple(self.pieces) if isinstance(self.pieces, Iterable) else ()
+        given: object = self.pieces
+        pieces: tuple[Curve, ...] = tuple(given) if isinstance(given, Iterable) else ()
         if not pieces or not all(isinstance(piece, Curve) for piece in pieces):
             raise ParameterError("pieces", self.pieces, "one Curve or more")
         first = pieces[0]

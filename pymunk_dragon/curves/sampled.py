@@ -72,7 +72,7 @@ class Sampled:
         spline = library("scipy.interpolate").CubicSpline(np.concatenate([[0.0], np.cumsum(chords)]), points)
         # SciPy gives the highest power first, and a piece's parameter in m.
         powers = np.arange(4)[:, None, None]
-        cells = cut(np.moveaxis(spline.c[::-1] * np.diff(spline.x)[:, None] ** powers, 0, 1), chords)
+        cells = cut(np.moveaxis(spline.c[::-1] * np.diff(spline.x)[:, None] ** powers, 0, 1), points)
         # Summed in more digits, so that a thousand cells are as exact as one.
         edges = np.concatenate([[0.0], np.cumsum(cells.lengths, dtype=np.longdouble).astype(float)])
         bends = [cells.bends]
@@ -163,7 +163,8 @@ class Sampled:
             chunk = flat[start : start + CHUNK]
             cell = self._cell(chunk)
             cubics = self._cells.cubics[cell]
-            answer[start : start + CHUNK] = what(cubics, _solved(cubics, chunk - self._edges[cell], self._cells.lengths[cell]))
+            w = _solved(cubics, chunk - self._edges[cell], self._cells.lengths[cell])
+            answer[start : start + CHUNK] = what(cubics, w)
         return answer.reshape(places.shape + tail)
 
 
@@ -210,6 +211,7 @@ def _checked(points: object) -> Array:
     close = np.hypot(*np.diff(array, axis=0).T) < MIN_CHORD
     if close.any():
         number = int(np.argmax(close)) + 1
-        raise ParameterError(f"point {number + 1}", array[number].tolist(), f"at least {MIN_CHORD:g} m from the one before")
+        bound = f"at least {MIN_CHORD:g} m from the one before"
+        raise ParameterError(f"point {number + 1}", array[number].tolist(), bound)
     array.flags.writeable = False
     return array

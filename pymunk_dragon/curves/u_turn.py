@@ -16,7 +16,7 @@ from pymunk_dragon.curves.spiral import Spiral
 
 __all__ = ["UTurn"]
 
-# Metres. In a smaller circle no bench turns, and round a larger one a march takes an hour and a place on the spiral loses digits.
+# Metres. In a smaller circle no bench turns, and on a larger one places on the spiral lose digits.
 MIN_RADIUS, MAX_RADIUS = 0.1, 100.0
 # A turn on arcs more different than this is one on a single arc.
 MAX_RATIO = 50.0
@@ -24,11 +24,11 @@ MAX_RATIO = 50.0
 
 @dataclass(frozen=True, kw_only=True)
 class UTurn(Composite):
-    """In on a spiral, round inside a circle on an S of two tangent arcs, and out on the same spiral turned by 180 degrees.
+    """In on a spiral, round inside a circle on two arcs that touch, and out on the spiral turned by 180 degrees.
 
-    Its place 0 is where it enters the circle. Entry and exit lie opposite to each other and the directions there are the
-    same, so both arcs turn by the same angle, which is twice that between the entry's direction and the way straight to
-    the exit. With that the sum of the radii is fixed, and the length of the turn as well, whatever their ratio.
+    Its place 0 is where it enters the circle. Entry and exit lie opposite to each other and the directions there are
+    the same, so both arcs turn by the same angle: twice that between the entry's direction and the way straight to the
+    exit. With that the sum of the radii is fixed, and the length of the turn as well, whatever their ratio.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ class UTurn(Composite):
     @property
     def radii(self) -> Array:
         """Radii of the arcs, (2,), m."""
-        # Both arcs together go straight on by the diameter, and each by twice its radius times the sine of half its angle.
+        # Each arc's chord is twice its radius times the sine of half its angle; together they are the diameter.
         return self.radius / math.sin(self._aside) / (1 + self.ratio) * np.array([self.ratio, 1.0])
 
     @property
