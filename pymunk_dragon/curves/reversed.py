@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pymunk_dragon.curves.base import Array, Curve
+from pymunk_dragon.errors import ParameterError
 
 __all__ = ["Reversed"]
 
@@ -20,9 +21,18 @@ class Reversed:
     ----------
     curve : Curve
         The same path, travelled forward.
+
+    Raises
+    ------
+    ParameterError
+        If `curve` is no curve.
     """
 
     curve: Curve
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.curve, Curve):
+            raise ParameterError("curve", self.curve, "a Curve")
 
     @property
     def begin(self) -> float:

@@ -11,7 +11,7 @@ from pymunk_dragon.checks import finite
 from pymunk_dragon.curves.arc import Arc
 from pymunk_dragon.curves.base import Array, Curve
 from pymunk_dragon.curves.composite import Composite
-from pymunk_dragon.curves.parts import Section
+from pymunk_dragon.curves.section import Section
 from pymunk_dragon.curves.spiral import Spiral
 
 __all__ = ["UTurn"]

@@ -1,4 +1,4 @@
-"""A part of a curve, and a curve travelled the other way."""
+"""A part of a curve."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from pymunk_dragon.curves.base import Array, Curve
 from pymunk_dragon.curves.places import overlap, within
 from pymunk_dragon.errors import ParameterError
 
-__all__ = ["Reversed", "Section"]
+__all__ = ["Section"]
 
 
 @dataclass(frozen=True)
@@ -66,52 +66,3 @@ class Section:
         lower, upper = overlap(s, other, self.begin, self.end)
         shared = lower <= upper
         return np.where(shared, self.curve.sharpest(np.where(shared, lower, np.nan), upper), 0.0)
-
-
-@dataclass(frozen=True)
-class Reversed:
-    """A curve travelled the other way: its place s is the curve's -s.
-
-    Parameters
-    ----------
-    curve : Curve
-        What is travelled the other way.
-
-    Raises
-    ------
-    ParameterError
-        If `curve` is no curve.
-    """
-
-    curve: Curve
-
-    def __post_init__(self) -> None:
-        if not isinstance(self.curve, Curve):
-            raise ParameterError("curve", self.curve, "a Curve")
-
-    @property
-    def begin(self) -> float:
-        """Place where it begins, m: the end of the curve."""
-        # Not -x, which would make -0.0 of 0.0.
-        return 0.0 - self.curve.end
-
-    @property
-    def end(self) -> float:
-        """Place where it ends, m: the begin of the curve."""
-        return 0.0 - self.curve.begin
-
-    def point(self, s: ArrayLike) -> Array:
-        """Position (..., 2) in m."""
-        return self.curve.point(np.negative(s))
-
-    def tangent(self, s: ArrayLike) -> Array:
-        """Unit vector (..., 2) in the direction of travel."""
-        return -self.curve.tangent(np.negative(s))
-
-    def curvature(self, s: ArrayLike) -> Array:
-        """Curvature (...) in 1/m, positive to the left."""
-        return np.asarray(0.0 - self.curve.curvature(np.negative(s)))
-
-    def sharpest(self, s: ArrayLike, other: ArrayLike) -> Array:
-        """Curvature (...) in 1/m that is nowhere exceeded between two places."""
-        return self.curve.sharpest(np.negative(s), np.negative(other))
