@@ -136,8 +136,10 @@ class Spiral:
 
     def sharpest(self, s: ArrayLike, other: ArrayLike) -> Array:
         """Curvature in 1/m of whichever place is further in: it falls on the way out."""
-        nearest = np.maximum(np.minimum(self._length(s), self._length(other)), 0.0)
-        return self._bend(self.angle(nearest if self.outward else -nearest))
+        length, other_length = self._length(s), self._length(other)
+        nearest = np.maximum(np.minimum(length, other_length), 0.0)
+        bends = self._bend(self.angle(nearest if self.outward else -nearest))
+        return np.where(np.maximum(length, other_length) < 0, 0.0, bends)
 
     def chain(self, s: ArrayLike, spacings: ArrayLike) -> Array:
         """Places (T, H) of the handles of heads at `s` (T,), as `curves.chain` finds them, for an inward spiral.
