@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from pymunk_dragon.checks import finite, positive, whole
 from pymunk_dragon.curves import Curve, Reversed, Spiral, chain
+from pymunk_dragon.curves.base import frame
 from pymunk_dragon.curves.spiral import MAX_TURNS
 from pymunk_dragon.display import Displayed
 from pymunk_dragon.dragon import Dragon, bench_poses
@@ -278,7 +279,7 @@ class March(Displayed):
         """
         t = self._checked(times)
         places = self.parameters(t, handles)
-        positions, tangents = self.curve.point(places), self.curve.tangent(places)
+        positions, tangents = frame(self.curve, places)
         along = positions[:, :-1] - positions[:, 1:]
         front = np.sum(tangents[:, :-1] * along, axis=-1)
         rear = np.sum(tangents[:, 1:] * along, axis=-1)

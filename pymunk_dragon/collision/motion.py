@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 from pymunk_dragon.collision.grid import MAX_CELL, MIN_CELL, Grid
 from pymunk_dragon.collision.sat import Separation, separation
+from pymunk_dragon.curves.base import frame
 from pymunk_dragon.dragon import bench_poses
 from pymunk_dragon.march import March
 
@@ -159,7 +160,7 @@ class Motion:
         self._march = march
         handles = stretches.places.shape[1]
         self._spacings = march.dragon.spacings[: handles - 1]
-        self._points, self._tangents = march.curve.point(stretches.places), march.curve.tangent(stretches.places)
+        self._points, self._tangents = frame(march.curve, stretches.places)
         self.outlines = march.dragon.outlines(bench_poses(self._points))
         # However near zero, places come from that of the head at the start and its way.
         longest = max(np.abs(stretches.first_places[:, [0, -1]]).max(), abs(march.head_start))

@@ -7,7 +7,7 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["Array", "Curve"]
+__all__ = ["Array", "Curve", "frame"]
 
 Array = NDArray[np.float64]
 
@@ -77,3 +77,15 @@ class Curve(Protocol):
         The certificate of a first contact rests on this bound. What lies beyond the ends bends nowhere.
         """
         ...
+
+
+@runtime_checkable
+class _Framed(Protocol):
+    """A curve that gives a point and its tangent at less than the cost of both."""
+
+    def frame(self, s: ArrayLike) -> tuple[Array, Array]: ...
+
+
+def frame(curve: Curve, s: ArrayLike) -> tuple[Array, Array]:
+    """Points and tangents of a curve, each (..., 2); at once where it has a method `frame` for that."""
+    return curve.frame(s) if isinstance(curve, _Framed) else (curve.point(s), curve.tangent(s))

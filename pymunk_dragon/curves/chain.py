@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from pymunk_dragon.curves.base import Array, Curve
+from pymunk_dragon.curves.base import Array, Curve, frame
 from pymunk_dragon.curves.spiral import Spiral
 
 __all__ = ["chain", "foot"]
@@ -22,10 +22,10 @@ SMALLEST_STEP = 1e-9
 MAX_STEPS = 10_000
 # Chords that are looked ahead for the sharpest bend when the growth of a distance is followed.
 LOOK = 0.25
-# m. So close to where a foot was supposed to be, the path bends by less than 1e-12 m from its tangent.
-BESIDE = 1e-6
-# Passes of Newton's method for a foot: from a few millimetres 2 are enough.
-FOOT_PASSES = 8
+# m. So close to where a foot was supposed to be, the path leaves its tangent by a few 1e-11 m.
+BESIDE = 1e-5
+# Passes for a foot: each one leaves the share of the error that the distance from the path is of its radius.
+FOOT_PASSES = 20
 
 
 def chain(curve: Curve, s: ArrayLike, spacings: ArrayLike) -> Array:
@@ -85,16 +85,12 @@ def foot(curve: Curve, points: ArrayLike, near: ArrayLike) -> tuple[Array, Array
     xy = np.asarray(points, dtype=float)
     places = np.clip(np.array(near, dtype=float), curve.begin, curve.end)
     for _ in range(FOOT_PASSES):
-        feet, tangents, bend = curve.point(places), curve.tangent(places), curve.curvature(places)
-        offset = xy - feet
-        aside = tangents[..., 0] * offset[..., 1] - tangents[..., 1] * offset[..., 0]
-        step = np.clip(places + _dot(offset, tangents) / (1 - bend * aside), curve.begin, curve.end) - places
+        feet, tangents = frame(curve, places)
+        step = np.clip(places + _dot(xy - feet, tangents), curve.begin, curve.end) - places
         places += step
         if np.all(np.abs(step) <= BESIDE):
             break
-    # The rest of the way along the circle that bends as the path does, to first order.
-    turned = (bend * step)[..., None] * np.stack([-tangents[..., 1], tangents[..., 0]], axis=-1)
-    return places, feet + step[..., None] * tangents, tangents + turned
+    return places, feet + step[..., None] * tangents, tangents
 
 
 def _behind(curve: Curve, s: Array, fronts: Array, chord: float) -> tuple[Array, Array]:
@@ -129,12 +125,13 @@ def _reached(curve: Curve, s: Array, fronts: Array, chord: float, low: Array, hi
     way = high.copy()
     for _ in range(MAX_PASSES):
         place = np.maximum(s - way, curve.begin)
-        between = fronts - curve.point(place)
+        points, tangents = frame(curve, place)
+        between = fronts - points
         distance = np.hypot(between[..., 0], between[..., 1])
         short = distance < chord
         low, high = np.where(short, way, low), np.where(short, high, way)
         with np.errstate(divide="ignore", invalid="ignore"):
-            better = way + (chord - distance) * distance / _dot(between, curve.tangent(place))
+            better = way + (chord - distance) * distance / _dot(between, tangents)
         better = np.where((better >= low) & (better <= high), better, (low + high) / 2)
         step = np.abs(better - way)
         way = better
@@ -161,7 +158,7 @@ def _bracket(curve: Curve, s: Array, fronts: Array, chord: float) -> tuple[Array
         total = np.abs(slope) + np.sqrt(slope**2 + 4 * bend * growth[rows])
         step = np.minimum(np.where(slope > 0, total / (2 * bend), 2 * growth[rows] / total), look)
         before[rows], way[rows] = at, at + step
-        points, tangents = curve.point(s[rows] - way[rows]), curve.tangent(s[rows] - way[rows])
+        points, tangents = frame(curve, s[rows] - way[rows])
         between = fronts[rows] - points
         distance[rows], growth[rows] = np.hypot(between[..., 0], between[..., 1]), _dot(between, tangents)
         beyond = np.isnan(distance[rows]) | (distance[rows] >= chord)

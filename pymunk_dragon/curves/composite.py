@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pymunk_dragon.curves.base import Array, Curve
+from pymunk_dragon.curves.base import Array, Curve, frame
 from pymunk_dragon.curves.places import overlap, within
 from pymunk_dragon.errors import ParameterError
 
@@ -78,15 +78,23 @@ class Composite:
 
     def point(self, s: ArrayLike) -> Array:
         """Position (..., 2) in m."""
-        return self._by_piece(s, [piece.point for piece in self.pieces], (2,))
+        [points] = self._by_piece(s, lambda piece, places: [piece.point(places)], (2,))
+        return points
 
     def tangent(self, s: ArrayLike) -> Array:
         """Unit vector (..., 2) in the direction of travel."""
-        return self._by_piece(s, [piece.tangent for piece in self.pieces], (2,))
+        [tangents] = self._by_piece(s, lambda piece, places: [piece.tangent(places)], (2,))
+        return tangents
+
+    def frame(self, s: ArrayLike) -> tuple[Array, Array]:
+        """Positions and unit vectors in the direction of travel, each (..., 2)."""
+        points, tangents = self._by_piece(s, frame, (2,), (2,))
+        return points, tangents
 
     def curvature(self, s: ArrayLike) -> Array:
         """Curvature (...) in 1/m, positive to the left."""
-        return self._by_piece(s, [piece.curvature for piece in self.pieces], ())
+        [bends] = self._by_piece(s, lambda piece, places: [piece.curvature(places)], ())
+        return bends
 
     def sharpest(self, s: ArrayLike, other: ArrayLike) -> Array:
         """Curvature (...) in 1/m that is nowhere exceeded between two places."""
@@ -100,19 +108,22 @@ class Composite:
                 bends[shared] = np.maximum(bends[shared], piece.sharpest(first, last))
         return bends
 
-    def _by_piece(self, s: ArrayLike, methods: list[Callable[[Array], Array]], tail: tuple[int, ...]) -> Array:
-        """What the pieces' `methods` say of places: arrays of their shape and `tail`."""
+    def _by_piece(
+        self, s: ArrayLike, ask: Callable[[Curve, Array], Sequence[Array]], *tails: tuple[int, ...]
+    ) -> Sequence[Array]:
+        """What is asked of each piece about its places: one array for each of `tails`, of their shape and that tail."""
         places = within(s, self.begin, self.end)
         # What is no place is sorted behind all joints, and is nan on the last piece as well.
         index = np.searchsorted(self.joints, places, side="right")
         first, last = (int(index.min()), int(index.max())) if index.size else (0, 0)
         if first == last:
-            return methods[first](self._place_on(first, places))
-        answer = np.empty(places.shape + tail)
+            return ask(self.pieces[first], self._place_on(first, places))
+        answers = [np.empty(places.shape + tail) for tail in tails]
         for k in range(first, last + 1):
             here = index == k
-            answer[here] = methods[k](self._place_on(k, places[here]))
-        return answer
+            for answer, part in zip(answers, ask(self.pieces[k], self._place_on(k, places[here])), strict=True):
+                answer[here] = part
+        return answers
 
     def _place_on(self, k: int, places: Array) -> Array:
         """Places on piece `k`, kept from leaving it by rounding."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pymunk_dragon.curves.base import Array, Curve
+from pymunk_dragon.curves.base import Array, Curve, frame
 from pymunk_dragon.errors import ParameterError
 
 __all__ = ["Reversed"]
@@ -51,6 +51,11 @@ class Reversed:
     def tangent(self, s: ArrayLike) -> Array:
         """Unit vector (..., 2) in the direction of travel."""
         return -self.curve.tangent(-np.asarray(s, dtype=float))
+
+    def frame(self, s: ArrayLike) -> tuple[Array, Array]:
+        """Positions and unit vectors in the direction of travel, each (..., 2)."""
+        points, tangents = frame(self.curve, -np.asarray(s, dtype=float))
+        return points, -tangents
 
     def curvature(self, s: ArrayLike) -> Array:
         """Curvature (...) in 1/m, positive where the path bends to the left."""

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pymunk_dragon.checks import number
-from pymunk_dragon.curves.base import Array, Curve
+from pymunk_dragon.curves.base import Array, Curve, frame
 from pymunk_dragon.curves.places import overlap, within
 from pymunk_dragon.errors import ParameterError
 
@@ -56,6 +56,10 @@ class Section:
     def tangent(self, s: ArrayLike) -> Array:
         """Unit vector (..., 2) in the direction of travel."""
         return self.curve.tangent(within(s, self.begin, self.end))
+
+    def frame(self, s: ArrayLike) -> tuple[Array, Array]:
+        """Positions and unit vectors in the direction of travel, each (..., 2)."""
+        return frame(self.curve, within(s, self.begin, self.end))
 
     def curvature(self, s: ArrayLike) -> Array:
         """Curvature (...) in 1/m, positive to the left."""

@@ -127,8 +127,13 @@ class Spiral:
 
     def tangent(self, s: ArrayLike) -> Array:
         """Unit vector (..., 2) in the direction of travel."""
+        return self.frame(s)[1]
+
+    def frame(self, s: ArrayLike) -> tuple[Array, Array]:
+        """Positions and unit vectors in the direction of travel, each (..., 2)."""
         theta = self.angle(s)
-        return self._placed(self._tangent(theta, _direction(theta)))
+        direction = _direction(theta)
+        return self._placed(self.k * theta * direction), self._placed(self._tangent(theta, direction))
 
     def curvature(self, s: ArrayLike) -> Array:
         """Curvature (...) in 1/m, positive to the left: the paper's spiral bends to the right."""

@@ -47,7 +47,7 @@ class Free:
         """No joints."""
         return []
 
-    def lead(self, poses: Array, speed: float, carriers: Array, forces: Array) -> None:
+    def lead(self, poses: Array, hinge_velocity: Array, carriers: Array, forces: Array) -> None:
         """Nobody pushes."""
 
 
@@ -58,10 +58,10 @@ class Rails:
     hole's own foot on the curve: at that moment the hole can move along the path and nowhere else. A kinematic body
     carries that point to the next foot before every step.
 
-    Walking makes up for the ground drag. Each dancer pushes along the bench with the force that would hold the
-    marching speed against the drag if the bench were alone; the chain corrects the few per cent that are left. When
-    nobody walks, the head pulls the whole dragon, and the tension that turns with the benches is what the solver
-    cannot follow.
+    Walking makes up for the ground drag. Each dancer pushes along the bench with the force that would hold its pace
+    against the drag if the bench were alone, and the pace is the one that the bench before hands on: both holes of a
+    rigid bench go equally fast along it. The chain corrects what is left. When nobody walks, the head pulls the whole
+    dragon, and the tension that turns with the benches is what the solver cannot follow.
 
     The path, the pace and the engine's own positions are all that is used; where each hole is on the curve at a
     certain time is for the engine to find.
@@ -75,10 +75,14 @@ class Rails:
         # Places of the rear holes at the start: they tell on which of the curve's turns each hole is, no more.
         self._places = march.parameters(start)[0, 2:]
         masses = np.array([bench_mass(*size) for size in zip(dragon.lengths[1:], dragon.widths[1:], strict=True)])
-        # N for each m/s of the head: what makes up for the share of its speed that the drag takes in a substep.
-        self._efforts = (masses * -np.expm1(-DRAG * top_speed * substep) / substep)[:, None]
+        # N for each m/s that a bench shall be faster, or that the drag would take from it in a substep.
+        self._efforts = masses / substep
+        self._kept = np.exp(-DRAG * top_speed * substep)
         self._substep = substep
         self._headings = np.empty((dragon.benches - 1, 2))
+        # m/s, of the rear holes along the curve, and of the benches along themselves.
+        self._paces = march.at(start).speeds[0, 2:].copy()
+        self._along: Array | None = None
 
     def joints(self, bench: int, body: pymunk.Body) -> list[pymunk.Constraint]:
         """The pin from the rear hole to its carrier."""
@@ -86,14 +90,25 @@ class Rails:
         pin.distance = PIN_LENGTH
         return [pin]
 
-    def lead(self, poses: Array, speed: float, carriers: Array, forces: Array) -> None:
+    def lead(self, poses: Array, hinge_velocity: Array, carriers: Array, forces: Array) -> None:
         """Move every rail beside its hole, and let the dancers push along their benches."""
         angles, headings = poses[1:, 2], self._headings
         np.cos(angles, out=headings[:, 0])
         np.sin(angles, out=headings[:, 1])
         rear_holes = self._half * headings
         np.subtract(poses[1:, :2], rear_holes, out=rear_holes)
-        self._places, feet, tangents = foot(self._curve, rear_holes, self._places + speed * self._substep)
+        near = self._places + self._substep * self._paces
+        self._places, feet, tangents = foot(self._curve, rear_holes, near)
         carriers[:, 0] = feet[:, 0] - PIN_LENGTH * tangents[:, 1]
         carriers[:, 1] = feet[:, 1] + PIN_LENGTH * tangents[:, 0]
-        np.multiply(speed * self._efforts, headings, out=forces[1:])
+        rear = np.einsum("ij,ij->i", tangents, headings)
+        front = np.einsum("ij,ij->i", tangents[:-1], headings[1:])
+        along = np.empty(rear.shape)
+        along[0] = hinge_velocity @ headings[0]
+        np.divide(front, rear[:-1], out=along[1:])
+        np.cumprod(along, out=along)
+        np.divide(along, rear, out=self._paces)
+        before = along if self._along is None else self._along
+        pushes = self._efforts * (along - self._kept * before)
+        self._along = along
+        np.multiply(pushes[:, None], headings, out=forces[1:])

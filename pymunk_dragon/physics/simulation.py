@@ -164,8 +164,8 @@ class _Loop:
         begin = perf_counter()
         # A chain that flies apart is found by `_keep`, in the next frame; until then NumPy need not warn of it.
         with np.errstate(all="ignore"):
-            for pose, velocity, speed in self._head_track(total):
-                self._substep(pose, velocity, speed)
+            for pose, velocity, hinge_velocity in self._head_track(total):
+                self._substep(pose, velocity, hinge_velocity)
                 if self.first_contact is not None and self._contacts == "stop":
                     break
                 if self.substeps % self._stride == 0:
@@ -185,8 +185,8 @@ class _Loop:
         """Simulated time, s."""
         return self._start + self.substeps * self._world.substep
 
-    def _head_track(self, total: int) -> Iterator[tuple[Array, Array, float]]:
-        """Exact pose and velocity of the head at the end of each substep, and its speed, as far as the curve goes."""
+    def _head_track(self, total: int) -> Iterator[tuple[Array, Array, Array]]:
+        """Exact pose and velocity of the head, and velocity of its rear hole, at the end of each substep."""
         march = self._world.march
         for first in range(1, total + 1, BLOCK):
             steps = np.arange(first, min(first + BLOCK, total + 1))
@@ -201,9 +201,9 @@ class _Loop:
                 return
             yield from _track(head)
 
-    def _substep(self, head_pose: Array, head_velocity: Array, speed: float) -> None:
+    def _substep(self, head_pose: Array, head_velocity: Array, hinge_velocity: Array) -> None:
         world, recorder = self._world, self._recorder
-        world.prepare(head_pose, head_velocity, speed)
+        world.prepare(head_pose, head_velocity, hinge_velocity)
         begin_time = self.time
         self.substeps += 1
         recorder.time = self.time
@@ -238,8 +238,8 @@ class _Loop:
             self.joint_impulses.append(self._world.joint_impulses)
 
 
-def _track(head: States) -> Iterator[tuple[Array, Array, float]]:
-    return zip(head.poses[:, 0], head.pose_velocities[:, 0], head.speeds[:, 0].tolist(), strict=True)
+def _track(head: States) -> Iterator[tuple[Array, Array, Array]]:
+    return zip(head.poses[:, 0], head.pose_velocities[:, 0], head.velocities[:, 1], strict=True)
 
 
 def _check(contacts: str, start: float, until: float, iterations: int) -> None:

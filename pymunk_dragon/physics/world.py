@@ -54,10 +54,10 @@ class Joiner(Protocol):
         """Joints that tie `bench` to the guide."""
         ...
 
-    def lead(self, poses: Array, speed: float, carriers: Array, forces: Array) -> None:
+    def lead(self, poses: Array, hinge_velocity: Array, carriers: Array, forces: Array) -> None:
         """Write the carriers' positions and the forces (both (..., 2)) for benches that are about to be at `poses`.
 
-        The head walks at `speed`, m/s.
+        The head's rear hole, by which it pulls the others, then moves at `hinge_velocity` (2,), m/s.
         """
         ...
 
@@ -196,10 +196,10 @@ class World:
         self.poses[:] = state[:, :3]
         self.velocities[:] = state[:, 3:]
 
-    def prepare(self, head_pose: Array, head_velocity: Array, speed: float) -> None:
+    def prepare(self, head_pose: Array, head_velocity: Array, hinge_velocity: Array) -> None:
         """Make the next step end with the head at `head_pose` (3,), moving at `head_velocity` (3,).
 
-        Handle 0 then walks at `speed`, m/s.
+        Its rear hole then moves at `hinge_velocity` (2,).
 
         Pymunk will first move every body by its velocity and then solve the joints, so the poses given to it lie one
         such move before the ones at which the joints shall hold.
@@ -211,11 +211,11 @@ class World:
         np.multiply(self.velocities, self.substep, out=coming)
         coming += given
         given[0] = head_pose - self.substep * head_velocity
-        self._send(head_velocity, speed)
+        self._send(head_velocity, hinge_velocity)
 
-    def _send(self, head_velocity: Array, speed: float) -> None:
+    def _send(self, head_velocity: Array, hinge_velocity: Array) -> None:
         """Give the space its poses, and the guide's carriers and forces for where the benches are about to be."""
-        self._guide.lead(self._coming, speed, self._out_carriers, self._out_forces)
+        self._guide.lead(self._coming, hinge_velocity, self._out_carriers, self._out_forces)
         self._out_poses[:] = self._given
         batch.set_space_bodies(self.space, WRITE, self._outbox)
         vx, vy, spin = head_velocity.tolist()
@@ -228,7 +228,7 @@ class World:
         The solver begins each step with the impulses of the one before. Without any, the drag would stretch the chain
         in the first second by more than the drift of the whole march.
         """
-        poses, velocities, speed = state.poses[0], state.pose_velocities[0], float(state.speeds[0, 0])
+        poses, velocities = state.poses[0], state.pose_velocities[0]
         before = self.march.at(start - self.substep).pose_velocities[0]
         before[0] = velocities[0]
         benches, iterations = len(self.bodies), self.space.iterations
@@ -240,7 +240,7 @@ class World:
                 body.angular_velocity = spin
             np.subtract(poses, self.substep * before, out=self._given)
             self._coming[:] = poses
-            self._send(velocities[0], speed)
+            self._send(velocities[0], state.velocities[0, 1])
             self.space.step(self.substep)
         self.space.iterations = iterations
         self.velocities[:] = before
