@@ -145,7 +145,7 @@ class Run(Displayed):
         notes = {
             "format": FORMAT,
             "format_version": FORMAT_VERSION,
-            "scenario": asdict(Scenario.of(self.march)),
+            "scenario": Scenario.of(self.march).to_mapping(),
             "outcome": self.outcome,
             "first_contact": asdict(self.first_contact) if self.first_contact else None,
             "events": [asdict(event) for event in self.events],

@@ -8,44 +8,86 @@ from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
 
-from pymunk_dragon.curves import Spiral
-from pymunk_dragon.dragon import Dragon
+from pymunk_dragon.curves import Curve, Sampled, Spiral, UTurn
+from pymunk_dragon.dragon import BENCHES, Dragon, Sizes
 from pymunk_dragon.errors import DragonError, FileFormatError, ParameterError
 from pymunk_dragon.march import March
+from pymunk_dragon.speed import ConstantSpeed, SpeedTable, speed_of
 
-__all__ = ["Scenario"]
+__all__ = ["POINTS_ENDING", "Scenario"]
+
+# What a file of points or of speeds is called.
+POINTS_ENDING = ".csv"
+# The curves by name, and which parameters each of them has.
+CURVES: dict[str, tuple[type[Curve], tuple[str, ...]]] = {
+    "spiral": (Spiral, ("pitch", "rotation", "mirrored", "outward")),
+    "u-turn": (UTurn, ("pitch", "radius", "ratio")),
+    "sampled": (Sampled, ("points",)),
+}
+PARTS = dict.fromkeys(name for _, names in CURVES.values() for name in names)
+# What says nothing in a file: these are newer than the first files.
+UNSAID = {"curve": "spiral", "rotation": 0.0, "mirrored": False, "outward": False}
+ALLOWED_CURVE = f"a name, spiral or u-turn, or that of a file of points, which ends in {POINTS_ENDING}"
+ALLOWED_SPEED = f"a number in m/s, a table of [s, m/s], or a file of one, which ends in {POINTS_ENDING}"
+
+# One speed, or times in s and speeds in m/s.
+Speeds = float | tuple[tuple[float, float], ...]
+Points = tuple[tuple[float, float], ...]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Scenario:
-    """A dragon on a spiral, as plain numbers; the defaults are the paper's.
+    """A dragon on a curve, as plain values; the defaults are the paper's.
+
+    What a curve does not have is None. Values given as None are left to their defaults.
 
     Parameters
     ----------
     benches, head_spacing, body_spacing, overhang, width
         As in `Dragon`: a count, then m.
-    pitch : float
-        As in `Spiral`, m.
-    turns, speed : float
-        As in `March`: turns, m/s.
+    curve : str
+        "spiral", "u-turn", "sampled" for a `Sampled` path through `points`, or a CSV file of these points.
+    pitch, rotation, mirrored, outward
+        As in `Spiral`: m, then rad.
+    pitch, radius, ratio : float
+        As in `UTurn`: m, m and a number.
+    points : sequence of (float, float)
+        As in `Sampled`, m.
+    turns : float
+        As in `March`, on a spiral.
+    start : float
+        As in `March`, m.
+    speed : float, or sequence of (float, float)
+        In m/s, as in `March`, or a table of times in s and speeds in m/s, or a CSV file of it.
 
     Raises
     ------
     ParameterError
-        If `march` cannot be made of it.
+        If `march` cannot be made of it, or a value is given that its curve does not have.
+    FileFormatError
+        If a file that is named holds something else.
     """
 
-    benches: int = 223
+    benches: int = BENCHES
     head_spacing: float = 2.86
-    body_spacing: float = 1.65
-    overhang: float = 0.275
-    width: float = 0.30
-    pitch: float = 0.55
-    turns: float = 16.0
-    speed: float = 1.0
+    body_spacing: Sizes = 1.65
+    overhang: Sizes = 0.275
+    width: Sizes = 0.30
+    curve: str | None = None
+    pitch: float | None = None
+    rotation: float | None = None
+    mirrored: bool | None = None
+    outward: bool | None = None
+    radius: float | None = None
+    ratio: float | None = None
+    points: Points | None = None
+    turns: float | None = None
+    start: float | None = None
+    speed: Speeds | str = 1.0
 
     def __post_init__(self) -> None:
-        for name, value in _numbers(self.march()).items():
+        given = {f.name: getattr(self, f.name) for f in fields(self)}
+        for name, value in (dict.fromkeys(given) | _values(_march(given))).items():
             object.__setattr__(self, name, value)
 
     @classmethod
@@ -57,9 +99,18 @@ class Scenario:
                 raise ParameterError(name, value, "absent: the parameters are " + ", ".join(known))
         return cls(**values)
 
+    def to_mapping(self) -> dict[str, Any]:
+        """Names and values that `from_mapping` makes the same scenario of: what its curve has, but not its defaults.
+
+        The numbers of the paper's march are there in any case.
+        """
+        return {name: value for name, value in asdict(self).items() if value is not None and value != UNSAID.get(name)}
+
     @classmethod
     def read(cls, path: str | Path) -> dict[str, Any]:
         """Names and values in a TOML file of a scenario, checked by `from_mapping` once flags are laid over them.
+
+        A file that it names lies beside it, unless it says where.
 
         Raises
         ------
@@ -69,32 +120,91 @@ class Scenario:
             If it is no TOML.
         """
         try:
-            return tomllib.loads(Path(path).read_text(encoding="utf-8"))
+            values = tomllib.loads(Path(path).read_text(encoding="utf-8"))
         except OSError as error:
             raise ParameterError("scenario", str(path), f"a readable file ({error.strerror})") from error
         except (ValueError, RecursionError) as error:
             # Beside its own error, tomllib lets through those of a wrong encoding, a number of thousands of digits and
             # brackets in thousands of brackets.
             raise FileFormatError(path, f"no TOML file: {error}") from error
+        beside = {
+            name: str(Path(path).parent / values[name]) for name in ("curve", "speed") if _is_file(values.get(name))
+        }
+        return values | beside
 
     @classmethod
     def of(cls, march: March) -> Scenario:
-        """The scenario of a march on a spiral."""
-        return cls(**_numbers(march))
+        """The scenario of a march.
+
+        Raises
+        ------
+        DragonError
+            If it cannot be written down: a curve of another kind, or a speed that is a function.
+        """
+        return cls(**_values(march))
 
     def march(self) -> March:
-        """The march that these numbers describe."""
-        dragon = Dragon(
-            benches=self.benches,
-            head_spacing=self.head_spacing,
-            body_spacing=self.body_spacing,
-            overhang=self.overhang,
-            width=self.width,
+        """The march that these values describe."""
+        return _march({f.name: getattr(self, f.name) for f in fields(self)})
+
+
+def _march(values: Mapping[str, Any]) -> March:
+    """The march that a scenario's `values`, all of them, describe."""
+    dragon = Dragon(**{f.name: values[f.name] for f in fields(Dragon)})
+    return March(dragon, _curve(values), turns=values["turns"], start=values["start"], speed=_speed(values["speed"]))
+
+
+def _curve(values: Mapping[str, Any]) -> Curve:
+    given = {name: values[name] for name in PARTS if values[name] is not None}
+    kind = values["curve"]
+    if kind is None:
+        kind = "sampled" if "points" in given else "spiral"
+    elif _is_file(kind):
+        if "points" in given:
+            raise ParameterError("points", given["points"], f"absent where the curve is a file, {kind}")
+        kind, given["points"] = "sampled", Sampled.read(kind).points
+    if not (isinstance(kind, str) and kind in CURVES):
+        raise ParameterError("curve", kind, ALLOWED_CURVE)
+    make, own = CURVES[kind]
+    for name, value in given.items():
+        if name not in own:
+            owners = " or a ".join(owner for owner, (_, names) in CURVES.items() if name in names)
+            raise ParameterError(name, value, f"absent on a {kind} curve: it is of a {owners}")
+    if kind == "sampled" and "points" not in given:
+        raise ParameterError("points", None, "there for a sampled curve, which goes through them")
+    return make(**given)
+
+
+def _speed(value: Any) -> Any:
+    """`value` as a march takes it."""
+    if _is_file(value):
+        return SpeedTable.read(value)
+    if isinstance(value, list | tuple):
+        if not value or not all(isinstance(row, list | tuple) and len(row) == 2 for row in value):
+            raise ParameterError("speed", value, ALLOWED_SPEED)
+        return SpeedTable(*zip(*value, strict=True))
+    return value
+
+
+def _values(march: March) -> dict[str, Any]:
+    """Names and values of a scenario that makes `march`."""
+    curve, speed = march.curve, speed_of(march.speed)
+    kind = next((kind for kind, (made, _) in CURVES.items() if isinstance(curve, made)), None)
+    if kind is None:
+        raise DragonError(
+            f"a scenario describes a march on a Spiral, a UTurn or a Sampled curve, not on a {type(curve).__name__}"
         )
-        return March(dragon, Spiral(pitch=self.pitch), turns=self.turns, speed=self.speed)
+    parts = {name: getattr(curve, name) for name in CURVES[kind][1]}
+    if isinstance(curve, Sampled):
+        parts["points"] = tuple(map(tuple, curve.points.tolist()))
+    if isinstance(speed, ConstantSpeed):
+        told: Speeds = speed.value
+    elif isinstance(speed, SpeedTable):
+        told = tuple(zip(speed.times, speed.speeds, strict=True))
+    else:
+        raise DragonError("a scenario describes a speed that is a number or a table, not a function of time")
+    return asdict(march.dragon) | {"curve": kind} | parts | {"turns": march.turns, "start": march.start, "speed": told}
 
 
-def _numbers(march: March) -> dict[str, Any]:
-    if not isinstance(march.curve, Spiral):
-        raise DragonError(f"a scenario describes a march on a Spiral, not on a {type(march.curve).__name__}")
-    return asdict(march.dragon) | {"pitch": march.curve.pitch, "turns": march.turns, "speed": march.speed}
+def _is_file(value: object) -> bool:
+    return isinstance(value, str | Path) and Path(value).suffix.lower() == POINTS_ENDING

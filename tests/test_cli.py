@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import csv
+import itertools
 import json
+import math
 import os
 import pty
 import re
@@ -12,7 +14,6 @@ import signal
 import subprocess
 import sys
 import time
-from dataclasses import fields
 from pathlib import Path
 
 import openpyxl
@@ -22,6 +23,7 @@ from PIL import Image
 
 from pymunk_dragon.cli import main
 from pymunk_dragon.cli.options import SCENARIO_OPTIONS
+from pymunk_dragon.curves import UTurn
 from pymunk_dragon.dragon import Dragon
 from pymunk_dragon.march import March
 from pymunk_dragon.run import Run
@@ -333,8 +335,79 @@ def test_flags_win_over_the_scenario_file(call, tmp_path):
 
 
 def test_help_tells_the_true_defaults():
-    defaults = {field.name: field.default for field in fields(Scenario)}
-    assert {name: float(text.split("[")[1].rstrip("]")) for name, (_, _, text) in SCENARIO_OPTIONS.items()} == defaults
+    for name, (kind, _, text) in SCENARIO_OPTIONS.items():
+        told, *others = text.split("[")[1].rstrip("]").split(", or ")
+        curve = "u-turn" if name in ("radius", "ratio") else None
+        assert kind(told) == getattr(Scenario(curve=curve), name)
+        for other in others:
+            value, _, curve = other.partition(" of a ")
+            assert kind(value) == getattr(Scenario(curve=curve), name)
+
+
+# Other curves, speeds that change, benches that differ
+
+
+def test_u_turn_has_the_contests_positions(call):
+    # The contest's question 4: the circle of 4.5 m is entered at 0 s.
+    for times in (["--times", "-100:100:100"], ["--times=-100:100:100"]):
+        code, out, _ = call("positions", "--curve", "u-turn", *times, "--handles", "0", "--json")
+        found = json.loads(out)
+        assert code == 0
+        assert found["times"] == [-100, 0, 100]
+        radii = [math.hypot(*place) for [place] in found["positions"]]
+        assert radii[1] == pytest.approx(4.5, abs=1e-9)
+        # Handle 0 has 100 m of spiral before it, and less of it behind the turn.
+        k = 1.7 / math.tau
+        before, after = (k / 2 * (u * math.hypot(u, 1) + math.asinh(u)) for u in (radii[0] / k, 4.5 / k))
+        assert before - after == pytest.approx(100)
+        assert radii[0] > radii[2] > 4.5
+
+
+def test_first_time_may_be_negative(call, tmp_path):
+    _, out, _ = call("contact", "--curve", "u-turn", "--from", "-100", "--until", "-90", "--json")
+    assert json.loads(out)["status"] == "clear"
+    small = ["--curve", "u-turn", "--benches", "8", "--from", "-2", "--until", "-1"]
+    code, _, _ = call("simulate", *small, "-o", tmp_path / "run.npz")
+    assert code == 0
+    run = Run.load(tmp_path / "run.npz")
+    assert run.times[[0, -1]].tolist() == [-2, -1]
+    assert run.march.curve == UTurn()
+    assert call("render", tmp_path / "run.npz", "-o", tmp_path / "film.gif", "--size", "120")[0] == 0
+    assert call("render", *small, "-o", tmp_path / "film.gif", "--size", "120")[0] == 0
+    assert call("report", tmp_path / "run.npz", "-o", tmp_path / "report.html")[0] == 0
+
+
+def test_path_and_speed_may_be_files(call, tmp_path):
+    path, speed = tmp_path / "path.csv", tmp_path / "speed.csv"
+    path.write_text("x,y\n" + "".join(f"{10 * x},{x % 3}\n" for x in range(8)))
+    speed.write_text("0,1\n10,3\n")
+    _, out, _ = call(
+        "positions",
+        "--curve",
+        path,
+        "--speed",
+        speed,
+        "--benches",
+        "4",
+        "--times",
+        "0,10",
+        "--handles",
+        "0,4",
+        "--json",
+    )
+    found = json.loads(out)
+    assert [speeds[0] for speeds in found["speeds"]] == pytest.approx([1, 3])
+    # 20 m along the path are a little less than that between their ends.
+    (begin, _), (end, _) = found["positions"]
+    assert 19 < math.dist(begin, end) < 20
+
+
+def test_sizes_of_single_benches_stand_in_a_file(call, tmp_path):
+    scenario = tmp_path / "s.toml"
+    scenario.write_text("body_spacing = [1.65, 3.0]\nwidth = [0.2, 0.3, 0.4]\n")
+    _, out, _ = call("positions", "--scenario", scenario, "--times", "0", "--handles", "0:3:1", "--json")
+    [places] = json.loads(out)["positions"]
+    assert [math.dist(*pair) for pair in itertools.pairwise(places)] == pytest.approx([2.86, 1.65, 3.0])
 
 
 # Bad input
@@ -352,6 +425,14 @@ def test_every_scenario_option_refuses_what_it_cannot_be(complaint, name, value)
     ("arguments", "words"),
     [
         (["positions", "--pitch", "0.25"], ["pitch", "0.25", "width"]),
+        (["positions", "--ratio", "1"], ["ratio is 1.0", "absent on a spiral curve: it is of a u-turn"]),
+        (["positions", "--curve", "u-turn", "--turns", "3"], ["turns is 3.0", "only a Spiral has turns"]),
+        (["positions", "--curve", "circle"], ["curve is 'circle'", "spiral or u-turn", ".csv"]),
+        (["positions", "--curve", "nowhere.csv"], ["nowhere.csv", "readable file"]),
+        (["positions", "--speed", "nowhere.csv"], ["speed is 'nowhere.csv'", "readable file"]),
+        (["positions", "--speed", "fast"], ["--speed", "'fast'", "neither a number nor a file"]),
+        (["contact", "--curve", "u-turn"], ["until", "a curve that does not end"]),
+        (["simulate", "--curve", "u-turn"], ["until", "a curve that does not end"]),
         (["positions", "--benches", "1"], ["benches", "1", "2"]),
         (["positions", "--head-spacing", "30"], ["head_spacing", "30"]),
         (["positions", "--turns", "0.2"], ["spacing"]),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import asdict, fields
 
 import numpy as np
@@ -10,13 +11,35 @@ from conftest import NO_NUMBERS, assert_says
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pymunk_dragon.curves import Curve, Spiral
+from pymunk_dragon.curves import Composite, Curve, Line, Spiral
 from pymunk_dragon.dragon import Dragon
 from pymunk_dragon.errors import DragonError, FileFormatError, ParameterError
 from pymunk_dragon.march import March
+from pymunk_dragon.run import Run
 from pymunk_dragon.scenario import Scenario
 
 NAMES = [f.name for f in fields(Scenario)]
+NUMBERS = ["benches", "head_spacing", "body_spacing", "overhang", "width", "pitch", "turns", "speed"]
+# A bend to the right and one to the left, m.
+POINTS = ((0.0, 0.0), (10.0, 0.5), (20.0, -3.0), (30.0, -2.0), (40.0, 2.0), (52.0, 3.0))
+TABLE = ((0.0, 1.0), (20.0, 2.5), (25.0, 0.5))
+MARCHES = {
+    "the paper's": {},
+    "an outward spiral": {"outward": True, "turns": 20, "benches": 20},
+    "a mirrored spiral": {"mirrored": True, "rotation": 0.7},
+    "a start on a spiral": {"start": -400.0},
+    "the u-turn": {"curve": "u-turn"},
+    "another u-turn": {"curve": "u-turn", "pitch": 2.0, "radius": 5.0, "ratio": 1.0, "start": -3.0, "benches": 20},
+    "a path": {"curve": "sampled", "points": POINTS, "benches": 5},
+    "a path without its name": {"points": POINTS, "benches": 5, "start": 20.0},
+    "a table of speeds": {"speed": TABLE},
+    "lists": {"body_spacing": (3.0, 2.0), "overhang": (0.5, 0.3, 0.2), "width": (0.4, 0.5, 0.3)},
+}
+
+# No list of one size makes a dragon of two benches.
+LONG = {"benches": 223}
+
+every_march = pytest.mark.parametrize("values", MARCHES.values(), ids=MARCHES)
 
 
 def test_default_scenario_is_the_default_march():
@@ -36,14 +59,24 @@ def test_what_a_mapping_does_not_name_keeps_its_default():
     assert Scenario.from_mapping({}) == Scenario()
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", NUMBERS)
 @pytest.mark.parametrize("value", NO_NUMBERS, ids=repr)
 def test_impossible_value_is_refused_by_the_name_the_user_gave(name, value):
-    for make in (lambda: Scenario(**{name: value}), lambda: Scenario.from_mapping({name: value})):
+    if name in ("pitch", "turns") and value is None:
+        pytest.skip("what a curve may lack is left to its default by None")
+    for make in (lambda: Scenario(**LONG | {name: value}), lambda: Scenario.from_mapping(LONG | {name: value})):
         with pytest.raises(ParameterError) as caught:
             make()
         assert caught.value.name == name
         assert_says(caught.value, f"{name} is ", "but must be a ")
+
+
+@pytest.mark.parametrize("name", ["radius", "ratio"])
+@pytest.mark.parametrize("value", [value for value in NO_NUMBERS if value is not None], ids=repr)
+def test_impossible_value_of_a_u_turn_is_refused(name, value):
+    with pytest.raises(ParameterError) as caught:
+        Scenario(curve="u-turn", **{name: value})
+    assert_says(caught.value, f"{name} is ", "but must be a number from")
 
 
 @pytest.mark.parametrize(
@@ -56,6 +89,27 @@ def test_impossible_value_is_refused_by_the_name_the_user_gave(name, value):
         ({"head_spacing": 20}, "head_spacing"),
         ({"body_spacing": 20}, "body_spacing"),
         ({"overhang": 0.9}, "overhang"),
+        ({"ratio": 1.0}, "ratio"),
+        ({"radius": 4.5}, "radius"),
+        ({"points": POINTS, "pitch": 0.55}, "pitch"),
+        ({"curve": "spiral", "points": POINTS}, "points"),
+        ({"curve": "path.csv", "points": POINTS}, "points"),
+        ({"curve": "sampled"}, "points"),
+        ({"curve": "u-turn", "turns": 16}, "turns"),
+        ({"curve": "u-turn", "outward": True}, "outward"),
+        ({"turns": 16, "start": -400.0}, "turns"),
+        ({"curve": "u-turn", "pitch": 0.0}, "pitch"),
+        ({"curve": "circle"}, "curve"),
+        ({"curve": ""}, "curve"),
+        ({"curve": 3}, "curve"),
+        ({"curve": ["u-turn"]}, "curve"),
+        ({"speed": []}, "speed"),
+        ({"speed": [1.0, 2.0]}, "speed"),
+        ({"speed": [[0, 1], [1]]}, "speed"),
+        ({"speed": [[0, 1], [1, 0]]}, "speeds[1]"),
+        ({"speed": "fast"}, "speed"),
+        ({"speed": "nowhere.csv"}, "speed"),
+        ({"width": [0.3] * 3, "benches": 4}, "width"),
     ],
 )
 def test_numbers_that_do_not_go_together_are_refused(values, name):
@@ -75,7 +129,61 @@ def test_unknown_name_is_refused_with_the_known_ones(name):
 def test_numpy_scalars_become_plain_numbers():
     scenario = Scenario(benches=np.int32(5), pitch=np.float32(0.5), speed=np.float64(2), turns=np.int64(12))
     assert scenario == Scenario(benches=5, pitch=0.5, speed=2.0, turns=12.0)
-    assert [type(value) for value in asdict(scenario).values()] == [int] + [float] * 7
+    assert [type(value) for value in scenario.to_mapping().values()] == [int] + [float] * 7
+
+
+@every_march
+def test_march_written_down_is_the_same_march(values):
+    scenario = Scenario(**values)
+    # As a file holds it: lists for tuples.
+    written = json.loads(json.dumps(scenario.to_mapping()))
+    assert Scenario.from_mapping(written) == scenario
+    assert hash(Scenario.from_mapping(asdict(scenario))) == hash(scenario)
+    assert Scenario.of(scenario.march()) == scenario
+    times = [-0.5, 0.0, 0.7]
+    one, other = scenario.march(), Scenario.from_mapping(written).march()
+    np.testing.assert_array_equal(one.places(times), other.places(times))
+    np.testing.assert_array_equal(one.at(0.0).positions, other.at(0.0).positions)
+
+
+@every_march
+def test_run_is_saved_and_read_whatever_march_it_is_of(tmp_path, values):
+    march = Scenario(**values).march()
+    Run.exact(march, [0.0, 0.5]).save(tmp_path / "run.npz")
+    back = Run.load(tmp_path / "run.npz")
+    np.testing.assert_array_equal(back.march.at([0.0, 0.5]).poses, back.poses)
+    back.save(tmp_path / "again.npz")
+    assert (tmp_path / "again.npz").read_bytes() == (tmp_path / "run.npz").read_bytes()
+
+
+def test_the_papers_march_is_written_as_ever():
+    numbers = [223, 2.86, 1.65, 0.275, 0.3, 0.55, 16.0, 1.0]
+    assert json.dumps(Scenario().to_mapping()) == json.dumps(dict(zip(NUMBERS, numbers, strict=True)))
+
+
+def test_u_turn_is_the_contests():
+    march = Scenario(curve="u-turn").march()
+    assert (march.curve.pitch, march.curve.radius, march.curve.ratio) == (1.7, 4.5, 2.0)
+    assert np.hypot(*march.at(0.0).positions[0, 0]) == pytest.approx(4.5)
+
+
+def test_curve_and_speed_may_be_files_beside_the_scenario(tmp_path):
+    (tmp_path / "path.csv").write_text("x,y\n" + "".join(f"{x},{y}\n" for x, y in POINTS))
+    (tmp_path / "speed.csv").write_text("".join(f"{t},{v}\n" for t, v in TABLE))
+    (tmp_path / "s.toml").write_text('benches = 5\ncurve = "path.csv"\nspeed = "speed.csv"\n')
+    scenario = Scenario.from_mapping(Scenario.read(tmp_path / "s.toml"))
+    assert scenario == Scenario(benches=5, points=POINTS, speed=TABLE)
+    assert scenario.curve == "sampled"
+    assert Scenario(benches=5, curve=str(tmp_path / "path.csv"), speed=TABLE) == scenario
+
+
+def test_lists_and_tables_stand_in_a_toml_file(tmp_path):
+    (tmp_path / "s.toml").write_text(
+        "body_spacing = [3, 2.0]\nwidth = [0.4, 0.5, 0.3]\nspeed = [[0, 1], [20, 2.5], [25, 0.5]]"
+    )
+    scenario = Scenario.from_mapping(Scenario.read(tmp_path / "s.toml"))
+    assert scenario == Scenario(body_spacing=(3.0, 2.0), width=(0.4, 0.5, 0.3), speed=TABLE)
+    assert scenario.benches == 3
 
 
 def test_toml_file_holds_names_and_values(tmp_path):
@@ -124,6 +232,12 @@ def test_missing_scenario_file_is_named(tmp_path):
         assert str(path.name) in str(caught.value)
 
 
+def test_speed_that_is_a_function_has_no_scenario():
+    with pytest.raises(DragonError, match="a number or a table, not a function") as caught:
+        Scenario.of(March(speed=lambda t: 1 + 0 * t))
+    assert_says(caught.value)
+
+
 def test_march_on_another_curve_has_no_scenario():
     class Wide(Spiral):
         pass
@@ -136,5 +250,6 @@ def test_march_on_another_curve_has_no_scenario():
                 setattr(self, name, getattr(Spiral(), name))
 
     assert Scenario.of(March(Dragon(), Wide())) == Scenario()
-    with pytest.raises(DragonError, match="on a Spiral, not on a Other"):
-        Scenario.of(March(Dragon(), Other()))
+    for curve in (Other(), Composite([Line(start=(0, 0), stop=(500, 0))])):
+        with pytest.raises(DragonError, match=r"on a Spiral, a UTurn or a Sampled curve, not on a (Other|Composite)"):
+            Scenario.of(March(Dragon(), curve))

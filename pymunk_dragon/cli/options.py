@@ -33,15 +33,30 @@ Command = TypeVar("Command", bound=Callable[..., Any])
 PROGRAM = "pymunk-dragon"
 # Numbers in one list: more fill the memory, and are a slip of the finger.
 MAX_LIST = 1_000_000
-SCENARIO_OPTIONS = {
+
+
+def speed_text(value: str) -> float | str:
+    """A number, or the name of a file; what may be in it is for the scenario to say."""
+    try:
+        return float(value)
+    except ValueError:
+        if value.lower().endswith(".csv"):
+            return value
+        raise click.BadParameter(f"{value!r} is neither a number nor a file of a table, which ends in .csv") from None
+
+
+SCENARIO_OPTIONS: dict[str, tuple[Any, str, str]] = {
     "benches": (int, "N", "Number of benches.  [223]"),
     "head_spacing": (float, "M", "Distance between the head's holes, m.  [2.86]"),
     "body_spacing": (float, "M", "Distance between any other bench's holes, m.  [1.65]"),
     "overhang": (float, "M", "From a hole to the end of the bench, m.  [0.275]"),
     "width": (float, "M", "Width of the benches, m.  [0.3]"),
-    "pitch": (float, "M", "Distance between the turns of the spiral, m.  [0.55]"),
+    "curve": (str, "NAME|FILE.csv", "spiral, u-turn, or a file with points x,y of a path, m.  [spiral]"),
+    "pitch": (float, "M", "Distance between the turns of the spiral, m.  [0.55, or 1.7 of a u-turn]"),
     "turns": (float, "X", "Turn of the spiral on which the head starts.  [16]"),
-    "speed": (float, "M/S", "Speed of the head, m/s.  [1]"),
+    "radius": (float, "M", "Radius of the circle in which a u-turn is made, m.  [4.5]"),
+    "ratio": (float, "X", "Radius of a u-turn's first arc over that of its second.  [2]"),
+    "speed": (speed_text, "M/S|FILE.csv", "Speed of the head, m/s, or a file with times and speeds t,v.  [1]"),
 }
 
 
