@@ -1,12 +1,12 @@
 """Answers of the studies as the program prints them: in words, and as the values of its JSON.
 
-A study has one function of each kind, which are found by the type of its answer.
+Each study has a pair of functions, found by the type of its answer.
 """
 
 from __future__ import annotations
 
 import math
-from functools import singledispatch
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from pymunk_dragon.studies import MinPitch
@@ -15,27 +15,10 @@ __all__ = ["study_answer", "study_in_words"]
 
 Answer = dict[str, Any]
 
-LIMITS = {
-    "passing": "as the head passes it",
-    "arrival": "as the head arrives",
-    "start": "as the dragon starts",
-}
+LIMITS = {"passing": "as the head passes", "arrival": "as the head arrives", "start": "as the dragon starts"}
 
 
-@singledispatch
-def study_answer(found: object) -> Answer:
-    """What `study --json` prints."""
-    raise TypeError(f"no study answers with a {type(found).__name__}")
-
-
-@singledispatch
-def study_in_words(found: object) -> str:
-    """The same in a few lines, with the evidence for it."""
-    raise TypeError(f"no study answers with a {type(found).__name__}")
-
-
-@study_answer.register
-def _(found: MinPitch) -> Answer:
+def _pitch_answer(found: MinPitch) -> Answer:
     return {
         "pitch": found.pitch,
         "radius": found.radius,
@@ -61,32 +44,48 @@ def _(found: MinPitch) -> Answer:
     }
 
 
-@study_in_words.register
-def _(found: MinPitch) -> str:
-    lines = [f"smallest pitch {found.pitch:.12f} m: handle 0 reaches the circle of {found.radius:g} m after {found.arrival:.3f} s"]
+def _pitch_in_words(found: MinPitch) -> str:
+    reached = f"handle 0 reaches the circle of {found.radius:g} m after {found.arrival:.3f} s"
+    lines = [f"smallest pitch {found.pitch:.12f} m: {reached}"]
+    certified = f"certified: no contact on the way at {found.free_at:.12f} m"
     if found.benches is None or found.point is None:
-        lines.append("nothing is in its way: it starts on the circle, and with a smaller pitch it would start inside")
-        lines.append(f"certified: no contact on the way at {found.free_at:.12f} m")
+        lines += ["limit:     the circle, on which it starts; with a smaller pitch it would start inside", certified]
     else:
         (i, j), (x, y) = found.benches, found.point
+        place = f"t = {found.time:.6f} s at ({x:.6f}, {y:.6f}) m"
         lines += [
-            f"limit:     benches {i} and {j} touch {LIMITS[found.limit]}, t = {found.time:.6f} s at ({x:.6f}, {y:.6f}) m, and do not overlap",
-            f"certified: no contact on the way at {found.free_at:.12f} m, but one at {found.blocked_at:.12f} m",
+            f"limit:     benches {i} and {j} touch without overlapping {LIMITS[found.limit]}, {place}",
+            f"{certified}, but one at {found.blocked_at:.12f} m",
         ]
-    return "\n".join([*lines, _map_in_words(found)])
+    return "\n".join([*lines, *_map_in_words(found)])
 
 
-def _map_in_words(found: MinPitch) -> str:
-    known = found.map
-    looked = f"{len(known.pitches)} pitches from {known.pitches[0]:.4g} to {known.pitches[-1]:.4g} m"
+def _map_in_words(found: MinPitch) -> list[str]:
+    known, indent = found.map, " " * 11
+    lines = [f"map:       {len(known.pitches)} pitches from {known.pitches[0]:.4g} to {known.pitches[-1]:.4g} m;"]
     if known.growth is None:
-        told = f"at {looked} no gap comes within {1e3 * known.near:g} mm of zero"
+        lines.append(f"{indent}no gap on the way comes within {1e3 * known.near:.3g} mm of zero;")
     else:
         least, most = known.growth
-        told = (
-            f"at {looked} each of the {known.compared} gaps seen within {1e3 * known.near:g} mm of zero grows\n"
-            f"           with the pitch, by {least:.2f} to {most:.2f} mm for a mm, the head being on the same circle"
-        )
-    if found.half_line:
-        return f"map:       {told}: larger pitches are\n           free, smaller ones are not"
-    return f"map:       {told};\n           that does not show that all larger pitches are free, and all smaller ones are not"
+        lines += [
+            f"{indent}all {known.compared} gaps seen within {1e3 * known.near:.3g} mm of zero change with the pitch,",
+            f"{indent}the head being on the same circle, by {least:.2f} to {most:.2f} mm for each mm;",
+        ]
+    shown = "so" if found.half_line else "which does not show that"
+    return [*lines, f"{indent}{shown} all larger pitches are free, and all smaller ones are not"]
+
+
+# How each kind of answer is told, as values and in words.
+TOLD: Mapping[type, tuple[Callable[[Any], Answer], Callable[[Any], str]]] = {
+    MinPitch: (_pitch_answer, _pitch_in_words),
+}
+
+
+def study_answer(found: object) -> Answer:
+    """What `study --json` prints of a study's answer."""
+    return TOLD[type(found)][0](found)
+
+
+def study_in_words(found: object) -> str:
+    """The same in a few lines, with the evidence for it."""
+    return TOLD[type(found)][1](found)

@@ -73,7 +73,7 @@ def study(name: str, values: Mapping[str, Any]) -> Any:
     asked = STUDIES[name]
     for given, value in values.items():
         if given not in asked.takes:
-            raise ParameterError(given, value, f"absent: {name} takes " + ", ".join(asked.takes))
+            raise ParameterError(given, value, f"left out: {name} takes " + ", ".join(asked.takes))
     options = {given: value for given, value in values.items() if given in asked.options}
     if not asked.of_dragon:
         return asked.ask(**options)

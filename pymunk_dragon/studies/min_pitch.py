@@ -50,6 +50,8 @@ RAISE, WIDE = 1.03, 0.5
 NEAR = 1 / 30
 # No march has a pitch that is not larger than the width. The map begins so little above it.
 LEAST = 1 + 1e-6
+# m. So little above the zero of the smallest gap is the answer: rounding, of a few 1e-15 m, shows no overlap there.
+TOUCH = 1e-13
 # Newton's steps, of which it needs three. After one of so few metres only rounding is left.
 STEPS, SETTLED = 60, 1e-12
 # Share of the way that is no way: so close to an end of it a smallest gap is one at the end.
@@ -193,15 +195,16 @@ class _Search:
             return self._unhindered(known)
         last = int(np.flatnonzero(known.gaps <= 0)[-1])
         blocked, free = known.pitches[last : last + 2].tolist()
-        pitch = self._zero(blocked, free)
+        pitch = self._zero(blocked, free) + TOUCH
         hit = self._hit(pitch - CERTAIN)
-        if hit.benches is None or not self._certified(pitch + CERTAIN):
-            pitch, hit = self._halved(blocked, free)
+        if hit.benches is None or self._hit(pitch + CERTAIN).status != "clear":
+            pitch, hit = self._halved(blocked, known.pitches[last + 1 :].tolist())
         march = self._march(pitch)
-        at, end = gaps_of(march, hit.time, hit.benches), arrival(march, self._radius)
-        lowest = self._passing(pitch).lowest()
-        if lowest is not None and abs(lowest.gaps[0]) < CERTAIN:
-            at = lowest
+        end = arrival(march, self._radius)
+        at = self._passing(pitch).lowest()
+        if at is None or abs(at.gaps[0]) > CERTAIN:
+            assert hit.benches is not None
+            at = gaps_of(march, hit.time, hit.benches)
         time, (first, second), (x, y) = float(at.times[0]), at.pairs[0].tolist(), at.points[0].tolist()
         limit: Limit = "passing"
         if time <= AT_END * end:
@@ -223,7 +226,7 @@ class _Search:
     def _unhindered(self, known: PitchMap) -> MinPitch:
         """The answer where not even the least pitch has a contact on the way."""
         least = float(known.pitches[0])
-        if least * self._turns > self._radius or not self._certified(least + CERTAIN):
+        if least > self._radius / self._turns or self._hit(least + CERTAIN).status != "clear":
             short = "so many, and so long, that the dragon can run into itself outside the circle"
             raise ParameterError("benches", self._dragon.benches, short)
         return self._answer(
@@ -243,7 +246,8 @@ class _Search:
             pitch=pitch,
             radius=self._radius,
             march=march,
-            arrival=arrival(march, self._radius),
+            # At the very start rounding may put it before.
+            arrival=max(0.0, arrival(march, self._radius)),
             half_line=all(parted),
             free_at=pitch + CERTAIN,
             map=known,
@@ -299,25 +303,26 @@ class _Search:
         return (np.inf, 0.0) if found is None else (float(found.gaps[0]), _slope(found))
 
     def _hit(self, pitch: float) -> Impact:
+        """What is certified of the way in."""
         march = self._march(pitch)
         return first_contact(march, until=arrival(march, self._radius))
 
-    def _certified(self, pitch: float) -> bool:
-        """Whether the way is free of contacts, however short."""
-        return self._hit(pitch).status == "clear"
+    def _halved(self, blocked: float, larger: list[float]) -> tuple[float, Impact]:
+        """The limit between the first and some of the `larger` pitches, and the contact below it.
 
-    def _halved(self, blocked: float, free: float) -> tuple[float, Impact]:
-        """The limit between the two by nothing but certificates, and the contact below it: slow, and always right."""
-        hit, above = self._hit(blocked), self._hit(free)
-        while free - blocked > CERTAIN and hit.benches is not None and above.status == "clear":
+        By nothing but certificates: slow, and always right.
+        """
+        free = next((pitch for pitch in larger if self._hit(pitch).status == "clear"), np.inf)
+        hit = self._hit(blocked)
+        while CERTAIN < free - blocked < np.inf:
             middle = (blocked + free) / 2
             between = self._hit(middle)
             if between.status == "clear":
                 free = middle
             else:
                 blocked, hit = middle, between
-        if free - blocked > CERTAIN:
-            raise DragonError(f"no limit of the pitch can be certified between {blocked:.9g} m and {free:.9g} m")
+        if hit.benches is None or free == np.inf:
+            raise DragonError(f"no limit of the pitch can be certified above {blocked:.9g} m")
         return free, hit
 
 

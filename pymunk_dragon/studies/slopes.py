@@ -96,7 +96,9 @@ def gaps_of(march: March, times: ArrayLike, pairs: ArrayLike) -> Gaps:
     # The head's way along the spiral for which the pitch leaves it on its circle.
     head = holes[row, 0].conj()
     later = -(head * ways[row, 0, PITCH]).real / (head * ways[row, 0, TIME]).real
-    return Gaps(at, wanted, found.distance, found.point, by_quantity, by_quantity[:, PITCH] + later * by_quantity[:, TIME])
+    return Gaps(
+        at, wanted, found.distance, found.point, by_quantity, by_quantity[:, PITCH] + later * by_quantity[:, TIME]
+    )
 
 
 def _hole_slopes(march: March, times: Array, holes: Complex, velocities: Complex) -> Complex:
