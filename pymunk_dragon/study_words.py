@@ -26,8 +26,8 @@ def _pitch_answer(found: MinPitch) -> Answer:
         "limit": found.limit,
         "benches": found.benches,
         "point": found.point,
-        "time": found.time,
-        "arrival": found.arrival,
+        "time": float(found.march.time(found.way)),
+        "arrival": float(found.march.time(found.way_in)),
         "gap": found.gap,
         "slope": found.slope,
         "free_at": found.free_at,
@@ -45,14 +45,14 @@ def _pitch_answer(found: MinPitch) -> Answer:
 
 
 def _pitch_in_words(found: MinPitch) -> str:
-    reached = f"handle 0 reaches the circle of {found.radius:g} m after {found.arrival:.3f} s"
+    reached = f"handle 0 reaches the circle of {found.radius:g} m after {found.march.time(found.way_in):.3f} s"
     lines = [f"smallest pitch {found.pitch:.12f} m: {reached}"]
     certified = f"certified: no contact on the way at {found.free_at:.12f} m"
     if found.benches is None or found.point is None:
         lines += ["limit:     the circle, on which it starts; with a smaller pitch it would start inside", certified]
     else:
         (i, j), (x, y) = found.benches, found.point
-        place = f"t = {found.time:.6f} s at ({x:.6f}, {y:.6f}) m"
+        place = f"t = {found.march.time(found.way):.6f} s at ({x:.6f}, {y:.6f}) m"
         lines += [
             f"limit:     benches {i} and {j} touch without overlapping {LIMITS[found.limit]}, {place}",
             f"{certified}, but one at {found.blocked_at:.12f} m",

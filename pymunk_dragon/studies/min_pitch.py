@@ -15,7 +15,7 @@ things are found out:
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -24,13 +24,14 @@ from numpy.typing import NDArray
 from pymunk_dragon.checks import finite, positive
 from pymunk_dragon.collision import Impact, first_contact
 from pymunk_dragon.curves import Spiral
+from pymunk_dragon.curves.spiral import MAX_PITCH, MAX_TURNS
 from pymunk_dragon.dragon import Dragon
 from pymunk_dragon.errors import DragonError, ParameterError
 from pymunk_dragon.march import March
 from pymunk_dragon.studies.passing import Passing
 from pymunk_dragon.studies.slopes import PITCH, Gaps, gaps_of
 
-__all__ = ["MinPitch", "PitchMap", "arrival", "min_pitch"]
+__all__ = ["MinPitch", "PitchMap", "min_pitch", "way_to"]
 
 Array = NDArray[np.float64]
 Limit = Literal["passing", "arrival", "start", "circle"]
@@ -39,8 +40,6 @@ Limit = Literal["passing", "arrival", "start", "circle"]
 RADIUS = 4.5
 # m. With a wider circle the way in is kilometres long, and the search takes minutes.
 MAX_RADIUS = 100.0
-# Metres, and turns: the widest spiral that there is, and the longest one.
-MAX_PITCH, MAX_TURNS = 1000.0, 1000.0
 # m. So far above the answer the way is certified to be free, and so far below it to be blocked.
 CERTAIN = 1e-9
 # Each pitch of the map over the one before it. It ends where the smallest gap is so large a share of the width: beyond
@@ -108,8 +107,8 @@ class MinPitch:
         The two that touch, the smaller number first; None where nothing does.
     point : tuple of float or None
         Where they do, m.
-    time, arrival : float
-        When they touch, and when handle 0 reaches the circle, s.
+    way, way_in : float
+        How far handle 0 has gone when they touch, and when it reaches the circle, m; `march.time` tells when that is.
     gap : float or None
         Between these two then, m: zero but for rounding.
     slope : float or None
@@ -129,8 +128,8 @@ class MinPitch:
     limit: Limit
     benches: tuple[int, int] | None
     point: tuple[float, float] | None
-    time: float
-    arrival: float
+    way: float
+    way_in: float
     gap: float | None
     slope: float | None
     half_line: bool
@@ -139,12 +138,10 @@ class MinPitch:
     map: PitchMap = field(repr=False)
 
 
-def arrival(march: March, radius: float) -> float:
-    """Time at which handle 0 of a march on a `Spiral` is `radius` m from the centre, s."""
-    curve = march.curve
-    assert isinstance(curve, Spiral)
-    way = curve.remaining(curve.start(march.turns)) - curve.remaining(radius / curve.k)
-    return float(way) / march.speed
+def way_to(march: March, radius: float) -> float:
+    """Way of handle 0 of a march inward on a `Spiral` from its start to where it is `radius` m from the centre, m."""
+    assert isinstance(march.curve, Spiral)
+    return march.curve.at_radius(radius) - march.head_start
 
 
 def min_pitch(
@@ -200,16 +197,16 @@ class _Search:
         if hit.benches is None or self._hit(pitch + CERTAIN).status != "clear":
             pitch, hit = self._halved(blocked, known.pitches[last + 1 :].tolist())
         march = self._march(pitch)
-        end = arrival(march, self._radius)
+        end = way_to(march, self._radius)
         at = self._passing(pitch).lowest()
         if at is None or abs(at.gaps[0]) > CERTAIN:
             assert hit.benches is not None
             at = gaps_of(march, hit.time, hit.benches)
-        time, (first, second), (x, y) = float(at.times[0]), at.pairs[0].tolist(), at.points[0].tolist()
+        way, (first, second), (x, y) = float(at.ways[0]), at.pairs[0].tolist(), at.points[0].tolist()
         limit: Limit = "passing"
-        if time <= AT_END * end:
+        if way <= AT_END * end:
             limit = "start"
-        elif time >= (1 - AT_END) * end:
+        elif way >= (1 - AT_END) * end:
             limit = "arrival"
         return self._answer(
             pitch,
@@ -217,7 +214,7 @@ class _Search:
             limit=limit,
             benches=(first, second),
             point=(x, y),
-            time=time,
+            way=way,
             gap=float(at.gaps[0]),
             slope=_slope(at),
             blocked_at=pitch - CERTAIN,
@@ -230,13 +227,15 @@ class _Search:
             short = "so many, and so long, that the dragon can run into itself outside the circle"
             raise ParameterError("benches", self._dragon.benches, short)
         return self._answer(
-            least, known, limit="circle", benches=None, point=None, time=0.0, gap=None, slope=None, blocked_at=None
+            least, known, limit="circle", benches=None, point=None, way=0.0, gap=None, slope=None, blocked_at=None
         )
 
     def _answer(self, pitch: float, known: PitchMap, **others: Any) -> MinPitch:
         march = self._march(pitch)
         below = known.pitches < pitch
         parted = [
+            # Of others not all benches are looked at.
+            self._dragon.alike,
             known.growth is None or known.growth[0] > 0,
             np.all(known.gaps[below] < 0),
             np.all(known.further_out[~below] > 0),
@@ -245,9 +244,9 @@ class _Search:
         return MinPitch(
             pitch=pitch,
             radius=self._radius,
-            march=march,
+            march=replace(march, speed=self._speed),
             # At the very start rounding may put it before.
-            arrival=max(0.0, arrival(march, self._radius)),
+            way_in=max(0.0, way_to(march, self._radius)),
             half_line=all(parted),
             free_at=pitch + CERTAIN,
             map=known,
@@ -255,18 +254,19 @@ class _Search:
         )
 
     def _march(self, pitch: float) -> March:
-        return March(self._dragon, Spiral(pitch=pitch), turns=self._turns, speed=self._speed)
+        """At 1 m/s: how fast the head goes has no part in this."""
+        return March(self._dragon, Spiral(pitch=pitch), turns=self._turns)
 
     def _passing(self, pitch: float, longer: float = 1.0) -> Passing:
         """The way in, or one that begins so many times as far out."""
         march = self._march(pitch)
-        since = arrival(march, longer * self._turns * pitch) if longer > 1 else 0.0
-        return Passing(march, arrival(march, self._radius), since)
+        since = way_to(march, longer * self._turns * pitch) if longer > 1 else 0.0
+        return Passing(march, way_to(march, self._radius), since)
 
     def _map(self) -> PitchMap:
         """What is seen from the least pitch to one at which all gaps are wide."""
-        least, wide = max(self._dragon.width * LEAST, self._radius / self._turns), WIDE * self._dragon.width
-        near = NEAR * self._dragon.width
+        widest, near = float(self._dragon.widths.max()), NEAR * float(self._dragon.widths.min())
+        least, wide = max(widest * LEAST, self._radius / self._turns), WIDE * widest
         pitches, rows, slopes = [least], [], [np.empty(0)]
         while True:
             passing = self._passing(pitches[-1], RAISE)
@@ -305,7 +305,7 @@ class _Search:
     def _hit(self, pitch: float) -> Impact:
         """What is certified of the way in."""
         march = self._march(pitch)
-        return first_contact(march, until=arrival(march, self._radius))
+        return first_contact(march, until=way_to(march, self._radius))
 
     def _halved(self, blocked: float, larger: list[float]) -> tuple[float, Impact]:
         """The limit between the first and some of the `larger` pitches, and the contact below it.
@@ -328,10 +328,10 @@ class _Search:
 
 def _lowest_gaps(passing: Passing) -> tuple[float, float]:
     """The smallest gap since the start, and since before it, m."""
-    return float(passing.gaps[passing.times >= 0].min()), float(passing.gaps.min())
+    return float(passing.gaps[passing.ways >= 0].min()), float(passing.gaps.min())
 
 
 def _slope(smallest: Gaps) -> float:
     """Slope of a gap that is smallest on the way, by the pitch; the way begins at a turn, and ends at a circle."""
-    slope = smallest.slopes[0, PITCH] if smallest.times[0] == 0 else smallest.slopes_on_circle[0]
+    slope = smallest.slopes[0, PITCH] if smallest.ways[0] == 0 else smallest.slopes_on_circle[0]
     return float(slope)

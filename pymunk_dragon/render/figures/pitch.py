@@ -66,7 +66,7 @@ def _surroundings(axes: Axes, found: MinPitch) -> None:
     """The benches around the head as two touch."""
     march, turn = found.march, np.linspace(0, 2 * np.pi, LINE_POINTS)
     dragon = march.dragon
-    poses = march.at(found.time).poses[0]
+    poses = march.at(march.time(found.way)).poses[0]
     x, y, _ = poses[0].tolist()
     half = CLOSE_UP * float(dragon.lengths[0]) / 2
     axes.set_aspect("equal")
@@ -110,23 +110,24 @@ def _surroundings(axes: Axes, found: MinPitch) -> None:
 def _last_of_way(axes: Axes, found: MinPitch) -> None:
     """The head's gap on the last of its way at the pitch found."""
     march = found.march
-    since = max(0.0, found.arrival - LAST_LENGTHS * float(march.dragon.lengths[0]) / march.speed)
+    shown = LAST_LENGTHS * float(march.dragon.lengths[0])
+    since, time, end = march.time([max(0.0, found.way_in - shown), found.way, found.way_in]).tolist()
     axes.set_title(
         "the head's gap on the last of the way at that pitch, mm", loc="left", size=11.5, color=QUIET, pad=10
     )
-    times = np.linspace(since, found.arrival, GAP_MOMENTS)
-    if since < found.time:
-        times = np.unique([*times, found.time])
+    times = np.linspace(since, end, GAP_MOMENTS)
+    if since < time:
+        times = np.unique([*times, time])
     gap_line(axes, march, times, "last-gap")
     logarithmic(axes, LEAST_GAP, MOST_GAP)
-    axes.set_xlim(since, found.arrival)
+    axes.set_xlim(since, end)
     axes.set_xlabel("time (s); the head arrives at the end")
-    if found.benches is not None and found.time > since:
+    if found.benches is not None and time > since:
         label(
             axes,
-            found.time,
+            time,
             LEAST_GAP,
-            f"touch at {found.time:.4f} s",
+            f"touch at {time:.4f} s",
             (-12, 6),
             ha="right",
             va="bottom",
