@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from pymunk_dragon.checks import finite, positive
 from pymunk_dragon.collision import Impact, first_contact
 from pymunk_dragon.curves import Spiral
-from pymunk_dragon.curves.spiral import MAX_PITCH, MAX_TURNS
+from pymunk_dragon.curves.spiral import MAX_PITCH
 from pymunk_dragon.dragon import Dragon
 from pymunk_dragon.errors import DragonError, ParameterError
 from pymunk_dragon.march import March
@@ -40,11 +40,13 @@ Limit = Literal["passing", "arrival", "start", "circle"]
 RADIUS = 4.5
 # m. With a wider circle the way in is kilometres long, and the search takes minutes.
 MAX_RADIUS = 100.0
+# Turns of the start, at most: some more are looked at, and no spiral has more than a thousand.
+MAX_TURNS = 900.0
 # m. So far above the answer the way is certified to be free, and so far below it to be blocked.
 CERTAIN = 1e-9
 # Each pitch of the map over the one before it. It ends where the smallest gap is so large a share of the width: beyond
 # that no gap is near zero.
-RAISE, WIDE = 1.03, 0.5
+RAISE, WIDE = 1.04, 0.5
 # Share of the width within which a gap counts as near zero: 1 cm at the contest's 0.3 m.
 NEAR = 1 / 30
 # No march has a pitch that is not larger than the width. The map begins so little above it.
@@ -257,11 +259,9 @@ class _Search:
         """At 1 m/s: how fast the head goes has no part in this."""
         return March(self._dragon, Spiral(pitch=pitch), turns=self._turns)
 
-    def _passing(self, pitch: float, longer: float = 1.0) -> Passing:
+    def _passing(self, pitch: float, further: float = 1.0) -> Passing:
         """The way in, or one that begins so many times as far out."""
-        march = self._march(pitch)
-        since = way_to(march, longer * self._turns * pitch) if longer > 1 else 0.0
-        return Passing(march, way_to(march, self._radius), since)
+        return Passing(self._dragon, Spiral(pitch=pitch), self._turns, self._radius, further)
 
     def _map(self) -> PitchMap:
         """What is seen from the least pitch to one at which all gaps are wide."""

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from pymunk_dragon.collision import separation
 from pymunk_dragon.curves import Spiral
+from pymunk_dragon.dragon import Dragon
 from pymunk_dragon.march import March
 from pymunk_dragon.studies.slopes import WAY, Gaps, gaps_of
 
@@ -34,36 +35,43 @@ class Passing:
 
     Parameters
     ----------
-    march : March
-        On a `Spiral`, inward from one of its turns, at 1 m/s.
-    until : float
-        The last place of the head: its way from the start, m.
-    since : float
-        The first one; before the start it is negative.
+    dragon : Dragon
+        Who marches.
+    curve : Spiral
+        On which, inward.
+    turns : float
+        Turn of the spiral on which handle 0 starts.
+    radius : float
+        Distance from the centre, m, as far as which it is looked.
+    further : float
+        So many times as far out as the start is where it is looked first.
 
     Attributes
     ----------
     ways : ndarray, shape (T,)
-        Where it was looked, m.
+        How far the head has gone from its start where it was looked, m; negative before it.
     gaps : ndarray, shape (T, B, 2)
         Gaps of bench 0 and of bench 1 to each of the foremost B, m; inf where two are far apart or are neighbours.
     """
 
-    def __init__(self, march: March, until: float, since: float = 0.0) -> None:
-        self._march = march
-        step = float(march.dragon.spacings.min()) / LOOKS
-        before, after = (int(np.ceil(length / step)) for length in (-since, until))
-        self.ways = np.concatenate([np.linspace(since, 0.0, before + 1)[:-1], np.linspace(0.0, until, after + 1)])
-        benches = min(march.dragon.benches, _passed(march, since))
-        parts = [self._gaps(self.ways[at : at + SOME], benches) for at in range(0, len(self.ways), SOME)]
+    def __init__(self, dragon: Dragon, curve: Spiral, turns: float, radius: float, further: float = 1.0) -> None:
+        start, outside = curve.at_turn(turns), curve.at_turn(further * turns)
+        passed = outside - curve.at_turn(further * turns + TURNS_BACK)
+        self._march = March(_foremost(dragon, int(passed / dragon.spacings.min()) + 2), curve, turns=turns)
+        step = float(dragon.spacings.min()) / LOOKS
+        before, after = (int(np.ceil(way / step)) for way in (start - outside, curve.at_radius(radius) - start))
+        first, last = outside - start, max(0.0, curve.at_radius(radius) - start)
+        self.ways = np.concatenate([np.linspace(first, 0.0, before + 1)[:-1], np.linspace(0.0, last, after + 1)])
+        parts = [self._gaps(self.ways[at : at + SOME]) for at in range(0, len(self.ways), SOME)]
         self.gaps = np.concatenate(parts)
 
-    def _gaps(self, ways: Array, benches: int) -> Array:
-        dragon, poses = self._march.dragon, self._march.at(ways, benches + 1).poses
+    def _gaps(self, ways: Array) -> Array:
+        dragon, poses = self._march.dragon, self._march.at(ways).poses
+        benches = dragon.benches
         gaps = np.full((len(ways), benches, 2), np.inf)
         corners = dragon.outlines(poses)
         # Benches whose circles are so far apart are no near ones.
-        reach = np.hypot(dragon.lengths, dragon.widths)[:benches] / 2 + dragon.widths.max()
+        reach = np.hypot(dragon.lengths, dragon.widths) / 2 + dragon.widths.max()
         for own in range(min(2, benches)):
             between = poses[:, own + 2 :, :2] - poses[:, own : own + 1, :2]
             near = np.hypot(between[..., 0], between[..., 1]) < (reach[own + 2 :] + reach[own])
@@ -108,10 +116,13 @@ class Passing:
         return gaps_of(self._march, (low + high) / 2, pairs)
 
 
-def _passed(march: March, way: float) -> int:
-    """How many benches stand on so many turns behind the head after its `way`."""
-    curve, head = march.curve, march.head_start + way
-    assert isinstance(curve, Spiral)
-    radius = float(np.hypot(*curve.point(head)))
-    behind = head - curve.at_radius(radius + TURNS_BACK * curve.pitch)
-    return int(np.ceil(behind / march.dragon.spacings.min())) + 2
+def _foremost(dragon: Dragon, benches: int) -> Dragon:
+    """The foremost benches of a dragon, if it has more: so much quicker placed."""
+    if benches >= dragon.benches:
+        return dragon
+    return Dragon(
+        head_spacing=dragon.head_spacing,
+        body_spacing=dragon.spacings[1:benches].tolist(),
+        overhang=dragon.overhangs[:benches].tolist(),
+        width=dragon.widths[:benches].tolist(),
+    )
