@@ -17,6 +17,7 @@ from pymunk_dragon.cli.positions import positions
 from pymunk_dragon.cli.render import render
 from pymunk_dragon.cli.report import report
 from pymunk_dragon.cli.simulate import simulate
+from pymunk_dragon.cli.study import study
 from pymunk_dragon.errors import DragonError, FileFormatError, MissingExtraError, ParameterError, UnreachableError
 
 __all__ = ["cli", "main"]
@@ -64,5 +65,5 @@ def cli() -> None:
     """A bench dragon on its spiral: where it is, how fast, and when it runs into itself."""
 
 
-for command in (positions, contact, simulate, render, figure, report):
+for command in (positions, contact, simulate, render, figure, report, study):
     cli.add_command(command)

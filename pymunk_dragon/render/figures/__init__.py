@@ -13,6 +13,7 @@ from PIL import Image
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.files import check_destination, written_in_place
 from pymunk_dragon.march import March
+from pymunk_dragon.render.figures.answers import answer
 from pymunk_dragon.render.figures.cells import grid
 from pymunk_dragon.render.figures.charts import gap, speeds
 from pymunk_dragon.render.figures.engine import drift, impulses
@@ -27,7 +28,7 @@ from pymunk_dragon.run import Run
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["FIGURES", "FIGURE_ENDINGS", "Kind", "figure", "write_figure"]
+__all__ = ["FIGURES", "FIGURE_ENDINGS", "Kind", "answer_figure", "figure", "write_answer", "write_figure"]
 
 FIGURE_ENDINGS = (".png", ".svg")
 # Colours of a PNG: with so many no pixel is more than two levels off, and the file is a third.
@@ -105,11 +106,20 @@ def figure(name: str, source: Source | None = None) -> Figure:
     kind = _kind(name)
     if kind.still is not None:
         raise ParameterError("figure", name, "one with axes, or written by `write_figure`")
-    with styled():
-        drawn = _drawn(name, kind, source)
-        # Some ticks are made only when they are drawn, and then in the style of that moment.
-        drawn.draw_without_rendering()
-    return drawn
+    return _finished(lambda: _drawn(name, kind, source))
+
+
+def answer_figure(found: object) -> Figure:
+    """The picture of a study's answer, as matplotlib has it; a notebook shows it.
+
+    Raises
+    ------
+    ParameterError
+        If `found` is no answer of a study.
+    MissingExtraError
+        If matplotlib is not installed.
+    """
+    return _finished(lambda: answer(found))
 
 
 def write_figure(name: str, path: str | Path, source: Source | None = None) -> None:
@@ -137,8 +147,35 @@ def write_figure(name: str, path: str | Path, source: Source | None = None) -> N
         run, film = kind.still(_march(kind, source))
         write_still(run, float(run.times[0]), destination, film)
         return
+    _write(lambda: _drawn(name, kind, source), destination)
+
+
+def write_answer(found: object, path: str | Path) -> None:
+    """Write the picture of a study's answer as PNG or SVG.
+
+    Raises
+    ------
+    ParameterError
+        If `found` is no answer of a study, or the file cannot be made.
+    MissingExtraError
+        If matplotlib is not installed.
+    OutputError
+        If writing fails.
+    """
+    _write(lambda: answer(found), check_destination(path, FIGURE_ENDINGS))
+
+
+def _finished(draw: Callable[[], Figure]) -> Figure:
     with styled():
-        drawn = _drawn(name, kind, source)
+        drawn = draw()
+        # Some ticks are made only when they are drawn, and then in the style of that moment.
+        drawn.draw_without_rendering()
+    return drawn
+
+
+def _write(draw: Callable[[], Figure], destination: Path) -> None:
+    with styled():
+        drawn = draw()
         with written_in_place(destination) as draft:
             if destination.suffix.lower() == ".svg":
                 drawn.savefig(draft, format="svg", metadata={"Date": None})

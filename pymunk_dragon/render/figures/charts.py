@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["gap", "speeds"]
+__all__ = ["MM", "gap", "gap_line", "speeds"]
 
 Array = NDArray[np.float64]
 
@@ -58,8 +58,8 @@ def gap(march: March) -> Figure:
     whole = panel(figure, 0.85, 4.85, 6.85, 1.75)
     close = panel(figure, 0.85, 0.65, 6.85, 3.5)
     whole.axvspan(since, hit.time, color=FAINT, lw=0)
-    widest = _gap_line(whole, march, _moments(0.0, hit), "gap")
-    _gap_line(close, march, _moments(since, hit), "last-gap")
+    widest = gap_line(whole, march, _moments(0.0, hit), "gap")
+    gap_line(close, march, _moments(since, hit), "last-gap")
     for axes, begin in ((whole, 0.0), (close, since)):
         axes.set_xlim(begin, hit.time + RIGHT_BORDER * (hit.time - begin))
         logarithmic(axes, LEAST_GAP, TOP_BORDER * widest)
@@ -99,8 +99,8 @@ def _moments(begin: float, hit: Impact) -> Array:
     return np.unique([*np.linspace(begin, hit.time, GAP_MOMENTS), *smallest])
 
 
-def _gap_line(axes: Axes, march: March, times: Array, gid: str) -> float:
-    """Draw the smallest gap, and thinly that of each bench which has it at some time; the widest in mm."""
+def gap_line(axes: Axes, march: March, times: Array, gid: str) -> float:
+    """Draw the head's smallest gap, and give the widest, mm; as `last-gap` also, thinly, that of each nearest bench."""
     found = [smallest_gap(march.dragon, moment.poses) for moment in moments(march, times)]
     nearest, smallest = np.array(found, dtype=float).T
     if gid == "last-gap":

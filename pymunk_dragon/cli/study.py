@@ -1,0 +1,75 @@
+"""`pymunk-dragon study`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import click
+
+from pymunk_dragon.cli.options import chosen, destination_of, json_option, output_option, scenario_options
+from pymunk_dragon.cli.output import print_json, write_json
+
+__all__ = ["study"]
+
+
+@click.command()
+@click.argument("name", required=False)
+@scenario_options
+@click.option("--radius", type=float, metavar="M", help="Radius of the turning circle, m.  [4.5]")
+@json_option
+@output_option(".json, or .png or .svg for a picture of the answer")
+def study(
+    name: str | None, scenario_file: str | None, as_json: bool, output: str | None, **settings: float | None
+) -> None:
+    """Ask a question of many marches; without a name, list them.
+
+    What a scenario's file says beside the numbers that a study takes is left aside, such as the pitch where that is the
+    question.
+    """
+    from pymunk_dragon.studies import STUDIES
+    from pymunk_dragon.studies import study as ask
+    from pymunk_dragon.study_words import study_answer, study_in_words
+
+    if name is None:
+        asked = {known: kind.asks for known, kind in STUDIES.items()}
+        if as_json:
+            print_json({"studies": asked})
+        else:
+            click.echo("\n".join(f"{known:<11}  {asks}" for known, asks in asked.items()))
+        return
+    given = {option: value for option, value in settings.items() if value is not None}
+    values = _of_file(scenario_file, STUDIES[name].takes if name in STUDIES else ()) | chosen() | given
+    destination = destination_of(output, (".json", ".png", ".svg"))
+    if destination is not None and destination.suffix.lower() != ".json":
+        _check_pictures()
+    found = ask(name, values)
+    answer = study_answer(found)
+    if destination is not None and destination.suffix.lower() == ".json":
+        write_json(destination, answer)
+    elif destination is not None:
+        from pymunk_dragon.render.figures import write_answer
+
+        write_answer(found, destination)
+    if as_json:
+        print_json(answer)
+    else:
+        click.echo(study_in_words(found))
+
+
+def _of_file(scenario_file: str | None, takes: tuple[str, ...]) -> dict[str, Any]:
+    """What a scenario's file says of the numbers that a study takes."""
+    if scenario_file is None:
+        return {}
+    from dataclasses import asdict
+
+    from pymunk_dragon.scenario import Scenario
+
+    # Checked as a whole: a slip in what is left aside is a slip all the same.
+    scenario = Scenario.from_mapping(Scenario.read(scenario_file))
+    return {option: value for option, value in asdict(scenario).items() if option in takes}
+
+
+def _check_pictures() -> None:
+    from pymunk_dragon.extras import library
+
+    library("matplotlib")

@@ -1,0 +1,80 @@
+"""Questions asked of many marches."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from pymunk_dragon.dragon import Dragon
+from pymunk_dragon.errors import ParameterError
+from pymunk_dragon.studies.min_pitch import MinPitch, PitchMap, min_pitch
+
+__all__ = ["STUDIES", "MinPitch", "PitchMap", "Study", "min_pitch", "study"]
+
+DRAGON = ("benches", "head_spacing", "body_spacing", "overhang", "width")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Study:
+    """A question that can be asked by name.
+
+    Attributes
+    ----------
+    asks : str
+        What it asks, in one line.
+    ask : callable
+        Who answers: a function of a `Dragon`, if `of_dragon`, and of the options by name. It gives a frozen dataclass.
+    options : tuple of str
+        Names of the numbers that it takes beside the dragon's own.
+    of_dragon : bool
+        Whether a dragon is what it asks about.
+    """
+
+    asks: str
+    ask: Callable[..., Any]
+    options: tuple[str, ...]
+    of_dragon: bool = True
+
+    @property
+    def takes(self) -> tuple[str, ...]:
+        """Names of all the numbers that it takes."""
+        return (*DRAGON, *self.options) if self.of_dragon else self.options
+
+
+STUDIES: Mapping[str, Study] = {
+    "min-pitch": Study(
+        asks="the smallest pitch at which the head reaches the turning circle (the contest's question 3)",
+        ask=min_pitch,
+        options=("turns", "speed", "radius"),
+    ),
+}
+
+
+def study(name: str, values: Mapping[str, Any]) -> Any:
+    """Ask one of `STUDIES`.
+
+    Parameters
+    ----------
+    name : str
+        Which.
+    values : mapping
+        Numbers that it `takes`, by name; what is not among them keeps its default.
+
+    Raises
+    ------
+    ParameterError
+        If there is no such study, it does not take one of the values, or one of them cannot be used.
+    DragonError
+        As the study itself does.
+    """
+    if name not in STUDIES:
+        raise ParameterError("study", name, "one of " + ", ".join(STUDIES))
+    asked = STUDIES[name]
+    for given, value in values.items():
+        if given not in asked.takes:
+            raise ParameterError(given, value, f"left out: {name} takes " + ", ".join(asked.takes))
+    options = {given: value for given, value in values.items() if given in asked.options}
+    if not asked.of_dragon:
+        return asked.ask(**options)
+    return asked.ask(Dragon(**{given: value for given, value in values.items() if given in DRAGON}), **options)

@@ -1,0 +1,91 @@
+"""Answers of the studies as the program prints them: in words, and as the values of its JSON.
+
+Each study has a pair of functions, found by the type of its answer.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from pymunk_dragon.studies import MinPitch
+
+__all__ = ["study_answer", "study_in_words"]
+
+Answer = dict[str, Any]
+
+LIMITS = {"passing": "as the head passes", "arrival": "as the head arrives", "start": "as the dragon starts"}
+
+
+def _pitch_answer(found: MinPitch) -> Answer:
+    return {
+        "pitch": found.pitch,
+        "radius": found.radius,
+        "turns": found.march.turns,
+        "limit": found.limit,
+        "benches": found.benches,
+        "point": found.point,
+        "time": float(found.march.time(found.way)),
+        "arrival": float(found.march.time(found.way_in)),
+        "gap": found.gap,
+        "slope": found.slope,
+        "free_at": found.free_at,
+        "blocked_at": found.blocked_at,
+        "half_line": found.half_line,
+        "map": {
+            "pitches": found.map.pitches.tolist(),
+            # JSON has no infinity.
+            "gaps": [gap if math.isfinite(gap) else None for gap in found.map.gaps.tolist()],
+            "growth": found.map.growth,
+            "near": found.map.near,
+            "compared": found.map.compared,
+        },
+    }
+
+
+def _pitch_in_words(found: MinPitch) -> str:
+    reached = f"handle 0 reaches the circle of {found.radius:g} m after {found.march.time(found.way_in):.3f} s"
+    lines = [f"smallest pitch {found.pitch:.12f} m: {reached}"]
+    certified = f"certified: no contact on the way at {found.free_at:.12f} m"
+    if found.benches is None or found.point is None:
+        lines += ["limit:     the circle, on which it starts; with a smaller pitch it would start inside", certified]
+    else:
+        (i, j), (x, y) = found.benches, found.point
+        place = f"t = {found.march.time(found.way):.6f} s at ({x:.6f}, {y:.6f}) m"
+        lines += [
+            f"limit:     benches {i} and {j} touch without overlapping {LIMITS[found.limit]}, {place}",
+            f"{certified}, but one at {found.blocked_at:.12f} m",
+        ]
+    return "\n".join([*lines, *_map_in_words(found)])
+
+
+def _map_in_words(found: MinPitch) -> list[str]:
+    known, indent = found.map, " " * 11
+    lines = [f"map:       {len(known.pitches)} pitches from {known.pitches[0]:.4g} to {known.pitches[-1]:.4g} m;"]
+    if known.growth is None:
+        lines.append(f"{indent}no gap on the way comes within {1e3 * known.near:.3g} mm of zero;")
+    else:
+        least, most = known.growth
+        lines += [
+            f"{indent}all {known.compared} gaps seen within {1e3 * known.near:.3g} mm of zero change with the pitch,",
+            f"{indent}the head being on the same circle, by {least:.2f} to {most:.2f} mm for each mm;",
+        ]
+    shown = "so" if found.half_line else "which does not show that"
+    return [*lines, f"{indent}{shown} all larger pitches are free, and all smaller ones are not"]
+
+
+# How each kind of answer is told, as values and in words.
+TOLD: Mapping[type, tuple[Callable[[Any], Answer], Callable[[Any], str]]] = {
+    MinPitch: (_pitch_answer, _pitch_in_words),
+}
+
+
+def study_answer(found: object) -> Answer:
+    """What `study --json` prints of a study's answer."""
+    return TOLD[type(found)][0](found)
+
+
+def study_in_words(found: object) -> str:
+    """The same in a few lines, with the evidence for it."""
+    return TOLD[type(found)][1](found)

@@ -1,0 +1,299 @@
+"""Studies: the smallest pitch, against many digits, against Shapely, and where looking every so often goes wrong."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import mpmath as mp
+import numpy as np
+import oracle
+import pytest
+import shapely
+from conftest import NO_NUMBERS, assert_says
+
+from pymunk_dragon.cli import main
+from pymunk_dragon.collision import first_contact, scan
+from pymunk_dragon.curves import Spiral
+from pymunk_dragon.dragon import Dragon
+from pymunk_dragon.errors import ParameterError
+from pymunk_dragon.march import March
+from pymunk_dragon.studies import STUDIES, MinPitch, min_pitch, study
+from pymunk_dragon.studies.min_pitch import way_to
+from pymunk_dragon.studies.slopes import gaps_of
+
+SEED = {"width": 0.3, "overhang": 0.275, "head_spacing": 2.86, "body_spacing": 1.65, "pitch": 0.55}
+
+
+@pytest.fixture(scope="module")
+def answer() -> MinPitch:
+    return min_pitch()
+
+
+def march_at(pitch: float, **sizes: Any) -> March:
+    return March(Dragon(**sizes), Spiral(pitch=pitch))
+
+
+def hit_at(pitch: float, radius: float = 4.5, **sizes: Any) -> Any:
+    march = march_at(pitch, **sizes)
+    return first_contact(march, until=way_to(march, radius))
+
+
+def exact_gap(time: Any, pair: tuple[int, int], sizes: dict[str, Any]) -> Any:
+    """Gap of two benches along the widest of the four axes, in many digits: right where an edge faces the other."""
+    spacings = [sizes["head_spacing"]] + [sizes["body_spacing"]] * pair[1]
+    angles = oracle.angles(time, spacings=spacings, pitch=sizes["pitch"], turns=mp.mpf(16), speed=mp.mpf(1))
+    holes = [mp.mpc(*oracle.spiral_point(angle, sizes["pitch"])) for angle in angles]
+    corners, axes = [], []
+    for bench in pair:
+        front, rear = holes[bench], holes[bench + 1]
+        along = (front - rear) / abs(front - rear)
+        ahead, aside = along * sizes["overhang"], 1j * along * sizes["width"] / 2
+        corners.append([front + ahead + aside, front + ahead - aside, rear - ahead + aside, rear - ahead - aside])
+        axes += [along, 1j * along, -along, -1j * along]
+    shadows = [[[mp.re(z * mp.conj(axis)) for z in each] for each in corners] for axis in axes]
+    return max(min(second) - max(first) for first, second in shadows)
+
+
+def exact_sizes(**changed: Any) -> dict[str, Any]:
+    return {name: oracle.exact(value) for name, value in (SEED | changed).items()}
+
+
+def grazing(pair: tuple[int, int], time: float, pitch: float) -> tuple[Any, Any]:
+    """Time and pitch at which the smallest gap of two benches is zero, by Newton's method on differences."""
+    with mp.workdps(oracle.DIGITS):
+        t, p, step = mp.mpf(time), mp.mpf(pitch), mp.mpf("1e-12")
+
+        def gap(time: Any, pitch: Any) -> Any:
+            return exact_gap(time, pair, exact_sizes() | {"pitch": pitch})
+
+        for _ in range(2):
+            before, now, after = gap(t - step, p), gap(t, p), gap(t + step, p)
+            t -= (after - before) / 2 * step / (after - 2 * now + before)
+            least = gap(t, p)
+            p -= least * step / (gap(t, p + step) - least)
+        return t, p
+
+
+# The smallest pitch
+
+
+def test_the_smallest_pitch_is_that_of_fifty_digits(answer: MinPitch) -> None:
+    assert answer.benches == (0, 19)
+    assert answer.limit == "passing"
+    # Beginning further away than the answers agree.
+    time, pitch = grazing((0, 19), round(answer.way, 6), round(answer.pitch, 8))
+    assert mp.nstr(pitch, 18) == "0.450337393027195485"
+    assert abs(answer.pitch - pitch) < 1e-12
+    assert abs(answer.way - time) < 1e-6
+
+
+def test_two_benches_touch_there_without_overlapping(answer: MinPitch) -> None:
+    assert answer.gap is not None
+    assert 0 <= answer.gap < 1e-12
+    assert hit_at(answer.pitch).status == "clear"
+
+
+def test_a_pitch_a_little_smaller_collides_and_one_a_little_larger_does_not(answer: MinPitch) -> None:
+    below, above = hit_at(answer.pitch - 1e-8), hit_at(answer.pitch + 1e-8)
+    assert (below.status, below.benches) == ("contact", (0, 19))
+    assert above.status == "clear"
+    least = min(above.clearances, key=lambda miss: miss.gap)
+    assert least.benches == (0, 19)
+    assert least.gap == pytest.approx(1e-8, rel=0.01)
+
+
+@pytest.mark.parametrize("pitch", [0.31, 0.36, 0.4, 0.42, 0.435, 0.445, 0.449, 0.4502, 0.45033])
+def test_smaller_pitches_are_not_free(answer: MinPitch, pitch: float) -> None:
+    assert hit_at(pitch).status in ("contact", "overlapping")
+
+
+@pytest.mark.parametrize("pitch", [0.45034, 0.4505, 0.452, 0.46, 0.48, 0.52, 0.6, 0.9])
+def test_larger_pitches_are_free(answer: MinPitch, pitch: float) -> None:
+    assert hit_at(pitch).status == "clear"
+
+
+def test_no_bench_of_the_whole_dragon_overlaps_another_on_the_way_in_shapelys_eyes(answer: MinPitch) -> None:
+    march = answer.march
+    times = np.append(np.arange(0.0, answer.way_in, 2.0), answer.way)
+    first, second = np.triu_indices(march.dragon.benches, 2)
+    for time in times:
+        benches = shapely.polygons(march.dragon.outlines(march.at(time).poses[0]))
+        near = (
+            np.hypot(
+                *(
+                    shapely.get_coordinates(shapely.centroid(benches))[first]
+                    - shapely.get_coordinates(shapely.centroid(benches))[second]
+                ).T
+            )
+            < 3.5
+        )
+        gaps = shapely.distance(benches[first[near]], benches[second[near]])
+        assert gaps.min() > 1e-4 or time == answer.way
+    assert gaps.min() < 1e-12
+
+
+def test_a_scan_every_second_finds_a_pitch_that_is_too_small(answer: MinPitch) -> None:
+    blocked, free = 0.44, 0.46
+    while free - blocked > 1e-7:
+        middle = (blocked + free) / 2
+        march = march_at(middle)
+        if scan(march, step=1.0, until=way_to(march, 4.5)).status == "clear":
+            free = middle
+        else:
+            blocked = middle
+    assert free < answer.pitch - 1e-5
+    assert hit_at(free).status == "contact"
+
+
+def test_the_map_has_its_zero_where_the_answer_is(answer: MinPitch) -> None:
+    known = answer.map
+    assert answer.half_line
+    assert np.all((known.gaps > 0) == (known.pitches > answer.pitch))
+    assert known.pitches[0] == pytest.approx(0.3, rel=1e-5)
+    assert known.pitches[-1] > 0.6
+    assert np.interp(answer.pitch, known.pitches, known.gaps) == pytest.approx(0, abs=1e-4)
+
+
+def test_gaps_near_zero_grow_with_the_pitch_on_the_same_circle(answer: MinPitch) -> None:
+    assert answer.map.growth is not None
+    least, most = answer.map.growth
+    assert 0.4 < least < most < 1.5
+    # The same by difference, of the head and of the bench that it passes, on a circle of 4.6 m.
+    gaps = []
+    for pitch in (0.4502, 0.4504):
+        march = march_at(pitch)
+        gaps.append(gaps_of(march, way_to(march, 4.6), (0, 19)).gaps[0])
+    assert least < (gaps[1] - gaps[0]) / 2e-4 < most
+
+
+def test_speed_changes_times_only(answer: MinPitch) -> None:
+    slow = min_pitch(speed=0.5)
+    assert slow.pitch == pytest.approx(answer.pitch, abs=1e-12)
+    assert slow.march.time(slow.way_in) == pytest.approx(2 * answer.way_in)
+
+
+def test_benches_further_back_than_a_turn_do_not_matter(answer: MinPitch) -> None:
+    assert min_pitch(Dragon(benches=25)).pitch == pytest.approx(answer.pitch, abs=1e-12)
+
+
+def test_a_long_body_meets_itself_before_its_short_head_does() -> None:
+    found = min_pitch(Dragon(head_spacing=1.0, overhang=0.2))
+    assert found.benches is not None
+    assert found.benches[0] == 1
+    assert hit_at(found.pitch - 1e-8, head_spacing=1.0, overhang=0.2).benches == found.benches
+    assert hit_at(found.pitch + 1e-8, head_spacing=1.0, overhang=0.2).status == "clear"
+
+
+def test_where_nothing_is_in_the_way_the_head_starts_on_the_circle() -> None:
+    found = min_pitch(radius=8.0)
+    assert (found.pitch, found.limit, found.way_in) == (0.5, "circle", 0.0)
+    assert (found.benches, found.gap, found.blocked_at) == (None, None, None)
+
+
+def test_a_smaller_circle_needs_a_larger_pitch(answer: MinPitch) -> None:
+    found = min_pitch(radius=3.0)
+    assert found.pitch > answer.pitch
+    assert hit_at(found.pitch - 1e-8, radius=3.0).benches == found.benches
+    assert hit_at(found.pitch, radius=3.0).status == "clear"
+
+
+def test_where_the_search_looks_past_a_limit_certificates_find_it(
+    answer: MinPitch, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # So few looks see no gap of the head's that is smallest in between.
+    monkeypatch.setattr("pymunk_dragon.studies.passing.LOOKS", 0.02)
+    assert min_pitch(Dragon(benches=25)).pitch == pytest.approx(answer.pitch, abs=2e-9)
+
+
+@pytest.mark.parametrize("value", NO_NUMBERS)
+def test_a_radius_that_is_no_length_is_refused(value: Any) -> None:
+    with pytest.raises(ParameterError) as caught:
+        min_pitch(radius=value)
+    assert_says(caught.value, "radius", "2.86 to 100 m")
+
+
+def test_a_circle_larger_than_any_start_is_refused() -> None:
+    with pytest.raises(ParameterError) as caught:
+        min_pitch(turns=0.05, radius=60.0)
+    assert_says(caught.value, "radius", "60", "2.86 to 50 m")
+
+
+def test_a_dragon_too_short_to_pass_itself_is_refused() -> None:
+    with pytest.raises(ParameterError) as caught:
+        min_pitch(Dragon(benches=5))
+    assert_says(caught.value, "benches", "5")
+
+
+# Studies by name, and on the command line
+
+
+def run(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str, str]:
+    with pytest.raises(SystemExit) as stopped:
+        main(["study", *arguments])
+    out, err = capsys.readouterr()
+    assert isinstance(stopped.value.code, int)
+    return stopped.value.code, out, err
+
+
+def test_without_a_name_the_studies_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
+    status, out, _ = run(capsys)
+    assert status == 0
+    assert [line.split()[0] for line in out.splitlines()] == list(STUDIES)
+    _, out, _ = run(capsys, "--json")
+    assert set(json.loads(out)["studies"]) == set(STUDIES)
+
+
+def test_json_holds_the_answer_and_its_evidence(capsys: pytest.CaptureFixture[str], answer: MinPitch) -> None:
+    status, out, err = run(capsys, "min-pitch", "--json")
+    found = json.loads(out)
+    assert (status, err) == (0, "")
+    assert found["pitch"] == answer.pitch
+    assert found["benches"] == [0, 19]
+    assert found["blocked_at"] < found["pitch"] < found["free_at"]
+    assert found["half_line"] is True
+    assert len(found["map"]["pitches"]) == len(found["map"]["gaps"])
+
+
+def test_words_tell_the_answer_and_what_certifies_it(capsys: pytest.CaptureFixture[str]) -> None:
+    _, out, _ = run(capsys, "min-pitch")
+    assert out.startswith("smallest pitch 0.450337393027 m")
+    assert "benches 0 and 19" in out
+    assert "certified" in out
+    assert max(map(len, out.splitlines())) < 130
+
+
+def test_a_scenario_gives_the_dragon_and_flags_win(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    file = tmp_path / "scenario.toml"
+    file.write_text("pitch = 0.6\nwidth = 0.2\nbenches = 30\n", encoding="utf-8")
+    _, out, _ = run(capsys, "min-pitch", "--scenario", str(file), "--json")
+    assert json.loads(out)["pitch"] == min_pitch(Dragon(width=0.2, benches=30)).pitch
+    _, out, _ = run(capsys, "min-pitch", "--scenario", str(file), "--width", "0.3", "--json")
+    assert json.loads(out)["pitch"] == min_pitch(Dragon(benches=30)).pitch
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["min-pitch", "--radius", "1"], ("radius", "2.86 to 100 m")),
+        (["min-pitch", "--radius", "nan"], ("radius", "nan")),
+        (["min-pitch", "--radius", "many"], ("radius", "many")),
+        (["min-pitch", "--pitch", "0.5"], ("pitch", "left out")),
+        (["min-pitch", "--benches", "5"], ("benches", "5")),
+        (["min-pitch", "-o", "answer.gif"], ("output", "answer.gif", ".json or .png or .svg")),
+        (["nothing"], ("study", "nothing", "min-pitch")),
+    ],
+)
+def test_bad_input_gets_one_line(
+    capsys: pytest.CaptureFixture[str], arguments: list[str], words: tuple[str, ...]
+) -> None:
+    status, out, err = run(capsys, *arguments)
+    assert (status, out, err.count("\n")) == (2, "", 1)
+    assert all(word in err for word in words)
+
+
+def test_a_number_that_a_study_does_not_take_is_refused() -> None:
+    with pytest.raises(ParameterError) as caught:
+        study("min-pitch", {"ratio": 2})
+    assert_says(caught.value, "ratio", "left out", "radius")
