@@ -18,7 +18,7 @@ from pymunk_dragon.dragon import Dragon, bench_poses
 from pymunk_dragon.errors import ParameterError, UnreachableError
 from pymunk_dragon.speed import ConstantSpeed, Speed, speed_of
 
-__all__ = ["March", "States"]
+__all__ = ["March", "States", "last_time"]
 
 Array = NDArray[np.float64]
 
@@ -307,3 +307,16 @@ class March(Displayed):
         now, later = (self.curve.angle(self.parameters(when)) for when in (t, t + step))
         speeds: Array = self.curve.k * np.hypot(now, 1) * np.abs(later - now) / step
         return speeds
+
+
+def last_time(march: March) -> float:
+    """Time at which handle 0 reaches the end of the curve, s, for those who were given none.
+
+    Raises
+    ------
+    ParameterError
+        If the curve has no end.
+    """
+    if march.end == np.inf:
+        raise ParameterError("until", None, "a time, s, on a curve without end")
+    return march.end

@@ -200,8 +200,8 @@ def test_joints_hold_each_bench_on_its_neighbour(seed_march):
         seed_march, Rails(seed_march, start=400.0, substep=substep), start=400.0, substep=substep, iterations=50
     )
     head = seed_march.at(400.0 + substep * np.arange(1, 200), handles=2)
-    for pose, velocity in zip(head.poses[:, 0], head.pose_velocities[:, 0], strict=True):
-        world.prepare(pose, velocity)
+    for pose, velocity, hinge in zip(head.poses[:, 0], head.pose_velocities[:, 0], head.velocities[:, 1], strict=True):
+        world.prepare(pose, velocity, hinge)
         world.space.step(substep)
         world.read()
     assert len(world.pivots) == seed_march.dragon.benches - 1
@@ -216,8 +216,8 @@ def test_impulse_in_the_last_pivot_is_what_changes_the_tails_momentum():
     world = World(march, Free(), start=0.0, substep=substep, iterations=50)
     head = march.at(substep * np.arange(1, 100), handles=2)
     tail = world.bodies[-1]
-    for pose, velocity in zip(head.poses[:, 0], head.pose_velocities[:, 0], strict=True):
-        world.prepare(pose, velocity)
+    for pose, velocity, hinge in zip(head.poses[:, 0], head.pose_velocities[:, 0], head.velocities[:, 1], strict=True):
+        world.prepare(pose, velocity, hinge)
         before = tail.velocity
         world.space.step(substep)
         world.read()

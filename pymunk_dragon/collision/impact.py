@@ -31,7 +31,7 @@ from pymunk_dragon.collision.sat import separation
 from pymunk_dragon.contact import Contact
 from pymunk_dragon.dragon import bench_poses
 from pymunk_dragon.errors import ParameterError, UnreachableError
-from pymunk_dragon.march import March
+from pymunk_dragon.march import March, last_time
 
 __all__ = ["Clearance", "Impact", "Status", "first_contact"]
 
@@ -192,9 +192,7 @@ def first_contact(
 def checked_times(march: March, start: float, until: float | None) -> tuple[float, float]:
     """Both as floats, `until` by default the end of the curve; a `ParameterError` if the one is not after the other."""
     start = finite("start", start, -np.inf, np.inf, "s")
-    until = march.end if until is None else finite("until", until, -np.inf, np.inf, "s")
-    if until == np.inf:
-        raise ParameterError("until", until, "a time, s, on a curve that does not end")
+    until = last_time(march) if until is None else finite("until", until, -np.inf, np.inf, "s")
     if until <= start:
         raise ParameterError("until", until, f"later than the start, {start:g} s")
     return start, until

@@ -16,6 +16,7 @@ from pymunk_dragon.physics.world import DRAG, Joiner, bench_mass
 __all__ = ["Free", "Guide", "Rails", "make_guide"]
 
 Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
 Guide = Literal["rails", "none"]
 
 # m, from a hole to the point that its rail is pinned to. Any length does; one metre needs no scaling of the normal.
@@ -47,7 +48,7 @@ class Free:
         """No joints."""
         return []
 
-    def lead(self, poses: Array, hinge_velocity: Array, carriers: Array, forces: Array) -> None:
+    def lead(self, poses: Array, hinge_velocity: Array, carriers: Array, efforts: Array) -> None:
         """Nobody pushes."""
 
 
@@ -58,57 +59,73 @@ class Rails:
     hole's own foot on the curve: at that moment the hole can move along the path and nowhere else. A kinematic body
     carries that point to the next foot before every step.
 
-    Walking makes up for the ground drag. Each dancer pushes along the bench with the force that would hold its pace
-    against the drag if the bench were alone, and the pace is the one that the bench before hands on: both holes of a
-    rigid bench go equally fast along it. The chain corrects what is left. When nobody walks, the head pulls the whole
-    dragon, and the tension that turns with the benches is what the solver cannot follow.
+    Walking makes up for the ground drag. Each dancer pushes along the bench, and turns it, as much as keeps its pace
+    and its turning against the drag if the bench were alone. The pace is the one that the bench before hands on: both
+    holes of a rigid bench go equally fast along it. Rails and joints do the rest. When nobody walks, the head pulls the
+    whole dragon; when nobody turns, the joints turn each bench, and that pulls as well. Then the tension that turns
+    with the benches is what the solver cannot follow.
 
     The path, the pace and the engine's own positions are all that is used; where each hole is on the curve at a
     certain time is for the engine to find.
     """
 
-    def __init__(self, march: March, *, start: float, substep: float, top_speed: float) -> None:
+    def __init__(self, march: March, *, start: float, substep: float, top_speed: float = 1.0) -> None:
         dragon = march.dragon
         self.carriers = [pymunk.Body(body_type=pymunk.Body.KINEMATIC) for _ in range(1, dragon.benches)]
         self._curve = march.curve
-        self._half = dragon.spacings[1:, None] / 2
-        # Places of the rear holes at the start: they tell on which of the curve's turns each hole is, no more.
-        self._places = march.parameters(start)[0, 2:]
-        masses = np.array([bench_mass(*size) for size in zip(dragon.lengths[1:], dragon.widths[1:], strict=True)])
-        # N for each m/s that a bench shall be faster, or that the drag would take from it in a substep.
-        self._efforts = masses / substep
+        self._half = dragon.spacings[1:] / 2
+        state = march.at(start)
+        # Places of the rear holes: they tell on which of the curve's turns each hole is, no more. And their speeds.
+        self._places, self._paces = state.places[0, 2:].copy(), state.speeds[0, 2:].copy()
+        sizes = list(zip(dragon.lengths[1:].tolist(), dragon.widths[1:].tolist(), strict=True))
+        masses = [bench_mass(*size) for size in sizes]
+        moments = [pymunk.moment_for_box(mass, size) for mass, size in zip(masses, sizes, strict=True)]
+        # N for each m/s and N m for each rad/s that a bench shall gain, or the drag would take, in a substep.
+        self._efforts = np.array([masses, moments]) / substep
         self._kept = np.exp(-DRAG * top_speed * substep)
         self._substep = substep
-        self._headings = np.empty((dragon.benches - 1, 2))
-        # m/s, of the rear holes along the curve, and of the benches along themselves.
-        self._paces = march.at(start).speeds[0, 2:].copy()
-        self._along: Array | None = None
+        self._headings = np.empty(dragon.benches - 1, dtype=complex)
+        # m/s of the benches along themselves, and rad/s.
+        self._motion: Array | None = None
 
     def joints(self, bench: int, body: pymunk.Body) -> list[pymunk.Constraint]:
         """The pin from the rear hole to its carrier."""
-        pin = pymunk.PinJoint(body, self.carriers[bench - 1], (-float(self._half[bench - 1, 0]), 0.0), (0.0, 0.0))
+        pin = pymunk.PinJoint(body, self.carriers[bench - 1], (-float(self._half[bench - 1]), 0.0), (0.0, 0.0))
         pin.distance = PIN_LENGTH
         return [pin]
 
-    def lead(self, poses: Array, hinge_velocity: Array, carriers: Array, forces: Array) -> None:
-        """Move every rail beside its hole, and let the dancers push along their benches."""
-        angles, headings = poses[1:, 2], self._headings
-        np.cos(angles, out=headings[:, 0])
-        np.sin(angles, out=headings[:, 1])
-        rear_holes = self._half * headings
+    def lead(self, poses: Array, hinge_velocity: Array, carriers: Array, efforts: Array) -> None:
+        """Move every rail beside its hole, and let the dancers push and turn their benches."""
+        headings = self._headings
+        np.cos(poses[1:, 2], out=headings.real)
+        np.sin(poses[1:, 2], out=headings.imag)
+        rear_holes = (self._half * headings).view(float).reshape(-1, 2)
         np.subtract(poses[1:, :2], rear_holes, out=rear_holes)
         near = self._places + self._substep * self._paces
         self._places, feet, tangents = foot(self._curve, rear_holes, near)
         carriers[:, 0] = feet[:, 0] - PIN_LENGTH * tangents[:, 1]
         carriers[:, 1] = feet[:, 1] + PIN_LENGTH * tangents[:, 0]
-        rear = np.einsum("ij,ij->i", tangents, headings)
-        front = np.einsum("ij,ij->i", tangents[:-1], headings[1:])
-        along = np.empty(rear.shape)
-        along[0] = hinge_velocity @ headings[0]
-        np.divide(front, rear[:-1], out=along[1:])
-        np.cumprod(along, out=along)
-        np.divide(along, rear, out=self._paces)
-        before = along if self._along is None else self._along
-        pushes = self._efforts * (along - self._kept * before)
-        self._along = along
-        np.multiply(pushes[:, None], headings, out=forces[1:])
+        motion = self._handed_on(hinge_velocity, tangents.view(complex)[:, 0])
+        before = motion if self._motion is None else self._motion
+        push, efforts[1:, 2] = self._efforts * (motion - self._kept * before)
+        efforts[1:, 0], efforts[1:, 1] = push * headings.real, push * headings.imag
+        self._motion = motion
+
+    def _handed_on(self, hinge_velocity: Array, tangents: Complex) -> Array:
+        """Speeds of the benches along themselves, m/s, and of their turning, rad/s, (2, N - 1).
+
+        Each bench's front hole moves as the rear hole of the one before, the first one's as the head's, and its rear
+        hole moves along the path.
+        """
+        facing = self._headings.conj()
+        rear = tangents * facing
+        front = np.empty_like(rear)
+        front[0] = complex(*hinge_velocity) * facing[0]
+        np.multiply(tangents[:-1], facing[1:], out=front[1:])
+        np.cumprod(front.real / rear.real, out=self._paces)
+        front[1:] *= self._paces[:-1]
+        motion = np.empty((2, rear.size))
+        motion[0] = front.real
+        np.subtract(front.imag, self._paces * rear.imag, out=motion[1])
+        motion[1] /= 2 * self._half
+        return motion

@@ -14,7 +14,7 @@ from pymunk_dragon.checks import finite, positive, whole
 from pymunk_dragon.contact import Contact, ContactEvent, ContactLog
 from pymunk_dragon.dragon import interpolated
 from pymunk_dragon.errors import DragonError, ParameterError, UnreachableError
-from pymunk_dragon.march import March, States
+from pymunk_dragon.march import March, States, last_time
 from pymunk_dragon.physics.callbacks import Contacts, Recorder
 from pymunk_dragon.physics.rails import Guide, make_guide
 from pymunk_dragon.physics.refine import refined_contact
@@ -92,7 +92,8 @@ def simulate(
     DragonError
         If the engine's chain flew apart.
     """
-    until = march.end if until is None else until
+    if until is None:
+        until = last_time(march)
     _check(contacts, start, until, iterations)
     fastest = top_speed(march, start, until)
     substep = STRIDE / fastest if substep is None else substep
@@ -247,8 +248,6 @@ def _check(contacts: str, start: float, until: float, iterations: int) -> None:
     if contacts not in get_args(Contacts):
         raise ParameterError("contacts", contacts, "one of " + ", ".join(get_args(Contacts)))
     finite("start", start, -MAX_TIME, MAX_TIME, "s")
-    if until == math.inf:
-        raise ParameterError("until", until, "a time, s, on a curve that does not end")
     finite("until", until, -MAX_TIME, MAX_TIME, "s")
     if until <= start:
         raise ParameterError("until", until, f"later than the start, {start:g} s")

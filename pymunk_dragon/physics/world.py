@@ -39,7 +39,7 @@ MAX_SETTLING_WORK = 500_000_000
 SETTLING_WORK_PER_STEP = 1_000_000
 
 READ = BodyFields.POSITION | BodyFields.ANGLE | BodyFields.VELOCITY | BodyFields.ANGULAR_VELOCITY
-WRITE = BodyFields.POSITION | BodyFields.ANGLE | BodyFields.FORCE
+WRITE = BodyFields.POSITION | BodyFields.ANGLE | BodyFields.FORCE | BodyFields.TORQUE
 
 
 class Joiner(Protocol):
@@ -54,8 +54,10 @@ class Joiner(Protocol):
         """Joints that tie `bench` to the guide."""
         ...
 
-    def lead(self, poses: Array, hinge_velocity: Array, carriers: Array, forces: Array) -> None:
-        """Write the carriers' positions and the forces (both (..., 2)) for benches that are about to be at `poses`.
+    def lead(self, poses: Array, hinge_velocity: Array, carriers: Array, efforts: Array) -> None:
+        """Write what is needed of benches that are about to be at `poses` (N, 3).
+
+        That is the carriers' positions (..., 2) in m, and forces in N and torques in N m on the benches, (N, 3).
 
         The head's rear hole, by which it pulls the others, then moves at `hinge_velocity` (2,), m/s.
         """
@@ -107,7 +109,7 @@ class World:
     """
 
     def __init__(
-        self, march: March, guide: Joiner, *, start: float, substep: float, iterations: int, top_speed: float
+        self, march: March, guide: Joiner, *, start: float, substep: float, iterations: int, top_speed: float = 1.0
     ) -> None:
         self.march = march
         self.substep = substep
@@ -176,9 +178,9 @@ class World:
             raise RuntimeError("pymunk.batch lists the bodies in another order than they were added")
         self._inbox = batch.Buffer()
         self._outbox = batch.Buffer()
-        out = np.zeros((benches + carriers, 5))
+        out = np.zeros((benches + carriers, 6))
         self._outbox.set_float_buf(out)
-        self._out_poses, self._out_forces = out[:benches, :3], out[:benches, 3:]
+        self._out_poses, self._out_efforts = out[:benches, :3], out[:benches, 3:]
         self._out_carriers = out[benches:, :2]
         self.poses = np.empty((benches, 3))
         self.velocities = np.empty((benches, 3))
@@ -214,8 +216,8 @@ class World:
         self._send(head_velocity, hinge_velocity)
 
     def _send(self, head_velocity: Array, hinge_velocity: Array) -> None:
-        """Give the space its poses, and the guide's carriers and forces for where the benches are about to be."""
-        self._guide.lead(self._coming, hinge_velocity, self._out_carriers, self._out_forces)
+        """Give the space its poses, and the guide's carriers and efforts for where the benches are about to be."""
+        self._guide.lead(self._coming, hinge_velocity, self._out_carriers, self._out_efforts)
         self._out_poses[:] = self._given
         batch.set_space_bodies(self.space, WRITE, self._outbox)
         vx, vy, spin = head_velocity.tolist()
