@@ -12,6 +12,7 @@ from pymunk import batch
 from pymunk.batch import BodyFields
 
 from pymunk_dragon.dragon import Dragon
+from pymunk_dragon.errors import UnreachableError
 from pymunk_dragon.march import March, States
 
 __all__ = ["DRAG", "Joiner", "World", "bench_mass", "bench_shape"]
@@ -231,7 +232,12 @@ class World:
         in the first second by more than the drift of the whole march.
         """
         poses, velocities = state.poses[0], state.pose_velocities[0]
-        before = self.march.at(start - self.substep).pose_velocities[0]
+        try:
+            earlier = self.march.at(start - self.substep)
+        except UnreachableError:
+            # The last hole stands where the curve begins.
+            earlier = state
+        before = earlier.pose_velocities[0].copy()
         before[0] = velocities[0]
         benches, iterations = len(self.bodies), self.space.iterations
         steps = math.ceil(min(2 * benches**3, MAX_SETTLING_WORK) / SETTLING_WORK_PER_STEP) + 1
@@ -240,6 +246,8 @@ class World:
             for body, (vx, vy, spin) in zip(self.bodies, before.tolist(), strict=True):
                 body.velocity = vx, vy
                 body.angular_velocity = spin
+            # The guide makes up for what changes from one step to the next.
+            self._guide.lead(earlier.poses[0], earlier.velocities[0, 1], self._out_carriers, self._out_efforts)
             np.subtract(poses, self.substep * before, out=self._given)
             self._coming[:] = poses
             self._send(velocities[0], state.velocities[0, 1])
