@@ -1,7 +1,7 @@
 """What a dragon marches on."""
 
 from pymunk_dragon.curves.arc import Arc
-from pymunk_dragon.curves.base import Curve
+from pymunk_dragon.curves.base import Curve, frame
 from pymunk_dragon.curves.chain import chain, foot
 from pymunk_dragon.curves.composite import Composite
 from pymunk_dragon.curves.line import Line
@@ -23,4 +23,5 @@ __all__ = [
     "UTurn",
     "chain",
     "foot",
+    "frame",
 ]

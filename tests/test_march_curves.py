@@ -1,0 +1,364 @@
+"""Dragons on any curve, of any benches, at any speed: held against places found by walking back in many digits."""
+
+from __future__ import annotations
+
+import mpmath as mp
+import numpy as np
+import pytest
+import shapely
+from conftest import assert_says
+from exact_curves import DIGITS, arc, s_turn, spiral
+from test_curve_kinds import LogarithmicSpiral, logarithmic
+
+from pymunk_dragon.collision import first_contact
+from pymunk_dragon.curves import Arc, Composite, Line, Reversed, Sampled, Section, Spiral, UTurn, chain, foot
+from pymunk_dragon.curves import frame as frame_of
+from pymunk_dragon.dragon import Dragon
+from pymunk_dragon.errors import ParameterError, UnreachableError
+from pymunk_dragon.march import March
+from pymunk_dragon.physics import simulate
+from pymunk_dragon.speed import SpeedTable
+
+# m. Steps of the walk back, in which no distance here passes a bench's length and falls below it again.
+STEP = 0.05
+TURN = March(curve=UTurn())
+SMALL = Dragon(benches=12, head_spacing=0.5, body_spacing=0.3, overhang=0.05, width=0.1)
+# Straight on, round a hairpin whose legs are closer than a bench is long, and straight back.
+HAIRPIN = Composite(
+    [
+        Line(stop=(10, 0)),
+        Arc(centre=(10, 0.6), radius=0.6, begin_angle=-np.pi / 2, sweep=np.pi),
+        Line(start=(10, 1.2), stop=(0, 1.2)),
+    ]
+)
+
+
+def u_turn(pitch=1.7, radius=4.5, ratio=2):
+    """The path of question 4, by what it is made of."""
+    pitch, radius, ratio = mp.mpf(repr(pitch)), mp.mpf(radius), mp.mpf(ratio)
+    radii, centres, sweeps, points, _ = s_turn(pitch, radius, ratio)
+    theta = 2 * mp.pi * radius / pitch
+    entry = pitch / (4 * mp.pi) * (theta * mp.sqrt(theta**2 + 1) + mp.asinh(theta))
+    first, second = (
+        arc((centre.real, centre.imag), r, mp.arg(point - centre), sweep)
+        for centre, r, point, sweep in zip(centres, radii, points[:2], sweeps, strict=True)
+    )
+    inward, outward = spiral(pitch), spiral(pitch, mp.pi, outward=True)
+    middle = radii[0] * abs(sweeps[0])
+    end = middle + radii[1] * abs(sweeps[1])
+
+    def at(s):
+        if s < 0:
+            return inward(s - entry)
+        if s < middle:
+            return first(s)
+        return second(s - middle) if s < end else outward(s - end + entry)
+
+    return at
+
+
+def walked_back(truth, s, chord):
+    """The place where the straight distance from `s` first passes `chord`; None where it falls first."""
+    x, y = truth(s)[:2]
+
+    def away(place):
+        u, v = truth(place)[:2]
+        return mp.hypot(u - x, v - y)
+
+    place, reached = s, mp.mpf(0)
+    while True:
+        place -= STEP
+        further = away(place)
+        if further < reached:
+            return None
+        reached = further
+        if reached >= chord:
+            ends = (place, place + STEP)
+            return mp.findroot(lambda u: away(u) - chord, ends, solver="anderson", tol=1e-60, verify=False)
+
+
+def walked_chain(truth, s, spacings):
+    places = [mp.mpf(s)]
+    for spacing in spacings:
+        places.append(walked_back(truth, places[-1], mp.mpf(repr(float(spacing)))))
+    return places
+
+
+@pytest.mark.parametrize("time", [-0.5, 0.3, 3.0, 7.5, 10.0, 12.0, 14.1, 16.0, 30.0])
+def test_handles_in_the_u_turn_are_where_many_digits_have_them(time):
+    """Also while the chain lies over one, two or all three joints."""
+    with mp.workdps(DIGITS):
+        truth = u_turn()
+        states = TURN.at(time, handles=10)
+        places = walked_chain(truth, time, TURN.dragon.spacings[:9])
+        for place, (x, y), ours in zip(places, states.positions[0].tolist(), states.places[0].tolist(), strict=True):
+            u, v = truth(place)[:2]
+            assert mp.hypot(u - x, v - y) < 1e-10
+            assert abs(place - ours) < 1e-10
+        tiny = mp.mpf("1e-15")
+        before, after = (walked_chain(truth, mp.mpf(time) + sign * tiny, TURN.dragon.spacings[:9]) for sign in (-1, 1))
+        for one, other, speed in zip(before, after, states.speeds[0].tolist(), strict=True):
+            assert abs((other - one) / (2 * tiny) - mp.mpf(speed)) < 1e-9
+
+
+def test_handles_on_a_users_own_curve_are_where_many_digits_have_them():
+    march = March(SMALL, LogarithmicSpiral(), start=30.0)
+    with mp.workdps(DIGITS):
+        places = walked_chain(logarithmic, 30.0, SMALL.spacings)
+        for place, (x, y) in zip(places, march.at(0.0).positions[0].tolist(), strict=True):
+            u, v = logarithmic(place)[:2]
+            assert mp.hypot(u - x, v - y) < 1e-10
+
+
+@pytest.mark.parametrize("s", [9.0, 10.0, 11.0, 11.7, 12.0, 13.0, 14.5])
+def test_the_next_handle_is_the_nearest_along_the_path_where_the_path_comes_back_beside_itself(s):
+    place = chain(HAIRPIN, [s], [1.5])[0, 1]
+    ways = np.linspace(0, s, 200_001)
+    away = np.linalg.norm(HAIRPIN.point(s - ways) - HAIRPIN.point(s), axis=-1)
+    falls = np.flatnonzero(np.diff(away) < 0)
+    reached = np.flatnonzero(away >= 1.5)
+    if falls.size and falls[0] < reached[0]:
+        # The bench would have to jump from one leg to the other.
+        assert np.isnan(place)
+    else:
+        assert s - place == pytest.approx(ways[reached[0]], abs=1e-4)
+        assert np.linalg.norm(HAIRPIN.point(place) - HAIRPIN.point(s)) == pytest.approx(1.5, abs=1e-14)
+
+
+def test_a_bench_that_fits_round_a_hairpin_stays_on_its_way_round():
+    s = np.linspace(1.2, HAIRPIN.end, 2000)
+    places = chain(HAIRPIN, s, [1.1])
+    assert not np.isnan(places).any()
+    assert np.all(np.diff(places[:, 1]) > 0)
+    gone = HAIRPIN.point(places)
+    assert np.linalg.norm(gone[:, 0] - gone[:, 1], axis=-1) == pytest.approx(np.full(s.size, 1.1), abs=1e-13)
+
+
+@pytest.mark.parametrize("curve", [UTurn(), Reversed(UTurn(ratio=0.7)), HAIRPIN, LogarithmicSpiral()], ids=repr)
+def test_many_places_at_once_are_those_of_each(curve):
+    s = np.linspace(max(curve.begin, -20), min(curve.end, 30), 41)
+    together = chain(curve, s, [0.5, 0.3])
+    alone = np.concatenate([chain(curve, [place], [0.5, 0.3]) for place in s])
+    assert np.allclose(together, alone, rtol=0, atol=1e-12, equal_nan=True)
+    assert np.array_equal(np.isnan(together), np.isnan(alone))
+
+
+def test_places_before_the_begin_are_none_and_the_begin_itself_is_one():
+    line = Line(stop=(10, 0))
+    assert np.isnan(chain(line, [1.0, 1.5, 10.5], [1.5, 1.5])).tolist() == [
+        [False, True, True],
+        [False, False, True],
+        [True, True, True],
+    ]
+    assert chain(line, [1.5, 3.0], [1.5, 1.5])[1].tolist() == pytest.approx([3, 1.5, 0], abs=1e-15)
+
+
+@pytest.mark.parametrize("curve", [UTurn(), HAIRPIN, Section(Spiral(), -300, -10), LogarithmicSpiral()], ids=repr)
+def test_the_foot_of_a_point_beside_the_path_is_where_it_was_set_off(curve):
+    s = np.linspace(max(curve.begin + 0.1, -290.0), min(curve.end - 0.1, 40.0), 60)
+    points, tangents = frame_of(curve, s)
+    left = np.stack([-tangents[:, 1], tangents[:, 0]], axis=-1)
+    for aside, off in ((1e-3, 0.05), (-1e-4, 0.01), (0, 1e-3)):
+        places, feet, directions = foot(curve, points + aside * left, s + off)
+        assert places == pytest.approx(s, abs=1e-8)
+        assert feet == pytest.approx(points, abs=1e-9)
+        assert directions == pytest.approx(tangents, abs=2e-5)
+
+
+# Where a march starts
+
+
+def test_a_dragon_on_a_curve_that_begins_somewhere_starts_with_its_tail_there():
+    march = March(SMALL, HAIRPIN)
+    assert march.places(0.0)[0, -1] == pytest.approx(0, abs=2e-9)
+    assert not np.isnan(march.places(0.0)).any()
+    assert np.isnan(march.places(-1e-3)[0, -1])
+
+
+def test_a_dragon_on_a_path_from_infinity_starts_at_its_zero():
+    assert March(curve=UTurn()).head_start == 0
+    assert March(curve=Spiral(), start=-100.0).places(0.0)[0, 0] == -100
+
+
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        ({"curve": Line(stop=(100, 0))}, "curve is 'Line', but must be one that takes the whole dragon: 100 m"),
+        ({"curve": UTurn(), "turns": 16}, "turns is 16, but must be absent: only a Spiral has turns"),
+        ({"start": -400.0, "turns": 16}, "turns is 16, but must be absent where a start is given"),
+        ({"curve": HAIRPIN, "dragon": SMALL, "start": 40.0}, "start is 40.0, but must be a number from 0 to 21.885 m"),
+        ({"curve": HAIRPIN, "dragon": SMALL, "start": 1.0}, "room for the whole dragon behind it: handle 3 has none"),
+        ({"curve": HAIRPIN, "dragon": Dragon(benches=7)}, "it turns back within a bench"),
+        ({"start": 3.0}, "start is 3.0, but must be a number from -inf to 0 m"),
+        ({"start": "here"}, "start is 'here'"),
+    ],
+    ids=str,
+)
+def test_a_march_that_cannot_start_says_why(settings, words):
+    with pytest.raises(ParameterError) as caught:
+        March(**settings)
+    assert_says(caught.value, words)
+
+
+def test_a_curve_that_turns_back_within_a_bench_stops_the_march_there():
+    march = March(Dragon(benches=2, head_spacing=2.0, body_spacing=2.0), HAIRPIN, start=8.0)
+    with pytest.raises(UnreachableError) as caught:
+        march.at(np.linspace(0, 8, 801))
+    assert caught.value.handle == 1
+    # The bench stands across the hairpin, as far as the hairpin is wide, when its rear hole has no way to go.
+    assert 10 < 8 + caught.value.time < 10 + np.pi * 0.6 + 2
+
+
+# Speeds
+
+
+def test_where_the_dragon_is_depends_on_the_way_alone():
+    table = SpeedTable([0, 10, 20], [1.0, 2.0, 0.5])
+    changing, steady = March(SMALL, speed=table), March(SMALL)
+    times = np.array([-3.0, 0, 4, 15, 33.3])
+    ways = changing.way(times)
+    assert ways.tolist() == pytest.approx([-3, 0, 4 + 0.8, 15 + 2 * 5 - 1.5 / 20 * 25, 27.5 + 13.3 * 0.5])
+    there, same = changing.at(times), steady.at(ways)
+    assert there.positions == pytest.approx(same.positions, abs=1e-12)
+    assert there.speeds == pytest.approx(same.speeds * table.at(times)[:, None], abs=1e-12)
+    assert changing.time(ways) == pytest.approx(times, abs=1e-12)
+
+
+def test_velocities_of_a_march_at_a_changing_speed_are_the_rates_of_its_positions():
+    march = March(SMALL, UTurn(pitch=0.8, radius=1.5), speed=lambda t: 1 + 0.5 * np.sin(t))
+    times, step = np.array([-2.0, 0.5, 2.5, 4.0]), 1e-5
+    before, after = march.at(times - step).positions, march.at(times + step).positions
+    assert march.at(times).velocities == pytest.approx((after - before) / (2 * step), abs=1e-8)
+
+
+def test_the_first_contact_is_at_the_same_place_however_fast_the_head_goes(seed_march):
+    plain = first_contact(seed_march, start=400)
+    march = March(speed=lambda t: 1 + 0.3 * np.sin(t / 7))
+    hit = first_contact(march, start=float(march.time(400.0)))
+    assert hit.benches == (0, 8)
+    assert hit.time == pytest.approx(float(march.time(plain.time)), abs=1e-10)
+    assert hit.point == pytest.approx(plain.point, abs=1e-11)
+    assert [miss.gap for miss in hit.clearances] == pytest.approx([miss.gap for miss in plain.clearances], abs=1e-12)
+
+
+def test_a_search_without_an_end_wants_one():
+    for ask in (first_contact, simulate):
+        with pytest.raises(ParameterError) as caught:
+            ask(TURN)
+        assert_says(caught.value, "until is None, but must be a time, s, on a curve without end")
+
+
+# First contact and the engine on any curve
+
+
+def loop(radius):
+    """Straight on, and round a loop that crosses the way in."""
+    centre = (0, radius)
+    return Composite(
+        [
+            Line(start=(-20, 0), stop=(0, 0)),
+            Arc(centre=centre, radius=radius, begin_angle=-np.pi / 2, sweep=1.5 * np.pi),
+            Line(start=(-radius, radius), stop=(-radius, -6)),
+        ]
+    )
+
+
+# Points of a loop that a hand may have drawn.
+DRAWN = Sampled(
+    [(-12, 0), (-8, 0.3), (-4, -0.2), (0, 0), (3, 1), (4, 4), (1.5, 6), (-1, 4), (-1.5, 1), (-1, -3), (1, -7)]
+)
+LONG = Dragon(benches=21, head_spacing=0.9, body_spacing=0.8, overhang=0.1, width=0.3)
+UNLIKE = Dragon(
+    body_spacing=[1.0, 1.3, 0.8, 1.2, 1.1, 0.9] * 3,
+    head_spacing=1.4,
+    overhang=[0.2, 0.15, 0.1, 0.2, 0.12, 0.2] * 3 + [0.1],
+    width=[0.4, 0.2, 0.5, 0.3, 0.3, 0.2] * 3 + [0.6],
+)
+
+
+def first_overlap(march, times):
+    """The first of `times` at which benches that are not neighbours overlap, and which, by Shapely."""
+    benches = shapely.polygons(march.dragon.outlines(march.at(times).poses))
+    pairs = [(i, j) for i in range(benches.shape[1]) for j in range(i + 2, benches.shape[1])]
+    for time, there in zip(times, benches, strict=True):
+        meeting = [pair for pair in pairs if shapely.intersects(there[pair[0]], there[pair[1]])]
+        if meeting:
+            return time, meeting
+    return None
+
+
+@pytest.mark.parametrize(
+    "march",
+    [
+        March(LONG, loop(2)),
+        March(LONG, loop(2), speed=0.5),
+        March(UNLIKE, loop(1.5)),
+        March(UNLIKE, DRAWN, speed=SpeedTable([0, 4, 9], [0.5, 2, 1])),
+        March(Dragon(benches=30, width=1.2), UTurn(), start=-5.0),
+    ],
+    ids=["loop", "loop, slowly", "unlike benches", "drawn by hand", "too wide for the turn"],
+)
+def test_first_contact_on_any_curve_is_where_shapely_first_sees_an_overlap(march):
+    until = min(march.end, 40.0)
+    hit = first_contact(march, until=until)
+    coarse = first_overlap(march, np.linspace(0, until, 801))
+    assert coarse is not None
+    assert hit.status == "contact"
+    assert hit.time <= coarse[0]
+    # Nothing just before, and these two just after.
+    assert first_overlap(march, np.linspace(max(0, hit.time - 0.2), hit.time - 1e-9, 101)) is None
+    assert hit.benches in first_overlap(march, [hit.time + 1e-9])[1]
+
+
+def test_nothing_touches_in_the_turn_of_the_contest():
+    hit = first_contact(TURN, start=-100, until=100)
+    assert hit.status == "clear"
+    assert hit.time == 100
+
+
+def test_a_bench_that_is_wider_than_those_before_it_is_watched_to_the_end():
+    """The head and bench 1 pass where the last bench, which is ten times as wide, does not."""
+    hairpin = Composite(
+        [
+            Line(stop=(20, 0)),
+            Arc(centre=(20, 0.8), radius=0.8, begin_angle=-np.pi / 2, sweep=np.pi),
+            Line(start=(20, 1.6), stop=(0, 1.6)),
+        ]
+    )
+    sizes = {"benches": 13, "head_spacing": 0.9, "body_spacing": 0.8, "overhang": 0.1}
+    plain, wide = March(Dragon(**sizes, width=0.3), hairpin), March(Dragon(**sizes, width=[0.3] * 12 + [3.2]), hairpin)
+    assert first_contact(plain).status == "clear"
+    hit = first_contact(wide)
+    assert hit.status == "contact"
+    assert hit.benches[1] == 12
+    time, pairs = first_overlap(wide, np.linspace(0, hit.time + 1e-6, 2001))
+    assert time == pytest.approx(hit.time, abs=hit.time / 1999)
+    assert hit.benches in pairs
+
+
+@pytest.mark.parametrize(
+    ("march", "until"),
+    [
+        (March(Dragon(benches=60), UTurn(), start=-4.0), 30.0),
+        (
+            March(Dragon(benches=9, head_spacing=1.4, body_spacing=1), DRAWN, speed=SpeedTable([0, 4, 9], [0.5, 2, 1])),
+            9.0,
+        ),
+        (March(Dragon(benches=12, head_spacing=0.9, body_spacing=0.8, overhang=0.1, width=0.3), HAIRPIN), 9.0),
+        (March(Dragon(benches=40), Spiral(pitch=1.2, outward=True), turns=7), 20.0),
+        (March(Dragon(benches=40), Spiral(rotation=2, mirrored=True), turns=7), 20.0),
+    ],
+    ids=["u-turn", "drawn by hand", "hairpin", "outward", "mirrored"],
+)
+def test_rails_keep_the_dragon_on_any_curve(march, until):
+    run = simulate(march, until=until)
+    assert run.first_contact is None
+    assert run.head_drift < 5e-4
+    assert run.max_drift < 2e-3
+
+
+def test_engine_and_certificate_agree_on_the_first_contact_where_the_path_crosses_itself():
+    march = March(LONG, loop(2.2))
+    exact, run = first_contact(march), simulate(march)
+    assert run.first_contact.benches == exact.benches
+    assert run.first_contact.time == pytest.approx(exact.time, abs=2e-3)
