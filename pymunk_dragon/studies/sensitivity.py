@@ -23,7 +23,7 @@ from pymunk_dragon.march import March
 from pymunk_dragon.studies.branches import ASIDE, Branch, Contact, Grazing, Misses, Stand, changed
 from pymunk_dragon.studies.min_pitch import RADIUS, MinPitch, min_pitch
 from pymunk_dragon.studies.passing import Passing
-from pymunk_dragon.studies.slopes import SIZES
+from pymunk_dragon.studies.slopes import QUANTITIES, SIZES, gaps_of
 
 __all__ = ["Reach", "Sensitivity", "Slope", "sensitivity"]
 
@@ -76,11 +76,12 @@ class Slope:
     size : str
         Its name.
     value : float
-        What it is, m.
+        What it is, m; the least where the benches differ.
     slope : float
         How the answer moves with it: s for each m of the time, m for each m of the pitch.
     less, more : Reach or None
-        How far it may change either way; None where that was not asked.
+        How far it may change either way; None where that is not followed: for a pitch that is not limited by benches
+        passing each other.
     """
 
     size: str
@@ -184,12 +185,20 @@ def _of_contact(march: March, pair: tuple[int, int], way: float) -> tuple[Slope,
 
 def _of_pitch(smallest: MinPitch) -> tuple[Slope, ...]:
     """What each size of the benches does to a smallest pitch."""
-    pair, march, radius = smallest.benches, smallest.march, smallest.radius
+    pair, march, radius = smallest.benches, replace(smallest.march, speed=1.0), smallest.radius
     if pair is None:
         return ()
     assert isinstance(march.curve, Spiral)
     assert march.turns is not None
-    turns = march.turns
+    sizes, turns = [name for name in SIZES if name != "pitch"], march.turns
+    if smallest.limit != "passing":
+        touch = gaps_of(march, smallest.way, pair)
+        by_pitch = touch.slopes_on_circle if smallest.limit == "arrival" else touch.slopes[:, QUANTITIES.index("pitch")]
+        by_size = (-touch.slopes[0] / by_pitch[0]).tolist()
+        return tuple(
+            Slope(size=name, value=_size(march, name), slope=by_size[QUANTITIES.index(name)], less=None, more=None)
+            for name in sizes
+        )
     passing = Passing(march.dragon, march.curve, turns, radius)
 
     def beyond(stand: Stand, change: float, name: str) -> Pair | None:
@@ -203,7 +212,7 @@ def _of_pitch(smallest: MinPitch) -> tuple[Slope, ...]:
     def slope(name: str) -> Slope:
         return _slope(Grazing(passing.march, smallest.way, pair, radius, name), passing, name, beyond, 1.0)
 
-    return tuple(slope(name) for name in SIZES if name != "pitch")
+    return tuple(slope(name) for name in sizes)
 
 
 def _slope(branch: Branch, passing: Passing, name: str, beyond: Beyond, factor: float) -> Slope:
@@ -212,15 +221,19 @@ def _slope(branch: Branch, passing: Passing, name: str, beyond: Beyond, factor: 
     near = passing.smallest(NEAR * float(dragon.widths.min()))
     touch = np.all(near.pairs == stand.touch.pairs, axis=1) & (np.abs(near.ways - stand.touch.ways) < ASIDE)
     offsets = near.ways - stand.anchor
-    assert isinstance(passing.march.curve, Spiral)
-    sizes = passing.march.curve.pitch if name == "pitch" else getattr(dragon, name)
-    value = float(np.min(sizes))
+    value = _size(passing.march, name)
 
     def reach(sign: int) -> Reach:
         misses = Misses(near.pairs[~touch], offsets[~touch])
         return _reach(branch, misses, sign * LIMIT * value, lambda there, change: beyond(there, change, name))
 
     return Slope(size=name, value=value, slope=stand.moves * factor, less=reach(-1), more=reach(1))
+
+
+def _size(march: March, name: str) -> float:
+    """One of the sizes, m; the least where the benches differ."""
+    assert isinstance(march.curve, Spiral)
+    return march.curve.pitch if name == "pitch" else float(np.min(getattr(march.dragon, name)))
 
 
 def _reach(branch: Branch, misses: Misses, limit: float, beyond: Callable[[Stand, float], Pair | None]) -> Reach:
