@@ -139,8 +139,8 @@ def test_no_bench_of_the_whole_dragon_overlaps_another_on_the_way_in_shapelys_ey
 
 
 def test_a_scan_every_second_finds_a_pitch_that_is_too_small(answer: MinPitch) -> None:
-    blocked, free = 0.44, 0.46
-    while free - blocked > 1e-7:
+    blocked, free = 0.4495, 0.4505
+    while free - blocked > 1e-6:
         middle = (blocked + free) / 2
         march = march_at(middle)
         if scan(march, step=1.0, until=way_to(march, 4.5)).status == "clear":
@@ -336,7 +336,7 @@ def test_times_at_half_the_speed_move_twice_as_much(sensed: Sensitivity) -> None
 
 def test_a_dragon_that_never_meets_itself_has_no_contact_to_move() -> None:
     with pytest.raises(ParameterError) as caught:
-        sensitivity(pitch=2.0)
+        sensitivity(Dragon(benches=5))
     assert_says(caught.value, "pitch", "meets itself")
 
 

@@ -21,7 +21,7 @@ from pymunk_dragon.studies.min_pitch import way_to
 from pymunk_dragon.studies.passing import smallest_between
 from pymunk_dragon.studies.slopes import QUANTITIES, WAY, Gaps, gaps_of
 
-__all__ = ["ASIDE", "Branch", "Contact", "Grazing", "Misses", "Stand", "changed"]
+__all__ = ["ASIDE", "Branch", "Grazing", "Meeting", "Misses", "Stand", "changed"]
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -71,7 +71,7 @@ class Branch(Protocol):
         ...
 
 
-class Contact:
+class Meeting:
     """The place of the head at a first contact."""
 
     def __init__(self, march: March, way: float, pair: tuple[int, int], name: str) -> None:
@@ -100,9 +100,12 @@ class Contact:
         begin = way
         for _ in range(STEPS):
             touch = gaps_of(march, way, self._pair)
-            if abs(touch.gaps[0]) <= NO_GAP:
-                return touch if touch.slopes[0, WAY] < 0 else None
-            way -= float(touch.gaps[0] / touch.slopes[0, WAY])
+            gap, slope = float(touch.gaps[0]), float(touch.slopes[0, WAY])
+            if abs(gap) <= NO_GAP:
+                return touch if slope < 0 else None
+            if abs(gap) > ASIDE * abs(slope):
+                break
+            way -= gap / slope
             if abs(way - begin) > ASIDE:
                 break
         return None
@@ -143,8 +146,10 @@ class Grazing:
             end = way_to(march, self._radius)
             touch = gaps_of(march, end - left + APART * np.array([-1, 0, 1]), [self._pair] * 3)
             before, fall, after = touch.slopes[:, WAY].tolist()
+            if before >= after:
+                break
             gap, forward = float(touch.gaps[1]), 2 * APART * fall / (after - before)
-            if abs(gap) <= NO_GAP and abs(forward) <= NO_WAY and before < after:
+            if abs(gap) <= NO_GAP and abs(forward) <= NO_WAY:
                 touch = gaps_of(march, end - left, self._pair)
                 moves = -float(touch.slopes[0, self._column] / touch.slopes_on_circle[0])
                 return Stand(march, end, end, touch, moves)
@@ -183,10 +188,8 @@ class Misses:
     def __init__(self, pairs: Indices, offsets: Array) -> None:
         self._pairs, self._offsets = pairs, offsets
 
-    def at(self, stand: Stand) -> Gaps | None:
-        """Their smallest gaps, about where they were last; None if there is no near miss at all."""
-        if not self._offsets.size:
-            return None
+    def at(self, stand: Stand) -> Gaps:
+        """Their smallest gaps, about where they were last."""
         about = np.minimum(stand.anchor + self._offsets, stand.last)
         gaps = smallest_between(stand.march, self._pairs, about - ASIDE, np.minimum(about + ASIDE, stand.last))
         self._offsets = gaps.ways - stand.anchor

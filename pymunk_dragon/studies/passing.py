@@ -94,14 +94,14 @@ class Passing:
         row, other, own = np.unravel_index(int(self.gaps.argmin()), self.gaps.shape)
         return self._refined(np.array([row]), np.array([[own, other]]))
 
-    def smallest(self, below: float) -> Gaps:
-        """All gaps that are smallest on the way, and below `below` m when looked at.
+    def smallest(self, below: float) -> Gaps | None:
+        """All gaps that are smallest on the way, and below `below` m when looked at; None where there is none.
 
         Gaps that still fall at the end are among them, and those that grow from the start on.
         """
         padded = np.pad(self.gaps, ((1, 1), (0, 0), (0, 0)), constant_values=np.inf)
         row, other, own = np.nonzero((self.gaps <= padded[:-2]) & (self.gaps <= padded[2:]) & (self.gaps < below))
-        return self._refined(row, np.stack([own, other], axis=-1))
+        return self._refined(row, np.stack([own, other], axis=-1)) if row.size else None
 
     def _refined(self, rows: Indices, pairs: Indices) -> Gaps:
         last = len(self.ways) - 1

@@ -3,7 +3,8 @@
 The slopes are exact (`slopes.py`): a contact is where a gap g is zero, so its place w moves by -(dg/dq) / (dg/dw) with
 a size q, and its time by as much over the speed; the smallest pitch p is where a smallest gap is zero, and moves by
 -(dg/dq) / (dg/dp). They hold as long as the same two benches touch in the same way. How far each size may change until
-others do is found along the branch (`branches.py`) and checked on both sides.
+others do is found along the branch (`branches.py`), and what was not followed is looked for just before its end: for
+the contact by `first_contact`, which certifies that none is earlier, for the pitch along the whole way.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from pymunk_dragon.curves import Spiral
 from pymunk_dragon.dragon import Dragon
 from pymunk_dragon.errors import DragonError, ParameterError
 from pymunk_dragon.march import March
-from pymunk_dragon.studies.branches import ASIDE, Branch, Contact, Grazing, Misses, Stand, changed
+from pymunk_dragon.studies.branches import ASIDE, Branch, Grazing, Meeting, Misses, Stand, changed
 from pymunk_dragon.studies.min_pitch import RADIUS, MinPitch, min_pitch
 from pymunk_dragon.studies.passing import Passing
 from pymunk_dragon.studies.slopes import QUANTITIES, SIZES, gaps_of
@@ -178,7 +179,7 @@ def _of_contact(march: March, pair: tuple[int, int], way: float) -> tuple[Slope,
         return None if here else found.benches
 
     def slope(name: str) -> Slope:
-        return _slope(Contact(passing.march, way, pair, name), passing, name, beyond, 1 / rate)
+        return _slope(Meeting(passing.march, way, pair, name), passing, name, beyond, 1 / rate)
 
     return tuple(slope(name) for name in SIZES)
 
@@ -218,14 +219,16 @@ def _of_pitch(smallest: MinPitch) -> tuple[Slope, ...]:
 def _slope(branch: Branch, passing: Passing, name: str, beyond: Beyond, factor: float) -> Slope:
     """What the size `name` does to what lies on the branch, `factor` times as much as to its place."""
     stand, dragon = branch.stand(0.0), passing.march.dragon
-    near = passing.smallest(NEAR * float(dragon.widths.min()))
-    touch = np.all(near.pairs == stand.touch.pairs, axis=1) & (np.abs(near.ways - stand.touch.ways) < ASIDE)
-    offsets = near.ways - stand.anchor
-    value = _size(passing.march, name)
+    value, near = _size(passing.march, name), passing.smallest(NEAR * float(dragon.widths.min()))
+
+    def misses() -> Misses | None:
+        if near is None:
+            return None
+        touch = np.all(near.pairs == stand.touch.pairs, axis=1) & (np.abs(near.ways - stand.touch.ways) < ASIDE)
+        return None if touch.all() else Misses(near.pairs[~touch], near.ways[~touch] - stand.anchor)
 
     def reach(sign: int) -> Reach:
-        misses = Misses(near.pairs[~touch], offsets[~touch])
-        return _reach(branch, misses, sign * LIMIT * value, lambda there, change: beyond(there, change, name))
+        return _reach(branch, misses(), sign * LIMIT * value, lambda there, change: beyond(there, change, name))
 
     return Slope(size=name, value=value, slope=stand.moves * factor, less=reach(-1), more=reach(1))
 
@@ -236,7 +239,7 @@ def _size(march: March, name: str) -> float:
     return march.curve.pitch if name == "pitch" else float(np.min(getattr(march.dragon, name)))
 
 
-def _reach(branch: Branch, misses: Misses, limit: float, beyond: Callable[[Stand, float], Pair | None]) -> Reach:
+def _reach(branch: Branch, misses: Misses | None, limit: float, beyond: Callable[[Stand, float], Pair | None]) -> Reach:
     """How far a size may change towards `limit`: as far as its branch goes, if everything else stays away."""
     edge, by, pair = _followed(branch, misses, limit)
     unchanged, other = (limit, None) if by == "nothing" else (edge * (1 - BRACKET), edge * (1 + BRACKET))
@@ -251,7 +254,7 @@ def _reach(branch: Branch, misses: Misses, limit: float, beyond: Callable[[Stand
     return Reach(unchanged=unchanged, changed=other, by=by, benches=pair)
 
 
-def _followed(branch: Branch, misses: Misses, limit: float) -> tuple[float, Change, Pair | None]:
+def _followed(branch: Branch, misses: Misses | None, limit: float) -> tuple[float, Change, Pair | None]:
     """The change at which the branch ends or a near miss closes, which of them, and the pair that comes in between."""
     sign, wall = math.copysign(1.0, limit), abs(limit)
     by: Change = "nothing"
@@ -266,8 +269,9 @@ def _followed(branch: Branch, misses: Misses, limit: float) -> tuple[float, Chan
         return "nothing" if np.all(here == features) else "another corner"
 
     for _ in range(STEPS):
-        step, gaps = abs(limit) / FOLLOWED, misses.at(stand)
-        if gaps is not None:
+        step = abs(limit) / FOLLOWED
+        if misses is not None:
+            gaps = misses.at(stand)
             growth = sign * branch.total(gaps, stand)
             steps = np.where(growth < 0, -gaps.gaps / np.where(growth < 0, growth, -1.0), np.inf)
             first = int(steps.argmin())
