@@ -48,12 +48,14 @@ films: runs
 STILLS := outer-loop inward collision
 CHARTS := spiral grid trajectories velocities gap speeds
 OF_RUNS := drift impulses
+STUDIES := min-pitch sensitivity
 
 figures: runs
 	mkdir -p renders/figures
 	set -e; for name in $(STILLS); do $(DRAGON) figure $$name -o renders/figures/$$name.png; done
 	set -e; for name in $(CHARTS); do for ending in png svg; do $(DRAGON) figure $$name -o renders/figures/$$name.$$ending; done; done
 	set -e; for name in $(OF_RUNS); do for ending in png svg; do $(DRAGON) figure $$name renders/march.npz -o renders/figures/$$name.$$ending; done; done
+	set -e; for name in $(STUDIES); do $(DRAGON) study $$name -o renders/figures/$$name.png; done
 
 screenshot: films $(VENV)/all ## the picture of the player, in Chromium: renders/player.png
 	$(BIN)/python tests/bench/screenshot.py renders/march.html renders/player.png

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from pymunk_dragon.run import Run
     from pymunk_dragon.scenario import Scenario
     from pymunk_dragon.speed import Speed, SpeedTable
+    from pymunk_dragon.studies import min_pitch, sensitivity
 
 __all__ = [
     "Arc",
@@ -52,9 +53,11 @@ __all__ = [
     "UnreachableError",
     "World",
     "first_contact",
+    "min_pitch",
     "outlines",
     "player_page",
     "scan",
+    "sensitivity",
     "separation",
     "simulate",
     "write_film",
@@ -81,6 +84,7 @@ _ROOMS = {
     "run": ("Run",),
     "scenario": ("Scenario",),
     "speed": ("Speed", "SpeedTable"),
+    "studies": ("min_pitch", "sensitivity"),
 }
 
 

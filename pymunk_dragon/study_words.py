@@ -6,10 +6,11 @@ Each study has a pair of functions, found by the type of its answer.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict
 from typing import Any
 
-from pymunk_dragon.studies import MinPitch
+from pymunk_dragon.studies import MinPitch, Reach, Sensitivity, Slope
 
 __all__ = ["study_answer", "study_in_words"]
 
@@ -75,9 +76,57 @@ def _map_in_words(found: MinPitch) -> list[str]:
     return [*lines, f"{indent}{shown} all larger pitches are free, and all smaller ones are not"]
 
 
+def _sensitivity_answer(found: Sensitivity) -> Answer:
+    return {
+        "contact": {"time": found.time, "benches": found.benches, "slopes": _slopes_answer(found.times)},
+        "smallest_pitch": {
+            "pitch": found.smallest.pitch,
+            "benches": found.smallest.benches,
+            "slopes": _slopes_answer(found.pitches),
+        },
+    }
+
+
+def _slopes_answer(slopes: Sequence[Slope]) -> Answer:
+    return {slope.size: {name: value for name, value in asdict(slope).items() if name != "size"} for slope in slopes}
+
+
+def _sensitivity_in_words(found: Sensitivity) -> str:
+    i, j = found.benches
+    lines = [f"first contact at t = {found.time:.9f} s: benches {i} and {j}", *_slopes_in_words("s", 1e3, found.times)]
+    smallest = f"smallest pitch {found.smallest.pitch:.12f} m: "
+    if found.smallest.benches is None:
+        return "\n".join([*lines, smallest + "limited by the circle, whatever the benches"])
+    i, j = found.smallest.benches
+    return "\n".join([*lines, f"{smallest}benches {i} and {j}", *_slopes_in_words("mm", 1.0, found.pitches)])
+
+
+def _slopes_in_words(unit: str, per: float, slopes: Sequence[Slope]) -> list[str]:
+    """A table of slopes for each mm, `per` of which are in one of those in SI."""
+    lines = [f"  size          now (mm)  {f'{unit} for a mm':>11}  holds from (mm)             to (mm)"]
+    for slope in slopes:
+        name = slope.size.replace("_", "-")
+        numbers = f"{1e3 * slope.value:8.2f}  {slope.slope / per:+11.7f}"
+        lines.append(f"  {name:<13} {numbers}  {_reach_in_words(slope.less):<26}  {_reach_in_words(slope.more)}")
+    return lines
+
+
+def _reach_in_words(reach: Reach | None) -> str:
+    if reach is None:
+        return "-"
+    told = {
+        "nothing": "and further",
+        "no contact": "then no contact there",
+        "another corner": "then another corner",
+        "another pair": "then " + "{} and {}".format(*reach.benches) if reach.benches else "",
+    }
+    return f"{1e3 * reach.unchanged:+.4g} {told[reach.by]}"
+
+
 # How each kind of answer is told, as values and in words.
 TOLD: Mapping[type, tuple[Callable[[Any], Answer], Callable[[Any], str]]] = {
     MinPitch: (_pitch_answer, _pitch_in_words),
+    Sensitivity: (_sensitivity_answer, _sensitivity_in_words),
 }
 
 

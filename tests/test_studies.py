@@ -1,8 +1,9 @@
-"""Studies: the smallest pitch, against many digits, against Shapely, and where looking every so often goes wrong."""
+"""Studies: against many digits, against Shapely, against certificates, and where looking every so often goes wrong."""
 
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ import oracle
 import pytest
 import shapely
 from conftest import NO_NUMBERS, assert_says
+from PIL import Image
 
 from pymunk_dragon.cli import main
 from pymunk_dragon.collision import first_contact, scan
@@ -19,9 +21,11 @@ from pymunk_dragon.curves import Spiral
 from pymunk_dragon.dragon import Dragon
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.march import March
-from pymunk_dragon.studies import STUDIES, MinPitch, min_pitch, study
+from pymunk_dragon.render.figures import answer_figure, write_answer
+from pymunk_dragon.studies import STUDIES, MinPitch, Sensitivity, min_pitch, sensitivity, study
+from pymunk_dragon.studies.branches import changed
 from pymunk_dragon.studies.min_pitch import way_to
-from pymunk_dragon.studies.slopes import gaps_of
+from pymunk_dragon.studies.slopes import SIZES, gaps_of
 
 SEED = {"width": 0.3, "overhang": 0.275, "head_spacing": 2.86, "body_spacing": 1.65, "pitch": 0.55}
 
@@ -135,8 +139,8 @@ def test_no_bench_of_the_whole_dragon_overlaps_another_on_the_way_in_shapelys_ey
 
 
 def test_a_scan_every_second_finds_a_pitch_that_is_too_small(answer: MinPitch) -> None:
-    blocked, free = 0.44, 0.46
-    while free - blocked > 1e-7:
+    blocked, free = 0.4495, 0.4505
+    while free - blocked > 1e-6:
         middle = (blocked + free) / 2
         march = march_at(middle)
         if scan(march, step=1.0, until=way_to(march, 4.5)).status == "clear":
@@ -226,6 +230,116 @@ def test_a_dragon_too_short_to_pass_itself_is_refused() -> None:
     assert_says(caught.value, "benches", "5")
 
 
+# Sensitivity
+
+
+@pytest.fixture(scope="module")
+def sensed() -> Sensitivity:
+    return sensitivity()
+
+
+def contact_time(sizes: dict[str, Any], time: float) -> Any:
+    """When the gap of benches 0 and 8 closes, by Newton's method on differences."""
+    t, step = mp.mpf(time), mp.mpf("1e-15")
+    for _ in range(5):
+        gap = exact_gap(t, (0, 8), sizes)
+        t -= gap * step / (exact_gap(t + step, (0, 8), sizes) - gap)
+    return t
+
+
+@pytest.mark.parametrize("name", SIZES)
+def test_slopes_of_the_contact_time_are_those_of_fifty_digits(sensed: Sensitivity, name: str) -> None:
+    assert sensed.benches == (0, 8)
+    with mp.workdps(oracle.DIGITS):
+        sizes, step = exact_sizes(), mp.mpf("1e-12")
+        less, more = (contact_time(sizes | {name: sizes[name] + change}, sensed.time) for change in (-step, step))
+        slope = (more - less) / (2 * step)
+    found = next(each for each in sensed.times if each.size == name)
+    assert abs(found.slope - slope) < 1e-9 * abs(slope)
+    assert found.value == SEED[name]
+
+
+def test_slopes_of_the_smallest_pitch_are_those_of_fifty_digits(sensed: Sensitivity) -> None:
+    # At a smallest gap it does not matter how far the head has gone, so one place does for all.
+    way, pair = sensed.smallest.way, (0, 19)
+    with mp.workdps(oracle.DIGITS):
+        sizes, step = exact_sizes(pitch=sensed.smallest.pitch), mp.mpf("1e-12")
+
+        def slope(name: str) -> Any:
+            less, more = (exact_gap(way, pair, sizes | {name: sizes[name] + change}) for change in (-step, step))
+            return (more - less) / (2 * step)
+
+        by_pitch = slope("pitch")
+        slopes = {name: -slope(name) / by_pitch for name in SIZES if name != "pitch"}
+    assert [found.size for found in sensed.pitches] == list(slopes)
+    for found in sensed.pitches:
+        assert abs(found.slope - slopes[found.size]) < 1e-7 * abs(slopes[found.size])
+
+
+def test_the_smallest_pitch_of_wider_benches_is_where_the_slope_says(sensed: Sensitivity) -> None:
+    changes = {"width": 1e-6, "overhang": 1e-6, "head_spacing": 1e-5, "body_spacing": 1e-5}
+    for found, (name, change) in zip(sensed.pitches, changes.items(), strict=True):
+        assert found.size == name
+        other = min_pitch(Dragon(**{name: SEED[name] + change})).pitch
+        assert (other - sensed.smallest.pitch) / change == pytest.approx(found.slope, rel=1e-3)
+
+
+def test_a_contact_holds_as_far_as_is_told_and_another_pair_meets_beyond(sensed: Sensitivity) -> None:
+    for found in sensed.times:
+        for reach in (found.less, found.more):
+            assert reach is not None
+            hits = [
+                first_contact(changed(March(), found.size, change))
+                for change in (reach.unchanged, reach.changed)
+                if change is not None
+            ]
+            assert hits[0].benches == (0, 8)
+            assert len(hits) == 1 or hits[1].benches != (0, 8)
+            if reach.by == "another pair":
+                assert hits[1].benches == reach.benches == (0, 11)
+            if reach.changed is not None:
+                assert abs(reach.changed - reach.unchanged) < 0.003 * abs(reach.changed)
+
+
+def test_benches_a_millimetre_wider_meet_bench_11_instead(sensed: Sensitivity) -> None:
+    width = sensed.times[0]
+    assert width.size == "width"
+    assert width.more is not None
+    assert width.more.changed is not None
+    assert width.more.unchanged < 0.0009741 < width.more.changed
+
+
+def test_another_pair_limits_the_pitch_beyond_what_is_told(sensed: Sensitivity) -> None:
+    head = sensed.pitches[2]
+    assert head.size == "head_spacing"
+    assert head.less is not None
+    assert head.less.changed is not None
+    spacings = [2.86 + head.less.unchanged, 2.86 + head.less.changed]
+    assert [min_pitch(Dragon(head_spacing=spacing)).benches for spacing in spacings] == [(0, 19), head.less.benches]
+
+
+def test_a_pitch_that_is_limited_at_the_arrival_has_slopes_too() -> None:
+    dragon = Dragon(body_spacing=1.625, benches=30)
+    found = sensitivity(dragon)
+    assert found.smallest.limit == "arrival"
+    width = found.pitches[0]
+    wider = min_pitch(replace(dragon, width=0.300001))
+    assert (wider.pitch - found.smallest.pitch) / 1e-6 == pytest.approx(width.slope, rel=1e-4)
+    assert width.less is width.more is None
+
+
+def test_times_at_half_the_speed_move_twice_as_much(sensed: Sensitivity) -> None:
+    slow = sensitivity(Dragon(benches=30), speed=0.5)
+    for found, other in zip(sensed.times, slow.times, strict=True):
+        assert other.slope == pytest.approx(2 * found.slope, rel=1e-6)
+
+
+def test_a_dragon_that_never_meets_itself_has_no_contact_to_move() -> None:
+    with pytest.raises(ParameterError) as caught:
+        sensitivity(Dragon(benches=5))
+    assert_says(caught.value, "pitch", "meets itself")
+
+
 # Studies by name, and on the command line
 
 
@@ -291,6 +405,77 @@ def test_bad_input_gets_one_line(
     status, out, err = run(capsys, *arguments)
     assert (status, out, err.count("\n")) == (2, "", 1)
     assert all(word in err for word in words)
+
+
+def test_json_of_sensitivity_has_a_slope_for_each_size(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, sensed: Sensitivity
+) -> None:
+    monkeypatch.setitem(STUDIES, "sensitivity", replace(STUDIES["sensitivity"], ask=lambda dragon: sensed))
+    _, out, _ = run(capsys, "sensitivity", "--json")
+    found = json.loads(out)
+    assert found["contact"]["time"] == sensed.time
+    assert list(found["contact"]["slopes"]) == list(SIZES)
+    assert found["contact"]["slopes"]["width"]["slope"] == sensed.times[0].slope
+    assert found["smallest_pitch"]["slopes"]["overhang"]["more"]["changed"] is None
+    _, out, _ = run(capsys, "sensitivity")
+    assert "-0.0320404" in out
+    assert max(map(len, out.splitlines())) < 120
+
+
+# Pictures
+
+
+def artist(drawing: Any, gid: str) -> Any:
+    [found] = drawing.findobj(lambda part: part.get_gid() == gid)
+    return found
+
+
+def test_the_pitch_s_picture_shows_the_zero_and_the_two_that_touch(answer: MinPitch) -> None:
+    drawing = answer_figure(answer)
+    (x,), (y,) = artist(drawing, "answer").get_data()
+    assert (x, y) == (answer.pitch, 0)
+    _, gaps = artist(drawing, "gap-over-pitch").get_data()
+    np.testing.assert_allclose(gaps, 1e3 * answer.map.gaps)
+    corners = [artist(drawing, f"bench-{bench}").get_xy()[:4] for bench in (0, 19)]
+    assert shapely.distance(*map(shapely.Polygon, corners)) < 1e-12
+
+
+def test_the_picture_of_slopes_shows_each_of_them(sensed: Sensitivity) -> None:
+    drawing = answer_figure(sensed)
+    found = drawing.findobj(lambda part: str(part.get_gid()).startswith("slope-"))
+    assert len(found) == len(sensed.times) + len(sensed.pitches)
+    assert found[0].get_xdata()[0] == pytest.approx(abs(sensed.times[0].slope) / 1e3)
+
+
+@pytest.mark.parametrize("ending", [".png", ".svg"])
+def test_pictures_are_written(answer: MinPitch, sensed: Sensitivity, tmp_path: Path, ending: str) -> None:
+    for found in (answer, sensed, min_pitch(radius=8.0)):
+        file = tmp_path / f"answer{ending}"
+        write_answer(found, file)
+        if ending == ".png":
+            with Image.open(file) as picture:
+                assert picture.width == 1600
+        assert file.stat().st_size < 300_000
+        content = file.read_bytes()
+        write_answer(found, file)
+        assert file.read_bytes() == content
+
+
+def test_the_command_writes_what_the_ending_says(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, answer: MinPitch, tmp_path: Path
+) -> None:
+    monkeypatch.setitem(STUDIES, "min-pitch", replace(STUDIES["min-pitch"], ask=lambda dragon: answer))
+    for ending in (".json", ".png", ".svg"):
+        assert run(capsys, "min-pitch", "-o", str(tmp_path / f"answer{ending}"))[0] == 0
+    assert json.loads((tmp_path / "answer.json").read_text(encoding="utf-8"))["pitch"] == answer.pitch
+    assert (tmp_path / "answer.png").read_bytes()[:4] == b"\x89PNG"
+    assert b"<svg" in (tmp_path / "answer.svg").read_bytes()
+
+
+def test_no_picture_is_made_of_anything_else() -> None:
+    with pytest.raises(ParameterError) as caught:
+        answer_figure(March())
+    assert_says(caught.value, "answer", "a study")
 
 
 def test_a_number_that_a_study_does_not_take_is_refused() -> None:

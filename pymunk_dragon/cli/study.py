@@ -15,16 +15,13 @@ __all__ = ["study"]
 @click.command()
 @click.argument("name", required=False)
 @scenario_options
-@click.option("--radius", type=float, metavar="M", help="Radius of the turning circle, m.  [4.5]")
 @json_option
 @output_option(".json, or .png or .svg for a picture of the answer")
-def study(
-    name: str | None, scenario_file: str | None, as_json: bool, output: str | None, **settings: float | None
-) -> None:
+def study(name: str | None, scenario_file: str | None, as_json: bool, output: str | None) -> None:
     """Ask a question of many marches; without a name, list them.
 
-    What a scenario's file says beside the numbers that a study takes is left aside, such as the pitch where that is the
-    question.
+    Of a scenario's file a study takes what it asks about, and leaves the rest aside: the pitch where that is the
+    question. The radius is that of the circle to which the head marches.
     """
     from pymunk_dragon.studies import STUDIES
     from pymunk_dragon.studies import study as ask
@@ -37,8 +34,9 @@ def study(
         else:
             click.echo("\n".join(f"{known:<11}  {asks}" for known, asks in asked.items()))
         return
-    given = {option: value for option, value in settings.items() if value is not None}
-    values = _of_file(scenario_file, STUDIES[name].takes if name in STUDIES else ()) | chosen() | given
+    values = _of_file(scenario_file, STUDIES[name].takes if name in STUDIES else ()) | chosen()
+    if isinstance(values.get("speed"), str | tuple):
+        values["speed"] = _speed(values["speed"])
     destination = destination_of(output, (".json", ".png", ".svg"))
     if destination is not None and destination.suffix.lower() != ".json":
         _check_pictures()
@@ -60,13 +58,18 @@ def _of_file(scenario_file: str | None, takes: tuple[str, ...]) -> dict[str, Any
     """What a scenario's file says of the numbers that a study takes."""
     if scenario_file is None:
         return {}
-    from dataclasses import asdict
-
     from pymunk_dragon.scenario import Scenario
 
     # Checked as a whole: a slip in what is left aside is a slip all the same.
     scenario = Scenario.from_mapping(Scenario.read(scenario_file))
-    return {option: value for option, value in asdict(scenario).items() if option in takes}
+    return {option: value for option, value in scenario.to_mapping().items() if option in takes}
+
+
+def _speed(table: Any) -> Any:
+    """A speed that is a table of numbers or a file, as studies take it."""
+    from pymunk_dragon.scenario import Scenario
+
+    return Scenario(speed=table).march().speed
 
 
 def _check_pictures() -> None:

@@ -9,8 +9,20 @@ from typing import Any
 from pymunk_dragon.dragon import Dragon
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.studies.min_pitch import MinPitch, PitchMap, min_pitch
+from pymunk_dragon.studies.sensitivity import Reach, Sensitivity, Slope, sensitivity
 
-__all__ = ["STUDIES", "MinPitch", "PitchMap", "Study", "min_pitch", "study"]
+__all__ = [
+    "STUDIES",
+    "MinPitch",
+    "PitchMap",
+    "Reach",
+    "Sensitivity",
+    "Slope",
+    "Study",
+    "min_pitch",
+    "sensitivity",
+    "study",
+]
 
 DRAGON = ("benches", "head_spacing", "body_spacing", "overhang", "width")
 
@@ -47,6 +59,11 @@ STUDIES: Mapping[str, Study] = {
         asks="the smallest pitch at which the head reaches the turning circle (the contest's question 3)",
         ask=min_pitch,
         options=("turns", "speed", "radius"),
+    ),
+    "sensitivity": Study(
+        asks="what each size of the benches does to the first contact, and to that pitch",
+        ask=sensitivity,
+        options=("pitch", "turns", "speed", "radius"),
     ),
 }
 

@@ -11,7 +11,7 @@ from pymunk_dragon.dragon import Dragon
 from pymunk_dragon.march import March
 from pymunk_dragon.studies.slopes import WAY, Gaps, gaps_of
 
-__all__ = ["Passing"]
+__all__ = ["Passing", "foremost", "smallest_between"]
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -23,8 +23,8 @@ SOME = 4000
 # Turns behind the head within which the benches are that it passes; whatever is further back is further away.
 TURNS_BACK = 1.25
 # Points looked at in each bracket of a smallest gap, and passes. Each pass narrows the bracket fourteenfold: from
-# half a metre to the last digits of the way.
-POINTS, PASSES = 15, 11
+# half a metre to 3e-11 m.
+POINTS, PASSES = 15, 9
 
 
 class Passing:
@@ -48,6 +48,8 @@ class Passing:
 
     Attributes
     ----------
+    march : March
+        That of the foremost benches, at 1 m/s.
     ways : ndarray, shape (T,)
         How far the head has gone from its start where it was looked, m; negative before it.
     gaps : ndarray, shape (T, B, 2)
@@ -57,7 +59,7 @@ class Passing:
     def __init__(self, dragon: Dragon, curve: Spiral, turns: float, radius: float, further: float = 1.0) -> None:
         start, outside = curve.at_turn(turns), curve.at_turn(further * turns)
         passed = outside - curve.at_turn(further * turns + TURNS_BACK)
-        self._march = March(_foremost(dragon, int(passed / dragon.spacings.min()) + 2), curve, turns=turns)
+        self.march = March(foremost(dragon, int(passed / dragon.spacings.min()) + 2), curve, turns=turns)
         step = float(dragon.spacings.min()) / LOOKS
         before, after = (int(np.ceil(way / step)) for way in (start - outside, curve.at_radius(radius) - start))
         first, last = outside - start, max(0.0, curve.at_radius(radius) - start)
@@ -66,7 +68,7 @@ class Passing:
         self.gaps = np.concatenate(parts)
 
     def _gaps(self, ways: Array) -> Array:
-        dragon, poses = self._march.dragon, self._march.at(ways).poses
+        dragon, poses = self.march.dragon, self.march.at(ways).poses
         benches = dragon.benches
         gaps = np.full((len(ways), benches, 2), np.inf)
         corners = dragon.outlines(poses)
@@ -83,7 +85,7 @@ class Passing:
         """Gaps at most `near` m from zero, at moments at which none is deeper, with their slopes; None without any."""
         shallow = self.gaps.min(axis=(1, 2), keepdims=True) >= -near
         row, other, own = np.nonzero(shallow & (np.abs(self.gaps) <= near))
-        return gaps_of(self._march, self.ways[row], np.stack([own, other], axis=-1)) if row.size else None
+        return gaps_of(self.march, self.ways[row], np.stack([own, other], axis=-1)) if row.size else None
 
     def lowest(self) -> Gaps | None:
         """The smallest of all gaps, about the lowest one looked at; None where no bench is ever passed."""
@@ -92,31 +94,37 @@ class Passing:
         row, other, own = np.unravel_index(int(self.gaps.argmin()), self.gaps.shape)
         return self._refined(np.array([row]), np.array([[own, other]]))
 
-    def smallest(self, below: float) -> Gaps:
-        """All gaps that are smallest on the way, and below `below` m when looked at.
+    def smallest(self, below: float) -> Gaps | None:
+        """All gaps that are smallest on the way, and below `below` m when looked at; None where there is none.
 
         Gaps that still fall at the end are among them, and those that grow from the start on.
         """
         padded = np.pad(self.gaps, ((1, 1), (0, 0), (0, 0)), constant_values=np.inf)
         row, other, own = np.nonzero((self.gaps <= padded[:-2]) & (self.gaps <= padded[2:]) & (self.gaps < below))
-        return self._refined(row, np.stack([own, other], axis=-1))
+        return self._refined(row, np.stack([own, other], axis=-1)) if row.size else None
 
     def _refined(self, rows: Indices, pairs: Indices) -> Gaps:
-        """The smallest gaps of `pairs` about the rows `rows`: where they neither fall nor rise."""
         last = len(self.ways) - 1
         low, high = self.ways[np.maximum(rows - 1, 0)], self.ways[np.minimum(rows + 1, last)]
-        chosen, many = np.arange(len(rows)), np.repeat(pairs, POINTS, axis=0)
-        for _ in range(PASSES):
-            ways = np.linspace(low, high, POINTS, axis=-1)
-            falling = gaps_of(self._march, ways, many).slopes[:, WAY].reshape(ways.shape) < 0
-            # The last point from which it falls without a break from the first one on.
-            place = np.where(falling.all(axis=1), POINTS, falling.argmin(axis=1))
-            low = ways[chosen, np.clip(place - 1, 0, POINTS - 1)]
-            high = ways[chosen, np.clip(place, 0, POINTS - 1)]
-        return gaps_of(self._march, (low + high) / 2, pairs)
+        return smallest_between(self.march, pairs, low, high)
 
 
-def _foremost(dragon: Dragon, benches: int) -> Dragon:
+def smallest_between(march: March, pairs: Indices, low: Array, high: Array) -> Gaps:
+    """The smallest gaps of `pairs` (P, 2) between the ways `low` and `high` (P,) of the head: where they cease to fall.
+
+    The march is one as in `gaps_of`, and each gap has one such place, or is smallest at an end.
+    """
+    chosen, many = np.arange(len(pairs)), np.repeat(pairs, POINTS, axis=0)
+    for _ in range(PASSES):
+        ways = np.linspace(low, high, POINTS, axis=-1)
+        falling = gaps_of(march, ways, many).slopes[:, WAY].reshape(ways.shape) < 0
+        # The last point from which it falls without a break from the first one on.
+        place = np.where(falling.all(axis=1), POINTS, falling.argmin(axis=1))
+        low, high = (ways[chosen, np.clip(place - back, 0, POINTS - 1)] for back in (1, 0))
+    return gaps_of(march, (low + high) / 2, pairs)
+
+
+def foremost(dragon: Dragon, benches: int) -> Dragon:
     """The foremost benches of a dragon, if it has more: so much quicker placed."""
     if benches >= dragon.benches:
         return dragon

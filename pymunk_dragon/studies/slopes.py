@@ -58,6 +58,9 @@ class Gaps:
     slopes : ndarray, shape (P, 6)
         Their derivatives by the `QUANTITIES`, in this order, m for each m. Where two pairs of closest points are
         equally close, one of both has been taken. Sizes that differ from bench to bench change by the same.
+    features : ndarray of int, shape (P, 4)
+        Where the closest points lie: of the first bench and then of the second, 1 at its front end, -1 at its rear end,
+        and 1 at its left side, -1 at its right side; 0 in between. Neither is 0 at a corner.
     slopes_on_circle : ndarray, shape (P,)
         The derivative by the pitch while handle 0 stays on the same circle about the centre, instead of as far from
         the start, m for each m.
@@ -68,6 +71,7 @@ class Gaps:
     gaps: Array
     points: Array
     slopes: Array
+    features: Indices
     slopes_on_circle: Array
 
 
@@ -95,14 +99,16 @@ def gaps_of(march: March, ways: ArrayLike, pairs: ArrayLike) -> Gaps:
     found = separation(corners[row, first], corners[row, second])
     normal, point = (array.view(complex)[..., 0] for array in (found.normal, found.point))
     half = found.distance / 2 * normal
-    slopes = _point_slopes(march, holes, changes, row, second, point + half)
-    slopes -= _point_slopes(march, holes, changes, row, first, point - half)
+    own, own_feature = _point_slopes(march, holes, changes, row, first, point - half)
+    other, other_feature = _point_slopes(march, holes, changes, row, second, point + half)
+    slopes = other - own
     by_quantity = (normal.conj()[:, None] * slopes).real
     # The head's way along the spiral for which the pitch leaves it on its circle.
     head = holes[row, 0].conj()
     back = -(head * changes[row, 0, PITCH]).real / (head * changes[row, 0, WAY]).real
     on_circle = by_quantity[:, PITCH] + back * by_quantity[:, WAY]
-    return Gaps(at, wanted, found.distance, found.point, by_quantity, on_circle)
+    features = np.concatenate([own_feature, other_feature], axis=-1)
+    return Gaps(at, wanted, found.distance, found.point, by_quantity, features, on_circle)
 
 
 def _hole_slopes(march: March, ways: Array, holes: Complex, tangents: Complex) -> Complex:
@@ -125,10 +131,10 @@ def _hole_slopes(march: March, ways: Array, holes: Complex, tangents: Complex) -
 
 def _point_slopes(
     march: March, holes: Complex, changes: Complex, rows: Indices, benches: Indices, points: Complex
-) -> Complex:
+) -> tuple[Complex, Indices]:
     """Derivatives (P, 6) of `points` (P,) that lie on the outlines of `benches` in the `rows` of `holes`.
 
-    A point on an edge keeps its place along it; one at an end or a side moves with it.
+    A point on an edge keeps its place along it; one at an end or a side moves with it. Also which of them do (P, 2).
     """
     front, rear = holes[rows, benches], holes[rows, benches + 1]
     front_change, rear_change = changes[rows, benches], changes[rows, benches + 1]
@@ -139,10 +145,10 @@ def _point_slopes(
     turn = (front_change - rear_change - stretch * heading[:, None]) / spacing[:, None]
     place = (points - (front + rear) / 2) * heading.conj()
     ahead, aside = place.real, place.imag
-    growth = np.zeros((len(points), len(QUANTITIES)), dtype=complex)
-    at_end = np.abs(ahead) > march.dragon.lengths[benches] / 2 - ON_EDGE
-    at_side = np.abs(aside) > march.dragon.widths[benches] / 2 - ON_EDGE
-    growth += (at_end * np.sign(ahead))[:, None] * stretch / 2
-    growth[:, OVERHANG] += at_end * np.sign(ahead)
-    growth[:, WIDTH] += 0.5j * at_side * np.sign(aside)
-    return (front_change + rear_change) / 2 + place[:, None] * turn + growth * heading[:, None]
+    at_end = np.sign(ahead) * (np.abs(ahead) > march.dragon.lengths[benches] / 2 - ON_EDGE)
+    at_side = np.sign(aside) * (np.abs(aside) > march.dragon.widths[benches] / 2 - ON_EDGE)
+    growth = at_end[:, None] * stretch / 2 + 0j
+    growth[:, OVERHANG] += at_end
+    growth[:, WIDTH] += 0.5j * at_side
+    slopes = (front_change + rear_change) / 2 + place[:, None] * turn + growth * heading[:, None]
+    return slopes, np.stack([at_end, at_side], axis=-1).astype(np.intp)

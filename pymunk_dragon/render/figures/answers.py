@@ -7,14 +7,15 @@ from typing import TYPE_CHECKING, Any
 
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.render.figures.pitch import smallest_pitch
-from pymunk_dragon.studies import MinPitch
+from pymunk_dragon.render.figures.slopes import slopes
+from pymunk_dragon.studies import MinPitch, Sensitivity
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 __all__ = ["answer"]
 
-PICTURES: Mapping[type, Callable[[Any], Figure]] = {MinPitch: smallest_pitch}
+PICTURES: Mapping[type, Callable[[Any], Figure]] = {MinPitch: smallest_pitch, Sensitivity: slopes}
 
 
 def answer(found: object) -> Figure:
