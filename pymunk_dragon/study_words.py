@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
-from pymunk_dragon.studies import MinPitch, Reach, Sensitivity, Slope
+from pymunk_dragon.studies import MaxSpeed, MinPitch, Reach, Sensitivity, Slope
 
 __all__ = ["study_answer", "study_in_words"]
 
@@ -123,8 +123,29 @@ def _reach_in_words(reach: Reach | None) -> str:
     return f"{1e3 * reach.unchanged:+.4g} {told[reach.by]}"
 
 
+def _speed_answer(found: MaxSpeed) -> Answer:
+    names = ("speed", "handle", "time", "limit", "ratio", "excess", "handles", "way", "speeds", "looks")
+    return {name: getattr(found, name) for name in names}
+
+
+def _speed_in_words(found: MaxSpeed) -> str:
+    first, last = found.handles[0], found.handles[-1]
+    who = f"handle {first} goes" if first == last else f"handles {first} to {last} go"
+    shown = "  ".join(f"{speed:.3f}" for speed in found.speeds)
+    return "\n".join(
+        [
+            f"largest speed of the head {found.speed:.10f} m/s: no handle exceeds {found.limit:g} m/s",
+            f"limit:     {who} {found.ratio:.10f} times as fast as the head once it is {found.way:.4f} m into the circle,",
+            f"           {found.time:.4f} s after it entered at that speed",
+            f"then:      handles 0, 1, 2, ... go {shown} m/s",
+            f"certified: no handle is ever faster than that by more than {found.excess:.2g} of it, at {found.looks} looks",
+        ]
+    )
+
+
 # How each kind of answer is told, as values and in words.
 TOLD: Mapping[type, tuple[Callable[[Any], Answer], Callable[[Any], str]]] = {
+    MaxSpeed: (_speed_answer, _speed_in_words),
     MinPitch: (_pitch_answer, _pitch_in_words),
     Sensitivity: (_sensitivity_answer, _sensitivity_in_words),
 }

@@ -15,9 +15,10 @@ __all__ = ["study"]
 @click.command()
 @click.argument("name", required=False)
 @scenario_options
+@click.option("--limit", type=float, metavar="M/S", help="Of max-speed: no handle shall be faster, m/s.  [2]")
 @json_option
 @output_option(".json, or .png or .svg for a picture of the answer")
-def study(name: str | None, scenario_file: str | None, as_json: bool, output: str | None) -> None:
+def study(name: str | None, scenario_file: str | None, limit: float | None, as_json: bool, output: str | None) -> None:
     """Ask a question of many marches; without a name, list them.
 
     Of a scenario's file a study takes what it asks about, and leaves the rest aside: the pitch where that is the
@@ -35,6 +36,8 @@ def study(name: str | None, scenario_file: str | None, as_json: bool, output: st
             click.echo("\n".join(f"{known:<11}  {asks}" for known, asks in asked.items()))
         return
     values = _of_file(scenario_file, STUDIES[name].takes if name in STUDIES else ()) | chosen()
+    if limit is not None:
+        values["limit"] = limit
     if isinstance(values.get("speed"), str | tuple):
         values["speed"] = _speed(values["speed"])
     destination = destination_of(output, (".json", ".png", ".svg"))

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from pymunk_dragon.collision.grid import MAX_CELL, MIN_CELL, Grid
 from pymunk_dragon.collision.sat import Separation, separation
-from pymunk_dragon.curves.base import frame
+from pymunk_dragon.curves import frame
 from pymunk_dragon.dragon import bench_poses
 from pymunk_dragon.march import March
 

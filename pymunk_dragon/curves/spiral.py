@@ -155,8 +155,8 @@ class Spiral:
         theta = np.empty((np.size(s), chords.size + 1))
         theta[:, 0] = self.angle(s)
         for i, chord in enumerate(chords.tolist()):
-            theta[:, i + 1] = self._behind(theta[:, i], chord)
-        places = -self._arc(theta)
+            theta[:, i + 1] = self.behind(theta[:, i], chord)
+        places = -self.arc(theta)
         # A head stays where it is, to the last digit.
         places[:, 0] = np.where(np.isnan(theta[:, 0]), np.nan, s)
         return places
@@ -174,7 +174,7 @@ class Spiral:
         theta = bearing + TURN * np.rint((about - bearing) / TURN)
         direction = z / np.abs(z)
         tangents = self._tangent(theta, direction)
-        place = self._arc(theta)
+        place = self.arc(theta)
         return place if self.outward else -place, self._placed(self.k * theta * direction), self._placed(tangents)
 
     def _length(self, s: ArrayLike) -> Array:
@@ -183,10 +183,10 @@ class Spiral:
         return length if self.outward else -length
 
     def _at_angle(self, theta: float) -> float:
-        length = float(self._arc(np.asarray(theta)))
+        length = float(self.arc(np.asarray(theta)))
         return length if self.outward else -length
 
-    def _arc(self, theta: Array) -> Array:
+    def arc(self, theta: Array) -> Array:
         """Arc length from the centre, m: the closed form of eq. 3-5."""
         length: Array = self.k / 2 * (theta * np.hypot(theta, 1) + np.arcsinh(theta))
         return length
@@ -218,7 +218,7 @@ class Spiral:
             vectors = vectors * np.exp(-1j * self.rotation)
         return vectors.conj() if self.mirrored else vectors
 
-    def _behind(self, theta: Array, chord: float) -> Array:
+    def behind(self, theta: Array, chord: float) -> Array:
         """Polar angles of the nearest points back along an inward spiral at straight distance `chord`.
 
         The distance grows along the path up to its first maximum, a little over half a turn back. Up to there the

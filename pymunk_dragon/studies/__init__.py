@@ -8,17 +8,20 @@ from typing import Any
 
 from pymunk_dragon.dragon import Dragon
 from pymunk_dragon.errors import ParameterError
+from pymunk_dragon.studies.max_speed import MaxSpeed, max_speed
 from pymunk_dragon.studies.min_pitch import MinPitch, PitchMap, min_pitch
 from pymunk_dragon.studies.sensitivity import Reach, Sensitivity, Slope, sensitivity
 
 __all__ = [
     "STUDIES",
+    "MaxSpeed",
     "MinPitch",
     "PitchMap",
     "Reach",
     "Sensitivity",
     "Slope",
     "Study",
+    "max_speed",
     "min_pitch",
     "sensitivity",
     "study",
@@ -59,6 +62,11 @@ STUDIES: Mapping[str, Study] = {
         asks="the smallest pitch at which the head reaches the turning circle (the contest's question 3)",
         ask=min_pitch,
         options=("turns", "speed", "radius"),
+    ),
+    "max-speed": Study(
+        asks="the largest speed of the head in the U-turn at which no handle is too fast (question 5)",
+        ask=max_speed,
+        options=("limit", "pitch", "radius", "ratio"),
     ),
     "sensitivity": Study(
         asks="what each size of the benches does to the first contact, and to that pitch",

@@ -6,16 +6,21 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from pymunk_dragon.errors import ParameterError
+from pymunk_dragon.render.figures.limit import speed_limit
 from pymunk_dragon.render.figures.pitch import smallest_pitch
 from pymunk_dragon.render.figures.slopes import slopes
-from pymunk_dragon.studies import MinPitch, Sensitivity
+from pymunk_dragon.studies import MaxSpeed, MinPitch, Sensitivity
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 __all__ = ["answer"]
 
-PICTURES: Mapping[type, Callable[[Any], Figure]] = {MinPitch: smallest_pitch, Sensitivity: slopes}
+PICTURES: Mapping[type, Callable[[Any], Figure]] = {
+    MaxSpeed: speed_limit,
+    MinPitch: smallest_pitch,
+    Sensitivity: slopes,
+}
 
 
 def answer(found: object) -> Figure:

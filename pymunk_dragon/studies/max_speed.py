@@ -1,0 +1,315 @@
+"""The largest speed of the head at which no handle is too fast in the turn (the contest's question 5).
+
+How much faster than the head a handle is depends on nothing but how far the head has gone. Its largest value is found
+by branch and bound: over a stretch of the head's way it is at most its value in the middle plus half the stretch times
+a bound on its slope, and stretches that cannot hold the largest value are left out, the others halved. The slopes come
+from interval arithmetic on the rigid-bench equations (`collision/motion.py` has them): with the angles alpha and beta
+from a bench to the path's directions at its holes, its spacing L and the path's curvatures there, the rear hole goes
+rho = cos alpha / cos beta for each metre of the front hole, and
+
+    drho/ds = (rho^2 kappa_r sin beta - kappa_f sin alpha + omega^2 L) / cos beta,
+    omega = (sin alpha - rho sin beta) / L.
+
+Three facts leave little to look at:
+
+- On the way in no handle is faster than the one before it: the end of a spiral's arc that bends more has the larger
+  angle to the chord (W. Vogt, "Über monotongekrümmte Kurven", 1914).
+- On the way out each one is faster, but all of them together by less than 1 / sqrt(1 - (kappa L / 2)^2), where kappa is
+  the curvature at the exit: the angle to a chord lies between those on the circles with the largest and the smallest
+  curvature (A. Schur, 1921), and in the product over all benches what is between cancels.
+- Benches but the head are alike, so once the head is out, the picture in the turn repeats with every bench.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pymunk_dragon.checks import finite
+from pymunk_dragon.curves import UTurn
+from pymunk_dragon.curves.base import frame
+from pymunk_dragon.dragon import Dragon
+from pymunk_dragon.errors import ParameterError
+from pymunk_dragon.march import March
+from pymunk_dragon.speed import MAX_SPEED, MIN_SPEED
+
+__all__ = ["MaxSpeed", "max_speed"]
+
+Array = NDArray[np.float64]
+Interval = tuple[Array, Array]
+
+# Head's way in the first stretches, in spacings. Longer ones are halved more often, shorter ones cost more at once.
+STRETCH = 1 / 16
+# Share of the largest ratio to which it is enclosed; and the same of two handles that are equally fast.
+EXACT, EQUAL = 1e-11, 1e-10
+# Share of a ratio that rounding may be wrong by.
+ROUNDING = 1e-13
+# m. Shorter stretches have nothing between their ends.
+SHORTEST = 1e-12
+QUARTER = np.pi / 2
+
+
+@dataclass(frozen=True, kw_only=True)
+class MaxSpeed:
+    """The answer to how fast the head may go.
+
+    Attributes
+    ----------
+    speed : float
+        Largest speed of the head, m/s.
+    limit : float
+        Speed that no handle may exceed, m/s.
+    ratio : float
+        Largest speed of a handle for each m/s of the head; `speed` is `limit` over that.
+    excess : float
+        By how much, at most, the true largest ratio is larger.
+    handle, handles : int and tuple of int
+        Who is so fast; the foremost of them, and all of them.
+    way, time : float
+        How far the head has gone into the circle then, m, and when that is at `speed`, s.
+    speeds : tuple of float
+        Of the foremost handles at that moment, if the head goes at `speed`, m/s.
+    looks : int
+        Moments looked at.
+    curve : UTurn
+        What they march on.
+    dragon : Dragon
+        Who marches.
+    """
+
+    speed: float
+    limit: float
+    ratio: float
+    excess: float
+    handle: int
+    handles: tuple[int, ...]
+    way: float
+    time: float
+    speeds: tuple[float, ...]
+    looks: int
+    curve: UTurn
+    dragon: Dragon
+
+
+def max_speed(
+    dragon: Dragon | None = None,
+    *,
+    limit: float = 2.0,
+    pitch: float = 1.7,
+    radius: float = 4.5,
+    ratio: float = 2.0,
+) -> MaxSpeed:
+    """The largest constant speed of the head for which no handle exceeds a limit, ever, on the path of the U-turn.
+
+    Parameters
+    ----------
+    dragon : Dragon, optional
+        Who marches; by default the contest's. Its benches but the head must be alike.
+    limit : float
+        m/s.
+    pitch, radius, ratio : float
+        As in `UTurn`.
+
+    Returns
+    -------
+    MaxSpeed
+        Its speed is right to 1e-11 of itself: the largest ratio is enclosed, for all times and all handles.
+
+    Raises
+    ------
+    ParameterError
+        If a number cannot be used, or the benches behind the head differ.
+    UnreachableError
+        If the dragon does not fit round the turn.
+    """
+    dragon = Dragon() if dragon is None else dragon
+    limit = finite("limit", limit, MIN_SPEED, MAX_SPEED, "m/s")
+    if not dragon.alike:
+        raise ParameterError("dragon", dragon, "one whose benches but the head are alike")
+    curve = UTurn(pitch=pitch, radius=radius, ratio=ratio)
+    head, body = dragon.spacings[:2].tolist()
+    search = _Search(March(dragon, curve))
+    head_out = _out(search.march, 1, head)
+    search.run(0.0, head_out)
+    # Once the head is out, what follows it does what benches alike do while the first of them goes on by one bench.
+    gain = _gain(curve, dragon.spacings[:2])
+    followers = _Search(March(replace(dragon, head_spacing=body), curve, start=curve.joints[-1]), search.ratio / gain)
+    followers.run(0.0, _out(followers.march, 1, body))
+    if followers.found:
+        # Too coarse a bound: the whole dragon has to be followed through the turn.
+        search.run(head_out, _out(search.march, dragon.benches, float(dragon.spacings.sum())))
+    return search.answer(limit, gain, followers.looks)
+
+
+def _gain(curve: UTurn, spacings: Array) -> float:
+    """How much faster than the head, at most, benches are that are all on the way out."""
+    outward = curve.pieces[-1]
+    bend = np.abs(outward.curvature(outward.begin))
+    return float(np.prod(1 / np.sqrt(1 - (bend * spacings / 2) ** 2)))
+
+
+def _out(march: March, handle: int, step: float) -> float:
+    """A way of the head, m, after which `handle` is out of the turn; to within `step`, more or less."""
+    assert isinstance(march.curve, UTurn)
+    exit_place = march.curve.joints[-1]
+    way = exit_place - march.head_start + step
+    while march.parameters(way, handle + 1)[0, -1] < exit_place:
+        way += step / 8
+    return way
+
+
+class _Search:
+    """The largest ratio of a march at 1 m/s that is above a floor, if there is one, and when."""
+
+    def __init__(self, march: March, floor: float = 1.0) -> None:
+        assert isinstance(march.curve, UTurn)
+        self.march, self.curve = march, march.curve
+        self.ratio, self.found = floor, False
+        self.looks = 0
+        self._way, self._handles = 0.0, 1
+        self._spacings = march.dragon.spacings
+
+    def run(self, begin: float, end: float) -> None:
+        """Look at the head's ways from `begin` to `end`, m."""
+        # Those behind, which are on the way in, are no faster than the last of these.
+        handles = 2
+        while handles < self.march.dragon.handles and self.march.parameters(end, handles)[0, -2] > 0:
+            handles += 1
+        count = int(np.ceil((end - begin) / (STRETCH * self._spacings.min())))
+        ways = np.linspace(begin, end, 2 * count + 1)
+        places = self.march.parameters(ways, handles)
+        first, middle, last = places[:-1:2], places[1::2], places[2::2]
+        ways, length = ways[1::2], float(ways[2] - ways[0])
+        while ways.size:
+            self.looks += ways.size
+            ratios, most = self._ratios(first, middle, last)
+            self._note(ways, ratios)
+            left = np.flatnonzero((most > self.ratio * (1 + EXACT)).any(axis=1))
+            if length < SHORTEST or not left.size:
+                break
+            handles = int(np.flatnonzero((most[left] > self.ratio).any(axis=0))[-1]) + 2
+            first, middle, last = (part[left, :handles] for part in (first, middle, last))
+            length /= 2
+            ways = np.concatenate([ways[left] - length / 2, ways[left] + length / 2])
+            first, last = np.concatenate([first, middle]), np.concatenate([middle, last])
+            middle = self.march.parameters(ways, handles)
+
+    def _note(self, ways: Array, ratios: Array) -> None:
+        largest = ratios.max(axis=1)
+        best = int(largest.argmax())
+        if largest[best] > self.ratio:
+            self.ratio, self.found, self._way = float(largest[best]), True, float(ways[best])
+            self._handles = ratios.shape[1] + 1
+
+    def _ratios(self, first: Array, middle: Array, last: Array) -> tuple[Array, Array]:
+        """Speeds (K, H - 1) of handles 1 to H - 1 for each m/s of the head: in the middle of stretches, and at most.
+
+        The handles are at `first`, `middle` and `last` (K, H) when a stretch begins, in its middle and at its end.
+        """
+        spacings = self._spacings[: first.shape[1] - 1]
+        points, tangents = (part.view(complex)[..., 0] for part in frame(self.curve, middle))
+        facing = ((points[:, :-1] - points[:, 1:]) / spacings).conj()
+        front, rear = np.angle(tangents[:, :-1] * facing), np.angle(tangents[:, 1:] * facing)
+        # While both holes go forward they stay between their places at the ends, and no bench turns by more than both
+        # of them go, over its spacing.
+        ways = np.maximum(middle - first, last - middle)
+        swing = ways * self.curve.sharpest(first, last)
+        turned = (ways[:, :-1] + ways[:, 1:]) / spacings
+        fronts = _about(front, swing[:, :-1] + turned)
+        rears = _about(rear, swing[:, 1:] + turned)
+        bend = self._bend(first, last)
+        lag, slope = _lag(fronts, rears, (bend[0][:, :-1], bend[1][:, :-1]), (bend[0][:, 1:], bend[1][:, 1:]), spacings)
+        ratios = np.cumprod(np.cos(front) / np.cos(rear), axis=1)
+        with np.errstate(over="ignore", invalid="ignore"):
+            slowest, fastest = (np.cumprod(np.insert(end[:, :-1], 0, 1.0, axis=1), axis=1) for end in lag)
+            low, high = _product((slowest, fastest), _quotient(slope, lag))
+            change = np.maximum(np.abs(np.cumsum(low, axis=1)), np.abs(np.cumsum(high, axis=1)))
+            most = ratios * np.exp(change * ways[:, :1]) * (1 + ROUNDING)
+        # Where an angle may come to a right one, nothing is known, of this handle and of those behind.
+        known = np.logical_and.accumulate((_largest(fronts) < QUARTER) & (_largest(rears) < QUARTER), axis=1)
+        return ratios, np.where(known & np.isfinite(most), most, np.inf)
+
+    def _bend(self, first: Array, last: Array) -> Interval:
+        """The least and the largest signed curvature of the path between places.
+
+        On an arc it is constant, on a spiral it only rises or only falls.
+        """
+        ends = self.curve.curvature(first), self.curve.curvature(last)
+        low, high = np.minimum(*ends), np.maximum(*ends)
+        for joint, before, after in zip(self.curve.joints, self.curve.pieces[:-1], self.curve.pieces[1:], strict=True):
+            here = (first <= joint + SHORTEST) & (last >= joint - SHORTEST)
+            for bend in (float(before.curvature(before.end)), float(after.curvature(after.begin))):
+                low, high = np.where(here, np.minimum(low, bend), low), np.where(here, np.maximum(high, bend), high)
+        return low, high
+
+    def answer(self, limit: float, gain: float, looks: int) -> MaxSpeed:
+        """The answer that follows from the largest ratio, where none is above `gain` once all benches are out."""
+        speeds = self.march.at(self._way, self._handles).speeds[0]
+        fastest = np.flatnonzero(speeds > self.ratio * (1 - EQUAL)).tolist()
+        speed = limit / self.ratio
+        return MaxSpeed(
+            speed=speed,
+            limit=limit,
+            ratio=self.ratio,
+            excess=max(EXACT, gain / self.ratio - 1),
+            handle=fastest[0],
+            handles=tuple(fastest),
+            way=self._way,
+            time=self._way / speed,
+            speeds=tuple((speed * speeds[: fastest[-1] + 3]).tolist()),
+            looks=self.looks + looks,
+            curve=self.curve,
+            dragon=self.march.dragon,
+        )
+
+
+def _lag(
+    fronts: Interval, rears: Interval, front_bend: Interval, rear_bend: Interval, spacings: Array
+) -> tuple[Interval, Interval]:
+    """Way of a bench's rear hole for each metre of its front hole, and how that changes with the metre."""
+    sines, cosines = (_sine(fronts), _sine(rears)), (_cosine(fronts), _cosine(rears))
+    lag = _quotient(cosines[0], cosines[1])
+    turn = _difference(sines[0], _product(lag, sines[1]))
+    rear = _product(_product(lag, lag), _product(rear_bend, sines[1]))
+    front = _product(front_bend, sines[0])
+    (low, high), squared = _difference(rear, front), _product(turn, turn)
+    # What is squared is not negative.
+    total = low + np.maximum(squared[0], 0.0) / spacings, high + squared[1] / spacings
+    return lag, _quotient(total, cosines[1])
+
+
+def _about(middle: Array, half: Array) -> Interval:
+    return middle - half, middle + half
+
+
+def _largest(angles: Interval) -> Array:
+    return np.maximum(np.abs(angles[0]), np.abs(angles[1]))
+
+
+def _sine(angles: Interval) -> Interval:
+    """Of angles up to a right one."""
+    return np.sin(angles[0]), np.sin(angles[1])
+
+
+def _cosine(angles: Interval) -> Interval:
+    """Of angles up to a right one; above 0."""
+    ends = np.cos(angles[0]), np.cos(angles[1])
+    # A right angle has none; what comes of it is not used.
+    low = np.maximum(np.minimum(*ends), SHORTEST)
+    return low, np.where(angles[0] * angles[1] <= 0, 1.0, np.maximum(np.maximum(*ends), low))
+
+
+def _difference(one: Interval, other: Interval) -> Interval:
+    return one[0] - other[1], one[1] - other[0]
+
+
+def _product(one: Interval, other: Interval) -> Interval:
+    ends = [a * b for a in one for b in other]
+    return np.minimum.reduce(ends), np.maximum.reduce(ends)
+
+
+def _quotient(one: Interval, other: Interval) -> Interval:
+    """Over what is above 0."""
+    return _product(one, (1 / other[1], 1 / other[0]))
