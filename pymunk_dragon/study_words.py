@@ -10,10 +10,16 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
-from pymunk_dragon.studies import MaxSpeed, MinPitch, Reach, Sensitivity, Slope
+import numpy as np
+from numpy.typing import NDArray
+
+from pymunk_dragon.collision import Impact
+from pymunk_dragon.studies import MaxSpeed, MinPitch, Reach, Sensitivity, Slope, TurnAnswer
+from pymunk_dragon.studies.u_turn import Hurry
 
 __all__ = ["study_answer", "study_in_words"]
 
+Array = NDArray[np.float64]
 Answer = dict[str, Any]
 
 LIMITS = {"passing": "as the head passes", "arrival": "as the head arrives", "start": "as the dragon starts"}
@@ -135,12 +141,85 @@ def _speed_in_words(found: MaxSpeed) -> str:
     return "\n".join(
         [
             f"largest speed of the head {found.speed:.10f} m/s: no handle exceeds {found.limit:g} m/s",
-            f"limit:     {who} {found.ratio:.10f} times as fast as the head once it is {found.way:.4f} m into the circle,",
-            f"           {found.time:.4f} s after it entered at that speed",
+            f"limit:     {who} {found.ratio:.10f} times as fast as the head {found.time:.4f} s after it entered",
+            f"           the circle, {found.way:.4f} m into it",
             f"then:      handles 0, 1, 2, ... go {shown} m/s",
-            f"certified: no handle is ever faster than that by more than {found.excess:.2g} of it, at {found.looks} looks",
+            f"certified: no handle ever exceeds that by more than {found.excess:.2g} of it ({found.looks} looks)",
         ]
     )
+
+
+def _turn_answer(found: TurnAnswer) -> Answer:
+    turn, short = found.turn, found.shortest.turn
+    return {
+        "length": turn.length,
+        "radii": turn.radii.tolist(),
+        "centres": turn.centres.tolist(),
+        "sweeps": turn.sweeps.tolist(),
+        "tangent_points": turn.tangent_points.tolist(),
+        "lengths": [{"ratio": ratio, "length": length} for ratio, length in found.lengths],
+        "contact": _impact_answer(found.impact, found.times[-1]),
+        "hurry": asdict(found.hurry),
+        "shortest": {
+            "length": short.length,
+            "radii": short.radii,
+            "bend": short.bend,
+            "sweeps": short.sweeps,
+            "joints": short.path.point(short.path.joints).tolist(),
+            "allowed": found.allowed,
+            "binding": found.shortest.binding,
+            "late": found.shortest.late,
+            "early": found.shortest.early,
+            "contact": _impact_answer(found.short_impact, found.times[-1]),
+            "hurry": asdict(found.short_hurry),
+        },
+    }
+
+
+def _impact_answer(impact: Impact, until: float) -> Answer:
+    return {"status": impact.status, "time": impact.time, "benches": impact.benches, "until": float(until)}
+
+
+def _turn_in_words(found: TurnAnswer) -> str:
+    turn, short, indent = found.turn, found.shortest.turn, " " * 11
+    first, second = turn.radii.tolist()
+    ratios, lengths = zip(*found.lengths, strict=True)
+    between = "a line" if short.sweeps[1] == 0 else f"an arc of {1 / abs(short.bend):.2f} m"
+    handles = ", ".join(str(handle) for handle in found.shortest.binding)
+    lines = [
+        f"the turn:  {turn.length:.6f} m on arcs of {first:.6f} and {second:.6f} m,",
+        f"{indent}each of {math.degrees(abs(turn.sweeps[0])):.6f} degrees, about {_points(turn.centres)} m,",
+        f"{indent}which touch at {_points(turn.tangent_points)} m",
+        f"contact:   {_impact_in_words(found.impact, found.times)}",
+        f"fastest:   {_hurry_in_words(found.hurry)}",
+        f"two arcs:  always as long: {min(lengths):.12f} to {max(lengths):.12f} m for ratios of",
+        f"{indent}the radii from {min(ratios):g} to {max(ratios):g}. Both turn by the same angle, and their",
+        f"{indent}chords make up the circle's diameter",
+        f"shortest:  {short.length:.5f} m, if nobody may be more than {found.allowed:.6f} times as fast as the head:",
+        f"{indent}arcs of {short.radii[0]:.4f} and {short.radii[1]:.4f} m with {between} between;",
+        f"{indent}the speed of handles {handles} is the limit. Leaving the one spiral later, or joining the other",
+        f"{indent}earlier, makes it longer by {found.shortest.late:.2f} or {found.shortest.early:.2f} m for each metre",
+        f"contact:   {_impact_in_words(found.short_impact, found.times)}",
+        f"fastest:   {_hurry_in_words(found.short_hurry)}",
+    ]
+    return "\n".join(lines)
+
+
+def _points(points: Array) -> str:
+    return ", ".join(f"({x:.6f}, {y:.6f})" for x, y in points.tolist())
+
+
+def _impact_in_words(impact: Impact, times: Array) -> str:
+    if impact.status == "clear":
+        near = ", nor a gap below a thirtieth of the width" if impact.clearances == () else ""
+        return f"none from {times[0]:g} to {times[-1]:g} s{near}: certified"
+    if impact.benches is None:
+        return f"none, but the dragon gets stuck at t = {impact.time:.6f} s"
+    return f"benches {impact.benches[0]} and {impact.benches[1]} touch at t = {impact.time:.6f} s"
+
+
+def _hurry_in_words(hurry: Hurry) -> str:
+    return f"handle {hurry.handle}, {hurry.factor:.6f} times as fast as the head, as that is {hurry.way:.3f} m in"
 
 
 # How each kind of answer is told, as values and in words.
@@ -148,6 +227,7 @@ TOLD: Mapping[type, tuple[Callable[[Any], Answer], Callable[[Any], str]]] = {
     MaxSpeed: (_speed_answer, _speed_in_words),
     MinPitch: (_pitch_answer, _pitch_in_words),
     Sensitivity: (_sensitivity_answer, _sensitivity_in_words),
+    TurnAnswer: (_turn_answer, _turn_in_words),
 }
 
 

@@ -11,6 +11,7 @@ from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.studies.max_speed import MaxSpeed, max_speed
 from pymunk_dragon.studies.min_pitch import MinPitch, PitchMap, min_pitch
 from pymunk_dragon.studies.sensitivity import Reach, Sensitivity, Slope, sensitivity
+from pymunk_dragon.studies.u_turn import TurnAnswer, u_turn
 
 __all__ = [
     "STUDIES",
@@ -21,10 +22,12 @@ __all__ = [
     "Sensitivity",
     "Slope",
     "Study",
+    "TurnAnswer",
     "max_speed",
     "min_pitch",
     "sensitivity",
     "study",
+    "u_turn",
 ]
 
 DRAGON = ("benches", "head_spacing", "body_spacing", "overhang", "width")
@@ -72,6 +75,11 @@ STUDIES: Mapping[str, Study] = {
         asks="what each size of the benches does to the first contact, and to that pitch",
         ask=sensitivity,
         options=("pitch", "turns", "speed", "radius"),
+    ),
+    "u-turn": Study(
+        asks="the turn inside the circle, and the shortest one that dancers can walk (the contest's question 4)",
+        ask=u_turn,
+        options=("pitch", "radius", "ratio", "speed", "fastest"),
     ),
 }
 

@@ -28,8 +28,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pymunk_dragon.checks import finite
-from pymunk_dragon.curves import UTurn
-from pymunk_dragon.curves.base import frame
+from pymunk_dragon.curves import UTurn, frame
 from pymunk_dragon.dragon import Dragon
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.march import March
@@ -223,7 +222,7 @@ class _Search:
         lag, slope = _lag(fronts, rears, (bend[0][:, :-1], bend[1][:, :-1]), (bend[0][:, 1:], bend[1][:, 1:]), spacings)
         ratios = np.cumprod(np.cos(front) / np.cos(rear), axis=1)
         with np.errstate(over="ignore", invalid="ignore"):
-            slowest, fastest = (np.cumprod(np.insert(end[:, :-1], 0, 1.0, axis=1), axis=1) for end in lag)
+            slowest, fastest = _products(lag[0][:, :-1]), _products(lag[1][:, :-1])
             low, high = _product((slowest, fastest), _quotient(slope, lag))
             change = np.maximum(np.abs(np.cumsum(low, axis=1)), np.abs(np.cumsum(high, axis=1)))
             most = ratios * np.exp(change * ways[:, :1]) * (1 + ROUNDING)
@@ -263,6 +262,11 @@ class _Search:
             curve=self.curve,
             dragon=self.march.dragon,
         )
+
+
+def _products(factors: Array) -> Array:
+    """Products (K, N + 1) of the first 0, 1, ... of `factors` (K, N)."""
+    return np.concatenate([np.ones((len(factors), 1)), np.cumprod(factors, axis=1)], axis=1)
 
 
 def _lag(

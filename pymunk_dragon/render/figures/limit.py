@@ -42,9 +42,8 @@ def speed_limit(found: MaxSpeed) -> Figure:
 
 def _over_time(axes: Axes, found: MaxSpeed) -> None:
     """Speeds of the foremost handles, and the fastest of all."""
-    axes.set_title(
-        "speeds of the handles, m/s; the line is the fastest at each time", loc="left", size=11.5, color=QUIET, pad=10
-    )
+    title = "speeds of the foremost handles, m/s; the blue line is the fastest of all"
+    axes.set_title(title, loc="left", size=11.5, color=QUIET, pad=10)
     ways = np.sort(np.append(np.linspace(found.way - BEFORE, found.way + AFTER, MOMENTS), found.way))
     handles = min(REST, found.dragon.handles)
     speeds = found.speed * March(found.dragon, found.curve).at(ways, handles).speeds
@@ -72,11 +71,11 @@ def _ground(axes: Axes, found: MaxSpeed) -> None:
     path = curve.point(np.linspace(-half, curve.joints[-1] + half, POINTS))
     axes.plot(*path.T, color=RULE, lw=1.2, gid="path")
     for bench, outline in enumerate(found.dragon.outlines(states.poses[0])):
-        if np.abs(outline).max() < half:
+        if np.abs(outline).max(axis=1).min() < half:
             axes.fill(*outline.T, fc=FAINT, ec=COLOURS.ink, lw=0.8, gid=f"bench-{bench}")
     speeds = found.speed * states.speeds[0]
     for handle, place in enumerate(states.positions[0]):
-        if np.abs(place).max() > 0.97 * half:
+        if np.abs(place).max() > 0.93 * half:
             continue
         fastest = handle in found.handles
         colour = COLOURS.contact if fastest else COLOURS.ink
