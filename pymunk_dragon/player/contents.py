@@ -105,16 +105,18 @@ def curve_points(march: March, start: float, end: float) -> Array:
     curve = march.curve
     first, last = march.span(min(start, 0.0), max(end, 0.0))
     places = np.linspace(first, last, CURVE_SAMPLES)
-    # A chord c of a curve that bends by k is off by k c^2 / 8; this is the number of chords between two samples.
+    # A chord c of a curve that bends by k is off by k c^2 / 8; this is the number of chords between two samples. On
+    # straight stretches they are three times as long as the shortest: the page leaves out points when it is far away,
+    # and a chord across a joint must not be much further off than others.
     bend = curve.sharpest(places[:-1], places[1:])
+    bend = np.where(bend > 0, bend, bend.max() / 9)
     chords = np.sqrt(bend / (8 * CURVE_ERROR * float(march.dragon.widths.min()))) * np.diff(places)
     passed = np.concatenate([[0.0], np.cumsum(chords)])
+    if passed[-1] == 0:
+        # A straight one has nothing to go by, and needs nothing but its ends.
+        return curve.point(places[[0, -1]])
     count = int(min(passed[-1] + 2, MAX_CURVE_POINTS))
-    bent = np.interp(np.linspace(0.0, passed[-1], count), passed, places)
-    # A straight stretch has no chords to count, and needs nothing but its ends.
-    straight = np.concatenate([[True], chords == 0, [True]])
-    ends = places[straight[1:] | straight[:-1]]
-    return curve.point(np.union1d(bent, ends))
+    return curve.point(np.interp(np.linspace(0.0, passed[-1], count), passed, places))
 
 
 def _shape(places: Packed) -> dict[str, Any]:
