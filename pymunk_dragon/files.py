@@ -78,10 +78,11 @@ def number_rows(path: str | Path, name: str, columns: Sequence[str]) -> tuple[li
     """
     try:
         text = Path(path).read_text(encoding="utf-8-sig")
-    except OSError as error:
-        raise ParameterError(name, str(path), f"a readable file ({error.strerror})") from error
-    except ValueError as error:
-        raise FileFormatError(path, f"no CSV file: {error}") from error
+    except UnicodeDecodeError as error:
+        raise FileFormatError(path, "not a text file") from error
+    except (OSError, ValueError) as error:
+        reason = (isinstance(error, OSError) and error.strerror) or error
+        raise ParameterError(name, str(path), f"a readable file ({reason})") from error
     meant = " and ".join(columns)
     lines, rows = [], []
     for line, content in enumerate(text.splitlines(), start=1):

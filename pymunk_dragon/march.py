@@ -173,20 +173,24 @@ class March(Displayed):
         """Time at which handle 0 reaches the end of the curve, s; inf where it has none."""
         return float(self.time(self.curve.end - self.head_start))
 
-    def span(self, since: float = 0.0, until: float | None = None) -> tuple[float, float]:
-        """Places in m between which the whole dragon marches: that of its last handle at `since`, and the curve's end.
+    def span(self, since: float, until: float) -> tuple[float, float]:
+        """Places in m that the curve is worth looking at: where it begins and ends, if it does.
 
-        On a curve without end it is that of handle 0 at `until` s, by default at `since`.
+        On one that comes from infinity it begins with the last handle at `since` s, or at 0 s where that has no place
+        then; on one without end it ends with handle 0 at `until` s.
 
         Raises
         ------
-        UnreachableError
-            If the dragon has no place at `since`.
+        ParameterError
+            As `parameters` does.
         """
-        first, last = self.parameters(since)[0, [-1, 0]].tolist()
-        if np.isfinite(self.curve.end):
-            return first, self.curve.end
-        return first, last if until is None else self.head_start + float(self.way(until))
+        first, last = self.curve.begin, self.curve.end
+        if first == -np.inf:
+            tails = self.places([since, 0.0])[:, -1]
+            first = float(tails[1] if np.isnan(tails[0]) else tails[0])
+        if last == np.inf:
+            last = self.head_start + float(self.way(until))
+        return first, last
 
     @cached_property
     def pace(self) -> Speed:

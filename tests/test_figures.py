@@ -21,6 +21,7 @@ import oracle
 import pytest
 import shapely
 from conftest import assert_says
+from marches import ARM, TRACTOR, U_TURN
 from PIL import Image, ImageFont
 
 from pymunk_dragon.collision import Grid, first_contact
@@ -36,6 +37,7 @@ from pymunk_dragon.render.figures.times import closing_time, model
 from pymunk_dragon.run import Run
 
 matplotlib = pytest.importorskip("matplotlib")
+pytest.importorskip("matplotlib.text")
 
 CHARTS = [name for name, kind in FIGURES.items() if kind.still is None]
 STILLS = [name for name, kind in FIGURES.items() if kind.still is not None]
@@ -348,7 +350,7 @@ def test_the_dragon_is_large_in_its_pictures(tmp_path: Path) -> None:
 
 def test_inward_is_when_the_tail_has_a_full_loop_to_the_head() -> None:
     march = model()
-    time = closing_time(march, CONTACT_TIME)
+    time = closing_time(march, 0.0, CONTACT_TIME)
     angles = march.curve.angle(march.parameters([time - 0.01, time, time + 0.01]))
     # The path turns as its angle does, and a little more the tighter it is.
     turning = angles + np.arctan(angles)
@@ -358,7 +360,7 @@ def test_inward_is_when_the_tail_has_a_full_loop_to_the_head() -> None:
 
 
 def test_a_dragon_that_never_closes_a_loop_is_shown_halfway() -> None:
-    assert closing_time(March(Dragon(benches=3)), 100.0) == 50.0
+    assert closing_time(March(Dragon(benches=3)), 0.0, 100.0) == 50.0
 
 
 # --- What it looks like.
@@ -583,6 +585,39 @@ def test_other_marches_have_figures_too(name: str, tmp_path: Path) -> None:
         write_figure(name, tmp_path / "figure.png", march)
         with Image.open(tmp_path / "figure.png") as picture:
             assert len(picture.convert("RGB").getcolors(1 << 20) or []) > 20
+
+
+OTHERS = {"u-turn": Run.exact(U_TURN, np.linspace(-20, 20, 5)), "tractor": TRACTOR, "arm": ARM}
+
+
+@pytest.mark.parametrize("name", [name for name in FIGURES if not FIGURES[name].needs_run])
+@pytest.mark.parametrize("source", OTHERS.values(), ids=OTHERS)
+def test_other_curves_have_figures_or_are_told_why_not(
+    name: str, source: Any, tmp_path: Path, type_on: Callable[[Any], list[tuple[str, Any]]]
+) -> None:
+    if name in ("spiral", "collision"):
+        with pytest.raises(ParameterError) as error:
+            write_figure(name, tmp_path / "figure.png", source)
+        assert_says(error.value, "a Spiral inward" if name == "spiral" else "runs into itself")
+        return
+    if name in STILLS:
+        write_figure(name, tmp_path / "figure.png", source)
+        return
+    drawing = figure(name, source)
+    width, height = drawing.canvas.get_width_height()
+    for text, box in type_on(drawing):
+        assert 5 < box.x0 < box.x1 < width - 5, text
+        assert 5 < box.y0 < box.y1 < height - 5, text
+        for word in ("spiral", "coil", "inward"):
+            assert word not in text
+
+
+def test_a_curve_without_end_is_looked_at_for_as_long_as_a_run() -> None:
+    line = artist(figure("trajectories", OTHERS["u-turn"]), "way-0").get_xydata()
+    np.testing.assert_allclose(line[[0, -1]], U_TURN.at([-20, 20]).positions[:, 0], atol=1e-9)
+    with pytest.raises(ParameterError) as error:
+        figure("trajectories", U_TURN)
+    assert_says(error.value, "march", "curve without end", "a run")
 
 
 def test_an_interrupted_figure_leaves_the_old_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -15,6 +15,7 @@ import pytest
 from conftest import NO_NUMBERS, assert_says
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+from marches import ARM, TRACTOR, U_TURN
 
 from pymunk_dragon.curves import Spiral
 from pymunk_dragon.dragon import Dragon
@@ -414,3 +415,21 @@ def test_snails_pace_is_a_pace(speed):
         states = march.at([-3, 0, 1])
     assert np.all(np.isfinite(states.positions))
     assert np.all(states.speeds[:, 0] == speed)
+
+
+# What is worth looking at
+
+
+def test_span_of_a_spiral_goes_from_the_tail_to_the_centre(seed_march):
+    tail, early = seed_march.parameters([0.0, -50.0])[:, -1]
+    assert seed_march.span(0.0, 100.0) == pytest.approx((tail, 0.0))
+    assert seed_march.span(-50.0, -40.0) == pytest.approx((early, 0.0))
+
+
+def test_span_of_a_curve_with_two_ends_is_all_of_it():
+    for march in (TRACTOR, ARM):
+        assert march.span(3.0, 5.0) == (march.curve.begin, march.curve.end)
+
+
+def test_span_of_a_curve_without_ends_is_as_far_as_the_dragon_goes():
+    assert U_TURN.span(-20.0, 30.0) == pytest.approx((U_TURN.parameters(-20.0)[0, -1], 30.0))

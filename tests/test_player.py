@@ -16,6 +16,7 @@ import pytest
 from conftest import assert_says
 from hypothesis import given
 from hypothesis import strategies as st
+from marches import ARM, TRACTOR, U_TURN
 from shapely import LineString, points
 
 import pymunk_dragon
@@ -177,6 +178,23 @@ def test_curve_is_nowhere_further_off_than_a_tenth_of_a_millimetre():
 def test_curve_of_a_run_that_starts_early_begins_at_its_tail():
     tail = SMALL.at(-50.0).positions[0, -1]
     np.testing.assert_allclose(curve_points(SMALL, -50.0, 1.0)[0], tail, atol=1e-9)
+
+
+@pytest.mark.parametrize("march", [U_TURN, TRACTOR, ARM], ids=["u-turn", "tractor", "arm"])
+def test_other_curves_are_drawn_all_along(march):
+    begin, end = (-20.0, 20.0) if march is U_TURN else (0.0, 1.0)
+    drawn = LineString(curve_points(march, begin, end))
+    first, last = march.span(begin, end)
+    curve = march.curve.point(np.linspace(first, last, 20_001)[1:-1])
+    allowed = 1.2 * float(march.dragon.widths.min()) / 3000
+    assert drawn.distance(points(curve)).max() < allowed
+    # From far away the page takes only every so many points, and counts on the square of their number.
+    for stride in (3, 10):
+        rough = LineString([*drawn.coords[:-1:stride], drawn.coords[-1]])
+        assert rough.distance(points(curve)).max() < allowed * stride**2
+    assert drawn.length == pytest.approx(last - first, rel=1e-3)
+    np.testing.assert_allclose(drawn.coords[0], march.curve.point(first), atol=1e-9)
+    np.testing.assert_allclose(drawn.coords[-1], march.curve.point(last), atol=1e-9)
 
 
 @pytest.mark.parametrize("given_title", [None, MARKUP])

@@ -10,6 +10,7 @@ from html import escape
 import numpy as np
 import pytest
 from browser import needs_browser, opened, wait_until
+from marches import ARM, TRACTOR, U_TURN
 from shapely import Polygon
 
 from pymunk_dragon.collision import Grid
@@ -649,6 +650,24 @@ def test_benches_of_their_own_sizes_are_shown_in_them(browser, tmp_path):
         for bench, others in {0: (2, 3), 1: (3,), 3: (0, 1)}.items():
             gap = ask(found.page, f"player.numbers({bench}).gap")
             assert gap == pytest.approx(min(outlines[bench].distance(outlines[i]) for i in others), abs=2 * RESOLUTION)
+        assert found.complaints == []
+
+
+@pytest.mark.parametrize("march", [U_TURN, TRACTOR, ARM], ids=["u-turn", "tractor", "arm"])
+def test_other_marches_are_shown_too(browser, tmp_path, march):
+    times = np.linspace(-20, 20, 81) if march is U_TURN else np.linspace(0, march.end, 81)
+    run = Run.exact(march, times)
+    write_player(run, tmp_path / "run.html")
+    resolution = float(march.dragon.widths.min()) / 60_000
+    with opened(browser, (tmp_path / "run.html").as_uri()) as found:
+        for name in ("show-velocities", "show-grid", "show-labels", "show-handles"):
+            found.page.check(f"#{name}")
+        for time in times[[0, 30, 80]].tolist():
+            poses = np.array(ask(found.page, f"(player.seek({time!r}), player.draw(), player.poses({time!r}))"))
+            np.testing.assert_allclose(poses[:, :2], run.poses_at([time])[0, :, :2], rtol=0, atol=resolution)
+        corners = [Polygon(outline) for outline in march.dragon.outlines(run.poses_at([time])[0])]
+        gap = min(corners[0].distance(other) for other in corners[2:])
+        assert ask(found.page, "player.numbers(0).gap") == pytest.approx(gap, abs=4 * resolution)
         assert found.complaints == []
 
 

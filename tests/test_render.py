@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from marches import ARM, TRACTOR, U_TURN
 from numpy.typing import NDArray
 from PIL import Image
 from shapely import affinity, box
@@ -22,6 +23,7 @@ from pymunk_dragon.render import Camera, Film, Palette, render, write_film, writ
 from pymunk_dragon.render.gaps import smallest_gap
 from pymunk_dragon.render.moments import moments
 from pymunk_dragon.render.palette import BLOCK, CODES, TRANSPARENT, TYPE_RAMP, index_of, occurs
+from pymunk_dragon.render.scene import hole_diameter
 from pymunk_dragon.render.writing import make_sheet
 from pymunk_dragon.run import Run
 
@@ -343,3 +345,55 @@ def test_no_two_bench_colours_look_alike_in_grey() -> None:
 def test_the_defaults_film_the_seeds_march_in_3_megabytes(tmp_path: Path) -> None:
     render(March(), tmp_path / "march.gif", until=CONTACT_TIME)
     assert (tmp_path / "march.gif").stat().st_size <= 3_000_000
+
+
+# Other marches than the paper's
+
+
+def share_drawn(picture: NDArray[np.uint8], points: Any) -> float:
+    """Share of points of a picture that have something beside bare ground within a pixel."""
+    ground = np.all(picture == picture[5, -5], axis=-1)
+    columns, rows = np.floor(points).astype(int).T
+    return float(np.mean([not ground[y - 1 : y + 2, x - 1 : x + 2].all() for x, y in zip(columns, rows, strict=True)]))
+
+
+def test_a_curve_without_ends_is_drawn_as_far_as_the_run_goes() -> None:
+    run = Run.exact(U_TURN, np.arange(-20.0, 21.0))
+    picture, place = drawn(run, Film(size=800, gap=False, camera=Camera(span=16)), -20.0)
+    curve = U_TURN.curve
+    # The head's overhang ends 0.3 m before it.
+    assert share_drawn(picture, place(curve.point(np.linspace(-19.5, 19.9, 300)))) == 1
+    assert share_drawn(picture, place(curve.point(np.linspace(20.2, 25, 100)))) == 0
+
+
+@pytest.mark.parametrize(("march", "time"), [(TRACTOR, 20.0), (ARM, 8.0)], ids=["tractor", "arm"])
+def test_a_curve_with_two_ends_is_drawn_whole(march: March, time: float) -> None:
+    points = march.curve.point(np.linspace(0, march.curve.end, 400)[1:-1])
+    span = 1.2 * float(np.ptp(points, axis=0).max())
+    film = Film(size=800, gap=False, camera=Camera(span=span))
+    run = Run.exact(march, np.linspace(0, march.end, 50))
+    picture, place = drawn(run, film, time)
+    assert share_drawn(picture, place(points)) > 0.99
+
+
+def test_a_film_that_follows_the_head_shows_as_many_of_its_widths() -> None:
+    for march, metres in ((March(SMALL, turns=4), 6.0), (TRACTOR, 36.0), (ARM, 1.0)):
+        _, place = drawn(march, Film(size=600, until=1.0, camera=Camera(follow="head")), 0.5)
+        (x0, _), (x1, _) = place([(0.0, 0.0), (1.0, 0.0)])
+        assert 600 / (x1 - x0) == pytest.approx(metres)
+
+
+def test_holes_lie_within_their_benches() -> None:
+    assert hole_diameter(Dragon()) == 0.055
+    for march in (TRACTOR, ARM):
+        assert hole_diameter(march.dragon) < march.dragon.widths.min()
+        assert hole_diameter(march.dragon) / 2 < march.dragon.overhangs.min()
+
+
+@pytest.mark.parametrize(("metres", "words"), [(0.0009, "0.9 mm"), (0.0512, "51 mm"), (2.698, "2.70 m")])
+def test_a_gap_is_told_in_a_unit_that_suits_it(metres: float, words: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    told: list[str] = []
+    monkeypatch.setattr("pymunk_dragon.render.scene.smallest_gap", lambda *_: (5, metres))
+    monkeypatch.setattr("pymunk_dragon.render.scene.Lettering.put", lambda self, _, *words, **__: told.extend(words))
+    drawn(March(SMALL, turns=4), Film(until=1.0, gap=True), 0.0)
+    assert f"gap {words} to bench 5" in told

@@ -12,7 +12,6 @@ from base64 import b64decode
 from collections import Counter
 from dataclasses import asdict, replace
 from html.parser import HTMLParser
-from types import SimpleNamespace
 
 import numpy as np
 import openpyxl
@@ -21,10 +20,11 @@ from conftest import assert_says
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from jsonschema import Draft202012Validator, ValidationError
+from marches import ARM, TRACTOR, U_TURN
 from markdown_it import MarkdownIt
 
 from pymunk_dragon.contact import ContactEvent, ContactLog
-from pymunk_dragon.curves import Spiral
+from pymunk_dragon.curves import Spiral, UTurn
 from pymunk_dragon.dragon import Dragon
 from pymunk_dragon.errors import DragonError, MissingExtraError, ParameterError, UnreachableError
 from pymunk_dragon.march import March
@@ -291,12 +291,17 @@ def objects(schema):
             yield from objects(part)
 
 
+# What the scenario of a spiral has no place for.
+OF_OTHER_CURVES = ("radius", "ratio", "length", "start")
+
+
 def test_schema_knows_every_key_and_wants_all_of_them():
     found = list(objects(json_schema()))
     assert len(found) >= 10
     for part in found:
         assert part["additionalProperties"] is False
-        assert part["required"] == list(part["properties"])
+        required = [name for name in part["properties"] if name not in OF_OTHER_CURVES]
+        assert part["required"] == required
 
 
 @pytest.mark.parametrize(
@@ -389,10 +394,51 @@ def test_curve_of_another_kind_is_named():
     class Wider(Spiral):
         """A curve that no scenario knows."""
 
-    march = SimpleNamespace(dragon=Dragon(), curve=object(), turns=1.0, speed=2.0)
-    assert summary._scenario(march)["curve"] == "object"
-    assert summary._scenario(march)["pitch"] is None
     assert summary._scenario(March(curve=Wider()))["curve"] == "Wider"
+
+
+@pytest.mark.parametrize(
+    ("march", "words", "scenario"),
+    [
+        (U_TURN, "30 benches at 1 m/s on a U-turn, pitch 1.7 m, in a circle of 4.5 m, ", {"radius": 4.5, "ratio": 2.0}),
+        (
+            TRACTOR,
+            "4 benches at 0.5 to 2 m/s on a path of several pieces of 113.4 m, ",
+            {"width": [1.8, 2.2, 1.6, 2.4], "pitch": None, "turns": None, "speed": [[0, 0.5], [5, 2], [20, 1.5]]},
+        ),
+        (ARM, "5 benches at 0.1 m/s on a smooth path of 2.542 m, ", {"length": pytest.approx(ARM.curve.end)}),
+        (replace(TRACTOR, speed=1.0, start=20.0), "4 benches at 1 m/s on a path", {"start": 20.0}),
+        (
+            March(speed=lambda t: 1 + np.sin(t) / 2),
+            "223 benches at a changing speed on a spiral",
+            {"speed": None},
+        ),
+    ],
+    ids=["u-turn", "tractor", "arm", "start", "function"],
+)
+def test_other_marches_are_told(march, words, scenario):
+    found = contents(Run.exact(march, [0.0, 0.5]))
+    Draft202012Validator(json_schema()).validate(found)
+    assert f"A dragon of {words}" in text.as_markdown(found)
+    for name, value in scenario.items():
+        assert found["scenario"][name] == value
+
+
+def test_handles_on_another_curve_are_told_at_times_of_the_run():
+    found = contents(Run.exact(U_TURN, np.arange(-100.0, 101.0, 10)))["handles"]
+    assert found["times"] == [-100, -50, 0, 50, 100]
+    exact_ones = U_TURN.at(found["times"]).positions[:, [0, 1, 30]]
+    np.testing.assert_allclose(found["positions"], exact_ones, rtol=0, atol=1e-9)
+
+
+def test_exact_model_is_asked_about_a_contact_on_a_curve_without_end():
+    # The way out lies between turns of the way in, on which the tail still walks: too near.
+    march = March(Dragon(benches=40), UTurn(pitch=0.55))
+    run = simulate(march, until=60.0)
+    assert run.outcome == "contact"
+    found = contents(run)
+    assert found["exact"]["status"] == "contact"
+    assert found["exact"]["time"] == pytest.approx(run.first_contact.time, abs=0.05)
 
 
 # The exact model's answer

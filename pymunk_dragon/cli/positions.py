@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -81,8 +82,9 @@ def _paper_tables(march: March) -> str:
     from pymunk_dragon.collision import first_contact
     from pymunk_dragon.report import paper_tables
 
-    impact = first_contact(march)
-    return paper_tables(march, impact.time if impact.status == "contact" else None)
+    # On a curve without end nobody knows how long to look for a contact.
+    impact = first_contact(march) if isfinite(march.end) else None
+    return paper_tables(march, impact.time if impact is not None and impact.status == "contact" else None)
 
 
 def _write_contest_tables(march: March, times: list[float], path: Path) -> None:

@@ -13,8 +13,9 @@ from numpy.typing import ArrayLike, NDArray
 from pymunk_dragon.curves.base import Array
 from pymunk_dragon.curves.cells import Cells, bend, cut, speed, travelled
 from pymunk_dragon.curves.places import FARTHEST, overlap, within
-from pymunk_dragon.errors import FileFormatError, ParameterError
+from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.extras import library
+from pymunk_dragon.files import number_rows
 
 __all__ = ["Sampled"]
 
@@ -95,25 +96,8 @@ class Sampled:
         MissingExtraError
             If SciPy is not installed.
         """
-        try:
-            lines = Path(path).read_text(encoding="utf-8-sig").splitlines()
-        except UnicodeDecodeError as error:
-            raise FileFormatError(path, "not a text file") from error
-        except (OSError, ValueError) as error:
-            reason = (isinstance(error, OSError) and error.strerror) or error
-            raise ParameterError("points", str(path), f"a readable file ({reason})") from error
-        points = []
-        for number, line in enumerate(lines, start=1):
-            if not line.strip():
-                continue
-            try:
-                x, y = (float(part) for part in line.split(","))
-            except ValueError as error:
-                if number == 1:
-                    continue
-                raise FileFormatError(path, f"line {number} is not two numbers x,y: {line.strip()[:40]!r}") from error
-            points.append((x, y))
-        return cls(np.array(points))
+        _, rows = number_rows(path, "points", ("x in m", "y in m"))
+        return cls(np.array(rows))
 
     @property
     def begin(self) -> float:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from pymunk_dragon.collision import Grid, Impact
 from pymunk_dragon.march import March
 from pymunk_dragon.player.packing import Packed, packed
-from pymunk_dragon.render.scene import HOLE_DIAMETER
+from pymunk_dragon.render.scene import hole_diameter
 from pymunk_dragon.run import Run
 
 __all__ = ["PlayerData", "contact_windows", "curve_points", "handles", "player_data"]
@@ -55,7 +55,7 @@ def player_data(run: Run, impact: Impact | None) -> PlayerData:
     on_path = run.provenance.get("guide") != "none"
     misses = (impact and on_path and impact.clearances) or ()
     told = {
-        "dragon": asdict(dragon) | {"hole": HOLE_DIAMETER},
+        "dragon": asdict(dragon) | {"hole": hole_diameter(dragon)},
         "grid": asdict(Grid.of(run.march)),
         "times": run.times.tolist(),
         "near": [asdict(miss) for miss in misses if begin <= miss.time <= end],
@@ -98,16 +98,18 @@ def _is_possible(window: dict[str, Any], benches: int) -> bool:
 
 
 def curve_points(march: March, start: float, end: float) -> Array:
-    """Points (P, 2) in m of the curve from the tail at `start` s, or at 0 s where that is earlier, to its end.
+    """Points (P, 2) in m of the curve, as far as `March.span` has it; they stand the closer, the tighter it bends.
 
-    They stand the closer, the tighter the curve bends. A curve without end is left where the head is at `end` s.
+    It begins where the dragon stands at 0 s even if the run from `start` to `end` s is later.
     """
     curve = march.curve
-    since = min(start, 0.0)
-    first, last = march.span(0.0 if np.isnan(march.places(since)).any() else since, end)
+    first, last = march.span(min(start, 0.0), max(end, 0.0))
     places = np.linspace(first, last, CURVE_SAMPLES)
-    # A chord c of a curve that bends by k is off by k c^2 / 8; this is the number of chords between two samples.
+    # A chord c of a curve that bends by k is off by k c^2 / 8; this is the number of chords between two samples. On
+    # straight stretches they are three times as long as the shortest: the page leaves out points when it is far away,
+    # and a chord across a joint must not be much further off than others.
     bend = curve.sharpest(places[:-1], places[1:])
+    bend = np.where(bend > 0, bend, bend.max() / 9)
     chords = np.sqrt(bend / (8 * CURVE_ERROR * float(march.dragon.widths.min()))) * np.diff(places)
     passed = np.concatenate([[0.0], np.cumsum(chords)])
     if passed[-1] == 0:

@@ -18,8 +18,9 @@ Subject = Literal["field", "head"]
 
 # Metres: two holes, and more ground than the longest dragon covers. The bounds catch lengths in another unit.
 MIN_SPAN, MAX_SPAN = 0.1, 1e5
-# Metres: the head, the turn it is on and the two beside it, where the near misses are.
-HEAD_SPAN = 6.0
+# Widths of the head: at the contest's 0.3 m it is seen with the turn it is on and the two beside it, where the near
+# misses are.
+HEAD_SPAN = 20.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,8 +32,8 @@ class Camera:
     follow : {"field", "head"}
         Stand still over the whole field, or stay above the head bench.
     span : float, optional
-        Width of the ground in view, m. By default whatever holds the dragon during the whole film, and 6 m for the
-        head.
+        Width of the ground in view, m. By default whatever holds the dragon during the whole film, and 20 times the
+        head's width where that is followed.
 
     Raises
     ------

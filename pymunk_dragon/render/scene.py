@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
 from pymunk_dragon.contact import Contact
-from pymunk_dragon.dragon import outlines
+from pymunk_dragon.dragon import Dragon, outlines
 from pymunk_dragon.march import March
 from pymunk_dragon.render.camera import Camera, View
 from pymunk_dragon.render.gaps import smallest_gap
@@ -16,12 +16,13 @@ from pymunk_dragon.render.moments import Mark, Moment
 from pymunk_dragon.render.overlay import Overlay
 from pymunk_dragon.render.palette import BLOCK, CODES
 
-__all__ = ["Scene"]
+__all__ = ["Scene", "hole_diameter"]
 
 Array = NDArray[np.float64]
 
-# Metres. Diameter of a hole (contest text); nothing but the picture depends on it.
-HOLE_DIAMETER = 0.055
+# Metres. Diameter of a hole (contest text); nothing but the picture depends on it. No more than a share of a bench's
+# width and overhang, so that a hole in a small one does not break its sides.
+HOLE_DIAMETER, MOST_HOLE = 0.055, 0.4
 # Drawn pixels: a smaller hole would only be dirt on the bench, and the seed's whole field has none below 850 pixels.
 MIN_HOLE = 4.0
 # Drawn pixels between points of the curve: long enough to cross whole pixels smoothly, short enough to look round.
@@ -34,6 +35,8 @@ CURVE_WIDTH = 0.04
 RING_RADIUS, RING_BENCH_WIDTH = 9, 16
 # Metres of gap below which tenths of a millimetre are worth reading.
 SMALL_GAP = 0.01
+# Metres from which on they are read in metres.
+LARGE_GAP = 1.0
 
 
 class Scene:
@@ -51,6 +54,8 @@ class Scene:
         Width of the view, m.
     size : tuple of int
         Width and height of the pictures, pixels.
+    times : tuple of float
+        First and last time of what is drawn, s: so far a curve is drawn that has no begin or no end of its own.
     contact : Contact, optional
         Benches that take the contact colour from its time on.
     gap : bool
@@ -74,6 +79,7 @@ class Scene:
         centre: tuple[float, float],
         span: float,
         size: tuple[int, int],
+        times: tuple[float, float] = (0.0, 0.0),
         contact: Contact | None = None,
         gap: bool = False,
         marks: tuple[Mark, ...] = (),
@@ -89,7 +95,7 @@ class Scene:
         self._lettering = Lettering(size)
         self._overlay = Overlay(march, marks, largest_impulse)
         self._colours = [CODES["head"], *[CODES["body"]] * (march.dragon.benches - 2), CODES["tail"]]
-        self._curve = self._sampled_curve()
+        self._curve = self._sampled_curve(*times)
         self._still = View(centre, self._scale, self._drawn_size)
         self._ground = self._drawn_ground(self._still) if camera.follow == "field" else None
 
@@ -109,9 +115,9 @@ class Scene:
             return self._still
         return View((float(poses[0, 0]), float(poses[0, 1])), self._scale, self._drawn_size)
 
-    def _sampled_curve(self) -> Array:
-        """Points of the curve, (P, 2) in m, from the tail at the start to the end of the march."""
-        first, last = self.march.span()
+    def _sampled_curve(self, since: float, until: float) -> Array:
+        """Points of the curve, (P, 2) in m; from where the dragon stands at 0 s even if the film is later."""
+        first, last = self.march.span(min(since, 0.0), max(until, 0.0))
         points = min(int((last - first) * self._scale / CURVE_STEP) + 2, MAX_CURVE_POINTS)
         return self.march.curve.point(np.linspace(first, last, points))
 
@@ -142,7 +148,7 @@ class Scene:
         for bench, polygon in zip(seen[::-1].tolist(), polygons[::-1], strict=True):
             colour = CODES["contact"] if touching and bench in touching.benches else self._colours[bench]
             draw.polygon(polygon, fill=colour, outline=ink)
-        diameter = HOLE_DIAMETER * self._scale
+        diameter = hole_diameter(dragon) * self._scale
         if diameter >= MIN_HOLE:
             front, rear = dragon.holes(poses)
             holes = np.concatenate([front[seen], rear[seen]])
@@ -162,12 +168,22 @@ class Scene:
             left = "bench {} hits {}".format(*touching.benches)
         elif self.gap and (nearest := smallest_gap(self.march.dragon, moment.poses)):
             bench, gap = nearest
-            digits = 1 if gap < SMALL_GAP else 0
-            left = f"gap {1000 * gap:.{digits}f} mm to bench {bench}"
+            left = f"gap {_length(gap)} to bench {bench}"
         if moment.impulses is not None:
             right = f"joints up to {_impulse(float(moment.impulses.max()))} N s"
         self._lettering.put(picture, f"t = {moment.time:.2f} s", f"{float(self.march.pace.at(moment.time)):.2f} m/s")
         self._lettering.put(picture, left, right, bottom=True)
+
+
+def hole_diameter(dragon: Dragon) -> float:
+    """Diameter of a dragon's holes in pictures, m."""
+    return min(HOLE_DIAMETER, MOST_HOLE * float(np.minimum(dragon.widths, 2 * dragon.overhangs).min()))
+
+
+def _length(gap: float) -> str:
+    if gap >= LARGE_GAP:
+        return f"{gap:.2f} m"
+    return f"{1000 * gap:.{1 if gap < SMALL_GAP else 0}f} mm"
 
 
 def _impulse(size: float) -> str:

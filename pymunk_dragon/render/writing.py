@@ -156,7 +156,7 @@ def make_sheet(sources: Sequence[Source], film: Film, times: Array) -> Sheet:
     """What draws the frames of a film at `times` (F,) in s."""
     for source in sources:
         check_marks(source, film.show)
-    centre, span = (0.0, 0.0), HEAD_SPAN
+    centre, span = (0.0, 0.0), HEAD_SPAN * max(float(_march(source).dragon.widths[0]) for source in sources)
     if film.camera.follow == "field":
         sample = np.linspace(times[0], times[-1], min(FIELD_SAMPLES, len(times)))
         # All from the same distance: what stands side by side is to be compared.
@@ -173,6 +173,7 @@ def make_sheet(sources: Sequence[Source], film: Film, times: Array) -> Sheet:
             centre=centre,
             span=film.camera.span or span,
             size=film.shape,
+            times=_window(source, times),
             contact=source.first_contact if isinstance(source, Run) else None,
             gap=film.shows_gap,
             marks=film.show,
@@ -198,6 +199,12 @@ def _sources(source: Any) -> tuple[Source, ...]:
 
 def _march(source: Source) -> March:
     return source.march if isinstance(source, Run) else source
+
+
+def _window(source: Source, times: Array) -> tuple[float, float]:
+    """First and last time in s of a run, or of the pictures at `times` (F,) of a march."""
+    known = source.times if isinstance(source, Run) else times
+    return float(known[0]), float(known[-1])
 
 
 def _heading(source: Source) -> str:

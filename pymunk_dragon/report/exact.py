@@ -17,12 +17,15 @@ def exact_impact(run: Run) -> Impact | None:
     """The exact model's first contact and near misses over the time of `run`; None where there is no time to look over.
 
     A contact of a dragon that is kept on its path is the exact model's own, a little early or late: there the exact
-    model looks until it finds one. Any other run is looked at until its end.
+    model looks until it finds one, or for as long again where the curve has no end. Any other run is looked at until
+    its end.
     """
     start, end = float(run.times[0]), float(run.times[-1])
-    on_path = run.provenance.get("guide") != "none"
+    until = end
+    if run.first_contact and run.provenance.get("guide") != "none":
+        until = min(run.march.end, max(end, 2 * end - start))
     try:
-        return first_contact(run.march, start=start, until=None if run.first_contact and on_path else end)
+        return first_contact(run.march, start=start, until=until)
     except (ParameterError, UnreachableError):
         # A single moment, or times at which the dragon has no place, as a file that was changed by hand may hold.
         return None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -26,6 +26,18 @@ SCENARIO_WORDS = {
     "pitch": ("Pitch", "m"),
     "turns": ("Start on turn", ""),
     "speed": ("Speed of the head", "m/s"),
+    "radius": ("Radius of the turning circle", "m"),
+    "ratio": ("First arc's radius over the second's", ""),
+    "length": ("Length of the curve", "m"),
+    "start": ("Start of the head, along the curve", "m"),
+}
+# The package's curves as people call them; others are called by the name of their class.
+CURVE_WORDS = {
+    "UTurn": "U-turn",
+    "Sampled": "smooth path",
+    "Composite": "path of several pieces",
+    "Line": "straight line",
+    "Arc": "circular arc",
 }
 
 
@@ -71,12 +83,16 @@ def headline(contents: Contents) -> str:
 def subtitle(contents: Contents) -> str:
     """Who played what."""
     scenario, player = contents["scenario"], contents["player"]
-    curve = scenario["curve"].lower()
+    curve = CURVE_WORDS.get(scenario["curve"], scenario["curve"].lower())
     if scenario["pitch"] is not None:
         curve += f", pitch {scenario['pitch']:g} m"
+    if "radius" in scenario:
+        curve += f", in a circle of {scenario['radius']:g} m"
+    if "length" in scenario:
+        curve += f" of {scenario['length']:.4g} m"
     known = {"pymunk": "played by Pymunk", "exact": "placed by the exact model", None: "of an unknown player"}
     who = known.get(player, f"played by {player}")
-    return f"A dragon of {scenario['benches']} benches at {scenario['speed']:g} m/s on a {curve}, {who}"
+    return f"A dragon of {scenario['benches']} benches at {_pace(scenario['speed'])} on a {curve}, {who}"
 
 
 def key_figures(contents: Contents) -> Facts:
@@ -238,13 +254,28 @@ def _origin(contents: Contents) -> Section:
     for name, value in contents["scenario"].items():
         label, unit = SCENARIO_WORDS[name]
         if value is not None:
-            values = value if isinstance(value, list | tuple) else [value]
-            text = ", ".join(f"{one:g}" if isinstance(one, float) else str(one) for one in values)
-            scenario.append((label, f"{text} {unit}".rstrip()))
+            scenario.append((label, _pace(value) if name == "speed" else f"{_size(value)} {unit}".rstrip()))
     versions = [*tables.settings(contents["versions"]), ("report format", str(contents["version"]))]
     facts = {"Scenario": scenario, "Settings": tables.settings(contents["settings"]), "Versions": versions}
     told = {heading: found for heading, found in facts.items() if found}
     return Section(key="origin", title="Where it comes from", facts=told)
+
+
+def _pace(speed: float | Sequence[Sequence[float]] | None) -> str:
+    """The head's speed, or between which it is."""
+    if speed is None:
+        return "a changing speed"
+    if isinstance(speed, Sequence):
+        least, most = (pick(entry[1] for entry in speed) for pick in (min, max))
+        return f"{least:g} to {most:g} m/s" if least < most else f"{most:g} m/s"
+    return f"{speed:g} m/s"
+
+
+def _size(value: Any) -> str:
+    """A number, or one for each bench."""
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        return ", ".join(map(_size, value))
+    return f"{value:g}" if isinstance(value, float) else str(value)
 
 
 def _placed(drift: float | None, where: Mapping[str, Any] | None) -> str:

@@ -17,11 +17,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pymunk_dragon.collision import Impact
-from pymunk_dragon.curves import Spiral
+from pymunk_dragon.curves import Spiral, UTurn
 from pymunk_dragon.errors import UnreachableError
 from pymunk_dragon.march import March
 from pymunk_dragon.report.exact import exact_impact, with_exact_contact
 from pymunk_dragon.run import HEAD_BENCHES, Run
+from pymunk_dragon.speed import ConstantSpeed, SpeedTable
 
 __all__ = ["SCHEMA", "VERSION", "contents", "json_schema", "told"]
 
@@ -32,6 +33,8 @@ SCHEMA, VERSION = "pymunk_dragon report", 1
 
 # What the paper's tables 1 and 2 show, beside the last handle: handles, and times in s.
 TABLE_TIMES = (0.0, 60.0, 120.0, 180.0, 240.0, 300.0)
+# Times of a table on a curve that the paper does not have: as the contest asks for, from -100 s to 100 s.
+OTHER_TIMES = 5
 
 # What of an `Impact` is reported as the exact model's answer; its near misses stand on their own.
 EXACT = ("status", "time", "benches", "point", "normal")
@@ -95,21 +98,41 @@ def json_schema() -> dict[str, Any]:
 
 
 def _scenario(march: March) -> dict[str, Any]:
-    """The march as plain numbers. Not a `Scenario`, which knows only spirals; a report takes any curve."""
+    """The march as plain values. Not a `Scenario`, which does not know every curve; a report takes any."""
     curve = march.curve
-    pitch = curve.pitch if isinstance(curve, Spiral) else None
-    return asdict(march.dragon) | {
+    told = asdict(march.dragon) | {
         "curve": type(curve).__name__,
-        "pitch": pitch,
+        "pitch": curve.pitch if isinstance(curve, Spiral | UTurn) else None,
         "turns": march.turns,
-        "speed": march.speed,
+        "speed": _speed(march),
     }
+    if isinstance(curve, UTurn):
+        told |= {"radius": curve.radius, "ratio": curve.ratio}
+    if math.isfinite(length := curve.end - curve.begin):
+        told["length"] = length
+    if march.start is not None:
+        told["start"] = march.start
+    return told
+
+
+def _speed(march: March) -> float | list[tuple[float, float]] | None:
+    """A number, or entries of a table; None for a function."""
+    pace = march.pace
+    if isinstance(pace, SpeedTable):
+        return list(zip(pace.times, pace.speeds, strict=True))
+    return pace.value if isinstance(pace, ConstantSpeed) else None
 
 
 def _handles(run: Run, impact: Impact | None) -> dict[str, Any]:
-    """Where the tables' handles are, and how fast, in the exact model, as far as it has a place for them."""
+    """Where the tables' handles are, and how fast, in the exact model, as far as it has a place for them.
+
+    On a spiral the times are the paper's, whatever the run's; on other curves they are spread over the run.
+    """
     chosen = run.march.dragon.representatives
-    moments: list[tuple[float, str | None]] = [(time, None) for time in TABLE_TIMES]
+    times = TABLE_TIMES
+    if not isinstance(run.march.curve, Spiral):
+        times = tuple(np.unique(np.linspace(run.times[0], run.times[-1], OTHER_TIMES)).tolist())
+    moments: list[tuple[float, str | None]] = [(time, None) for time in times]
     if impact is not None and impact.status == "contact":
         moments.append((impact.time, "exact"))
     elif run.first_contact is not None:

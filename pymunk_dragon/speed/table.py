@@ -20,6 +20,8 @@ __all__ = ["SpeedTable"]
 
 # Seconds, thirty years. So far out a double still tells microseconds apart.
 MAX_TIME = 1e9
+# Seconds between entries at least: who changes speed faster has hit a wall.
+MIN_STEP = 1e-6
 
 
 @dataclass(frozen=True)
@@ -36,8 +38,8 @@ class SpeedTable:
     Raises
     ------
     ParameterError
-        If there is no entry, not one speed to each time, a time that is not later than the one before or no number
-        from -1e9 to 1e9 s, or a speed that is not a number from 1e-6 to 20 m/s.
+        If there is no entry, not one speed to each time, a time that is not a microsecond later than the one before or
+        no number from -1e9 to 1e9 s, or a speed that is not a number from 1e-6 to 20 m/s.
     """
 
     times: Sequence[float]
@@ -49,9 +51,10 @@ class SpeedTable:
         if len(self.times) != len(self.speeds):
             raise ParameterError("speeds", self.speeds, f"as many as the times, {len(self.times)}")
         for i, (before, after) in enumerate(pairwise(self.times)):
-            if after <= before:
+            if after - before < MIN_STEP:
                 # The same time twice would be a jump, and no head of any mass can do that.
-                raise ParameterError(f"times[{i + 1}]", after, f"later than the time before it, {before:g} s")
+                bound = f"later than the time before it, {before:g} s, by {MIN_STEP:g} s or more"
+                raise ParameterError(f"times[{i + 1}]", after, bound)
 
     @classmethod
     def read(cls, path: str | Path) -> SpeedTable:
@@ -107,7 +110,9 @@ class SpeedTable:
         """Times, speeds, growths of the speed after each (m/s^2) and ways, (K,) each: of the entries and of time 0."""
         times = np.unique([*self.times, 0.0])
         speeds = self.at(times)
-        growths = np.append(np.diff(speeds) / np.diff(times), 0.0)
+        # Between entries, which are no less than a microsecond apart; the time 0 may be next to one.
+        slopes = np.concatenate([[0.0], np.diff(self.speeds) / np.diff(self.times), [0.0]])
+        growths = slopes[np.searchsorted(self.times, times, side="right")]
         steps = np.diff(times) * (speeds[:-1] + speeds[1:]) / 2
         # Away from time 0 in both directions: a table that begins long before must not blur the ways around it.
         zero = int(np.searchsorted(times, 0.0))

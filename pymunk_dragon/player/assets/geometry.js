@@ -63,7 +63,7 @@ class Benches {
   }
 
   // The bench nearest to bench `i` among those that are not its neighbours; null where there is none.
-  nextCoil(i) {
+  nearest(i) {
     const { x, y } = this.poses;
     const reach = (k) => Math.hypot(this.motion.lengths[k], this.motion.widths[k]) / 2;
     let found = null;

@@ -199,7 +199,7 @@ class Player {
   tell() {
     const moment = momentInWords(this.time, this.events);
     const { speed, angle, gap } = numbersInWords(numbersOf(this.benches, this.picked ?? 0, this.time));
-    const bench = this.picked === null ? "" : `. Bench ${this.picked}: speed ${speed}, angle ${angle}, next coil ${gap}`;
+    const bench = this.picked === null ? "" : `. Bench ${this.picked}: speed ${speed}, angle ${angle}, gap ${gap}`;
     if (!this.playing) write("said", moment + bench);
     const where = this.follow === "head" ? "seen from above the head" : "seen from above";
     element("field").setAttribute("aria-label", `The dragon's ${this.motion.benches} benches ${where}. ${moment}.`);

@@ -16,16 +16,16 @@ function numbersOf(benches, bench, time) {
   const { motion, poses } = benches;
   const velocities = motion.velocitiesAt(time);
   const degrees = (360 * poses.angle[bench]) / TURN;
-  const coil = benches.nextCoil(bench);
+  const other = benches.nearest(bench);
   return {
     bench,
     part: bench === 0 ? "head" : bench === motion.benches - 1 ? "tail" : "body",
     velocity: velocities && velocities[bench],
     speed: velocities && Math.hypot(...velocities[bench]),
     angle: degrees - 360 * Math.ceil((degrees - 180) / 360),
-    gap: coil && coil.gap,
-    nearest: coil && coil.bench,
-    blur: coil && Math.max(motion.blurAt(time, bench), motion.blurAt(time, coil.bench)),
+    gap: other && other.gap,
+    nearest: other && other.bench,
+    blur: other && Math.max(motion.blurAt(time, bench), motion.blurAt(time, other.bench)),
   };
 }
 

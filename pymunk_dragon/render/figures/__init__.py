@@ -20,7 +20,7 @@ from pymunk_dragon.render.figures.engine import drift, impulses
 from pymunk_dragon.render.figures.ground import spiral, trajectories, velocities
 from pymunk_dragon.render.figures.stills import Still, collision, inward, outer_loop
 from pymunk_dragon.render.figures.style import styled
-from pymunk_dragon.render.figures.times import model
+from pymunk_dragon.render.figures.times import Stretch, model, stretch
 from pymunk_dragon.render.moments import Source
 from pymunk_dragon.render.writing import STILL_ENDINGS, write_still
 from pymunk_dragon.run import Run
@@ -44,7 +44,7 @@ class Kind:
     shows : str
         What it shows, in one line.
     of_march, of_run : callable or None
-        What draws it with axes, from a march or from a run of the engine.
+        What draws it with axes, from a march and when to look at it, or from a run of the engine.
     still : callable or None
         What tells the moment of a picture of the dragon.
     default : callable
@@ -52,9 +52,9 @@ class Kind:
     """
 
     shows: str
-    of_march: Callable[[March], Figure] | None = None
+    of_march: Callable[[March, Stretch], Figure] | None = None
     of_run: Callable[[Run], Figure] | None = None
-    still: Callable[[March], Still] | None = None
+    still: Callable[[March, Stretch], Still] | None = None
     default: Callable[[], March] = March
 
     @property
@@ -144,7 +144,7 @@ def write_figure(name: str, path: str | Path, source: Source | None = None) -> N
     kind = _kind(name)
     destination = check_destination(path, kind.endings)
     if kind.still is not None:
-        run, film = kind.still(_march(kind, source))
+        run, film = kind.still(*_marching(kind, source))
         write_still(run, float(run.times[0]), destination, film)
         return
     _write(lambda: _drawn(name, kind, source), destination)
@@ -189,14 +189,13 @@ def _kind(name: str) -> Kind:
     return FIGURES[name]
 
 
-def _march(kind: Kind, source: Source | None) -> March:
+def _marching(kind: Kind, source: Source | None) -> tuple[March, Stretch]:
+    """The march that is drawn, and when to look at it."""
     if source is None:
-        return kind.default()
-    if isinstance(source, Run):
-        return source.march
-    if not isinstance(source, March):
+        source = kind.default()
+    if not isinstance(source, Run | March):
         raise ParameterError("source", source, "a run or a march")
-    return source
+    return source.march if isinstance(source, Run) else source, stretch(source)
 
 
 def _drawn(name: str, kind: Kind, source: Source | None) -> Figure:
@@ -205,7 +204,7 @@ def _drawn(name: str, kind: Kind, source: Source | None) -> Figure:
             raise ParameterError("run", source, f"a run of the engine, which the figure {name} is made from")
         return kind.of_run(source)
     assert kind.of_march is not None
-    return kind.of_march(_march(kind, source))
+    return kind.of_march(*_marching(kind, source))
 
 
 def _write_png(drawn: Figure, draft: Path) -> None:

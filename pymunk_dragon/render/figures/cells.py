@@ -20,7 +20,7 @@ from pymunk_dragon.render.figures.style import (
     page,
     panel,
 )
-from pymunk_dragon.render.figures.times import ending, in_words
+from pymunk_dragon.render.figures.times import Stretch, ending, in_words, spirals_in
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -35,13 +35,15 @@ Indices = NDArray[np.int64]
 KEY_STEP = 0.065
 # Inches between the indices of a grid's cells, and the shortest bench that has room for its number.
 INDEX_ROOM, NUMBER_ROOM = 0.28, 0.5
+# What is filed in a cell, by its shade.
+SHADES = ((FAINT, "one bench"), (SHARED, "neighbours only"), (CANDIDATE, "candidates"))
 
 
-def grid(march: March) -> Figure:
+def grid(march: March, look: Stretch) -> Figure:
     """The grid partition at the first contact, and which benches are filed in which cells (the paper's figure 6)."""
     from matplotlib.colors import ListedColormap
 
-    hit = ending(march)
+    hit = ending(march, look)
     dragon, cells = march.dragon, Grid.of(march)
     poses = march.at(hit.time).poses[0]
     corners = dragon.outlines(poses)
@@ -50,13 +52,16 @@ def grid(march: March) -> Figure:
     touching = hit.benches or ()
     touch = " of {} and {}".format(*touching) if touching else ""
     apart = (dragon.benches - 1) * (dragon.benches - 2) // 2
+    # A title has room for so many characters.
+    of_benches = "of benches " if apart < 10_000 else ""
     figure = page(
         8.0,
         8.3,
-        f"Of {apart} pairs of benches that share no hole, {len(pairs)} share a cell and are tested",
+        f"Of {apart} pairs {of_benches}that share no hole, {len(pairs)} share a cell and are tested",
         f"at {in_words(hit)}{touch}, {hit.time:.2f} s; cells of {cells.cell:g} m, counted from {origin} m",
     )
-    axes = panel(figure, 0.75, 0.3, 6.95, 6.6)
+    hollow = spirals_in(march)
+    axes = panel(figure, 0.75, 0.3, 6.95, 6.6) if hollow else panel(figure, 0.75, 0.75, 6.95, 6.15)
     kinds, (top, left) = _kinds(cells, corners)
     rows, columns = kinds.shape
     x = cells.origin[0] + cells.cell * np.arange(left, left + columns + 1)
@@ -73,7 +78,10 @@ def grid(march: March) -> Figure:
             axes.text(
                 across, up, str(bench), color=style["color"], ha="center", va="center", zorder=5, path_effects=halo()
             )
-    _shade_key(axes)
+    if hollow:
+        _shade_key(axes)
+    else:
+        _shade_line(figure)
     return figure
 
 
@@ -118,11 +126,21 @@ def _indices(axes: Axes, x: Array, y: Array, top: int, left: int) -> float:
 def _shade_key(axes: Axes) -> None:
     """What the shades of the grid mean, in the middle of the dragon."""
     (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
-    shades = ((FAINT, "one bench"), (SHARED, "neighbours only"), (CANDIDATE, "candidates"))
     x, middle = (left + right) / 2 - KEY_STEP * (right - left), (bottom + top) / 2
-    for row, (shade, text) in enumerate(shades):
+    for row, (shade, text) in enumerate(SHADES):
         y = middle + (1 - row) * KEY_STEP * (top - bottom)
         axes.plot(x, y, "s", color=shade, ms=17, mec=RULE)
         axes.annotate(
             text, (x, y), (14, 0), textcoords="offset points", va="center_baseline", path_effects=halo(WIDE_HALO)
         )
+
+
+def _shade_line(figure: Figure) -> None:
+    """What the shades of the grid mean, in a line below it: no other curve is sure to leave its middle free."""
+    axes = panel(figure, 0.75, 0.2, 6.95, 0.4)
+    axes.set_axis_off()
+    axes.set_xlim(0, len(SHADES))
+    axes.set_ylim(-1, 1)
+    for place, (shade, text) in enumerate(SHADES):
+        axes.plot(place + 0.1, 0, "s", color=shade, ms=17, mec=RULE)
+        axes.annotate(text, (place + 0.1, 0), (14, 0), textcoords="offset points", va="center_baseline")

@@ -12,7 +12,7 @@ from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.march import March
 from pymunk_dragon.render.figures.lines import ASIDE, bundle, label, logarithmic, name, several_times
 from pymunk_dragon.render.figures.style import BLUE, COLOURS, FAINT, QUIET, page, panel
-from pymunk_dragon.render.figures.times import ending, last_look
+from pymunk_dragon.render.figures.times import Stretch, ending, last_look, spirals_in
 from pymunk_dragon.render.gaps import smallest_gap
 from pymunk_dragon.render.moments import moments
 
@@ -37,13 +37,15 @@ CONTACT_PLACE = 1.2
 RIGHT_BORDER, TOP_BORDER = 0.02, 1.5
 
 
-def gap(march: March) -> Figure:
+def gap(march: March, look: Stretch) -> Figure:
     """The gap between the head and the benches that it passes, on a scale for 1 mm and for 200 mm."""
     if march.dragon.benches < 3:
         raise ParameterError("benches", march.dragon.benches, "3 or more: neighbours have no gap")
-    hit = ending(march)
+    hit, begin = ending(march, look), look[0]
     misses = [miss for miss in hit.clearances or () if miss.benches[0] == 0]
-    title = "The tighter the coil, the closer the head comes to the benches that it passes"
+    title = "How near the head comes to other benches than its neighbour"
+    if spirals_in(march):
+        title = "The tighter the coil, the closer the head comes to the benches that it passes"
     if hit.contact and misses:
         narrow = min(misses, key=lambda miss: miss.gap)
         passed, met = narrow.benches[1], hit.contact.benches[1]
@@ -54,14 +56,14 @@ def gap(march: March) -> Figure:
         title,
         "gap between the head and the nearest bench but its neighbour, mm; dashed, to each bench by itself",
     )
-    since = max(0.0, float(march.time(march.way(hit.time) - LAST_LENGTHS * march.dragon.lengths[0])))
+    since = max(begin, float(march.time(march.way(hit.time) - LAST_LENGTHS * march.dragon.lengths[0])))
     whole = panel(figure, 0.85, 4.85, 6.85, 1.75)
     close = panel(figure, 0.85, 0.65, 6.85, 3.5)
     whole.axvspan(since, hit.time, color=FAINT, lw=0)
-    widest = gap_line(whole, march, _moments(0.0, hit), "gap")
+    widest = gap_line(whole, march, _moments(begin, hit), "gap")
     gap_line(close, march, _moments(since, hit), "last-gap")
-    for axes, begin in ((whole, 0.0), (close, since)):
-        axes.set_xlim(begin, hit.time + RIGHT_BORDER * (hit.time - begin))
+    for axes, left in ((whole, begin), (close, since)):
+        axes.set_xlim(left, hit.time + RIGHT_BORDER * (hit.time - left))
         logarithmic(axes, LEAST_GAP, TOP_BORDER * widest)
     close.set_xlabel("time (s)")
     for miss in misses:
@@ -75,17 +77,15 @@ def gap(march: March) -> Figure:
     return figure
 
 
-def speeds(march: March) -> Figure:
+def speeds(march: March, look: Stretch) -> Figure:
     """Speed along the dragon at several times."""
-    end, when = last_look(ending(march))
-    times = several_times(0.0, end)
+    end, when = last_look(ending(march, look), look[0])
+    times = several_times(look[0], end)
     values = march.at(times).speeds
-    figure = page(
-        8.0,
-        5.6,
-        f"The tighter the coil, the slower the body: {values[-1, -1]:.3f} m/s {when}",
-        "speed of every handle, m/s",
-    )
+    title = f"The handles go at {values.min():.3f} to {values.max():.3f} m/s"
+    if spirals_in(march):
+        title = f"The tighter the coil, the slower the body: {values[-1, -1]:.3f} m/s {when}"
+    figure = page(8.0, 5.6, title, "speed of every handle, m/s")
     axes = panel(figure, 0.85, 0.65, 5.9, 3.9)
     lines = bundle(axes, values, "speed")
     name(axes, lines, times, -1, ASIDE)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.render.figures.lines import ASIDE, bundle, label, logarithmic, name, several_times, time_name
 from pymunk_dragon.render.figures.style import AMBER, BLUE, COLOURS, page, panel
-from pymunk_dragon.render.figures.times import ending
+from pymunk_dragon.render.figures.times import ending, stretch
 from pymunk_dragon.run import HEAD_BENCHES, Run
 
 if TYPE_CHECKING:
@@ -28,6 +28,10 @@ MOMENTS = 600
 NAME_PLACE = 0.42
 # Metres of drift from which on a unit of so many in a metre is used.
 UNITS = ((1.0, 1.0, "m"), (1e-3, 1e3, "mm"), (0.0, 1e6, "\N{MICRO SIGN}m"))
+# N from which on the digits after the point tell nothing.
+WHOLE_FORCE = 10.0
+# N below which nothing pulls: on a straight way at one speed joints still carry what rounding leaves.
+NO_FORCE = 1e-6
 # Powers of ten that the scales of drift and of impulse cover.
 DRIFT_DECADES, IMPULSE_DECADES = 4, 3
 
@@ -62,7 +66,7 @@ def drift(run: Run) -> Figure:
     profiles = scale * run.drift[rows]
     lines = bundle(along, profiles, "drift")
     low, high = _decades(scale * run.max_drift, DRIFT_DECADES)
-    misses = ending(run.march).clearances or ()
+    misses = ending(run.march, stretch(run)).clearances or ()
     gaps = [miss.gap for miss in misses if run.times[0] <= miss.time <= run.times[-1]]
     if gaps:
         # What the drift has to be compared with: an engine that is as far off meets the wrong bench.
@@ -96,10 +100,11 @@ def impulses(run: Run) -> Figure:
     least, most = values[0].max() / substep, values[-1].max() / substep
     if not values.max() > 0:
         raise ParameterError("run", "one whose joints carry nothing", "one that the engine has played for a while")
+    last = time_name(run.times[rows[-1]])
     figure = page(
         8.0,
         5.6,
-        f"The joints carry up to {least:.0f} N at first, and up to {most:.0f} N at {time_name(run.times[rows[-1]])}",
+        f"The joints carry up to {_force(least)} at first, and up to {_force(most)} at {last}",
         f"impulse in every joint in a substep of {1e3 * substep:g} ms, N s; at the right the force that makes it, N",
     )
     axes = panel(figure, 0.85, 0.65, 6.25, 3.9)
@@ -113,6 +118,11 @@ def impulses(run: Run) -> Figure:
     name(axes, lines, run.times[rows], int(NAME_PLACE * values.shape[1]), 0, ha="center")
     axes.set_xlabel("joint, from the head to the tail; joint i is between benches i and i + 1")
     return figure
+
+
+def _force(size: float) -> str:
+    """In N: whole ones, or two digits of a small one."""
+    return f"{size:.0f} N" if size >= WHOLE_FORCE or size < NO_FORCE else f"{size:.2g} N"
 
 
 def _rows(run: Run, times: Array) -> Indices:

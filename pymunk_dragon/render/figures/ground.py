@@ -20,7 +20,7 @@ from pymunk_dragon.render.figures.style import (
     page,
     panel,
 )
-from pymunk_dragon.render.figures.times import ending, in_words, last_look
+from pymunk_dragon.render.figures.times import Stretch, ending, in_words, last_look, spirals_in
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -42,22 +42,27 @@ BORDER, WIDE_BORDER, DOT_BORDER = 0.12, 0.3, 0.04
 ARROW = 0.26
 # How far from the centre type in the middle is, as a share of the way to what it names.
 CENTRAL = 0.3
-# Metres.
-SCALE_BAR = 10.0
+# Lengths of a scale bar, in powers of ten: the longest that is no longer than half of a ground.
+SCALE_BARS = (1.0, 2.0, 5.0)
+# Room for dots around points that fill a square.
+MARGIN = 1.08
+CENTRE = np.zeros(2)
 
 
-def spiral(march: March) -> Figure:
+def spiral(march: March, look: Stretch) -> Figure:
     """The spiral that handle 0 walks (the paper's figure 2)."""
-    if not isinstance(march.curve, Spiral):
-        raise ParameterError("curve", type(march.curve).__name__, "a Spiral, for this figure")
-    hit = ending(march)
+    curve = march.curve
+    if not isinstance(curve, Spiral) or curve.outward:
+        raise ParameterError("curve", type(curve).__name__, "a Spiral inward, for this figure")
+    hit = ending(march, look)
     step = MINUTE * max(1.0, np.ceil(hit.time / MINUTE / MOST_DOTS))
-    length, gone = march.curve.end - march.head_start, float(march.way(hit.time))
+    turns = float(curve.angle(march.head_start)) / (2 * np.pi)
+    length, gone = curve.end - march.head_start, float(march.way(hit.time))
     figure = page(
         8.0,
         8.6,
         f"Handle 0 has {length:.1f} m of spiral ahead of it, and gets {gone:.1f} m far",
-        f"{march.turns:g} turns inward and clockwise, {march.curve.pitch:g} m apart; a dot every {step:g} s",
+        f"{turns:.4g} turns inward and {_rotation(march)}, {curve.pitch:g} m apart; a dot every {step:g} s",
     )
     axes = panel(figure, 0.8, 0.65, 6.9, 6.9)
     axes.plot(*_way(march, gone, length).T, color=QUIET, lw=1.0, ls=(0, (3, 2)), gid="ahead")
@@ -73,32 +78,32 @@ def spiral(march: March) -> Figure:
     x, y = (CENTRAL * last).tolist()
     text = f"{in_words(hit)}\n{hit.time:.2f} s"
     axes.text(x, y, text, color=COLOURS.contact, ha="center", va="center", path_effects=halo(WIDE_HALO))
-    _frame(axes, float(np.hypot(*dots[0])), BORDER)
+    _frame(axes, CENTRE, float(np.hypot(*dots[0])), BORDER)
     return figure
 
 
-def trajectories(march: March) -> Figure:
+def trajectories(march: March, look: Stretch) -> Figure:
     """The ways of the paper's seven handles until the first contact (its figure 7)."""
-    hit = ending(march)
+    hit = ending(march, look)
     handles = march.dragon.representatives
-    begin, end = march.parameters([0.0, hit.time])
+    begin, end = march.parameters([look[0], hit.time])
     # Four in a row, the key among them.
     height = 1.0 + 2.3 * np.ceil((len(handles) + 1) / 4)
     figure = page(
         8.0,
         height,
-        "All handles walk the same spiral, one behind the other",
-        f"from where they start, at 0 s, to where they are at {in_words(hit)}, {hit.time:.2f} s",
+        f"All handles walk the same {'spiral' if spirals_in(march) else 'path'}, one behind the other",
+        f"from where they start, at {look[0]:g} s, to where they are at {in_words(hit)}, {hit.time:.2f} s",
     )
-    reach = float(np.hypot(*march.curve.point(begin[-1])))
     whole = _between(march, begin[-1], end[0], SMALL_WAY_POINTS)
+    centre, reach = _ground(march, whole)
     for place, handle in enumerate([*handles, None]):
         row, column = divmod(place, 4)
         axes = panel(figure, 0.25 + 1.9 * column, height - 3.15 - 2.3 * row, 1.8, 1.8)
-        _frame(axes, reach, DOT_BORDER)
+        _frame(axes, centre, reach, DOT_BORDER)
         axes.set_axis_off()
         if handle is None:
-            _way_key(axes, reach)
+            _way_key(axes, centre, reach)
             continue
         way = _between(march, begin[handle], end[handle], SMALL_WAY_POINTS)
         axes.plot(*whole.T, color=RULE, lw=0.5)
@@ -109,20 +114,21 @@ def trajectories(march: March) -> Figure:
     return figure
 
 
-def velocities(march: March) -> Figure:
+def velocities(march: March, look: Stretch) -> Figure:
     """Velocity vectors of the paper's seven handles at the first contact (its figure 8)."""
-    time, when = last_look(ending(march))
+    time, when = last_look(ending(march, look), look[0])
     handles = march.dragon.representatives
     states = march.at(time)
     places, speeds = states.positions[0], states.speeds[0, handles]
+    way = f"along the spiral, inward and {_rotation(march)}" if spirals_in(march) else "along the curve"
     figure = page(
         8.0,
         8.6,
         f"The handles walk at {speeds.min():.3f} to {speeds.max():.3f} m/s {when}",
-        f"{len(handles)} handles at {time:.2f} s; each one walks along the spiral, inward and clockwise",
+        f"{len(handles)} handles at {time:.2f} s; each one walks {way}",
     )
     axes = panel(figure, 0.8, 0.65, 6.9, 6.9)
-    reach = float(np.hypot(*places.T).max())
+    centre, reach = _ground(march, places)
     first, last = states.places[0, [-1, 0]]
     axes.plot(*_between(march, first, last, WAY_POINTS).T, color=RULE, lw=1.4)
     arrows = ARROW * reach / states.speeds[0, 0] * states.velocities[0, handles]
@@ -138,12 +144,12 @@ def velocities(march: March) -> Figure:
         gid="velocities",
     )
     axes.plot(*places[handles].T, "o", color=COLOURS.ink, ms=6, zorder=4, gid="handles")
-    _frame(axes, reach, WIDE_BORDER)
+    _frame(axes, centre, reach, WIDE_BORDER)
     shares = np.linspace(0, 1, 12)[:, None, None]
     taken = axes.transData.transform((places[handles] + shares * arrows).reshape(-1, 2))
     boxes: list[Any] = []
     for handle, speed, place in zip(handles, speeds, places[handles], strict=True):
-        boxes.append(_beside(axes, place, f"handle {handle}\n{speed:.3f} m/s", taken, boxes))
+        boxes.append(_beside(axes, place, centre, f"handle {handle}\n{speed:.3f} m/s", taken, boxes))
     return figure
 
 
@@ -157,14 +163,28 @@ def _between(march: March, first: float, last: float, points: int) -> Array:
     return march.curve.point(np.linspace(first, last, points))
 
 
-def _frame(axes: Axes, reach: float, border: float) -> None:
-    """Show the ground as far as `reach` m from the centre, and a border."""
+def _rotation(march: March) -> str:
+    """Which way round a spiral is walked inward."""
+    return "counter-clockwise" if isinstance(march.curve, Spiral) and march.curve.mirrored else "clockwise"
+
+
+def _ground(march: March, points: Array) -> tuple[Array, float]:
+    """Centre (2,) and half the width, m, of the ground that holds `points` (P, 2); a spiral has its own centre."""
+    if spirals_in(march):
+        return CENTRE, float(np.hypot(*points.T).max())
+    low, high = points.min(axis=0), points.max(axis=0)
+    return (low + high) / 2, MARGIN * float((high - low).max()) / 2
+
+
+def _frame(axes: Axes, centre: Array, reach: float, border: float) -> None:
+    """Show the ground as far as `reach` m from `centre` (2,), and a border."""
     from matplotlib.ticker import MaxNLocator
 
     half = (1 + border) * reach
+    x, y = centre.tolist()
     axes.set_aspect("equal")
-    axes.set_xlim(-half, half)
-    axes.set_ylim(-half, half)
+    axes.set_xlim(x - half, x + half)
+    axes.set_ylim(y - half, y + half)
     for axis, name in ((axes.xaxis, "x (m)"), (axes.yaxis, "y (m)")):
         axis.set_major_locator(MaxNLocator(5, steps=[1, 2, 4, 5, 10]))
         axis.set_label_text(name)
@@ -178,14 +198,16 @@ def _note(axes: Axes, place: Array, text: str) -> None:
     )
 
 
-def _beside(axes: Axes, place: Array, text: str, taken: Array, boxes: list[Any]) -> Any:
+def _beside(axes: Axes, place: Array, centre: Array, text: str, taken: Array, boxes: list[Any]) -> Any:
     """Set type beside a dot, where it covers none of the points `taken` (P, 2) and no other type; its box, in pixels.
 
-    Away from the centre, or else towards it; where neither is free, towards it all the same.
+    Away from `centre` (2,), or else towards it, or else to a side; where nothing is free, there all the same.
     """
     x, y = place.tolist()
-    outward = place / (np.hypot(x, y) or 1.0)
-    for first, (right, up) in ((True, outward.tolist()), (False, (-outward).tolist())):
+    outward = (place - centre) / (np.hypot(*(place - centre)) or 1.0)
+    aside = np.array([-outward[1], outward[0]])
+    ways = [way.tolist() for way in (outward, -outward, aside, -aside)]
+    for right, up in ways:
         note = axes.annotate(
             text,
             (x, y),
@@ -199,15 +221,19 @@ def _beside(axes: Axes, place: Array, text: str, taken: Array, boxes: list[Any])
         box = note.get_window_extent()
         if not any(box.contains(*point) for point in taken) and not any(box.overlaps(other) for other in boxes):
             break
-        if first:
+        if (right, up) != tuple(ways[-1]):
             note.remove()
     return box
 
 
-def _way_key(axes: Axes, reach: float) -> None:
+def _way_key(axes: Axes, centre: Array, reach: float) -> None:
     """What the dots of the ways mean, and how large the ground is."""
-    for y, text, filling in ((0.62, "at the start", COLOURS.background), (0.22, "at the end", COLOURS.ink)):
-        axes.plot(-0.7 * reach, y * reach, "o", color=COLOURS.ink, mfc=filling, ms=6, mew=1.4)
-        axes.annotate(text, (-0.5 * reach, y * reach), va="center_baseline", color=QUIET)
-    axes.plot([-0.8 * reach, -0.8 * reach + SCALE_BAR], [-0.3 * reach] * 2, color=QUIET, lw=1.4)
-    axes.annotate(f"{SCALE_BAR:g} m", (-0.8 * reach + SCALE_BAR / 2, -0.42 * reach), ha="center", va="top", color=QUIET)
+    x, y = centre.tolist()
+    for up, text, filling in ((0.62, "at the start", COLOURS.background), (0.22, "at the end", COLOURS.ink)):
+        axes.plot(x - 0.7 * reach, y + up * reach, "o", color=COLOURS.ink, mfc=filling, ms=6, mew=1.4)
+        axes.annotate(text, (x - 0.5 * reach, y + up * reach), va="center_baseline", color=QUIET)
+    decade = 10.0 ** np.floor(np.log10(reach))
+    bar = decade * max(step for step in SCALE_BARS if step * decade <= reach)
+    left = x - 0.8 * reach
+    axes.plot([left, left + bar], [y - 0.3 * reach] * 2, color=QUIET, lw=1.4)
+    axes.annotate(f"{bar:g} m", (left + bar / 2, y - 0.42 * reach), ha="center", va="top", color=QUIET)

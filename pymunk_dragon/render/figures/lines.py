@@ -23,6 +23,8 @@ CLOSE = 0.02
 EARLY = "#6391bb"
 # Points of type: between the middles of two lines of it, and from a line's end to its name.
 LINE_HEIGHT, ASIDE = 14.0, 7.0
+# Handles or joints that all have their numbers below an axis.
+FEW = 10
 
 
 def several_times(begin: float, end: float) -> Array:
@@ -54,6 +56,9 @@ def bundle(axes: Axes, values: Array, gid: str) -> list[Any]:
         age = rank / last
         lines += axes.plot(line, color=blend(EARLY, COLOURS.ink, age), lw=1.2 + 1.2 * age, gid=f"{gid}-{rank}")
     axes.set_xlim(0, values.shape[1] - 1)
+    if values.shape[1] <= FEW:
+        # There is nothing between one and the next.
+        axes.set_xticks(range(values.shape[1]))
     return lines
 
 

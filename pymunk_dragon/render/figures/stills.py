@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from pymunk_dragon.march import March
-from pymunk_dragon.render.figures.times import closing_time, ending
+from pymunk_dragon.render.figures.times import Stretch, closing_time, ending, spirals_in
 from pymunk_dragon.render.film import Film
 from pymunk_dragon.run import Run
 
@@ -17,19 +17,20 @@ Still = tuple[Run, Film]
 SIZE = 880
 
 
-def outer_loop(march: March) -> Still:
+def outer_loop(march: March, look: Stretch) -> Still:
     """The dragon on the outer loop, at its start."""
-    return _moment(march, 0.0, "on the outer loop")
+    return _moment(march, look[0], "on the outer loop" if spirals_in(march) else "at the start")
 
 
-def inward(march: March) -> Still:
+def inward(march: March, look: Stretch) -> Still:
     """The dragon on its way in, as it closes a full loop."""
-    return _moment(march, closing_time(march, ending(march).time), "moving inward")
+    time = closing_time(march, look[0], ending(march, look).time)
+    return _moment(march, time, "moving inward" if spirals_in(march) else "on their way")
 
 
-def collision(march: March) -> Still:
+def collision(march: March, look: Stretch) -> Still:
     """The dragon at its first contact."""
-    hit = ending(march, touching=True)
+    hit = ending(march, look, touching=True)
     run, film = _moment(march, hit.time, "at the first contact")
     return replace(run, first_contact=hit.contact, outcome="contact"), film
 

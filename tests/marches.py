@@ -1,0 +1,48 @@
+"""Marches that are not the paper's: other curves, speeds that change, benches that differ."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from pymunk_dragon.curves import Arc, Composite, Line, Sampled, UTurn
+from pymunk_dragon.dragon import Dragon
+from pymunk_dragon.march import March
+from pymunk_dragon.speed import SpeedTable
+
+__all__ = ["ARM", "TRACTOR", "U_TURN"]
+
+# The contest's question 4, with a shorter dragon: it comes from infinity, and goes there.
+U_TURN = March(Dragon(benches=30), UTurn())
+# A tractor with three trailers on a road that crosses itself, faster and slower.
+TRACTOR = March(
+    Dragon(
+        head_spacing=2.6,
+        body_spacing=[4.5, 3.0, 6.0],
+        overhang=[0.6, 0.5, 0.4, 0.7],
+        width=[1.8, 2.2, 1.6, 2.4],
+    ),
+    Composite(
+        [
+            Line(start=(-30, 0), stop=(0, 0)),
+            Arc(centre=(0, 8), radius=8, begin_angle=-math.pi / 2, sweep=math.pi / 2),
+            Line(start=(8, 8), stop=(8, 20)),
+            Arc(centre=(2, 20), radius=6, begin_angle=0, sweep=math.pi),
+            Line(start=(-4, 20), stop=(-4, -20)),
+        ]
+    ),
+    speed=SpeedTable((0, 5, 20), (0.5, 2.0, 1.5)),
+)
+# Five links of a robot's arm that creep through points.
+_SHARES = np.linspace(0, 1, 18)
+ARM = March(
+    Dragon(
+        head_spacing=0.22,
+        body_spacing=[0.2, 0.18, 0.15, 0.12],
+        overhang=[0.03, 0.03, 0.025, 0.02, 0.02],
+        width=[0.05, 0.07, 0.07, 0.08, 0.09],
+    ),
+    Sampled(np.stack([2.2 * _SHARES, 0.3 * np.sin(9 * _SHARES) * np.sqrt(_SHARES)], axis=1)),
+    speed=0.1,
+)
