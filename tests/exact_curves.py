@@ -10,6 +10,8 @@ from itertools import pairwise
 import mpmath as mp
 
 DIGITS = 34
+# m. Steps of the walk back, in which no distance here passes a bench's length and falls below it again.
+STEP = 0.05
 
 
 def line(start, stop):
@@ -80,6 +82,57 @@ def s_turn(pitch, radius, ratio):
     ]
     length = sum(r * abs(sweep) for r, sweep in zip(radii, sweeps, strict=True))
     return radii, (one, two), sweeps, (entry, middle, -entry), length
+
+
+def u_turn(pitch=1.7, radius=4.5, ratio=2):
+    """The path of question 4, by what it is made of."""
+    pitch, radius, ratio = mp.mpf(repr(pitch)), mp.mpf(radius), mp.mpf(ratio)
+    radii, centres, sweeps, points, _ = s_turn(pitch, radius, ratio)
+    theta = 2 * mp.pi * radius / pitch
+    entry = pitch / (4 * mp.pi) * (theta * mp.sqrt(theta**2 + 1) + mp.asinh(theta))
+    first, second = (
+        arc((centre.real, centre.imag), r, mp.arg(point - centre), sweep)
+        for centre, r, point, sweep in zip(centres, radii, points[:2], sweeps, strict=True)
+    )
+    inward, outward = spiral(pitch), spiral(pitch, mp.pi, outward=True)
+    middle = radii[0] * abs(sweeps[0])
+    end = middle + radii[1] * abs(sweeps[1])
+
+    def at(s):
+        if s < 0:
+            return inward(s - entry)
+        if s < middle:
+            return first(s)
+        return second(s - middle) if s < end else outward(s - end + entry)
+
+    return at
+
+
+def walked_back(truth, s, chord):
+    """The place where the straight distance from `s` first passes `chord`; None where it falls first."""
+    x, y = truth(s)[:2]
+
+    def away(place):
+        u, v = truth(place)[:2]
+        return mp.hypot(u - x, v - y)
+
+    place, reached = s, mp.mpf(0)
+    while True:
+        place -= STEP
+        further = away(place)
+        if further < reached:
+            return None
+        reached = further
+        if reached >= chord:
+            ends = (place, place + STEP)
+            return mp.findroot(lambda u: away(u) - chord, ends, solver="anderson", tol=1e-60, verify=False)
+
+
+def walked_chain(truth, s, spacings):
+    places = [mp.mpf(s)]
+    for spacing in spacings:
+        places.append(walked_back(truth, places[-1], mp.mpf(repr(float(spacing)))))
+    return places
 
 
 def spline(points):

@@ -121,3 +121,44 @@ def solve(time, *, benches, head_spacing, body_spacing, pitch, turns, speed, dif
             for (x0, y0), (x1, y1) in zip(before, after, strict=True)
         ]
         return positions, velocities
+
+
+def gap(time, pair, sizes):
+    """Gap of two benches along the widest of the four axes, in many digits: right where an edge faces the other.
+
+    `sizes` are width, overhang, head_spacing, body_spacing and pitch; the march starts on turn 16 at 1 m/s.
+    """
+    spacings = [sizes["head_spacing"]] + [sizes["body_spacing"]] * pair[1]
+    turned = angles(time, spacings=spacings, pitch=sizes["pitch"], turns=mp.mpf(16), speed=mp.mpf(1))
+    holes = [mp.mpc(*spiral_point(angle, sizes["pitch"])) for angle in turned]
+    corners, axes = [], []
+    for bench in pair:
+        front, rear = holes[bench], holes[bench + 1]
+        along = (front - rear) / abs(front - rear)
+        ahead, aside = along * sizes["overhang"], 1j * along * sizes["width"] / 2
+        corners.append([front + ahead + aside, front + ahead - aside, rear - ahead + aside, rear - ahead - aside])
+        axes += [along, 1j * along, -along, -1j * along]
+    shadows = [[[mp.re(z * mp.conj(axis)) for z in each] for each in corners] for axis in axes]
+    return max(min(second) - max(first) for first, second in shadows)
+
+
+def grazing(pair, time, sizes):
+    """Time and pitch at which the smallest gap of two benches is zero, by Newton's method from those that are given."""
+    with mp.workdps(DIGITS):
+        t, p, step = mp.mpf(time), mp.mpf(sizes["pitch"]), mp.mpf("1e-12")
+
+        def at(time, pitch):
+            return gap(time, pair, sizes | {"pitch": pitch})
+
+        for _ in range(2):
+            before, now, after = at(t - step, p), at(t, p), at(t + step, p)
+            t -= (after - before) / 2 * step / (after - 2 * now + before)
+            least = at(t, p)
+            p -= least * step / (at(t, p + step) - least)
+        return t, p
+
+
+def touching(pair, time, sizes):
+    """Time at which two benches come to touch, by the secant method from one close to it."""
+    with mp.workdps(DIGITS):
+        return mp.findroot(lambda t: gap(t, pair, sizes), (mp.mpf(time), mp.mpf(time) + mp.mpf("1e-6")), tol=1e-60)

@@ -51,24 +51,11 @@ def gaps(march, times):
 
 
 def exact_gap(march, time, pair):
-    """Gap of two benches along the widest of the four axes, in 50 digits: right where an edge faces the other."""
-    dragon = march.dragon
-    settings = {"benches": pair[1] + 1, "head_spacing": dragon.head_spacing, "body_spacing": dragon.body_spacing}
+    """The gap of two benches in 50 digits."""
+    names = ("width", "overhang", "head_spacing", "body_spacing")
+    sizes = {name: oracle.exact(getattr(march.dragon, name)) for name in names}
     with mp.workdps(oracle.DIGITS):
-        points, _ = oracle.solve(
-            time, **settings, pitch=march.curve.pitch, turns=march.turns, speed=march.speed, difference=False
-        )
-        holes = [mp.mpc(x, y) for x, y in points]
-        corners, axes = [], []
-        for bench in pair:
-            front, rear = holes[bench], holes[bench + 1]
-            along = (front - rear) / abs(front - rear)
-            ahead = along * oracle.exact(dragon.overhang)
-            aside = 1j * along * oracle.exact(dragon.width) / 2
-            corners.append([front + ahead + aside, front + ahead - aside, rear - ahead + aside, rear - ahead - aside])
-            axes += [along, 1j * along, -along, -1j * along]
-        shadows = [[[mp.re(z * mp.conj(axis)) for z in each] for each in corners] for axis in axes]
-        return max(min(second) - max(first) for first, second in shadows)
+        return oracle.gap(oracle.exact(time), pair, sizes | {"pitch": oracle.exact(march.curve.pitch)})
 
 
 def test_seed_meets_bench_8_within_the_413th_second(seed_impact):

@@ -44,40 +44,8 @@ def hit_at(pitch: float, radius: float = 4.5, **sizes: Any) -> Any:
     return first_contact(march, until=way_to(march, radius))
 
 
-def exact_gap(time: Any, pair: tuple[int, int], sizes: dict[str, Any]) -> Any:
-    """Gap of two benches along the widest of the four axes, in many digits: right where an edge faces the other."""
-    spacings = [sizes["head_spacing"]] + [sizes["body_spacing"]] * pair[1]
-    angles = oracle.angles(time, spacings=spacings, pitch=sizes["pitch"], turns=mp.mpf(16), speed=mp.mpf(1))
-    holes = [mp.mpc(*oracle.spiral_point(angle, sizes["pitch"])) for angle in angles]
-    corners, axes = [], []
-    for bench in pair:
-        front, rear = holes[bench], holes[bench + 1]
-        along = (front - rear) / abs(front - rear)
-        ahead, aside = along * sizes["overhang"], 1j * along * sizes["width"] / 2
-        corners.append([front + ahead + aside, front + ahead - aside, rear - ahead + aside, rear - ahead - aside])
-        axes += [along, 1j * along, -along, -1j * along]
-    shadows = [[[mp.re(z * mp.conj(axis)) for z in each] for each in corners] for axis in axes]
-    return max(min(second) - max(first) for first, second in shadows)
-
-
 def exact_sizes(**changed: Any) -> dict[str, Any]:
     return {name: oracle.exact(value) for name, value in (SEED | changed).items()}
-
-
-def grazing(pair: tuple[int, int], time: float, pitch: float) -> tuple[Any, Any]:
-    """Time and pitch at which the smallest gap of two benches is zero, by Newton's method on differences."""
-    with mp.workdps(oracle.DIGITS):
-        t, p, step = mp.mpf(time), mp.mpf(pitch), mp.mpf("1e-12")
-
-        def gap(time: Any, pitch: Any) -> Any:
-            return exact_gap(time, pair, exact_sizes() | {"pitch": pitch})
-
-        for _ in range(2):
-            before, now, after = gap(t - step, p), gap(t, p), gap(t + step, p)
-            t -= (after - before) / 2 * step / (after - 2 * now + before)
-            least = gap(t, p)
-            p -= least * step / (gap(t, p + step) - least)
-        return t, p
 
 
 # The smallest pitch
@@ -87,8 +55,8 @@ def test_the_smallest_pitch_is_that_of_fifty_digits(answer: MinPitch) -> None:
     assert answer.benches == (0, 19)
     assert answer.limit == "passing"
     # Beginning further away than the answers agree.
-    time, pitch = grazing((0, 19), round(answer.way, 6), round(answer.pitch, 8))
-    assert mp.nstr(pitch, 18) == "0.450337393027195485"
+    time, pitch = oracle.grazing((0, 19), round(answer.way, 6), exact_sizes(pitch=round(answer.pitch, 8)))
+    assert abs(pitch - mp.mpf("0.450337393027195485")) < 1e-16
     assert abs(answer.pitch - pitch) < 1e-12
     assert abs(answer.way - time) < 1e-6
 
@@ -242,8 +210,8 @@ def contact_time(sizes: dict[str, Any], time: float) -> Any:
     """When the gap of benches 0 and 8 closes, by Newton's method on differences."""
     t, step = mp.mpf(time), mp.mpf("1e-15")
     for _ in range(5):
-        gap = exact_gap(t, (0, 8), sizes)
-        t -= gap * step / (exact_gap(t + step, (0, 8), sizes) - gap)
+        gap = oracle.gap(t, (0, 8), sizes)
+        t -= gap * step / (oracle.gap(t + step, (0, 8), sizes) - gap)
     return t
 
 
@@ -266,7 +234,7 @@ def test_slopes_of_the_smallest_pitch_are_those_of_fifty_digits(sensed: Sensitiv
         sizes, step = exact_sizes(pitch=sensed.smallest.pitch), mp.mpf("1e-12")
 
         def slope(name: str) -> Any:
-            less, more = (exact_gap(way, pair, sizes | {name: sizes[name] + change}) for change in (-step, step))
+            less, more = (oracle.gap(way, pair, sizes | {name: sizes[name] + change}) for change in (-step, step))
             return (more - less) / (2 * step)
 
         by_pitch = slope("pitch")

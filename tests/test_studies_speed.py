@@ -9,9 +9,8 @@ import mpmath as mp
 import numpy as np
 import pytest
 from conftest import NO_NUMBERS, assert_says
-from exact_curves import DIGITS
+from exact_curves import DIGITS, u_turn, walked_chain
 from PIL import Image
-from test_march_curves import u_turn, walked_chain
 
 from pymunk_dragon.cli import main
 from pymunk_dragon.curves import UTurn
