@@ -15,6 +15,8 @@ ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"```(\w+)\n(.*?)```", README, re.DOTALL)
 SNIPPETS = [text for language, text in BLOCKS if language == "python"]
+# By the names in their first lines.
+SCENARIOS = {text.splitlines()[0].removeprefix("# "): text for language, text in BLOCKS if language == "toml"}
 COMMANDS = [
     line.removeprefix("$ ")
     for language, text in BLOCKS
@@ -43,6 +45,8 @@ def test_snippets_run_and_print_what_they_say(tmp_path, monkeypatch, capsys, gol
 
 def test_commands_run_in_the_order_in_which_they_stand(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
+    for name, text in SCENARIOS.items():
+        (tmp_path / name).write_text(text, encoding="utf-8")
     program = [shlex.split(command, comments=True) for command in COMMANDS if command.startswith("pymunk-dragon ")]
     assert len(program) >= 5
     for _, *arguments in program:
