@@ -8,14 +8,15 @@ from typing import TYPE_CHECKING, Any
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.render.figures.pitch import smallest_pitch
 from pymunk_dragon.render.figures.slopes import slopes
-from pymunk_dragon.studies import MinPitch, Sensitivity
+from pymunk_dragon.render.figures.turns import turns
+from pymunk_dragon.studies import MinPitch, Sensitivity, TurnAnswer
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 __all__ = ["answer"]
 
-PICTURES: Mapping[type, Callable[[Any], Figure]] = {MinPitch: smallest_pitch, Sensitivity: slopes}
+PICTURES: Mapping[type, Callable[[Any], Figure]] = {MinPitch: smallest_pitch, Sensitivity: slopes, TurnAnswer: turns}
 
 
 def answer(found: object) -> Figure:
