@@ -184,7 +184,9 @@ def _turn_in_words(found: TurnAnswer) -> str:
     turn, short, indent = found.turn, found.shortest.turn, " " * 11
     first, second = turn.radii.tolist()
     ratios, lengths = zip(*found.lengths, strict=True)
-    between = "a line" if short.sweeps[1] == 0 else f"an arc of {1 / abs(short.bend):.2f} m"
+    between = f"an arc of {1 / abs(short.bend):.1f} m to the {'left' if short.bend > 0 else 'right'}"
+    if short.sweeps[1] == 0:
+        between = "a line"
     handles = ", ".join(str(handle) for handle in found.shortest.binding)
     lines = [
         f"the turn:  {turn.length:.6f} m on arcs of {first:.6f} and {second:.6f} m,",
@@ -192,9 +194,9 @@ def _turn_in_words(found: TurnAnswer) -> str:
         f"{indent}which touch at {_points(turn.tangent_points)} m",
         f"contact:   {_impact_in_words(found.impact, found.times)}",
         f"fastest:   {_hurry_in_words(found.hurry)}",
-        f"two arcs:  always as long: {min(lengths):.12f} to {max(lengths):.12f} m for ratios of",
-        f"{indent}the radii from {min(ratios):g} to {max(ratios):g}. Both turn by the same angle, and their",
-        f"{indent}chords make up the circle's diameter",
+        f"two arcs:  always as long: {min(lengths):.12f} to {max(lengths):.12f} m where the radii are",
+        f"{indent}as {min(ratios):g} to 1 up to {max(ratios):g} to 1. Both turn by the same angle, and their chords",
+        f"{indent}make up the circle's diameter",
         f"shortest:  {short.length:.5f} m, if nobody may be more than {found.allowed:.6f} times as fast as the head:",
         f"{indent}arcs of {short.radii[0]:.4f} and {short.radii[1]:.4f} m with {between} between;",
         f"{indent}the speed of handles {handles} is the limit. Leaving the one spiral later, or joining the other",

@@ -26,10 +26,12 @@ Array = NDArray[np.float64]
 Look = tuple[float, Array]
 
 # m of the head's way between looks at how fast handles are. A peak of a handle's speed is some tenths of a metre wide.
-LOOK = 0.1
-# Share of the highest speed from which a handle's peak is looked at closely: points in its bracket, and passes, each of
+LOOK = 0.05
+# Peaks of each handle that are looked at closely, at most: its highest.
+TOPS = 4
+# Share of the highest speed from which a peak is looked at closely: points in its bracket, and passes, each of
 # which narrows it to a sixteenth; in the end it is known to 1e-7 m.
-CLOSE, POINTS, PASSES = 0.85, 33, 5
+CLOSE, POINTS, PASSES = 0.8, 33, 5
 # m behind the turn that a chain reaches, and that its head goes beyond.
 LEAD = 3.0
 # Share of the circle's radius that both arcs have to begin with.
@@ -48,6 +50,8 @@ PENALTY = 10.0
 WATCHED = 6
 # Share of the limit by which the search may leave it; and by which it counts as reached.
 EXCESS, REACHED = 1e-7, 1e-4
+# m, and by how much of their scales the unknowns may be adapted to so much: several times as much as it takes.
+MILLIMETRE, ADAPTED = 1e-3, 1e-3
 # Vertices of the linear programme that are none, and what rounding may do to them.
 SINGULAR, ROUNDING = 1e-12, 1e-12
 
@@ -101,20 +105,26 @@ def hurry(curve: Curve, spacings: Array, since: float, until: float) -> tuple[Ar
     speeds = _speeds(curve, spacings, heads)
     if np.isnan(speeds).any():
         return None
-    best = speeds.argmax(axis=0)
-    peaks, places = speeds.max(axis=0), heads[best]
-    close = np.flatnonzero(peaks >= CLOSE * peaks[1:].max())
-    low, high = heads[np.maximum(best - 1, 0)][close], heads[np.minimum(best + 1, heads.size - 1)][close]
-    rows = np.arange(close.size)
+    # The highest places that are no lower than both beside them.
+    beside = np.pad(speeds, ((1, 1), (0, 0)), constant_values=-np.inf)
+    tops = np.where((speeds >= beside[:-2]) & (speeds >= beside[2:]), speeds, -np.inf)
+    times = np.argsort(-tops, axis=0, kind="stable")[:TOPS]
+    peaks, places = speeds.max(axis=0), heads[times[0]]
+    rows, handles = np.nonzero(np.take_along_axis(tops, times, axis=0) >= CLOSE * peaks.max())
+    around = times[rows, handles]
+    low, high = heads[np.maximum(around - 1, 0)], heads[np.minimum(around + 1, heads.size - 1)]
+    chosen = np.arange(handles.size)
     for _ in range(PASSES):
-        around = np.linspace(low, high, POINTS, axis=-1)
-        speeds = _speeds(curve, spacings, around.ravel())
+        ways = np.linspace(low, high, POINTS, axis=-1)
+        speeds = _speeds(curve, spacings[: handles.max()], ways.ravel())
         if np.isnan(speeds).any():
             return None
-        own = speeds.reshape(close.size, POINTS, -1)[rows, :, close]
+        own = speeds.reshape(*ways.shape, -1)[chosen, :, handles]
         best = own.argmax(axis=1)
-        low, high = around[rows, np.maximum(best - 1, 0)], around[rows, np.minimum(best + 1, POINTS - 1)]
-    peaks[close], places[close] = own[rows, best], around[rows, best]
+        low, high = ways[chosen, np.maximum(best - 1, 0)], ways[chosen, np.minimum(best + 1, POINTS - 1)]
+    for handle, peak, way in zip(handles, own[chosen, best], ways[chosen, best], strict=True):
+        if peak > peaks[handle]:
+            peaks[handle], places[handle] = peak, way
     return peaks, places
 
 
@@ -155,6 +165,7 @@ class _Search:
         count = 1 + int(np.searchsorted(np.cumsum(spacings), base.length + LEAD))
         self._spacings = spacings[:count]
         self._scales = np.array([base.radius, base.radius, 1 / base.radius])
+        self._penalty = PENALTY * base.radius
         self._looks = 0
 
     def run(self) -> Shortest:
@@ -164,13 +175,14 @@ class _Search:
             raise ParameterError("radius", self._base.radius, "large enough for the dragon to turn in the circle")
         slopes = self._slopes(x, here)
         for _ in range(STEPS):
-            step, gain = _linear_step(slopes, here[1], size, PENALTY * self._base.radius)
+            step, cost = _linear_step(slopes, here[1], size, self._penalty)
+            gain = self._excess(here) - cost
             if gain < SETTLED * here[0]:
                 break
             there = self._look(x + step)
             if there is not None and self._merit(there) > self._merit(here) - TRUSTED * gain:
                 # Limits are no straight lines: the same programme again, right for what is to spare there.
-                step, _ = _linear_step(slopes, there[1] - slopes[1] @ step, size, PENALTY * self._base.radius)
+                step, _ = _linear_step(slopes, there[1] - slopes[1] @ step, size, self._penalty)
                 there = self._look(x + step)
             better = -np.inf if there is None else self._merit(here) - self._merit(there)
             size = size * 2 if better >= TRUSTED * gain else size / 3
@@ -197,8 +209,10 @@ class _Search:
 
     def _merit(self, look: Look) -> float:
         """Length of a turn, and a penalty for speeds above the limit."""
-        length, spare = look
-        return length + PENALTY * self._base.radius * max(0.0, -float(spare.min()))
+        return look[0] + self._excess(look)
+
+    def _excess(self, look: Look) -> float:
+        return self._penalty * max(0.0, -float(look[1].min()))
 
     def _slopes(self, x: Array, here: Look) -> tuple[Array, Array]:
         """Change of the length (3,), and of what each handle has to spare (N, 3), for each unit of x."""
@@ -215,18 +229,17 @@ class _Search:
         raise DragonError("the shortest turn lies where the dragon can hardly go round: ask for a lower fastest")
 
     def _answer(self, x: Array, here: Look, turn: Turn) -> Shortest:
-        growth, slopes = self._slopes(x, here)
-        binding = np.flatnonzero(here[1] < REACHED)
-        # What each of these limits is worth: how much shorter the turn gets for each unit that it is relaxed by.
-        worth = np.linalg.lstsq(slopes[binding].T, growth)[0]
-        nothing = np.zeros(3)
+        change, penalty = self._slopes(x, here), self._penalty
+        _, cost = _linear_step(change, here[1], ADAPTED, penalty)
         costs = []
         for late, early in ((1.0, 0.0), (0.0, 1.0)):
-            longer, spare = self._slope(x, here, nothing, late, early)
-            costs.append(float(longer - worth @ spare[binding]))
+            # How well the rest can be adapted, by the slopes, where a millimetre more of a spiral is kept.
+            longer, spare = self._slope(x, here, np.zeros(3), late, early)
+            _, dearer = _linear_step(change, here[1] + MILLIMETRE * spare, ADAPTED, penalty)
+            costs.append(longer + (dearer - cost) / MILLIMETRE)
         return Shortest(
             turn=turn,
-            binding=tuple((binding + 1).tolist()),
+            binding=tuple((np.flatnonzero(here[1] < REACHED) + 1).tolist()),
             late=costs[0],
             early=costs[1],
             looks=self._looks,
@@ -234,9 +247,9 @@ class _Search:
 
 
 def _linear_step(change: tuple[Array, Array], spare: Array, size: float, penalty: float) -> tuple[Array, float]:
-    """The step d (3,), none of its parts above `size`, that is best by the slopes of length and spare, and by how much.
+    """The step d (3,), none of its parts above `size`, that is best by the slopes of length and spare; and its cost.
 
-    It makes growth d + penalty t smallest, where t >= 0 and spare + slopes d + t >= 0: the best of all points where
+    That is growth d + penalty t, the smallest where t >= 0 and spare + slopes d + t >= 0: the best of all points where
     four of these conditions are just met.
     """
     growth, slopes = change
@@ -251,5 +264,4 @@ def _linear_step(change: tuple[Array, Array], spare: Array, size: float, penalty
     # The smallest step keeps everything that is met at the start, so there always is a vertex.
     costs[np.any(points @ left.T < right - ROUNDING * (1 + np.abs(right)), axis=1)] = np.inf
     best = int(costs.argmin())
-    now = penalty * max(0.0, -float(spare.min()))
-    return points[best, :3], now - float(costs[best])
+    return points[best, :3], float(costs[best])

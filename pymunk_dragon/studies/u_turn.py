@@ -35,7 +35,7 @@ TIMES = np.arange(-100.0, 101.0)
 RATIOS = (0.25, 0.5, 1.0, 2.0, 4.0)
 # Times the head's speed. Below it no chain goes round a bend; above it nobody runs, and next to where the dragon gets
 # stuck the search takes long.
-MIN_FASTEST, MAX_FASTEST = 1.01, 10.0
+MIN_FASTEST, MAX_FASTEST = 1.01, 5.0
 # Share of a speed that is no difference.
 SAME = 1e-9
 
@@ -123,7 +123,7 @@ def u_turn(
     speed
         As in `March`.
     fastest : float, optional
-        How many times as fast as the head anybody may be on the shortest turn, from 1.01 to 10; by default what
+        How many times as fast as the head anybody may be on the shortest turn, from 1.01 to 5; by default what
         somebody is on the contest's.
 
     Returns

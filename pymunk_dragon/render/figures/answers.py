@@ -9,7 +9,8 @@ from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.render.figures.limit import speed_limit
 from pymunk_dragon.render.figures.pitch import smallest_pitch
 from pymunk_dragon.render.figures.slopes import slopes
-from pymunk_dragon.studies import MaxSpeed, MinPitch, Sensitivity
+from pymunk_dragon.render.figures.turns import turns
+from pymunk_dragon.studies import MaxSpeed, MinPitch, Sensitivity, TurnAnswer
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -20,6 +21,7 @@ PICTURES: Mapping[type, Callable[[Any], Figure]] = {
     MaxSpeed: speed_limit,
     MinPitch: smallest_pitch,
     Sensitivity: slopes,
+    TurnAnswer: turns,
 }
 
 
