@@ -14,10 +14,10 @@ from pymunk_dragon.errors import DragonError, FileFormatError, ParameterError
 from pymunk_dragon.march import March
 from pymunk_dragon.speed import ConstantSpeed, SpeedTable, speed_of
 
-__all__ = ["POINTS_ENDING", "Scenario"]
+__all__ = ["Scenario"]
 
 # What a file of points or of speeds is called.
-POINTS_ENDING = ".csv"
+CSV = ".csv"
 # The curves by name, and which parameters each of them has.
 CURVES: dict[str, tuple[type[Curve], tuple[str, ...]]] = {
     "spiral": (Spiral, ("pitch", "rotation", "mirrored", "outward")),
@@ -27,8 +27,8 @@ CURVES: dict[str, tuple[type[Curve], tuple[str, ...]]] = {
 PARTS = dict.fromkeys(name for _, names in CURVES.values() for name in names)
 # What says nothing in a file: these are newer than the first files.
 UNSAID = {"curve": "spiral", "rotation": 0.0, "mirrored": False, "outward": False}
-ALLOWED_CURVE = f"a name, spiral or u-turn, or that of a file of points, which ends in {POINTS_ENDING}"
-ALLOWED_SPEED = f"a number in m/s, a table of [s, m/s], or a file of one, which ends in {POINTS_ENDING}"
+ALLOWED_CURVE = f"a name, spiral or u-turn, or that of a file of points, which ends in {CSV}"
+ALLOWED_SPEED = f"a number in m/s, a table of [s, m/s], or a file of one, which ends in {CSV}"
 
 # One speed, or times in s and speeds in m/s.
 Speeds = float | tuple[tuple[float, float], ...]
@@ -207,4 +207,4 @@ def _values(march: March) -> dict[str, Any]:
 
 
 def _is_file(value: object) -> bool:
-    return isinstance(value, str | Path) and Path(value).suffix.lower() == POINTS_ENDING
+    return isinstance(value, str | Path) and Path(value).suffix.lower() == CSV

@@ -225,8 +225,8 @@ def test_a_full_disk_is_one_line(run: Run, tmp_path: Path, ending: str, monkeypa
 # Drawn by several processes
 
 
-def long_film(path: Path, **options: Any) -> None:
-    march = March(Dragon(benches=3), turns=4)
+def long_film(path: Path, speed: Any = 1.0, **options: Any) -> None:
+    march = March(Dragon(benches=3), turns=4, speed=speed)
     render(march, path, until=16, speedup=0.5, size=64, show=("grid",), title="In parts", **options)
 
 
@@ -236,6 +236,12 @@ def test_several_processes_make_the_same_film(tmp_path: Path, ending: str) -> No
     for workers in (1, 2):
         long_film(tmp_path / f"two{ending}", workers=workers)
         assert (tmp_path / f"one{ending}").read_bytes() == (tmp_path / f"two{ending}").read_bytes()
+
+
+def test_a_march_that_cannot_be_handed_over_is_filmed_by_one_process(tmp_path: Path) -> None:
+    for workers in (0, 2):
+        long_film(tmp_path / f"{workers}.gif", speed=lambda t: 1 + 0 * t, workers=workers)
+    assert (tmp_path / "0.gif").read_bytes() == (tmp_path / "2.gif").read_bytes()
 
 
 def test_a_film_by_several_processes_can_be_broken_off(tmp_path: Path) -> None:

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from itertools import islice
 from multiprocessing import get_context, parent_process, resource_tracker
 from multiprocessing.connection import wait
+from multiprocessing.reduction import ForkingPickler
 
 from pymunk_dragon.errors import DragonError
 from pymunk_dragon.render.moments import Moment
@@ -43,9 +44,10 @@ def expose(
     """Add a frame for each of `moments` to a film, up to its end among `ends`, and `tell` how many there are.
 
     `workers` other processes help where that pays: not with the few frames of a short film, nor with a video, whose
-    encoder is a process of its own already.
+    encoder is a process of its own already. Nor do they where the march cannot be handed over, as with a lambda for its
+    speed.
     """
-    if workers and len(ends) >= WORTHWHILE and isinstance(stream, PatchStream):
+    if workers and len(ends) >= WORTHWHILE and isinstance(stream, PatchStream) and _is_portable(sheet):
         darkroom = Darkroom(sheet, type(stream), stream.table)
         with closing(_developed(darkroom, moments, workers)) as patches:
             for done, (patch, end) in enumerate(zip(patches, ends, strict=True), start=1):
@@ -55,6 +57,16 @@ def expose(
         for done, (moment, end) in enumerate(zip(moments, ends, strict=True), start=1):
             stream.add(sheet.draw(moment), end)
             tell(done)
+
+
+def _is_portable(sheet: Sheet) -> bool:
+    """Whether other processes can be told what to draw."""
+    try:
+        ForkingPickler.dumps(sheet)
+    except Exception:
+        # A lambda raises one kind, a class of a notebook another, and a user's own class whatever it likes.
+        return False
+    return True
 
 
 @dataclass(frozen=True)
