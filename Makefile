@@ -36,6 +36,7 @@ runs: $(VENV)/figures
 	$(DRAGON) simulate -o renders/march.npz
 	$(DRAGON) simulate --from 400 --frame-interval 0.02 -o renders/first_contact.npz
 	$(DRAGON) simulate --guide none -o renders/unguided.npz
+	$(DRAGON) simulate --curve u-turn --from -100 --until 100 -o renders/u-turn.npz
 
 films: runs
 	$(DRAGON) render renders/march.npz -o renders/march.gif
@@ -43,12 +44,13 @@ films: runs
 	$(DRAGON) render renders/march.npz renders/unguided.npz -o renders/guides.gif --until 12.5 --size 330 --speedup 1 --hold 2 --title "Dancers keep the dragon on its path"
 	$(DRAGON) render renders/first_contact.npz --exact -o renders/exact.gif --from 409 --camera head --span 5 --size 330 --speedup 0.5 --hold 3 --title "The engine and the exact model"
 	$(DRAGON) render renders/first_contact.npz -o renders/marks.png --camera head --size 660 --velocities --grid --impulses --contacts --normals --title "The head meets bench 8" --caption "Arrows end where the handles would be in half a second; discs are impulses in the joints; cells are darker where a bench is filed."
+	$(DRAGON) render renders/u-turn.npz -o renders/u-turn.gif --from -6 --until 36 --span 15 --speedup 6 --fps 20
 	$(DRAGON) render renders/march.npz -o renders/march.html
 
 STILLS := outer-loop inward collision
 CHARTS := spiral grid trajectories velocities gap speeds
 OF_RUNS := drift impulses
-STUDIES := min-pitch sensitivity
+STUDIES := min-pitch u-turn max-speed sensitivity
 
 figures: runs
 	mkdir -p renders/figures
@@ -78,6 +80,8 @@ bench: $(VENV)/all ## measure the figures that README quotes
 	$(BIN)/python tests/bench/bench_drift.py
 	$(BIN)/python tests/bench/bench_film.py
 	$(BIN)/python tests/bench/bench_collision.py
+	$(BIN)/python tests/bench/bench_march.py
+	$(BIN)/python tests/bench/bench_answers.py
 	$(BIN)/python tests/bench/bench_player.py
 	$(BIN)/python tests/bench/bench_debug_draw.py
 

@@ -217,9 +217,8 @@ class March(Displayed):
         """
         t = self._checked(times)
         places = self.places(t, handles)
-        lost = np.isnan(places)
-        if lost.any():
-            self._raise_unreachable(t, lost)
+        if np.isnan(places).any():
+            self._raise_unreachable(t, places)
         return places
 
     def places(self, times: ArrayLike, handles: int | None = None) -> Array:
@@ -259,16 +258,26 @@ class March(Displayed):
     def _earliest(self) -> float:
         return float(self.time(-MAX_RETREAT))
 
-    def _raise_unreachable(self, times: Array, lost: NDArray[np.bool_]) -> None:
+    def _raise_unreachable(self, times: Array, places: Array) -> None:
+        lost = np.isnan(places)
         affected = np.flatnonzero(lost.any(axis=1))
         row = affected[np.argmin(times[affected])]
         handle = int(np.argmax(lost[row]))
         if handle == 0:
             reason = f"the curve ends at t = {self.end:.6g} s"
         else:
-            spacing = self.dragon.spacings[handle - 1]
-            reason = f"the curve bends too tightly for a spacing of {spacing:g} m"
+            spacing, front = self.dragon.spacings[handle - 1], places[row, handle - 1]
+            # A bench stands on an arc of at most half a circle.
+            if front - self.curve.begin < np.pi / 2 * spacing and self._away_from_begin(front) < spacing:
+                reason = f"the curve begins less than a spacing of {spacing:g} m behind handle {handle - 1}"
+            else:
+                reason = f"the curve bends too tightly for a spacing of {spacing:g} m"
         raise UnreachableError(float(times[row]), handle, reason)
+
+    def _away_from_begin(self, place: float) -> float:
+        """Straight distance of a place from where the curve begins, m."""
+        begin, there = self.curve.point([self.curve.begin, place])
+        return float(np.hypot(*(there - begin)))
 
     def at(self, times: ArrayLike, handles: int | None = None) -> States:
         """Exact states of the first `handles` (all by default) at `times` (T,) in s.

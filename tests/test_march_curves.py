@@ -147,11 +147,21 @@ def test_a_march_that_cannot_start_says_why(settings, words):
     assert_says(caught.value, words)
 
 
+def test_a_handle_before_the_begin_is_told_from_one_in_a_bend():
+    march = March(SMALL, HAIRPIN)
+    with pytest.raises(UnreachableError) as caught:
+        march.at(-0.1)
+    assert_says(
+        caught.value, "handle 12 has no place at t = -0.1 s: the curve begins less than a spacing of 0.3 m behind"
+    )
+
+
 def test_a_curve_that_turns_back_within_a_bench_stops_the_march_there():
     march = March(Dragon(benches=2, head_spacing=2.0, body_spacing=2.0), HAIRPIN, start=8.0)
     with pytest.raises(UnreachableError) as caught:
         march.at(np.linspace(0, 8, 801))
     assert caught.value.handle == 1
+    assert_says(caught.value, "the curve bends too tightly for a spacing of 2 m")
     # The bench stands across the hairpin, as far as the hairpin is wide, when its rear hole has no way to go.
     assert 10 < 8 + caught.value.time < 10 + np.pi * 0.6 + 2
 

@@ -37,7 +37,7 @@ def test_snippets_run_and_print_what_they_say(tmp_path, monkeypatch, capsys, gol
     out = capsys.readouterr().out
     assert "[ 5.79920903 -5.77109234]" in out
     assert "benches=(0, 8)" in out
-    assert "time=412.4737" in out or "time=412.4736" in out
+    assert "time=412.473" in out
     assert (tmp_path / "last_seconds.gif").exists()
     with Image.open(tmp_path / "debug_draw.png") as picture:
         golden(picture, str(ROOT / "renders" / "debug_draw"), share=PILE_SHARE)
@@ -54,6 +54,23 @@ def test_commands_run_in_the_order_in_which_they_stand(tmp_path, monkeypatch, ca
             main(arguments)
         assert stopped.value.code == 0, arguments
     assert "benches 0 and 8" in capsys.readouterr().out
+
+
+def test_the_five_answers_are_those_that_the_commands_print(capsys):
+    """Word for word, and number for number to a few last digits."""
+    [block] = [text for language, text in BLOCKS if language == "console" and "study min-pitch" in text]
+    shown = re.split(r"^\$ pymunk-dragon ", block, flags=re.MULTILINE)[1:]
+    assert len(shown) == 5
+    for each in shown:
+        command, _, expected = each.partition("\n")
+        with pytest.raises(SystemExit):
+            main(shlex.split(command))
+        for one, other in zip(capsys.readouterr().out.split(), expected.split(), strict=True):
+            number = re.fullmatch(r"\(?(-?\d[\d.]*)[,);:]*", other)
+            if number is None:
+                assert one == other
+            else:
+                assert float(one.strip("(),;:")) == pytest.approx(float(number[1]), rel=1e-4, abs=1e-6)
 
 
 def test_make_targets_of_the_readme_exist():
