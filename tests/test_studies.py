@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -304,7 +305,7 @@ def test_times_at_half_the_speed_move_twice_as_much(sensed: Sensitivity) -> None
 
 def test_a_dragon_that_never_meets_itself_has_no_contact_to_move() -> None:
     with pytest.raises(ParameterError) as caught:
-        sensitivity(Dragon(benches=5))
+        sensitivity(Dragon(benches=2))
     assert_says(caught.value, "pitch", "meets itself")
 
 
@@ -438,6 +439,17 @@ def test_the_command_writes_what_the_ending_says(
     assert json.loads((tmp_path / "answer.json").read_text(encoding="utf-8"))["pitch"] == answer.pitch
     assert (tmp_path / "answer.png").read_bytes()[:4] == b"\x89PNG"
     assert b"<svg" in (tmp_path / "answer.svg").read_bytes()
+
+
+def test_without_matplotlib_nothing_is_asked(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    monkeypatch.setitem(STUDIES, "min-pitch", replace(STUDIES["min-pitch"], ask=None))
+    status, _, err = run(capsys, "min-pitch", "-o", str(tmp_path / "answer.png"))
+    assert status == 2
+    assert "pymunk-dragon[figures]" in err
+    assert not list(tmp_path.iterdir())
 
 
 def test_no_picture_is_made_of_anything_else() -> None:
