@@ -147,13 +147,6 @@ def test_nothing_close_to_the_shortest_turn_is_shorter_and_keeps_to_the_limit(an
             assert turn.length > short.length - 1e-5 or peaks.max() > answer.allowed * (1 + 1e-5)
 
 
-def test_faster_dancers_make_the_turn_shorter() -> None:
-    found = shortest_turn(BASE, Dragon().spacings, 2.0)
-    assert found.turn.length == pytest.approx(11.07219, abs=1e-5)
-    peaks, _ = hurry(found.turn.path, Dragon().spacings[:30], -3.0, 60.0)
-    assert peaks.max() == pytest.approx(2, rel=1e-6)
-
-
 def test_leaving_the_spirals_later_makes_the_turn_longer(answer: TurnAnswer) -> None:
     # Both were found as well by searching again with a tenth of a metre of a spiral kept.
     assert answer.shortest.late == pytest.approx(0.935, abs=0.01)
