@@ -32,8 +32,9 @@ TOPS = 4
 # Share of the highest speed from which a peak is looked at closely: points in its bracket, and passes, each of
 # which narrows it to a sixteenth; in the end it is known to 1e-7 m.
 CLOSE, POINTS, PASSES = 0.8, 33, 5
-# m behind the turn that a chain reaches, and that its head goes beyond.
-LEAD = 3.0
+# m: from before the turn, behind which the chain that is looked at reaches as well, to so far beyond it goes its head.
+# By then body benches have followed it all the way round.
+LEAD, BEYOND = 3.0, 9.0
 # Share of the circle's radius that both arcs have to begin with.
 FIRST_GUESS = 0.45
 # Share of an unknown's scale over which differences are taken, and that of the first step.
@@ -204,7 +205,7 @@ class _Search:
         turn = self._turn(x, late, early)
         if turn is None:
             return None
-        found = hurry(turn.path, self._spacings, -LEAD, turn.length + self._base.length + LEAD)
+        found = hurry(turn.path, self._spacings, -LEAD, turn.length + BEYOND)
         return None if found is None else (turn.length, 1 / found[0][1:] - 1 / self._limit)
 
     def _merit(self, look: Look) -> float:

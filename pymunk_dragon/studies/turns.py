@@ -30,7 +30,7 @@ class Turn:
     Attributes
     ----------
     path : Composite
-        All of it; its place 0 is where the circle is entered.
+        All of it; its place 0 is where the inward spiral is left.
     length : float
         From where the circle is entered to where it is left, m.
     radii : tuple of float
