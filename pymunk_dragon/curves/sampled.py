@@ -74,8 +74,7 @@ class Sampled:
         # SciPy gives the highest power first, and a piece's parameter in m.
         powers = np.arange(4)[:, None, None]
         cells = cut(np.moveaxis(spline.c[::-1] * np.diff(spline.x)[:, None] ** powers, 0, 1), points)
-        # Summed in more digits, so that a thousand cells are as exact as one.
-        edges = np.concatenate([[0.0], np.cumsum(cells.lengths, dtype=np.longdouble).astype(float)])
+        edges = np.concatenate([[0.0], np.cumsum(cells.lengths)])
         bends = [cells.bends]
         while 2 ** len(bends) <= cells.bends.size:
             half = 2 ** (len(bends) - 1)
