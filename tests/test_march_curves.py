@@ -100,6 +100,19 @@ def test_places_before_the_begin_are_none_and_the_begin_itself_is_one():
     assert chain(line, [1.5, 3.0], [1.5, 1.5])[1].tolist() == pytest.approx([3, 1.5, 0], abs=1e-15)
 
 
+def test_a_way_in_that_begins_somewhere_has_no_places_before():
+    spiral = Spiral(pitch=1.7, rotation=1.0)
+    place = spiral.at_radius(4.5)
+    point, tangent = frame_of(spiral, place)
+    path = Composite([Section(spiral, place - 10, place), Line(start=point, stop=point + 5 * tangent)])
+    s = np.linspace(0.0, path.end, 31)
+    places, same = chain(path, s, [1.2] * 6), chain(Reversed(Reversed(path)), s, [1.2] * 6)
+    assert np.array_equal(np.isnan(places), np.isnan(same))
+    assert np.isnan(places).any()
+    assert np.allclose(places, same, rtol=0, atol=1e-12, equal_nan=True)
+    assert np.nanmin(places) >= 0
+
+
 @pytest.mark.parametrize("curve", [UTurn(), HAIRPIN, Section(Spiral(), -300, -10), LogarithmicSpiral()], ids=repr)
 def test_the_foot_of_a_point_beside_the_path_is_where_it_was_set_off(curve):
     s = np.linspace(max(curve.begin + 0.1, -290.0), min(curve.end - 0.1, 40.0), 60)

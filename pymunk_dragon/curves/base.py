@@ -83,4 +83,5 @@ def frame(curve: Curve, s: ArrayLike) -> tuple[Array, Array]:
     """Points and tangents of a curve, each (..., 2); at once where it has a method `frame`, which costs less."""
     own = getattr(curve, "frame", None)
     points, tangents = own(s) if own is not None else (curve.point(s), curve.tangent(s))
-    return points, tangents
+    # A user's curve may answer with lists, or lay its numbers out in another order.
+    return np.ascontiguousarray(points, dtype=float), np.ascontiguousarray(tangents, dtype=float)

@@ -80,7 +80,7 @@ class _WayIn:
         self._places = places
         self._on = np.zeros(len(places), dtype=bool)
         if self._spiral is not None and isinstance(curve, Composite) and first is not None:
-            self._joint, self._shift = curve.joints[0], first.end - curve.joints[0]
+            self._begin, self._joint, self._shift = curve.begin, curve.joints[0], first.end - curve.joints[0]
             self._angles = np.full(places.shape, np.nan)
 
     def follow(self, i: int, chord: float) -> NDArray[np.intp]:
@@ -100,7 +100,9 @@ class _WayIn:
         """Put down the places of the handles that were followed."""
         if self._spiral is not None:
             missing = np.isnan(self._places)
-            self._places[missing] = -self._spiral.arc(self._angles[missing]) - self._shift
+            found = -self._spiral.arc(self._angles[missing]) - self._shift
+            # A place at the very begin is one, rounding or not.
+            self._places[missing] = np.where(found < self._begin - SETTLED, np.nan, np.maximum(found, self._begin))
 
 
 def foot(curve: Curve, points: ArrayLike, near: ArrayLike) -> tuple[Array, Array, Array]:
