@@ -72,6 +72,15 @@ def test_the_next_handle_is_the_nearest_along_the_path_where_the_path_comes_back
         assert np.linalg.norm(HAIRPIN.point(place) - HAIRPIN.point(s)) == pytest.approx(1.5, abs=1e-14)
 
 
+def test_handles_on_a_path_through_points_are_the_first_that_a_scan_sees():
+    s = np.linspace(12, DRAWN.end, 25)
+    for place, found in zip(s, chain(DRAWN, s, [1.1])[:, 1], strict=True):
+        ways = np.linspace(0, 3, 30_001)
+        away = np.linalg.norm(DRAWN.point(place - ways) - DRAWN.point(place), axis=-1)
+        assert place - found == pytest.approx(ways[np.argmax(away >= 1.1)], abs=2e-4)
+        assert np.linalg.norm(DRAWN.point(found) - DRAWN.point(place)) == pytest.approx(1.1, abs=1e-12)
+
+
 def test_a_bench_that_fits_round_a_hairpin_stays_on_its_way_round():
     s = np.linspace(1.2, HAIRPIN.end, 2000)
     places = chain(HAIRPIN, s, [1.1])
@@ -325,6 +334,15 @@ def test_rails_keep_the_dragon_on_any_curve(march, until):
     assert run.first_contact is None
     assert run.head_drift < 5e-4
     assert run.max_drift < 2e-3
+
+
+def test_the_contests_turn_is_played_through_without_a_false_contact():
+    run = simulate(TURN, start=-100, until=100)
+    assert run.outcome == "clear"
+    assert len(run.events) == 0
+    assert run.times[-1] == pytest.approx(100)
+    assert run.head_drift < 2e-4
+    assert run.max_drift < 4e-4
 
 
 def test_engine_and_certificate_agree_on_the_first_contact_where_the_path_crosses_itself():
