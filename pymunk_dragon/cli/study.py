@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import click
@@ -15,9 +16,18 @@ __all__ = ["study"]
 @click.command()
 @click.argument("name", required=False)
 @scenario_options
+@click.option("--limit", type=float, metavar="M/S", help="Of max-speed: no handle shall be faster, m/s.  [2]")
+@click.option("--fastest", type=float, metavar="X", help="Of u-turn: times as fast as the head that anybody may be.")
 @json_option
-@output_option(".json, or .png or .svg for a picture of the answer")
-def study(name: str | None, scenario_file: str | None, as_json: bool, output: str | None) -> None:
+@output_option(".json, .png or .svg for a picture of the answer, or .xlsx for the contest's sheets of the u-turn")
+def study(
+    name: str | None,
+    scenario_file: str | None,
+    limit: float | None,
+    fastest: float | None,
+    as_json: bool,
+    output: str | None,
+) -> None:
     """Ask a question of many marches; without a name, list them.
 
     Of a scenario's file a study takes what it asks about, and leaves the rest aside: the pitch where that is the
@@ -37,17 +47,14 @@ def study(name: str | None, scenario_file: str | None, as_json: bool, output: st
     values = _of_file(scenario_file, STUDIES[name].takes if name in STUDIES else ()) | chosen()
     if isinstance(values.get("speed"), str | tuple):
         values["speed"] = _speed(values["speed"])
-    destination = destination_of(output, (".json", ".png", ".svg"))
-    if destination is not None and destination.suffix.lower() != ".json":
-        _check_pictures()
+    values |= {given: value for given, value in (("limit", limit), ("fastest", fastest)) if value is not None}
+    destination = destination_of(output, (".json", ".png", ".svg", *((".xlsx",) if name == "u-turn" else ())))
+    if destination is not None:
+        _check_libraries(destination)
     found = ask(name, values)
     answer = study_answer(found)
-    if destination is not None and destination.suffix.lower() == ".json":
-        write_json(destination, answer)
-    elif destination is not None:
-        from pymunk_dragon.render.figures import write_answer
-
-        write_answer(found, destination)
+    if destination is not None:
+        _write(found, answer, destination)
     if as_json:
         print_json(answer)
     else:
@@ -72,7 +79,23 @@ def _speed(table: Any) -> Any:
     return Scenario(speed=table).march().speed
 
 
-def _check_pictures() -> None:
+def _check_libraries(destination: Path) -> None:
+    """Refuse what cannot be written before the question is asked."""
     from pymunk_dragon.extras import library
 
-    library("matplotlib")
+    needed = {".png": "matplotlib", ".svg": "matplotlib", ".xlsx": "xlsxwriter"}
+    if (name := needed.get(destination.suffix.lower())) is not None:
+        library(name)
+
+
+def _write(found: Any, answer: dict[str, Any], destination: Path) -> None:
+    if destination.suffix.lower() == ".json":
+        write_json(destination, answer)
+    elif destination.suffix.lower() == ".xlsx":
+        from pymunk_dragon.report import write_tables
+
+        write_tables(found.march, found.times, destination)
+    else:
+        from pymunk_dragon.render.figures import write_answer
+
+        write_answer(found, destination)
