@@ -20,7 +20,7 @@ from pymunk_dragon.dragon import Dragon
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.march import March
 from pymunk_dragon.render.figures import answer_figure
-from pymunk_dragon.studies import TurnAnswer, u_turn
+from pymunk_dragon.studies import TurnAnswer, max_speed, u_turn
 from pymunk_dragon.studies.shortest import hurry, shortest_turn
 from pymunk_dragon.studies.turns import three_arcs
 
@@ -80,6 +80,13 @@ def test_nobody_has_to_hurry_more_than_is_said(answer: TurnAnswer) -> None:
         assert seen.max() == pytest.approx(most.factor, abs=1e-4)
         assert ways[seen.argmax()] == pytest.approx(most.way, abs=0.02) or seen.max() - most.factor < 1e-4
     assert answer.short_hurry.factor == pytest.approx(answer.hurry.factor, rel=1e-6)
+
+
+def test_fastest_handle_is_the_one_that_limits_the_heads_speed(answer: TurnAnswer) -> None:
+    # Enclosed there by branch and bound.
+    largest = max_speed()
+    assert answer.hurry.factor == pytest.approx(largest.ratio, rel=1e-9)
+    assert (answer.hurry.handle, answer.hurry.way) == (largest.handle, pytest.approx(largest.way, abs=1e-5))
 
 
 def test_handles_speeds_are_those_of_the_march() -> None:
