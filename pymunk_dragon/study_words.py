@@ -170,6 +170,7 @@ def _turn_answer(found: TurnAnswer) -> Answer:
             "binding": found.shortest.binding,
             "late": found.shortest.late,
             "early": found.shortest.early,
+            "sure": found.shortest.sure,
             "contact": _impact_answer(found.short_impact, found.times[-1]),
             "hurry": asdict(found.short_hurry),
         },
@@ -204,6 +205,8 @@ def _turn_in_words(found: TurnAnswer) -> str:
         f"contact:   {_impact_in_words(found.short_impact, found.times)}",
         f"fastest:   {_hurry_in_words(found.short_hurry)}",
     ]
+    if not found.shortest.sure:
+        lines.append("           (the shortest that was found; with such a limit there may be shorter ones)")
     return "\n".join(lines)
 
 

@@ -154,6 +154,14 @@ def test_nothing_close_to_the_shortest_turn_is_shorter_and_keeps_to_the_limit(an
             assert turn.length > short.length - 1e-5 or peaks.max() > answer.allowed * (1 + 1e-5)
 
 
+def test_search_from_elsewhere_ends_at_the_same_turn(answer: TurnAnswer, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("pymunk_dragon.studies.shortest.FIRST_GUESS", 0.38)
+    again = shortest_turn(BASE, Dragon().spacings, answer.allowed)
+    assert again.turn.length == pytest.approx(answer.shortest.turn.length, abs=1e-5)
+    assert again.sure
+    assert again.turn.radii == pytest.approx(answer.shortest.turn.radii, abs=1e-3)
+
+
 def test_leaving_the_spirals_later_makes_the_turn_longer(answer: TurnAnswer) -> None:
     # Both were found as well by searching again with a tenth of a metre of a spiral kept.
     assert answer.shortest.late == pytest.approx(0.935, abs=0.01)

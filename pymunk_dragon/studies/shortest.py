@@ -53,6 +53,8 @@ WATCHED = 6
 EXCESS, REACHED = 1e-7, 1e-4
 # m, and by how much of their scales the unknowns may be adapted to so much: several times as much as it takes.
 MILLIMETRE, ADAPTED = 1e-3, 1e-3
+# Limits between which several starts led the contest's dragon to the same turn, to 1e-5 m, or to none.
+SURE = 1.3, 1.7
 # Vertices of the linear programme that are none, and what rounding may do to them.
 SINGULAR, ROUNDING = 1e-12, 1e-12
 
@@ -71,6 +73,9 @@ class Shortest:
         By how much the turn would become longer for each metre by which the inward spiral was left later, or the
         outward one joined earlier, inside the circle, if it was adapted as well as possible otherwise. Above zero: it
         is best to turn at once.
+    sure : bool
+        Whether the limit is from 1.3 to 1.7, where searches from other starts found no shorter turn. With faster
+        dancers several handles come to the limit at once, and the search gets caught between them.
     looks : int
         Turns looked at.
     """
@@ -79,6 +84,7 @@ class Shortest:
     binding: tuple[int, ...]
     late: float
     early: float
+    sure: bool
     looks: int
 
 
@@ -243,6 +249,7 @@ class _Search:
             binding=tuple((np.flatnonzero(here[1] < REACHED) + 1).tolist()),
             late=costs[0],
             early=costs[1],
+            sure=SURE[0] <= self._limit <= SURE[1],
             looks=self._looks,
         )
 

@@ -129,7 +129,8 @@ def u_turn(
     Returns
     -------
     TurnAnswer
-        The shortest turn's length is right to 1e-5 m among the turns that are searched.
+        The shortest turn's length is right to 1e-5 m among the turns that are searched, if the limit is from 1.3 to
+        1.7. With others it is that of the shortest turn found, and there may be shorter ones.
 
     Raises
     ------

@@ -18,7 +18,7 @@ from pymunk_dragon.studies.turns import three_arcs
 RADII = np.arange(0.4, 3.2, 0.2)
 BENDS = (-0.3, -0.1, -0.03, 0.0, 0.03, 0.1, 0.3)
 KEPT = (0.0, 0.3)
-LIMITS = (1.3, 1.6047933789666373, 2.0)
+LIMITS = (1.3, 1.6047933789666373, 1.7)
 
 
 def main() -> None:
