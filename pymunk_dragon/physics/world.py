@@ -28,8 +28,8 @@ FRICTION = 0.4
 
 # Ground drag, per metre marched (per second at 1 m/s). Pymunk corrects joint errors at a rate of 6.3 per second
 # (its error_bias, 0.9 ** 60), as ordinary velocity; a chain whose solver has not converged turns that into growing
-# oscillations unless the drag is faster than the correction. Above, the drift grows slowly with the drag: 0.09 mm at 7,
-# 0.12 mm at this value, 0.19 mm at 20 (tests/bench/bench_drift.py).
+# oscillations unless the drag is faster than the correction. Where dancers make up for it, the drift is the same with
+# any drag from 5 to 20 (tests/bench/bench_drift.py).
 DRAG = 11.5
 
 # Work, in benches times solver sweeps, that brings the joints into balance before the first step. A change travels
