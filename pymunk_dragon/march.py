@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from pymunk_dragon.checks import finite, positive, whole
-from pymunk_dragon.curves import Curve, Reversed, Spiral, chain
+from pymunk_dragon.curves import Curve, Reversed, Spiral, UTurn, chain
 from pymunk_dragon.curves.base import frame
 from pymunk_dragon.curves.spiral import MAX_TURNS
 from pymunk_dragon.display import Displayed
@@ -114,7 +114,7 @@ class March(Displayed):
         if isinstance(pace, ConstantSpeed):
             object.__setattr__(self, "speed", pace.value)
         widest = float(self.dragon.widths.max())
-        if isinstance(self.curve, Spiral) and self.curve.pitch <= widest:
+        if isinstance(self.curve, Spiral | UTurn) and self.curve.pitch <= widest:
             raise ParameterError("pitch", self.curve.pitch, f"more than the width, {widest:g} m")
         self._check_start()
         try:
@@ -263,7 +263,9 @@ class March(Displayed):
         affected = np.flatnonzero(lost.any(axis=1))
         row = affected[np.argmin(times[affected])]
         handle = int(np.argmax(lost[row]))
-        if handle == 0:
+        if handle == 0 and self.way(times[row]) < 0:
+            reason = f"the curve begins at t = {float(self.time(self.curve.begin - self.head_start)):.6g} s"
+        elif handle == 0:
             reason = f"the curve ends at t = {self.end:.6g} s"
         else:
             spacing, front = self.dragon.spacings[handle - 1], places[row, handle - 1]
@@ -322,14 +324,16 @@ class March(Displayed):
         return speeds
 
 
-def last_time(march: March) -> float:
-    """Time at which handle 0 reaches the end of the curve, s, for those who were given none.
+def last_time(march: March, start: float) -> float:
+    """Time at which handle 0 reaches the end of the curve, s, for those who start at `start` s and name no end.
 
     Raises
     ------
     ParameterError
-        If the curve has no end.
+        If the curve has no end, or it comes before the start.
     """
     if march.end == np.inf:
         raise ParameterError("until", None, "a time, s, on a curve without end")
+    if start >= march.end:
+        raise ParameterError("start", start, f"earlier than the end of the curve, {march.end:g} s")
     return march.end

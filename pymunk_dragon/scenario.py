@@ -162,7 +162,7 @@ def _curve(values: Mapping[str, Any]) -> Curve:
     elif _is_file(kind):
         if "points" in given:
             raise ParameterError("points", given["points"], f"absent where the curve is a file, {kind}")
-        kind, given["points"] = "sampled", Sampled.read(kind).points
+        kind, given["points"] = "sampled", _points(kind)
     if not (isinstance(kind, str) and kind in CURVES):
         raise ParameterError("curve", kind, ALLOWED_CURVE)
     make, own = CURVES[kind]
@@ -208,3 +208,13 @@ def _values(march: March) -> dict[str, Any]:
 
 def _is_file(value: object) -> bool:
     return isinstance(value, str | Path) and Path(value).suffix.lower() == CSV
+
+
+def _points(path: str) -> Any:
+    """Points of a path in a CSV file, which the user named as the curve."""
+    try:
+        return Sampled.read(path).points
+    except ParameterError as error:
+        if error.value == path:
+            raise ParameterError("curve", path, error.bound) from error
+        raise

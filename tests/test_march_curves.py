@@ -350,3 +350,90 @@ def test_engine_and_certificate_agree_on_the_first_contact_where_the_path_crosse
     exact, run = first_contact(march), simulate(march)
     assert run.first_contact.benches == exact.benches
     assert run.first_contact.time == pytest.approx(exact.time, abs=2e-3)
+
+
+# A hairpin too tight for a bench of a metre: its handle loses its place and has one again further on.
+TIGHT = Composite(
+    [
+        Line(stop=(3, 0)),
+        Arc(centre=(3, 0.45), radius=0.45, begin_angle=-np.pi / 2, sweep=np.pi),
+        Line(start=(3, 0.9), stop=(-9, 0.9)),
+    ]
+)
+
+
+@pytest.mark.parametrize(("benches", "width"), [(2, 0.05), (4, 0.05), (4, 0.6)])
+def test_what_comes_after_a_spell_without_a_place_is_not_certified(benches, width):
+    march = March(Dragon(benches=benches, head_spacing=1.0, body_spacing=0.5, overhang=0.05, width=width), TIGHT)
+    hit = first_contact(march)
+    times = np.linspace(0, march.end, 20_001)
+    lost = np.isnan(march.places(times)).any(axis=1)
+    assert lost.any()
+    assert not lost[-1]
+    assert hit.status == "unreachable"
+    assert times[np.argmax(lost) - 1] <= hit.time < times[np.argmax(lost)]
+
+
+def test_the_end_of_a_curve_is_reached_whatever_rounding_does():
+    for speed in np.linspace(0.5, 1.5, 40):
+        march = March(
+            Dragon(benches=3, head_spacing=1.0, body_spacing=0.5, overhang=0.1), Line(stop=(7.7, 0.3)), speed=speed
+        )
+        hit = first_contact(march)
+        assert (hit.status, hit.time) == ("clear", march.end)
+
+
+def test_a_path_that_soon_becomes_too_tight_is_not_searched_for_minutes():
+    arm = Dragon(benches=5, head_spacing=1.0, body_spacing=1.0, overhang=0.1, width=0.1)
+    angles = np.linspace(-np.pi / 2, np.pi / 2, 12)[1:-1]
+    bend = np.stack([6 + 0.4 * np.cos(angles), 0.4 + 0.4 * np.sin(angles)], axis=-1)
+    path = Sampled(np.concatenate([[[x, 0] for x in range(7)], bend, [[x, 0.8] for x in range(6, -1, -1)]]))
+    hit = first_contact(March(arm, path))
+    assert hit.status == "unreachable"
+
+
+class Plain:
+    """A straight line by somebody who makes short work of it."""
+
+    begin, end = 0, 20
+
+    def point(self, s):
+        return np.moveaxis(np.array([s, np.zeros_like(s)]), 0, -1)
+
+    def tangent(self, s):
+        return np.broadcast_to([1, 0], (*np.shape(s), 2))
+
+    def curvature(self, s):
+        return 0
+
+    def sharpest(self, s, other):
+        return 0
+
+
+def test_a_users_curve_may_answer_with_single_numbers_in_any_layout():
+    march = March(SMALL, Plain())
+    places = march.places([0.0, 1.0])
+    assert places[1] - places[0] == pytest.approx(np.ones(13), abs=1e-12)
+    assert first_contact(march, until=5.0).status == "clear"
+
+
+def test_times_before_and_after_a_curve_are_told_apart():
+    march = March(Dragon(benches=4, head_spacing=1.0, body_spacing=1.0), Line(stop=(10, 0)), start=5.0)
+    for time, words in (
+        (-2.5, "the curve begins less than"),
+        (-6, "the curve begins at t = -5 s"),
+        (6, "ends at t = 5"),
+    ):
+        with pytest.raises(UnreachableError) as caught:
+            march.at(time)
+        assert_says(caught.value, words)
+    for ask in (first_contact, simulate):
+        with pytest.raises(ParameterError) as caught:
+            ask(march, start=100.0)
+        assert_says(caught.value, "start is 100.0, but must be earlier than the end of the curve, 5 s")
+
+
+def test_a_turn_whose_ways_in_and_out_are_too_close_is_refused():
+    with pytest.raises(ParameterError) as caught:
+        March(curve=UTurn(pitch=0.1, radius=4.5))
+    assert_says(caught.value, "pitch is 0.1, but must be more than the width, 0.3 m")

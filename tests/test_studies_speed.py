@@ -111,6 +111,16 @@ def test_a_dragon_that_cannot_be_asked_about_is_refused() -> None:
     assert_says(caught.value, "alike")
     with pytest.raises(UnreachableError):
         max_speed(radius=4.0)
+    for dragon, sizes in (
+        (Dragon(), {"radius": 0.6}),
+        (
+            Dragon(benches=4, head_spacing=0.51, body_spacing=0.47, overhang=0.01, width=0.05),
+            {"pitch": 2.4, "radius": 0.632, "ratio": 0.185},
+        ),
+    ):
+        with pytest.raises(ParameterError) as caught:
+            max_speed(dragon, **sizes)
+        assert_says(caught.value, "radius is 0.6", "must be large enough for")
 
 
 def test_program_answers_in_words_and_in_json(answer: MaxSpeed, capsys: pytest.CaptureFixture[str]) -> None:

@@ -51,6 +51,8 @@ WINDOW = 128
 BLUR = 4
 # m of the head's way, and its last digits. Shorter stretches are decided by their middle: positions are no more exact.
 RESOLUTION, LAST_DIGITS = 1e-12, 4
+# m. Nobody looks for a shorter spell in which the chain has no place.
+FOLLOWED = 1e-9
 # Where so few pairs are left, stretches are halved this often before the next look, which costs NumPy as much for one.
 FEW, HALVINGS = 8, 3
 # Smallest gaps below this share of a bench's width are near misses: 1 cm at the contest's 0.3 m.
@@ -61,6 +63,8 @@ NEAR_STRETCH = 0.4
 NEAR_POINTS, NEAR_PASSES = 17, 8
 # Handles placed together for that: 20 MB of corners.
 NEAR_HANDLES = 300_000
+# Moments looked at together, on the way to the last one at which the chain has a place.
+LAST_POINTS = 33
 # m of head's way, and share of its bracket: so close to an end of it a gap is not smallest, but falls beyond.
 NEAR_END, NEAR_END_SHARE = 1e-9, 1e-6
 
@@ -177,6 +181,9 @@ def first_contact(
     start, until = checked_times(march, start, until)
     steady = March(march.dragon, march.curve, start=march.head_start)
     begin, end = march.way([start, until]).tolist()
+    if until == march.end:
+        # Not a rounding beyond it.
+        end = steady.end
 
     def tell(cleared: float, last: float) -> None:
         if progress is not None:
@@ -192,7 +199,7 @@ def first_contact(
 def checked_times(march: March, start: float, until: float | None) -> tuple[float, float]:
     """Both as floats, `until` by default the end of the curve; a `ParameterError` if the one is not after the other."""
     start = finite("start", start, -np.inf, np.inf, "s")
-    until = last_time(march) if until is None else finite("until", until, -np.inf, np.inf, "s")
+    until = last_time(march, start) if until is None else finite("until", until, -np.inf, np.inf, "s")
     if until <= start:
         raise ParameterError("until", until, f"later than the start, {start:g} s")
     return start, until
@@ -274,11 +281,19 @@ class _Search:
                 break
             except UnreachableError as error:
                 # It had a place at both ends and in the middle of some stretch, but not all the time between.
-                later = error.time
+                later = min(error.time, self._hit)
                 times = times[times < later]
+                if later == self._hit:
+                    times = np.append(times, later)
+                # What touches later, touches where no motion of the chain leads to.
+                self._hit = later if later == self._hit else np.inf
         if last == later or self._hit < np.inf:
             return last
-        end = _last_placed(self._march, last, later)
+        # The first moment seen at which it has none: beyond it the chain may have another place.
+        following = float(times[np.searchsorted(times, last, side="right")]) if last < times[-1] else later
+        moments = np.array([(last + following) / 2, following])
+        lost = np.isnan(self._march.places(moments)).any(axis=1)
+        end = _last_placed(self._march, last, float(moments[lost.argmax()]) if lost.any() else later)
         return self._clear_as_far_as_placed(np.array([last, end]), everyone) if end > last else last
 
     def _clear(self, times: Array, everyone: bool) -> float:
@@ -292,6 +307,7 @@ class _Search:
         if not stretches.begins.size:
             return last
         motion = Motion(march, stretches)
+        whole, doubtful = stretches, ~motion.followed
         rows, pairs = motion.candidates(self._near, everyone=everyone)
         sampled = np.zeros(rows.size, dtype=bool)
         while rows.size:
@@ -321,7 +337,21 @@ class _Search:
                     rows, pairs = np.concatenate([rows, rows + chosen.size]), np.concatenate([pairs, pairs])
                     sampled = np.concatenate([sampled, sampled])
                 motion = Motion(march, stretches)
+        self._follow(whole, doubtful)
         return last
+
+    def _follow(self, stretches: Stretches, doubtful: Flags) -> None:
+        """Make sure that the chain has a place all the time until it touches; an `UnreachableError` where it has none.
+
+        In these stretches some benches are `doubtful` (T, N).
+        """
+        while True:
+            doubtful = doubtful & (stretches.begins < self._hit)[:, None]
+            if not doubtful.any() or stretches.lengths[0] <= FOLLOWED:
+                return
+            last = int(np.flatnonzero(doubtful.any(axis=0))[-1])
+            stretches = stretches.halved(self._march, np.flatnonzero(doubtful.any(axis=1)), last + 2)
+            doubtful = ~Motion(self._march, stretches).followed
 
     def _note(self, times: Array, pairs: Indices, distances: Array) -> None:
         """Note what was looked at, and the earliest touch."""
@@ -377,11 +407,12 @@ def _overlapping(march: March, places: Array) -> tuple[int, int] | None:
 
 def _last_placed(march: March, placed: float, later: float) -> float:
     """Last moment from `placed` on, at which the chain has a place, before one at which it has not, or `later`."""
-    while later - placed > RESOLUTION and placed < (middle := (placed + later) / 2) < later:
-        if np.isnan(march.places(middle)).any():
-            later = middle
-        else:
-            placed = middle
+    while later - placed > RESOLUTION and placed < (placed + later) / 2 < later:
+        times = np.linspace(placed, later, LAST_POINTS)
+        lost: Flags = np.isnan(march.places(times)[:, -1])
+        lost[-1] = True
+        first = max(1, int(lost.argmax()))
+        placed, later = float(times[first - 1]), float(times[first])
     return placed
 
 

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from pymunk_dragon.collision.grid import MAX_CELL, MIN_CELL, Grid
 from pymunk_dragon.collision.sat import Separation, separation
-from pymunk_dragon.curves import frame
+from pymunk_dragon.curves.base import frame, sharpest
 from pymunk_dragon.dragon import bench_poses
 from pymunk_dragon.march import March
 
@@ -167,7 +167,7 @@ class Motion:
         self.rounding = max(ROUNDING, LAST_DIGITS * float(np.spacing(longest)))
         # Where all holes go forward, a bench stays between where its rear hole begins and its front hole ends.
         rears, fronts = stretches.first_places[:, 1:], stretches.last_places[:, :-1]
-        self._bends = march.curve.sharpest(rears - self.rounding, fronts + self.rounding)
+        self._bends = sharpest(march.curve, rears - self.rounding, fronts + self.rounding)
         self._front_turns, self._rear_turns = self._turns()
         self.ways, self._rates = self._bounds(stretches)
 
@@ -197,7 +197,7 @@ class Motion:
         # A hole pushed further than this is not followed: no bound is known on how the path bends there.
         longest = ways[:, 0] + self._spacings.sum()
         reach = longest[:, None] + self.rounding
-        self._bends[rows] = self._march.curve.sharpest(places[:, 1:] - reach, places[:, :-1] + reach)
+        self._bends[rows] = sharpest(self._march.curve, places[:, 1:] - reach, places[:, :-1] + reach)
         for bench, spacing in enumerate(self._spacings):
             front, rear = self._front_turns[rows, bench], self._rear_turns[rows, bench]
             rates = _rates(front, rear, ways[:, bench], self._bends[rows, bench], spacing)
@@ -209,6 +209,11 @@ class Motion:
                 ways[:, bench + 1 :] = np.inf
                 break
         return ways
+
+    @property
+    def followed(self) -> Flags:
+        """Benches (T, N) that are known to have a place all the time, if those before them have."""
+        return self._rates.known & np.isfinite(self.ways[:, 1:])
 
     def separations(self, rows: Indices, pairs: Indices) -> Separation:
         """Separations of `pairs` (P, 2) of benches in the middles of the stretches `rows` (P,)."""

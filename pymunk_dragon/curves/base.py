@@ -7,7 +7,7 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["Array", "Curve", "frame"]
+__all__ = ["Array", "Curve", "frame", "sharpest"]
 
 Array = NDArray[np.float64]
 
@@ -83,5 +83,10 @@ def frame(curve: Curve, s: ArrayLike) -> tuple[Array, Array]:
     """Points and tangents of a curve, each (..., 2); at once where it has a method `frame`, which costs less."""
     own = getattr(curve, "frame", None)
     points, tangents = own(s) if own is not None else (curve.point(s), curve.tangent(s))
-    # A user's curve may answer with lists, or lay its numbers out in another order.
+    # A user's curve may lay its numbers out in another order, or not own them.
     return np.ascontiguousarray(points, dtype=float), np.ascontiguousarray(tangents, dtype=float)
+
+
+def sharpest(curve: Curve, s: Array, other: Array) -> Array:
+    """A curve's bound on its curvature between places, as an array of their shape that is the caller's own."""
+    return np.array(np.broadcast_to(curve.sharpest(s, other), np.broadcast_shapes(s.shape, other.shape)), dtype=float)

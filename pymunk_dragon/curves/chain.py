@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from pymunk_dragon.curves.base import Array, Curve, frame
+from pymunk_dragon.curves.base import Array, Curve, frame, sharpest
 from pymunk_dragon.curves.composite import Composite
 from pymunk_dragon.curves.section import Section
 from pymunk_dragon.curves.spiral import Spiral
@@ -21,7 +21,7 @@ SETTLED = 1e-10
 # A share of a chord that is no step any more: there the straight distance has its maximum.
 SMALLEST_STEP = 1e-9
 # Steps after which a path that bends too sharply to be followed any further has no place.
-MAX_STEPS = 10_000
+MAX_STEPS = 1_000
 # Chords that are looked ahead for the sharpest bend when the growth of a distance is followed.
 LOOK = 0.25
 # m. So close to where a foot was supposed to be, the path leaves its tangent by a few 1e-11 m.
@@ -56,7 +56,7 @@ def chain(curve: Curve, s: ArrayLike, spacings: ArrayLike) -> Array:
     chords = np.asarray(spacings, dtype=float)
     places = np.full((np.size(s), chords.size + 1), np.nan)
     places[:, 0] = s
-    fronts = curve.point(places[:, 0])
+    fronts = np.array(curve.point(places[:, 0]), dtype=float)
     places[np.isnan(fronts[:, 0]), 0] = np.nan
     way_in = _WayIn(curve, places)
     for i, chord in enumerate(chords.tolist()):
@@ -143,7 +143,7 @@ def _behind(curve: Curve, s: Array, fronts: Array, chord: float) -> tuple[Array,
     On a path that bends no more than a circle with the chord as its diameter, the distance grows until the way is that
     circle's half, and the way to the place is no longer than along the circle's arc.
     """
-    sine = curve.sharpest(s - np.pi / 2 * chord, s) * chord / 2
+    sine = sharpest(curve, s - np.pi / 2 * chord, s) * chord / 2
     gentle = sine < 1
     # At least one last digit, so that a straight line has its place in it.
     longest = np.where(gentle, np.arcsin(np.where(gentle, sine, 0.0)) / np.where(sine > 0, sine, 1.0), 1.0)
@@ -193,15 +193,17 @@ def _bracket(curve: Curve, s: Array, fronts: Array, chord: float) -> tuple[Array
     """
     before, way = np.zeros(s.shape), np.zeros(s.shape)
     distance, growth = np.zeros(s.shape), np.zeros(s.shape)
-    rows = np.arange(s.size)
+    rows, looks = np.arange(s.size), np.full(s.shape, LOOK * chord)
     for _ in range(MAX_STEPS):
-        at, look = way[rows], LOOK * chord
-        bend = np.maximum(curve.sharpest(s[rows] - at, s[rows] - at - look), SMALLEST_STEP / chord)
+        at, look = way[rows], looks[rows]
+        bend = np.maximum(sharpest(curve, s[rows] - at, s[rows] - at - look), SMALLEST_STEP / chord)
         slope = 1 - bend * distance[rows]
         # The positive root, without cancellation.
         total = np.abs(slope) + np.sqrt(slope**2 + 4 * bend * growth[rows])
         step = np.minimum(np.where(slope > 0, total / (2 * bend), 2 * growth[rows] / total), look)
         before[rows], way[rows] = at, at + step
+        # Where steps are short, a bound on what bends much further ahead would only shorten them.
+        looks[rows] = np.minimum(4 * step, LOOK * chord)
         points, tangents = frame(curve, s[rows] - way[rows])
         between = fronts[rows] - points
         distance[rows], growth[rows] = np.hypot(between[..., 0], between[..., 1]), _dot(between, tangents)

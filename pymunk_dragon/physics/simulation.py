@@ -93,7 +93,7 @@ def simulate(
         If the engine's chain flew apart.
     """
     if until is None:
-        until = last_time(march)
+        until = last_time(march, finite("start", start, -MAX_TIME, MAX_TIME, "s"))
     _check(contacts, start, until, iterations)
     fastest = top_speed(march, start, until)
     substep = STRIDE / fastest if substep is None else substep

@@ -129,7 +129,13 @@ def max_speed(
         raise ParameterError("dragon", dragon, "one whose benches but the head are alike")
     curve = UTurn(pitch=pitch, radius=radius, ratio=ratio)
     head, body = dragon.spacings[:2].tolist()
-    search = _Search(March(dragon, curve))
+    try:
+        march = March(dragon, curve)
+    except ParameterError as error:
+        if error.name != "start":
+            raise
+        raise ParameterError("radius", radius, "large enough for the dragon to stand at the circle") from error
+    search = _Search(march)
     head_out = _out(search.march, 1, head)
     search.run(0.0, head_out)
     # Once the head is out, what follows it does what benches alike do while the first of them goes on by one bench.
@@ -211,6 +217,8 @@ class _Search:
         points, tangents = (part.view(complex)[..., 0] for part in frame(self.curve, middle))
         facing = ((points[:, :-1] - points[:, 1:]) / spacings).conj()
         front, rear = np.angle(tangents[:, :-1] * facing), np.angle(tangents[:, 1:] * facing)
+        if np.any(np.abs(front) >= QUARTER):
+            raise ParameterError("radius", self.curve.radius, "large enough for every hole to go forward all the time")
         # While both holes go forward they stay between their places at the ends, and no bench turns by more than both
         # of them go, over its spacing.
         ways = np.maximum(middle - first, last - middle)
