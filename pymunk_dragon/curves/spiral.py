@@ -133,7 +133,9 @@ class Spiral:
         """Positions and unit vectors in the direction of travel, each (..., 2)."""
         theta = self.angle(s)
         direction = _direction(theta)
-        return self._placed(self.k * theta * direction), self._placed(self._tangent(theta, direction))
+        return self._placed(self.k * theta * direction), self._placed(
+            self._tangent(theta, direction, np.hypot(theta, 1))
+        )
 
     def curvature(self, s: ArrayLike) -> Array:
         """Curvature (...) in 1/m, positive to the left: the paper's spiral bends to the right."""
@@ -172,9 +174,11 @@ class Spiral:
         # Close enough to tell the turn: the angle at `near` to a few hundredths, but for the innermost turn.
         about = np.sqrt(2 / self.k * np.abs(near))
         theta = bearing + TURN * np.rint((about - bearing) / TURN)
+        rise = np.hypot(theta, 1)
         direction = z / np.abs(z)
-        tangents = self._tangent(theta, direction)
-        place = self.arc(theta)
+        tangents = self._tangent(theta, direction, rise)
+        # The arc length of eq. 3-5; a logarithm costs less than its arcsinh.
+        place = self.k / 2 * (theta * rise + np.log(theta + rise))
         return place if self.outward else -place, self._placed(self.k * theta * direction), self._placed(tangents)
 
     def _length(self, s: ArrayLike) -> Array:
@@ -196,10 +200,13 @@ class Spiral:
         curvature: Array = (square + 2) / (self.k * (square + 1) ** 1.5)
         return curvature
 
-    def _tangent(self, theta: Array, direction: Complex) -> Complex:
-        """Tangents before the spiral is mirrored and turned, where `direction` points away from the centre."""
+    def _tangent(self, theta: Array, direction: Complex, rise: Array) -> Complex:
+        """Tangents before the spiral is mirrored and turned, where `direction` points away from the centre.
+
+        The spiral goes `rise` times k for each radian.
+        """
         ahead = np.empty(theta.shape, dtype=complex)
-        ahead.real = (1 if self.outward else -1) / np.hypot(theta, 1)
+        ahead.real = (1 if self.outward else -1) / rise
         ahead.imag = theta * ahead.real
         ahead *= direction
         return ahead

@@ -73,7 +73,7 @@ class Rails:
         dragon = march.dragon
         self.carriers = [pymunk.Body(body_type=pymunk.Body.KINEMATIC) for _ in range(1, dragon.benches)]
         self._curve = march.curve
-        self._half = dragon.spacings[1:] / 2
+        self._half, self._over_spacings = dragon.spacings[1:] / 2, 1 / dragon.spacings[1:]
         state = march.at(start)
         # Places of the rear holes: they tell on which of the curve's turns each hole is, no more. And their speeds.
         self._places, self._paces = state.places[0, 2:].copy(), state.speeds[0, 2:].copy()
@@ -99,16 +99,15 @@ class Rails:
         headings = self._headings
         np.cos(poses[1:, 2], out=headings.real)
         np.sin(poses[1:, 2], out=headings.imag)
-        rear_holes = (self._half * headings).view(float).reshape(-1, 2)
-        np.subtract(poses[1:, :2], rear_holes, out=rear_holes)
+        rear_holes = _complex(poses[1:, :2]) - self._half * headings
         near = self._places + self._substep * self._paces
-        self._places, feet, tangents = foot(self._curve, rear_holes, near)
-        carriers[:, 0] = feet[:, 0] - PIN_LENGTH * tangents[:, 1]
-        carriers[:, 1] = feet[:, 1] + PIN_LENGTH * tangents[:, 0]
-        motion = self._handed_on(hinge_velocity, tangents.view(complex)[:, 0])
+        self._places, feet, directions = foot(self._curve, rear_holes.view(float).reshape(-1, 2), near)
+        tangents = _complex(directions)
+        np.add(_complex(feet), 1j * PIN_LENGTH * tangents, out=_complex(carriers))
+        motion = self._handed_on(hinge_velocity, tangents)
         before = motion if self._motion is None else self._motion
         push, efforts[1:, 2] = self._efforts * (motion - self._kept * before)
-        efforts[1:, 0], efforts[1:, 1] = push * headings.real, push * headings.imag
+        np.multiply(push, headings, out=_complex(efforts[1:, :2]))
         self._motion = motion
 
     def _handed_on(self, hinge_velocity: Array, tangents: Complex) -> Array:
@@ -127,5 +126,10 @@ class Rails:
         motion = np.empty((2, rear.size))
         motion[0] = front.real
         np.subtract(front.imag, self._paces * rear.imag, out=motion[1])
-        motion[1] /= 2 * self._half
+        motion[1] *= self._over_spacings
         return motion
+
+
+def _complex(vectors: Array) -> Complex:
+    """Vectors (N, 2) as complex numbers (N,), in the same memory: NumPy then calls once for both components."""
+    return vectors.view(complex)[:, 0]
