@@ -3,7 +3,9 @@
 Looking at the dragon every so often and bisecting misses a contact that opens again between two looks. Here a stretch
 of time is cleared only by proof: where two benches are in its middle, and how far each may move from there within it
 (`motion.py`), leave a gap between them. A stretch that is not cleared is halved, down to a picosecond: conservative
-advancement (B. Mirtich, "Impulse-based Dynamic Simulation of Rigid Body Systems", 1996) on all pairs at once.
+advancement (B. Mirtich, "Impulse-based Dynamic Simulation of Rigid Body Systems", 1996) on all pairs at once. A stretch
+at whose ends the chain has a place, but perhaps not all the time between, is halved as well: nothing is said of what
+comes after a bench would have to jump.
 
 How fast the head goes does not matter: where the dragon is depends on nothing but how far the head has gone. So the
 search goes by that way, and times are only worked out of it in the end.
