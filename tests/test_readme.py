@@ -37,7 +37,7 @@ def test_snippets_run_and_print_what_they_say(tmp_path, monkeypatch, capsys, gol
     out = capsys.readouterr().out
     assert "[ 5.79920903 -5.77109234]" in out
     assert "benches=(0, 8)" in out
-    assert "time=412.473" in out
+    assert "time=412.4738" in out
     assert (tmp_path / "last_seconds.gif").exists()
     with Image.open(tmp_path / "debug_draw.png") as picture:
         golden(picture, str(ROOT / "renders" / "debug_draw"), share=PILE_SHARE)

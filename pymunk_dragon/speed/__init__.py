@@ -19,4 +19,6 @@ def speed_of(value: object) -> Speed:
     """
     if isinstance(value, Speed):
         return value
-    return SpeedFunction(value) if callable(value) else ConstantSpeed(value)  # type: ignore[arg-type]  # checks it
+    if callable(value):
+        return SpeedFunction(value)
+    return ConstantSpeed(value)  # type: ignore[arg-type]  # ConstantSpeed refuses what is no number.

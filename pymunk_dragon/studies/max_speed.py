@@ -114,12 +114,14 @@ def max_speed(
     Returns
     -------
     MaxSpeed
-        Its speed is right to 1e-11 of itself: the largest ratio is enclosed, for all times and all handles.
+        Its speed is right to `excess` of itself, which is 1e-11 but in turns as gentle as the way out: the largest
+        ratio is enclosed, for all times and all handles.
 
     Raises
     ------
     ParameterError
-        If a number cannot be used, or the benches behind the head differ.
+        If a number cannot be used, the benches behind the head differ, or the circle is so small that the dragon
+        cannot stand at it or a bench is pushed back.
     UnreachableError
         If the dragon does not fit round the turn.
     """
