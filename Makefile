@@ -26,7 +26,7 @@ $(VENV)/report: $(VENV)/core
 	@touch $@
 
 $(VENV)/all: $(VENV)/core
-	$(BIN)/pip install --quiet --editable '.[curves,figures,mp4,report,test,lint]'
+	$(BIN)/pip install --quiet --editable '.[curves,demos,figures,mp4,report,test,lint]'
 	@touch $@
 
 render: runs films figures ## play the dragon in Pymunk, film it, draw the figures, and write a page that plays it

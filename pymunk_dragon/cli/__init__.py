@@ -11,6 +11,7 @@ import sys
 import click
 
 from pymunk_dragon.cli.contact import contact
+from pymunk_dragon.cli.demo import demo
 from pymunk_dragon.cli.figure import figure
 from pymunk_dragon.cli.options import PROGRAM
 from pymunk_dragon.cli.positions import positions
@@ -65,5 +66,5 @@ def cli() -> None:
     """A bench dragon on its spiral: where it is, how fast, and when it runs into itself."""
 
 
-for command in (positions, contact, simulate, render, figure, report, study):
+for command in (positions, contact, simulate, render, figure, report, study, demo):
     cli.add_command(command)

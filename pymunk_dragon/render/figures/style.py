@@ -31,6 +31,7 @@ __all__ = [
     "SHARED",
     "WIDE_HALO",
     "blend",
+    "chart",
     "halo",
     "page",
     "panel",
@@ -129,6 +130,13 @@ def page(width: float, height: float, title: str, subtitle: str = "") -> Figure:
     figure.text(x, 1 - TITLE_DEPTH / height, title, size=TITLE_SIZE)
     figure.text(x, 1 - SUBTITLE_DEPTH / height, subtitle, color=QUIET)
     return figure
+
+
+def chart(width: float, height: float) -> Figure:
+    """An empty picture of so many inches, in which axes find their places by themselves."""
+    from pymunk_dragon.render.figures.shown import ShownFigure
+
+    return ShownFigure(figsize=(width, height), dpi=DPI, layout="constrained")
 
 
 def panel(figure: Figure, left: float, bottom: float, width: float, height: float, **options: Any) -> Axes:

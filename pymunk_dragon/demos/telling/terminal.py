@@ -1,0 +1,155 @@
+"""A lesson as lines of text."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import shutil
+import sys
+import tempfile
+import unicodedata
+from collections.abc import Iterator, Sequence
+from functools import cached_property
+from pathlib import Path
+from typing import NoReturn
+
+from pymunk_dragon.demos.telling.catalogue import LANGUAGES, entry, word
+from pymunk_dragon.errors import ParameterError
+
+__all__ = ["Terminal", "wrapped"]
+
+# Columns of text: longer lines are hard to read, however wide the terminal.
+MAX_COLUMNS = 88
+INDENT = "  "
+BOLD, PLAIN = "\x1b[1m", "\x1b[0m"
+# Unicode categories of what belongs to the character before, as stops do, and to the one behind, as brackets that open.
+CLOSING, OPENING = ("Pe", "Pf", "Po"), ("Ps", "Pi")
+
+
+class Terminal:
+    """Tells a lesson on stdout.
+
+    Parameters
+    ----------
+    save : path, optional
+        Folder for the picture, made if it does not exist; by default a new one among the system's temporary files.
+    language : str
+        One of `LANGUAGES`.
+    pause : bool
+        Whether to wait for Enter once the class has been asked to predict.
+
+    Raises
+    ------
+    ParameterError
+        If there is no such language, or no such folder can be made.
+    """
+
+    def __init__(self, save: str | Path | None = None, language: str = "en", pause: bool = False) -> None:
+        if language not in LANGUAGES:
+            raise ParameterError("lang", language, "one of " + ", ".join(LANGUAGES))
+        self._save, self._language, self._pause = save, language, pause
+        if save is not None:
+            _ = self.folder
+
+    @classmethod
+    def of_program(cls, arguments: Sequence[str]) -> Terminal:
+        """What the arguments of a lesson's own program say; wrong ones end it with one line and exit code 2."""
+        parser = _Parser(prog=Path(arguments[0]).name, description="A lesson of the bench dragon.")
+        parser.add_argument("--save", metavar="DIR", help="folder for the picture")
+        parser.add_argument("--lang", default="en", help="language of the text: " + ", ".join(LANGUAGES))
+        parser.add_argument("--pause", action="store_true", help="wait for Enter before it shows what happens")
+        chosen = parser.parse_args(arguments[1:])
+        try:
+            return cls(chosen.save, chosen.lang, chosen.pause)
+        except ParameterError as error:
+            parser.error(str(error))
+
+    @cached_property
+    def folder(self) -> Path:
+        """Where the lesson's picture is written."""
+        if self._save is None:
+            return Path(tempfile.mkdtemp(prefix="pymunk-dragon-"))
+        folder = Path(self._save)
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise ParameterError("save", str(folder), f"a folder that can be written ({error.strerror})") from error
+        return folder
+
+    def say(self, lesson: str, part: str, english: str) -> None:
+        """Tell a part of a lesson, below its name."""
+        text = entry(lesson, part, self._language, english)
+        if part == "title":
+            print(_bold(text))
+        else:
+            self._paragraph(part, text)
+        if part == "predict":
+            print(flush=True)
+            if self._pause:
+                input(word("pause", self._language) + " ")
+
+    def show(self, lesson: str, picture: Path, english: str) -> None:
+        """Say where a picture is, and what it shows."""
+        self._paragraph("picture", entry(lesson, "picture", self._language, english))
+        print(INDENT + str(picture))
+
+    def end(self, lesson: str) -> None:
+        """Say which lesson is the next."""
+        from pymunk_dragon.demos.telling.order import after
+
+        if (following := after(lesson)) is not None:
+            print(f"\n{word('next', self._language)}: pymunk-dragon demo {following}")
+
+    def _paragraph(self, part: str, text: str) -> None:
+        columns = min(shutil.get_terminal_size((MAX_COLUMNS, 0)).columns, MAX_COLUMNS) - len(INDENT)
+        print("\n" + _bold(word(part, self._language)))
+        for line in wrapped(text, columns):
+            print(INDENT + line)
+
+
+class _Parser(argparse.ArgumentParser):
+    """Complains in one line."""
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(2, f"{self.prog}: {message}\n")
+
+
+def wrapped(text: str, columns: int) -> Iterator[str]:
+    """Lines of `text` at most so many columns wide; Chinese characters take two, and may stand on lines of their own."""
+    line, used = "", 0
+    for piece in _pieces(" ".join(text.split())):
+        needed = _width(piece)
+        if used + _width(piece.rstrip()) > columns and line:
+            yield line.rstrip()
+            line, used = "", 0
+        line, used = line + piece, used + needed
+    yield line.rstrip()
+
+
+def _pieces(text: str) -> Iterator[str]:
+    """What may not be broken: words with the space behind them, wide characters with stops and brackets about them."""
+    piece = ""
+    for character in text:
+        if piece and _may_break(piece[-1], character):
+            yield piece
+            piece = ""
+        piece += character
+    yield piece
+
+
+def _may_break(before: str, behind: str) -> bool:
+    if behind == " " or unicodedata.category(behind) in CLOSING or unicodedata.category(before) in OPENING:
+        return False
+    return before == " " or _wide(before) or _wide(behind)
+
+
+def _width(text: str) -> int:
+    return sum(1 + _wide(character) for character in text)
+
+
+def _wide(character: str) -> bool:
+    return unicodedata.east_asian_width(character) in "WF"
+
+
+def _bold(text: str) -> str:
+    return f"{BOLD}{text}{PLAIN}" if sys.stdout.isatty() and "NO_COLOR" not in os.environ else text
