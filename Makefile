@@ -25,6 +25,10 @@ $(VENV)/report: $(VENV)/core
 	$(BIN)/pip install --quiet --editable '.[report]'
 	@touch $@
 
+$(VENV)/demos: $(VENV)/core
+	$(BIN)/pip install --quiet --editable '.[demos]'
+	@touch $@
+
 $(VENV)/all: $(VENV)/core
 	$(BIN)/pip install --quiet --editable '.[curves,demos,figures,mp4,report,test,lint]'
 	@touch $@
@@ -84,12 +88,12 @@ bench: $(VENV)/all ## measure the figures that README quotes
 	$(BIN)/python tests/bench/bench_answers.py
 	$(BIN)/python tests/bench/bench_player.py
 	$(BIN)/python tests/bench/bench_debug_draw.py
+	$(BIN)/python tests/bench/bench_lessons.py
 
-demos: $(VENV)/core ## the lessons: a head that only pulls, and a contact that a scan misses
-	$(DRAGON) simulate --guide none
-	$(DRAGON) contact --width 0.301
-	$(DRAGON) contact --width 0.301 --method grid
+demos: $(VENV)/demos ## play all lessons, and put them on one page: renders/lessons.html
+	$(DRAGON) demo -o renders/lessons.html
+	@echo "open renders/lessons.html in a browser, or play a lesson here: $(DRAGON) demo spiral"
 
 clean: ## remove what the targets made, but not the gallery
-	rm -rf $(VENV) .venv-* renders/*.npz renders/report.html renders/march.html .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache
+	rm -rf $(VENV) .venv-* renders/*.npz renders/*.html .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -12,15 +12,17 @@ __all__ = ["library"]
 # What needs it, and the extra that brings it.
 FEATURES = {
     "imageio_ffmpeg": ("an MP4", "mp4"),
-    "jinja2": ("an HTML report", "report"),
+    "jinja2": ("an HTML page", "report"),
     "matplotlib": ("a figure", "figures"),
-    "scipy.interpolate": ("a path through points", "curves"),
+    "nbformat": ("a notebook", "demos"),
+    "pygments": ("a page of lessons", "demos"),
+    "scipy": ("a path through points", "curves"),
     "xlsxwriter": ("an XLSX file", "report"),
 }
 
 
 def library(name: str) -> Any:
-    """A module of one of the extras.
+    """A module of one of the extras, as `library("scipy.interpolate")`.
 
     Raises
     ------
@@ -30,4 +32,4 @@ def library(name: str) -> Any:
     try:
         return import_module(name)
     except ImportError as error:
-        raise MissingExtraError(*FEATURES[name]) from error
+        raise MissingExtraError(*FEATURES[name.partition(".")[0]]) from error

@@ -1,16 +1,16 @@
-"""The lessons: one file each, which runs by itself."""
+"""The lessons: one file each, which is a program of its own. How they are told is in `telling`."""
 
 from collections.abc import Mapping
 from pathlib import Path
 
-from pymunk_dragon.demos.telling import LANGUAGES, Demo, Lesson, Stage, Terminal
+from pymunk_dragon.demos.telling import LANGUAGES, Demo, Lesson, Performance, Terminal, perform, write_lessons
 from pymunk_dragon.demos.telling.order import LESSONS
 
-__all__ = ["DEMOS", "LANGUAGES", "Demo", "Lesson", "Stage", "Terminal"]
+__all__ = ["DEMOS", "LANGUAGES", "Demo", "Lesson", "Performance", "Terminal", "perform", "write_lessons"]
 
-FOLDER = Path(__file__).parent
+# By name, in the order in which they are read.
 DEMOS: Mapping[str, Demo] = {
-    name: Demo.read(FOLDER / f"{name.replace('-', '_')}.py")
+    name: Demo.read(Path(__file__).parent / f"{name.replace('-', '_')}.py")
     for name in LESSONS
-    if (FOLDER / f"{name.replace('-', '_')}.py").exists()
+    if (Path(__file__).parent / f"{name.replace('-', '_')}.py").exists()
 }

@@ -11,8 +11,8 @@ lesson.question(
     "much room is left when it passes?"
 )
 lesson.predict(
-    "A hand's width, a finger's, or a sheet of cardboard's? And what would a program say that looks only once a second, "
-    "or an engine that is a millimetre off?"
+    "A hand's width, a finger's, or a sheet of cardboard's? And what would a program say that looks only once a "
+    "second, or an engine that is a millimetre off?"
 )
 
 # The exact model: the first contact, and every close call on the way to it.

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import json
 import re
-from base64 import b64encode
 from collections.abc import Callable, Mapping
-from hashlib import sha256
 from html import escape
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.files import check_destination, written_in_place
+from pymunk_dragon.pages import asset, policy
 from pymunk_dragon.player.colours import variables
 from pymunk_dragon.player.contents import player_data
 from pymunk_dragon.report.exact import exact_impact, with_exact_contact
@@ -93,20 +91,12 @@ def player_page(run: Run, *, title: str | None = None) -> str:
     data = player_data(run, impact)
     # Halves of surrogate pairs are no text that a file could hold.
     heading = (title or headline(found)).encode("utf-8", "replace").decode("utf-8")
-    style = variables() + _asset("player.css")
-    script = "".join(_asset(f"{name}.js") for name in SCRIPTS)
-    policy = (
-        "default-src 'none'",
-        f"script-src {_hash(script)}",
-        f"style-src {_hash(style)}",
-        "img-src data:",
-        "base-uri 'none'",
-        "form-action 'none'",
-    )
+    style = variables() + asset(__package__, "assets/player.css")
+    script = "".join(asset(__package__, f"assets/{name}.js") for name in SCRIPTS)
     return _filled(
-        _asset("player.html"),
+        asset(__package__, "assets/player.html"),
         {
-            "policy": "; ".join(policy),
+            "policy": policy(style, script),
             "title": escape(heading),
             "subtitle": escape(subtitle(found)),
             "origin": _origin(found),
@@ -120,17 +110,9 @@ def player_page(run: Run, *, title: str | None = None) -> str:
     )
 
 
-def _asset(name: str) -> str:
-    return files(__package__).joinpath("assets", name).read_text(encoding="utf-8")
-
-
 def _filled(template: str, values: Mapping[str, str]) -> str:
     """`template` with every {{name}} replaced at once, so that nothing within a value is taken for a name."""
     return PLACE.sub(lambda match: values[match[1]], template)
-
-
-def _hash(text: str) -> str:
-    return f"'sha256-{b64encode(sha256(text.encode('utf-8')).digest()).decode('ascii')}'"
 
 
 def _json(value: Any) -> str:

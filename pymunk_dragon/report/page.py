@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from base64 import b64encode
 from collections.abc import Iterable, Mapping
-from importlib.resources import files
 from typing import Any
 
-from pymunk_dragon.extras import library
+from pymunk_dragon.pages import filled
 from pymunk_dragon.report import charts, sections
 from pymunk_dragon.report.picture import Picture
 
@@ -27,15 +26,9 @@ def as_html(contents: Contents, pictures: Iterable[Picture] = ()) -> str:
     MissingExtraError
         If Jinja2 is not installed.
     """
-    jinja2 = library("jinja2")
-    environment = jinja2.Environment(
-        loader=jinja2.FunctionLoader(_source),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    text: str = environment.get_template("report.html.j2").render(
+    return filled(
+        __package__,
+        "report.html.j2",
         headline=sections.headline(contents),
         subtitle=sections.subtitle(contents),
         key_figures=sections.key_figures(contents),
@@ -45,8 +38,3 @@ def as_html(contents: Contents, pictures: Iterable[Picture] = ()) -> str:
         drift_chart=charts.drift_chart(contents),
         paper_rows=PAPER_ROWS,
     )
-    return text
-
-
-def _source(name: str) -> str:
-    return files(__package__).joinpath(name).read_text(encoding="utf-8")

@@ -1,10 +1,25 @@
 """How lessons are told: in a terminal, on a page, in a notebook, and in which language."""
 
-from pymunk_dragon.demos.telling.catalogue import LANGUAGES
+from pymunk_dragon.demos.telling.catalogue import LANGUAGES, PARTS, check_language
 from pymunk_dragon.demos.telling.demo import Demo
 from pymunk_dragon.demos.telling.lesson import Lesson
+from pymunk_dragon.demos.telling.notebook import notebook
+from pymunk_dragon.demos.telling.page import page
 from pymunk_dragon.demos.telling.performance import Performance, perform
-from pymunk_dragon.demos.telling.stage import Stage
 from pymunk_dragon.demos.telling.terminal import Terminal
+from pymunk_dragon.demos.telling.writing import endings, write_lessons
 
-__all__ = ["LANGUAGES", "Demo", "Lesson", "Performance", "Stage", "Terminal", "perform"]
+__all__ = [
+    "LANGUAGES",
+    "PARTS",
+    "Demo",
+    "Lesson",
+    "Performance",
+    "Terminal",
+    "check_language",
+    "endings",
+    "notebook",
+    "page",
+    "perform",
+    "write_lessons",
+]

@@ -7,13 +7,28 @@ from collections.abc import Mapping
 from functools import cache
 from importlib.resources import files
 
-__all__ = ["LANGUAGES", "PARTS", "entry", "word"]
+from pymunk_dragon.errors import ParameterError
+
+__all__ = ["LANGUAGES", "PARTS", "check_language", "entry", "with_code", "word"]
 
 LANGUAGES = ("en", "zh")
 # What a lesson says, in the order in which it says it.
 PARTS = ("title", "question", "predict", "picture", "answer", "check", "change")
 # The table of what all lessons share.
 WORDS = "words"
+
+
+def check_language(language: str) -> str:
+    """`language`, after making sure that there is a catalogue of it.
+
+    Raises
+    ------
+    ParameterError
+        If there is none.
+    """
+    if language not in LANGUAGES:
+        raise ParameterError("lang", language, "one of " + ", ".join(LANGUAGES))
+    return language
 
 
 def word(name: str, language: str) -> str:
@@ -27,6 +42,11 @@ def entry(lesson: str, part: str, language: str, english: str) -> str:
     A lesson that the catalogue does not know, as a student's own, says what it says in English.
     """
     return english if language == "en" else _catalogue(language).get(lesson, {}).get(part, english)
+
+
+def with_code(text: str) -> list[tuple[str, bool]]:
+    """Stretches of a text, and whether each stands between backticks, as names in the code do."""
+    return [(part, number % 2 == 1) for number, part in enumerate(text.split("`"))]
 
 
 @cache

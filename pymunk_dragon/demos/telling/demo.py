@@ -7,6 +7,7 @@ import runpy
 from dataclasses import dataclass
 from pathlib import Path
 
+from pymunk_dragon.demos.telling.catalogue import entry
 from pymunk_dragon.demos.telling.stage import Stage, on_stage
 
 __all__ = ["CODE", "Block", "Demo"]
@@ -78,11 +79,13 @@ class Demo:
         """The whole file."""
         return self.path.read_text(encoding="utf-8")
 
-    def said(self, part: str) -> str:
-        """What it says, in English: its title, question, ..."""
+    def said(self, part: str, language: str = "en") -> str:
+        """What it says: its title, question, ...; where the catalogue has no translation, in English."""
         if part in ("title", "picture"):
-            return self.title if part == "title" else self.picture
-        return next(block.text for block in self.blocks if block.kind == part)
+            english = self.title if part == "title" else self.picture
+        else:
+            english = next(block.text for block in self.blocks if block.kind == part)
+        return entry(self.name, part, language, english)
 
     def play(self, stage: Stage) -> None:
         """Run the file, and have the lesson told on `stage`."""

@@ -5,19 +5,25 @@ from __future__ import annotations
 import sys
 from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 from pymunk_dragon.demos.telling.notebook import InNotebook
 from pymunk_dragon.demos.telling.stage import Stage, stage
 from pymunk_dragon.demos.telling.terminal import Terminal
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from pymunk_dragon.files import written_in_place
 
 __all__ = ["Lesson"]
 
 # Inches of a picture with axes: so small that its type can be read on a phone.
 WIDTH, HEIGHT = 5.2, 3.7
+
+
+class Drawing(Protocol):
+    """A picture that can be written, as matplotlib's figures can."""
+
+    def savefig(self, fname: Path, /) -> None:
+        """Write it to a file."""
+        ...
 
 
 class Lesson:
@@ -69,7 +75,7 @@ class Lesson:
         """Where to write the lesson's picture or film: named after the lesson, with this ending, as ".gif"."""
         return self._stage.folder / f"{self.name}{ending}"
 
-    def subplots(self, rows: int = 1, columns: int = 1, **options: Any) -> tuple[Figure, Any]:
+    def subplots(self, rows: int = 1, columns: int = 1, **options: Any) -> tuple[Any, Any]:
         """An empty picture with axes, as `matplotlib.pyplot.subplots` gives it, in the house's colours and type.
 
         Raises
@@ -83,11 +89,11 @@ class Lesson:
         figure = chart(*options.pop("figsize", (WIDTH, HEIGHT)))
         return figure, figure.subplots(rows, columns, **options)
 
-    def show(self, picture: Path | Figure, text: str) -> None:
+    def show(self, picture: Path | Drawing, text: str) -> None:
         """Show a film that was written to `file`, or a picture with axes, and say what it shows."""
         if not isinstance(picture, Path):
-            with self._style:
-                picture.savefig(path := self.file(".png"))
+            with self._style, written_in_place(path := self.file(".png")) as draft:
+                picture.savefig(draft)
             picture = path
         self._stage.show(self.name, picture, text)
 

@@ -2,10 +2,66 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterator
 from importlib import import_module
 from pathlib import Path
 
-__all__ = ["InNotebook"]
+from pymunk_dragon.demos.telling.catalogue import with_code, word
+from pymunk_dragon.demos.telling.demo import CODE, Demo
+from pymunk_dragon.demos.telling.order import after
+from pymunk_dragon.extras import library
+
+__all__ = ["InNotebook", "notebook"]
+
+# Where a cell ends: before a paragraph of code that begins with a comment.
+PARAGRAPH = re.compile(r"\n{2,}(?=# )")
+# What stands above the code, and what stands below it and folded, so that nobody reads it too early.
+ABOVE, BELOW = ("question", "predict"), ("answer", "check", "change")
+
+
+def notebook(demo: Demo, language: str = "en") -> str:
+    """A lesson as the text of a Jupyter notebook, in `language`, made from the lesson's file.
+
+    Raises
+    ------
+    MissingExtraError
+        If nbformat is not installed.
+    """
+    nbformat = library("nbformat")
+    make = {"markdown": nbformat.v4.new_markdown_cell, CODE: nbformat.v4.new_code_cell}
+    cells = [make[kind](text, id=f"{demo.name}-{number}") for number, (kind, text) in enumerate(_cells(demo, language))]
+    metadata = {
+        "kernelspec": {"name": "python3", "display_name": "Python 3", "language": "python"},
+        "language_info": {"name": "python"},
+    }
+    made = nbformat.v4.new_notebook(cells=cells, metadata=metadata)
+    nbformat.validate(made)
+    return str(nbformat.writes(made)) + "\n"
+
+
+def _cells(demo: Demo, language: str) -> Iterator[tuple[str, str]]:
+    """Kinds and texts of the cells."""
+
+    def told(part: str) -> str:
+        return f"**{word(part, language)}.** {_plain(demo.said(part, language))}"
+
+    yield "markdown", "\n\n".join([f"# {_plain(demo.said('title', language))}", *map(told, ABOVE)])
+    for block in demo.blocks:
+        if block.kind == CODE:
+            yield from ((CODE, cell) for cell in PARAGRAPH.split(block.text))
+    yield "markdown", told("picture")
+    answer = "\n\n".join(map(told, BELOW))
+    yield "markdown", f"<details><summary>{word('answer', language)}</summary>\n\n{answer}\n\n</details>"
+    if (following := after(demo.name)) is not None:
+        yield "markdown", f"{word('next', language)}: `pymunk-dragon demo {following} -o {following}.ipynb`"
+
+
+def _plain(text: str) -> str:
+    """A text in which Markdown finds nothing to act upon but code between backticks."""
+    return "`".join(
+        part if is_code else re.sub(r"([\\*_{}\[\]<>#$|~&])", r"\\\1", part) for part, is_code in with_code(text)
+    )
 
 
 class InNotebook:

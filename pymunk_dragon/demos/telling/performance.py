@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import io
 import tempfile
-from contextlib import redirect_stdout
+from contextlib import ExitStack, redirect_stdout
 from dataclasses import dataclass
 from pathlib import Path
 
 from pymunk_dragon.demos.telling.demo import Demo
+from pymunk_dragon.demos.telling.stage import made_folder
 
 __all__ = ["Performance", "perform"]
 
@@ -24,15 +25,42 @@ class Performance:
     printed : str
         What its code printed.
     picture : bytes
-        The file of its picture or film.
-    ending : str
-        That file's ending: ".png" or ".gif".
+        Its picture or film, as the file's content.
+    file : Path
+        Where that was written; it may be gone.
     """
 
     demo: Demo
     printed: str
     picture: bytes
-    ending: str
+    file: Path
+
+
+def perform(demo: Demo, save: str | Path | None = None) -> Performance:
+    """Play a lesson and keep what came of it, without a word in the terminal.
+
+    Parameters
+    ----------
+    demo : Demo
+        The lesson.
+    save : path, optional
+        Folder for the picture, made if it does not exist. By default it is not kept.
+
+    Raises
+    ------
+    ParameterError
+        If no such folder can be made.
+    MissingExtraError
+        If what the lesson draws with is not installed.
+    """
+    printed = io.StringIO()
+    with ExitStack() as stack:
+        if save is None:
+            save = stack.enter_context(tempfile.TemporaryDirectory(prefix="pymunk-dragon-"))
+        recorder = _Recorder(made_folder(save))
+        with redirect_stdout(printed):
+            demo.play(recorder)
+        return Performance(demo, printed.getvalue(), recorder.picture.read_bytes(), recorder.picture)
 
 
 class _Recorder:
@@ -50,13 +78,3 @@ class _Recorder:
 
     def end(self, lesson: str) -> None:
         pass
-
-
-def perform(demo: Demo) -> Performance:
-    """Play a lesson and keep what came of it."""
-    printed = io.StringIO()
-    with tempfile.TemporaryDirectory(prefix="pymunk-dragon-") as folder:
-        recorder = _Recorder(Path(folder))
-        with redirect_stdout(printed):
-            demo.play(recorder)
-        return Performance(demo, printed.getvalue(), recorder.picture.read_bytes(), recorder.picture.suffix)

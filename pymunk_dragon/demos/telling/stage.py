@@ -8,7 +8,9 @@ from contextvars import ContextVar
 from pathlib import Path
 from typing import Protocol
 
-__all__ = ["Stage", "on_stage", "stage"]
+from pymunk_dragon.errors import ParameterError
+
+__all__ = ["Stage", "made_folder", "on_stage", "stage"]
 
 
 class Stage(Protocol):
@@ -48,3 +50,19 @@ def on_stage(chosen: Stage) -> Iterator[None]:
         yield
     finally:
         _STAGE.reset(token)
+
+
+def made_folder(path: str | Path) -> Path:
+    """The folder for a lesson's picture, made if it does not exist.
+
+    Raises
+    ------
+    ParameterError
+        If it cannot be made.
+    """
+    folder = Path(path)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise ParameterError("save", str(folder), f"a folder that can be written ({error.strerror})") from error
+    return folder

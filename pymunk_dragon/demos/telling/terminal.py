@@ -13,7 +13,9 @@ from functools import cached_property
 from pathlib import Path
 from typing import NoReturn
 
-from pymunk_dragon.demos.telling.catalogue import LANGUAGES, entry, word
+from pymunk_dragon.demos.telling.catalogue import LANGUAGES, check_language, entry, word
+from pymunk_dragon.demos.telling.order import after
+from pymunk_dragon.demos.telling.stage import made_folder
 from pymunk_dragon.errors import ParameterError
 
 __all__ = ["Terminal", "wrapped"]
@@ -21,6 +23,7 @@ __all__ = ["Terminal", "wrapped"]
 # Columns of text: longer lines are hard to read, however wide the terminal.
 MAX_COLUMNS = 88
 INDENT = "  "
+PROGRAM = "pymunk-dragon"
 BOLD, PLAIN = "\x1b[1m", "\x1b[0m"
 # Unicode categories of what belongs to the character before, as stops do, and to the one behind, as brackets that open.
 CLOSING, OPENING = ("Pe", "Pf", "Po"), ("Ps", "Pi")
@@ -45,11 +48,9 @@ class Terminal:
     """
 
     def __init__(self, save: str | Path | None = None, language: str = "en", pause: bool = False) -> None:
-        if language not in LANGUAGES:
-            raise ParameterError("lang", language, "one of " + ", ".join(LANGUAGES))
-        self._save, self._language, self._pause = save, language, pause
+        self._save, self._language, self._pause = save, check_language(language), pause
         if save is not None:
-            _ = self.folder
+            made_folder(save)
 
     @classmethod
     def of_program(cls, arguments: Sequence[str]) -> Terminal:
@@ -67,14 +68,7 @@ class Terminal:
     @cached_property
     def folder(self) -> Path:
         """Where the lesson's picture is written."""
-        if self._save is None:
-            return Path(tempfile.mkdtemp(prefix="pymunk-dragon-"))
-        folder = Path(self._save)
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise ParameterError("save", str(folder), f"a folder that can be written ({error.strerror})") from error
-        return folder
+        return made_folder(self._save or tempfile.mkdtemp(prefix="pymunk-dragon-"))
 
     def say(self, lesson: str, part: str, english: str) -> None:
         """Tell a part of a lesson, below its name."""
@@ -95,10 +89,8 @@ class Terminal:
 
     def end(self, lesson: str) -> None:
         """Say which lesson is the next."""
-        from pymunk_dragon.demos.telling.order import after
-
         if (following := after(lesson)) is not None:
-            print(f"\n{word('next', self._language)}: pymunk-dragon demo {following}")
+            print(f"\n{word('next', self._language)}: {_program()} demo {following}")
 
     def _paragraph(self, part: str, text: str) -> None:
         columns = min(shutil.get_terminal_size((MAX_COLUMNS, 0)).columns, MAX_COLUMNS) - len(INDENT)
@@ -115,7 +107,7 @@ class _Parser(argparse.ArgumentParser):
 
 
 def wrapped(text: str, columns: int) -> Iterator[str]:
-    """Lines of `text` at most so many columns wide; Chinese characters take two, and may stand on lines of their own."""
+    """Lines of `text` at most so many columns wide, of which a Chinese character takes two."""
     line, used = "", 0
     for piece in _pieces(" ".join(text.split())):
         needed = _width(piece)
@@ -149,6 +141,14 @@ def _width(text: str) -> int:
 
 def _wide(character: str) -> bool:
     return unicodedata.east_asian_width(character) in "WF"
+
+
+def _program() -> str:
+    """What starts the program here: its name, or where it is not on the path, how it was called."""
+    if shutil.which(PROGRAM):
+        return PROGRAM
+    called = sys.argv[0]
+    return called if Path(called).stem == PROGRAM else f"{sys.executable} -m pymunk_dragon"
 
 
 def _bold(text: str) -> str:

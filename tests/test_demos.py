@@ -1,0 +1,360 @@
+"""Lessons as teachers and students use them: played, copied out, translated, as notebooks."""
+
+from __future__ import annotations
+
+import ast
+import json
+import os
+import pty
+import re
+import shutil
+import subprocess
+import sys
+import tomllib
+import unicodedata
+from collections import Counter
+from io import BytesIO
+from pathlib import Path
+
+import nbclient
+import nbformat
+import pytest
+from conftest import assert_says
+from hypothesis import given
+from hypothesis import strategies as st
+from lessons import played
+from PIL import Image
+
+from pymunk_dragon import demos
+from pymunk_dragon.cli import main
+from pymunk_dragon.demos import DEMOS, LANGUAGES, Demo, Terminal, write_lessons
+from pymunk_dragon.demos.telling import PARTS, notebook, terminal
+from pymunk_dragon.errors import MissingExtraError, ParameterError
+
+TELLING = Path(demos.__file__).parent / "telling"
+CATALOGUES = {each: tomllib.loads((TELLING / f"{each}.toml").read_text(encoding="utf-8")) for each in LANGUAGES}
+# In the order in which a class hears them; the picture's words stand between the guess and the answer.
+ORDER = ["question", "predict", "code", "answer", "check", "change"]
+
+every_lesson = pytest.mark.parametrize("name", DEMOS)
+every_language = pytest.mark.parametrize("language", LANGUAGES)
+
+
+def figures(text):
+    """Numbers of a text as they are written."""
+    return re.findall(r"\d+(?:\.\d+)?", text)
+
+
+def flat(text):
+    """A text without its line ends and indents."""
+    return re.sub(r"\s+", "", text)
+
+
+def run_program(path, *arguments, **options):
+    """Run a lesson's own program where there is no screen."""
+    environment = {key: value for key, value in os.environ.items() if key not in ("DISPLAY", "MPLBACKEND")}
+    command = [sys.executable, str(path), *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, env=environment, check=False, **options)
+
+
+def test_lessons_are_the_fifteen_in_their_order():
+    assert list(DEMOS) == [
+        *("spiral", "chain", "velocity", "sat", "grid", "near-miss", "missed-window", "unguided", "engine"),
+        *("callbacks", "tension", "pitch", "u-turn", "speed-limit", "robot"),
+    ]
+
+
+@every_lesson
+def test_lesson_reads_like_one(name):
+    """Short; asks before it runs, and answers afterwards, in two sentences."""
+    demo = DEMOS[name]
+    assert len(demo.source.splitlines()) < 80
+    assert ast.get_docstring(ast.parse(demo.source))
+    kinds = [block.kind for block in demo.blocks if block.text.split("\n")[-1][:9] != "lesson = "]
+    assert kinds == ORDER
+    assert demo.name == name
+    assert all(demo.said(part) for part in PARTS)
+    assert len(re.findall(r"[.?!](?= [A-Z`]|$)", demo.said("answer"))) == 2
+
+
+@every_lesson
+def test_program_copied_out_runs_alone_and_does_the_same(name, tmp_path):
+    copy = shutil.copy(DEMOS[name].path, tmp_path / "copied.py")
+    done = run_program(copy, "--save", tmp_path / "kept" / "here", "--lang", "zh", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    found = played(name)
+    [picture] = (tmp_path / "kept" / "here").iterdir()
+    assert picture.name in (f"{name}.png", f"{name}.gif")
+    assert picture.read_bytes() == found.picture
+    assert found.printed in done.stdout
+    assert "\x1b" not in done.stdout
+    for part in PARTS:
+        assert flat(DEMOS[name].said(part, "zh")) in flat(done.stdout)
+
+
+@every_lesson
+def test_picture_can_be_looked_at(name):
+    with Image.open(BytesIO(played(name).picture)) as picture:
+        assert min(picture.size) >= 300
+        assert len(picture.convert("RGB").getcolors(maxcolors=2**24)) > 3
+        frames = getattr(picture, "n_frames", 1)
+    assert (frames > 10) == (played(name).file.suffix == ".gif")
+    assert len(played(name).picture) < 900_000
+
+
+@every_lesson
+@every_language
+def test_number_to_check_is_one_that_the_lesson_prints(name, language):
+    printed = figures(played(name).printed)
+    assert [number for number in figures(DEMOS[name].said("check", language)) if number in printed]
+
+
+@every_language
+def test_catalogue_has_every_word(language):
+    words = CATALOGUES[language]["words"]
+    assert set(words) == set(CATALOGUES["en"]["words"])
+    assert all(words.values())
+
+
+@pytest.mark.parametrize("language", [each for each in LANGUAGES if each != "en"])
+def test_no_entry_of_a_catalogue_is_missing_or_left_over(language):
+    catalogue = {name: set(texts) for name, texts in CATALOGUES[language].items() if name != "words"}
+    assert catalogue == {name: set(PARTS) for name in DEMOS}
+
+
+@every_lesson
+@pytest.mark.parametrize("part", PARTS)
+def test_chinese_says_the_same_numbers_and_names(name, part):
+    english, chinese = (DEMOS[name].said(part, language) for language in LANGUAGES)
+    assert any("\u4e00" <= character <= "\u9fff" for character in chinese)
+    assert Counter(figures(english)) == Counter(figures(chinese))
+    assert Counter(re.findall("`[^`]+`", english)) == Counter(re.findall("`[^`]+`", chinese))
+
+
+def cells(name, language="en"):
+    return nbformat.reads(notebook(DEMOS[name], language), as_version=4).cells
+
+
+@every_lesson
+@every_language
+def test_notebook_has_the_lessons_code_and_words(name, language):
+    demo = DEMOS[name]
+    found = cells(name, language)
+    code = "\n\n".join(cell.source for cell in found if cell.cell_type == "code")
+    assert ast.dump(ast.parse(code)) == ast.dump(
+        ast.parse("\n".join(block.text for block in demo.blocks if block.kind == "code"))
+    )
+    prose = re.sub(r"\\([^\w\s])", r"\1", "\n".join(cell.source for cell in found if cell.cell_type == "markdown"))
+    assert all(demo.said(part, language) in prose for part in PARTS)
+    assert notebook(demo, language) == notebook(demo, language)
+
+
+@every_lesson
+def test_notebook_runs_and_shows_what_the_lesson_shows(name, tmp_path):
+    made = nbformat.reads(notebook(DEMOS[name]), as_version=4)
+    nbclient.NotebookClient(made, timeout=120, resources={"metadata": {"path": tmp_path}}).execute()
+    outputs = [output for cell in made.cells if cell.cell_type == "code" for output in cell.outputs]
+    assert "".join(output.text for output in outputs if output.get("name") == "stdout") == played(name).printed
+    assert [kind for output in outputs for kind in output.get("data", {}) if kind.startswith("image/")]
+    [picture] = tmp_path.iterdir()
+    assert picture.read_bytes() == played(name).picture
+
+
+def test_the_answer_of_a_notebook_is_folded():
+    *_, last, following = cells("spiral")
+    assert last.source.startswith("<details><summary>Answer</summary>\n\n")
+    assert "`pymunk-dragon demo chain -o chain.ipynb`" in following.source
+
+
+@pytest.fixture
+def call(capsys):
+    def called(*arguments):
+        with pytest.raises(SystemExit) as stopped:
+            main([str(argument) for argument in arguments])
+        return stopped.value.code, *capsys.readouterr()
+
+    return called
+
+
+@every_language
+def test_program_lists_the_lessons(call, language):
+    code, out, _ = call("demo", "--lang", language)
+    assert code == 0
+    lines = out.splitlines()
+    assert len(lines) == 15
+    for number, (line, demo) in enumerate(zip(lines, DEMOS.values(), strict=True), start=1):
+        assert line.split(maxsplit=2) == [str(number), demo.name, demo.said("title", language)]
+    _, out, _ = call("demo", "--lang", language, "--json")
+    assert json.loads(out) == {"lessons": {demo.name: demo.said("title", language) for demo in DEMOS.values()}}
+
+
+def test_program_plays_a_lesson_and_names_the_next(call, tmp_path):
+    code, out, err = call("demo", "spiral", "--save", tmp_path)
+    assert (code, err) == (0, "")
+    said = [DEMOS["spiral"].said(part) for part in PARTS]
+    assert all(flat(text) in flat(out) for text in said)
+    assert str(tmp_path / played("spiral").file.name) in out
+    assert out.splitlines()[-1].startswith("Next: ")
+    assert out.splitlines()[-1].endswith(" demo chain")
+
+
+def test_the_last_lesson_has_no_next_one(call, tmp_path):
+    assert "Next:" not in call("demo", "robot", "--save", tmp_path)[1]
+
+
+def test_without_a_folder_the_picture_is_among_the_temporary_files(call, tmp_path, monkeypatch):
+    monkeypatch.setattr(terminal.tempfile, "mkdtemp", lambda prefix: str(tmp_path / "new"))
+    _, out, _ = call("demo", "spiral")
+    assert str(tmp_path / "new" / "spiral.png") in out
+    assert (tmp_path / "new" / "spiral.png").exists()
+
+
+def test_program_gives_a_lesson_as_json(call, tmp_path):
+    code, out, _ = call("demo", "spiral", "--json", "--save", tmp_path, "--lang", "zh")
+    assert code == 0
+    found = json.loads(out)
+    assert found["said"] == {part: DEMOS["spiral"].said(part, "zh") for part in PARTS}
+    assert found["printed"] == played("spiral").printed
+    assert Path(found["picture"]).read_bytes() == played("spiral").picture
+    assert json.loads(call("demo", "spiral", "--json")[1])["picture"] is None
+
+
+def test_program_writes_notebooks_and_programs(call, tmp_path):
+    assert call("demo", "chain", "-o", tmp_path / "a.ipynb", "--lang", "zh")[0] == 0
+    assert (tmp_path / "a.ipynb").read_text(encoding="utf-8") == notebook(DEMOS["chain"], "zh")
+    assert call("demo", "chain", "-o", tmp_path / "a.py")[0] == 0
+    assert (tmp_path / "a.py").read_bytes() == DEMOS["chain"].path.read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["dragon"], ["lesson is 'dragon'", "spiral", "robot"]),
+        (["spiral", "--lang", "fr"], ["lang is 'fr'", "en, zh"]),
+        (["spiral", "--save", __file__], ["save is", "a folder that can be written"]),
+        (["-o", "all.ipynb"], ["output is 'all.ipynb'", ".html"]),
+        (["spiral", "-o", "spiral.pdf"], ["output is 'spiral.pdf'", ".html or .ipynb or .py"]),
+    ],
+)
+def test_bad_input_is_one_line(call, arguments, words):
+    code, out, err = call("demo", *arguments)
+    assert (code, out) == (2, "")
+    assert err.count("\n") == 1
+    assert_says(Exception(err.strip()), "pymunk-dragon: ", *words)
+
+
+@pytest.mark.parametrize("arguments", [["--lang", "fr"], ["--save", __file__], ["--sav"], ["x"]])
+def test_bad_input_of_a_program_copied_out_is_one_line(tmp_path, arguments):
+    copy = shutil.copy(DEMOS["spiral"].path, tmp_path / "copied.py")
+    done = run_program(copy, *arguments)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.startswith("copied.py: ")
+    assert done.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("missing", "ending", "extra"), [("nbformat", ".ipynb", "demos"), ("pygments", ".html", "demos")]
+)
+def test_without_a_library_one_line_names_the_extra(missing, ending, extra, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, missing, None)
+    with pytest.raises(MissingExtraError) as caught:
+        write_lessons([DEMOS["spiral"]], tmp_path / f"out{ending}")
+    assert_says(caught.value, f"pymunk-dragon[{extra}]")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_without_matplotlib_a_lesson_names_the_extra(call, monkeypatch, tmp_path):
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    code, _, err = call("demo", "spiral", "--save", tmp_path)
+    assert code == 2
+    assert_says(Exception(err.strip()), "pymunk-dragon[figures]")
+
+
+def on_terminal(*arguments, typed=""):
+    """What the program writes on a terminal, and its exit code."""
+    ours, theirs = pty.openpty()
+    os.write(ours, typed.encode())
+    command = [sys.executable, "-m", "pymunk_dragon", *map(str, arguments)]
+    environment = os.environ | {"COLUMNS": "60"}
+    process = subprocess.Popen(command, stdin=theirs, stdout=theirs, stderr=theirs, env=environment)
+    os.close(theirs)
+    written = b""
+    while True:
+        try:
+            chunk = os.read(ours, 4096)
+        except OSError:
+            break
+        if not chunk:
+            break
+        written += chunk
+    os.close(ours)
+    return written.decode(), process.wait()
+
+
+def test_a_terminal_gets_bold_heads_and_waits_for_the_class(tmp_path):
+    written, code = on_terminal("demo", "spiral", "--save", tmp_path, "--pause", typed="\n")
+    assert code == 0
+    assert "\x1b[1mQuestion\x1b[0m" in written
+    assert "Press Enter to see what happens." in written
+    assert written.index("Predict") < written.index("Press Enter") < written.index("Answer")
+
+
+def test_a_lesson_on_which_nobody_presses_enter_can_be_left(tmp_path):
+    written, code = on_terminal("demo", "spiral", "--save", tmp_path, "--pause", typed="\x03")
+    assert code == 130
+    assert "Answer" not in written
+
+
+def width(text):
+    return sum(2 if unicodedata.east_asian_width(character) in "WF" else 1 for character in text)
+
+
+@given(st.lists(st.text("ab ，。（）龙头螺线1.", min_size=1, max_size=30), max_size=9), st.integers(10, 40))
+def test_lines_are_no_wider_than_asked_where_they_can_be_broken(words, columns):
+    text = " ".join(" ".join(words).split())
+    lines = list(terminal.wrapped(text, columns))
+    assert flat("".join(lines)) == flat(text)
+    for line in lines:
+        # Longer only where there is nothing to break: one word, or a character among stops and brackets.
+        if width(line) > columns:
+            assert " " not in line
+            assert len(re.findall("[\u4e00-\u9fff]", line)) <= 1
+
+
+def test_no_line_of_chinese_begins_with_a_stop_or_ends_with_an_opening_bracket():
+    text = "龙头沿螺线（等距螺线）前进，速度是 1 m/s。把手呢？" * 20
+    for columns in range(12, 60):
+        for line in terminal.wrapped(text, columns):
+            assert line[0] not in "，。）？ "
+            assert line[-1] not in "（ "
+
+
+@every_lesson
+@every_language
+def test_terminal_text_fits_its_width(name, language, monkeypatch, capsys):
+    monkeypatch.setenv("COLUMNS", "60")
+    stage = Terminal(language=language)
+    for part in PARTS[:-1]:
+        stage.say(name, part, DEMOS[name].said(part)) if part != "picture" else None
+    assert all(width(line) <= 60 for line in capsys.readouterr().out.splitlines())
+
+
+def test_a_students_own_lesson_speaks_english_and_needs_no_catalogue(tmp_path, capsys):
+    own = tmp_path / "own.py"
+    own.write_text(
+        'from pymunk_dragon.demos import Lesson\nlesson = Lesson("own", "My own")\nlesson.question("Why?")\n'
+        'lesson.predict("So?")\nprint(6 * 7)\nlesson.answer("Because.")\nlesson.check("42")\nlesson.change("6")\n',
+        encoding="utf-8",
+    )
+    demo = Demo.read(own)
+    assert (demo.name, demo.title, demo.said("question", "zh")) == ("own", "My own", "Why?")
+    demo.play(Terminal(language="zh"))
+    out = capsys.readouterr().out
+    assert "Why?" in out
+    assert "42" in out
+
+
+def test_unknown_language_is_refused():
+    with pytest.raises(ParameterError) as caught:
+        Terminal(language="xx")
+    assert_says(caught.value, "lang is 'xx'", "en, zh")

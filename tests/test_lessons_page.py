@@ -1,0 +1,181 @@
+"""The page of all lessons in a real browser: wide, narrow, dark and on paper."""
+
+from __future__ import annotations
+
+import base64
+
+import pytest
+from browser import needs_browser, opened, wait_until
+from lessons import played
+
+from pymunk_dragon.cli import main
+from pymunk_dragon.demos import DEMOS, LANGUAGES, write_lessons
+from pymunk_dragon.demos.telling import PARTS, notebook, page, writing
+
+ALL = list(DEMOS.values())
+FILMS = [name for name, demo in DEMOS.items() if '.file(".gif")' in demo.source]
+
+
+@pytest.fixture(scope="module")
+def address(tmp_path_factory):
+    file = tmp_path_factory.mktemp("lessons") / "lessons.html"
+    file.write_text(page([played(name) for name in DEMOS]), encoding="utf-8", newline="\n")
+    return file.as_uri()
+
+
+@pytest.fixture
+def width():
+    return 1280
+
+
+@pytest.fixture
+def media():
+    return "screen"
+
+
+@pytest.fixture
+def seen(browser, address, width, media):
+    with opened(browser, address, width, 900, is_mobile=width < 600) as found:
+        found.page.emulate_media(media=media)
+        yield found
+
+
+# Pixels; A4 without its margins is 688 pixels wide.
+views = pytest.mark.parametrize(("media", "width"), [("screen", 1280), ("screen", 390), ("print", 688)])
+UNFOLD = "document.querySelectorAll('details').forEach((details) => details.open = true)"
+
+
+@needs_browser
+@views
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_page_is_no_wider_than_the_window_and_asks_for_nothing(browser, address, media, width, language):
+    with opened(browser, f"{address}?{language}", width, 900, is_mobile=width < 600) as seen:
+        seen.page.emulate_media(media=media)
+        seen.page.evaluate(UNFOLD)
+        assert seen.page.evaluate("[innerWidth, document.documentElement.scrollWidth]") == [width, width]
+        assert seen.complaints == []
+        assert {url for url in seen.addresses if not url.startswith(("data:", "blob:"))} == {f"{address}?{language}"}
+
+
+@needs_browser
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_one_language_is_seen_at_a_time(seen, language):
+    seen.page.click(f".languages button[value={language}]")
+    seen.page.evaluate(UNFOLD)
+    text = "".join(seen.page.inner_text("body").split())
+    for demo in ALL:
+        for part in PARTS:
+            for each in LANGUAGES:
+                words = "".join(demo.said(part, each).replace("`", "").split())
+                assert (words in text) == (each == language), (demo.name, part, each)
+    assert seen.page.title() == seen.page.inner_text("h1")
+
+
+@needs_browser
+def test_address_may_name_the_language_and_the_lesson(browser, address):
+    with opened(browser, f"{address}?zh#chain") as seen:
+        assert seen.page.evaluate("document.documentElement.lang") == "zh"
+        top = seen.page.evaluate("document.querySelector('#chain').getBoundingClientRect().top")
+        assert abs(top) < 60
+
+
+@needs_browser
+def test_contents_lead_to_every_lesson(seen):
+    links = seen.page.evaluate("[...document.querySelectorAll('.contents a')].map((a) => a.getAttribute('href'))")
+    assert links == [f"#{name}" for name in DEMOS]
+    for link in links:
+        assert seen.page.locator(link).count() == 1
+
+
+@needs_browser
+def test_answers_and_pictures_wait_until_they_are_asked_for(seen):
+    assert not seen.page.locator("figure").first.is_visible()
+    assert not seen.page.get_by_text(DEMOS["spiral"].said("answer").split("`")[0][:40]).first.is_visible()
+    seen.page.click("#spiral summary >> nth=0")
+    assert seen.page.locator("#spiral figure").is_visible()
+    assert seen.page.locator("#spiral .printed").inner_text().strip() == played("spiral").printed.strip()
+    seen.page.click("#spiral summary >> nth=1")
+    assert "".join(DEMOS["spiral"].said("answer").replace("`", "").split()) in "".join(
+        seen.page.inner_text("#spiral .answer").split()
+    )
+
+
+@needs_browser
+@pytest.mark.parametrize("name", FILMS)
+def test_film_plays_on_demand_and_from_its_beginning(seen, name):
+    film = f"document.querySelector('#{name} .film')"
+    assert not seen.page.evaluate(f"{film}.hasAttribute('src')")
+    addresses = set()
+    for _ in range(2):
+        seen.page.click(f"#{name} .run summary")
+        wait_until(seen.page, f"{film}.complete && {film}.naturalWidth > 0")
+        addresses.add(seen.page.evaluate(f"{film}.src"))
+        seen.page.click(f"#{name} .run summary")
+        wait_until(seen.page, f"!{film}.hasAttribute('src')")
+    # A new address each time: with the old one a browser would go on where it was.
+    assert len(addresses) == 2
+    assert seen.complaints == []
+
+
+@needs_browser
+def test_all_pictures_can_be_seen(seen):
+    seen.page.evaluate(UNFOLD)
+    wait_until(seen.page, "[...document.images].every((image) => image.complete && image.naturalWidth > 0)")
+    assert seen.page.evaluate("[...document.querySelectorAll('figure')].length") == len(DEMOS)
+
+
+@needs_browser
+def test_paper_shows_everything_and_the_end_of_films(seen):
+    seen.page.emulate_media(media="print")
+    seen.page.evaluate("dispatchEvent(new Event('beforeprint'))")
+    assert seen.page.locator(".answer p").first.is_visible()
+    for name in FILMS:
+        assert seen.page.locator(f"#{name} .last-frame").is_visible()
+        assert not seen.page.locator(f"#{name} .film").is_visible()
+    seen.page.evaluate("dispatchEvent(new Event('afterprint'))")
+    assert seen.page.evaluate("document.querySelectorAll('details[open]').length") == 0
+
+
+@needs_browser
+def test_without_script_films_and_text_are_there_all_the_same(browser, address):
+    with opened(browser, address, java_script_enabled=False) as seen:
+        seen.page.click(f"#{FILMS[0]} .run summary")
+        assert seen.page.locator(f"#{FILMS[0]} .film").is_visible()
+        assert seen.page.locator(f"#{FILMS[0]} .film").get_attribute("src").startswith("data:image/gif;base64,")
+
+
+@needs_browser
+def test_programs_and_notebooks_can_be_taken_from_the_page(seen):
+    for demo in ALL:
+        links = seen.page.locator(f"#{demo.name} .files a")
+        files = dict(links.evaluate_all("(all) => all.map((a) => [a.download + '|' + (a.lang || ''), a.href])"))
+        content = {name: base64.b64decode(href.split(",", 1)[1]).decode() for name, href in files.items()}
+        assert content.pop(f"{demo.path.name}|") == demo.source
+        assert content == {f"{demo.name}.ipynb|{each}": notebook(demo, each) for each in LANGUAGES}
+
+
+@needs_browser
+def test_page_shows_the_code_as_it_stands(browser, address):
+    with opened(browser, address) as seen:
+        for demo in ALL:
+            code = "\n\n".join(block.text for block in demo.blocks if block.kind == "code")
+            assert seen.page.locator(f"#{demo.name} .code pre").inner_text().strip() == code
+
+
+def test_page_is_written_with_progress_and_the_same_every_time(tmp_path):
+    told = []
+    write_lessons([DEMOS["spiral"], DEMOS["chain"]], tmp_path / "two.html", progress=lambda *steps: told.append(steps))
+    assert told == [(1, 2), (2, 2)]
+    assert (tmp_path / "two.html").read_text(encoding="utf-8") == page([played("spiral"), played("chain")])
+
+
+def test_interrupted_page_leaves_the_old_one(tmp_path, monkeypatch):
+    def interrupted(demo):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(writing, "perform", interrupted)
+    (tmp_path / "lessons.html").write_text("old")
+    with pytest.raises(SystemExit) as stopped:
+        main(["demo", "-o", str(tmp_path / "lessons.html")])
+    assert stopped.value.code == 130
+    assert [(file.name, file.read_text()) for file in tmp_path.iterdir()] == [("lessons.html", "old")]
