@@ -10,6 +10,7 @@ from pathlib import Path
 
 from pymunk_dragon.demos.telling.demo import Demo
 from pymunk_dragon.demos.telling.stage import made_folder
+from pymunk_dragon.errors import DragonError
 
 __all__ = ["Performance", "perform"]
 
@@ -52,6 +53,8 @@ def perform(demo: Demo, save: str | Path | None = None) -> Performance:
         If no such folder can be made.
     MissingExtraError
         If what the lesson draws with is not installed.
+    DragonError
+        If it shows no picture.
     """
     printed = io.StringIO()
     with ExitStack() as stack:
@@ -60,6 +63,8 @@ def perform(demo: Demo, save: str | Path | None = None) -> Performance:
         recorder = _Recorder(made_folder(save))
         with redirect_stdout(printed):
             demo.play(recorder)
+        if recorder.picture is None:
+            raise DragonError(f"the lesson {demo.name!r} shows no picture")
         return Performance(demo, printed.getvalue(), recorder.picture.read_bytes(), recorder.picture)
 
 
@@ -68,7 +73,7 @@ class _Recorder:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        self.picture = Path()
+        self.picture: Path | None = None
 
     def say(self, lesson: str, part: str, english: str) -> None:
         pass

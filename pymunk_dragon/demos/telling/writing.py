@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 from pymunk_dragon.demos.telling.catalogue import check_language
 from pymunk_dragon.demos.telling.demo import Demo
 from pymunk_dragon.demos.telling.notebook import notebook
 from pymunk_dragon.demos.telling.page import check_libraries, page
-from pymunk_dragon.demos.telling.performance import perform
+from pymunk_dragon.demos.telling.performance import Performance, perform
 from pymunk_dragon.files import check_destination, written_in_place
 
 __all__ = ["PAGE", "endings", "write_lessons"]
@@ -48,6 +48,8 @@ def write_lessons(
         If the file cannot be made, or there is no such language.
     MissingExtraError
         If what makes pages or notebooks, or what a lesson draws with, is not installed.
+    DragonError
+        If a lesson shows no picture.
     OutputError
         If writing fails.
 
@@ -57,17 +59,19 @@ def write_lessons(
     """
     check_language(language)
     destination = check_destination(path, endings(demos))
-    tell = progress or (lambda done, total: None)
+    ending = destination.suffix.lower()
+    if ending == PROGRAM:
+        text = demos[0].source
+    elif ending == NOTEBOOK:
+        text = notebook(demos[0], language)
+    else:
+        text = page(list(_played(demos, progress or (lambda done, total: None))), language)
     with written_in_place(destination) as draft:
-        if destination.suffix.lower() == PROGRAM:
-            text = demos[0].source
-        elif destination.suffix.lower() == NOTEBOOK:
-            text = notebook(demos[0], language)
-        else:
-            check_libraries()
-            performances = []
-            for demo in demos:
-                performances.append(perform(demo))
-                tell(len(performances), len(demos))
-            text = page(performances, language)
         draft.write_bytes(text.encode("utf-8"))
+
+
+def _played(demos: Sequence[Demo], tell: Callable[[int, int], None]) -> Iterator[Performance]:
+    check_libraries()
+    for done, demo in enumerate(demos, start=1):
+        yield perform(demo)
+        tell(done, len(demos))
