@@ -40,22 +40,22 @@ print(f"engine   t = {run.times[-1]:.4f} s   {run.outcome}   links {run.first_co
 states = march.at(np.arange(0, hit.time, 0.1))
 for word, found in [("fastest", states.speeds.argmax()), ("slowest", states.speeds.argmin())]:
     now, joint = np.unravel_index(found, states.speeds.shape)
-    print(f"{word}  joint {joint:2d}   t = {states.times[now]:.1f} s   {states.speeds[now, joint]:.4f} m/s")
+    print(f"{word}  joint {joint:2d}   t = {states.times[now]:.1f} s   {states.speeds[now, joint]:.3f} m/s")
 for near in (now - 1, now + 1):
     x, y = states.positions[near, joint]
-    print(f"         joint {joint:2d}   t = {states.times[near]:.1f} s   at ({x:.5f}, {y:.5f}) m")
+    print(f"         joint {joint:2d}   t = {states.times[near]:.1f} s   at ({x:.4f}, {y:.4f}) m")
 
 film = lesson.file(".gif")
 render(run, film, speedup=1, fps=10, size=(400, 220), hold=2)
 lesson.show(film, "Sixteen links follow the tip along a curve that was drawn by hand, until the tip runs into link 13.")
 
 lesson.answer(
-    "No joint is more than 3.1 % faster or slower than the tip: both ends of a link go equally fast along it, so that "
-    "end is the faster one which goes more across it. But after 8.668 s the tip runs into link 13, so this is no way "
-    "for this arm."
+    "No joint is more than some 3 % faster or slower than the tip: both ends of a link go equally fast along it, so "
+    "the faster one is the one that goes more across it. But after 8.668 s the tip runs into link 13, so this is no "
+    "way for this arm."
 )
 lesson.check(
-    "The slowest speed of 0.1939 m/s: that joint is printed 0.1 s before and 0.1 s after. Divide the distance between "
+    "The slowest speed of 0.194 m/s: that joint is printed 0.1 s before and 0.1 s after. Divide the distance between "
     "the two places by 0.2 s."
 )
 lesson.change(
