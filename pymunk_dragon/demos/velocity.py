@@ -32,7 +32,7 @@ print(f"cos / cos = {np.cos(front) / np.cos(rear):.6f}")
 steps = 10.0 ** np.arange(0, -11, -1)
 errors = [np.abs(march.speeds_by_difference(t, step) - state.speeds).max() for step in steps]
 for step, error in zip(steps[:5], errors, strict=False):
-    print(f"step {step:.0e} s  error {error:.1e} m/s")
+    print(f"step {step:<6g} s  error {error:.1e} m/s")
 
 figure, (along, chart) = lesson.subplots(2, 1, figsize=(5.2, 5.4), height_ratios=(1, 1.5))
 along.plot(state.speeds[0], color=BLUE)
