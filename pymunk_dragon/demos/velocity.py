@@ -51,8 +51,8 @@ lesson.show(
 )
 
 lesson.answer(
-    "A rigid bench keeps its length, so both its handles go equally fast along it; the front one crosses it at a "
-    "slightly larger angle, because the spiral is more curved there, and has to be faster: 223 such benches leave the "
+    "A rigid bench keeps its length, so both its handles go equally fast along it; the front one goes at a slightly "
+    "larger angle to it, because the spiral is more curved there, and so has to be faster: 223 such benches leave the "
     "tail with 0.996478 m/s. Two positions tell the same, with an error that shrinks with the step, until they are so "
     "close, at some 10 microseconds, that most of their digits are equal and the rounding of the last ones takes over."
 )
