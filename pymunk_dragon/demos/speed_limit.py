@@ -43,7 +43,7 @@ speeds = march.at(t, 4).speeds
 for handle, line, colour in ((0, "-", BLUE), (1, ":", COLOURS.ink), (3, "--", AMBER)):
     axes.plot(t, speeds[:, handle], line, color=colour, label=f"handle {handle}")
 axes.set(xlabel="time since the head entered (s)", ylabel="speed (m/s)", xlim=(-1, 19), xticks=range(0, 20, 5))
-axes.legend(loc="upper left", frameon=False)
+axes.legend(loc="upper right", frameon=False)
 lesson.show(figure, "The head is steady, the others are not: the lines mark where it enters, changes arcs, and leaves.")
 
 lesson.answer(

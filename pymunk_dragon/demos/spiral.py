@@ -58,7 +58,7 @@ lesson.answer(
 )
 lesson.check(
     "The last rate, 0.3669 rad/s: divide 1 m/s by k sqrt(theta^2 + 1), which is the root of r^2 + k^2, with r = 2.724 "
-    "m and k = 0.55 / (2 pi) = 0.0875 m. Or roughly with a protractor: the inner bold piece spans 102 degrees, or 1.79 "
+    "m and k = 0.55 / (2 pi) = 0.0875 m. Or roughly with a protractor: the inner bold piece spans 102 degrees, or 1.78 "
     "radians, in 5 s."
 )
 lesson.change(

@@ -32,7 +32,7 @@ marches = [March(curve=UTurn(ratio=ratio)) for ratio in (contest, rival)]
 headings = (f"radii {contest:g} to 1", f"radii {rival:g} to 1")
 film = lesson.file(".gif")
 camera = Camera(span=11.5)
-render(marches, film, since=-4, until=24, speedup=4, fps=10, size=250, camera=camera, headings=headings, hold=2)
+render(marches, film, since=-4, until=24, speedup=4, fps=10, size=(250, 275), camera=camera, headings=headings, hold=2)
 lesson.show(film, "Two dragons take different ways round, and leave side by side.")
 
 lesson.answer(

@@ -32,7 +32,7 @@ print(f"cos / cos = {np.cos(front) / np.cos(rear):.6f}")
 steps = 10.0 ** np.arange(0, -11, -1)
 errors = [np.abs(march.speeds_by_difference(t, step) - state.speeds).max() for step in steps]
 for step, error in zip(steps[:5], errors, strict=False):
-    print(f"step {step:.0e} s  error {error:.1e} m/s")
+    print(f"step {step:<6g} s  error {error:.1e} m/s")
 
 figure, (along, chart) = lesson.subplots(2, 1, figsize=(5.2, 5.4), height_ratios=(1, 1.5))
 along.plot(state.speeds[0], color=BLUE)
@@ -51,8 +51,8 @@ lesson.show(
 )
 
 lesson.answer(
-    "A rigid bench keeps its length, so both its handles go equally fast along it; the front one crosses it at a "
-    "slightly larger angle, because the spiral is more curved there, and has to be faster: 223 such benches leave the "
+    "A rigid bench keeps its length, so both its handles go equally fast along it; the front one goes at a slightly "
+    "larger angle to it, because the spiral is more curved there, and so has to be faster: 223 such benches leave the "
     "tail with 0.996478 m/s. Two positions tell the same, with an error that shrinks with the step, until they are so "
     "close, at some 10 microseconds, that most of their digits are equal and the rounding of the last ones takes over."
 )
