@@ -97,7 +97,7 @@ def test_program_copied_out_runs_alone_and_does_the_same(name, tmp_path):
 @every_lesson
 def test_picture_can_be_looked_at(name):
     with Image.open(BytesIO(played(name).picture)) as picture:
-        assert min(picture.size) >= 300
+        assert min(picture.size) >= 200
         assert len(picture.convert("RGB").getcolors(maxcolors=2**24)) > 3
         frames = getattr(picture, "n_frames", 1)
     assert (frames > 10) == (played(name).file.suffix == ".gif")
