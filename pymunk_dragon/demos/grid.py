@@ -57,7 +57,8 @@ for place, (column, row) in enumerate(cells, start=1):
 for bench in range(16):
     axes.fill(*in_cells(benches[bench]).T, fill=False, color=COLOURS.ink if bench in (0, 8) else QUIET)
 axes.annotate("", end, start, arrowprops={"color": BLUE, "width": 2, "headwidth": 9})
-axes.set(xlim=start[0] + [-1.8, 4.6], ylim=start[1] + [3.8, -1.2], xlabel="column", ylabel="row", aspect="equal")
+(left, top), (right, bottom) = np.min(cells, axis=0) - 1, np.max(cells, axis=0) + 2
+axes.set(xlim=(left, right), ylim=(bottom, top), xlabel="column", ylabel="row", aspect="equal")
 axes.grid(color=RULE)
 lesson.show(figure, "The edge of bench 8 that the head hits, and its cells in the order of the walk.")
 

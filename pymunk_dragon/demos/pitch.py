@@ -45,21 +45,21 @@ pitches = np.linspace(0.4502, 0.4504, 9)
 for step, style, colour in ((1, "--", AMBER), (0.01, "-", BLUE)):
     axes.plot(pitches, [smallest_gap(pitch, step) for pitch in pitches], style, color=colour)
 axes.text(0.45033, 0.12, "each second ", color=AMBER, ha="right")
-axes.text(0.45030, -0.06, " each 0.01 s", color=BLUE)
+axes.text(0.45029, -0.07, "each 0.01 s", color=BLUE)
 axes.axhline(0, color=QUIET, lw=0.8)
-for pitch in (free, found.pitch):
+for pitch, height, side in ((free, 0.01, "right"), (found.pitch, -0.022, "left")):
     axes.plot(pitch, 0, "o", color=COLOURS.ink)
-    axes.text(pitch, 0.01, f"{pitch:.6f} m ", ha="right")
+    axes.text(pitch, height, f" {pitch:.6f} m ", ha=side)
 axes.set(xlabel="pitch (m)", ylabel="smallest gap seen (mm)", xticks=pitches[::2])
 lesson.show(figure, "The smallest gap on the way in, over the pitch, as looks each second and each hundredth see it.")
 
 lesson.answer(
     "The smallest pitch is 0.450337393 m, half as much again as the width, because a straight bench on a curve sticks "
-    "out at its ends and sags in at its middle; with it the head just touches bench 19. Looks each second find 0.450274 "
-    "m, which is too small: they see nothing overlap, although between two looks benches do, by 0.064 mm."
+    "out at its ends and sags in at its middle; with it the head just touches bench 19. Looks each second find "
+    "0.450274 m, which is too small: they see nothing overlap, but between two of them benches do, by 0.064 mm."
 )
 lesson.check(
-    "The way in takes 220.934 s: to 4.5 m from the centre there are 16 - 4.5 / 0.450337 = 6.007492 turns, of a mean "
+    "The way in takes 220.934 s: to 4.5 m from the centre there are 16 - 4.5 / 0.450337 = 6.007483 turns, of a mean "
     "radius of (7.205398 + 4.5) / 2 m. As circles these are 220.917 m; the little more is the way further in."
 )
 lesson.change(

@@ -75,5 +75,5 @@ lesson.check(
 )
 lesson.change(
     "Print `gaps[:2].max()` instead, without the amber bench's axes: at which angle is the verdict wrong? Or set "
-    "`aside` and `ahead` to 1.80 and 1.00: each axis is the best at some angle, and the overlap, 8 mm, is hard to see."
+    "`aside` and `ahead` to 1.80 and 1.00: each axis is the best at some angle, and an overlap of 9 mm is hard to see."
 )
