@@ -46,8 +46,8 @@ for near in (now - 1, now + 1):
     print(f"         joint {joint:2d}   t = {states.times[near]:.1f} s   at ({x:.4f}, {y:.4f}) m")
 
 film = lesson.file(".gif")
-render(run, film, speedup=1, fps=10, size=(400, 220), hold=2)
-lesson.show(film, "Sixteen links follow the tip along a curve that was drawn by hand, until the tip runs into link 13.")
+render(run, film, speedup=1, fps=10, size=(540, 300), hold=2)
+lesson.show(film, "The arm's 16 links follow the tip along a curve that was drawn by hand, until it runs into link 13.")
 
 lesson.answer(
     "No joint is more than some 3 % faster or slower than the tip: both ends of a link go equally fast along it, so "
