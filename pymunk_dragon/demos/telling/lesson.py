@@ -10,6 +10,7 @@ from typing import Any, Protocol
 from pymunk_dragon.demos.telling.notebook import InNotebook
 from pymunk_dragon.demos.telling.stage import Stage, stage
 from pymunk_dragon.demos.telling.terminal import Terminal
+from pymunk_dragon.extras import library
 from pymunk_dragon.files import written_in_place
 
 __all__ = ["Lesson"]
@@ -86,6 +87,8 @@ class Lesson:
         from pymunk_dragon.render.figures.style import chart, styled
 
         self._style.enter_context(styled())
+        # The house's face has no minus sign for powers of ten, which a student's axes may well have.
+        library("matplotlib").rcParams["axes.unicode_minus"] = False
         figure = chart(*options.pop("figsize", (WIDTH, HEIGHT)))
         return figure, figure.subplots(rows, columns, **options)
 
