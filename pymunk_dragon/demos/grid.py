@@ -34,7 +34,7 @@ start, end = in_cells(benches[8, :2])
 cell, step = np.floor(start), np.sign(end - start)
 share = (cell + (step > 0) - start) / (end - start)  # of the edge, up to either of these lines
 cells = [cell.copy()]
-while (cell != np.floor(end)).any():
+for _ in range(int(abs(np.floor(end) - cell).sum())):
     crossed = share.argmin()
     cell[crossed] += step[crossed]
     share[crossed] += 1 / abs(end - start)[crossed]
