@@ -78,3 +78,9 @@ def test_make_targets_of_the_readme_exist():
     for command in COMMANDS:
         if command.startswith("make "):
             assert re.search(rf"^{shlex.split(command, comments=True)[1]}:", makefile, re.MULTILINE)
+
+
+def test_readme_lists_the_lessons_as_the_program_does(capsys):
+    with pytest.raises(SystemExit):
+        main(["demo"])
+    assert "```console\n$ pymunk-dragon demo\n" + capsys.readouterr().out + "```" in README

@@ -34,7 +34,8 @@ march = March(arm, Sampled(np.array(points)), speed=0.2)
 hit = first_contact(march)
 run = simulate(march, frame_interval=0.1)
 print(f"exact    t = {hit.time:.4f} s   {hit.status}   links {hit.benches}")
-print(f"engine   t = {run.times[-1]:.4f} s   {run.outcome}   links {run.first_contact and run.first_contact.benches}")
+touch = run.first_contact
+print(f"engine   t = {run.times[-1]:.4f} s   " + (f"contact   links {touch.benches}" if touch else "clear"))
 
 # ... and where is each joint, and how fast?
 states = march.at(np.arange(0, hit.time, 0.1))
