@@ -63,8 +63,9 @@ figures: runs
 	set -e; for name in $(OF_RUNS); do for ending in png svg; do $(DRAGON) figure $$name renders/march.npz -o renders/figures/$$name.$$ending; done; done
 	set -e; for name in $(STUDIES); do $(DRAGON) study $$name -o renders/figures/$$name.png; done
 
-screenshot: films $(VENV)/all ## the picture of the player, in Chromium: renders/player.png
-	$(BIN)/python tests/bench/screenshot.py renders/march.html renders/player.png
+screenshot: films demos $(VENV)/all ## pictures of the player and of the lessons, in Chromium: renders/player.png, lessons.png
+	$(BIN)/python tests/bench/screenshot.py renders/march.html "#t=409.8&follow=head" renders/player.png
+	$(BIN)/python tests/bench/screenshot.py renders/lessons.html "#spiral" renders/lessons.png
 
 report: $(VENV)/report ## play on past the first contact and tell what happened: renders/report.html
 	$(DRAGON) simulate --from 400 --until 416 --contacts report -o renders/report.npz

@@ -1,6 +1,6 @@
-"""The picture of the player that README shows: `python tests/bench/screenshot.py march.html player.png`.
+"""The pictures of pages that README shows: `python tests/bench/screenshot.py march.html "#t=409.8" player.png`.
 
-Needs a Chromium on the path.
+What the address's second half says is shown: a moment of a run, or a lesson, unfolded. Needs a Chromium on the path.
 """
 
 from __future__ import annotations
@@ -11,21 +11,25 @@ from pathlib import Path
 
 from playwright.sync_api import sync_playwright
 
-# The head passes bench 11.
-MOMENT = "#t=409.8&follow=head"
 SIZE = {"width": 1200, "height": 750}
+# Pixels above a lesson.
+MARGIN = 16
 ARGUMENTS = ["--no-sandbox", "--disable-background-networking"]
 
 
 def main() -> None:
     """Open the page, wait until it has drawn, and take a picture."""
-    page_file, picture = map(Path, sys.argv[1:])
+    page_file, shown, picture = sys.argv[1:]
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=ARGUMENTS)
         page = browser.new_page(viewport=SIZE, device_scale_factor=1)
-        page.goto(page_file.resolve().as_uri() + MOMENT)
-        page.evaluate("dragon")
+        page.goto(Path(page_file).resolve().as_uri() + shown)
+        page.evaluate("window.dragon")  # of a player: once it has drawn
+        page.evaluate("document.querySelectorAll(':target details').forEach((folded) => folded.open = true)")
         page.wait_for_timeout(500)
+        lesson = page.locator("section:target")
+        if lesson.count():
+            page.set_viewport_size({**SIZE, "height": round(lesson.bounding_box()["height"]) + MARGIN})
         page.screenshot(path=picture)
         browser.close()
 
