@@ -74,4 +74,4 @@ lesson.answer(
     "and the benches go on as if nothing had been; so `simulate` keeps it and raises it when the step is over."
 )
 lesson.check("The impulse of 3.287 N s is what sets the bench in motion: divide it by 10 kg, and compare the speed.")
-lesson.change("Set `elasticity` to 0. Why is there less of an impulse, but more of the calls?")
+lesson.change("Set `elasticity`, their bounce, to 0. Why is there less of an impulse, but more of the calls?")

@@ -9,8 +9,9 @@ from pymunk_dragon.render.figures.style import AMBER, BLUE, RULE, halo
 lesson = Lesson("chain", "Where does the next handle go?")
 
 lesson.question(
-    "Both handles of the head are on the spiral, 2.86 m apart in a straight line. If the front one is known, the other "
-    "one is where the circle of 2.86 m round it meets the spiral. How often does it, and which place is meant?"
+    "Two handles carry the head bench, both on the spiral, 2.86 m apart in a straight line. If the front one, handle "
+    "0, is known, the next one is where the circle of radius 2.86 m round it meets the spiral. How often does it, and "
+    "which place is meant?"
 )
 lesson.predict(
     "Does the circle meet the spiral 2, 6 or 22 times? And the way along the spiral from one handle to the other: is "

@@ -9,9 +9,9 @@ from pymunk_dragon.render.figures.style import AMBER, BLUE
 lesson = Lesson("engine", "What makes an engine exact?")
 
 lesson.question(
-    "A physics engine goes in short steps of time, and in each of them it goes over all joints several times "
-    "(`iterations`), as it cannot make all of them hold at once. What brings the dragon nearer to the truth, shorter "
-    "steps or more tries? And is every joint to be trusted?"
+    "A physics engine goes in short steps of time (`substep`), and in each of them it goes over all joints several "
+    "times (`iterations`), as it cannot make all of them hold at once. What brings the dragon nearer to the truth, "
+    "shorter steps or more tries? And is every joint to be trusted?"
 )
 lesson.predict(
     "Halve the steps, or try four times as often: what becomes of the error? And a body slides along a groove just as "

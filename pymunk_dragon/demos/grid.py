@@ -10,8 +10,8 @@ from pymunk_dragon.render.figures.style import BLUE, CANDIDATE, COLOURS, QUIET, 
 lesson = Lesson("grid", "Ask only the neighbours")
 
 lesson.question(
-    "Of 16 benches 105 pairs share no hole, and any of them could touch; of 223 benches it is 24531 pairs. Must all of "
-    "them be tested at every moment, if most are metres apart?"
+    "Each bench is hinged to the one before it; any two others could touch. Of 16 benches these are 105 pairs, of 223 "
+    "benches 24531. Must all of them be tested at every moment, if most are metres apart?"
 )
 lesson.predict(
     "Cut the floor into square cells, file every bench in the cells that it touches, and test only benches that share "

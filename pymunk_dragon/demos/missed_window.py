@@ -11,7 +11,7 @@ lesson = Lesson("missed-window", "The contact that nobody saw")
 
 lesson.question(
     "Make all benches one millimetre wider: 0.301 m. A program that looks each second whether any two overlap finds "
-    "the head in bench 8, and traces it back to 412.442 s. Has nothing touched before?"
+    "the head, bench 0, in bench 8, and traces it back to 412.442 s. Has nothing touched before?"
 )
 lesson.predict(
     "Nothing, one short contact, or many? And how often must you look to be sure that you miss none: every tenth of a "
@@ -19,7 +19,7 @@ lesson.predict(
 )
 
 march = March(Dragon(width=0.301))
-for name, hit in {"each second": scan(march, step=1), "first_contact": first_contact(march)}.items():
+for name, hit in {"scan": scan(march, step=1), "first_contact": first_contact(march)}.items():
     print(f"{name:14}{hit.time:.6f} s  benches {hit.benches}  {hit.looks:5} looks")
 
 

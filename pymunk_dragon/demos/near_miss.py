@@ -10,12 +10,13 @@ from pymunk_dragon.render import Camera, render
 lesson = Lesson("near-miss", "Nearly is not hit")
 
 lesson.question(
-    "On its way in the head passes bench 9, then bench 11, and then runs into bench 8. A bench is 300 mm wide. How "
-    "much room is left when it passes?"
+    "On its way in the head, which is bench 0, passes bench 9, then bench 11, and then runs into bench 8. A bench is "
+    "300 mm wide. How much room is left when it passes?"
 )
 lesson.predict(
-    "A hand's width, a finger's, or that of a bank card? And who will report a collision that never happens: a program "
-    "that looks every 10 s, one that cuts positions to whole millimetres, an engine that takes long steps?"
+    "As wide as a hand or a finger, or only as thick as a bank card? And who will report a collision that never "
+    "happens: a program that looks every 10 s, one that cuts positions to whole millimetres, an engine that takes "
+    "long steps?"
 )
 
 # The exact model: the near misses, and the first contact. Then one that looks every 10 s, and bisects where benches
@@ -32,7 +33,7 @@ times = np.arange(405, 413, 0.001)
 handles = np.trunc(1000 * march.at(times, handles=13).positions) / 1000
 benches = march.dragon.outlines(bench_poses(handles))
 overlaps = separation(benches[:, 0], benches[:, 11]).distance < 0
-for time in times[overlaps][:1]:
+for time in times[overlaps][:1]:  # the first one, if there is any
     print(f"{'cut to 1 mm':15}{time:.3f} s  benches (0, 11)  contact")
 
 # Pymunk: by default it takes 100 steps a second, and in each of them the solver goes over all joints 60 times. The

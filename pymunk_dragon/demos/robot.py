@@ -38,13 +38,13 @@ touch = run.first_contact
 print(f"engine   t = {run.times[-1]:.4f} s   " + (f"contact   links {touch.benches}" if touch else "clear"))
 
 # ... and where is each joint, and how fast?
-states = march.at(np.arange(0, hit.time, 0.1))
+states = march.at(np.arange(0.1, hit.time - 0.1, 0.1))
 for word, found in [("fastest", states.speeds.argmax()), ("slowest", states.speeds.argmin())]:
     now, joint = np.unravel_index(found, states.speeds.shape)
     print(f"{word}  joint {joint:2d}   t = {states.times[now]:.1f} s   {states.speeds[now, joint]:.3f} m/s")
-for near in (now - 1, now + 1):
-    x, y = states.positions[near, joint]
-    print(f"         joint {joint:2d}   t = {states.times[near]:.1f} s   at ({x:.4f}, {y:.4f}) m")
+for time in (states.times[now] - 0.1, states.times[now] + 0.1):  # where the slowest one was before, and after
+    x, y = march.at(time).positions[0, joint]
+    print(f"         joint {joint:2d}   t = {time:.1f} s   at ({x:.4f}, {y:.4f}) m")
 
 film = lesson.file(".gif")
 render(run, film, speedup=1, fps=10, size=(540, 300), hold=2)
@@ -56,8 +56,8 @@ lesson.answer(
     "way for this arm."
 )
 lesson.check(
-    "The slowest speed of 0.194 m/s: that joint is printed 0.1 s before and 0.1 s after. Divide the distance between "
-    "the two places by 0.2 s."
+    "The slowest speed of 0.194 m/s: it is printed where that joint was 0.1 s before and 0.1 s after. Divide the "
+    "distance between the two places by 0.2 s."
 )
 lesson.change(
     "Let `points` end in (0.1, 0.05), (0.2, 0), and the tip slips past. Then draw a way of your own: README, under "

@@ -43,14 +43,14 @@ figure, floor = lesson.subplots(figsize=(5.2, 5.2))
 
 
 def draw(degrees: float) -> None:
-    """The benches, below them their shadows on the four axes, and a dashed line through the widest gap."""
+    """The benches, below them their shadows, and through the widest gap a dashed line along the bench's other axis."""
     benches, axes, begins, ends, gaps = look(degrees)
     best, apart = int(gaps.argmax()), gaps.max() > 0
     floor.clear()
     floor.set(xlim=(-2.1, 2.1), ylim=(-2.5, 1.7), xticks=[], yticks=[], frame_on=False)
     floor.text(-2, 1.5, f"{degrees} degrees: {'apart' if apart else 'no gap, they overlap'}")
     foot = axes[best] * (begins[:, best].max() + ends[:, best].min()) / 2
-    floor.axline(foot, foot + axes[best ^ 1], color=COLOURS.contact, ls="--", alpha=float(apart), zorder=0)
+    floor.axline(foot, foot + axes[[1, 0, 3, 2][best]], color=COLOURS.contact, ls="--", alpha=float(apart), zorder=0)
     floor.axhspan(-2.5, -0.75, color=COLOURS.background)
     for bench, colour in enumerate((BLUE, AMBER)):
         floor.fill(*benches[bench].T, color=colour)
@@ -74,6 +74,6 @@ lesson.check(
     "half the blue width, 0.15 m, and half the amber shadow, 1.10 sin 30 + 0.15 cos 30, in degrees."
 )
 lesson.change(
-    "Print `gaps[:2].max()` instead, without the amber bench's axes: at which angle is the verdict wrong? Or set "
+    "Put `gaps = gaps[:2]` below `found`, without the amber bench's axes: at which angle is the verdict wrong? Or set "
     "`aside` and `ahead` to 1.80 and 1.00: each axis is the best at some angle, and an overlap of 9 mm is hard to see."
 )

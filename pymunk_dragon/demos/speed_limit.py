@@ -10,8 +10,8 @@ from pymunk_dragon.studies import max_speed
 lesson = Lesson("speed-limit", "The head sets the pace, and others have to run")
 
 lesson.question(
-    "In the turn inside the circle of 9 m the head keeps a steady pace, but not everybody behind it can. If nobody may "
-    "ever be faster than 2 m/s, who is the first at that limit, and how fast may the head go?"
+    "In the turn inside the circle 9 m wide the head keeps a steady pace, but not everybody behind it can. If nobody "
+    "may ever be faster than 2 m/s, who is the first at that limit, and how fast may the head go?"
 )
 lesson.predict(
     "Who has to run fastest: the head, somebody close behind it, or the tail? And may the head go at 2 m/s, at 1.6, or "

@@ -9,12 +9,13 @@ from pymunk_dragon.render.figures.style import AMBER, BLUE
 lesson = Lesson("spiral", "A steady walk that turns ever faster")
 
 lesson.question(
-    "The head of the dragon walks inward on a spiral, at 1 m/s all the time. You stand in the centre and turn so that "
-    "you always face it. Do you turn at a steady pace too?"
+    "In the bench dragon, a folk dance, some 200 benches hinged end to end coil inward on a spiral. The head walks at "
+    "1 m/s all the time, and you stand in the centre and turn so that you always face it. Do you turn at a steady "
+    "pace too?"
 )
 lesson.predict(
-    "At the start you turn so slowly that a whole round would take 55 s. After 400 s the head is three times as close. "
-    "How long would a round take then: still 55 s, about 17 s, or about 6 s?"
+    "At the start you turn so slowly that a whole round would take 55 s. After 400 s the head is only a third as "
+    "far away. How long would a round take then: still 55 s, about 17 s, or about 6 s?"
 )
 
 # The spiral is r = k theta, and each turn is 0.55 m further out. The head starts on turn 16, 8.8 m from the centre.
@@ -52,9 +53,9 @@ lesson.show(
 
 lesson.answer(
     "At the distance r you turn by 1 radian while the head walks about r metres, so the closer it is, the further the "
-    "same metre turns you: 0.1136 rad/s at the start, but 0.3669 rad/s after 400 s. Along the curve nothing changes: a "
-    "step of it is ds = k sqrt(theta^2 + 1) dtheta, where theta is the angle about the centre, and dtheta grows just "
-    "as fast as the root shrinks."
+    "same metre turns you: 0.1136 rad/s at the start, but 0.3669 rad/s after 400 s. Along the curve nothing changes: "
+    "on the spiral r = k theta, where theta is the angle about the centre, a step is ds = k sqrt(theta^2 + 1) dtheta, "
+    "and dtheta grows just as fast as the root shrinks."
 )
 lesson.check(
     "The last rate, 0.3669 rad/s: divide 1 m/s by k sqrt(theta^2 + 1), which is the root of r^2 + k^2, with r = 2.724 "

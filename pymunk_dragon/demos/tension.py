@@ -63,9 +63,9 @@ lesson.answer(
 )
 lesson.check(
     "165.780 N in the first joint: in a step of 0.01 s a bench of 10 kg keeps 0.5^0.01 of its 1 m/s. Work out how much "
-    "it loses, divide its momentum by the length of the step to get a force, and multiply by 24 benches."
+    "momentum it loses, divide by the length of the step to get a force, and multiply by 24 benches."
 )
 lesson.change(
     "Give every bench a dancer, `list(range(1, BENCHES + 1))`. Then let the solver try 10 times in each step, not 60, "
-    "and then 5 times: what it leaves undone grows."
+    "and then 5 times: what it leaves undone grows from step to step."
 )

@@ -9,7 +9,7 @@ from pymunk_dragon.render import Camera, render
 lesson = Lesson("u-turn", "Two dragons race through the turn")
 
 lesson.question(
-    "The dragon comes in on a spiral of 1.7 m a turn, goes round within a circle of 9 m on two arcs that touch each "
+    "The dragon comes in on a spiral of 1.7 m a turn, goes round within a circle 9 m wide on two arcs that touch each "
     "other and both spirals, and out again. In the contest the first arc has twice the radius of the second; a rival "
     "takes two equal ones. Whose turn is shorter?"
 )
@@ -41,10 +41,11 @@ lesson.answer(
     "shape, so both are the same number of times as long as their chords, and these share out the diameter of 9 m."
 )
 lesson.check(
-    "The length, 13.621245 m: half the angle is a = arctan(2 pi 4.5 / 1.7) = 1.510743 radians, an arc is a / sin a "
-    "times as long as its chord, and both chords together are 9 m; so it is 9 a / sin a."
+    "The length, 13.621245 m: the path enters at a = arctan(2 pi 4.5 / 1.7) = 1.510743 radians to the diameter, which "
+    "is half the angle of an arc. So an arc is a / sin a times as long as its chord, both chords together are 9 m, "
+    "and the length is 9 a / sin a."
 )
 lesson.change(
     "Set `rival` to 2.5: the program stops and says that a handle has no place. Compare the head's 2.86 m with the "
-    "diameter of the narrow arc: which ratio is the largest that may do?"
+    "diameter of the narrow arc: up to about which ratio does it get round?"
 )
