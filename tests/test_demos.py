@@ -18,6 +18,7 @@ from contextlib import suppress
 from io import BytesIO
 from pathlib import Path
 
+import matplotlib
 import nbclient
 import nbformat
 import pytest
@@ -30,7 +31,7 @@ from PIL import Image
 from pymunk_dragon import demos
 from pymunk_dragon.cli import main
 from pymunk_dragon.demos import DEMOS, LANGUAGES, Demo, Terminal, write_lessons
-from pymunk_dragon.demos.telling import PARTS, notebook, terminal
+from pymunk_dragon.demos.telling import PARTS, notebook, perform, terminal
 from pymunk_dragon.errors import MissingExtraError, ParameterError
 
 TELLING = Path(demos.__file__).parent / "telling"
@@ -92,6 +93,13 @@ def test_program_copied_out_runs_alone_and_does_the_same(name, tmp_path):
     assert "\x1b" not in done.stdout
     for part in PARTS:
         assert flat(DEMOS[name].said(part, "zh")) in flat(done.stdout)
+
+
+@every_lesson
+def test_lesson_leaves_the_settings_of_matplotlib_alone(name):
+    before = dict(matplotlib.rcParams)
+    perform(DEMOS[name])
+    assert dict(matplotlib.rcParams) == before
 
 
 @every_lesson
