@@ -425,7 +425,9 @@ def test_a_students_own_lesson_speaks_english_and_needs_no_catalogue(tmp_path, c
     own = tmp_path / "own.py"
     own.write_text(
         'from pymunk_dragon.demos import Lesson\nlesson = Lesson("own", "My own")\nlesson.question("Why?")\n'
-        'lesson.predict("So?")\nprint(6 * 7)\nlesson.answer("Because.")\nlesson.check("42")\nlesson.change("6")\n',
+        'lesson.predict("So?")\nprint(6 * 7)\n'
+        "from unittest.mock import Mock as Window\nwindow = Window()\nwindow.show()\n"
+        'lesson.answer("Because.")\nlesson.check("42")\nlesson.change("6")\n',
         encoding="utf-8",
     )
     demo = Demo.read(own)

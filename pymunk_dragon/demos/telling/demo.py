@@ -66,7 +66,7 @@ class Demo:
             called, texts = _call(statement)
             if called == "Lesson":
                 named = texts[0], texts[1]
-            elif called == "show":
+            elif called == "show" and texts:  # and not a student's own, as pyplot.show()
                 shown = texts[0]
             elif called in SPOKEN or called == "":
                 blocks += _code(lines[begin : statement.lineno - 1])
