@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from importlib import import_module
 from typing import Any
 
 from pymunk_dragon.errors import MissingExtraError
 
-__all__ = ["library"]
+__all__ = ["extras_named", "library"]
 
 # What needs it, and the extra that brings it.
 FEATURES = {
@@ -33,3 +35,20 @@ def library(name: str) -> Any:
         return import_module(name)
     except ImportError as error:
         raise MissingExtraError(*FEATURES[name.partition(".")[0]]) from error
+
+
+@contextmanager
+def extras_named() -> Iterator[None]:
+    """Name the extra that brings a library which what is in here imports by itself.
+
+    Raises
+    ------
+    MissingExtraError
+        If it is not installed.
+    """
+    try:
+        yield
+    except ModuleNotFoundError as error:
+        if error.name is None or (name := error.name.partition(".")[0]) not in FEATURES:
+            raise
+        raise MissingExtraError(*FEATURES[name]) from error

@@ -18,6 +18,7 @@ from contextlib import suppress
 from io import BytesIO
 from pathlib import Path
 
+import matplotlib
 import nbclient
 import nbformat
 import pytest
@@ -30,7 +31,7 @@ from PIL import Image
 from pymunk_dragon import demos
 from pymunk_dragon.cli import main
 from pymunk_dragon.demos import DEMOS, LANGUAGES, Demo, Terminal, write_lessons
-from pymunk_dragon.demos.telling import PARTS, notebook, terminal
+from pymunk_dragon.demos.telling import PARTS, notebook, perform, stage, terminal
 from pymunk_dragon.errors import MissingExtraError, ParameterError
 
 TELLING = Path(demos.__file__).parent / "telling"
@@ -92,6 +93,13 @@ def test_program_copied_out_runs_alone_and_does_the_same(name, tmp_path):
     assert "\x1b" not in done.stdout
     for part in PARTS:
         assert flat(DEMOS[name].said(part, "zh")) in flat(done.stdout)
+
+
+@pytest.mark.parametrize("name", ["spiral", "sat"])  # a picture with axes, and a film of them
+def test_lesson_leaves_the_settings_of_matplotlib_alone(name):
+    before = dict(matplotlib.rcParams)
+    perform(DEMOS[name])
+    assert dict(matplotlib.rcParams) == before
 
 
 @every_lesson
@@ -205,10 +213,10 @@ def test_the_last_lesson_has_no_next_one(call, tmp_path):
 
 
 def test_without_a_folder_the_picture_is_among_the_temporary_files(call, tmp_path, monkeypatch):
-    monkeypatch.setattr(terminal.tempfile, "mkdtemp", lambda prefix: str(tmp_path / "new"))
+    monkeypatch.setattr(terminal.tempfile, "tempdir", str(tmp_path))
     _, out, _ = call("demo", "spiral")
-    assert str(tmp_path / "new" / "spiral.png") in out
-    assert (tmp_path / "new" / "spiral.png").exists()
+    [picture] = tmp_path.glob("*/spiral.png")
+    assert str(picture) in out
 
 
 def test_program_gives_a_lesson_as_json(call, tmp_path):
@@ -234,6 +242,9 @@ def test_program_writes_notebooks_and_programs(call, tmp_path):
         (["dragon"], ["lesson is 'dragon'", "spiral", "robot"]),
         (["spiral", "--lang", "fr"], ["lang is 'fr'", "en, zh"]),
         (["spiral", "--save", __file__], ["save is", "a folder that can be written"]),
+        (["spiral", "--save", ""], ["save is ''", "a folder that can be written"]),
+        (["--save", "pictures"], ["--save", "a lesson that is played"]),
+        (["spiral", "--pause", "-o", "spiral.html"], ["--pause", "a lesson that is played"]),
         (["-o", "all.ipynb"], ["output is 'all.ipynb'", ".html"]),
         (["spiral", "-o", "spiral.pdf"], ["output is 'spiral.pdf'", ".html or .ipynb or .py"]),
     ],
@@ -243,6 +254,27 @@ def test_bad_input_is_one_line(call, arguments, words):
     assert (code, out) == (2, "")
     assert err.count("\n") == 1
     assert_says(Exception(err.strip()), "pymunk-dragon: ", *words)
+
+
+@pytest.mark.parametrize("arguments", [["demo", "spiral"], ["demo"]])
+def test_output_that_cannot_write_chinese_is_one_line(arguments):
+    command = [sys.executable, "-m", "pymunk_dragon", *arguments, "--lang", "zh"]
+    environment = os.environ | {"PYTHONIOENCODING": "ascii"}
+    done = subprocess.run(command, capture_output=True, text=True, env=environment, check=False)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.count("\n") == 1
+    assert_says(Exception(done.stderr.strip()), "lang is 'zh'", "ascii", "PYTHONIOENCODING=utf-8")
+
+
+def test_folder_that_cannot_be_written_is_told_before_the_lesson(call, monkeypatch, tmp_path):
+    def refused(dir):
+        raise PermissionError(13, "Permission denied")
+
+    # Nothing is refused to whoever runs the tests as root.
+    monkeypatch.setattr(stage.tempfile, "TemporaryFile", refused)
+    code, out, err = call("demo", "spiral", "--save", tmp_path)
+    assert (code, out) == (2, "")
+    assert_says(Exception(err.strip()), "save is", str(tmp_path), "Permission denied")
 
 
 @pytest.mark.parametrize("arguments", [["--lang", "fr"], ["--save", __file__], ["--sav"], ["x"]])
@@ -255,21 +287,43 @@ def test_bad_input_of_a_program_copied_out_is_one_line(tmp_path, arguments):
 
 
 @pytest.mark.parametrize(
-    ("missing", "ending", "extra"), [("nbformat", ".ipynb", "demos"), ("pygments", ".html", "demos")]
+    ("missing", "ending", "extra"),
+    [
+        (["nbformat"], ".ipynb", "demos"),
+        (["pygments"], ".html", "demos"),
+        (["jinja2"], ".html", "report"),
+        (["jinja2", "pygments", "nbformat"], ".html", "demos"),
+    ],
 )
 def test_without_a_library_one_line_names_the_extra(missing, ending, extra, tmp_path, monkeypatch):
-    monkeypatch.setitem(sys.modules, missing, None)
+    for library in missing:
+        monkeypatch.setitem(sys.modules, library, None)
     with pytest.raises(MissingExtraError) as caught:
         write_lessons([DEMOS["spiral"]], tmp_path / f"out{ending}")
     assert_says(caught.value, f"pymunk-dragon[{extra}]")
     assert list(tmp_path.iterdir()) == []
 
 
-def test_without_matplotlib_a_lesson_names_the_extra(call, monkeypatch, tmp_path):
-    monkeypatch.setitem(sys.modules, "matplotlib", None)
-    code, _, err = call("demo", "spiral", "--save", tmp_path)
-    assert code == 2
-    assert_says(Exception(err.strip()), "pymunk-dragon[figures]")
+@every_lesson
+def test_without_the_extras_a_lesson_is_played_or_names_one(name, tmp_path):
+    """As where only the core is installed."""
+    blocked = "import sys; sys.modules |= dict.fromkeys(['matplotlib', 'scipy']); sys.argv[0] = 'pymunk-dragon'; "
+    command = [sys.executable, "-c", blocked + "from pymunk_dragon.cli import main; main()"]
+    done = subprocess.run([*command, "demo", name, "--save", tmp_path], capture_output=True, text=True, check=False)
+    if done.returncode:
+        assert (done.returncode, done.stderr.count("\n")) == (2, 1)
+        extra = "curves" if name == "robot" else "figures"
+        assert_says(Exception(done.stderr.strip()), f"pymunk-dragon[{extra}]")
+        assert list(tmp_path.iterdir()) == []
+    else:
+        assert [file.name for file in tmp_path.iterdir()] == [f"{name}.gif"]
+
+
+def test_a_library_that_no_extra_brings_is_missed_as_ever(tmp_path):
+    own = tmp_path / "own.py"
+    own.write_text("import there_is_none\n", encoding="utf-8")
+    with pytest.raises(ModuleNotFoundError, match="there_is_none"):
+        Demo(own, "own", "", "", ()).play(Terminal())
 
 
 def on_terminal(*arguments, answer):
@@ -307,6 +361,30 @@ def test_a_lesson_on_which_nobody_presses_enter_can_be_left(tmp_path):
     written, code = on_terminal("demo", "spiral", "--save", tmp_path, "--pause", answer=leave)
     assert code == 130
     assert "Answer" not in written
+
+
+@pytest.mark.parametrize("where", ["</dev/null", "<&-"])
+def test_where_nobody_can_press_enter_the_lesson_goes_on(where, tmp_path):
+    command = [sys.executable, "-m", "pymunk_dragon", "demo", "spiral", "--pause", "--save", tmp_path]
+    done = subprocess.run(["sh", "-c", f'"$@" {where}', "sh", *command], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "Answer" in done.stdout
+
+
+def test_the_next_lesson_is_started_as_this_one_was(tmp_path):
+    """Where the program is not on the path."""
+    (tmp_path / "a room").mkdir()
+    program = tmp_path / "a room" / "pymunk-dragon"
+    program.write_text(f"#!{sys.executable}\nfrom pymunk_dragon.cli import main\n\nmain()\n", encoding="utf-8")
+    program.chmod(0o755)
+    done = subprocess.run(
+        [program, "demo", "spiral", "--save", tmp_path],
+        capture_output=True,
+        text=True,
+        check=True,
+        env=os.environ | {"PATH": os.defpath},
+    )
+    assert done.stdout.splitlines()[-1] == f"Next: '{program}' demo chain"
 
 
 def width(text):
@@ -347,7 +425,9 @@ def test_a_students_own_lesson_speaks_english_and_needs_no_catalogue(tmp_path, c
     own = tmp_path / "own.py"
     own.write_text(
         'from pymunk_dragon.demos import Lesson\nlesson = Lesson("own", "My own")\nlesson.question("Why?")\n'
-        'lesson.predict("So?")\nprint(6 * 7)\nlesson.answer("Because.")\nlesson.check("42")\nlesson.change("6")\n',
+        'lesson.predict("So?")\nprint(6 * 7)\n'
+        "from unittest.mock import Mock as Window\nwindow = Window()\nwindow.show()\n"
+        'lesson.answer("Because.")\nlesson.check("42")\nlesson.change("6")\n',
         encoding="utf-8",
     )
     demo = Demo.read(own)

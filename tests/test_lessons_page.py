@@ -81,6 +81,26 @@ def test_address_may_name_the_language_and_the_lesson(browser, address):
 
 
 @needs_browser
+def test_address_remembers_the_language_that_was_chosen(browser, address):
+    with opened(browser, f"{address}?zh#chain") as seen:
+        seen.page.click(".languages button[value=en]")
+        assert seen.page.url == f"{address}?en#chain"
+        seen.page.reload()
+        assert seen.page.evaluate("document.documentElement.lang") == "en"
+        assert seen.complaints == []
+
+
+@needs_browser
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_who_hears_the_page_hears_one_language(seen, language):
+    """What stands for a picture is in the language that is read; the buttons say in which their names are."""
+    seen.page.click(f".languages button[value={language}]")
+    heard = seen.page.evaluate("[...document.querySelectorAll('figure img:first-child')].map((image) => image.alt)")
+    assert heard == [demo.said("picture", language).replace("`", "") for demo in ALL]
+    assert seen.page.evaluate("[...document.querySelectorAll('button')].map((button) => button.lang)") == [*LANGUAGES]
+
+
+@needs_browser
 def test_contents_lead_to_every_lesson(seen):
     links = seen.page.evaluate("[...document.querySelectorAll('.contents a')].map((a) => a.getAttribute('href'))")
     assert links == [f"#{name}" for name in DEMOS]
@@ -143,6 +163,7 @@ def test_without_script_films_and_text_are_there_all_the_same(browser, address):
         seen.page.click(f"#{FILMS[0]} .run summary")
         assert seen.page.locator(f"#{FILMS[0]} .film").is_visible()
         assert seen.page.locator(f"#{FILMS[0]} .film").get_attribute("src").startswith("data:image/gif;base64,")
+        assert not seen.page.locator(".languages").is_visible()
 
 
 @needs_browser

@@ -32,6 +32,8 @@ def demo(name: str | None, save: str | None, language: str, pause: bool, as_json
     if name is not None and name not in DEMOS:
         raise ParameterError("lesson", name, "one of " + ", ".join(DEMOS))
     lessons = list(DEMOS.values()) if name is None else [DEMOS[name]]
+    if (save is not None or pause) and (name is None or output is not None):
+        raise click.UsageError("--save and --pause are for a lesson that is played: give its name, and no -o")
     destination = destination_of(output, endings(lessons))
     if destination is not None:
         with progress("lessons") as show:
@@ -53,11 +55,13 @@ def demo(name: str | None, save: str | None, language: str, pause: bool, as_json
 
 def _list(language: str, as_json: bool) -> None:
     from pymunk_dragon.demos import DEMOS
+    from pymunk_dragon.demos.telling import check_output
 
     titles = {name: one.said("title", language) for name, one in DEMOS.items()}
     if as_json:
         print_json({"lessons": titles})
     else:
+        check_output(language)
         rows = (f"{number:>2}  {name:<14} {title}" for number, (name, title) in enumerate(titles.items(), start=1))
         click.echo("\n".join(rows))
 

@@ -10,7 +10,5 @@ __all__ = ["DEMOS", "LANGUAGES", "Demo", "Lesson", "Performance", "Terminal", "p
 
 # By name, in the order in which they are read.
 DEMOS: Mapping[str, Demo] = {
-    name: Demo.read(Path(__file__).parent / f"{name.replace('-', '_')}.py")
-    for name in LESSONS
-    if (Path(__file__).parent / f"{name.replace('-', '_')}.py").exists()
+    name: Demo.read(Path(__file__).parent / f"{name.replace('-', '_')}.py") for name in LESSONS
 }

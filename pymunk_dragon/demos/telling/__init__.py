@@ -6,7 +6,7 @@ from pymunk_dragon.demos.telling.lesson import Lesson
 from pymunk_dragon.demos.telling.notebook import notebook
 from pymunk_dragon.demos.telling.page import page
 from pymunk_dragon.demos.telling.performance import Performance, perform
-from pymunk_dragon.demos.telling.terminal import Terminal
+from pymunk_dragon.demos.telling.terminal import Terminal, check_output
 from pymunk_dragon.demos.telling.writing import endings, write_lessons
 
 __all__ = [
@@ -17,6 +17,7 @@ __all__ = [
     "Performance",
     "Terminal",
     "check_language",
+    "check_output",
     "endings",
     "notebook",
     "page",

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from pymunk_dragon.demos.telling.catalogue import entry
 from pymunk_dragon.demos.telling.stage import Stage, on_stage
+from pymunk_dragon.extras import extras_named
 
 __all__ = ["CODE", "Block", "Demo"]
 
@@ -65,7 +66,7 @@ class Demo:
             called, texts = _call(statement)
             if called == "Lesson":
                 named = texts[0], texts[1]
-            elif called == "show":
+            elif called == "show" and texts:  # and not a student's own, as pyplot.show()
                 shown = texts[0]
             elif called in SPOKEN or called == "":
                 blocks += _code(lines[begin : statement.lineno - 1])
@@ -88,8 +89,14 @@ class Demo:
         return entry(self.name, part, language, english)
 
     def play(self, stage: Stage) -> None:
-        """Run the file, and have the lesson told on `stage`."""
-        with on_stage(stage):
+        """Run the file, and have the lesson told on `stage`.
+
+        Raises
+        ------
+        MissingExtraError
+            If what it draws with is not installed.
+        """
+        with on_stage(stage), extras_named():
             runpy.run_path(str(self.path), run_name="__main__")
 
 

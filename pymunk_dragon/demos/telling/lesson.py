@@ -94,10 +94,12 @@ class Lesson:
 
     def show(self, picture: Path | Drawing, text: str) -> None:
         """Show a film that was written to `file`, or a picture with axes, and say what it shows."""
-        if not isinstance(picture, Path):
-            with self._style, written_in_place(path := self.file(".png")) as draft:
-                picture.savefig(draft)
-            picture = path
+        # A film of axes was written in the house's style too: whatever is drawn next, has its own.
+        with self._style:
+            if not isinstance(picture, Path):
+                with written_in_place(path := self.file(".png")) as draft:
+                    picture.savefig(draft)
+                picture = path
         self._stage.show(self.name, picture, text)
 
 

@@ -28,7 +28,8 @@ def check_libraries() -> None:
     MissingExtraError
         If Jinja2, Pygments or nbformat is not installed.
     """
-    for name in ("jinja2", "pygments", "nbformat"):
+    # Whoever has none of them is told of the extra that brings all.
+    for name in ("pygments", "nbformat", "jinja2"):
         library(name)
 
 

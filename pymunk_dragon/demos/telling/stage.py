@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -58,11 +59,15 @@ def made_folder(path: str | Path) -> Path:
     Raises
     ------
     ParameterError
-        If it cannot be made.
+        If it cannot be made, or written.
     """
+    bound = "a folder that can be written"
+    if not str(path):
+        raise ParameterError("save", path, bound)
     folder = Path(path)
     try:
         folder.mkdir(parents=True, exist_ok=True)
+        tempfile.TemporaryFile(dir=folder).close()
     except OSError as error:
-        raise ParameterError("save", str(folder), f"a folder that can be written ({error.strerror})") from error
+        raise ParameterError("save", str(folder), f"{bound} ({error.strerror})") from error
     return folder

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import argparse
 import os
+import shlex
 import shutil
 import sys
 import tempfile
 import unicodedata
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from functools import cached_property
 from pathlib import Path
 from typing import NoReturn
@@ -18,7 +20,7 @@ from pymunk_dragon.demos.telling.order import after
 from pymunk_dragon.demos.telling.stage import made_folder
 from pymunk_dragon.errors import ParameterError
 
-__all__ = ["Terminal", "wrapped"]
+__all__ = ["Terminal", "check_output", "wrapped"]
 
 # Columns of text: longer lines are hard to read, however wide the terminal.
 MAX_COLUMNS = 88
@@ -44,11 +46,14 @@ class Terminal:
     Raises
     ------
     ParameterError
-        If there is no such language, or no such folder can be made.
+        If there is no such language, the output cannot write it, or no such folder can be made.
     """
 
     def __init__(self, save: str | Path | None = None, language: str = "en", pause: bool = False) -> None:
         self._save, self._language, self._pause = save, check_language(language), pause
+        # While a lesson runs, its own file is called.
+        self._program = _program()
+        check_output(language)
         if save is not None:
             made_folder(save)
 
@@ -68,7 +73,7 @@ class Terminal:
     @cached_property
     def folder(self) -> Path:
         """Where the lesson's picture is written."""
-        return made_folder(self._save or tempfile.mkdtemp(prefix="pymunk-dragon-"))
+        return Path(self._save or tempfile.mkdtemp(prefix="pymunk-dragon-"))
 
     def say(self, lesson: str, part: str, english: str) -> None:
         """Tell a part of a lesson, below its name."""
@@ -79,8 +84,10 @@ class Terminal:
             self._paragraph(part, text)
         if part == "predict":
             print(flush=True)
-            if self._pause:
-                input(word("pause", self._language) + " ")
+            # Nobody presses Enter where the input is a file, or none: then the lesson goes on.
+            if self._pause and sys.stdin is not None:
+                with suppress(EOFError):
+                    input(word("pause", self._language) + " ")
 
     def show(self, lesson: str, picture: Path, english: str) -> None:
         """Say where a picture is, and what it shows."""
@@ -90,13 +97,29 @@ class Terminal:
     def end(self, lesson: str) -> None:
         """Say which lesson is the next."""
         if (following := after(lesson)) is not None:
-            print(f"\n{word('next', self._language)}: {_program()} demo {following}")
+            print(f"\n{word('next', self._language)}: {self._program} demo {following}")
 
     def _paragraph(self, part: str, text: str) -> None:
         columns = min(shutil.get_terminal_size((MAX_COLUMNS, 0)).columns, MAX_COLUMNS) - len(INDENT)
         print("\n" + _bold(word(part, self._language)))
         for line in wrapped(text, columns):
             print(INDENT + line)
+
+
+def check_output(language: str) -> None:
+    """Make sure that the output can write a language.
+
+    Raises
+    ------
+    ParameterError
+        If it cannot, as Chinese where the output speaks ASCII.
+    """
+    encoding = sys.stdout.encoding or "utf-8"
+    try:
+        word("pause", language).encode(encoding, sys.stdout.errors or "strict")
+    except UnicodeEncodeError as error:
+        bound = f"a language that {encoding} can write; PYTHONIOENCODING=utf-8 in the environment writes all"
+        raise ParameterError("lang", language, bound) from error
 
 
 class _Parser(argparse.ArgumentParser):
@@ -148,7 +171,7 @@ def _program() -> str:
     if shutil.which(PROGRAM):
         return PROGRAM
     called = sys.argv[0]
-    return called if Path(called).stem == PROGRAM else f"{sys.executable} -m pymunk_dragon"
+    return shlex.quote(called) if Path(called).stem == PROGRAM else f"{shlex.quote(sys.executable)} -m pymunk_dragon"
 
 
 def _bold(text: str) -> str:

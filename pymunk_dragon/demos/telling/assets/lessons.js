@@ -8,9 +8,17 @@ function speak(language) {
   root.lang = language;
   document.title = document.querySelector(`h1 [lang="${language}"]`).textContent;
   for (const button of buttons) button.setAttribute("aria-pressed", button.value === language);
+  for (const figure of document.querySelectorAll("figure")) {
+    figure.querySelector("img").alt = figure.querySelector(`figcaption [lang="${language}"]`).textContent;
+  }
 }
 
-for (const button of buttons) button.addEventListener("click", () => speak(button.value));
+for (const button of buttons) {
+  button.addEventListener("click", () => {
+    speak(button.value);
+    history.replaceState(null, "", `?${button.value}${location.hash}`);
+  });
+}
 const asked = location.search.slice(1);
 speak(buttons.some((button) => button.value === asked) ? asked : root.lang);
 
