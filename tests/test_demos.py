@@ -204,12 +204,13 @@ def test_program_plays_a_lesson_and_names_the_next(call, tmp_path):
     said = [DEMOS["spiral"].said(part) for part in PARTS]
     assert all(flat(text) in flat(out) for text in said)
     assert str(tmp_path / played("spiral").file.name) in out
-    assert out.splitlines()[-1].startswith("Next: ")
-    assert out.splitlines()[-1].endswith(" demo chain")
+    *_, heading, following = out.splitlines()
+    assert heading == "Next"
+    assert following.endswith(" demo chain")
 
 
 def test_the_last_lesson_has_no_next_one(call, tmp_path):
-    assert "Next:" not in call("demo", "robot", "--save", tmp_path)[1]
+    assert "\nNext\n" not in call("demo", "robot", "--save", tmp_path)[1]
 
 
 def test_without_a_folder_the_picture_is_among_the_temporary_files(call, tmp_path, monkeypatch):
@@ -384,7 +385,7 @@ def test_the_next_lesson_is_started_as_this_one_was(tmp_path):
         check=True,
         env=os.environ | {"PATH": os.defpath},
     )
-    assert done.stdout.splitlines()[-1] == f"Next: '{program}' demo chain"
+    assert done.stdout.splitlines()[-1] == f"  '{program}' demo chain"
 
 
 def width(text):

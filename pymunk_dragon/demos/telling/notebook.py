@@ -44,7 +44,7 @@ def _cells(demo: Demo, language: str) -> Iterator[tuple[str, str]]:
     """Kinds and texts of the cells."""
 
     def told(part: str) -> str:
-        return f"**{word(part, language)}.** {_plain(demo.said(part, language))}"
+        return f"**{word(part, language)}**\n\n{_plain(demo.said(part, language))}"
 
     yield "markdown", "\n\n".join([f"# {_plain(demo.said('title', language))}", *map(told, ABOVE)])
     for block in demo.blocks:
@@ -54,7 +54,7 @@ def _cells(demo: Demo, language: str) -> Iterator[tuple[str, str]]:
     answer = "\n\n".join(map(told, BELOW))
     yield "markdown", f"<details><summary>{word('answer', language)}</summary>\n\n{answer}\n\n</details>"
     if (following := after(demo.name)) is not None:
-        yield "markdown", f"{word('next', language)}: `pymunk-dragon demo {following} -o {following}.ipynb`"
+        yield "markdown", f"**{word('next', language)}**\n\n`pymunk-dragon demo {following} -o {following}.ipynb`"
 
 
 def _plain(text: str) -> str:

@@ -97,7 +97,8 @@ class Terminal:
     def end(self, lesson: str) -> None:
         """Say which lesson is the next."""
         if (following := after(lesson)) is not None:
-            print(f"\n{word('next', self._language)}: {self._program} demo {following}")
+            print("\n" + _bold(word("next", self._language)))
+            print(f"{INDENT}{self._program} demo {following}")
 
     def _paragraph(self, part: str, text: str) -> None:
         columns = min(shutil.get_terminal_size((MAX_COLUMNS, 0)).columns, MAX_COLUMNS) - len(INDENT)
