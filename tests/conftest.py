@@ -13,6 +13,7 @@ from browser import chromium
 from PIL import Image
 from playwright.sync_api import Browser
 
+from pymunk_dragon.cli import main
 from pymunk_dragon.march import March
 
 # Examples share the machine with whatever else runs there, so none has a time limit of its own. They are the same every
@@ -69,6 +70,18 @@ def browser() -> Iterator[Browser]:
     """Chromium, started once for all the tests that need it."""
     with chromium() as started:
         yield started
+
+
+@pytest.fixture
+def call(capsys):
+    """Call the program within this process: exit code, stdout, stderr."""
+
+    def called(*arguments):
+        with pytest.raises(SystemExit) as stopped:
+            main([str(argument) for argument in arguments])
+        return stopped.value.code, *capsys.readouterr()
+
+    return called
 
 
 # What no length, speed or count can be, whatever its range.

@@ -21,7 +21,6 @@ import pytest
 from conftest import assert_says
 from PIL import Image
 
-from pymunk_dragon.cli import main
 from pymunk_dragon.cli.options import SCENARIO_OPTIONS
 from pymunk_dragon.curves import UTurn
 from pymunk_dragon.dragon import Dragon
@@ -32,18 +31,6 @@ from pymunk_dragon.scenario import Scenario
 PROGRAM = [sys.executable, "-m", "pymunk_dragon"]
 SHORT = ["--from", "412.3"]
 DATA = Path(__file__).parent / "data"
-
-
-@pytest.fixture
-def call(capsys):
-    """Call the program within this process: exit code, stdout, stderr."""
-
-    def called(*arguments):
-        with pytest.raises(SystemExit) as stopped:
-            main([str(argument) for argument in arguments])
-        return stopped.value.code, *capsys.readouterr()
-
-    return called
 
 
 @pytest.fixture

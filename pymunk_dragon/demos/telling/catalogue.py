@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
 from collections.abc import Mapping
 from functools import cache
@@ -9,11 +10,13 @@ from importlib.resources import files
 
 from pymunk_dragon.errors import ParameterError
 
-__all__ = ["LANGUAGES", "PARTS", "check_language", "entry", "with_code", "word"]
+__all__ = ["LANGUAGES", "NO_BREAK", "PARTS", "check_language", "entry", "unbroken", "with_code", "word"]
 
 LANGUAGES = ("en", "zh")
 # What a lesson says, in the order in which it says it.
 PARTS = ("title", "question", "predict", "picture", "answer", "check", "change")
+# The space at which no line ends.
+NO_BREAK = "\u00a0"
 # The table of what all lessons share.
 WORDS = "words"
 
@@ -42,6 +45,11 @@ def entry(lesson: str, part: str, language: str, english: str) -> str:
     A lesson that the catalogue does not know, as a student's own, says what it says in English.
     """
     return english if language == "en" else _catalogue(language).get(lesson, {}).get(part, english)
+
+
+def unbroken(text: str) -> str:
+    """A text with spaces where no line may end behind its numbers: 1 m/s belongs together."""
+    return re.sub(r"(?<=\d) (?=\w)", NO_BREAK, text)
 
 
 def with_code(text: str) -> list[tuple[str, bool]]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from pymunk_dragon.demos.telling.catalogue import LANGUAGES, PARTS, with_code, word
+from pymunk_dragon.demos.telling.catalogue import LANGUAGES, PARTS, unbroken, with_code, word
 from pymunk_dragon.demos.telling.demo import CODE, Demo
 from pymunk_dragon.demos.telling.notebook import notebook
 from pymunk_dragon.demos.telling.performance import Performance
@@ -82,7 +82,7 @@ def _lesson(performance: Performance) -> dict[str, Any]:
 
 
 def _in_all_languages(demo: Demo, part: str) -> dict[str, list[tuple[str, bool]]]:
-    return {each: with_code(demo.said(part, each)) for each in LANGUAGES}
+    return {each: with_code(unbroken(demo.said(part, each))) for each in LANGUAGES}
 
 
 def _coloured(code: str) -> str:

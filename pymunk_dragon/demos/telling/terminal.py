@@ -15,7 +15,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import NoReturn
 
-from pymunk_dragon.demos.telling.catalogue import LANGUAGES, check_language, entry, word
+from pymunk_dragon.demos.telling.catalogue import LANGUAGES, NO_BREAK, check_language, entry, unbroken, word
 from pymunk_dragon.demos.telling.order import after
 from pymunk_dragon.demos.telling.stage import made_folder
 from pymunk_dragon.errors import ParameterError
@@ -133,13 +133,16 @@ class _Parser(argparse.ArgumentParser):
 def wrapped(text: str, columns: int) -> Iterator[str]:
     """Lines of `text` at most so many columns wide, of which a Chinese character takes two."""
     line, used = "", 0
-    for piece in _pieces(" ".join(text.split())):
-        needed = _width(piece)
-        if used + _width(piece.rstrip()) > columns and line:
-            yield line.rstrip()
+    for piece in _pieces(unbroken(" ".join(text.split()))):
+        if used + _width(piece.rstrip(" ")) > columns and line:
+            yield _ended(line)
             line, used = "", 0
-        line, used = line + piece, used + needed
-    yield line.rstrip()
+        line, used = line + piece, used + _width(piece)
+    yield _ended(line)
+
+
+def _ended(line: str) -> str:
+    return line.rstrip(" ").replace(NO_BREAK, " ")
 
 
 def _pieces(text: str) -> Iterator[str]:
@@ -154,9 +157,13 @@ def _pieces(text: str) -> Iterator[str]:
 
 
 def _may_break(before: str, behind: str) -> bool:
-    if behind == " " or unicodedata.category(behind) in CLOSING or unicodedata.category(before) in OPENING:
+    if before == " ":
+        return True
+    if behind in (" ", NO_BREAK) or before == NO_BREAK:
         return False
-    return before == " " or _wide(before) or _wide(behind)
+    if unicodedata.category(behind) in CLOSING or unicodedata.category(before) in OPENING:
+        return False
+    return _wide(before) or _wide(behind)
 
 
 def _width(text: str) -> int:
