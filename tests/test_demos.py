@@ -11,6 +11,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import time
 import tomllib
 import unicodedata
 from collections import Counter
@@ -346,6 +347,8 @@ def test_a_terminal_gets_bold_heads_and_waits_for_the_class(tmp_path):
 
 def test_a_lesson_on_which_nobody_presses_enter_can_be_left(tmp_path):
     def leave(process, keyboard):
+        # Python does not notice a signal between writing the prompt and reading from the terminal until Enter comes.
+        time.sleep(0.5)
         process.send_signal(signal.SIGINT)
 
     written, code = on_terminal("demo", "spiral", "--save", tmp_path, "--pause", answer=leave)
