@@ -11,7 +11,6 @@ import shutil
 import signal
 import subprocess
 import sys
-import time
 import tomllib
 import unicodedata
 from collections import Counter
@@ -347,9 +346,12 @@ def test_a_terminal_gets_bold_heads_and_waits_for_the_class(tmp_path):
 
 def test_a_lesson_on_which_nobody_presses_enter_can_be_left(tmp_path):
     def leave(process, keyboard):
-        # Python does not notice a signal between writing the prompt and reading from the terminal until Enter comes.
-        time.sleep(0.5)
-        process.send_signal(signal.SIGINT)
+        # Python does not notice a signal between writing the prompt and reading from the terminal until Enter comes, so
+        # one may have no effect; people press again.
+        while process.poll() is None:
+            process.send_signal(signal.SIGINT)
+            with suppress(subprocess.TimeoutExpired):
+                process.wait(timeout=3)
 
     written, code = on_terminal("demo", "spiral", "--save", tmp_path, "--pause", answer=leave)
     assert code == 130
