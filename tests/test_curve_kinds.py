@@ -37,6 +37,9 @@ class LogarithmicSpiral:
     begin = 1.0
     end = np.inf
 
+    def __repr__(self):
+        return "LogarithmicSpiral()"
+
     def point(self, s):
         s = self._on(s)
         return s[..., None] / np.sqrt(2) * np.stack([np.cos(np.log(s)), np.sin(np.log(s))], axis=-1)
