@@ -3,98 +3,153 @@ PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
 DRAGON := $(BIN)/pymunk-dragon
+export PIP_DISABLE_PIP_VERSION_CHECK := 1
+
+# As many jobs as there are cores. Lines appear whole, so jobs draw no progress bars over each other.
+MAKEFLAGS += --jobs=$(shell getconf _NPROCESSORS_ONLN) --output-sync=line
 
 .DEFAULT_GOAL := help
-.PHONY: help render runs films figures screenshot report test lint bench demos clean
+.PHONY: help render figures screenshot report test test-all lint bench demos clean FORCE
 # A film or a run that was interrupted is not a film or a run.
 .DELETE_ON_ERROR:
 
 help: ## list the targets
-	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## /\1\t/' | expand -t 10
+	@grep -hE '^[a-z-]+:.*## ' Makefile | sed -E 's/^([a-z-]+):.*## /\1\t/' | expand -t 12
 
+# The virtual environment, in three steps: the core, the program's extras, and what tests and lint need.
 $(VENV)/core: pyproject.toml
-	$(PYTHON) -m venv $(VENV)
-	$(BIN)/pip install --quiet --editable .
+	@echo "setting up $(VENV)"
+	@$(PYTHON) -m venv $(VENV)
+	@$(BIN)/pip install --quiet --editable .
 	@touch $@
 
-$(VENV)/figures: $(VENV)/core
-	$(BIN)/pip install --quiet --editable '.[figures]'
-	@touch $@
+# Installs the extras $(1) of pyproject.toml, but not the package again, which other jobs may be running.
+install_extras = $(BIN)/python -c "import tomllib; extras = tomllib.load(open('pyproject.toml', 'rb'))['project']['optional-dependencies']; print(*(line for name in '$(1)'.split() for line in extras[name]), sep='\n')" > $@.txt \
+	&& $(BIN)/pip install --quiet --requirement $@.txt && mv $@.txt $@
 
-$(VENV)/report: $(VENV)/core
-	$(BIN)/pip install --quiet --editable '.[report]'
-	@touch $@
+$(VENV)/extras: $(VENV)/core
+	@$(call install_extras,curves figures mp4 report demos)
 
-$(VENV)/demos: $(VENV)/core
-	$(BIN)/pip install --quiet --editable '.[demos]'
-	@touch $@
+$(VENV)/tools: $(VENV)/extras
+	@$(call install_extras,test lint)
 
-$(VENV)/all: $(VENV)/core
-	$(BIN)/pip install --quiet --editable '.[curves,demos,figures,mp4,report,test,lint]'
-	@touch $@
+# What makes each file: the arguments of pymunk-dragon. A file is made again when its line here, the code that makes it
+# or the run that it shows has changed.
+march.npz := simulate
+first_contact.npz := simulate --from 400 --frame-interval 0.02
+unguided.npz := simulate --guide none
+u-turn.npz := simulate --curve u-turn --from -100 --until 100
+report.npz := simulate --from 400 --until 416 --contacts report
 
-render: runs films figures ## play the dragon in Pymunk, film it, draw the figures, and write a page that plays it
+march.gif := render renders/march.npz
+first_contact.gif := render renders/first_contact.npz --from 405.4 --camera head --fps 20 --speedup 0.75 --hold 2.5
+guides.gif := render renders/march.npz renders/unguided.npz --until 12.5 --size 330 --speedup 1 --hold 2 --title "Dancers keep the dragon on its path"
+exact.gif := render renders/first_contact.npz --exact --from 409 --camera head --span 5 --size 330 --speedup 0.5 --hold 3 --title "The engine and the exact model"
+marks.png := render renders/first_contact.npz --camera head --size 660 --velocities --grid --impulses --contacts --normals --title "The head meets bench 8" --caption "Arrows end where the handles would be in half a second; discs are impulses in the joints; cells are darker where a bench is filed."
+u-turn.gif := render renders/u-turn.npz --from -6 --until 36 --span 15 --speedup 6 --fps 20
+march.html := render renders/march.npz
+report.html := report renders/report.npz
+lessons.html := demo
 
-# Every picture is the same to the byte until what it shows changes.
-runs: $(VENV)/figures
-	$(DRAGON) simulate -o renders/march.npz
-	$(DRAGON) simulate --from 400 --frame-interval 0.02 -o renders/first_contact.npz
-	$(DRAGON) simulate --guide none -o renders/unguided.npz
-	$(DRAGON) simulate --curve u-turn --from -100 --until 100 -o renders/u-turn.npz
-
-films: runs
-	$(DRAGON) render renders/march.npz -o renders/march.gif
-	$(DRAGON) render renders/first_contact.npz -o renders/first_contact.gif --from 405.4 --camera head --fps 20 --speedup 0.75 --hold 2.5
-	$(DRAGON) render renders/march.npz renders/unguided.npz -o renders/guides.gif --until 12.5 --size 330 --speedup 1 --hold 2 --title "Dancers keep the dragon on its path"
-	$(DRAGON) render renders/first_contact.npz --exact -o renders/exact.gif --from 409 --camera head --span 5 --size 330 --speedup 0.5 --hold 3 --title "The engine and the exact model"
-	$(DRAGON) render renders/first_contact.npz -o renders/marks.png --camera head --size 660 --velocities --grid --impulses --contacts --normals --title "The head meets bench 8" --caption "Arrows end where the handles would be in half a second; discs are impulses in the joints; cells are darker where a bench is filed."
-	$(DRAGON) render renders/u-turn.npz -o renders/u-turn.gif --from -6 --until 36 --span 15 --speedup 6 --fps 20
-	$(DRAGON) render renders/march.npz -o renders/march.html
-
+# Figures of a march, of a run, and of the answers of studies; those with axes are also written as SVG.
 STILLS := outer-loop inward collision
 CHARTS := spiral grid trajectories velocities gap speeds
-OF_RUNS := drift impulses
+CHARTS_OF_RUN := drift impulses
 STUDIES := min-pitch u-turn max-speed sensitivity
+$(foreach name,$(STILLS) $(CHARTS),$(eval figures/$(name).png := figure $(name)))
+$(foreach name,$(CHARTS_OF_RUN),$(eval figures/$(name).png := figure $(name) renders/march.npz))
+$(foreach name,$(STUDIES),$(eval figures/$(name).png := study $(name)))
 
-figures: runs
-	mkdir -p renders/figures
-	set -e; for name in $(STILLS); do $(DRAGON) figure $$name -o renders/figures/$$name.png; done
-	set -e; for name in $(CHARTS); do for ending in png svg; do $(DRAGON) figure $$name -o renders/figures/$$name.$$ending; done; done
-	set -e; for name in $(OF_RUNS); do for ending in png svg; do $(DRAGON) figure $$name renders/march.npz -o renders/figures/$$name.$$ending; done; done
-	set -e; for name in $(STUDIES); do $(DRAGON) study $$name -o renders/figures/$$name.png; done
+PICTURES := march.gif first_contact.gif guides.gif exact.gif marks.png u-turn.gif
+FIGURES := $(patsubst %,figures/%.png,$(STILLS) $(CHARTS) $(CHARTS_OF_RUN) $(STUDIES))
+RUNS := march.npz first_contact.npz unguided.npz u-turn.npz report.npz
+PAGES := march.html report.html lessons.html
 
-screenshot: films demos $(VENV)/all ## pictures of the player and of the lessons, in Chromium: renders/player.png, lessons.png
+# The code that makes them.
+sources = $(foreach folder,$(1),$(wildcard $(addprefix pymunk_dragon/$(folder)/*,.py .js .css .html .toml)))
+MODEL := $(call sources,. curves speed collision)
+ENGINE := $(MODEL) $(call sources,physics) pymunk_dragon/cli/simulate.py
+DRAWING := $(MODEL) $(call sources,render render/streams) pymunk_dragon/cli/render.py
+CHARTING := $(DRAWING) $(call sources,render/figures studies) pymunk_dragon/cli/figure.py pymunk_dragon/cli/study.py
+WRITING := $(CHARTING) $(call sources,player report report/templates demos demos/telling physics)
+
+# A file with the arguments, renewed only when they change.
+COMMANDS := renders/.commands
+$(patsubst %,$(COMMANDS)/%,$(PICTURES) $(FIGURES) $(RUNS) $(PAGES)): $(COMMANDS)/%: FORCE
+	@mkdir -p $(@D); echo '$($*)' | cmp -s - $@ || echo '$($*)' > $@
+
+arguments = $($(patsubst renders/%,%,$@))
+announce = @echo "making $@"
+# Pictures are committed. One that shows the same as before, to a tolerance, stays as it is.
+endings = $(suffix $@)
+draw = @mkdir -p renders/.new/figures; set -e; for ending in $(endings); do $(DRAGON) $(arguments) -o renders/.new/$(basename $*)$$ending; done
+keep = @$(BIN)/python tests/pictures.py $@ $(endings:%=renders/.new/$(basename $*)%)
+
+$(RUNS:%=renders/%): renders/%: $(COMMANDS)/% $(ENGINE) | $(VENV)/core
+	$(announce)
+	@$(DRAGON) $(arguments) -o $@
+
+$(PICTURES:%=renders/%): renders/%: $(COMMANDS)/% $(DRAWING) | $(VENV)/core
+	$(announce)
+	$(draw)
+	$(keep)
+
+$(FIGURES:%=renders/%): renders/%: $(COMMANDS)/% $(CHARTING) | $(VENV)/extras
+	$(announce)
+	$(draw)
+	$(keep)
+
+$(PAGES:%=renders/%): renders/%: $(COMMANDS)/% $(WRITING) | $(VENV)/core
+	$(announce)
+	@$(DRAGON) $(arguments) -o $@
+
+$(patsubst %,renders/figures/%.png,$(CHARTS) $(CHARTS_OF_RUN)): endings = .png .svg
+
+# The run that each one shows.
+renders/march.gif renders/march.html renders/guides.gif $(CHARTS_OF_RUN:%=renders/figures/%.png): renders/march.npz
+renders/first_contact.gif renders/exact.gif renders/marks.png: renders/first_contact.npz
+renders/guides.gif: renders/unguided.npz
+renders/u-turn.gif: renders/u-turn.npz
+renders/report.html: renders/report.npz
+renders/report.html renders/lessons.html: | $(VENV)/extras
+
+render: renders/march.gif renders/march.html $(PICTURES:%=renders/%) ## play the dragon in Pymunk, film it, and write a page that plays it
+	@echo "open renders/march.gif first, then renders/march.html in a browser; \`make figures\` draws the charts"
+
+figures: $(FIGURES:%=renders/%) ## draw the paper's figures and the studies' answers: renders/figures/
+	@echo "open renders/figures/gap.png first"
+
+report: renders/report.html ## play on past the first contact and tell what happened: renders/report.html
+	@echo "open renders/report.html in a browser"
+
+demos: renders/lessons.html ## play all lessons, and put them on one page: renders/lessons.html
+	@echo "open renders/lessons.html in a browser, or play a lesson here: $(DRAGON) demo spiral"
+
+screenshot: renders/march.html renders/lessons.html $(VENV)/tools ## pictures of the player and of the lessons, in Chromium: renders/player.png, lessons.png
 	$(BIN)/python tests/bench/screenshot.py renders/march.html "#t=409.8&follow=head" renders/player.png
 	$(BIN)/python tests/bench/screenshot.py renders/lessons.html "#spiral" renders/lessons.png
 
-report: $(VENV)/report ## play on past the first contact and tell what happened: renders/report.html
-	$(DRAGON) simulate --from 400 --until 416 --contacts report -o renders/report.npz
-	$(DRAGON) report renders/report.npz -o renders/report.html
+# Options for pytest, as in `make test PYTEST="-k sat"`.
+PYTEST ?=
+RUN_TESTS = $(BIN)/python -m pytest -q --numprocesses auto --dist loadscope
 
-test: $(VENV)/all ## run the tests
-	$(BIN)/python -m pytest -q
+test: $(VENV)/tools ## run the quick tests, which are most of them
+	$(RUN_TESTS) -m "not thorough" $(PYTEST)
 
-lint: $(VENV)/all ## style, types, and which room imports which
+test-all: $(VENV)/tools ## run all tests: whole engine runs, every lesson, README's commands, pages in a browser
+	$(RUN_TESTS) $(PYTEST)
+
+lint: $(VENV)/tools ## style, types, and which room imports which
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-bench: $(VENV)/all ## measure the figures that README quotes
-	$(BIN)/python tests/bench/bench_engine.py
-	$(BIN)/python tests/bench/bench_drift.py
-	$(BIN)/python tests/bench/bench_film.py
-	$(BIN)/python tests/bench/bench_collision.py
-	$(BIN)/python tests/bench/bench_march.py
-	$(BIN)/python tests/bench/bench_answers.py
-	$(BIN)/python tests/bench/bench_player.py
-	$(BIN)/python tests/bench/bench_debug_draw.py
-	$(BIN)/python tests/bench/bench_lessons.py
-
-demos: $(VENV)/demos ## play all lessons, and put them on one page: renders/lessons.html
-	$(DRAGON) demo -o renders/lessons.html
-	@echo "open renders/lessons.html in a browser, or play a lesson here: $(DRAGON) demo spiral"
+BENCHMARKS := engine drift film collision march answers player debug_draw lessons
+bench: $(VENV)/tools renders/march.npz ## measure the figures that README quotes
+	set -e; for name in $(BENCHMARKS); do $(BIN)/python tests/bench/bench_$$name.py; done
 
 clean: ## remove what the targets made, but not the gallery
-	rm -rf $(VENV) .venv-* renders/*.npz renders/*.html .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache
+	rm -rf $(VENV) .venv-* renders/*.npz renders/*.html renders/.commands renders/.new
+	rm -rf .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

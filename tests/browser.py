@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import pytest
-from playwright.sync_api import Browser, Page, sync_playwright
+from playwright.sync_api import Browser, Dialog, Page, sync_playwright
 
 CHROMIUM = shutil.which("chromium")
 needs_browser = pytest.mark.skipif(CHROMIUM is None, reason="no browser to open a page in: apt-get install chromium")
@@ -35,6 +35,11 @@ class Opened:
     addresses: list[str] = field(default_factory=list)
     boxes: list[str] = field(default_factory=list)
 
+    def dismiss(self, dialog: Dialog) -> None:
+        """Note the text of a box that popped up, and close it."""
+        self.boxes.append(dialog.message)
+        dialog.dismiss()
+
 
 @contextmanager
 def opened(browser: Browser, address: str, width: int = 1280, height: int = 800, **options: Any) -> Iterator[Opened]:
@@ -46,7 +51,7 @@ def opened(browser: Browser, address: str, width: int = 1280, height: int = 800,
     page.on("console", lambda message: found.complaints.append(message.text))
     page.on("pageerror", lambda error: found.complaints.append(str(error)))
     page.on("request", lambda request: found.addresses.append(request.url))
-    page.on("dialog", lambda dialog: (found.boxes.append(dialog.message), dialog.dismiss()))
+    page.on("dialog", found.dismiss)
     page.goto(address)
     yield found
     context.close()

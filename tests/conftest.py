@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import os
 import signal
+import tempfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import hypothesis
+import lessons
 import numpy as np
 import pytest
 from browser import chromium
+from pictures import share_off
 from PIL import Image
 from playwright.sync_api import Browser
 
@@ -20,15 +24,30 @@ from pymunk_dragon.march import March
 # time, so that a failure comes from a change; `--hypothesis-profile=explore` throws the dice.
 hypothesis.settings.register_profile("explore", deadline=None, print_blob=True)
 hypothesis.settings.register_profile("house", deadline=None, derandomize=True)
+hypothesis.settings.register_profile("quick", deadline=None, derandomize=True, max_examples=25)
 hypothesis.settings.load_profile("house")
 
 # A shell that starts the tests in the background has them ignore Ctrl-C, and with them every program that they start.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
 DATA = Path(__file__).parent / "data"
-# What another machine's rounding may do to a picture: the grey levels by which a pixel may differ, and the share of
-# pixels that may differ by more.
-LEVELS, SHARE = 12, 0.002
+# Share of the pixels of a golden picture that another machine's rounding may change.
+SHARE = 0.002
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Let parallel processes share what they play, and take a quarter of the examples for `make test`."""
+    if getattr(config.option, "numprocesses", None):
+        folder = tempfile.TemporaryDirectory(prefix="pymunk-dragon-tests-")
+        config.add_cleanup(folder.cleanup)
+        os.environ[lessons.SHARED] = folder.name
+    if config.option.markexpr == "not thorough" and not config.getoption("--hypothesis-profile"):
+        hypothesis.settings.load_profile("quick")
+
+
+def examples(count: int) -> hypothesis.settings:
+    """Settings for `count` examples where a test of hypothesis usually has 100."""
+    return hypothesis.settings(max_examples=count * hypothesis.settings.default.max_examples // 100)
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -52,8 +71,7 @@ def golden(request: pytest.FixtureRequest) -> Callable[..., None]:
             image.save(path, optimize=True)
         with Image.open(path) as expected:
             assert (image.mode, image.size) == (expected.mode, expected.size)
-            off = np.abs(np.asarray(image).astype(int) - np.asarray(expected).astype(int)) > LEVELS
-        found = float(np.mean(off.any(axis=-1) if off.ndim == 3 else off))
+            found = share_off(image, expected)
         assert found <= share, f"{found:.2%} of the pixels are not those of {path}; see pytest --regenerate-golden"
 
     return compare

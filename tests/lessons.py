@@ -1,17 +1,32 @@
-"""Lessons as they were played, once for all the tests that look at them."""
+"""Lessons as they were played, once for all the tests that examine them."""
 
 from __future__ import annotations
 
+import os
+import pickle
 import re
 from functools import cache
+from pathlib import Path
 
 from pymunk_dragon.demos import DEMOS
 from pymunk_dragon.demos.telling import Performance, perform
 
+# Environment variable that names a folder in which parallel test processes share what they have played.
+SHARED = "PYMUNK_DRAGON_TESTS_SHARED"
+
 
 @cache
 def played(name: str) -> Performance:
-    return perform(DEMOS[name])
+    """A lesson's performance."""
+    if SHARED not in os.environ:
+        return perform(DEMOS[name])
+    file = Path(os.environ[SHARED]) / f"{name}.pickle"
+    if not file.exists():
+        draft = file.with_suffix(f".{os.getpid()}")
+        draft.write_bytes(pickle.dumps(perform(DEMOS[name])))
+        os.replace(draft, file)
+    found: Performance = pickle.loads(file.read_bytes())
+    return found
 
 
 def numbers(text: str) -> list[float]:

@@ -9,8 +9,8 @@ from itertools import combinations, pairwise
 import numpy as np
 import pytest
 import shapely
-from conftest import NO_NUMBERS, assert_says
-from hypothesis import given, settings
+from conftest import NO_NUMBERS, assert_says, examples
+from hypothesis import given
 from hypothesis import strategies as st
 
 from pymunk_dragon.collision import grid as module
@@ -90,7 +90,7 @@ def edges(draw):
     return grid, point(), point()
 
 
-@settings(max_examples=300)
+@examples(300)
 @given(edges())
 def test_walk_misses_no_cell_that_the_exact_edge_touches_and_adds_none_but_by_a_hair(example):
     grid, start, end = example
@@ -103,7 +103,7 @@ quarters = st.integers(-20, 20).map(lambda n: n / 4)
 quarter_points = st.tuples(quarters, quarters)
 
 
-@settings(max_examples=300)
+@examples(300)
 @given(
     quarter_points,
     quarter_points,
@@ -240,7 +240,7 @@ def touching_pairs(outlines, neighbours):
     return set(zip(one[far].tolist(), two[far].tolist(), strict=True))
 
 
-@pytest.mark.parametrize("cell", [0.25, 0.55, 1.0, 3.0, 100.0])
+@pytest.mark.parametrize("cell", [pytest.param(0.25, marks=pytest.mark.thorough), 0.55, 1.0, 3.0, 100.0])
 @pytest.mark.parametrize(
     "sizes", [[0.3, 2.2], [0.01, 0.1], [0.25, 0.5, 1, 2], [5, 10], [0.02, 20]], ids=lambda sizes: f"{sizes[-1]} m"
 )
@@ -255,7 +255,7 @@ def test_no_pair_that_overlaps_or_touches_is_missed(cell, sizes):
         assert truth <= found
 
 
-@settings(max_examples=200)
+@examples(200)
 @given(st.lists(st.tuples(*[st.integers(-4, 4)] * 2, *[st.integers(1, 6)] * 2), min_size=2, max_size=8))
 def test_no_pair_on_whole_numbers_is_missed_upright_or_slanted(boxes):
     upright = np.array([unit_box(x, y, x + length, y + width) for x, y, length, width in boxes], dtype=float)

@@ -11,8 +11,8 @@ import numpy as np
 import oracle
 import pytest
 import shapely
-from conftest import NO_NUMBERS, assert_says
-from hypothesis import assume, given, settings
+from conftest import NO_NUMBERS, assert_says, examples
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from pymunk_dragon.collision import first_contact, scan
@@ -250,7 +250,7 @@ def built(choice):
         return None
 
 
-@settings(max_examples=40)
+@examples(40)
 @given(marches)
 def test_nothing_touches_before_the_answer_and_the_pair_does_at_it(choice):
     march = built(choice)
@@ -272,7 +272,7 @@ def test_nothing_touches_before_the_answer_and_the_pair_does_at_it(choice):
             march.at(found.time + 1e-10)
 
 
-@settings(max_examples=25)
+@examples(25)
 @given(marches)
 def test_near_misses_are_all_smallest_gaps_below_a_thirtieth_of_the_width(choice):
     march = built(choice)
@@ -299,7 +299,7 @@ def test_near_misses_are_all_smallest_gaps_below_a_thirtieth_of_the_width(choice
 # The certificate: bounds on the motion hold
 
 
-@settings(max_examples=150)
+@examples(150)
 @given(marches, st.floats(0, 1), st.floats(-4, 0.5))
 def test_benches_stay_within_their_bounds(choice, share, exponent):
     march = built(choice)

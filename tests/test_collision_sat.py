@@ -51,9 +51,10 @@ def shapely_intersects(first, second):
     return shapely.intersects(shapely.polygons(first), shapely.polygons(second))
 
 
-@pytest.fixture(scope="module")
-def million():
-    """A million pairs of all kinds, what we say of them, and their distances by Shapely."""
+@pytest.fixture(scope="module", params=[20_000, pytest.param(1_000_000, marks=pytest.mark.thorough)])
+def many(request):
+    """Many pairs of all kinds, what we say of them, and their distances by Shapely."""
+    part = 1_000_000 // request.param
     rng = np.random.default_rng(20240905)
     sizes, benches = 10 ** rng.uniform(-2, 1, 5000), [2.20, 3.41]
     first, second = [], []
@@ -63,40 +64,42 @@ def million():
         second.append(two)
 
     # Of very different sizes and shapes; the contest's benches; both moved until they nearly touch.
-    add(scattered(rng, 400_000, 5, sizes, sizes), scattered(rng, 400_000, 5, sizes, sizes))
-    add(scattered(rng, 200_000, 2, benches, [0.3]), scattered(rng, 200_000, 2, benches, [0.3]))
+    add(scattered(rng, 400_000 // part, 5, sizes, sizes), scattered(rng, 400_000 // part, 5, sizes, sizes))
+    add(scattered(rng, 200_000 // part, 2, benches, [0.3]), scattered(rng, 200_000 // part, 2, benches, [0.3]))
     for one, two in list(zip(first, second, strict=True)):
-        one, two = one[:75_000], two[:75_000]
+        one, two = one[: 75_000 // part], two[: 75_000 // part]
         found = separation(one, two)
         near = rng.choice([0, *(sign * 10.0**k for sign in (-1, 1) for k in range(-15, -5))], len(one))
         add(one, moved(two, (near - found.distance)[:, None] * found.normal))
     # Parallel, square to each other, and along the axes at whole numbers, where many touch and some are the same.
-    for quarter in (rng.uniform(-4, 4, 50_000), np.zeros(50_000)):
-        x, y, length, width = rng.integers(-3, 4, (4, 2, 50_000)) * 1.0
-        turned = quarter + rng.integers(0, 4, (2, 50_000)) * np.pi / 2
+    n = 50_000 // part
+    for quarter in (rng.uniform(-4, 4, n), np.zeros(n)):
+        x, y, length, width = rng.integers(-3, 4, (4, 2, n)) * 1.0
+        turned = quarter + rng.integers(0, 4, (2, n)) * np.pi / 2
         add(*rectangles(x, y, turned, 1 + np.abs(length), 1 + np.abs(width)))
     # The second inside the first; and bars that cross with no corner of either inside the other.
-    x, y, angle = rng.uniform(-4, 4, (3, 75_000))
-    length, width = rng.uniform(1, 5, (2, 75_000))
-    aside, ahead = rng.uniform(-0.2, 0.2, (2, 75_000))
+    n = 75_000 // part
+    x, y, angle = rng.uniform(-4, 4, (3, n))
+    length, width = rng.uniform(1, 5, (2, n))
+    aside, ahead = rng.uniform(-0.2, 0.2, (2, n))
     add(
         rectangles(x, y, angle, length, width),
-        rectangles(x + aside, y + ahead, rng.uniform(-4, 4, 75_000), length / 20, width / 20),
+        rectangles(x + aside, y + ahead, rng.uniform(-4, 4, n), length / 20, width / 20),
     )
     add(
         rectangles(x, y, angle, 3, width / 50),
-        rectangles(x + aside, y + ahead, angle + np.pi / 2 + rng.uniform(-0.5, 0.5, 75_000), 3, length / 50),
+        rectangles(x + aside, y + ahead, angle + np.pi / 2 + rng.uniform(-0.5, 0.5, n), 3, length / 50),
     )
     one, two = np.concatenate(first), np.concatenate(second)
-    assert len(one) == 1_000_000
+    assert len(one) == request.param
     return one, two, separation(one, two), shapely_distance(one, two)
 
 
 # Against Shapely
 
 
-def test_million_pairs_get_the_verdict_that_shapely_gives(million):
-    first, second, found, truth = million
+def test_pairs_get_the_verdict_that_shapely_gives(many):
+    first, second, found, truth = many
     decided = np.abs(found.distance) > UNDECIDED
     assert decided.mean() > 0.85
     assert 0.2 < (truth > 0).mean() < 0.8
@@ -104,23 +107,23 @@ def test_million_pairs_get_the_verdict_that_shapely_gives(million):
     assert np.array_equal(overlap(first, second), found.distance <= 0)
 
 
-def test_million_distances_are_shapelys(million):
-    *_, found, truth = million
+def test_distances_are_shapelys(many):
+    *_, found, truth = many
     assert np.abs(np.maximum(found.distance, 0) - truth).max() < UNDECIDED
 
 
-def test_depth_along_the_normal_parts_them_and_a_nanometre_less_does_not(million):
-    first, second, found, _ = million
+def test_depth_along_the_normal_parts_them_and_a_nanometre_less_does_not(many):
+    first, second, found, _ = many
     deep = found.distance < -2 * UNDECIDED
-    assert deep.sum() > 200_000
+    assert deep.mean() > 0.2
     one, two, depth, normal = first[deep], second[deep], -found.distance[deep][:, None], found.normal[deep]
     assert not shapely_intersects(one, moved(two, (depth + UNDECIDED) * normal)).any()
     assert shapely_intersects(one, moved(two, (depth - UNDECIDED) * normal)).all()
 
 
-def test_no_shorter_way_out_leads_in_any_direction(million):
-    first, second, found, _ = million
-    deep = np.flatnonzero(found.distance < -1e-6)[::300]
+def test_no_shorter_way_out_leads_in_any_direction(many):
+    first, second, found, _ = many
+    deep = np.flatnonzero(found.distance < -1e-6)[:: 6 if len(first) < 100_000 else 300]
     assert deep.size > 500
     angles = np.linspace(0, 2 * np.pi, 180, endpoint=False)
     ways = np.stack([np.cos(angles), np.sin(angles)], axis=-1)
@@ -129,16 +132,16 @@ def test_no_shorter_way_out_leads_in_any_direction(million):
     assert shapely_intersects(one, moved(second[deep, None], steps)).all()
 
 
-def test_normals_are_unit_vectors_and_bring_those_that_are_apart_together(million):
-    first, second, found, _ = million
+def test_normals_are_unit_vectors_and_bring_those_that_are_apart_together(many):
+    first, second, found, _ = many
     assert np.abs(np.linalg.norm(found.normal, axis=-1) - 1).max() < 1e-15
     apart = np.flatnonzero(found.distance > UNDECIDED)[::4]
     step = -found.distance[apart][:, None] * found.normal[apart]
     assert shapely_distance(first[apart], moved(second[apart], step)).max() < UNDECIDED
 
 
-def test_points_lie_midway_between_the_two_once_overlaps_are_halved(million):
-    first, second, found, _ = million
+def test_points_lie_midway_between_the_two_once_overlaps_are_halved(many):
+    first, second, found, _ = many
     some = slice(None, None, 4)
     half = found.distance[some, None] * found.normal[some] / 2
     point = shapely.points(found.point[some])
@@ -216,9 +219,10 @@ def test_leading_shapes_broadcast():
     assert separation(many[:0], many[:0]).distance.shape == (0, 3)
 
 
-def test_many_pairs_at_once_are_the_same_as_one_by_one(million):
-    first, second, found, _ = million
-    for k in range(400_000, 600_000, 4_001):  # among the contest's benches
+def test_many_pairs_at_once_are_the_same_as_one_by_one(many):
+    first, second, found, _ = many
+    contests = range(4 * len(first) // 10, 6 * len(first) // 10, len(first) // 250 + 1)
+    for k in contests:
         alone = separation(first[k], second[k])
         for name in ("distance", "normal", "point"):
             assert getattr(alone, name) == pytest.approx(getattr(found, name)[k], abs=1e-12)

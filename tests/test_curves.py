@@ -7,8 +7,8 @@ import warnings
 import mpmath as mp
 import numpy as np
 import pytest
-from conftest import NO_NUMBERS, assert_says
-from hypothesis import example, given, settings
+from conftest import NO_NUMBERS, assert_says, examples
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from pymunk_dragon.curves import Curve, Reversed, Spiral, chain, foot
@@ -151,7 +151,7 @@ def test_out_is_the_way_in_travelled_back():
 
 
 @given(angles, st.floats(1e-3, 1.5))
-@settings(max_examples=400)
+@examples(400)
 @example(0.0, 0.5)
 @example(0.0, 1.2)
 @example(0.9858, 0.9999)

@@ -35,6 +35,7 @@ def test_path_is_consistent_in_itself(points):
     assert_is_a_curve(path, 0, path.end, tolerance=1e-5)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("points", [CORNERS, WAVE[:9], np.add(WAVE[:7], 300)], ids=["corners", "wave", "far out"])
 def test_path_is_the_spline_to_the_last_digits(points):
     path = Sampled(points)

@@ -79,6 +79,7 @@ def test_lesson_reads_like_one(name):
     assert len(re.findall(r"[.?!](?= [A-Z`]|$)", demo.said("answer"))) == 2
 
 
+@pytest.mark.thorough
 @every_lesson
 def test_program_copied_out_runs_alone_and_does_the_same(name, tmp_path):
     copy = shutil.copy(DEMOS[name].path, tmp_path / "copied.py")
@@ -158,6 +159,7 @@ def test_notebook_has_the_lessons_code_and_words(name, language):
     assert notebook(demo, language) == notebook(demo, language)
 
 
+@pytest.mark.thorough
 @every_lesson
 def test_notebook_runs_and_shows_what_the_lesson_shows(name, tmp_path):
     made = nbformat.reads(notebook(DEMOS[name]), as_version=4)
@@ -198,8 +200,10 @@ def test_program_plays_a_lesson_and_names_the_next(call, tmp_path):
     assert following.endswith(" demo chain")
 
 
-def test_the_last_lesson_has_no_next_one(call, tmp_path):
-    assert "\nNext\n" not in call("demo", "robot", "--save", tmp_path)[1]
+def test_the_last_lesson_has_no_next_one(capsys):
+    for name, names_a_lesson in (("speed-limit", True), ("robot", False)):
+        Terminal().end(name)
+        assert ("\nNext\n" in capsys.readouterr().out) == names_a_lesson
 
 
 def test_without_a_folder_the_picture_is_among_the_temporary_files(call, tmp_path, monkeypatch):
@@ -294,6 +298,7 @@ def test_without_a_library_one_line_names_the_extra(missing, ending, extra, tmp_
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.thorough
 @every_lesson
 def test_without_the_extras_a_lesson_is_played_or_names_one(name, tmp_path):
     """As where only the core is installed."""

@@ -189,6 +189,7 @@ def test_grid_check_counts_the_lines_that_are_crossed():
     assert set(numbers(lines("grid")[0])) <= set(said("grid", "check"))
 
 
+@pytest.mark.thorough
 def test_grid_that_is_changed_walks_back_and_trades_pairs_for_entries(tmp_path):
     fine = changed("grid", tmp_path, ("Grid.of(march)", "Grid(cell=0.1)"))
     coarse = changed("grid", tmp_path, ("Grid.of(march)", "Grid(cell=2.2)"))
@@ -205,6 +206,7 @@ def test_grid_that_is_changed_walks_back_and_trades_pairs_for_entries(tmp_path):
 # Near misses
 
 
+@pytest.mark.thorough
 def test_near_misses_are_those_of_many_digits():
     for line, near in zip(lines("near-miss")[:2], (406.8, 409.8), strict=True):
         time, first, second, printed = numbers(line)
@@ -250,6 +252,7 @@ def test_sloppy_engine_meets_benches_that_are_apart_with_joints_that_are_loose()
     assert off == pytest.approx(1000 * run.max_drift, abs=5.1e-4)
 
 
+@pytest.mark.thorough
 def test_near_miss_that_is_changed_finds_the_right_benches(tmp_path):
     better = changed("near-miss", tmp_path, ("substep=0.1, iterations=1", "substep=0.1, iterations=2"))
     assert "(0, 8)" in next(line for line in better if "sloppy" in line)
@@ -306,6 +309,7 @@ def test_missed_window_is_found_with_some_steps(step, found):
     assert scan(March(Dragon(width=0.301)), start=400, step=step).benches == (0, found)
 
 
+@pytest.mark.thorough
 def test_missed_window_that_is_changed_is_half_as_long_and_missed_again(tmp_path):
     printed = changed("missed-window", tmp_path, ("width=0.301)", "width=0.30098)"), ("step=1)", "step=0.1)"))
     seconds, certified, search, window = (numbers(line) for line in printed)
@@ -326,6 +330,7 @@ def test_smallest_pitch_and_the_time_of_its_touch_are_those_of_many_digits():
     assert printed[0] == said("pitch", "answer")[0]
 
 
+@pytest.mark.thorough
 def test_pitch_of_looks_each_second_is_where_one_of_them_sees_no_gap():
     with mp.workdps(oracle.DIGITS):
         pitch = mp.findroot(
@@ -347,6 +352,7 @@ def test_pitch_check_is_the_way_in_along_circles():
     assert {way[-1], round(turns, 6), round(circles, 3)} <= set(said("pitch", "check"))
 
 
+@pytest.mark.thorough
 def test_pitch_that_is_changed_never_comes_out_too_large_and_grows_a_little_less_than_the_width(tmp_path):
     for step in (0.5, 0.1):
         printed = changed("pitch", tmp_path, ("0.4505, 1.0", f"0.4505, {step}"))

@@ -127,6 +127,7 @@ def pulled_chain(until, step=0.01):
     return np.stack([holes.real, holes.imag], axis=-1), begin
 
 
+@pytest.mark.thorough
 def test_without_dancers_the_chain_lies_where_a_pendulum_of_many_links_lies():
     holes, begin = pulled_chain(10.88)
     lines = printed("unguided")
@@ -137,6 +138,7 @@ def test_without_dancers_the_chain_lies_where_a_pendulum_of_many_links_lies():
             assert found[bench] == pytest.approx(np.hypot(*truth[bench - 1]), abs=0.02)
 
 
+@pytest.mark.thorough
 def test_without_dancers_bench_1_meets_bench_28_when_it_does_in_that_pendulum():
     time, first, second = row(printed("unguided"), "without dancers: t =")
     assert (first, second) == (1, 28)
@@ -170,6 +172,7 @@ def test_bench_60_has_only_coasted_as_far_as_the_drag_lets_it():
     assert f"{100 * coasted:.0f} cm" in DEMOS["unguided"].said("answer")
 
 
+@pytest.mark.thorough
 def test_a_short_dragon_without_dancers_bites_its_tail(changed):
     lines = changed("unguided", ("benches=223", "benches=20"), ("[0, 4, 8, 16, 28, 60]", "[0, 4, 8, 16]"))
     assert row(lines, "without dancers: t =")[1:] == [0, 19]
@@ -224,6 +227,7 @@ def test_the_pin_leaves_the_body_alone_and_the_groove_drives_it_off():
     assert float(groove) < -50
 
 
+@pytest.mark.thorough
 def test_a_hole_level_with_the_centre_is_not_pushed(changed):
     lines = changed(
         "engine",
@@ -295,6 +299,7 @@ def test_an_error_in_begin_is_lost_and_one_in_simulate_is_raised():
     assert "raised:  division by zero" in lines
 
 
+@pytest.mark.thorough
 def test_benches_that_do_not_bounce_get_less_of_an_impulse_and_more_calls(changed):
     soft, hard = calls(changed("callbacks", ("elasticity = 0.5", "elasticity = 0"))), calls(printed("callbacks"))
     assert max(impulse for _, impulse, _ in soft) < max(impulse for _, impulse, _ in hard)
@@ -325,11 +330,13 @@ def test_each_joint_carries_the_drag_of_all_benches_behind_it():
     assert numbers(DEMOS["tension"].said("check"))[0] == forces(printed("tension"), "on the ground")[0]
 
 
+@pytest.mark.thorough
 def test_a_dancer_at_every_bench_leaves_nothing_to_pull(changed):
     lines = changed("tension", ("list(range(2, BENCHES + 1, 2))", "list(range(1, BENCHES + 1))"))
     assert max(forces(lines, "with 12 dancers").values()) < 0.001
 
 
+@pytest.mark.thorough
 def test_with_few_tries_what_the_solver_leaves_undone_grows(changed):
     true = forces(printed("tension"), "on the ground")[0]
     ten, five = (
@@ -402,6 +409,7 @@ def way():
     return Way(np.array(POINTS))
 
 
+@pytest.mark.thorough
 def test_the_arm_meets_itself_when_its_rectangles_do(way):
     gap, pair = way.closest(8.60)
     assert gap > 0
@@ -417,6 +425,7 @@ def test_the_arm_meets_itself_when_its_rectangles_do(way):
     assert f"after {touching:.3f} s the tip runs into link 13" in DEMOS["robot"].said("answer")
 
 
+@pytest.mark.thorough
 def test_the_speeds_of_the_joints_are_how_far_they_get(way):
     lines = printed("robot")
     for head in ("fastest", "slowest"):
@@ -438,6 +447,7 @@ def test_the_printed_places_give_the_slowest_speed():
     assert speed in DEMOS["robot"].said("check")
 
 
+@pytest.mark.thorough
 def test_the_other_end_of_the_way_takes_the_tip_past(changed):
     lines = changed("robot", ("(0.05, 0.05), (-0.1, -0.1)]", "(0.1, 0.05), (0.2, 0)]"))
     assert "clear" in next(line for line in lines if line.startswith("exact"))

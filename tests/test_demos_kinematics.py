@@ -124,6 +124,7 @@ def test_its_doubles_are_on_other_turns_and_a_bad_guess_finds_one() -> None:
 # velocity
 
 
+@pytest.mark.thorough
 def test_speeds_are_those_in_many_digits_and_the_papers() -> None:
     _, velocities = oracle.solve(300, **SIZES, benches=223)
     with (DATA / "table2.csv").open() as file:
@@ -158,6 +159,7 @@ def test_error_of_the_difference_is_half_the_step_times_the_heads_angular_accele
         assert error == pytest.approx(expected, rel=0.05)
 
 
+@pytest.mark.thorough
 def test_ten_microseconds_are_best_before_rounding_takes_over() -> None:
     _, velocities = oracle.solve(300, **SIZES, benches=223)
     exact = np.array([float(mp.hypot(*velocity)) for velocity in velocities])

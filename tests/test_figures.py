@@ -9,6 +9,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Callable
+from functools import cache
 from itertools import combinations
 from pathlib import Path
 from typing import Any
@@ -75,11 +76,24 @@ def test_all_of_the_papers_pictures_and_four_more_are_there() -> None:
     assert all(kind.shows and "\n" not in kind.shows for kind in FIGURES.values())
 
 
-@pytest.mark.parametrize("name", FIGURES)
-def test_each_figure_writes_each_of_its_endings(name: str, run: Run, tmp_path: Path) -> None:
-    for ending in FIGURES[name].endings:
-        file = tmp_path / f"figure{ending}"
+@pytest.fixture(scope="module")
+def written(run: Run, tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, str], Path]:
+    """A function that gives the file of a figure, written once for all tests."""
+    folder = tmp_path_factory.mktemp("figures")
+
+    @cache
+    def write(name: str, ending: str) -> Path:
+        file = folder / f"{name}{ending}"
         write_figure(name, file, run if FIGURES[name].needs_run else None)
+        return file
+
+    return write
+
+
+@pytest.mark.parametrize("name", FIGURES)
+def test_each_figure_writes_each_of_its_endings(name: str, written: Callable[[str, str], Path]) -> None:
+    for ending in FIGURES[name].endings:
+        file = written(name, ending)
         content = file.read_bytes()
         if ending == ".svg":
             assert len(content) < 400_000
@@ -93,14 +107,15 @@ def test_each_figure_writes_each_of_its_endings(name: str, run: Run, tmp_path: P
 
 
 @pytest.mark.parametrize("name", FIGURES)
-def test_the_same_figure_has_the_same_bytes(name: str, run: Run, tmp_path: Path) -> None:
-    files = [tmp_path / f"{n}{FIGURES[name].endings[-1]}" for n in range(2)]
-    for file in files:
-        write_figure(name, file, run if FIGURES[name].needs_run else model())
-    assert files[0].read_bytes() == files[1].read_bytes()
+def test_the_same_figure_has_the_same_bytes(
+    name: str, run: Run, tmp_path: Path, written: Callable[[str, str], Path]
+) -> None:
+    ending = FIGURES[name].endings[-1]
+    write_figure(name, tmp_path / f"again{ending}", run if FIGURES[name].needs_run else None)
+    assert (tmp_path / f"again{ending}").read_bytes() == written(name, ending).read_bytes()
 
 
-def test_another_process_writes_the_same_bytes(tmp_path: Path) -> None:
+def test_another_process_writes_the_same_bytes(tmp_path: Path, written: Callable[[str, str], Path]) -> None:
     digests = set()
     for seed in ("1", "2"):
         file = tmp_path / f"{seed}.svg"
@@ -109,16 +124,16 @@ def test_another_process_writes_the_same_bytes(tmp_path: Path) -> None:
             [sys.executable, "-W", "error", "-c", program], check=True, env=os.environ | {"PYTHONHASHSEED": seed}
         )
         digests.add(hashlib.sha256(file.read_bytes()).hexdigest())
-    write_figure("grid", tmp_path / "here.svg")
-    digests.add(hashlib.sha256((tmp_path / "here.svg").read_bytes()).hexdigest())
+    digests.add(hashlib.sha256(written("grid", ".svg").read_bytes()).hexdigest())
     assert len(digests) == 1
 
 
-def test_a_picture_with_axes_loses_next_to_nothing_to_its_palette(tmp_path: Path, drawn: dict[str, Any]) -> None:
-    write_figure("velocities", tmp_path / "small.png")
+def test_a_picture_with_axes_loses_next_to_nothing_to_its_palette(
+    written: Callable[[str, str], Path], drawn: dict[str, Any]
+) -> None:
     exact = io.BytesIO()
     drawn["velocities"].savefig(exact, format="png")
-    with Image.open(tmp_path / "small.png") as small, Image.open(exact) as full:
+    with Image.open(written("velocities", ".png")) as small, Image.open(exact) as full:
         difference = np.asarray(small.convert("RGB")).astype(int) - np.asarray(full.convert("RGB"))
     assert np.abs(difference).max() <= 4
     assert np.mean(difference != 0) < 0.1
@@ -161,6 +176,7 @@ def test_seven_handles_walk_from_where_they_start_to_where_the_contact_stops_the
             np.testing.assert_allclose((x[column], y[column]), expected, atol=1e-8)
 
 
+@pytest.mark.thorough
 def test_the_arrows_are_the_velocities_at_the_contact(drawn: dict[str, Any]) -> None:
     positions, velocities = oracle.solve(CONTACT_TIME, **SEED)
     handles = [0, 1, 51, 101, 151, 201, 223]
@@ -321,12 +337,11 @@ def colours_of(path: Path) -> dict[str, int]:
     return {"#" + bytes(colour).hex(): count for count, colour in found}
 
 
-def test_only_at_the_collision_two_benches_have_the_contact_colour(tmp_path: Path) -> None:
+def test_only_at_the_collision_two_benches_have_the_contact_colour(written: Callable[[str, str], Path]) -> None:
     palette = Palette()
     shares = {}
     for name in STILLS:
-        write_figure(name, tmp_path / f"{name}.png")
-        shares[name] = colours_of(tmp_path / f"{name}.png")
+        shares[name] = colours_of(written(name, ".png"))
     assert palette.contact not in shares["outer-loop"]
     assert palette.contact not in shares["inward"]
     # The head is 3.41 m long, bench 8 is 2.20 m, and 13 others of that length are blue, as far as they are in sight.
@@ -337,11 +352,10 @@ def test_only_at_the_collision_two_benches_have_the_contact_colour(tmp_path: Pat
     assert palette.head in shares["inward"]
 
 
-def test_the_dragon_is_large_in_its_pictures(tmp_path: Path) -> None:
+def test_the_dragon_is_large_in_its_pictures(written: Callable[[str, str], Path]) -> None:
     palette = Palette()
     for name in STILLS:
-        write_figure(name, tmp_path / f"{name}.png")
-        with Image.open(tmp_path / f"{name}.png") as picture:
+        with Image.open(written(name, ".png")) as picture:
             pixels = np.asarray(picture.convert("RGB"))
         bench = np.any([np.all(pixels == palette.rgb(part), axis=-1) for part in ("body", "tail", "head")], axis=0)
         columns = np.flatnonzero(bench.any(axis=0))

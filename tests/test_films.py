@@ -188,8 +188,8 @@ def test_no_more_than_a_few_frames_are_alive_at_once(
         return picture
 
     monkeypatch.setattr(Image.Image, "reduce", counted)
-    render(run, tmp_path / f"film{ending}", size=64, speedup=2)
-    assert len(alive) == 51
+    render(run, tmp_path / f"film{ending}", size=64, speedup=8)
+    assert len(alive) == 14
     assert most <= 4
 
 

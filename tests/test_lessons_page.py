@@ -45,6 +45,7 @@ views = pytest.mark.parametrize(("media", "width"), [("screen", 1280), ("screen"
 UNFOLD = "document.querySelectorAll('details').forEach((details) => details.open = true)"
 
 
+@pytest.mark.thorough
 @needs_browser
 @views
 @pytest.mark.parametrize("language", LANGUAGES)
@@ -57,6 +58,7 @@ def test_page_is_no_wider_than_the_window_and_asks_for_nothing(browser, address,
         assert {url for url in seen.addresses if not url.startswith(("data:", "blob:"))} == {f"{address}?{language}"}
 
 
+@pytest.mark.thorough
 @needs_browser
 @pytest.mark.parametrize("language", LANGUAGES)
 def test_one_language_is_seen_at_a_time(seen, language):
@@ -72,6 +74,7 @@ def test_one_language_is_seen_at_a_time(seen, language):
     assert seen.page.title() == seen.page.inner_text("h1")
 
 
+@pytest.mark.thorough
 @needs_browser
 def test_address_may_name_the_language_and_the_lesson(browser, address):
     with opened(browser, f"{address}?zh#chain") as seen:
@@ -80,6 +83,7 @@ def test_address_may_name_the_language_and_the_lesson(browser, address):
         assert abs(top) < 60
 
 
+@pytest.mark.thorough
 @needs_browser
 def test_address_remembers_the_language_that_was_chosen(browser, address):
     with opened(browser, f"{address}?zh#chain") as seen:
@@ -90,6 +94,7 @@ def test_address_remembers_the_language_that_was_chosen(browser, address):
         assert seen.complaints == []
 
 
+@pytest.mark.thorough
 @needs_browser
 @pytest.mark.parametrize("language", LANGUAGES)
 def test_who_hears_the_page_hears_one_language(seen, language):
@@ -103,6 +108,7 @@ def test_who_hears_the_page_hears_one_language(seen, language):
     assert seen.page.evaluate("[...document.querySelectorAll('button')].map((button) => button.lang)") == [*LANGUAGES]
 
 
+@pytest.mark.thorough
 @needs_browser
 def test_contents_lead_to_every_lesson(seen):
     links = seen.page.evaluate("[...document.querySelectorAll('.contents a')].map((a) => a.getAttribute('href'))")
@@ -111,6 +117,7 @@ def test_contents_lead_to_every_lesson(seen):
         assert seen.page.locator(link).count() == 1
 
 
+@pytest.mark.thorough
 @needs_browser
 def test_answers_and_pictures_wait_until_they_are_asked_for(seen):
     assert not seen.page.locator("figure").first.is_visible()
@@ -124,6 +131,7 @@ def test_answers_and_pictures_wait_until_they_are_asked_for(seen):
     )
 
 
+@pytest.mark.thorough
 @needs_browser
 @pytest.mark.parametrize("name", FILMS)
 def test_film_plays_on_demand_and_from_its_beginning(seen, name):
@@ -141,6 +149,7 @@ def test_film_plays_on_demand_and_from_its_beginning(seen, name):
     assert seen.complaints == []
 
 
+@pytest.mark.thorough
 @needs_browser
 def test_all_pictures_can_be_seen(seen):
     seen.page.evaluate(UNFOLD)
@@ -148,6 +157,7 @@ def test_all_pictures_can_be_seen(seen):
     assert seen.page.evaluate("[...document.querySelectorAll('figure')].length") == len(DEMOS)
 
 
+@pytest.mark.thorough
 @needs_browser
 def test_paper_shows_everything_and_the_end_of_films(seen):
     seen.page.emulate_media(media="print")
@@ -160,6 +170,7 @@ def test_paper_shows_everything_and_the_end_of_films(seen):
     assert seen.page.evaluate("document.querySelectorAll('details[open]').length") == 0
 
 
+@pytest.mark.thorough
 @needs_browser
 def test_without_script_films_and_text_are_there_all_the_same(browser, address):
     with opened(browser, address, java_script_enabled=False) as seen:
@@ -169,6 +180,7 @@ def test_without_script_films_and_text_are_there_all_the_same(browser, address):
         assert not seen.page.locator(".languages").is_visible()
 
 
+@pytest.mark.thorough
 @needs_browser
 def test_programs_and_notebooks_can_be_taken_from_the_page(seen):
     for demo in ALL:
@@ -179,6 +191,7 @@ def test_programs_and_notebooks_can_be_taken_from_the_page(seen):
         assert content == {f"{demo.name}.ipynb|{each}": notebook(demo, each) for each in LANGUAGES}
 
 
+@pytest.mark.thorough
 @needs_browser
 def test_page_shows_the_code_as_it_stands(browser, address):
     with opened(browser, address) as seen:

@@ -31,7 +31,10 @@ HAIRPIN = Composite(
 )
 
 
-@pytest.mark.parametrize("time", [-0.5, 0.3, 3.0, 7.5, 10.0, 12.0, 14.1, 16.0, 30.0])
+@pytest.mark.parametrize(
+    "time",
+    [7.5, 14.1, *(pytest.param(time, marks=pytest.mark.thorough) for time in (-0.5, 0.3, 3.0, 10.0, 12.0, 16.0, 30.0))],
+)
 def test_handles_in_the_u_turn_are_where_many_digits_have_them(time):
     """Also while the chain lies over one, two or all three joints."""
     with mp.workdps(DIGITS):
@@ -336,6 +339,7 @@ def test_rails_keep_the_dragon_on_any_curve(march, until):
     assert run.max_drift < 2e-3
 
 
+@pytest.mark.thorough
 def test_the_contests_turn_is_played_through_without_a_false_contact():
     run = simulate(TURN, start=-100, until=100)
     assert run.outcome == "clear"
@@ -383,6 +387,7 @@ def test_the_end_of_a_curve_is_reached_whatever_rounding_does():
         assert (hit.status, hit.time) == ("clear", march.end)
 
 
+@pytest.mark.thorough
 def test_a_path_that_soon_becomes_too_tight_is_not_searched_for_minutes():
     arm = Dragon(benches=5, head_spacing=1.0, body_spacing=1.0, overhang=0.1, width=0.1)
     angles = np.linspace(-np.pi / 2, np.pi / 2, 12)[1:-1]

@@ -21,7 +21,7 @@ from pymunk_dragon.player import player_page, write_player
 from pymunk_dragon.player.colours import DARK, LIGHT
 from pymunk_dragon.run import Run
 
-pytestmark = needs_browser
+pytestmark = [pytest.mark.thorough, needs_browser]
 
 LABEL = "</script><img src=http://127.0.0.1:9/picture onerror=alert(1)><script>alert(2)</script>"
 # Half a count of a place: 5 micrometres at the usual width, m.

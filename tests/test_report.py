@@ -16,8 +16,8 @@ from html.parser import HTMLParser
 import numpy as np
 import openpyxl
 import pytest
-from conftest import assert_says
-from hypothesis import given, settings
+from conftest import assert_says, examples
+from hypothesis import given
 from hypothesis import strategies as st
 from jsonschema import Draft202012Validator, ValidationError
 from marches import ARM, TRACTOR, U_TURN
@@ -628,7 +628,7 @@ def test_workbook_holds_hostile_labels_as_texts(played, tmp_path):
 
 
 @given(st.text(max_size=60))
-@settings(max_examples=200)
+@examples(200)
 def test_markdown_gives_any_text_back_as_text(label):
     row = text._row((label, "end"))
     tokens = MarkdownIt("commonmark").enable("table").parse(f"| a | b |\n| --- | --- |\n{row}\n")
@@ -640,7 +640,7 @@ def test_markdown_gives_any_text_back_as_text(label):
 
 
 @given(st.dictionaries(st.text(st.characters(), max_size=20), st.text(st.characters(), max_size=20), max_size=4))
-@settings(max_examples=20)
+@examples(20)
 def test_page_with_any_labels_is_whole(labels):
     run = replace(Run.exact(SMALL, [0]), provenance=labels)
     Page(page.as_html(contents(run)))

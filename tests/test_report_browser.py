@@ -12,7 +12,7 @@ from pymunk_dragon.march import March
 from pymunk_dragon.physics import simulate
 from pymunk_dragon.report import report
 
-pytestmark = needs_browser
+pytestmark = [pytest.mark.thorough, needs_browser]
 
 LABEL = "<img src=http://127.0.0.1:9/picture onerror=alert(1)><script>alert(2)</script>"
 

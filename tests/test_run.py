@@ -15,8 +15,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import assert_says
-from hypothesis import given, settings
+from conftest import assert_says, examples
+from hypothesis import given
 from hypothesis import strategies as st
 
 from pymunk_dragon.contact import Contact, ContactEvent, ContactLog
@@ -139,7 +139,7 @@ def test_run_saved_twice_is_the_same_file_and_so_is_a_loaded_one():
 
 
 @given(st.lists(st.lists(st.floats(allow_nan=True), min_size=4, max_size=4), min_size=7, max_size=7))
-@settings(max_examples=30)
+@examples(30)
 def test_any_drift_comes_back_bit_by_bit(drift):
     values = np.array(drift)
     run = Run(march=MARCH, times=np.arange(7.0), poses=np.zeros((7, 4, 3)), drift=values)
@@ -165,7 +165,7 @@ def test_scenario_of_numpy_scalars_is_saved():
 
 
 @given(st.integers(0, len(WHOLE) - 1))
-@settings(max_examples=200)
+@examples(200)
 def test_truncated_run_is_refused(length):
     assert_refused(WHOLE[:length])
 
@@ -176,7 +176,7 @@ def test_random_bytes_are_refused(content):
 
 
 @given(st.lists(st.tuples(st.integers(0, len(WHOLE) - 1), st.integers(1, 255)), min_size=1, max_size=4))
-@settings(max_examples=600)
+@examples(600)
 def test_flipped_bytes_are_refused_or_do_no_harm(flips):
     content = bytearray(WHOLE)
     for place, change in flips:

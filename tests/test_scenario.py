@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import asdict, fields
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -226,8 +227,10 @@ def test_toml_with_values_of_the_wrong_kind_is_refused(tmp_path, content):
     assert_says(caught.value, "but must be")
 
 
-def test_missing_scenario_file_is_named(tmp_path):
-    for path in (tmp_path / "none.toml", tmp_path):
+def test_missing_scenario_file_is_named(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("folder").mkdir()
+    for path in (Path("none.toml"), Path("folder")):
         with pytest.raises(ParameterError) as caught:
             Scenario.read(path)
         assert caught.value.name == "scenario"

@@ -87,6 +87,7 @@ def test_larger_pitches_are_free(answer: MinPitch, pitch: float) -> None:
     assert hit_at(pitch).status == "clear"
 
 
+@pytest.mark.thorough
 def test_no_bench_of_the_whole_dragon_overlaps_another_on_the_way_in_shapelys_eyes(answer: MinPitch) -> None:
     march = answer.march
     times = np.append(np.arange(0.0, answer.way_in, 2.0), answer.way)
@@ -107,6 +108,7 @@ def test_no_bench_of_the_whole_dragon_overlaps_another_on_the_way_in_shapelys_ey
     assert gaps.min() < 1e-12
 
 
+@pytest.mark.thorough
 def test_a_scan_every_second_finds_a_pitch_that_is_too_small(answer: MinPitch) -> None:
     blocked, free = 0.4495, 0.4505
     while free - blocked > 1e-6:
@@ -151,6 +153,7 @@ def test_benches_further_back_than_a_turn_do_not_matter(answer: MinPitch) -> Non
     assert min_pitch(Dragon(benches=25)).pitch == pytest.approx(answer.pitch, abs=1e-12)
 
 
+@pytest.mark.thorough
 def test_a_long_body_meets_itself_before_its_short_head_does() -> None:
     found = min_pitch(Dragon(head_spacing=1.0, overhang=0.2))
     assert found.benches is not None
@@ -165,6 +168,7 @@ def test_where_nothing_is_in_the_way_the_head_starts_on_the_circle() -> None:
     assert (found.benches, found.gap, found.blocked_at) == (None, None, None)
 
 
+@pytest.mark.thorough
 def test_a_smaller_circle_needs_a_larger_pitch(answer: MinPitch) -> None:
     found = min_pitch(radius=3.0)
     assert found.pitch > answer.pitch
@@ -172,6 +176,7 @@ def test_a_smaller_circle_needs_a_larger_pitch(answer: MinPitch) -> None:
     assert hit_at(found.pitch, radius=3.0).status == "clear"
 
 
+@pytest.mark.thorough
 def test_where_the_search_looks_past_a_limit_certificates_find_it(
     answer: MinPitch, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -245,6 +250,7 @@ def test_slopes_of_the_smallest_pitch_are_those_of_fifty_digits(sensed: Sensitiv
         assert abs(found.slope - slopes[found.size]) < 1e-7 * abs(slopes[found.size])
 
 
+@pytest.mark.thorough
 def test_the_smallest_pitch_of_wider_benches_is_where_the_slope_says(sensed: Sensitivity) -> None:
     changes = {"width": 1e-6, "overhang": 1e-6, "head_spacing": 1e-5, "body_spacing": 1e-5}
     for found, (name, change) in zip(sensed.pitches, changes.items(), strict=True):
@@ -253,6 +259,7 @@ def test_the_smallest_pitch_of_wider_benches_is_where_the_slope_says(sensed: Sen
         assert (other - sensed.smallest.pitch) / change == pytest.approx(found.slope, rel=1e-3)
 
 
+@pytest.mark.thorough
 def test_a_contact_holds_as_far_as_is_told_and_another_pair_meets_beyond(sensed: Sensitivity) -> None:
     for found in sensed.times:
         for reach in (found.less, found.more):
@@ -278,6 +285,7 @@ def test_benches_a_millimetre_wider_meet_bench_11_instead(sensed: Sensitivity) -
     assert width.more.unchanged < 0.0009741 < width.more.changed
 
 
+@pytest.mark.thorough
 def test_another_pair_limits_the_pitch_beyond_what_is_told(sensed: Sensitivity) -> None:
     head = sensed.pitches[2]
     assert head.size == "head_spacing"
@@ -287,6 +295,7 @@ def test_another_pair_limits_the_pitch_beyond_what_is_told(sensed: Sensitivity) 
     assert [min_pitch(Dragon(head_spacing=spacing)).benches for spacing in spacings] == [(0, 19), head.less.benches]
 
 
+@pytest.mark.thorough
 def test_a_pitch_that_is_limited_at_the_arrival_has_slopes_too() -> None:
     dragon = Dragon(body_spacing=1.625, benches=30)
     found = sensitivity(dragon)
@@ -297,6 +306,7 @@ def test_a_pitch_that_is_limited_at_the_arrival_has_slopes_too() -> None:
     assert width.less is width.more is None
 
 
+@pytest.mark.thorough
 def test_times_at_half_the_speed_move_twice_as_much(sensed: Sensitivity) -> None:
     slow = sensitivity(Dragon(benches=30), speed=0.5)
     for found, other in zip(sensed.times, slow.times, strict=True):
@@ -347,6 +357,7 @@ def test_words_tell_the_answer_and_what_certifies_it(capsys: pytest.CaptureFixtu
     assert max(map(len, out.splitlines())) < 130
 
 
+@pytest.mark.thorough
 def test_a_scenario_gives_the_dragon_and_flags_win(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     file = tmp_path / "scenario.toml"
     file.write_text("pitch = 0.6\nwidth = 0.2\nbenches = 30\n", encoding="utf-8")

@@ -62,6 +62,7 @@ def test_no_two_arcs_make_the_turn_shorter(answer: TurnAnswer) -> None:
     assert len({ratio for ratio, _ in answer.lengths}) >= 5
 
 
+@pytest.mark.thorough
 def test_dragon_gets_round_both_turns_without_touching_itself(answer: TurnAnswer) -> None:
     for march, impact in ((answer.march, answer.impact), (answer.short_march, answer.short_impact)):
         assert (impact.status, impact.time) == ("clear", 100)
@@ -111,6 +112,7 @@ def test_shortest_turn_is_a_sixth_shorter_and_stays_in_the_circle(answer: TurnAn
     assert ends == pytest.approx(answer.turn.tangent_points[[0, 2]], abs=1e-12)
 
 
+@pytest.mark.thorough
 def test_no_shorter_turn_of_a_coarse_grid_keeps_to_the_limit(answer: TurnAnswer) -> None:
     # `tests/bench/bench_turns.py` does the same on a fine one.
     radii, bends, kept = np.arange(0.3, 3.0, 0.3), (-0.1, 0.0, 0.1), (0.0, 0.4)
@@ -134,6 +136,7 @@ def _seen(path: Composite, places: np.ndarray) -> float:
     return float(np.abs(np.cumprod(lags, axis=1)).max())
 
 
+@pytest.mark.thorough
 def test_nothing_close_to_the_shortest_turn_is_shorter_and_keeps_to_the_limit(answer: TurnAnswer) -> None:
     short, spacings = answer.shortest.turn, Dragon().spacings[:12]
     beside = (
@@ -154,6 +157,7 @@ def test_nothing_close_to_the_shortest_turn_is_shorter_and_keeps_to_the_limit(an
             assert turn.length > short.length - 1e-5 or peaks.max() > answer.allowed * (1 + 1e-5)
 
 
+@pytest.mark.thorough
 def test_search_from_elsewhere_ends_at_the_same_turn(answer: TurnAnswer, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("pymunk_dragon.studies.shortest.FIRST_GUESS", 0.38)
     again = shortest_turn(BASE, Dragon().spacings, answer.allowed)
@@ -231,6 +235,7 @@ def test_impossible_limits_are_refused(value: object) -> None:
     assert_says(caught.value, "fastest is", "from 1.01 to 5")
 
 
+@pytest.mark.thorough
 def test_a_limit_that_no_turn_keeps_to_is_refused() -> None:
     with pytest.raises(ParameterError) as caught:
         shortest_turn(BASE, Dragon().spacings, 1.05)

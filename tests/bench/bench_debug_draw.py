@@ -15,12 +15,14 @@ from collections.abc import Callable
 from statistics import median
 
 import pymunk
+from measure import durations, sized
 from PIL import Image
 
 from pymunk_dragon.march import March
 from pymunk_dragon.render.debug_draw import PillowDrawOptions
 
-SIZE, REPEATS = 640, 21
+SIZE = 640
+REPEATS, MATPLOTLIB_REPEATS = sized((21, 5), (1, 1))
 
 
 def chain() -> pymunk.Space:
@@ -28,12 +30,12 @@ def chain() -> pymunk.Space:
     space = pymunk.Space()
     march = March()
     previous = None
-    for (x, y, angle), length, spacing in zip(
-        march.at([300.0]).poses[0].tolist(), march.dragon.lengths, march.dragon.spacings, strict=True
-    ):
+    dragon, poses = march.dragon, march.at([300.0]).poses[0].tolist()
+    sizes = zip(poses, dragon.lengths, dragon.widths, dragon.spacings, strict=True)
+    for (x, y, angle), length, width, spacing in sizes:
         body = pymunk.Body(1, 1)
         body.position, body.angle = (x, y), angle
-        space.add(body, pymunk.Poly.create_box(body, (length, march.dragon.width)))
+        space.add(body, pymunk.Poly.create_box(body, (length, width)))
         if previous is not None:
             space.add(pymunk.PivotJoint(previous, body, body.local_to_world((spacing / 2, 0))))
         previous = body
@@ -61,12 +63,7 @@ def pile() -> pymunk.Space:
 def milliseconds(draw: Callable[[], None], repeats: int) -> float:
     """Median processor time of a call, after one that is not counted."""
     draw()
-    times = []
-    for _ in range(repeats):
-        begin = time.process_time()
-        draw()
-        times.append(time.process_time() - begin)
-    return 1000 * median(times)
+    return 1000 * median(durations(draw, repeats, time.process_time))
 
 
 def with_pillow(space: pymunk.Space, mode: str) -> float:
@@ -107,7 +104,7 @@ def with_matplotlib(space: pymunk.Space) -> float:
         figure.canvas.draw()
         plt.close(figure)
 
-    return milliseconds(draw, 5)
+    return milliseconds(draw, MATPLOTLIB_REPEATS)
 
 
 def main() -> None:

@@ -1,4 +1,4 @@
-"""Time and memory of a film, beside the usual ways to make one: `python tests/bench/bench_film.py [FRAMES]`.
+"""Time and memory of a film, beside the usual ways to make one: `python tests/bench/bench_film.py`.
 
 The film is 300 frames of 640 x 640 of the seed's 223 benches. Each way runs in a process of its own, in turns, and the
 medians over the rounds are printed: the time from the first frame to the closed file, imports not counted, and the
@@ -20,6 +20,7 @@ from pathlib import Path
 from statistics import median
 
 import numpy as np
+from measure import arguments, sized
 
 from pymunk_dragon.march import March
 from pymunk_dragon.render import Film, write_film
@@ -27,7 +28,7 @@ from pymunk_dragon.render.moments import moments
 from pymunk_dragon.render.writing import make_sheet
 from pymunk_dragon.run import Run
 
-FRAMES, ROUNDS = 300, 5
+FRAMES, ROUNDS = sized((300, 5), (4, 1))
 SINCE, STEP, SIZE, FPS = 100.0, 0.5, 640, 20
 
 
@@ -77,14 +78,15 @@ def matplotlib_animation(bare: bool) -> Callable[[Run, Film, Path], None]:
         if bare:
             axes.set_axis_off()
             axes.set_position((0.0, 0.0, 1.0, 1.0))
-        axes.plot(*march.curve.point(np.linspace(*march.span(), 5000)).T, color=palette.curve, linewidth=0.5)
+        path = march.curve.point(np.linspace(*march.span(times[0], times[-1]), 5000))
+        axes.plot(*path.T, color=palette.curve, linewidth=0.5)
         colours = [palette.head, *[palette.body] * (march.dragon.benches - 2), palette.tail]
         benches = PolyCollection([], facecolors=colours, edgecolors=palette.ink, linewidths=0.5)
         axes.add_collection(benches)
         clock = axes.text(0.02, 0.95, "", transform=axes.transAxes) if bare else axes.set_title("")
 
         def draw(frame: int) -> None:
-            benches.set_verts(march.dragon.outlines(run.poses_at(times[frame])[0]))
+            benches.set_verts([*march.dragon.outlines(run.poses_at(times[frame])[0])])
             clock.set_text(f"t = {times[frame]:.2f} s")
 
         FuncAnimation(figure, draw, frames=len(times)).save(str(folder / "film.gif"), writer=PillowWriter(fps=FPS))
@@ -121,16 +123,15 @@ def measured(way: str, frames: int) -> tuple[float, float, float]:
 
 def main() -> None:
     """Print the table, or one way's figures as JSON for the process that makes it."""
-    if len(sys.argv) == 3:
-        print(json.dumps(measured(sys.argv[1], int(sys.argv[2]))))
+    if given := arguments():
+        print(json.dumps(measured(given[0], FRAMES)))
         return
-    frames = int(sys.argv[1]) if len(sys.argv) == 2 else FRAMES
     found: dict[str, list[list[float]]] = {way: [] for way in WAYS}
     for _ in range(ROUNDS):
         for way, figures in found.items():
-            child = [sys.executable, __file__, way, str(frames)]
+            child = [sys.executable, __file__, way, *sys.argv[1:]]
             figures.append(json.loads(subprocess.run(child, check=True, capture_output=True, text=True).stdout))
-    print(f"{frames} frames of {SIZE} x {SIZE}, 223 benches; {os.cpu_count()} cores, medians of {ROUNDS}")
+    print(f"{FRAMES} frames of {SIZE} x {SIZE}, 223 benches; {os.cpu_count()} cores, medians of {ROUNDS}")
     print(f"{'way':<50}{'ms a frame':>11}{'times ours':>12}{'MB':>7}{'memory, MB':>12}")
     medians = {way: [median(column) for column in zip(*figures, strict=True)] for way, figures in found.items()}
     first = next(iter(medians.values()))[0]

@@ -1,28 +1,35 @@
-"""How long each lesson takes, run by itself as a process, and how large its picture is."""
+"""Time of each lesson as a process of its own, and the size of its picture: `python tests/bench/bench_lessons.py`."""
 
 from __future__ import annotations
 
 import subprocess
 import sys
 import tempfile
+from functools import partial
 from pathlib import Path
 from statistics import median
-from time import perf_counter
+
+from measure import durations, sized
 
 from pymunk_dragon.demos import DEMOS
 
-REPEATS = 3
+REPEATS = sized(3, 1)
+LESSONS = sized(list(DEMOS), ["spiral"])
 
 
-def seconds(program: Path, folder: str) -> float:
-    begin = perf_counter()
-    subprocess.run([sys.executable, program, "--save", folder], check=True, stdout=subprocess.DEVNULL)
-    return perf_counter() - begin
+def main() -> None:
+    """Print a line for each lesson."""
+    print(f"{'lesson':<14} {'s':>5} {'lines':>6} {'kB':>5}")
+    for name in LESSONS:
+        demo = DEMOS[name]
+        with tempfile.TemporaryDirectory() as folder:
+            command = [sys.executable, str(demo.path), "--save", folder]
+            play = partial(subprocess.run, command, check=True, stdout=subprocess.DEVNULL)
+            seconds = median(durations(play, REPEATS))
+            [picture] = Path(folder).iterdir()
+            kilobytes = picture.stat().st_size / 1000
+            print(f"{name:<14} {seconds:>5.1f} {len(demo.source.splitlines()):>6} {kilobytes:>5.0f}", flush=True)
 
 
-print(f"{'lesson':<14} {'s':>5} {'lines':>6} {'kB':>5}")
-for name, demo in DEMOS.items():
-    with tempfile.TemporaryDirectory() as folder:
-        took = median(seconds(demo.path, folder) for _ in range(REPEATS))
-        [picture] = Path(folder).iterdir()
-        print(f"{name:<14} {took:>5.1f} {len(demo.source.splitlines()):>6} {picture.stat().st_size / 1000:>5.0f}")
+if __name__ == "__main__":
+    main()

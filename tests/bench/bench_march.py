@@ -5,29 +5,22 @@ Prints medians in ms for 301 times at once: positions, velocities and speeds of 
 
 from __future__ import annotations
 
-import statistics
-from collections.abc import Callable
-from time import perf_counter
+from functools import partial
+from statistics import median
 
 import numpy as np
+from measure import durations, sized
 
 from pymunk_dragon import March, Reversed, Sampled, Spiral, UTurn
 
-REPEATS = 9
-
-
-def median_ms(work: Callable[[], object]) -> float:
-    times = []
-    for _ in range(REPEATS):
-        begin = perf_counter()
-        work()
-        times.append(perf_counter() - begin)
-    return 1e3 * statistics.median(times)
+REPEATS = sized(9, 1)
+TIMES = sized(301, 3)
 
 
 def main() -> None:
+    """Print a line for each march."""
     spiral = March()
-    times = np.linspace(0, 412, 301)
+    times = np.linspace(0, 412, TIMES)
     points = spiral.curve.point(np.linspace(-900, -1, 4000))
     marches = {
         "spiral": spiral,
@@ -37,7 +30,7 @@ def main() -> None:
     }
     alone = None
     for name, march in marches.items():
-        ms = median_ms(lambda march=march: march.at(times))
+        ms = 1e3 * median(durations(partial(march.at, times), REPEATS))
         alone = alone or ms
         print(f"{name:<38} {ms:7.1f} ms  {ms / alone:5.2f}")
 

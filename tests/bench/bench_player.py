@@ -13,6 +13,7 @@ import time
 from pathlib import Path
 
 import numpy as np
+from measure import arguments, sized
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from browser import chromium, opened
@@ -27,7 +28,9 @@ VIEWS = {
     "whole field, everything shown": "#t=300&show=curve,contacts,handles,velocities,grid,labels",
     "following the head, everything shown": "#t=300&follow=head&show=curve,contacts,handles,velocities,grid,labels",
 }
-MEASURE = """async () => {
+# How long a view plays, and how much of it does not count, ms.
+PLAYED, WARM_UP = sized((5000, 1000), (600, 200))
+MEASURE = """async ([played, warmUp]) => {
   const player = await dragon;
   const request = requestAnimationFrame.bind(window);
   const costs = [], frames = [];
@@ -40,20 +43,22 @@ MEASURE = """async () => {
   const begin = performance.now();
   await new Promise((done) => request(function look(now) {
     frames.push(now);
-    if (now < begin + 5000) request(look);
+    if (now < begin + played) request(look);
     else done();
   }));
   player.pause();
   return {
-    costs: costs.filter(([now]) => now > begin + 1000).map(([, cost]) => cost),
-    frames: frames.filter((now) => now > begin + 1000),
+    costs: costs.filter(([now]) => now > begin + warmUp).map(([, cost]) => cost),
+    frames: frames.filter((now) => now > begin + warmUp),
   };
 }"""
 
 
 def main() -> None:
     """Print the table."""
-    run = Run.load(sys.argv[1]) if len(sys.argv) == 2 else Run.exact(March(), np.arange(4125) / 10)
+    given = arguments()
+    times = np.arange(*sized((0, 4125), (2990, 3050))) / 10
+    run = Run.load(given[0]) if given else Run.exact(March(), times)
     with tempfile.TemporaryDirectory() as name, chromium() as browser:
         file = Path(name) / "run.html"
         begin = time.perf_counter()
@@ -66,7 +71,7 @@ def main() -> None:
         print(f"{'':<38}{'ms a picture':>13}{'95 of 100':>11}{'longest':>9}{'a second':>10}")
         for view, link in VIEWS.items():
             with opened(browser, file.as_uri() + link) as found:
-                measured = found.page.evaluate(MEASURE)
+                measured = found.page.evaluate(MEASURE, [PLAYED, WARM_UP])
             middle, most, longest = np.percentile(measured["costs"], [50, 95, 100])
             rate = 1000 / np.mean(np.diff(measured["frames"]))
             print(f"{view:<38}{middle:>13.1f}{most:>11.1f}{longest:>9.1f}{rate:>10.1f}")

@@ -9,9 +9,9 @@ import shutil
 import sys
 from pathlib import Path
 
-from playwright.sync_api import sync_playwright
+from playwright.sync_api import ViewportSize, sync_playwright
 
-SIZE = {"width": 1200, "height": 750}
+SIZE: ViewportSize = {"width": 1200, "height": 750}
 # Pixels above a lesson.
 MARGIN = 16
 ARGUMENTS = ["--no-sandbox", "--disable-background-networking"]
@@ -27,9 +27,9 @@ def main() -> None:
         page.evaluate("window.dragon")  # of a player: once it has drawn
         page.evaluate("document.querySelectorAll(':target details').forEach((folded) => folded.open = true)")
         page.wait_for_timeout(500)
-        lesson = page.locator("section:target")
-        if lesson.count():
-            page.set_viewport_size({**SIZE, "height": round(lesson.bounding_box()["height"]) + MARGIN})
+        box = page.evaluate("document.querySelector('section:target')?.getBoundingClientRect().height")
+        if box is not None:
+            page.set_viewport_size({"width": SIZE["width"], "height": round(box) + MARGIN})
         page.screenshot(path=picture)
         browser.close()
 
