@@ -6,7 +6,7 @@ DRAGON := $(BIN)/pymunk-dragon
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 # As many jobs as there are cores. Lines appear whole, so jobs draw no progress bars over each other.
-MAKEFLAGS += --jobs=$(shell getconf _NPROCESSORS_ONLN) --output-sync=line
+MAKEFLAGS += --jobs=$(shell getconf _NPROCESSORS_ONLN) $(if $(filter output-sync,$(.FEATURES)),--output-sync=line)
 
 .DEFAULT_GOAL := help
 .PHONY: help render figures screenshot report test test-all lint bench demos clean FORCE
@@ -65,53 +65,29 @@ FIGURES := $(patsubst %,figures/%.png,$(STILLS) $(CHARTS) $(CHARTS_OF_RUN) $(STU
 RUNS := march.npz first_contact.npz unguided.npz u-turn.npz report.npz
 PAGES := march.html report.html lessons.html
 
-# The code that makes them.
-sources = $(foreach folder,$(1),$(wildcard $(addprefix pymunk_dragon/$(folder)/*,.py .js .css .html .toml)))
-MODEL := $(call sources,. curves speed collision)
-ENGINE := $(MODEL) $(call sources,physics) pymunk_dragon/cli/simulate.py
-DRAWING := $(MODEL) $(call sources,render render/streams) pymunk_dragon/cli/render.py
-CHARTING := $(DRAWING) $(call sources,render/figures studies) pymunk_dragon/cli/figure.py pymunk_dragon/cli/study.py
-WRITING := $(CHARTING) $(call sources,player report report/templates demos demos/telling physics)
-
 # A file with the arguments, renewed only when they change.
 COMMANDS := renders/.commands
-$(patsubst %,$(COMMANDS)/%,$(PICTURES) $(FIGURES) $(RUNS) $(PAGES)): $(COMMANDS)/%: FORCE
+FILES := $(PICTURES) $(FIGURES) $(RUNS) $(PAGES)
+$(FILES:%=$(COMMANDS)/%): $(COMMANDS)/%: FORCE
 	@mkdir -p $(@D); echo '$($*)' | cmp -s - $@ || echo '$($*)' > $@
 
-arguments = $($(patsubst renders/%,%,$@))
-announce = @echo "making $@"
-# Pictures are committed. One that shows the same as before, to a tolerance, stays as it is.
+# The endings of all files that are made with the first one.
 endings = $(suffix $@)
-draw = @mkdir -p renders/.new/figures; set -e; for ending in $(endings); do $(DRAGON) $(arguments) -o renders/.new/$(basename $*)$$ending; done
-keep = @$(BIN)/python tests/pictures.py $@ $(endings:%=renders/.new/$(basename $*)%)
+$(patsubst %,renders/figures/%.png,$(CHARTS) $(CHARTS_OF_RUN)): endings = .png,.svg
 
-$(RUNS:%=renders/%): renders/%: $(COMMANDS)/% $(ENGINE) | $(VENV)/core
-	$(announce)
-	@$(DRAGON) $(arguments) -o $@
+$(FILES:%=renders/%): renders/%: $(COMMANDS)/% | $(VENV)/core
+	@echo "making $@"
+	@$(BIN)/python renders/gallery.py $@ $(endings) $($*)
 
-$(PICTURES:%=renders/%): renders/%: $(COMMANDS)/% $(DRAWING) | $(VENV)/core
-	$(announce)
-	$(draw)
-	$(keep)
-
-$(FIGURES:%=renders/%): renders/%: $(COMMANDS)/% $(CHARTING) | $(VENV)/extras
-	$(announce)
-	$(draw)
-	$(keep)
-
-$(PAGES:%=renders/%): renders/%: $(COMMANDS)/% $(WRITING) | $(VENV)/core
-	$(announce)
-	@$(DRAGON) $(arguments) -o $@
-
-$(patsubst %,renders/figures/%.png,$(CHARTS) $(CHARTS_OF_RUN)): endings = .png .svg
-
-# The run that each one shows.
+# The run that each one shows, what else it needs, and the code that made it the last time.
 renders/march.gif renders/march.html renders/guides.gif $(CHARTS_OF_RUN:%=renders/figures/%.png): renders/march.npz
 renders/first_contact.gif renders/exact.gif renders/marks.png: renders/first_contact.npz
 renders/guides.gif: renders/unguided.npz
 renders/u-turn.gif: renders/u-turn.npz
 renders/report.html: renders/report.npz
-renders/report.html renders/lessons.html: | $(VENV)/extras
+renders/lessons.html: $(wildcard pymunk_dragon/demos/*.py)
+$(FIGURES:%=renders/%) renders/report.html renders/lessons.html: | $(VENV)/extras
+-include $(FILES:%=$(COMMANDS)/%.d)
 
 render: renders/march.gif renders/march.html $(PICTURES:%=renders/%) ## play the dragon in Pymunk, film it, and write a page that plays it
 	@echo "open renders/march.gif first, then renders/march.html in a browser; \`make figures\` draws the charts"

@@ -13,7 +13,7 @@ import lessons
 import numpy as np
 import pytest
 from browser import chromium
-from pictures import share_off
+from gallery import share_off
 from PIL import Image
 from playwright.sync_api import Browser
 

@@ -1,0 +1,96 @@
+"""Make a file of `renders/`, for the Makefile: `python renders/gallery.py TARGET ENDINGS ARGUMENT...`.
+
+Calls `pymunk-dragon ARGUMENT... -o TARGET`, once for each of the comma-separated endings, and writes the rule that
+names the package's files that this has used, `renders/.commands/NAME.d`: make includes it, and makes TARGET again when
+one of them changes. A picture that shows the same as before, to a tolerance, stays as it is: committed pictures do not
+change where only rounding or a library's compression has.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+import pymunk_dragon
+from pymunk_dragon.cli import main
+
+RENDERS = Path("renders")
+PICTURES = (".gif", ".png")
+# Levels of 255 by which a colour channel may differ: rounding on other machines changes the edges of smooth lines.
+LEVELS = 12
+# Share of the pixels that may differ by more than LEVELS. A film whose benches lie a micrometre elsewhere has about
+# 4e-6 of them, a film with another digit in its caption 5e-5 and more.
+SHARE = 2e-5
+
+
+def share_off(one: Image.Image, other: Image.Image) -> float:
+    """Share of the pixels of two frames of the same size that differ by more than LEVELS."""
+    first, second = (np.asarray(image.convert("RGBA"), dtype=np.int16) for image in (one, other))
+    return float(np.mean((np.abs(first - second) > LEVELS).any(axis=-1)))
+
+
+def show_the_same(one: Path, other: Path) -> bool:
+    """Whether two files have frames of one size and as many, each as long, with at most SHARE of the pixels off."""
+    if one.read_bytes() == other.read_bytes():
+        return True
+    with Image.open(one) as first, Image.open(other) as second:
+        count = getattr(first, "n_frames", 1)
+        if first.size != second.size or count != getattr(second, "n_frames", 1):
+            return False
+        off = 0.0
+        for frame in range(count):
+            first.seek(frame)
+            second.seek(frame)
+            if first.info.get("duration") != second.info.get("duration"):
+                return False
+            off += share_off(first, second)
+    return off / count <= SHARE
+
+
+def replace(target: Path, drafts: list[Path]) -> None:
+    """Move the drafts beside `target`, or drop them where the first is a picture that shows the same as `target`."""
+    same = target.suffix in PICTURES and target.exists() and show_the_same(target, drafts[0])
+    for draft in drafts:
+        kept = target.parent / draft.name
+        if same and kept.exists():
+            draft.unlink()
+            # For make, which compares times.
+            os.utime(kept)
+        else:
+            os.replace(draft, kept)
+
+
+def used_files() -> list[str]:
+    """Files of the package that this process has imported, and the data files beside them."""
+    root = Path(pymunk_dragon.__file__).parent
+    loaded = (getattr(module, "__file__", None) for module in list(sys.modules.values()))
+    modules = {Path(file) for file in loaded if file and Path(file).is_relative_to(root)}
+    folders = {module.parent for module in modules}
+    data = [file for file in root.rglob("*.*") if file.suffix not in (".py", ".pyc") and {*file.parents[:2]} & folders]
+    return sorted(os.path.relpath(file) for file in {*modules, *data})
+
+
+def make(target: Path, endings: list[str], arguments: list[str]) -> None:
+    """Make `target`, and its rule; exit as the program does where it fails."""
+    name = target.relative_to(RENDERS)
+    drafts = [(RENDERS / ".new" / name).with_suffix(ending) for ending in endings]
+    drafts[0].parent.mkdir(parents=True, exist_ok=True)
+    for draft in drafts:
+        try:
+            main([*arguments, "-o", str(draft)])
+        except SystemExit as ended:
+            if ended.code:
+                raise
+    replace(target, drafts)
+    files = used_files()
+    # The rules without a recipe are for files that are removed later.
+    rules = "".join(f"{file}:\n" for file in files)
+    (RENDERS / ".commands" / f"{name}.d").write_text(f"{target}: {' '.join(files)}\n{rules}", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    make(Path(sys.argv[1]), sys.argv[2].split(","), sys.argv[3:])
