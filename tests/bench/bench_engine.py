@@ -13,14 +13,11 @@ from pymunk_dragon.march import March
 from pymunk_dragon.physics import simulate
 
 REPEATS = sized(5, 1)
-INTERVALS = [
-    (223, 0.0, 40.0),
-    (223, 370.0, 410.0),
-    (16, 370.0, 410.0),
-    (1000, 0.0, 5.0),
-]
-# s
-SMALL_LENGTH = 0.2
+# Benches, start and end, s.
+INTERVALS = sized(
+    [(223, 0.0, 40.0), (223, 370.0, 410.0), (16, 370.0, 410.0), (1000, 0.0, 5.0)],
+    [(16, 0.0, 0.2)],
+)
 
 
 def main() -> None:
@@ -28,8 +25,7 @@ def main() -> None:
     speeds: dict[str, list[float]] = {}
     overheads: dict[str, list[float]] = {}
     for _ in range(REPEATS):
-        for benches, start, end in INTERVALS:
-            until = sized(end, start + SMALL_LENGTH)
+        for benches, start, until in INTERVALS:
             name = f"{benches} benches, {start:g} to {until:g} s"
             timing = simulate(March(Dragon(benches=benches)), start=start, until=until).timing
             speeds.setdefault(name, []).append((until - start) / timing["wall_seconds"])
