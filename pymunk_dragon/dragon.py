@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from pymunk_dragon.checks import finite, whole
 from pymunk_dragon.errors import ParameterError
 
-__all__ = ["BENCHES", "Dragon", "Sizes", "bench_poses", "interpolated", "outlines"]
+__all__ = ["BENCHES", "Dragon", "Sizes", "bench_poses", "hermite", "interpolated", "outlines"]
 
 Array = NDArray[np.float64]
 # m: the same for all benches, or one for each.
@@ -161,6 +161,17 @@ class Dragon:
         half = self.spacings[:, None] / 2 * _headings(pose)
         return pose[..., :2] + half, pose[..., :2] - half
 
+    def hole_velocities(self, poses: ArrayLike, velocities: ArrayLike) -> tuple[Array, Array]:
+        """Velocities of the front and rear hole, each (..., N, 2) in m/s, of benches with rates of change (..., N, 3).
+
+        The rates of change of `poses` (..., N, 3) are in m/s, m/s and rad/s.
+        """
+        rates = np.asarray(velocities, dtype=float)
+        along = _headings(np.asarray(poses, dtype=float))
+        across = np.stack([-along[..., 1], along[..., 0]], axis=-1)
+        half = self.spacings[:, None] / 2 * rates[..., 2:] * across
+        return rates[..., :2] + half, rates[..., :2] - half
+
     def _of_each(self, size: Sizes) -> Array:
         sizes = np.full(self.benches, size)
         sizes.flags.writeable = False
@@ -207,9 +218,41 @@ def outlines(poses: ArrayLike, lengths: ArrayLike, width: ArrayLike) -> Array:
 
 def interpolated(before: Array, after: Array, share: ArrayLike) -> Array:
     """Poses (..., 3) at a `share` of the way from `before` to `after`, turning the shorter way round."""
+    return before + np.asarray(share)[..., None] * _step(before, after)
+
+
+def hermite(
+    poses: tuple[Array, Array], velocities: tuple[Array, Array], interval: ArrayLike, share: ArrayLike
+) -> tuple[Array, Array]:
+    """Poses and their rates of change on the cubic Hermite polynomial between two times.
+
+    Parameters
+    ----------
+    poses, velocities : tuple of two ndarray, shape (..., 3)
+        Values at the first and at the second time: m, m, rad and m/s, m/s, rad/s. Benches turn the shorter way round.
+    interval : array_like, shape (...)
+        Time between the two, s. Where it is 0, `share` must be 0 or 1.
+    share : array_like, shape (...)
+        Share of the interval that has passed, 0 to 1.
+
+    Returns
+    -------
+    tuple of ndarray, shape (..., 3)
+        Poses and velocities. The error of the poses is at most interval**4 / 384 times the fourth derivative.
+    """
+    (before, after), (v0, v1) = poses, velocities
+    h, s = np.asarray(interval, dtype=float)[..., None], np.asarray(share, dtype=float)[..., None]
+    step = _step(before, after)
+    found = before + s * s * (3 - 2 * s) * step + h * s * (1 - s) * ((1 - s) * v0 - s * v1)
+    rates = 6 * s * (1 - s) * step / np.where(h > 0, h, 1.0) + (1 - s) * (1 - 3 * s) * v0 + s * (3 * s - 2) * v1
+    return found, rates
+
+
+def _step(before: Array, after: Array) -> Array:
+    """Change (..., 3) from one pose to another, with the angle's from -pi to pi."""
     step = after - before
     step[..., 2] = (step[..., 2] + np.pi) % (2 * np.pi) - np.pi
-    return before + np.asarray(share)[..., None] * step
+    return step
 
 
 def _length(name: str, value: object) -> float:

@@ -110,10 +110,13 @@ def test_velocities_of_a_run_are_those_of_its_frames(run: Run) -> None:
     np.testing.assert_allclose(found, exact, atol=2e-3)
 
 
-def test_a_run_of_one_frame_does_not_move() -> None:
-    found = moment_of(Run.exact(MARCH, [1.0]), 1.0, "velocities").velocities
-    assert found is not None
-    assert not found.any()
+def test_a_run_of_one_frame_moves_only_where_its_velocities_are_known() -> None:
+    run = Run.exact(MARCH, [1.0])
+    found = moment_of(run, 1.0, "velocities").velocities
+    np.testing.assert_allclose(found, MARCH.at([1.0]).velocities[0], atol=1e-12)
+    unknown = moment_of(replace(run, pose_velocities=None), 1.0, "velocities").velocities
+    assert unknown is not None
+    assert not unknown.any()
 
 
 # Grid

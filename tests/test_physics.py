@@ -151,6 +151,20 @@ def test_head_is_where_the_exact_model_has_it_in_every_frame(late_march, seed_ma
     np.testing.assert_allclose(late_march.poses[:-1, 0, :2], exact[:, :2], atol=1e-12)
 
 
+def test_velocities_of_the_frames_are_the_exact_ones_at_the_contact_too(late_march, seed_march):
+    exact = seed_march.at(late_march.times).pose_velocities
+    np.testing.assert_allclose(late_march.pose_velocities[:-1], exact[:-1], atol=2e-4)
+    # The last frame stands inside a substep, and its velocities have no blow in them.
+    np.testing.assert_allclose(late_march.pose_velocities[-1], exact[-1], atol=2e-3)
+
+
+def test_near_miss_between_two_frames_of_the_engine_has_the_exact_gap(late_march, seed_march):
+    assert 409.832 not in late_march.times
+    outlines = seed_march.dragon.outlines(late_march.poses_at(409.832)[0])
+    gap = shapely.Polygon(outlines[0]).distance(shapely.Polygon(outlines[11]))
+    assert gap == pytest.approx(shapely_gap(seed_march, 409.832, (0, 11)), abs=3e-6)
+
+
 def test_same_scenario_gives_the_same_bytes(seed_march, tmp_path):
     for name in ("once.npz", "again.npz"):
         simulate(seed_march, start=412.0).save(tmp_path / name)

@@ -91,6 +91,7 @@ def stopped(run):
         times=np.append(run.times[kept], run.first_contact.time),
         poses=np.concatenate([run.poses[kept], run.poses_at(run.first_contact.time)]),
         drift=np.concatenate([run.drift[kept], run.drift[kept][-1:]]),
+        pose_velocities=None,
         joint_impulses=None,
         events=run.events[:2],
     )

@@ -10,7 +10,7 @@ import pickle
 import tempfile
 import warnings
 import zipfile
-from dataclasses import FrozenInstanceError, asdict
+from dataclasses import FrozenInstanceError, asdict, replace
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +18,7 @@ import pytest
 from conftest import assert_says, examples
 from hypothesis import given
 from hypothesis import strategies as st
+from shapely import Polygon
 
 from pymunk_dragon.contact import Contact, ContactEvent, ContactLog
 from pymunk_dragon.curves import Spiral
@@ -56,6 +57,7 @@ def a_run():
         times=states.times,
         poses=states.poses,
         drift=drift,
+        pose_velocities=states.pose_velocities,
         joint_impulses=np.linspace(0, 1, 21).reshape(7, 3) / 7,
         events=EVENTS,
         first_contact=CONTACT,
@@ -116,7 +118,7 @@ def assert_refused(content, *words):
 
 def test_run_comes_back_exactly():
     run, back = a_run(), load(WHOLE)
-    for name in ("times", "poses", "drift", "joint_impulses"):
+    for name in ("times", "poses", "drift", "pose_velocities", "joint_impulses"):
         assert getattr(back, name).tobytes() == getattr(run, name).tobytes()
         assert getattr(back, name).shape == getattr(run, name).shape
     for name in ("march", "events", "first_contact", "outcome", "provenance"):
@@ -299,6 +301,8 @@ def test_bare_pickle_is_never_unpickled(tmp_path):
 MISFITS = {
     "poses of another dragon": members(poses=np.zeros((7, 5, 3))),
     "poses of another time": members(poses=np.zeros((6, 4, 3))),
+    "velocities of another dragon": members(pose_velocities=np.zeros((7, 5, 3))),
+    "infinite velocities": members(pose_velocities=np.full((7, 4, 3), np.inf)),
     "flat poses": members(poses=np.zeros((7, 4))),
     "times as a table": members(times=np.zeros((7, 1))),
     "one time": members(times=np.array(1.0)),
@@ -441,6 +445,7 @@ def test_run_cannot_be_changed_and_leaves_the_givers_arrays_alone():
         {"times": np.array([0.0, np.nan])},
         {"poses": np.zeros((2, 3, 3))},
         {"drift": np.zeros((2, 5))},
+        {"pose_velocities": np.zeros((2, 4, 2))},
         {"outcome": "victory"},
     ],
     ids=lambda changes: ", ".join(changes),
@@ -477,12 +482,87 @@ def test_poses_at_the_frames_are_the_frames():
     assert np.cos(back[..., 2] - run.poses[..., 2]) == pytest.approx(np.ones((7, 4)), abs=1e-15)
 
 
-def test_poses_between_frames_are_half_a_millimetre_right(seed_march):
-    # The bound of the docstring: a turn of 2.3 m radius at 1 m/s, frames 0.1 s apart.
-    run = Run.exact(seed_march, np.arange(408, 412, 0.1))
-    times = np.arange(408, 411.9, 0.013)
-    off = run.poses_at(times)[..., :2] - seed_march.at(times).poses[..., :2]
-    assert 1e-5 < np.linalg.norm(off, axis=-1).max() < 0.6e-3
+def without_velocities(run):
+    return replace(run, pose_velocities=None)
+
+
+def gap_in(run, time, pair):
+    """Distance of two benches of a run, by Shapely, m."""
+    first, second = (Polygon(run.march.dragon.outlines(run.poses_at(time)[0])[bench]) for bench in pair)
+    return first.distance(second)
+
+
+# The gap of the exact model at the near miss, found by Shapely; with straight lines between frames it is 0.795 mm.
+@pytest.mark.parametrize("known", [True, False], ids=["known velocities", "finite differences"])
+def test_gap_of_the_near_miss_between_frames_is_the_exact_one(seed_march, known):
+    run = Run.exact(seed_march, np.arange(4050, 4127) / 10)
+    exact = Run.exact(seed_march, [409.832])
+    assert gap_in(exact, 409.832, (0, 11)) == pytest.approx(0.865235e-3, abs=1e-9)
+    run = run if known else without_velocities(run)
+    assert gap_in(run, 409.832, (0, 11)) == pytest.approx(0.865235e-3, abs=1e-7)
+
+
+# The docstring's bound, with the largest fourth derivative of any bench's pose: by finite differences of the model.
+@pytest.mark.parametrize("known", [True, False], ids=["known velocities", "finite differences"])
+def test_poses_between_frames_are_as_near_as_the_docstring_says(seed_march, known):
+    times = np.arange(4080, 4120) / 10
+    run = Run.exact(seed_march, times)
+    run = run if known else without_velocities(run)
+    at = np.arange(408.5, 411, 0.013)
+    off = np.linalg.norm((run.poses_at(at) - seed_march.at(at).poses)[..., :2], axis=-1)
+    h = 0.02
+    around = [seed_march.at(at + k * h).poses[..., :2] for k in (-2, -1, 0, 1, 2)]
+    fourth = np.linalg.norm(sum(w * p for w, p in zip((1, -4, 6, -4, 1), around, strict=True)), axis=-1) / h**4
+    bound = 0.1**4 / 384 * fourth.max()
+    assert 0.5 * bound < off.max() < 1.5 * bound
+    assert bound < 0.05e-6
+
+
+def moving(times, coefficients):
+    """Poses and their rates of change where x, y and angle of each of 4 benches are polynomials of time."""
+    polynomial = np.polynomial.Polynomial
+    tracks = [[polynomial(track) for track in bench] for bench in coefficients]
+    values = [[[track(t) for track in bench] for bench in tracks] for t in times]
+    rates = [[[track.deriv()(t) for track in bench] for bench in tracks] for t in times]
+    return np.array(values), np.array(rates)
+
+
+@pytest.mark.parametrize("known", [True, False], ids=["known velocities", "finite differences"])
+def test_cubic_motion_is_met_exactly(known):
+    coefficients = np.random.default_rng(0).uniform(-1, 1, (4, 3, 4))
+    # One frame stands so near to another that it takes no part in the differences.
+    times = np.array([0, 0.1, 0.3, 0.3 + 1e-9, 0.45, 0.6, 0.62])
+    poses, rates = moving(times, coefficients)
+    run = Run(march=MARCH, times=times, poses=poses, drift=np.zeros((7, 4)), pose_velocities=rates if known else None)
+    at = np.linspace(0, 0.62, 50)
+    wanted, wanted_rates = moving(at, coefficients)
+    np.testing.assert_allclose(run.poses_at(at), wanted, atol=1e-12)
+    np.testing.assert_allclose(run.pose_velocities_at(at), wanted_rates, atol=1e-6)
+    np.testing.assert_allclose(run.pose_velocities_at(times[[0, 4, 6]]), rates[[0, 4, 6]], atol=1e-11)
+    np.testing.assert_allclose(run.pose_velocities_at([-1, 9]), rates[[0, -1]], atol=1e-11)
+
+
+def test_frames_that_nearly_share_a_time_do_not_spoil_what_is_between_the_others():
+    states = MARCH.at(np.array([0, 0.1, 0.2, 0.2 + 1e-7, 0.3, 0.4]))
+    poses = states.poses + 1e-6 * np.random.default_rng(0).standard_normal(states.poses.shape)
+    run = Run(march=MARCH, times=states.times, poses=poses, drift=np.zeros((6, 4)))
+    times = np.linspace(0, 0.4, 41)
+    assert np.abs(run.poses_at(times) - MARCH.at(times).poses).max() < 5e-6
+
+
+def test_velocities_without_known_ones_are_those_of_the_march():
+    run = without_velocities(Run.exact(MARCH, np.arange(30) / 10))
+    times = np.linspace(0, 2.9, 57)
+    np.testing.assert_allclose(run.pose_velocities_at(times), MARCH.at(times).pose_velocities, atol=1e-3)
+    assert not without_velocities(Run.exact(MARCH, [1.0])).pose_velocities_at(1.0).any()
+
+
+def test_file_of_an_older_version_has_no_velocities_and_is_read():
+    old, run = load(members(pose_velocities=None)), a_run()
+    assert old.pose_velocities is None
+    assert old.poses.tobytes() == run.poses.tobytes()
+    times = np.linspace(0, 3, 40)
+    assert np.abs(old.poses_at(times) - run.poses_at(times)).max() < 0.01
 
 
 def test_poses_turn_the_shorter_way_between_frames():

@@ -33,7 +33,7 @@ FINE_STRIDE, FINE_ITERATIONS = 1 / 400, 60
 MAX_STRIDE, MIN_STRIDE = 0.1, 1e-5
 MAX_ITERATIONS = 100_000
 
-# s between recorded frames at 1 m/s; between them poses are interpolated to half a millimetre.
+# s between recorded frames at 1 m/s; between them poses are interpolated to a micrometre.
 FRAME_INTERVAL = 0.1
 # Substeps for which the head's exact poses are computed at once.
 BLOCK = 2048
@@ -125,6 +125,7 @@ def simulate(
         times=times,
         poses=poses,
         drift=_drift(march, times, poses),
+        pose_velocities=np.array(loop.velocities),
         joint_impulses=np.array(loop.joint_impulses),
         events=ContactLog(tuple(recorder.events)),
         first_contact=loop.first_contact,
@@ -151,6 +152,7 @@ class _Loop:
         self._stride = stride
         self.times = [float(start)]
         self.poses = [world.poses.copy()]
+        self.velocities = [world.velocities.copy()]
         self.joint_impulses = [world.joint_impulses]
         self.substeps = 0
         self.first_contact: Contact | None = None
@@ -176,7 +178,7 @@ class _Loop:
         if self.first_contact is not None:
             self.outcome = "contact"
         if self.first_contact is not None and self._contacts == "stop":
-            self._keep(self.first_contact.time, self._contact_poses)
+            self._keep(self.first_contact.time, *self._contact_motion)
         else:
             self._record()
         self.wall_seconds = perf_counter() - begin
@@ -212,30 +214,38 @@ class _Loop:
         world.space.step(world.substep)
         self.step_seconds += perf_counter() - begin
         recorder.check()
-        before = world.poses.copy() if recorder.begun else None
+        before = (world.poses.copy(), world.velocities.copy()) if recorder.begun else None
         world.read()
         if before is not None:
             if self.first_contact is None:
-                self._meet(before, (begin_time, self.time))
+                self._meet(*before, (begin_time, self.time))
             recorder.begun.clear()
 
-    def _meet(self, before: Array, times: tuple[float, float]) -> None:
-        """Find the first of the contacts that began in the last substep, and the poses at that moment."""
+    def _meet(self, before: Array, velocities: Array, times: tuple[float, float]) -> None:
+        """Find the first of the contacts that began in the last substep, and poses and velocities at that moment.
+
+        The velocities after the substep have the blow in them already. Those at the contact come from the velocities
+        before the substep and from the change of the poses, which knows nothing of the blow.
+        """
         dragon, after = self._world.march.dragon, self._world.poses
         touched = [refined_contact(dragon, pair, before, after, times) for pair in self._recorder.begun]
         self.first_contact = min(touched, key=lambda contact: contact.time)
         share = (self.first_contact.time - times[0]) / (times[1] - times[0])
-        self._contact_poses = interpolated(before, after, share)
+        poses = interpolated(before, after, share)
+        # The mean over the substep is the velocity at its middle.
+        mean = (interpolated(before, after, 1.0) - before) / (times[1] - times[0])
+        self._contact_motion = poses, velocities + 2 * share * (mean - velocities)
 
     def _record(self) -> None:
-        self._keep(self.time, self._world.poses.copy())
+        self._keep(self.time, self._world.poses.copy(), self._world.velocities.copy())
 
-    def _keep(self, time: float, poses: Array) -> None:
-        if not np.all(np.isfinite(poses)):
+    def _keep(self, time: float, poses: Array, velocities: Array) -> None:
+        if not np.all(np.isfinite(poses) & np.isfinite(velocities)):
             raise DragonError(f"the chain flew apart before t = {time:.6g} s; a smaller substep may hold it")
         if time > self.times[-1]:
             self.times.append(time)
             self.poses.append(poses)
+            self.velocities.append(velocities)
             self.joint_impulses.append(self._world.joint_impulses)
 
 

@@ -112,19 +112,8 @@ def _chunk(source: Source, times: Array, marks: tuple[Mark, ...]) -> Iterator[Mo
 
 
 def _velocities(run: Run, times: Array) -> Array:
-    """Velocities (T, N + 1, 2) of the handles from the frames around each of `times`."""
-    begin, end = window(run)
-    # A frame has no velocity of its own: it is taken over a frame's interval around the time.
-    half = (end - begin) / max(1, len(run.times) - 1) / 2
-    before, after = np.clip(times - half, begin, end), np.clip(times + half, begin, end)
-    passed = np.maximum(after - before, np.finfo(float).tiny)[:, None, None]
-    way = _handles(run, after) - _handles(run, before)
-    velocities: Array = way / passed
-    return velocities
-
-
-def _handles(run: Run, times: Array) -> Array:
-    front, rear = run.march.dragon.holes(run.poses_at(times))
+    """Velocities (T, N + 1, 2) of the benches' front holes and of the tail's rear hole."""
+    front, rear = run.march.dragon.hole_velocities(run.poses_at(times), run.pose_velocities_at(times))
     return np.concatenate([front, rear[:, -1:]], axis=1)
 
 

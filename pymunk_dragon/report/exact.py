@@ -34,16 +34,19 @@ def exact_impact(run: Run) -> Impact | None:
 def with_exact_contact(run: Run, impact: Impact | None) -> Run:
     """`run` as it is; but one of the exact player, who places benches and looks for nothing, with the exact contact.
 
-    The moment of the contact is a frame of it, since a picture between two frames would be off by millimetres.
+    The moment of the contact is a frame of it.
     """
     contact = impact.contact if impact is not None else None
     if run.provenance.get("player") != "exact" or contact is None:
         return run
     place = int(np.searchsorted(run.times, contact.time))
+    state = run.march.at([contact.time])
+    velocities = run.pose_velocities
     return replace(
         run,
         times=np.insert(run.times, place, contact.time),
-        poses=np.insert(run.poses, place, run.march.at([contact.time]).poses[0], axis=0),
+        poses=np.insert(run.poses, place, state.poses[0], axis=0),
+        pose_velocities=None if velocities is None else np.insert(velocities, place, state.pose_velocities[0], axis=0),
         drift=np.insert(run.drift, place, 0.0, axis=0),
         first_contact=contact,
         outcome="contact",
