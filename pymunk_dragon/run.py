@@ -163,7 +163,7 @@ class Run(Displayed):
         interval = self.times[after] - self.times[before]
         # Two frames may share a time: a contact that falls on a frame adds another.
         share = np.clip((t - self.times[before]) / np.where(interval > 0, interval, 1.0), 0.0, 1.0)
-        velocities = self._frame_velocities
+        velocities = self.frame_velocities
         return hermite(
             (self.poses[before], self.poses[after]),
             (velocities[before], velocities[after]),
@@ -172,8 +172,8 @@ class Run(Displayed):
         )
 
     @cached_property
-    def _frame_velocities(self) -> Array:
-        """The `pose_velocities`, or finite differences (F, N, 3) where they are unknown."""
+    def frame_velocities(self) -> Array:
+        """The `pose_velocities`; where they are unknown, those of `poses_at`, from finite differences: (F, N, 3)."""
         if self.pose_velocities is not None:
             return self.pose_velocities
         intervals = np.diff(self.times)

@@ -6,7 +6,7 @@ import json
 import re
 import zlib
 from base64 import b64decode, b64encode
-from dataclasses import replace
+from dataclasses import asdict, replace
 from hashlib import sha256
 from html.parser import HTMLParser
 from importlib import import_module
@@ -32,8 +32,8 @@ from pymunk_dragon.run import Run
 
 SMALL = March(Dragon(benches=16), turns=4)
 MARKUP = "</script><img src=http://127.0.0.1:9/x onerror=alert(1)><!--<script>{{style}}&amp;"
-# What a page may be, and how fine its places have to be: the near misses are 0.9 mm.
-MAX_PAGE, COARSEST = 4_000_000, 1e-4
+# Bytes of a page of the whole march.
+MAX_PAGE = 2_000_000
 COUNTS = 2**32
 
 
@@ -74,20 +74,20 @@ class Page(HTMLParser):
 
 
 def unpacked(shape, text):
-    """Places (F, H, 2) in m, one number after the other."""
+    """Vectors (F, H, 2) in m or m/s, one number after the other."""
     planes = zlib.decompress(b64decode(text))
     total = shape["frames"] * shape["points"] * 2
     assert len(planes) == 4 * total
     folded = [sum(planes[k * total + i] << (8 * k) for k in range(4)) for i in range(total)]
     places = np.empty((shape["points"], 2, shape["frames"]))
     for track in range(2 * shape["points"]):
-        count = step = turn = 0
+        sums = [0] * shape["order"]
         for frame in range(shape["frames"]):
             number = folded[track * shape["frames"] + frame]
-            turn += -(number + 1) // 2 if number % 2 else number // 2
-            step += turn
-            count += step
-            signed = (count + COUNTS // 2) % COUNTS - COUNTS // 2
+            change = -(number + 1) // 2 if number % 2 else number // 2
+            for k in range(shape["order"]):
+                change = sums[k] = sums[k] + change
+            signed = (change + COUNTS // 2) % COUNTS - COUNTS // 2
             places[track // 2, track % 2, frame] = shape["origin"][track % 2] + shape["step"] * signed
     return places.transpose(2, 0, 1)
 
@@ -130,7 +130,26 @@ def test_places_come_back_as_near_as_the_page_says(run, page):
     places = told_places(page)
     np.testing.assert_allclose(places[:, :-1], front, rtol=0, atol=0.501 * step)
     np.testing.assert_allclose(places[:, 1:], rear, rtol=0, atol=0.501 * step)
-    assert step <= COARSEST / 10
+    assert page.told["errors"][0] == pytest.approx(step / np.sqrt(2), rel=1e-6)
+    assert step == pytest.approx(0.2e-6)
+
+
+def test_velocities_come_back_so_near_that_nothing_between_frames_is_further_off_than_at_them(run, page):
+    exact = run.march.at(run.times).velocities
+    found, step = told_places(page, "velocities"), page.told["velocities"]["step"]
+    np.testing.assert_allclose(found, exact, rtol=0, atol=0.501 * step)
+    assert page.told["errors"][1] == pytest.approx(step / np.sqrt(2), rel=1e-6)
+    # A cubic over 0.1 s is off by at most a quarter of that times the error of its velocities.
+    assert 0.1 / 4 * step / 2 <= 0.51 * page.told["handles"]["step"]
+
+
+def test_velocities_that_a_run_does_not_know_come_from_its_frames(run, page):
+    unknown = replace(run, pose_velocities=None)
+    found = told_places(Page(player_page(unknown)), "velocities")
+    np.testing.assert_allclose(found, told_places(page, "velocities"), rtol=0, atol=1e-4)
+    alone = Run.exact(SMALL, [1.0])
+    assert told_places(Page(player_page(alone)), "velocities").shape == (1, 17, 2)
+    assert Page(player_page(replace(alone, pose_velocities=None))).told["velocities"] is None
 
 
 @given(
@@ -141,17 +160,17 @@ def test_places_come_back_as_near_as_the_page_says(run, page):
 )
 def test_any_jump_comes_back(places, offset):
     kept = packed(places + offset, 5e-6)
-    shape = {"frames": kept.frames, "points": kept.points, "origin": kept.origin, "step": kept.step}
+    shape = asdict(kept)
     # A double of 1e9 m is 1e-7 m wide.
     np.testing.assert_allclose(unpacked(shape, kept.text), places + offset, rtol=0, atol=0.501 * kept.step + 5e-7)
     reach = np.ptp(places, axis=(0, 1)).max()
     assert kept.step <= max(5e-6, reach / 2**31)
 
 
-def test_seeds_whole_run_fits_into_4_megabytes_finer_than_a_tenth_of_a_millimetre(seed_page):
-    assert len(seed_page.encode()) <= MAX_PAGE / 2
+def test_seeds_whole_run_fits_into_2_megabytes_finer_than_a_thousandth_of_a_millimetre(seed_page):
+    assert len(seed_page.encode()) <= MAX_PAGE
     told = Page(seed_page).told
-    assert told["handles"]["step"] == pytest.approx(5e-6)
+    assert told["handles"]["step"] == pytest.approx(0.2e-6)
     assert [len(told["times"]), told["handles"]["points"]] == [4125, 224]
 
 
@@ -159,10 +178,12 @@ def test_joints_that_gape_have_their_handle_in_the_middle(run):
     poses = run.poses.copy()
     poses[:, 3, 0] += 0.002
     front, rear = SMALL.dragon.holes(poses)
-    found = handles(replace(run, poses=poses))
+    found = handles(front, rear)
     np.testing.assert_allclose(found[:, 3], (rear[:, 2] + front[:, 3]) / 2)
     np.testing.assert_allclose(found[:, 0], front[:, 0])
     np.testing.assert_allclose(found[:, 16], rear[:, 15])
+    told = Page(player_page(replace(run, poses=poses))).told
+    assert told["errors"][0] == pytest.approx(0.001, rel=1e-3)
 
 
 def test_curve_is_nowhere_further_off_than_a_tenth_of_a_millimetre():
@@ -203,7 +224,7 @@ def test_markup_in_title_and_provenance_is_text(run, given_title):
     page = Page(player_page(odd, title=given_title))
     plain = Page(player_page(run))
     assert {tag for tag, _ in page.tags} == {tag for tag, _ in plain.tags}
-    assert [tag for tag, _ in page.tags if tag == "script"] == ["script"] * 4
+    assert [tag for tag, _ in page.tags if tag == "script"] == ["script"] * 5
     assert MARKUP in page.text
     assert page.blocks["script"] == plain.blocks["script"]
     if given_title:

@@ -24,8 +24,8 @@ from pymunk_dragon.run import Run
 pytestmark = [pytest.mark.thorough, needs_browser]
 
 LABEL = "</script><img src=http://127.0.0.1:9/picture onerror=alert(1)><script>alert(2)</script>"
-# Half a count of a place: 5 micrometres at the usual width, m.
-RESOLUTION = 0.501 * 5e-6
+# Half a count of a place, 0.2 micrometres at the usual width, and as much again between two frames, m.
+RESOLUTION = 1.002 * 0.2e-6
 CONTACT_TIME = 412.47383768
 
 # Canvas pixel under a point of the floor, as #rrggbb.
@@ -65,6 +65,12 @@ def addresses(seed, bumpy, tmp_path_factory):
     for name, run in {"seed": seed, "bumpy": bumpy}.items():
         write_player(run, folder / f"{name}.html")
     return {name: (folder / f"{name}.html").as_uri() for name in ("seed", "bumpy")}
+
+
+def in_millimetres(length):
+    """Three digits, and no more than three after the point."""
+    decimals = min(3, max(0, 2 - int(np.floor(np.log10(1000 * length)))))
+    return f"{1000 * length:.{decimals}f} mm"
 
 
 @pytest.fixture
@@ -109,7 +115,7 @@ def test_label_with_markup_is_shown_as_text(visit):
     with visit(name="bumpy") as found:
         found.page.click("#help")
         assert LABEL in shown(found.page, "about")
-        assert found.page.evaluate("[document.scripts.length, document.images.length]") == [4, 0]
+        assert found.page.evaluate("[document.scripts.length, document.images.length]") == [5, 0]
         assert found.boxes == []
 
 
@@ -322,8 +328,7 @@ def test_hover_tells_the_exact_models_numbers(visit, seed, bench):
         assert shown(page, "speed") == f"{states.speeds[0, bench]:.3f} m/s"
         degrees = f"{np.degrees(pose[2]):.1f}".replace("-", "−")
         assert shown(page, "angle") == f"{degrees}°"
-        digits = 1 if gaps[nearest] < 0.01 else 0
-        assert shown(page, "gap") == f"{1000 * gaps[nearest]:.{digits}f} mm to {nearest}"
+        assert shown(page, "gap") == f"{in_millimetres(gaps[nearest])} to {nearest}"
         numbers = ask(page, f"player.numbers({bench})")
         assert numbers["gap"] == pytest.approx(gaps[nearest], abs=4 * RESOLUTION)
         assert numbers["speed"] == pytest.approx(states.speeds[0, bench], abs=1e-4)
@@ -341,9 +346,48 @@ def test_frames_that_nearly_share_a_time_do_not_spoil_speeds(browser, tmp_path):
             assert speeds == pytest.approx(march.at([time]).speeds[0, [0, 7, 15]].tolist(), abs=1e-3)
 
 
-def test_between_frames_a_gap_is_told_no_closer_than_it_is_known(visit):
+def test_page_says_the_same_gap_of_a_near_miss_everywhere_though_it_lies_between_frames(visit, seed):
+    outlines = seed.march.dragon.outlines(seed.march.at([409.832]).poses[0])
+    assert in_millimetres(Polygon(outlines[0]).distance(Polygon(outlines[11]))) == "0.865 mm"
     with visit("#t=409.832") as found:
+        assert shown(found.page, "gap") == "0.865 mm to 11"
+        found.page.keyboard.press("n")
+        found.page.keyboard.press("p")
+        wait_until(found.page, "document.getElementById('said').textContent.includes('benches 0 and 11, 0.865 mm')")
+        assert shown(found.page, "gap") == "0.865 mm to 11"
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize(("opening", "told"), [(2e-6, "0.87 mm"), (5e-5, "0.9 mm"), (4e-4, "1 mm")])
+def test_gap_has_no_more_digits_than_the_joints_of_the_run_allow(browser, tmp_path, seed, opening, told):
+    poses = seed.poses.copy()
+    poses[:, 100, 0] += opening
+    write_player(replace(seed, poses=poses), tmp_path / "run.html")
+    with opened(browser, (tmp_path / "run.html").as_uri() + "#t=409.832") as found:
+        assert shown(found.page, "gap") == f"{told} to 11"
+
+
+def test_gap_between_frames_that_tell_too_little_has_no_digits_after_the_point(browser, tmp_path, seed_march):
+    write_player(Run.exact(seed_march, [409.8, 409.9]), tmp_path / "run.html")
+    with opened(browser, (tmp_path / "run.html").as_uri() + "#t=409.832") as found:
         assert shown(found.page, "gap") == "1 mm to 11"
+        ask(found.page, "player.seek(409.8)")
+        assert shown(found.page, "gap").startswith("0.")
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("interval", [0.1, 0.4, 1.0])
+def test_page_knows_how_far_off_it_is_between_frames(browser, tmp_path, interval, seed_march):
+    """The error that digits are cut by is no less than a third of the true one, and no more than ten times that."""
+    run = Run.exact(seed_march, np.arange(400.0, 412.0, interval))
+    write_player(run, tmp_path / "run.html")
+    times = run.times[3:8] + interval / 2
+    true = np.linalg.norm(run.poses_at(times)[..., :2] - seed_march.at(times).poses[..., :2], axis=-1)
+    with opened(browser, (tmp_path / "run.html").as_uri()) as found:
+        for time, off in zip(times.tolist(), true, strict=True):
+            blurs = ask(found.page, f"(player.seek({time!r}), [0, 1, 5, 50].map((b) => player.numbers(b).blur))")
+            for bench, blur in zip((0, 1, 5, 50), blurs, strict=True):
+                assert off[bench] / 3 < blur < 10 * (off[bench] + 0.5e-6)
 
 
 def test_bench_can_be_chosen_by_number(visit, seed):
@@ -596,7 +640,8 @@ def test_moment_can_be_saved_as_a_table(visit, seed):
     assert [int(row["handle"]) for row in rows] == list(range(224))
     assert {float(row["time_s"]) for row in rows} == {409.8}
     places = [(float(row["x_m"]), float(row["y_m"])) for row in rows]
-    np.testing.assert_allclose(places, states.positions[0], rtol=0, atol=2 * RESOLUTION)
+    # The table has whole micrometres.
+    np.testing.assert_allclose(places, states.positions[0], rtol=0, atol=0.5e-6 + RESOLUTION)
     np.testing.assert_allclose([float(row["speed_m_s"]) for row in rows], states.speeds[0], atol=2e-4)
 
 
@@ -658,7 +703,7 @@ def test_other_marches_are_shown_too(browser, tmp_path, march):
     times = np.linspace(-20, 20, 81) if march is U_TURN else np.linspace(0, march.end, 81)
     run = Run.exact(march, times)
     write_player(run, tmp_path / "run.html")
-    resolution = float(march.dragon.widths.min()) / 60_000
+    resolution = float(march.dragon.widths.min()) / 1_500_000
     with opened(browser, (tmp_path / "run.html").as_uri()) as found:
         for name in ("show-velocities", "show-grid", "show-labels", "show-handles"):
             found.page.check(f"#{name}")
@@ -672,12 +717,16 @@ def test_other_marches_are_shown_too(browser, tmp_path, march):
 
 
 def chain(dragon, frames, reach, seed=0):
-    """Poses of a chain of benches that jumps about."""
+    """Poses of a chain of benches that jumps about, and how fast they change."""
     random = np.random.default_rng(seed)
     angles = random.uniform(-np.pi, np.pi, (frames, dragon.benches))
     rods = dragon.spacings[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=-1)
     begin = random.uniform(-reach, reach, (frames, 1, 2))
-    return bench_poses(np.concatenate([begin, begin - np.cumsum(rods, axis=1)], axis=1))
+    spins = random.uniform(-1, 1, angles.shape)
+    turning = spins[..., None] * np.stack([-rods[..., 1], rods[..., 0]], axis=-1)
+    velocities = np.concatenate([0 * begin, -np.cumsum(turning, axis=1)], axis=1)
+    rates = np.concatenate([(velocities[:, :-1] + velocities[:, 1:]) / 2, spins[..., None]], axis=-1)
+    return bench_poses(np.concatenate([begin, begin - np.cumsum(rods, axis=1)], axis=1)), rates
 
 
 @pytest.mark.parametrize(
@@ -693,10 +742,10 @@ def chain(dragon, frames, reach, seed=0):
 )
 def test_odd_runs_are_shown_too(browser, tmp_path, benches, times, reach):
     march = March(Dragon(benches=benches), turns=60 if benches > 16 else 8)
-    poses = chain(march.dragon, len(times), reach)
-    run = Run(march=march, times=times, poses=poses, drift=np.zeros(poses.shape[:2]))
+    poses, rates = chain(march.dragon, len(times), reach)
+    run = Run(march=march, times=times, poses=poses, drift=np.zeros(poses.shape[:2]), pose_velocities=rates)
     write_player(run, tmp_path / "run.html")
-    resolution = max(RESOLUTION, 0.501 * 2 * (reach + 2 * benches) / 2**31)
+    resolution = max(RESOLUTION, 1.002 * 2 * (reach + 2 * benches) / 2**31)
     moments = [*run.times.tolist(), float(run.times[0] + run.times[-1]) / 2]
     with opened(browser, (tmp_path / "run.html").as_uri()) as found:
         for time in moments:

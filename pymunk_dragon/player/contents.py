@@ -1,4 +1,4 @@
-"""What the page knows of a run: sizes, places over time, and what happened."""
+"""What the page knows of a run: sizes, places and velocities over time, and what happened."""
 
 from __future__ import annotations
 
@@ -18,9 +18,12 @@ __all__ = ["PlayerData", "contact_windows", "curve_points", "handles", "player_d
 
 Array = NDArray[np.float64]
 
-# Share of a bench's width that one count of a place is: 5 micrometres at the contest's 0.3 m. Finer would be in vain,
-# since the engine's joints are up to 4 micrometres apart where a handle has one place.
-STEP = 1 / 60_000
+# Share of a bench's width that one count of a place is: 0.2 micrometres at the contest's 0.3 m. A gap between two
+# benches, which are off by up to 0.2 micrometres each, is then known to a thousandth of a millimetre.
+STEP = 1 / 1_500_000
+# Counts of a place per frame interval that one count of a velocity is. Rounding velocities then moves what is between
+# two frames by no more than rounding places does.
+VELOCITY_STEP = 4
 # Share of a bench's width that the drawn curve may be off between two of its points: 0.1 mm at the contest's.
 CURVE_ERROR = 1 / 3000
 # Points of the curve: so many to find out how it bends, and at most so many in the page.
@@ -34,13 +37,18 @@ class PlayerData:
     Attributes
     ----------
     told : dict
-        Everything but the places, as JSON values in m and s.
-    handles, curve : Packed
-        Places of the handles frame by frame, and points along the curve.
+        Everything else, as JSON values in m and s.
+    handles : Packed
+        Places of the handles frame by frame.
+    velocities : Packed or None
+        Their velocities; None where the run does not know them.
+    curve : Packed
+        Points along the curve.
     """
 
     told: dict[str, Any]
     handles: Packed
+    velocities: Packed | None
     curve: Packed
 
 
@@ -49,7 +57,8 @@ def player_data(run: Run, impact: Impact | None) -> PlayerData:
     dragon = run.march.dragon
     narrowest = float(dragon.widths.min())
     begin, end = float(run.times[0]), float(run.times[-1])
-    places = packed(handles(run), STEP * narrowest)
+    places, place_error = _handles(dragon.holes(run.poses), STEP * narrowest)
+    velocities, velocity_error = _velocities(run, places.step)
     curve = packed(curve_points(run.march, begin, end)[:, None], STEP * narrowest)
     # The exact model's near misses are none of a dragon that nobody kept on its path.
     on_path = run.provenance.get("guide") != "none"
@@ -61,15 +70,37 @@ def player_data(run: Run, impact: Impact | None) -> PlayerData:
         "near": [asdict(miss) for miss in misses if begin <= miss.time <= end],
         "windows": contact_windows(run),
         "handles": _shape(places),
+        "velocities": velocities and _shape(velocities),
+        "errors": [place_error, velocity_error],
         "curve": _shape(curve),
         "curve_error": CURVE_ERROR * narrowest,
     }
-    return PlayerData(told=told, handles=places, curve=curve)
+    return PlayerData(told=told, handles=places, velocities=velocities, curve=curve)
 
 
-def handles(run: Run) -> Array:
-    """Places (F, H, 2) of the handles in m; where two benches share a hole, midway between theirs."""
-    front, rear = run.march.dragon.holes(run.poses)
+def _velocities(run: Run, step: float) -> tuple[Packed | None, float]:
+    """Velocities of the handles for places that are packed in steps of `step` m, and their error in m/s."""
+    intervals = np.diff(run.times)
+    apart = intervals[intervals > 0]
+    if run.pose_velocities is None and not apart.size:
+        return None, 0.0
+    step *= VELOCITY_STEP / (float(np.median(apart)) if apart.size else 1.0)
+    return _handles(run.march.dragon.hole_velocities(run.poses, run.frame_velocities), step)
+
+
+def _handles(holes: tuple[Array, Array], step: float) -> tuple[Packed, float]:
+    """Vectors of the handles, packed, and how far they are at most from those of the holes."""
+    front, rear = holes
+    shared = handles(front, rear)
+    whole = packed(shared, step)
+    openings = (
+        np.linalg.norm(own - hole, axis=-1).max() for own, hole in ((shared[:, :-1], front), (shared[:, 1:], rear))
+    )
+    return whole, float(max(openings) + whole.step / np.sqrt(2))
+
+
+def handles(front: Array, rear: Array) -> Array:
+    """Vectors (F, H, 2) of the handles from those of all front and rear holes; their mean where benches share one."""
     shared = (rear[:, :-1] + front[:, 1:]) / 2
     return np.concatenate([front[:, :1], shared, rear[:, -1:]], axis=1)
 

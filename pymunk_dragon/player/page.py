@@ -105,6 +105,7 @@ def player_page(run: Run, *, title: str | None = None) -> str:
             "script": script,
             "told": _json(data.told),
             "handles": data.handles.text,
+            "velocities": data.velocities.text if data.velocities else "",
             "curve": data.curve.text,
         },
     )

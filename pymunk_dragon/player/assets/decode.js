@@ -10,31 +10,31 @@ async function inflated(base64) {
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
-// Places counted in steps from an origin: `counts` by frame, point and coordinate.
-async function unpacked({ frames, points, origin, step }, base64) {
+// Vectors counted in steps from an origin: `counts` by frame, point and component.
+async function unpacked({ frames, points, origin, step, order }, base64) {
   const bytes = await inflated(base64);
   const tracks = 2 * points;
   const total = frames * tracks;
   const counts = new Int32Array(total);
   for (let track = 0; track < tracks; track++) {
-    let third = 0, second = 0, first = 0;
+    // The differences of every order, the highest first, and the count itself at the end.
+    const sums = new Int32Array(order + 1);
     for (let frame = 0; frame < frames; frame++) {
       const i = track * frames + frame;
       const folded = bytes[i] | (bytes[total + i] << 8) | (bytes[2 * total + i] << 16) | (bytes[3 * total + i] << 24);
-      third = (third + ((folded >>> 1) ^ -(folded & 1))) | 0;
-      second = (second + third) | 0;
-      first = (first + second) | 0;
-      counts[frame * tracks + track] = first;
+      sums[0] = (folded >>> 1) ^ -(folded & 1);
+      for (let k = 1; k <= order; k++) sums[k] += sums[k - 1];
+      counts[frame * tracks + track] = sums[order];
     }
   }
   return { frames, points, origin, step, counts };
 }
 
-// Where each of the points is in a frame: x and y in turn, in m.
-function placesIn(packed, frame) {
+// The vectors of all points in a frame: x and y in turn, in m or m/s.
+function vectorsIn(packed, frame) {
   const { points, origin, step, counts } = packed;
-  const places = new Float64Array(2 * points);
+  const vectors = new Float64Array(2 * points);
   const begin = frame * 2 * points;
-  for (let i = 0; i < places.length; i++) places[i] = origin[i & 1] + step * counts[begin + i];
-  return places;
+  for (let i = 0; i < vectors.length; i++) vectors[i] = origin[i & 1] + step * counts[begin + i];
+  return vectors;
 }

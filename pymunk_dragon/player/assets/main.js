@@ -3,13 +3,13 @@
 async function started() {
   try {
     const told = JSON.parse(block("told"));
-    const [packed, curve] = await Promise.all([
-      unpacked(told.handles, block("handles-packed")), unpacked(told.curve, block("curve-packed")),
-    ]);
-    const player = new Player(told, packed, curve);
+    const [packed, velocities, curve] = await Promise.all(["handles", "velocities", "curve"].map(
+      (name) => told[name] && unpacked(told[name], block(`${name}-packed`))));
+    const player = new Player(told, packed, velocities, curve);
     if (!told.grid) element("show-grid").closest("label").hidden = true;
-    element("precision").textContent = `Places are kept to ${Number((5e5 * packed.step).toPrecision(2))} μm`
-      + ` in ${packed.frames} frames; between two frames, benches go straight.`;
+    element("precision").textContent = `Places are kept to ${Number((1e6 * told.errors[0]).toPrecision(2))} μm`
+      + ` in ${packed.frames} frames; between two frames, benches move on cubic polynomials of time that have the places`
+      + " and velocities of both. No number has more digits than that allows.";
     connect(player);
     player.readLink();
     player.draw();
@@ -35,7 +35,7 @@ function offered(player) {
     // Pixels of the canvas at a point of the floor.
     pixel: (x, y) => view.toScreen(x, y),
     // Places of the handles in a frame, x and y in turn.
-    handles: (frame) => Array.from(placesIn(player.motion.packed, frame)),
+    handles: (frame) => Array.from(vectorsIn(player.motion.packed, frame)),
     // Poses [x, y, angle] of the benches at a time.
     poses: (time) => {
       const { x, y, angle } = motion.posesAt(time);

@@ -23,9 +23,9 @@ function drawHandles(painter, benches, seen) {
   context.stroke(path);
 }
 
-function drawVelocities(painter, time, benches, seen) {
+function drawVelocities(painter, benches, seen) {
   const { context, colours, motion, view } = painter;
-  const velocities = motion.velocitiesAt(time);
+  const velocities = motion.velocitiesOf(benches.poses);
   if (!velocities) return;
   const shafts = new Path2D(), heads = new Path2D();
   for (const handle of new Set(seen.flatMap((i) => [i, i + 1]))) {

@@ -1,21 +1,42 @@
 // Where the benches are at any time, how fast the handles are, and who touches whom.
 
 const TURN = 2 * Math.PI;
-// Frames that a speed is worked out from. Four give the seed's to 0.1 mm/s, and at its two ends to 0.3 mm/s, which is the
-// rounding of places.
-const SPEED_FRAMES = 4;
 // Seconds by which a contact is taken to begin early: a link's time is rounded, and has to show the contact's moment.
 const EARLY = 1e-6;
-// Frames whose poses are kept: slow motion asks for the same two again and again.
-const KEPT_FRAMES = 4;
+// Frames whose poses are kept: slow motion needs the two about a time, and their neighbours, again and again.
+const KEPT_FRAMES = 8;
+
+// An angle from -pi to pi.
+const turned = (angle) => angle - TURN * Math.floor((angle + Math.PI) / TURN);
+
+// Pose of bench `i`, and how fast it changes, on the cubic polynomial between two motions that are `interval` s apart;
+// a bench turns the shorter way round.
+function hermite(one, two, interval, share, i) {
+  const left = 1 - share;
+  const value = (from, step, v0, v1) =>
+    from + share * share * (3 - 2 * share) * step + interval * share * left * (left * v0 - share * v1);
+  const rate = (step, v0, v1) =>
+    6 * share * left * step / (interval || 1) + left * (1 - 3 * share) * v0 + share * (3 * share - 2) * v1;
+  const dx = two.x[i] - one.x[i], dy = two.y[i] - one.y[i], turn = turned(two.angle[i] - one.angle[i]);
+  return {
+    x: value(one.x[i], dx, one.vx[i], two.vx[i]),
+    y: value(one.y[i], dy, one.vy[i], two.vy[i]),
+    angle: value(one.angle[i], turn, one.spin[i], two.spin[i]),
+    vx: rate(dx, one.vx[i], two.vx[i]),
+    vy: rate(dy, one.vy[i], two.vy[i]),
+    spin: rate(turn, one.spin[i], two.spin[i]),
+  };
+}
 
 class Motion {
-  constructor(told, packed) {
+  constructor(told, packed, velocities) {
     const { benches, head_spacing, body_spacing, overhang, width } = told.dragon;
     this.times = Float64Array.from(told.times);
     this.begin = this.times[0];
     this.end = this.times.at(-1);
     this.packed = packed;
+    this.velocities = velocities;
+    [this.placeError, this.velocityError] = told.errors;
     this.benches = benches;
     // A size is one number for all benches, or one for each.
     const each = (sizes) => Float64Array.from({ length: benches }, (_, i) => Array.isArray(sizes) ? sizes[i] : sizes);
@@ -26,8 +47,6 @@ class Motion {
     const overhangs = each(overhang);
     this.lengths = this.spacings.map((spacing, i) => spacing + 2 * overhangs[i]);
     this.windows = told.windows;
-    const steps = Array.from(this.times.subarray(1), (time, i) => time - this.times[i]).filter((step) => step > 0);
-    this.interval = steps.sort((a, b) => a - b)[steps.length >> 1] ?? 0;
     this.kept = new Map();
   }
 
@@ -42,63 +61,75 @@ class Motion {
     return low;
   }
 
-  // Poses of one frame: a bench's centre is midway between its holes, and it points from the rear one to the front one.
-  framePoses(frame) {
+  // Poses of one frame, and how fast they change: a bench's centre is midway between its holes, and it points from the
+  // rear one to the front one.
+  frameMotion(frame) {
     const known = this.kept.get(frame);
     if (known) return known;
-    const places = placesIn(this.packed, frame);
-    const poses = { x: [], y: [], angle: [] };
+    const places = vectorsIn(this.packed, frame);
+    const velocities = this.velocities ? vectorsIn(this.velocities, frame) : new Float64Array(places.length);
+    const motion = { x: [], y: [], angle: [], vx: [], vy: [], spin: [] };
     for (let i = 0; i < this.benches; i++) {
-      const frontX = places[2 * i], frontY = places[2 * i + 1], rearX = places[2 * i + 2], rearY = places[2 * i + 3];
-      poses.x.push((frontX + rearX) / 2);
-      poses.y.push((frontY + rearY) / 2);
-      poses.angle.push(Math.atan2(frontY - rearY, frontX - rearX));
+      const [frontX, frontY, rearX, rearY] = places.subarray(2 * i, 2 * i + 4);
+      const [frontVx, frontVy, rearVx, rearVy] = velocities.subarray(2 * i, 2 * i + 4);
+      const alongX = frontX - rearX, alongY = frontY - rearY;
+      motion.x.push((frontX + rearX) / 2);
+      motion.y.push((frontY + rearY) / 2);
+      motion.angle.push(Math.atan2(alongY, alongX));
+      motion.vx.push((frontVx + rearVx) / 2);
+      motion.vy.push((frontVy + rearVy) / 2);
+      motion.spin.push((alongX * (frontVy - rearVy) - alongY * (frontVx - rearVx)) / (alongX ** 2 + alongY ** 2));
     }
     if (this.kept.size >= KEPT_FRAMES) this.kept.clear();
-    this.kept.set(frame, poses);
-    return poses;
+    this.kept.set(frame, motion);
+    return motion;
   }
 
-  // The two frames about a time, and which share of the way from one to the other it is.
+  // The two frames about a time, the seconds between them, and the share of these that has passed.
   between(time) {
     const last = this.times.length - 1;
     const after = Math.min(Math.max(this.frameFrom(time), Math.min(1, last)), last);
     const before = Math.max(after - 1, 0);
-    const span = this.times[after] - this.times[before];
-    return { before, after, share: Math.min(Math.max((time - this.times[before]) / (span > 0 ? span : 1), 0), 1) };
+    const interval = this.times[after] - this.times[before];
+    const share = Math.min(Math.max((time - this.times[before]) / (interval || 1), 0), 1);
+    return { before, after, interval, share };
   }
 
-  // About how far a bench is from its true place, m, because it goes straight between two frames: the way of a bent
-  // path from its chord, as four frames tell it that are taken to be evenly apart.
+  // About how far any point of a bench is from where the run has it, m: errors of the packed places and velocities, and
+  // of the cubic between two frames. Its error is as the fourth derivative, which the cubic over two intervals tells
+  // where it misses the frame in its middle. Infinity where no frame is in a middle.
   blurAt(time, bench) {
-    const { before, share } = this.between(time);
-    if (share === 0 || share === 1) return 0;
-    if (this.times.length < 4) return Infinity;
-    const first = Math.max(Math.min(before - 1, this.times.length - 4), 0);
-    const { points, step, counts } = this.packed;
-    const bends = [0, 1].map((axis) => [1, -1, -1, 1].reduce((sum, sign, k) =>
-      sum + sign * counts[2 * ((first + k) * points + bench) + axis], 0));
-    return share * (1 - share) / 4 * step * Math.hypot(...bends);
+    const { before, after, interval, share } = this.between(time);
+    const known = this.placeError * this.lengths[bench] / this.spacings[bench];
+    if (share === 0 || share === 1) return known;
+    const weight = share * (1 - share);
+    const fourth = Math.max(...[before, after].map((frame) => this.fourthDerivative(frame, bench)));
+    const cubic = fourth < 0 ? Infinity : weight ** 2 * interval ** 4 * fourth;
+    return known + weight * interval * this.velocityError + cubic;
   }
 
-  // Poses at any time: between frames, centres go straight and benches turn evenly, the shorter way round.
+  // A 24th of the fourth derivative of a bench's motion at a frame, m/s^4; -1 where it is not known.
+  fourthDerivative(frame, bench) {
+    const one = this.times[frame] - this.times[frame - 1], two = this.times[frame + 1] - this.times[frame];
+    if (!(one > 0 && two > 0)) return -1;
+    const here = this.frameMotion(frame);
+    const cubic = hermite(this.frameMotion(frame - 1), this.frameMotion(frame + 1), one + two, one / (one + two), bench);
+    const off = Math.hypot(cubic.x - here.x[bench], cubic.y - here.y[bench])
+      + Math.abs(turned(cubic.angle - here.angle[bench])) * this.lengths[bench] / 2;
+    return off / (one * two) ** 2;
+  }
+
+  // Poses at any time, and how fast they change: between frames, cubic Hermite polynomials, as in `Run.poses_at`.
   posesAt(time) {
-    const { before, after, share } = this.between(time);
-    const one = this.framePoses(before), two = this.framePoses(after);
-    const n = this.benches;
-    const poses = {
-      x: new Float64Array(n), y: new Float64Array(n), angle: new Float64Array(n),
-      cos: new Float64Array(n), sin: new Float64Array(n),
-    };
-    for (let i = 0; i < n; i++) {
-      let turn = two.angle[i] - one.angle[i];
-      turn -= TURN * Math.floor((turn + Math.PI) / TURN);
-      poses.x[i] = one.x[i] + share * (two.x[i] - one.x[i]);
-      poses.y[i] = one.y[i] + share * (two.y[i] - one.y[i]);
-      const angle = one.angle[i] + share * turn;
-      poses.angle[i] = angle;
-      poses.cos[i] = Math.cos(angle);
-      poses.sin[i] = Math.sin(angle);
+    const { before, after, interval, share } = this.between(time);
+    const one = this.frameMotion(before), two = this.frameMotion(after);
+    const poses = Object.fromEntries(
+      ["x", "y", "angle", "vx", "vy", "spin", "cos", "sin"].map((name) => [name, new Float64Array(this.benches)]));
+    for (let i = 0; i < this.benches; i++) {
+      const found = hermite(one, two, interval, share, i);
+      for (const name in found) poses[name][i] = found[name];
+      poses.cos[i] = Math.cos(found.angle);
+      poses.sin[i] = Math.sin(found.angle);
     }
     return poses;
   }
@@ -114,42 +145,14 @@ class Motion {
     return places;
   }
 
-  // Velocities of the handles, [x, y] each in m/s: those of the polynomial through the frames about `time`. None where
-  // the run has but one moment.
-  velocitiesAt(time) {
-    const frames = this.framesAbout(time);
-    if (frames.length < 2) return null;
-    const at = frames.map((frame) => this.times[frame]);
-    const weights = at.map((own, j) => {
-      let weight = 0;
-      for (let m = 0; m < at.length; m++) {
-        if (m === j) continue;
-        let product = 1 / (own - at[m]);
-        for (let l = 0; l < at.length; l++) if (l !== j && l !== m) product *= (time - at[l]) / (own - at[l]);
-        weight += product;
-      }
-      return weight;
+  // Velocities of the same holes, [x, y] each in m/s. None where the run does not know them.
+  velocitiesOf(poses) {
+    if (!this.velocities) return null;
+    return Array.from({ length: this.benches + 1 }, (_, i) => {
+      const bench = Math.min(i, this.benches - 1);
+      const half = (i < this.benches ? 1 : -1) * poses.spin[bench] * this.spacings[bench] / 2;
+      return [poses.vx[bench] - half * poses.sin[bench], poses.vy[bench] + half * poses.cos[bench]];
     });
-    const { points, step, counts } = this.packed;
-    return Array.from({ length: points }, (_, i) =>
-      [0, 1].map((axis) => step * weights.reduce(
-        (sum, weight, j) => sum + weight * counts[2 * (frames[j] * points + i) + axis], 0)));
-  }
-
-  // The frames nearest to `time`. Of two that nearly share a time, as a contact's and the one before may, only one is
-  // taken: over so short a time rounding is faster than any bench.
-  framesAbout(time) {
-    const least = this.interval / 2;
-    const last = this.times.length - 1;
-    let right = this.frameFrom(time), left = right - 1;
-    const chosen = [];
-    while (chosen.length < SPEED_FRAMES && (left >= 0 || right <= last)) {
-      const rightIsNearer = left < 0 || (right <= last && this.times[right] - time < time - this.times[left]);
-      const next = rightIsNearer ? right++ : left--;
-      if (chosen.every((frame) => Math.abs(this.times[frame] - this.times[next]) >= least && frame !== next
-        && this.times[frame] !== this.times[next])) chosen.push(next);
-    }
-    return chosen;
   }
 
   // Windows in which two benches touch at `time`.

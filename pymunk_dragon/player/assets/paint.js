@@ -60,7 +60,7 @@ class Painter {
     this.drawBenches(benches, seen, red);
     if (pointed !== null) this.drawPointed(benches, pointed, red);
     if (show.handles) drawHandles(this, benches, seen);
-    if (show.velocities) drawVelocities(this, time, benches, seen);
+    if (show.velocities) drawVelocities(this, benches, seen);
     if (show.labels) drawNumbers(this, benches, seen, red);
     if (show.grid && this.told.grid) drawGridNames(this);
     if (show.contacts) drawContacts(this, time, benches, touching);

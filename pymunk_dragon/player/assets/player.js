@@ -18,8 +18,8 @@ function write(id, text) {
 }
 
 class Player {
-  constructor(told, packed, curve) {
-    this.motion = new Motion(told, packed);
+  constructor(told, packed, velocities, curve) {
+    this.motion = new Motion(told, packed, velocities);
     this.view = new View(this.motion);
     this.painter = new Painter(element("field"), this.motion, this.view, told, curve);
     this.events = eventsOf(told);

@@ -1,15 +1,16 @@
 // The run as a CSV table, as `pymunk-dragon positions` writes it: a row for each handle at each time.
 
-// Digits after the point of a speed, which is known to some 0.1 mm/s.
+// Digits after the point of a speed, which is known to some 0.01 mm/s.
 const SPEED_DIGITS = 4;
 const HEADS = "time_s,handle,x_m,y_m,speed_m_s\n";
 
 function tableOf(motion, times) {
   const parts = [HEADS];
-  const digits = Math.max(0, Math.ceil(-Math.log10(motion.packed.step)));
   for (const time of times) {
-    const handles = motion.handlesOf(motion.posesAt(time));
-    const velocities = motion.velocitiesAt(time);
+    const poses = motion.posesAt(time);
+    const handles = motion.handlesOf(poses);
+    const velocities = motion.velocitiesOf(poses);
+    const digits = decimals(Math.max(...handles.map((_, i) => motion.blurAt(time, Math.min(i, motion.benches - 1)))));
     parts.push(handles.map(([x, y], i) => {
       const speed = velocities ? Math.hypot(...velocities[i]).toFixed(SPEED_DIGITS) : "";
       return `${time},${i},${x.toFixed(digits)},${y.toFixed(digits)},${speed}\n`;

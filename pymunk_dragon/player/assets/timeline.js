@@ -7,7 +7,7 @@ function eventsOf(told) {
   const name = ([i, j]) => `benches ${i} and ${j}`;
   const near = told.near.map(({ time, benches, gap }) => ({
     time, end: time, kind: "near",
-    words: `Near miss: ${name(benches)}, ${(1000 * gap).toPrecision(3)} mm`,
+    words: `Near miss: ${name(benches)}, ${inLength(gap, 0)}`,
   }));
   const contacts = told.windows.map(({ begin, end, benches }) => ({
     time: begin, end: end ?? told.times.at(-1), kind: "contact",
