@@ -121,7 +121,7 @@ lint: $(VENV)/tools ## style, types, and which room imports which
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-BENCHMARKS := engine drift film collision march answers debug_draw lessons
+BENCHMARKS := engine drift pile_up film collision march answers debug_draw lessons
 bench: $(VENV)/tools renders/march.npz ## measure the figures that README quotes
 	set -e; for name in $(BENCHMARKS); do $(BIN)/python tests/bench/bench_$$name.py; done
 	$(BIN)/python tests/bench/bench_player.py renders/march.npz

@@ -333,6 +333,76 @@ def test_neighbours_and_events_are_ordered(reported):
     assert all(len(event.points) in (1, 2) for event in reported.events if event.phase != "separate")
 
 
+# m: how far the holes of a joint may be apart, and benches may be inside each other, where contacts are resolved.
+PILE_UP = 1e-3
+
+
+def assert_piles_up(run, march):
+    """Joint gaps and depths in every frame after the first contact, from the definition and by Shapely."""
+    after = run.times >= run.first_contact.time
+    front, rear = march.dragon.holes(run.poses[after])
+    assert np.linalg.norm(front[:, 1:] - rear[:, :-1], axis=-1).max() <= PILE_UP
+    touched = {event.benches for event in run.events}
+    assert max(event.depth for event in run.events.of("pre_solve")) <= PILE_UP
+    for poses in run.poses[after][::50]:
+        outlines = [shapely.Polygon(corners) for corners in march.dragon.outlines(poses)]
+        pairs = shapely.STRtree(outlines).query(outlines, predicate="intersects").T
+        assert {(int(i), int(j)) for i, j in pairs if i + 1 < j} <= touched
+        for i, j in touched:
+            common = outlines[i].intersection(outlines[j])
+            # A corner inside the other bench is no wider than deep, twice over.
+            assert common.area <= PILE_UP * 2 * np.sqrt(2) * max(common.length, PILE_UP)
+
+
+def test_head_is_stopped_by_what_it_runs_into(seed_march):
+    run = simulate(seed_march, start=412.3, until=413.3, contacts="resolve", frame_interval=0.005)
+    assert run.first_contact.benches == (0, 8)
+    assert_piles_up(run, seed_march)
+    speeds = np.linalg.norm(run.pose_velocities[..., :2], axis=-1)
+    assert speeds[0].min() > 0.7
+    assert speeds[-1].max() < 0.05
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("head_force", [None, 1000.0])
+def test_dragon_comes_to_rest_in_the_pile_up(seed_march, head_force):
+    run = simulate(
+        seed_march, start=411.5, until=422.5, contacts="resolve", frame_interval=0.005, head_force=head_force
+    )
+    assert_piles_up(run, seed_march)
+    # The motor still pushes, and the head slips by a tenth of a millimetre now and then.
+    assert np.linalg.norm(run.pose_velocities[-200:, :, :2], axis=-1).max() < 0.05
+    moved = np.linalg.norm(run.poses[-1, :, :2] - run.poses_at(417.5)[0, :, :2], axis=-1)
+    assert moved.max() < 0.002
+
+
+def test_head_with_a_motor_keeps_to_the_model_until_it_touches(seed_march):
+    run = simulate(seed_march, start=405.0, until=408.0, contacts="resolve")
+    assert run.max_drift < 5e-6
+    turning = simulate(March(Dragon(benches=3)), start=0.0, until=60.0, contacts="resolve", substep=0.02)
+    assert turning.max_drift < 1e-4
+
+
+def test_unguided_head_with_a_motor_can_pull_the_whole_dragon(seed_march):
+    run = simulate(seed_march, guide="none", contacts="resolve", until=3.0)
+    free = simulate(seed_march, guide="none", until=3.0)
+    assert np.linalg.norm(run.poses[-1, 0, :2] - free.poses[-1, 0, :2]) < 1e-3
+    assert run.provenance["head_force"] == pytest.approx(2 * 11.5 * 500 * 0.04 * 0.3 * (3.41 + 222 * 2.2))
+
+
+def test_weak_motor_leaves_the_head_where_it_is(seed_march):
+    run = simulate(seed_march, start=400.0, until=402.0, contacts="resolve", head_force=20.0)
+    assert np.linalg.norm(run.poses[-1, 0, :2] - run.poses[0, 0, :2]) < 0.5
+    assert run.outcome == "clear"
+
+
+def test_force_of_the_head_belongs_to_resolved_contacts(seed_march):
+    with pytest.raises(ParameterError) as caught:
+        simulate(seed_march, until=1.0, head_force=500.0)
+    assert_says(caught.value, "head_force", "resolved")
+    assert "head_force" not in simulate(seed_march, until=0.1).provenance
+
+
 def test_resolve_lets_the_engine_push_the_benches_apart(seed_march):
     settings = {"start": 412.2, "until": 413.0}
     pushed = simulate(seed_march, contacts="resolve", **settings)
@@ -421,7 +491,7 @@ def test_progress_tells_the_simulated_time_and_the_last_one(seed_march):
 # None asks for the default, and a run may start at 0 s or before.
 NO_SETTINGS = [
     pytest.param(name, value, id=f"{name}-{i}")
-    for name in ("start", "until", "substep", "iterations", "frame_interval")
+    for name in ("start", "until", "substep", "iterations", "frame_interval", "head_force")
     for i, value in enumerate(NO_NUMBERS)
     if value is not None and not (name == "start" and isinstance(value, int) and value in (0, -1))
 ]
@@ -429,7 +499,7 @@ NO_SETTINGS = [
 
 @pytest.mark.parametrize(("name", "value"), NO_SETTINGS)
 def test_every_setting_refuses_what_it_cannot_be(seed_march, name, value):
-    settings = {"until": 1.0, name: value}
+    settings = {"until": 1.0, name: value} | ({"contacts": "resolve"} if name == "head_force" else {})
     with pytest.raises(ParameterError) as caught:
         simulate(seed_march, **settings)
     assert caught.value.name == name

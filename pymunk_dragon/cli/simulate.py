@@ -31,7 +31,18 @@ __all__ = ["played", "simulate"]
 @click.option(
     "--contacts", default="stop", metavar="NAME", help="At the first contact: stop, report or resolve.  [stop]"
 )
-@click.option("--substep", type=float, metavar="T", help="s.  [the time in which the head goes 10 mm]")
+@click.option(
+    "--head-force",
+    type=float,
+    metavar="F",
+    help="Largest force on the head where contacts are resolved, N.  [twice the ground drag on what the head pulls]",
+)
+@click.option(
+    "--substep",
+    type=float,
+    metavar="T",
+    help="s.  [the time in which the head goes 10 mm, or 5 mm where contacts are resolved]",
+)
 @click.option("--iterations", type=int, metavar="N", help="Solver iterations in a substep.  [60]")
 @click.option("--fine", is_flag=True, help="A quarter of the usual substep.")
 @click.option("--frame-interval", type=float, metavar="T", help="s between frames.  [until the head goes 0.1 m]")

@@ -18,7 +18,7 @@ from pymunk_dragon.march import March, States, last_time
 from pymunk_dragon.physics.callbacks import Contacts, Recorder
 from pymunk_dragon.physics.rails import Guide, make_guide
 from pymunk_dragon.physics.refine import refined_contact
-from pymunk_dragon.physics.world import World
+from pymunk_dragon.physics.world import DRAG, World, bench_mass
 from pymunk_dragon.run import Outcome, Run, versions
 
 __all__ = ["FINE_ITERATIONS", "FINE_STRIDE", "ITERATIONS", "STRIDE", "simulate", "top_speed"]
@@ -29,6 +29,14 @@ Array = NDArray[np.float64]
 # that they were chosen from; the fine ones are for a contact time that is right to a millisecond.
 STRIDE, ITERATIONS = 1 / 100, 60
 FINE_STRIDE, FINE_ITERATIONS = 1 / 400, 60
+# Metres in one substep where contacts are resolved. README has the table of joint gaps and depths.
+RESOLVE_STRIDE = 1 / 200
+# Largest force of the head's motor, in units of the ground drag on what the head has to pull.
+HEAD_FORCE = 2.0
+# Where contacts are resolved: the distance from its exact pose at which the head counts as held up, in widths (1 mm for
+# the contest's benches), and how much of its speed the march then loses, and regains afterwards, per metre at full
+# speed. At 1 m/s the dancers brake at 20 m/s^2, with at most 0.26 kN each.
+LAG, BRAKING, RESUMING = 1 / 300, 20.0, 2.0
 # Far outside what makes sense: substeps that skip over a bench, and ones that would take days.
 MAX_STRIDE, MIN_STRIDE = 0.1, 1e-5
 MAX_ITERATIONS = 100_000
@@ -37,6 +45,8 @@ MAX_ITERATIONS = 100_000
 FRAME_INTERVAL = 0.1
 # Substeps for which the head's exact poses are computed at once.
 BLOCK = 2048
+# N: the weight of a hundred thousand tonnes, which no head needs.
+MAX_FORCE = 1e9
 # Times further than this from any march, s, lose their milliseconds to rounding.
 MAX_TIME = 1e9
 
@@ -51,6 +61,7 @@ def simulate(
     substep: float | None = None,
     iterations: int = ITERATIONS,
     frame_interval: float | None = None,
+    head_force: float | None = None,
     on_event: Callable[[ContactEvent], None] | None = None,
     progress: Callable[[float, float], None] | None = None,
 ) -> Run:
@@ -64,15 +75,19 @@ def simulate(
         Whether dancers keep every hole on the curve, or the head only pulls.
     contacts : {"stop", "report", "resolve"}
         At the first contact of benches that are not neighbours: end the run, play on and only record, or play on and
-        let the engine push the benches apart.
+        let the engine push the benches apart. Resolved, the head is pulled along the march by a motor of finite force,
+        and the dancers stop where the head cannot go on.
     start, until : float
         Simulated times, s. Without `until` the run goes on to the end of the curve, if nothing stops it.
     substep : float, optional
-        s; by default the time in which the head goes 10 mm.
+        s; by default the time in which the head goes 10 mm, or 5 mm where contacts are resolved.
     iterations : int
         Solver iterations per substep.
     frame_interval : float, optional
         s between recorded frames, rounded to whole substeps; by default the time in which the head goes 0.1 m.
+    head_force : float, optional
+        Largest force of the head's motor, N, where contacts are resolved. By default twice the ground drag on what the
+        head pulls: on itself where dancers walk (0.47 kN for the contest's at 1 m/s), on all benches without a guide.
     on_event : callable, optional
         Called with each `ContactEvent`; what it raises is raised from here after the substep.
     progress : callable, optional
@@ -96,14 +111,27 @@ def simulate(
         until = last_time(march, finite("start", start, -MAX_TIME, MAX_TIME, "s"))
     _check(contacts, start, until, iterations)
     fastest = top_speed(march, start, until)
-    substep = STRIDE / fastest if substep is None else substep
+    stride = RESOLVE_STRIDE if contacts == "resolve" else STRIDE
+    substep = stride / fastest if substep is None else substep
     frame_interval = FRAME_INTERVAL / fastest if frame_interval is None else frame_interval
     finite("substep", substep, MIN_STRIDE / fastest, MAX_STRIDE / fastest, "s")
     positive("frame_interval", frame_interval, MAX_TIME, "s")
+    if contacts == "resolve":
+        head_force = _head_force(march, guide, fastest, head_force)
+    elif head_force is not None:
+        raise ParameterError("head_force", head_force, "absent unless contacts are resolved")
     joiner = make_guide(guide, march, start=start, substep=substep, top_speed=fastest)
-    world = World(march, joiner, start=start, substep=substep, iterations=iterations, top_speed=fastest)
+    world = World(
+        march,
+        joiner,
+        start=start,
+        substep=substep,
+        iterations=iterations,
+        top_speed=fastest,
+        head_force=head_force,
+    )
     recorder = Recorder(world.space, world.bodies, world.shapes, resolve=contacts != "report", on_event=on_event)
-    loop = _Loop(world, recorder, contacts, start, max(1, round(frame_interval / substep)))
+    loop = _Loop(world, recorder, contacts, start, fastest, max(1, round(frame_interval / substep)))
     try:
         loop.play(until, progress)
     finally:
@@ -119,6 +147,8 @@ def simulate(
         "substeps": loop.substeps,
         "versions": versions(),
     }
+    if head_force is not None:
+        settings["head_force"] = head_force
     times, poses = np.array(loop.times), np.array(loop.poses)
     return Run(
         march=march,
@@ -135,6 +165,16 @@ def simulate(
     )
 
 
+def _head_force(march: March, guide: Guide, fastest: float, given: float | None) -> float:
+    """Largest force of the head's motor, N: the given one, or what the head needs and as much again."""
+    if given is not None:
+        return positive("head_force", given, MAX_FORCE, "N")
+    dragon = march.dragon
+    pulled = slice(1 if guide == "rails" else None)
+    sizes = zip(dragon.lengths[pulled].tolist(), dragon.widths[pulled].tolist(), strict=True)
+    return HEAD_FORCE * DRAG * fastest**2 * sum(bench_mass(*size) for size in sizes)
+
+
 def top_speed(march: March, start: float, until: float | None) -> float:
     """The highest speed of the head between two times, or until it comes to the end of the curve, m/s."""
     end = march.end
@@ -144,11 +184,14 @@ def top_speed(march: March, start: float, until: float | None) -> float:
 class _Loop:
     """Steps a world and keeps what a run is made of."""
 
-    def __init__(self, world: World, recorder: Recorder, contacts: Contacts, start: float, stride: int) -> None:
+    def __init__(
+        self, world: World, recorder: Recorder, contacts: Contacts, start: float, top_speed: float, stride: int
+    ) -> None:
         self._world = world
         self._recorder = recorder
         self._contacts = contacts
         self._start = start
+        self._top_speed = top_speed
         self._stride = stride
         self.times = [float(start)]
         self.poses = [world.poses.copy()]
@@ -167,7 +210,8 @@ class _Loop:
         begin = perf_counter()
         # A chain that flies apart is found by `_keep`, in the next frame; until then NumPy need not warn of it.
         with np.errstate(all="ignore"):
-            for pose, velocity, hinge_velocity in self._head_track(total):
+            track = self._waiting_track(total) if self._contacts == "resolve" else self._head_track(total)
+            for pose, velocity, hinge_velocity in track:
                 self._substep(pose, velocity, hinge_velocity)
                 if self.first_contact is not None and self._contacts == "stop":
                     break
@@ -203,6 +247,26 @@ class _Loop:
                     yield from _track(march.at(reachable, handles=2))
                 return
             yield from _track(head)
+
+    def _waiting_track(self, total: int) -> Iterator[tuple[Array, Array, Array]]:
+        """What `_head_track` yields, but slowing down to a stop while the head cannot follow.
+
+        The dancers keep the pace of this track, so they brake as it does.
+        """
+        world = self._world
+        most_lag = LAG * float(world.march.dragon.widths.min())
+        marched, share = self._start, 1.0
+        for _ in range(total):
+            change = -BRAKING if world.head_lag > most_lag else RESUMING
+            share = min(max(share + change * self._top_speed * world.substep, 0.0), 1.0)
+            marched += share * world.substep
+            try:
+                head = world.march.at(marched, handles=2)
+            except UnreachableError:
+                self.outcome = "unreachable"
+                return
+            [(pose, velocity, hinge_velocity)] = _track(head)
+            yield pose, share * velocity, share * hinge_velocity
 
     def _substep(self, head_pose: Array, head_velocity: Array, hinge_velocity: Array) -> None:
         world, recorder = self._world, self._recorder

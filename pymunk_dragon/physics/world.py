@@ -1,4 +1,4 @@
-"""The dragon as Pymunk sees it: bodies, shapes, pivots, and a kinematic head."""
+"""The dragon as Pymunk sees it: bodies, shapes, pivots, and a head that is kinematic or pulled by a motor."""
 
 from __future__ import annotations
 
@@ -76,6 +76,10 @@ def bench_shape(body: pymunk.Body, length: float, width: float) -> pymunk.Poly:
     return pymunk.Poly(body, [(-x, -y), (x, -y), (x, y), (-x, y)])
 
 
+def _kinematic() -> pymunk.Body:
+    return pymunk.Body(body_type=pymunk.Body.KINEMATIC)
+
+
 class World:
     """A Pymunk space with a dragon at `start` on its march; its state is read and written for all bodies at once.
 
@@ -93,6 +97,9 @@ class World:
         Solver iterations per step.
     top_speed : float
         The highest speed that the head will have, m/s: drag and joint correction are as fast as it wants them.
+    head_force : float, optional
+        Largest force of the motor that pulls the head towards its exact poses, N. Without it the head is a kinematic
+        body, which stands at these poses whatever is in its way.
 
     Attributes
     ----------
@@ -110,7 +117,15 @@ class World:
     """
 
     def __init__(
-        self, march: March, guide: Joiner, *, start: float, substep: float, iterations: int, top_speed: float = 1.0
+        self,
+        march: March,
+        guide: Joiner,
+        *,
+        start: float,
+        substep: float,
+        iterations: int,
+        top_speed: float = 1.0,
+        head_force: float | None = None,
     ) -> None:
         self.march = march
         self.substep = substep
@@ -122,29 +137,39 @@ class World:
         self._guide = guide
 
         state = march.at(start)
-        self.bodies = [self._body(bench) for bench in range(march.dragon.benches)]
-        self.space.add(*self.bodies, *guide.carriers)
+        self.bodies = [self._body(bench, head_force) for bench in range(march.dragon.benches)]
+        # Kinematic bodies beside the benches. The head is one itself, or the last of these controls it.
+        moved = [*guide.carriers] if head_force is None else [*guide.carriers, _kinematic()]
+        self._control = self.bodies[0] if head_force is None else moved[-1]
+        self.space.add(*self.bodies, *moved)
+        if head_force is not None:
+            self._drive(head_force, top_speed)
         self._join(top_speed)
-        self._open_buffers(len(guide.carriers))
+        self._open_buffers(moved)
         self._settle(start, state)
         self.shapes = self._add_shapes()
-
-    @property
-    def head(self) -> pymunk.Body:
-        """The kinematic body of bench 0."""
-        return self.bodies[0]
 
     @property
     def joint_impulses(self) -> list[float]:
         """Size of the impulse in each pivot during the last step, N s."""
         return [pivot.impulse for pivot in self.pivots]
 
-    def _body(self, bench: int) -> pymunk.Body:
-        if bench == 0:
-            return pymunk.Body(body_type=pymunk.Body.KINEMATIC)
+    def _body(self, bench: int, head_force: float | None) -> pymunk.Body:
+        if bench == 0 and head_force is None:
+            return _kinematic()
         size = (float(self.march.dragon.lengths[bench]), float(self.march.dragon.widths[bench]))
         mass = bench_mass(*size)
         return pymunk.Body(mass, pymunk.moment_for_box(mass, size))
+
+    def _drive(self, force: float, top_speed: float) -> None:
+        """Join the head to the control body by motors of `force` N, and half its length times that, at most."""
+        head = self.bodies[0]
+        pull = pymunk.PivotJoint(self._control, head, (0.0, 0.0), (0.0, 0.0))
+        turn = pymunk.GearJoint(self._control, head, 0.0, 1.0)
+        pull.max_force, turn.max_force = force, force * float(self.march.dragon.lengths[0]) / 2
+        for motor in (pull, turn):
+            motor.error_bias **= top_speed
+        self.space.add(pull, turn)
 
     def _join(self, top_speed: float) -> None:
         """Add each bench's pivot and then its guide, from head to tail: the solver takes them in this order."""
@@ -169,26 +194,32 @@ class World:
         self.space.add(*shapes)
         return shapes
 
-    def _open_buffers(self, carriers: int) -> None:
+    def _open_buffers(self, moved: list[pymunk.Body]) -> None:
         """Lay NumPy arrays over the memory that `pymunk.batch` reads and writes."""
         benches = len(self.bodies)
         ids = batch.Buffer()
         batch.get_space_bodies(self.space, BodyFields.BODY_ID, ids)
-        order = [body.id for body in (*self.bodies, *self._guide.carriers)]
+        order = [body.id for body in (*self.bodies, *moved)]
         if list(memoryview(ids.int_buf()).cast("P")) != order:
             raise RuntimeError("pymunk.batch lists the bodies in another order than they were added")
         self._inbox = batch.Buffer()
         self._outbox = batch.Buffer()
-        out = np.zeros((benches + carriers, 6))
+        out = np.zeros((benches + len(moved), 6))
         self._outbox.set_float_buf(out)
         self._out_poses, self._out_efforts = out[:benches, :3], out[:benches, 3:]
-        self._out_carriers = out[benches:, :2]
+        self._out_carriers = out[benches : benches + len(self._guide.carriers), :2]
+        self._out_control = out[0 if self._control is self.bodies[0] else -1, :3]
         self.poses = np.empty((benches, 3))
         self.velocities = np.empty((benches, 3))
         self._velocities_before = np.empty((benches, 3))
         # Scratch: the poses given to the space, and those to which it moves the benches before it solves the joints.
         self._given = np.empty((benches, 3))
         self._coming = np.empty((benches, 3))
+
+    @property
+    def head_lag(self) -> float:
+        """Distance of the head's centre from that of the control body, m."""
+        return float(np.hypot(*(self._control.position - self.bodies[0].position)))
 
     def read(self) -> None:
         """Take `poses` and `velocities` from the space."""
@@ -213,17 +244,21 @@ class World:
         given += self.poses
         np.multiply(self.velocities, self.substep, out=coming)
         coming += given
-        given[0] = head_pose - self.substep * head_velocity
-        self._send(head_velocity, hinge_velocity)
+        self._send(head_pose, head_velocity, hinge_velocity)
 
-    def _send(self, head_velocity: Array, hinge_velocity: Array) -> None:
+    def _send(self, head_pose: Array, head_velocity: Array, hinge_velocity: Array) -> None:
         """Give the space its poses, and the guide's carriers and efforts for where the benches are about to be."""
         self._guide.lead(self._coming, hinge_velocity, self._out_carriers, self._out_efforts)
         self._out_poses[:] = self._given
+        self._out_control[:] = head_pose - self.substep * head_velocity
+        if self._control is not self.bodies[0]:
+            # A gear joint counts whole turns: the control body's are those of the head.
+            turns = (self._out_control[2] - self._given[0, 2]) / (2 * math.pi)
+            self._out_control[2] -= 2 * math.pi * round(turns)
         batch.set_space_bodies(self.space, WRITE, self._outbox)
         vx, vy, spin = head_velocity.tolist()
-        self.head.velocity = vx, vy
-        self.head.angular_velocity = spin
+        self._control.velocity = vx, vy
+        self._control.angular_velocity = spin
 
     def _settle(self, start: float, state: States) -> None:
         """Put the benches on the exact state at `start` and let the joints find the impulses that hold them there.
@@ -237,8 +272,7 @@ class World:
         except UnreachableError:
             # The last hole stands where the curve begins.
             earlier = state
-        before = earlier.pose_velocities[0].copy()
-        before[0] = velocities[0]
+        before = earlier.pose_velocities[0]
         benches, iterations = len(self.bodies), self.space.iterations
         steps = math.ceil(min(2 * benches**3, MAX_SETTLING_WORK) / SETTLING_WORK_PER_STEP) + 1
         self.space.iterations = max(SETTLING_WORK_PER_STEP // benches, iterations)
@@ -250,7 +284,7 @@ class World:
             self._guide.lead(earlier.poses[0], earlier.velocities[0, 1], self._out_carriers, self._out_efforts)
             np.subtract(poses, self.substep * before, out=self._given)
             self._coming[:] = poses
-            self._send(velocities[0], state.velocities[0, 1])
+            self._send(poses[0], velocities[0], state.velocities[0, 1])
             self.space.step(self.substep)
         self.space.iterations = iterations
         self.velocities[:] = before
