@@ -16,6 +16,7 @@ from pymunk_dragon.curves.spiral import MAX_TURNS
 from pymunk_dragon.display import Displayed
 from pymunk_dragon.dragon import Dragon, bench_poses
 from pymunk_dragon.errors import ParameterError, UnreachableError
+from pymunk_dragon.frozen import ArrayRecord, read_only
 from pymunk_dragon.speed import ConstantSpeed, Speed, speed_of
 
 __all__ = ["March", "States", "last_time"]
@@ -30,8 +31,8 @@ TURNS = 16.0
 CLEAR_OF_BEGIN = 1e-9
 
 
-@dataclass(frozen=True)
-class States:
+@dataclass(frozen=True, eq=False, repr=False)
+class States(ArrayRecord):
     """A dragon at T times: H handles, N = H - 1 benches.
 
     Attributes
@@ -54,12 +55,16 @@ class States:
 
     def __post_init__(self) -> None:
         for array in (self.times, self.places, self.positions, self.velocities, self.speeds):
-            array.flags.writeable = False
+            read_only(array)
+
+    def __repr__(self) -> str:
+        span = f" from {self.times.min():g} s to {self.times.max():g} s" if self.times.size else ""
+        return f"States({self.places.shape[1]} handles at {self.times.size} times{span})"
 
     @cached_property
     def poses(self) -> Array:
         """Pose of every bench, (T, N, 3): centre in m, angle in rad."""
-        return bench_poses(self.positions)
+        return read_only(bench_poses(self.positions))
 
     @cached_property
     def pose_velocities(self) -> Array:
@@ -69,7 +74,7 @@ class States:
         turning = front - rear
         spin = along[..., 0] * turning[..., 1] - along[..., 1] * turning[..., 0]
         spin /= np.sum(along**2, axis=-1)
-        return np.concatenate([(front + rear) / 2, spin[..., None]], axis=-1)
+        return read_only(np.concatenate([(front + rear) / 2, spin[..., None]], axis=-1))
 
 
 @dataclass(frozen=True)

@@ -20,6 +20,7 @@ from pymunk_dragon.display import Displayed
 from pymunk_dragon.dragon import hermite
 from pymunk_dragon.errors import DragonError, FileFormatError, ParameterError
 from pymunk_dragon.files import check_destination, written_in_place
+from pymunk_dragon.frozen import ArrayRecord, frozen, read_only
 from pymunk_dragon.march import March
 from pymunk_dragon.scenario import Scenario
 
@@ -46,9 +47,11 @@ LEAST_INTERVAL = 0.5
 DIFFERENCE_POINTS = 5
 
 
-@dataclass(frozen=True, kw_only=True)
-class Run(Displayed):
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Run(ArrayRecord, Displayed):
     """A dragon's run over F frames of N benches.
+
+    Two runs are equal if everything but their `timing` is, every number to the last bit.
 
     Attributes
     ----------
@@ -103,12 +106,17 @@ class Run(Displayed):
             array = np.array(getattr(self, name), dtype=float)
             if array.shape != shape:
                 raise DragonError(f"a run's {name} have shape {array.shape}, but its march wants {shape}")
-            array.flags.writeable = False
-            object.__setattr__(self, name, array)
+            object.__setattr__(self, name, read_only(array))
+        for name in ("provenance", "timing"):
+            object.__setattr__(self, name, frozen(getattr(self, name)))
         if not frames or not np.all(np.isfinite(self.times)) or np.any(np.diff(self.times) < 0):
             raise DragonError("a run's times are not finite and rising, or there are none")
         if self.outcome not in get_args(Outcome):
             raise DragonError(f"a run's outcome is {self.outcome!r}, but must be one of {get_args(Outcome)}")
+
+    def __repr__(self) -> str:
+        frames = f"{len(self.times)} frames from {self.times[0]:g} s to {self.times[-1]:g} s"
+        return f"Run({self.march.dragon.benches} benches, {frames}, {self.outcome})"
 
     @classmethod
     def exact(cls, march: March, times: ArrayLike) -> Run:
@@ -183,7 +191,7 @@ class Run(Displayed):
             if apart.size and time - self.times[kept[-1]] >= LEAST_INTERVAL * np.median(apart):
                 kept.append(frame)
         if len(kept) == 1:
-            return np.zeros_like(self.poses)
+            return read_only(np.zeros_like(self.poses))
         times, poses = self.times[kept], self.poses[kept]
         poses[..., 2] = np.unwrap(poses[..., 2], axis=0)
         points = min(DIFFERENCE_POINTS, len(kept))
@@ -192,7 +200,7 @@ class Run(Displayed):
         velocities = np.zeros_like(self.poses)
         for node, weight in zip(nodes.T, _derivative_weights(times[nodes], self.times).T, strict=True):
             velocities += weight[:, None, None] * poses[node]
-        return velocities
+        return read_only(velocities)
 
     def save(self, path: str | Path) -> None:
         """Write the run as a NumPy archive (.npz, no pickle); an interrupted save leaves the old file or none.

@@ -320,3 +320,16 @@ def test_shapes_that_do_not_broadcast_are_refused():
     with pytest.raises(ParameterError) as caught:
         separation([SQUARE] * 2, [SQUARE] * 3)
     assert_says(caught.value, "second is 'of shape (3, 4, 2)'", "goes with (2, 4, 2)")
+
+
+def test_separations_are_equal_where_their_numbers_are_and_show_themselves_in_a_line():
+    corners = np.array([[0, 0], [1, 0], [1, 1], [0, 1.0]])
+    apart = corners + np.array([[[2, 0]], [[3, 0]]])
+    found = separation(corners, apart)
+    assert found == separation(corners, apart)
+    assert hash(found) == hash(separation(corners, apart))
+    assert found != separation(corners, apart[::-1])
+    assert found != separation(corners, apart[0])
+    assert repr(found) == "Separation(2 pairs, distance from 1 m to 2 m)"
+    assert repr(separation(corners, apart[0])) == "Separation(1 pairs, distance from 1 m to 1 m)"
+    assert repr(separation(np.empty((0, 4, 2)), corners)) == "Separation(0 pairs)"

@@ -590,3 +590,90 @@ def test_poses_are_known_where_two_frames_share_a_time():
         with warnings.catch_warnings():
             warnings.simplefilter("error")
             assert np.all(np.isfinite(run.poses_at([0, 0.5, 1])))
+
+
+# Values that stay as they are, are equal or not, and show themselves in a line
+
+
+def changed(array):
+    """A copy of an array whose first number is the next larger double."""
+    other = array.copy()
+    other.flat[0] = np.nextafter(other.flat[0], np.inf)
+    return other
+
+
+def test_run_is_equal_to_one_with_the_same_numbers_and_to_no_other():
+    run = a_run()
+    for same in (a_run(), load(WHOLE), replace(run, timing={"wall_seconds": 3.0})):
+        assert run == same
+        assert hash(run) == hash(same)
+    others = [replace(run, **{name: changed(getattr(run, name))}) for name in ("times", "poses", "drift")]
+    others += [
+        replace(run, pose_velocities=None),
+        replace(run, joint_impulses=None),
+        replace(run, first_contact=None),
+        replace(run, events=ContactLog()),
+        replace(run, outcome="clear"),
+        replace(run, provenance={}),
+        replace(run, march=replace(MARCH, speed=1.3)),
+    ]
+    for other in others:
+        assert run != other
+    assert run != "run"
+    assert len({run, a_run(), *others}) == 1 + len(others)
+
+
+def test_states_are_equal_to_those_with_the_same_numbers_and_to_no_other():
+    states = MARCH.at([0, 1.5])
+    assert states == MARCH.at([0, 1.5])
+    assert hash(states) == hash(MARCH.at([0, 1.5]))
+    assert states != MARCH.at([0, 1.6])
+    assert states != replace(states, speeds=changed(states.speeds))
+
+
+@pytest.mark.parametrize("name", ["times", "places", "positions", "velocities", "speeds", "poses", "pose_velocities"])
+def test_states_cannot_be_changed(name):
+    states = MARCH.at([0, 1.5])
+    with pytest.raises(ValueError, match="read-only"):
+        getattr(states, name)[...] = 0
+
+
+CHANGES = {
+    "set": lambda it: it.update(player="else"),
+    "item": lambda it: it.__setitem__("player", "else"),
+    "delete": lambda it: it.__delitem__("player"),
+    "pop": lambda it: it.pop("player"),
+    "popitem": lambda it: it.popitem(),
+    "clear": lambda it: it.clear(),
+    "default": lambda it: it.setdefault("new", 1),
+    "union": lambda it: it.__ior__({"new": 1}),
+    "inner": lambda it: it["settings"].update(text=""),
+    "list": lambda it: it["settings"]["list"].__setitem__(0, 9),
+}
+
+
+@pytest.mark.parametrize("change", CHANGES.values(), ids=CHANGES.keys())
+def test_provenance_cannot_be_changed_and_is_a_copy(change):
+    given_provenance = {"player": "test", "settings": {"list": [1, 2], "text": "a"}}
+    run = replace(a_run(), provenance=given_provenance)
+    before = json.dumps(run.provenance)
+    with pytest.raises((TypeError, AttributeError)):
+        change(run.provenance)
+    given_provenance["settings"]["list"].append(3)
+    assert json.dumps(run.provenance) == before
+    assert pickle.loads(pickle.dumps(run)) == run
+
+
+def test_velocities_and_timing_of_a_run_cannot_be_changed():
+    run = without_velocities(a_run())
+    with pytest.raises(ValueError, match="read-only"):
+        run.frame_velocities[0] = 1
+    with pytest.raises(TypeError):
+        run.timing["wall_seconds"] = 1.0
+
+
+def test_results_show_themselves_in_a_line(seed_march):
+    assert repr(a_run()) == "Run(4 benches, 7 frames from 0 s to 3 s, contact)"
+    assert repr(MARCH.at([0.5, 2])) == "States(5 handles at 2 times from 0.5 s to 2 s)"
+    assert repr(MARCH.at([])) == "States(5 handles at 0 times)"
+    assert len(repr(Run.exact(seed_march, [0, 412.4738376]))) < 80

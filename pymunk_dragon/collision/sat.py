@@ -25,6 +25,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from pymunk_dragon.collision.outlines import checked_outlines
 from pymunk_dragon.errors import ParameterError
+from pymunk_dragon.frozen import ArrayRecord, read_only
 
 __all__ = ["Separation", "axis_gaps", "overlap", "separation"]
 
@@ -35,8 +36,8 @@ Complex = NDArray[np.complex128]
 CHUNK = 2048
 
 
-@dataclass(frozen=True)
-class Separation:
+@dataclass(frozen=True, eq=False, repr=False)
+class Separation(ArrayRecord):
     """How far two rectangles are apart, for pairs of any shape (...).
 
     Attributes
@@ -59,7 +60,12 @@ class Separation:
 
     def __post_init__(self) -> None:
         for array in (self.distance, self.normal, self.point):
-            array.flags.writeable = False
+            read_only(array)
+
+    def __repr__(self) -> str:
+        size = self.distance.size
+        span = f", distance from {self.distance.min():g} m to {self.distance.max():g} m" if size else ""
+        return f"Separation({size} pairs{span})"
 
 
 def separation(first: ArrayLike, second: ArrayLike) -> Separation:
