@@ -131,6 +131,15 @@ def test_report_mode_lists_the_contact_windows(call):
     assert re.search(r"^ +0 +8 +412\.480 +the end$", out, re.MULTILINE)
 
 
+def test_force_of_the_head_is_an_option_where_contacts_are_resolved(call, tmp_path):
+    path = tmp_path / "run.npz"
+    resolved = ["simulate", *SHORT, "--until", "412.6", "--contacts", "resolve"]
+    assert call(*resolved, "--head-force", "300", "-o", path)[0] == 0
+    assert Run.load(path).provenance["head_force"] == 300
+    code, _, err = call("simulate", *SHORT, "--until", "412.6", "--head-force", "300")
+    assert (code, err.count("\n")) == (2, 1)
+
+
 @pytest.mark.parametrize("method", ["exact", "grid", "engine"])
 def test_contact_json_has_the_promised_keys(call, method):
     code, out, err = call("contact", *SHORT, "--method", method, "--json")

@@ -21,7 +21,8 @@ PLAYED, AT_REST = sized((10.0, 5.0), (0.5, 0.1))
 def main() -> None:
     """Print the table."""
     march = March()
-    print(f"{'substep, ms':>12}{'force, N':>10}{'joint gap, mm':>15}{'depth, mm':>11}{f'way in the last {AT_REST:g} s, mm':>27}")
+    print(f"{'substep, ms':>12}{'force, N':>10}{'joint gap, mm':>15}{'depth, mm':>11}", end="")
+    print(f"{f'way in the last {AT_REST:g} s, mm':>27}")
     for substep in SUBSTEPS:
         for force in FORCES:
             run = simulate(
