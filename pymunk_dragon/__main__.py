@@ -1,8 +1,57 @@
-"""`python -m pymunk_dragon` is `pymunk-dragon`."""
+"""`python -m pymunk_dragon` is `pymunk-dragon`. Signals are handled before anything else is imported."""
 
-from pymunk_dragon.cli import main
+from __future__ import annotations
 
-__all__: list[str] = []
+import os
+import signal
+import sys
+from time import monotonic
+from types import FrameType
+
+__all__ = ["main"]
+
+SIGNALS = ("SIGINT", "SIGTERM", "SIGHUP")
+# s after a signal in which others are ignored, as the SIGHUP that follows SIGTERM: files are being removed. After it,
+# a signal whose exception was lost, as in a callback from C, can be sent again.
+GRACE = 2.0
+
+
+def main() -> None:
+    """Run the program and exit as `pymunk_dragon.cli.main`; after a signal with 128 plus its number, files removed."""
+    received: list[int] = []
+    last = -GRACE
+
+    def stop(number: int, frame: FrameType | None) -> None:
+        nonlocal last
+        received.append(number)
+        if monotonic() - last >= GRACE:
+            last = monotonic()
+            raise KeyboardInterrupt
+
+    # What nohup, or a shell in the background, has the program ignore stays ignored.
+    known = [getattr(signal, name) for name in SIGNALS if hasattr(signal, name)]
+    handled = [number for number in known if signal.getsignal(number) != signal.SIG_IGN]
+    try:
+        for number in handled:
+            signal.signal(number, stop)
+        # The program opens no windows. matplotlib refuses to be imported where this holds what it does not know.
+        os.environ["MPLBACKEND"] = "agg"
+        import logging
+
+        # Errors are one line; what the libraries log beside them is for their developers.
+        logging.getLogger().addHandler(logging.NullHandler())
+        from pymunk_dragon.cli import status
+
+        code = status()
+    except KeyboardInterrupt:
+        # Before or after the program's own words for it.
+        os.write(2, b"pymunk-dragon: interrupted\n")
+        code = 0
+    for number in handled:
+        # Python itself takes some time to end.
+        signal.signal(number, signal.SIG_IGN)
+    sys.exit(128 + received[0] if received else code)
+
 
 if __name__ == "__main__":
     main()

@@ -160,8 +160,8 @@ class _Loop:
 
     def play(self, until: float, progress: Callable[[float, float], None] | None) -> None:
         """Step until the time is over, the curve ends, or the first contact ends the run."""
-        # A millionth of a substep more or less is rounding, not another substep.
-        total = math.ceil((until - self._start) / self._world.substep - 1e-6)
+        # A millionth of a substep more or less is rounding, not another substep; but there is at least one.
+        total = max(1, math.ceil((until - self._start) / self._world.substep - 1e-6))
         begin = perf_counter()
         # A chain that flies apart is found by `_keep`, in the next frame; until then NumPy need not warn of it.
         with np.errstate(all="ignore"):
