@@ -208,10 +208,10 @@ class _Loop:
         begin_time = self.time
         self.substeps += 1
         recorder.time = self.time
-        begin = perf_counter()
-        world.space.step(world.substep)
-        self.step_seconds += perf_counter() - begin
-        recorder.check()
+        with recorder.stepping():
+            begin = perf_counter()
+            world.space.step(world.substep)
+            self.step_seconds += perf_counter() - begin
         before = world.poses.copy() if recorder.begun else None
         world.read()
         if before is not None:
