@@ -7,6 +7,7 @@ import json
 import math
 import os
 import platform
+import stat
 import zipfile
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field, fields
@@ -178,8 +179,11 @@ class Run(Displayed):
             reason = (isinstance(error, OSError) and error.strerror) or error
             raise ParameterError("run", str(path), f"a readable file ({reason})") from error
         try:
-            with file, zipfile.ZipFile(file if file.seekable() else io.BytesIO(file.read(MAX_UNPACKED))) as archive:
-                return cls._from_archive(archive)
+            with file:
+                # Of a pipe or a device, whose end may never come, no more than a run can hold.
+                is_file = stat.S_ISREG(os.fstat(file.fileno()).st_mode)
+                with zipfile.ZipFile(file if is_file else io.BytesIO(file.read(MAX_UNPACKED))) as archive:
+                    return cls._from_archive(archive)
         except DragonError as error:
             raise FileFormatError(path, f"a damaged run: {error}") from error
         except Exception as error:

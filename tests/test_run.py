@@ -12,6 +12,7 @@ import tempfile
 import tracemalloc
 import warnings
 import zipfile
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import FrozenInstanceError, asdict
 from pathlib import Path
 
@@ -450,6 +451,18 @@ def test_size_that_an_array_claims_is_checked_before_memory_is_taken(name, shape
     message, memory = refusal(archive_of(**{name: header(shape)}))
     assert f"its {name}" in message
     assert memory < 10e6
+
+
+def test_device_without_end_is_no_run():
+    with pytest.raises(FileFormatError, match="/dev/zero: no run"):
+        Run.load("/dev/zero")
+
+
+def test_run_is_read_from_a_pipe(tmp_path):
+    os.mkfifo(tmp_path / "run.npz")
+    with ThreadPoolExecutor(1) as pool:
+        pool.submit((tmp_path / "run.npz").write_bytes, WHOLE)
+        assert Run.load(tmp_path / "run.npz").events == EVENTS
 
 
 @pytest.mark.parametrize("name", ["curve", "speed"])

@@ -15,7 +15,7 @@ import click
 from pymunk_dragon.cli.contact import contact
 from pymunk_dragon.cli.demo import demo
 from pymunk_dragon.cli.figure import figure
-from pymunk_dragon.cli.options import PROGRAM
+from pymunk_dragon.cli.options import PROGRAM, named_flags
 from pymunk_dragon.cli.positions import positions
 from pymunk_dragon.cli.render import render
 from pymunk_dragon.cli.report import report
@@ -103,4 +103,6 @@ def cli() -> None:
 
 
 for command in (positions, contact, simulate, render, figure, report, study, demo):
+    assert command.callback is not None
+    command.callback = named_flags(command.callback)
     cli.add_command(command)
