@@ -50,6 +50,9 @@ def main() -> None:
     for number in handled:
         # Python itself takes some time to end.
         signal.signal(number, signal.SIG_IGN)
+    # Where the exception left code in a string, as dataclasses are made of, Python remembers that, and would end itself
+    # with SIGINT however the exception was handled. Other code in a string makes it forget.
+    exec("")
     sys.exit(128 + received[0] if received else code)
 
 
