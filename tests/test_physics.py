@@ -474,7 +474,7 @@ def test_signal_during_a_step_is_raised_after_it():
 
     def step():
         nonlocal ended
-        with recorder.stepping():
+        with recorder.signals_held(), recorder.stepping():
             os.kill(os.getpid(), signal.SIGINT)
             world.space.step(0.01)
             ended = True

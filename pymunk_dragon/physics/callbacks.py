@@ -60,7 +60,9 @@ class Recorder:
         self._resolve = resolve
         self._on_event = on_event
         self._failure: BaseException | None = None
-        self._closed = self._logging = False
+        self._closed = self._stepping = self._logging = False
+        self._handlers: dict[int, Any] = {}
+        self._held: list[int] = []
         space.on_collision(
             begin=self._callback("begin"),
             pre_solve=self._callback("pre_solve"),
@@ -73,31 +75,39 @@ class Recorder:
         self._closed = True
 
     @contextmanager
-    def stepping(self) -> Iterator[None]:
-        """Step the space in here; what was raised inside a callback is raised at the end.
+    def signals_held(self) -> Iterator[None]:
+        """Have handlers of signals that come during the steps in here wait for the end of the step.
 
-        Handlers of signals wait until then, too: Python runs them when C calls back, before a callback's first line.
+        Python runs them when C calls back, before the first line of a callback: what they raise there is lost.
         """
-        kept: list[int] = []
-        handlers: dict[int, Any] = {}
         if threading.current_thread() is threading.main_thread():
-            handlers = {number: found for number in HANDLED if callable(found := signal.getsignal(number))}
+            self._handlers = {number: found for number in HANDLED if callable(found := signal.getsignal(number))}
 
         def handle(number: int, frame: FrameType | None) -> None:
-            if self._logging:
-                handlers[number](number, frame)
+            if self._stepping and not self._logging:
+                self._held.append(number)
             else:
-                kept.append(number)
+                self._handlers[number](number, frame)
 
         try:
-            for number in handlers:
+            for number in self._handlers:
                 signal.signal(number, handle)
             yield
         finally:
-            for number, handler in handlers.items():
+            for number, handler in self._handlers.items():
                 signal.signal(number, handler)
-        for number in kept:
-            handlers[number](number, None)
+
+    @contextmanager
+    def stepping(self) -> Iterator[None]:
+        """Step the space in here; what was held, or raised inside a callback, is raised at the end."""
+        self._stepping = True
+        try:
+            yield
+        finally:
+            self._stepping = False
+        while self._held:
+            number = self._held.pop()
+            self._handlers[number](number, None)
         if self._failure is not None:
             failure, self._failure = self._failure, None
             raise failure

@@ -105,7 +105,8 @@ def simulate(
     recorder = Recorder(world.space, world.bodies, world.shapes, resolve=contacts != "report", on_event=on_event)
     loop = _Loop(world, recorder, contacts, start, max(1, round(frame_interval / substep)))
     try:
-        loop.play(until, progress)
+        with recorder.signals_held():
+            loop.play(until, progress)
     finally:
         recorder.close()
     settings = {
