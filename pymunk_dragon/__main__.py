@@ -5,15 +5,18 @@ from __future__ import annotations
 import os
 import signal
 import sys
+from contextlib import suppress
 from time import monotonic
 from types import FrameType
 
 __all__ = ["main"]
 
-SIGNALS = ("SIGINT", "SIGTERM", "SIGHUP")
-# s after a signal in which others are ignored, as the SIGHUP that follows SIGTERM: files are being removed. After it,
-# a signal whose exception was lost, as in a callback from C, can be sent again.
+# SIGALRM is the program's own: see AGAIN.
+SIGNALS = ("SIGINT", "SIGTERM", "SIGHUP", "SIGALRM")
+# s after a signal in which others are ignored, as the SIGHUP that follows SIGTERM: files are being removed.
 GRACE = 2.0
+# s until SIGALRM raises an exception again that Python could not raise, as where an object ends.
+AGAIN = 1e-3
 
 
 def main() -> None:
@@ -28,12 +31,21 @@ def main() -> None:
             last = monotonic()
             raise KeyboardInterrupt
 
+    def notice(lost: sys.UnraisableHookArgs) -> None:
+        nonlocal last
+        if issubclass(lost.exc_type, KeyboardInterrupt) and hasattr(signal, "setitimer"):
+            last = -GRACE
+            signal.setitimer(signal.ITIMER_REAL, AGAIN)
+        else:
+            sys.__unraisablehook__(lost)
+
     # What nohup, or a shell in the background, has the program ignore stays ignored.
     known = [getattr(signal, name) for name in SIGNALS if hasattr(signal, name)]
     handled = [number for number in known if signal.getsignal(number) != signal.SIG_IGN]
     try:
         for number in handled:
             signal.signal(number, stop)
+        sys.unraisablehook = notice
         # The program opens no windows. matplotlib refuses to be imported where this holds what it does not know.
         os.environ["MPLBACKEND"] = "agg"
         import logging
@@ -44,8 +56,9 @@ def main() -> None:
 
         code = status()
     except KeyboardInterrupt:
-        # Before or after the program's own words for it.
-        os.write(2, b"pymunk-dragon: interrupted\n")
+        # Outside the program, which has words of its own for it.
+        with suppress(AttributeError, OSError):  # There may be no stderr, or a full disk.
+            sys.stderr.write("pymunk-dragon: interrupted\n")
         code = 0
     for number in handled:
         # Python itself takes some time to end.

@@ -124,17 +124,25 @@ def test_folder_that_the_output_has_no_letters_for_is_printed_escaped(tmp_path):
 SIGNALS = {signal.SIGINT: 130, signal.SIGTERM: 143, signal.SIGHUP: 129}
 
 
+# Where a signal comes while Python runs other code of its own: in a string, as dataclasses are made of, and where an
+# object ends, from which no exception leaves.
+MOMENTS = {
+    "module": "os.kill(os.getpid(), {number})",
+    "string": "exec('os.kill(os.getpid(), {number})')",
+    "end of an object": "type('Ending', (), {{'__del__': lambda self: os.kill(os.getpid(), {number})}})()",
+}
+
+
 @pytest.mark.parametrize("number", SIGNALS, ids=lambda number: number.name)
+@pytest.mark.parametrize("moment", MOMENTS)
 @pytest.mark.parametrize("module", ["click", "numpy", "pymunk_dragon.cli.positions"])
-def test_signal_during_the_imports_is_one_line(tmp_path, module, number):
-    # Sent while Python searches for the module, from code in a string, as that of dataclasses is: an exception that
-    # leaves such code has Python end in a way of its own.
+def test_signal_during_the_imports_is_one_line(tmp_path, module, moment, number):
     (tmp_path / "sitecustomize.py").write_text(
         "import os, sys\n"
         "class Finder:\n"
         "    def find_spec(self, name, path=None, target=None):\n"
         f"        if name == {module!r}:\n"
-        f"            exec('os.kill(os.getpid(), {int(number)})')\n"
+        f"            {MOMENTS[moment].format(number=int(number))}\n"
         "sys.meta_path.insert(0, Finder())\n"
     )
     code, out, err = program("positions", PYTHONPATH=str(tmp_path))
