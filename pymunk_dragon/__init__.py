@@ -1,9 +1,15 @@
 """A bench dragon coils inward until it runs into itself: a Pymunk engine beside an exact kinematic model."""
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from __future__ import annotations
 
+__version__ = "0.1.0"
+
+# Nothing is imported here: `pymunk-dragon` handles Ctrl-C in its first lines, and they come after these. Type checkers
+# know the name.
+TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from typing import Any
+
     from pymunk_dragon.collision import Clearance, Grid, Impact, Separation, first_contact, scan, separation
     from pymunk_dragon.contact import Contact, ContactEvent, ContactLog
     from pymunk_dragon.curves import Arc, Composite, Curve, Line, Reversed, Sampled, Section, Spiral, UTurn
@@ -89,6 +95,8 @@ _ROOMS = {
 
 
 def __getattr__(name: str) -> Any:
+    from importlib import import_module
+
     for room, names in _ROOMS.items():
         if name in names:
             return getattr(import_module(f"pymunk_dragon.{room}"), name)

@@ -5,17 +5,33 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-__all__ = ["DragonError", "FileFormatError", "MissingExtraError", "OutputError", "ParameterError", "UnreachableError"]
+__all__ = [
+    "DragonError",
+    "FileFormatError",
+    "MissingExtraError",
+    "OutputError",
+    "ParameterError",
+    "UnreachableError",
+    "one_line",
+]
 
 # Characters of a value that a message shows; what is longer was not meant as a parameter, and would bury the rest.
 MAX_SHOWN = 80
+
+
+def one_line(text: str) -> str:
+    """A text with single spaces, and escapes for what a terminal would act upon or could not show."""
+    return "".join(
+        character if character.isprintable() else character.encode("unicode_escape").decode()
+        for character in " ".join(text.split())
+    )
 
 
 class DragonError(Exception):
     """Base of every error that the package raises on purpose; its message is one line, and it can be pickled."""
 
     def __init__(self, message: str) -> None:
-        super().__init__(" ".join(message.split()))
+        super().__init__(one_line(message))
 
     def __reduce__(self) -> tuple[Callable[..., DragonError], tuple[Any, ...]]:
         # An exception's default is to call its class with the message, which breaks a process pool's answer.
@@ -99,6 +115,6 @@ def _rebuilt(kind: type[DragonError], args: tuple[Any, ...], state: dict[str, An
 def _shown(value: object) -> str:
     try:
         text = repr(value)
-    except ValueError:  # Python refuses to write out an integer of more than 4300 digits.
+    except (ValueError, RecursionError):  # An integer of more than 4300 digits, or lists in hundreds of lists.
         return f"a {type(value).__name__} that cannot be shown"
     return text if len(text) <= MAX_SHOWN else text[: MAX_SHOWN - 3] + "..."

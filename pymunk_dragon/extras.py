@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from importlib import import_module
 from typing import Any
 
-from pymunk_dragon.errors import MissingExtraError
+from pymunk_dragon.errors import MissingExtraError, OutputError
 
 __all__ = ["extras_named", "library"]
 
@@ -30,11 +30,15 @@ def library(name: str) -> Any:
     ------
     MissingExtraError
         If it is not installed.
+    OutputError
+        If it cannot write the files that it keeps for itself, as matplotlib its list of fonts.
     """
     try:
         return import_module(name)
     except ImportError as error:
         raise MissingExtraError(*FEATURES[name.partition(".")[0]]) from error
+    except OSError as error:
+        raise OutputError(f"the cache of {name}", error.strerror or str(error)) from error
 
 
 @contextmanager

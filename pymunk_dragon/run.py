@@ -4,7 +4,11 @@ from __future__ import annotations
 
 import io
 import json
+import math
+import os
 import platform
+import stat
+import zipfile
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field, fields
 from functools import cached_property
@@ -40,6 +44,9 @@ FORMAT_VERSION = 1
 # What a file holds beside its notes, and what of it the runs of some players do not have.
 ARRAYS = ("times", "poses", "drift", "pose_velocities", "joint_impulses")
 MAY_LACK = ("pose_velocities", "joint_impulses")
+# Bytes that a file may unpack to, and of its notes, which take up to 30 times as much as Python objects. Larger ones
+# are accepted where the file is large: positions of moving benches hardly get smaller by packing, callbacks to a tenth.
+MAX_UNPACKED, MAX_NOTES, MAX_RATIO = 512_000_000, 32_000_000, 10
 # Frames nearer to each other than this share of the median interval count as one where velocities come from finite
 # differences: the errors of their poses, divided by so short a time, would be velocities of their own.
 LEAST_INTERVAL = 0.5
@@ -95,13 +102,10 @@ class Run(ArrayRecord, Displayed):
     timing: Mapping[str, float] = field(default_factory=dict, compare=False)
 
     def __post_init__(self) -> None:
-        frames, benches = len(self.times), self.march.dragon.benches
-        shapes = {"times": (frames,), "poses": (frames, benches, 3), "drift": (frames, benches)}
-        if self.pose_velocities is not None:
-            shapes["pose_velocities"] = (frames, benches, 3)
-        if self.joint_impulses is not None:
-            shapes["joint_impulses"] = (frames, benches - 1)
-        for name, shape in shapes.items():
+        frames = len(self.times)
+        for name, shape in _shapes(self.march, frames).items():
+            if name in MAY_LACK and getattr(self, name) is None:
+                continue
             # A copy, because the giver's array is the giver's to change.
             array = np.array(getattr(self, name), dtype=float)
             if array.shape != shape:
@@ -238,15 +242,16 @@ class Run(ArrayRecord, Displayed):
             If the file is damaged, cut off, of another program or of a newer format.
         """
         try:
-            content = Path(path).read_bytes()
+            file = Path(path).open("rb")  # noqa: SIM115 (closed below, where what is wrong is the content)
         except (OSError, ValueError) as error:
             reason = (isinstance(error, OSError) and error.strerror) or error
             raise ParameterError("run", str(path), f"a readable file ({reason})") from error
         try:
-            with np.load(io.BytesIO(content), allow_pickle=False) as archive:
-                arrays = {name: archive[name] for name in ARRAYS if name in archive or name not in MAY_LACK}
-                notes = json.loads(archive["notes"].tobytes())
-            return cls._from_parts(arrays, notes)
+            with file:
+                # Of a pipe or a device, whose end may never come, no more than a run can hold.
+                is_file = stat.S_ISREG(os.fstat(file.fileno()).st_mode)
+                with zipfile.ZipFile(file if is_file else io.BytesIO(file.read(MAX_UNPACKED))) as archive:
+                    return cls._from_archive(archive)
         except DragonError as error:
             raise FileFormatError(path, f"a damaged run: {error}") from error
         except Exception as error:
@@ -255,16 +260,23 @@ class Run(ArrayRecord, Displayed):
             raise FileFormatError(path, "no run of pymunk_dragon, or a damaged one") from error
 
     @classmethod
-    def _from_parts(cls, arrays: dict[str, Array], notes: dict[str, Any]) -> Run:
+    def _from_archive(cls, archive: zipfile.ZipFile) -> Run:
+        """The run in an archive; nothing is unpacked whose size is not known to be right."""
+        _check_sizes(archive)
+        notes = json.loads(_unpacked(archive, "notes", np.uint8).tobytes())
         if notes["format"] != FORMAT or notes["format_version"] != FORMAT_VERSION:
             found = f"{notes['format']} {notes['format_version']}"
             raise DragonError(f"its format is {found}, and this version reads {FORMAT} {FORMAT_VERSION}")
+        march = Scenario.from_mapping(notes["scenario"], files=False).march()
+        shapes = _shapes(march, len(_unpacked(archive, "times", np.float64)))
+        present = [name for name in ARRAYS if f"{name}.npy" in archive.namelist() or name not in MAY_LACK]
+        arrays = {name: _unpacked(archive, name, np.float64, shapes[name]) for name in present}
         for name, array in arrays.items():
-            if array.dtype != np.float64 or not (name == "drift" or np.all(np.isfinite(array))):
+            if not (name == "drift" or np.all(np.isfinite(array))):
                 raise DragonError(f"its {name} are not finite numbers")
         first = notes["first_contact"]
         return cls(
-            march=Scenario.from_mapping(notes["scenario"]).march(),
+            march=march,
             times=arrays["times"],
             poses=arrays["poses"],
             drift=arrays["drift"],
@@ -275,6 +287,47 @@ class Run(ArrayRecord, Displayed):
             outcome=notes["outcome"],
             provenance=dict(notes["provenance"]),
         )
+
+
+def _shapes(march: March, frames: int) -> dict[str, tuple[int, ...]]:
+    """Shapes of a run's arrays."""
+    benches = march.dragon.benches
+    return {
+        "times": (frames,),
+        "poses": (frames, benches, 3),
+        "drift": (frames, benches),
+        "pose_velocities": (frames, benches, 3),
+        "joint_impulses": (frames, benches - 1),
+    }
+
+
+def _check_sizes(archive: zipfile.ZipFile) -> None:
+    """Refuse an archive that unpacks to more than a run of its size can hold."""
+    assert archive.fp is not None
+    size = archive.fp.seek(0, os.SEEK_END)
+    for name, most in (("notes.npy", MAX_NOTES), (None, MAX_UNPACKED)):
+        unpacked = sum(member.file_size for member in archive.infolist() if name in (None, member.filename))
+        if unpacked > max(most, MAX_RATIO * size):
+            raise DragonError(f"its {size} bytes unpack to {unpacked}, and no run does that")
+
+
+def _unpacked(
+    archive: zipfile.ZipFile, name: str, kind: type[np.generic], shape: tuple[int, ...] | None = None
+) -> NDArray[Any]:
+    """A member of a run's archive, of numbers of one kind; of any length where no shape is given."""
+    member = archive.getinfo(f"{name}.npy")
+    with archive.open(member) as file:
+        np.lib.format.read_magic(file)
+        found, _, dtype = np.lib.format.read_array_header_1_0(file)
+        if dtype != kind:
+            raise TypeError(f"{name} are of the type {dtype}")
+        if found != (shape or found[:1]):
+            raise DragonError(f"its {name} have the shape {found}, but its scenario and times want {shape}")
+        # What is said twice must be the same: memory is taken for the shape.
+        if file.tell() + math.prod(found) * dtype.itemsize != member.file_size:
+            raise DragonError(f"its {name} are not as long as they say")
+    with archive.open(member) as file:
+        return np.lib.format.read_array(file, allow_pickle=False)
 
 
 def versions() -> dict[str, str]:

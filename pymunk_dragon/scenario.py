@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
@@ -11,11 +12,14 @@ from typing import Any
 from pymunk_dragon.curves import Curve, Sampled, Spiral, UTurn
 from pymunk_dragon.dragon import BENCHES, Dragon, Sizes
 from pymunk_dragon.errors import DragonError, FileFormatError, ParameterError
+from pymunk_dragon.files import read_text
 from pymunk_dragon.march import March
 from pymunk_dragon.speed import ConstantSpeed, SpeedTable, speed_of
 
 __all__ = ["Scenario"]
 
+# A key such as a.b.c of so many parts that tomllib, whose time grows with their square, would take minutes.
+LONG_KEY = re.compile(r"""(?<![\w-])(?:(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){20}""")
 # What a file of points or of speeds is called.
 CSV = ".csv"
 # The curves by name, and which parameters each of them has.
@@ -91,12 +95,27 @@ class Scenario:
             object.__setattr__(self, name, value)
 
     @classmethod
-    def from_mapping(cls, values: Mapping[str, Any]) -> Scenario:
-        """Scenario from names and values; what is not named keeps its default."""
+    def from_mapping(cls, values: Mapping[str, Any], *, files: bool = True) -> Scenario:
+        """Scenario from names and values; what is not named keeps its default.
+
+        Parameters
+        ----------
+        values : mapping
+            Names and values.
+        files : bool
+            Whether a curve or a speed may be the name of a file, which is then read.
+
+        Raises
+        ------
+        ParameterError, FileFormatError
+            As in `Scenario`, or if a name is none of a parameter.
+        """
         known = [f.name for f in fields(cls)]
         for name, value in values.items():
             if name not in known:
                 raise ParameterError(name, value, "absent: the parameters are " + ", ".join(known))
+            if not files and _is_file(value):
+                raise ParameterError(name, value, "something else than the name of another file")
         return cls(**values)
 
     def to_mapping(self) -> dict[str, Any]:
@@ -120,13 +139,16 @@ class Scenario:
             If it is no TOML.
         """
         try:
-            values = tomllib.loads(Path(path).read_text(encoding="utf-8"))
-        except OSError as error:
-            raise ParameterError("scenario", str(path), f"a readable file ({error.strerror})") from error
+            text = read_text(path, "scenario")
+            if LONG_KEY.search(text):
+                raise FileFormatError(path, "a key has more parts than that of any parameter")
+            values = tomllib.loads(text)
+        except ParameterError:
+            raise
         except (ValueError, RecursionError) as error:
-            # Beside its own error, tomllib lets through those of a wrong encoding, a number of thousands of digits and
-            # brackets in thousands of brackets.
-            raise FileFormatError(path, f"no TOML file: {error}") from error
+            # Beside its own error, tomllib lets through those of a number of thousands of digits and of brackets in
+            # thousands of brackets.
+            raise FileFormatError(path, f"no TOML file: {getattr(error, 'reason', error)}") from error
         beside = {
             name: str(Path(path).parent / values[name]) for name in ("curve", "speed") if _is_file(values.get(name))
         }
@@ -162,7 +184,7 @@ def _curve(values: Mapping[str, Any]) -> Curve:
     elif _is_file(kind):
         if "points" in given:
             raise ParameterError("points", given["points"], f"absent where the curve is a file, {kind}")
-        kind, given["points"] = "sampled", _points(kind)
+        kind, given["points"] = "sampled", Sampled.read(kind).points
     if not (isinstance(kind, str) and kind in CURVES):
         raise ParameterError("curve", kind, ALLOWED_CURVE)
     make, own = CURVES[kind]
@@ -208,13 +230,3 @@ def _values(march: March) -> dict[str, Any]:
 
 def _is_file(value: object) -> bool:
     return isinstance(value, str | Path) and Path(value).suffix.lower() == CSV
-
-
-def _points(path: str) -> Any:
-    """Points of a path in a CSV file, which the user named as the curve."""
-    try:
-        return Sampled.read(path).points
-    except ParameterError as error:
-        if error.value == path:
-            raise ParameterError("curve", path, error.bound) from error
-        raise

@@ -421,31 +421,38 @@ def test_every_scenario_option_refuses_what_it_cannot_be(complaint, name, value)
     ("arguments", "words"),
     [
         (["positions", "--pitch", "0.25"], ["pitch", "0.25", "width"]),
-        (["positions", "--ratio", "1"], ["ratio is 1.0", "absent on a spiral curve: it is of a u-turn"]),
-        (["positions", "--curve", "u-turn", "--turns", "3"], ["turns is 3.0", "only a Spiral has turns"]),
-        (["positions", "--curve", "circle"], ["curve is 'circle'", "spiral or u-turn", ".csv"]),
-        (["positions", "--curve", "nowhere.csv"], ["nowhere.csv", "readable file"]),
-        (["positions", "--speed", "nowhere.csv"], ["speed is 'nowhere.csv'", "readable file"]),
+        (["positions", "--ratio", "1"], ["--ratio is 1.0", "absent on a spiral curve: it is of a u-turn"]),
+        (["positions", "--curve", "u-turn", "--turns", "3"], ["--turns is 3.0", "only a Spiral has turns"]),
+        (["positions", "--curve", "circle"], ["--curve is 'circle'", "spiral or u-turn", ".csv"]),
+        (["positions", "--curve", "nowhere.csv"], ["--curve is 'nowhere.csv'", "readable file"]),
+        (["positions", "--speed", "nowhere.csv"], ["--speed is 'nowhere.csv'", "readable file"]),
         (["positions", "--speed", "fast"], ["--speed", "'fast'", "neither a number nor a file"]),
         (["contact", "--curve", "u-turn"], ["until", "a curve without end"]),
         (["simulate", "--curve", "u-turn"], ["until", "a curve without end"]),
         (["positions", "--benches", "1"], ["benches", "1", "2"]),
-        (["positions", "--head-spacing", "30"], ["head_spacing", "30"]),
+        (["positions", "--head-spacing", "30"], ["--head-spacing is 30.0"]),
         (["positions", "--turns", "0.2"], ["spacing"]),
-        (["positions", "--times", "0:1"], ["times", "0:1", "0:300:1"]),
+        (["positions", "--times", "0:1"], ["--times is '0:1'", "0:300:1"]),
         (["positions", "--times", "1,x"], ["times", "1,x"]),
         (["positions", "--times", "nan"], ["times", "nan"]),
         (["positions", "--times", "0:1e9:0.001"], ["times"]),
         (["positions", "--times", "3:0:1"], ["times"]),
         (["positions", "--times", "443"], ["443", "handle 0"]),
-        (["positions", "--handles", "224"], ["handles", "224", "223"]),
+        (["positions", "--handles", "224"], ["--handles is '224'", "223"]),
         (["positions", "--handles", "1.5"], ["handles", "1.5"]),
-        (["positions", "--scenario", "nowhere.toml"], ["scenario", "nowhere.toml"]),
+        (["positions", "--scenario", "nowhere.toml"], ["--scenario is 'nowhere.toml'"]),
         (["simulate", "--from", "441"], ["441", "handle 1"]),
-        (["simulate", "--from", "2", "--until", "1"], ["until", "1"]),
-        (["simulate", "--guide", "ropes"], ["guide", "ropes", "rails"]),
-        (["simulate", "--contacts", "no"], ["contacts", "no", "stop"]),
-        (["simulate", "--substep", "5"], ["substep", "5"]),
+        (["simulate", "--from", "2", "--until", "1"], ["--until is 1.0"]),
+        (["simulate", "--from", "nan"], ["--from is nan"]),
+        (["contact", "--from", "1e300"], ["--from is 1e+300"]),
+        (["render", "-o", "f.gif", "--from", "nan"], ["--from is nan"]),
+        (["render", "-o", "f.gif", "--from", "5", "--until", "1"], ["--until is 1.0"]),
+        (["positions", "-o", "f.txt"], ["-o is 'f.txt'"]),
+        (["demo", "--lang", "fr"], ["--lang is 'fr'"]),
+        (["positions", "--scenario", "/dev/zero"], ["--scenario /dev/zero: no TOML file: larger than 4 MB"]),
+        (["simulate", "--guide", "ropes"], ["--guide is 'ropes'", "rails"]),
+        (["simulate", "--contacts", "no"], ["--contacts is 'no'", "stop"]),
+        (["simulate", "--substep", "5"], ["--substep is 5.0"]),
         (["simulate", "--iterations", "0"], ["iterations", "0"]),
         (["simulate", "--fine", "--iterations", "9"], ["--fine", "--iterations"]),
         (["render", "nowhere.npz", "-o", "f.gif"], ["nowhere.npz"]),
@@ -460,14 +467,14 @@ def test_every_scenario_option_refuses_what_it_cannot_be(complaint, name, value)
         (["figure", "drift", "-o", "f.png"], ["run", "engine"]),
         (["figure", "gap"], ["-o"]),
         (["render", "-o", "f.gif", "--exact"], ["--exact", "run"]),
-        (["render", "-o", "f.gif", "--impulses"], ["show", "impulses", "engine"]),
-        (["render", "-o", "f.gif", "--workers", "-1"], ["workers", "-1"]),
+        (["render", "-o", "f.gif", "--impulses"], ["--impulses must be left out", "engine"]),
+        (["render", "-o", "f.gif", "--workers", "-1"], ["--workers is -1"]),
         (["render", "-o", "f.gif", "--title", "x" * 501], ["title", "500"]),
-        (["render", "-o", "f.gif", "--fps", "51"], ["fps", "51", "50"]),
-        (["render", "-o", "f.gif", "--size", "big"], ["size", "big"]),
+        (["render", "-o", "f.gif", "--fps", "51"], ["--fps is 51", "50"]),
+        (["render", "-o", "f.gif", "--size", "big"], ["--size is 'big'"]),
         (["render", "-o", "f.gif", "--size", "1x2x3"], ["size", "1x2x3"]),
-        (["render", "-o", "f.gif", "--camera", "tail"], ["tail", "head"]),
-        (["render", "-o", "f.gif", "--speedup", "0"], ["speedup", "0"]),
+        (["render", "-o", "f.gif", "--camera", "tail"], ["--camera is 'tail'", "head"]),
+        (["render", "-o", "f.gif", "--speedup", "0"], ["--speedup is 0.0"]),
         (["render", "run.npz", "--pitch", "1", "-o", "f.gif"], ["scenario"]),
         (["render"], ["--output"]),
         (["report", "nowhere.npz", "-o", "r.html"], ["nowhere.npz"]),
@@ -478,10 +485,10 @@ def test_every_scenario_option_refuses_what_it_cannot_be(complaint, name, value)
         (["contact", "--method", "guess"], ["method", "guess"]),
         (["contact", "--step", "2"], ["--step", "--method grid"]),
         (["contact", "--method", "grid", "--fine"], ["--fine", "--method engine"]),
-        (["contact", "--method", "grid", "--step", "0"], ["step", "0.0"]),
-        (["contact", "--method", "grid", "--tolerance", "-1"], ["tolerance", "-1.0"]),
+        (["contact", "--method", "grid", "--step", "0"], ["--step is 0.0"]),
+        (["contact", "--method", "grid", "--tolerance", "-1"], ["--tolerance is -1.0"]),
         (["contact", "--from", "435"], ["handle", "435"]),
-        (["contact", "--from", "3", "--until", "2"], ["until", "2.0"]),
+        (["contact", "--from", "3", "--until", "2"], ["--until is 2.0"]),
         (["contact", "-o", "c.csv"], ["c.csv", ".xlsx"]),
         (["positions", "--paper", "--times", "3"], ["--paper", "--times"]),
     ],
@@ -493,6 +500,17 @@ def test_bad_input_is_named_in_one_line(complaint, arguments, words, tmp_path, m
     for word in words:
         assert word in said
     assert os.listdir(tmp_path) == []
+
+
+def test_value_of_a_scenario_file_is_named_as_it_stands_there(complaint, tmp_path):
+    scenario = tmp_path / "s.toml"
+    scenario.write_text("head_spacing = 30\n")
+    assert "pymunk-dragon: head_spacing is 30.0, " in complaint("positions", "--scenario", scenario)
+    assert "pymunk-dragon: --head-spacing is 31.0, " in complaint(
+        "positions", "--scenario", scenario, "--head-spacing", "31"
+    )
+    (tmp_path / "v.csv").write_text("0,1\n1\n")
+    assert f"--speed {tmp_path / 'v.csv'}: line 2 must" in complaint("positions", "--speed", tmp_path / "v.csv")
 
 
 @pytest.mark.parametrize(

@@ -7,13 +7,15 @@ import os
 import signal
 import subprocess
 import sys
-import tempfile
+from importlib.metadata import version
+from pathlib import Path
 
 import pytest
 from conftest import assert_says
 
-from pymunk_dragon.errors import OutputError, ParameterError
-from pymunk_dragon.files import check_destination, written_in_place
+import pymunk_dragon
+from pymunk_dragon.errors import FileFormatError, OutputError, ParameterError
+from pymunk_dragon.files import check_destination, number_rows, written_in_place
 
 
 @pytest.fixture
@@ -148,7 +150,110 @@ def test_folder_without_permission_is_refused(tmp_path, monkeypatch):
     def refuse(*_, **__):
         raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
 
-    monkeypatch.setattr(tempfile, "mkstemp", refuse)
+    monkeypatch.setattr(os, "open", refuse)
     with pytest.raises(ParameterError) as caught:
         check_destination(tmp_path / "run.npz", [".npz"])
     assert_says(caught.value, "in a folder that can be written (Permission denied)")
+
+
+def test_replaced_file_keeps_its_mode(old_file):
+    for mode in (0o600, 0o640, 0o755, 0o444):
+        old_file.chmod(mode)
+        with written_in_place(old_file) as draft:
+            # What it is to be kept from cannot read the draft either.
+            assert draft.stat().st_mode & 0o777 & ~(mode | 0o600) == 0
+            draft.write_text("new")
+        assert old_file.stat().st_mode & 0o777 == mode
+
+
+def test_umask_of_the_process_is_never_changed(tmp_path, monkeypatch):
+    def refuse(*_):
+        raise AssertionError("the umask belongs to all threads")
+
+    monkeypatch.setattr(os, "umask", refuse)
+    with written_in_place(tmp_path / "new.txt") as draft:
+        draft.write_text("new")
+    assert names(tmp_path) == ["new.txt"]
+
+
+def test_symbolic_link_stays_and_its_file_is_replaced(tmp_path):
+    (tmp_path / "folder").mkdir()
+    file, link = tmp_path / "folder" / "file.gif", tmp_path / "link.gif"
+    link.symlink_to(Path("folder") / "file.gif")
+    for text in ("new", "newer"):  # At first it leads nowhere.
+        assert check_destination(link, [".gif"]) == link
+        with written_in_place(link) as draft:
+            draft.write_text(text)
+            assert draft.parent == file.parent
+        assert link.is_symlink()
+        assert file.read_text() == text
+    assert names(tmp_path) == ["folder", "link.gif"]
+    assert names(tmp_path / "folder") == ["file.gif"]
+
+
+def test_device_is_written_and_stays():
+    before = os.stat(os.devnull)
+    with written_in_place(os.devnull) as draft:
+        draft.write_text("new")
+    assert os.path.samestat(before, os.stat(os.devnull))
+    with pytest.raises(OutputError, match="No space left on device"), written_in_place("/dev/full") as draft:
+        draft.write_text("new")
+
+
+def test_device_needs_an_ending_only_where_there_is_a_choice():
+    assert check_destination("/dev/null", [".npz"]) == Path("/dev/null")
+    with pytest.raises(ParameterError, match=r"ends in \.csv or \.json"):
+        check_destination("/dev/null", [".csv", ".json"])
+
+
+@pytest.mark.parametrize("name", ["nul\0.npz", "x" * 300 + ".npz"])
+def test_impossible_name_is_refused(tmp_path, name):
+    with pytest.raises(ParameterError, match="a file that can be written"):
+        check_destination(tmp_path / name, [".npz"])
+
+
+def test_links_in_a_circle_are_refused(tmp_path):
+    circle = tmp_path / "circle.npz"
+    circle.symlink_to(circle)
+    with pytest.raises(ParameterError, match="symbolic links"):
+        check_destination(circle, [".npz"])
+    assert names(tmp_path) == ["circle.npz"]
+
+
+# Tables
+
+
+def table(tmp_path, text):
+    path = tmp_path / "table.csv"
+    path.write_text(text)
+    return number_rows(path, "points", ("x in m", "y in m"))
+
+
+def test_first_line_may_hold_names(tmp_path):
+    for head in ("x,y", "x", " x , y ,z", "x,", '"x","y"'):
+        assert table(tmp_path, f"{head}\n1,2\n") == ([2], [(1.0, 2.0)])
+
+
+@pytest.mark.parametrize("first", ["x,1", "1,y", "1", "1,2,3", ",1"])
+def test_first_line_that_is_half_text_is_an_error(tmp_path, first):
+    with pytest.raises(FileFormatError) as caught:
+        table(tmp_path, f"{first}\n1,2\n")
+    assert_says(caught.value, "line 1 must hold x in m and y in m", repr(first))
+
+
+def test_cell_that_is_too_long_is_an_error(tmp_path):
+    for text in ("1" * 131073, "x" * 131073):
+        with pytest.raises(FileFormatError) as caught:
+            table(tmp_path, f"1,2\n{text},2\n")
+        assert_says(caught.value, "line 2 must hold x in m and y in m")
+
+
+def test_file_without_end_is_refused_at_once():
+    with pytest.raises(FileFormatError, match=r"/dev/zero: larger than 4 MB"):
+        number_rows("/dev/zero", "points", ("x in m", "y in m"))
+
+
+def test_package_says_that_it_is_typed_and_which_version_it_is():
+    # What type checkers look for beside the modules.
+    assert (Path(pymunk_dragon.__file__).parent / "py.typed").is_file()
+    assert pymunk_dragon.__version__ == version("pymunk-dragon")

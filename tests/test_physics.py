@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import inspect
+import os
+import signal
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pymunk
@@ -544,3 +547,47 @@ def test_chain_that_flies_apart_is_an_error_not_a_run(seed_march, monkeypatch):
 def test_settings_are_documented():
     for name in inspect.signature(simulate).parameters:
         assert name in simulate.__doc__
+
+
+def test_signal_during_a_step_is_raised_after_it():
+    # Within a callback from C its exception would be printed and forgotten.
+    world = World(March(Dragon(benches=4)), Free(), start=0.0, substep=0.01, iterations=5)
+    recorder = Recorder(world.space, world.bodies, world.shapes, resolve=False)
+    handler = signal.getsignal(signal.SIGINT)
+    ended = False
+
+    def step():
+        nonlocal ended
+        with recorder.signals_held(), recorder.stepping():
+            os.kill(os.getpid(), signal.SIGINT)
+            world.space.step(0.01)
+            ended = True
+
+    with pytest.raises(KeyboardInterrupt):
+        step()
+    assert ended
+    assert signal.getsignal(signal.SIGINT) is handler
+
+
+def test_signal_in_a_callback_ends_the_callback():
+    seen = []
+
+    def on_event(event):
+        os.kill(os.getpid(), signal.SIGINT)
+        seen.append(event)
+
+    with pytest.raises(KeyboardInterrupt):
+        simulate(March(), start=412.3, on_event=on_event)
+    assert seen == []
+
+
+def test_step_outside_the_main_thread_leaves_signals_alone():
+    with ThreadPoolExecutor(1) as pool:
+        run = pool.submit(simulate, March(Dragon(benches=4)), until=0.1).result()
+    assert run.times[-1] == pytest.approx(0.1)
+
+
+def test_shortest_run_has_one_substep():
+    run = simulate(March(Dragon(benches=4)), until=1e-8)
+    assert run.provenance["substeps"] == 1
+    assert run.times.size == 2

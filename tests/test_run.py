@@ -5,11 +5,14 @@ from __future__ import annotations
 import errno
 import io
 import json
+import math
 import os
 import pickle
 import tempfile
+import tracemalloc
 import warnings
 import zipfile
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import FrozenInstanceError, asdict, replace
 from pathlib import Path
 
@@ -384,6 +387,102 @@ def test_file_that_cannot_be_read_is_a_bad_parameter(tmp_path, name):
         Run.load(tmp_path / name)
     assert caught.value.name == "run"
     assert "\n" not in str(caught.value)
+
+
+# Files that would take the memory, or open others
+
+
+def header(shape):
+    """An array's file that says it has a shape, and no more."""
+    file = io.BytesIO()
+    np.lib.format.write_array_header_1_0(file, {"descr": "<f8", "fortran_order": False, "shape": shape})
+    return file.getvalue()
+
+
+def archive_of(**contents):
+    """The archive of a saved run with other contents of some members."""
+    out = io.BytesIO()
+    with zipfile.ZipFile(io.BytesIO(WHOLE)) as old, zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as new:
+        for name in old.namelist():
+            new.writestr(name, contents.get(name.removesuffix(".npy"), old.read(name)))
+    return out.getvalue()
+
+
+def refusal(content):
+    """Message with which a file is refused, and the most memory that Python took for it, bytes."""
+    tracemalloc.start()
+    try:
+        with pytest.raises(FileFormatError) as caught:
+            load(content)
+        return str(caught.value), tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+
+
+@pytest.mark.parametrize(("name", "size"), [("poses", 600_000_000), ("notes", 40_000_000)])
+def test_archive_that_unpacks_to_more_than_a_run_is_refused_before_it_is_unpacked(name, size):
+    # The size of a member stands 22 bytes before its name in the directory at the end of an archive.
+    content = bytearray(WHOLE)
+    place = content.rindex(f"{name}.npy".encode()) - 22
+    content[place : place + 4] = size.to_bytes(4, "little")
+    message, memory = refusal(bytes(content))
+    assert "and no run does that" in message
+    assert memory < 10e6
+
+
+@pytest.mark.thorough
+def test_bomb_of_frames_that_fit_the_scenario_is_refused():
+    out, zeros = io.BytesIO(), bytes(1_000_000)
+    shapes = {"times": (10_000_000,), "poses": (10_000_000, 4, 3), "drift": (10_000_000, 4)}
+    with zipfile.ZipFile(io.BytesIO(WHOLE)) as old, zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as new:
+        new.writestr("notes.npy", old.read("notes.npy"))
+        for name, shape in shapes.items():
+            with new.open(f"{name}.npy", "w") as file:
+                file.write(header(shape))
+                for _ in range(8 * math.prod(shape) // len(zeros)):
+                    file.write(zeros)
+    assert out.tell() < 2e6
+    message, memory = refusal(out.getvalue())
+    assert "and no run does that" in message
+    assert memory < 10e6
+
+
+@pytest.mark.parametrize(
+    ("name", "shape"),
+    [("poses", (7, 4, 30_000_000)), ("poses", (10**12, 4, 3)), ("drift", (7, 10**9)), ("times", (10**9,))],
+)
+def test_size_that_an_array_claims_is_checked_before_memory_is_taken(name, shape):
+    message, memory = refusal(archive_of(**{name: header(shape)}))
+    assert f"its {name}" in message
+    assert memory < 10e6
+
+
+def test_device_without_end_is_no_run():
+    with pytest.raises(FileFormatError, match="/dev/zero: no run"):
+        Run.load("/dev/zero")
+
+
+def test_run_is_read_from_a_pipe(tmp_path):
+    os.mkfifo(tmp_path / "run.npz")
+    with ThreadPoolExecutor(1) as pool:
+        pool.submit((tmp_path / "run.npz").write_bytes, WHOLE)
+        assert Run.load(tmp_path / "run.npz").events == EVENTS
+
+
+@pytest.mark.parametrize("name", ["curve", "speed"])
+def test_loaded_run_opens_no_other_file(tmp_path, monkeypatch, name):
+    (tmp_path / "other.csv").write_text("0,1\n10,1\n20,2\n30,1\n")
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(FileFormatError) as caught:
+        load(notes(lambda values: values["scenario"].update({name: "other.csv"})))
+    assert_says(caught.value, name, "'other.csv'", "something else than the name of another file")
+
+
+def test_text_of_a_file_reaches_no_terminal_as_it_is():
+    with pytest.raises(FileFormatError) as caught:
+        load(notes(lambda values: values.update(format="\x1b]0;owned\x07\u202e\x9b31m")))
+    assert str(caught.value).isprintable()
+    assert r"\x1b]0;owned\x07\u202e\x9b31m" in str(caught.value)
 
 
 # Saving

@@ -203,6 +203,11 @@ BROKEN = {
     "no text": b"\xff\xfe\x00pitch",
     "a number of 5000 digits": b"benches = " + b"9" * 5000,
     "brackets in brackets": b"pitch = " + b"[" * 5000,
+    "a key of 100,000 parts": b"a." * 99_999 + b"a = 1",
+    "a key of 100,000 parts between quotes": b"'a'. \"b\" ." * 50_000 + b"a = 1",
+    "a table of 100,000 parts": b"[" + b"a." * 99_999 + b"a]",
+    "a table in a table": b"pitch = {" + b"a." * 99_999 + b"a = 1}",
+    "too large": b"# " + b"x" * 4_000_000,
 }
 
 
@@ -225,6 +230,36 @@ def test_toml_with_values_of_the_wrong_kind_is_refused(tmp_path, content):
     with pytest.raises(ParameterError) as caught:
         Scenario.from_mapping(Scenario.read(file))
     assert_says(caught.value, "but must be")
+
+
+def test_scenario_without_end_is_refused():
+    with pytest.raises(FileFormatError, match="/dev/zero: no TOML file: larger than 4 MB"):
+        Scenario.read("/dev/zero")
+
+
+def test_key_of_a_few_parts_and_long_lists_are_read(tmp_path):
+    file = tmp_path / "s.toml"
+    points = [[10.5 * x, 0.25] for x in range(50_000)]
+    file.write_text(f"# See example.com/a.b.c.\npoints = {points}\ncurve.kind.of = 1\n")
+    assert Scenario.read(file) == {"points": points, "curve": {"kind": {"of": 1}}}
+
+
+def test_file_of_points_may_hold_4_to_50000(tmp_path):
+    file = tmp_path / "path.csv"
+    for count in (3, 50_001):
+        file.write_text("".join(f"{x},0\n" for x in range(count)))
+        with pytest.raises(ParameterError) as caught:
+            Scenario(curve=str(file))
+        assert caught.value.name == "curve"
+        assert_says(caught.value, "path.csv", "4 to 50000 points")
+
+
+def test_line_of_an_impossible_point_is_named(tmp_path):
+    file = tmp_path / "path.csv"
+    file.write_text("x,y\n0,0\n\n10,0\n1e9,0\n30,0\n")
+    with pytest.raises(FileFormatError) as caught:
+        Scenario(curve=str(file))
+    assert_says(caught.value, "path.csv: line 5", "1000000000.0")
 
 
 def test_missing_scenario_file_is_named(tmp_path, monkeypatch):

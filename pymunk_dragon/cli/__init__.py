@@ -7,57 +7,93 @@ from __future__ import annotations
 
 import os
 import sys
+from contextlib import suppress
+from io import TextIOWrapper
 
 import click
 
 from pymunk_dragon.cli.contact import contact
 from pymunk_dragon.cli.demo import demo
 from pymunk_dragon.cli.figure import figure
-from pymunk_dragon.cli.options import PROGRAM
+from pymunk_dragon.cli.options import PROGRAM, named_flags
 from pymunk_dragon.cli.positions import positions
 from pymunk_dragon.cli.render import render
 from pymunk_dragon.cli.report import report
 from pymunk_dragon.cli.simulate import simulate
 from pymunk_dragon.cli.study import study
-from pymunk_dragon.errors import DragonError, FileFormatError, MissingExtraError, ParameterError, UnreachableError
+from pymunk_dragon.errors import (
+    DragonError,
+    FileFormatError,
+    MissingExtraError,
+    ParameterError,
+    UnreachableError,
+    one_line,
+)
 
-__all__ = ["cli", "main"]
+__all__ = ["cli", "main", "status"]
 
 DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 
 
 def main(arguments: list[str] | None = None) -> None:
     """Run the program and exit: 0 done, 1 failed while running, 2 bad input, 130 interrupted."""
-    sys.exit(_status(arguments))
+    sys.exit(status(arguments))
 
 
-def _status(arguments: list[str] | None) -> int:
+def status(arguments: list[str] | None = None) -> int:
+    """Run the program; its exit code."""
+    _open_streams()
     try:
-        cli.main(arguments, prog_name=PROGRAM, standalone_mode=False)
+        # Not `cli.main`, which writes an empty line of its own where it is interrupted.
+        with cli.make_context(PROGRAM, list(sys.argv[1:] if arguments is None else arguments)) as context:
+            cli.invoke(context)
         sys.stdout.flush()
         return DONE
+    except click.exceptions.Exit as end:
+        return end.exit_code
     except click.exceptions.NoArgsIsHelpError as error:
-        click.echo(error.format_message(), err=True)
-        return BAD_INPUT
-    except click.ClickException as error:
         return _complain(error.format_message(), BAD_INPUT)
+    except click.ClickException as error:
+        return _complain(f"{PROGRAM}: {one_line(error.format_message())}", BAD_INPUT)
     except (ParameterError, UnreachableError, FileFormatError, MissingExtraError) as error:
-        return _complain(str(error), BAD_INPUT)
+        return _complain(f"{PROGRAM}: {error}", BAD_INPUT)
     except DragonError as error:
-        return _complain(str(error), FAILED)
-    except (KeyboardInterrupt, click.Abort):
-        return _complain("interrupted", INTERRUPTED)
+        return _complain(f"{PROGRAM}: {error}", FAILED)
+    except KeyboardInterrupt:
+        return _complain(f"{PROGRAM}: interrupted", INTERRUPTED)
     except BrokenPipeError:
-        # Whoever read our output has seen enough. Python would complain once more when it flushes at exit.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        # Whoever read our output has seen enough.
+        _drop_output()
         return FAILED
+    except OSError as error:
+        # Nearly always the standard output: what reads and writes files raises errors of the package.
+        _drop_output()
+        what = f"{error.filename}: " if error.filename else ""
+        return _complain(f"{PROGRAM}: cannot read or write: {what}{error.strerror or error}", FAILED)
     except MemoryError:
-        return _complain("not enough memory for a dragon of this size", FAILED)
+        return _complain(f"{PROGRAM}: not enough memory for a dragon of this size", FAILED)
 
 
-def _complain(message: str, status: int) -> int:
-    click.echo(f"{PROGRAM}: " + " ".join(message.split()), err=True)
-    return status
+def _open_streams() -> None:
+    """Give Python the standard streams that it lacks, and make the output write any text."""
+    for name, mode in (("stdout", "r"), ("stderr", "w")):
+        if getattr(sys, name) is None:
+            # An output that was closed stays unwritable, an error that nobody sees is no other error.
+            setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))  # noqa: SIM115
+    if isinstance(sys.stdout, TextIOWrapper) and sys.stdout.errors == "strict":
+        sys.stdout.reconfigure(errors="backslashreplace")
+
+
+def _drop_output() -> None:
+    """Forget what the output could not write: Python would complain once more when it flushes at exit."""
+    with suppress(OSError):  # Where a test has put something else in its place.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def _complain(message: str, code: int) -> int:
+    with suppress(OSError):
+        click.echo(message, err=True)
+    return code
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
@@ -67,4 +103,6 @@ def cli() -> None:
 
 
 for command in (positions, contact, simulate, render, figure, report, study, demo):
+    assert command.callback is not None
+    command.callback = named_flags(command.callback)
     cli.add_command(command)

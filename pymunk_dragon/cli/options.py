@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from pymunk_dragon.errors import ParameterError
+from pymunk_dragon.errors import FileFormatError, ParameterError
 
 if TYPE_CHECKING:
     from pymunk_dragon.march import March
@@ -21,6 +22,7 @@ __all__ = [
     "destination_of",
     "json_option",
     "march_of",
+    "named_flags",
     "number_list",
     "output_option",
     "run_of",
@@ -88,6 +90,38 @@ def chosen() -> dict[str, Any]:
     """The scenario options that were given as flags."""
     found: dict[str, Any] = click.get_current_context().meta.get("scenario", {})
     return found
+
+
+def named_flags(command: Command) -> Command:
+    """Let errors of a command name the flags of its options, where they name the parameters that these are given to."""
+
+    @wraps(command)
+    def called(*arguments: Any, **options: Any) -> Any:
+        try:
+            return command(*arguments, **options)
+        except (ParameterError, FileFormatError) as error:
+            raise _named_by_flag(error) from error
+
+    return called  # type: ignore[return-value]  # It takes and returns the same.
+
+
+def _named_by_flag(error: ParameterError | FileFormatError) -> Exception:
+    context = click.get_current_context()
+    values = context.params | chosen()
+    for option in context.command.params:
+        if not isinstance(option, click.Option):
+            continue
+        name, flag = str(option.name), option.opts[0]
+        if isinstance(error, FileFormatError):
+            if values.get(name) == str(error.path):
+                return FileFormatError(f"{flag} {error.path}", error.reason)
+        elif error.name in (name, flag.lstrip("-").replace("-", "_")):
+            # What was not typed as a flag stands in a scenario's file, which has no flags.
+            if name not in SCENARIO_OPTIONS or name in values:
+                return ParameterError(flag, error.value, error.bound)
+        elif option.is_flag and isinstance(error.value, str) and error.value == name:
+            return click.UsageError(f"{flag} must be {error.bound}")
+    return error
 
 
 def march_of(scenario_file: str | None) -> March:

@@ -39,7 +39,7 @@ MARCH_FILM = 60.0
 PLAYER_STRIDE = 0.1
 # What pages and stills have no use for.
 OF_FILMS = ("speedup", "fps", "hold", "workers")
-OF_PICTURES = ("exact", "size", "camera", "span", "caption", "font", *MARKS)
+OF_PICTURES = ("exact", "size", "follow", "span", "caption", "font", *MARKS)
 # Processes beside the first one; more have nothing to do but wait for it.
 MOST_WORKERS = 3
 
@@ -71,7 +71,9 @@ def marks() -> tuple[Any, ...]:
 @click.option("--speedup", type=float, metavar="X", help="Simulated seconds in a second of film.  [20]")
 @click.option("--fps", type=int, metavar="N", help="Frames in a second, at most 60, and 50 in a GIF.  [10]")
 @click.option("--size", metavar="PIXELS", help="Width and height: 440, or 640x360.  [440]")
-@click.option("--camera", default="field", metavar="NAME", help="field: stand still; head: follow it.  [field]")
+@click.option(
+    "--camera", "follow", default="field", metavar="NAME", help="field: stand still; head: follow it.  [field]"
+)
 @click.option("--span", type=float, metavar="M", help="Width of the ground in view, m.")
 @click.option("--hold", type=float, metavar="T", help="How long the last frame stays, s.  [1]")
 @mark_options
@@ -87,7 +89,7 @@ def render(
     run_files: tuple[str, ...],
     scenario_file: str | None,
     exact: bool,
-    camera: str,
+    follow: str,
     span: float | None,
     size: str | None,
     workers: int | None,
@@ -109,7 +111,7 @@ def render(
     sources = _sources(run_files, scenario_file, exact)
     if isinstance(sources[0], March):
         given.setdefault("until", min(given.get("since", 0.0) + MARCH_FILM, sources[0].end))
-    view = Camera(follow=camera, span=span)  # type: ignore[arg-type]  # Camera checks the word.
+    view = Camera(follow=follow, span=span)  # type: ignore[arg-type]  # Camera checks the word.
     film = Film(camera=view, show=marks(), **given)
     if ending in PLAYER_ENDINGS:
         _refuse("a page", *OF_FILMS, *OF_PICTURES)
@@ -162,10 +164,10 @@ def _sources(run_files: tuple[str, ...], scenario_file: str | None, exact: bool)
 def _refuse(what: str, *names: str) -> None:
     """Complain of options that were given, but have no meaning for `what` is written."""
     context = click.get_current_context()
-    for name in names:
-        if context.get_parameter_source(name) is click.core.ParameterSource.COMMANDLINE:
-            flag = "from" if name == "since" else name
-            raise click.UsageError(f"{what} has no --{flag}: leave it out, or write a film")
+    for option in context.command.params:
+        given = context.get_parameter_source(str(option.name)) is click.core.ParameterSource.COMMANDLINE
+        if given and option.name in names:
+            raise click.UsageError(f"{what} has no {option.opts[0]}: leave it out, or write a film")
 
 
 def _spare_cores() -> int:

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from pymunk_dragon.curves.base import Array
 from pymunk_dragon.curves.cells import Cells, bend, cut, speed, travelled
 from pymunk_dragon.curves.places import FARTHEST, overlap, within
-from pymunk_dragon.errors import ParameterError
+from pymunk_dragon.errors import FileFormatError, ParameterError
 from pymunk_dragon.extras import library
 from pymunk_dragon.files import number_rows
 
@@ -89,14 +89,20 @@ class Sampled:
         Raises
         ------
         ParameterError
-            If there is no such file, if it cannot be read, or as for `Sampled`.
+            If there is no such file, if it cannot be read, or if it holds too few points for `Sampled`, or too many.
         FileFormatError
-            If a line is not two numbers.
+            If a line is not two numbers, or they are no point for `Sampled`.
         MissingExtraError
             If SciPy is not installed.
         """
-        _, rows = number_rows(path, "points", ("x in m", "y in m"))
-        return cls(np.array(rows))
+        lines, rows = number_rows(path, "curve", ("x in m", "y in m"))
+        try:
+            return cls(np.array(rows))
+        except ParameterError as error:
+            number = error.name.removeprefix("point ")
+            if number.isdigit():
+                raise FileFormatError(path, f"line {lines[int(number) - 1]}: {error}") from error
+            raise ParameterError("curve", str(path), error.bound) from error
 
     @property
     def begin(self) -> float:

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from types import FrameType
 from typing import Any, Literal
 
 import pymunk
@@ -14,14 +18,17 @@ __all__ = ["Contacts", "Recorder", "manifold"]
 # What to do about contacts: end the run, play on and record, or let the engine push the benches apart.
 Contacts = Literal["stop", "report", "resolve"]
 
+# Signals that may end the program, where the system has them.
+HANDLED = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
+
 Vector = tuple[float, float]
 
 
 class Recorder:
     """Logs every collision callback of a space as a `ContactEvent`.
 
-    Pymunk calls back from C, where an exception would be printed and forgotten: it is kept here, and `check` raises
-    it once the step is over.
+    Pymunk calls back from C, where an exception would be printed and forgotten: it is kept here, and `stepping`
+    raises it once the step is over.
 
     Parameters
     ----------
@@ -53,7 +60,9 @@ class Recorder:
         self._resolve = resolve
         self._on_event = on_event
         self._failure: BaseException | None = None
-        self._closed = False
+        self._closed = self._stepping = self._logging = False
+        self._handlers: dict[int, Any] = {}
+        self._held: list[int] = []
         space.on_collision(
             begin=self._callback("begin"),
             pre_solve=self._callback("pre_solve"),
@@ -65,8 +74,40 @@ class Recorder:
         """Stop logging: a space that is taken apart reports a last `separate` of everything that still touches."""
         self._closed = True
 
-    def check(self) -> None:
-        """Raise what was raised inside a callback of the last step."""
+    @contextmanager
+    def signals_held(self) -> Iterator[None]:
+        """Have handlers of signals that come during the steps in here wait for the end of the step.
+
+        Python runs them when C calls back, before the first line of a callback: what they raise there is lost.
+        """
+        if threading.current_thread() is threading.main_thread():
+            self._handlers = {number: found for number in HANDLED if callable(found := signal.getsignal(number))}
+
+        def handle(number: int, frame: FrameType | None) -> None:
+            if self._stepping and not self._logging:
+                self._held.append(number)
+            else:
+                self._handlers[number](number, frame)
+
+        try:
+            for number in self._handlers:
+                signal.signal(number, handle)
+            yield
+        finally:
+            for number, handler in self._handlers.items():
+                signal.signal(number, handler)
+
+    @contextmanager
+    def stepping(self) -> Iterator[None]:
+        """Step the space in here; what was held, or raised inside a callback, is raised at the end."""
+        self._stepping = True
+        try:
+            yield
+        finally:
+            self._stepping = False
+        while self._held:
+            number = self._held.pop()
+            self._handlers[number](number, None)
         if self._failure is not None:
             failure, self._failure = self._failure, None
             raise failure
@@ -76,9 +117,12 @@ class Recorder:
             if self._closed or self._failure is not None:
                 return
             try:
+                self._logging = True
                 self._log(phase, arbiter)
             except BaseException as failure:  # Ctrl-C too arrives here, and must not be lost either.
                 self._failure = failure
+            finally:
+                self._logging = False
 
         return callback
 

@@ -133,7 +133,8 @@ def simulate(
     recorder = Recorder(world.space, world.bodies, world.shapes, resolve=contacts != "report", on_event=on_event)
     loop = _Loop(world, recorder, contacts, start, fastest, max(1, round(frame_interval / substep)))
     try:
-        loop.play(until, progress)
+        with recorder.signals_held():
+            loop.play(until, progress)
     finally:
         recorder.close()
     settings = {
@@ -205,8 +206,8 @@ class _Loop:
 
     def play(self, until: float, progress: Callable[[float, float], None] | None) -> None:
         """Step until the time is over, the curve ends, or the first contact ends the run."""
-        # A millionth of a substep more or less is rounding, not another substep.
-        total = math.ceil((until - self._start) / self._world.substep - 1e-6)
+        # A millionth of a substep more or less is rounding, not another substep; but there is at least one.
+        total = max(1, math.ceil((until - self._start) / self._world.substep - 1e-6))
         begin = perf_counter()
         # A chain that flies apart is found by `_keep`, in the next frame; until then NumPy need not warn of it.
         with np.errstate(all="ignore"):
@@ -274,10 +275,10 @@ class _Loop:
         begin_time = self.time
         self.substeps += 1
         recorder.time = self.time
-        begin = perf_counter()
-        world.space.step(world.substep)
-        self.step_seconds += perf_counter() - begin
-        recorder.check()
+        with recorder.stepping():
+            begin = perf_counter()
+            world.space.step(world.substep)
+            self.step_seconds += perf_counter() - begin
         before = (world.poses.copy(), world.velocities.copy()) if recorder.begun else None
         world.read()
         if before is not None:

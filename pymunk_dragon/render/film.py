@@ -173,7 +173,7 @@ class Film:
         finite("since", since, begin, end, "s")
         finite("until", until, begin, end, "s")
         if until < since:
-            raise ParameterError("until", until, f"at least since, {since:g} s")
+            raise ParameterError("until", until, f"no earlier than the first time, {since:g} s")
         return since, until
 
 

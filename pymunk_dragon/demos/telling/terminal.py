@@ -117,7 +117,7 @@ def check_output(language: str) -> None:
     """
     encoding = sys.stdout.encoding or "utf-8"
     try:
-        word("pause", language).encode(encoding, sys.stdout.errors or "strict")
+        word("pause", language).encode(encoding)
     except UnicodeEncodeError as error:
         bound = f"a language that {encoding} can write; PYTHONIOENCODING=utf-8 in the environment writes all"
         raise ParameterError("lang", language, bound) from error

@@ -40,7 +40,7 @@ def drift(run: Run) -> Figure:
     """How far the engine is from the exact model: over time, and along the dragon."""
     if run.provenance.get("player") == "exact":
         raise ParameterError("run", "one of the exact model", "one of the engine, which alone drifts")
-    if not run.max_drift > 0:
+    if len(run.times) == 1 or not run.max_drift > 0:
         raise ParameterError("run", "one without a drift", "one that the engine has played for a while")
     scale, unit = next((scale, unit) for least, scale, unit in UNITS if run.max_drift >= least)
     figure = page(

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from PIL import ImageFont
 
 from pymunk_dragon.extras import library
+from pymunk_dragon.files import written_in_place
 from pymunk_dragon.render.palette import Palette
 
 if TYPE_CHECKING:
@@ -93,6 +94,8 @@ def styled() -> Iterator[None]:
     ------
     MissingExtraError
         If matplotlib is not installed.
+    OutputError
+        If the fonts, or matplotlib's list of them, cannot be written to the disk.
     """
     matplotlib = library("matplotlib")
     # The films' face first; what it has no glyph for, as µ, comes from the one that matplotlib brings.
@@ -106,8 +109,7 @@ def styled() -> Iterator[None]:
 @cache
 def _face() -> str:
     """Name of the face that Pillow brings and the films are set in, made known to matplotlib."""
-    from matplotlib.font_manager import fontManager
-
+    fonts = library("matplotlib.font_manager").fontManager
     # Where Pillow was built without FreeType there is none, and the films are set in dots.
     font: Any = ImageFont.load_default(TITLE_SIZE)
     if not hasattr(font, "font_bytes"):
@@ -116,8 +118,9 @@ def _face() -> str:
     folder = tempfile.TemporaryDirectory(prefix="pymunk-dragon-")
     atexit.register(folder.cleanup)
     file = Path(folder.name) / "face.ttf"
-    file.write_bytes(font.font_bytes)
-    fontManager.addfont(file)
+    with written_in_place(file) as draft:
+        draft.write_bytes(font.font_bytes)
+    fonts.addfont(file)
     return str(font.getname()[0])
 
 
