@@ -239,8 +239,8 @@ def test_program_writes_notebooks_and_programs(call, tmp_path):
         (["spiral", "--save", ""], ["save is ''", "a folder that can be written"]),
         (["--save", "pictures"], ["--save", "a lesson that is played"]),
         (["spiral", "--pause", "-o", "spiral.html"], ["--pause", "a lesson that is played"]),
-        (["-o", "all.ipynb"], ["output is 'all.ipynb'", ".html"]),
-        (["spiral", "-o", "spiral.pdf"], ["output is 'spiral.pdf'", ".html or .ipynb or .py"]),
+        (["-o", "all.ipynb"], ["-o is 'all.ipynb'", ".html"]),
+        (["spiral", "-o", "spiral.pdf"], ["-o is 'spiral.pdf'", ".html or .ipynb or .py"]),
     ],
 )
 def test_bad_input_is_one_line(call, arguments, words):

@@ -244,8 +244,9 @@ def test_key_of_a_few_parts_and_long_lists_are_read(tmp_path):
     assert Scenario.read(file) == {"points": points, "curve": {"kind": {"of": 1}}}
 
 
-def test_file_of_points_may_hold_4_to_50000(tmp_path):
-    file = tmp_path / "path.csv"
+def test_file_of_points_may_hold_4_to_50000(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    file = Path("path.csv")
     for count in (3, 50_001):
         file.write_text("".join(f"{x},0\n" for x in range(count)))
         with pytest.raises(ParameterError) as caught:

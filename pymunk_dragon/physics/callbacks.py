@@ -2,24 +2,19 @@
 
 from __future__ import annotations
 
-import signal
-import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from types import FrameType
 from typing import Any, Literal
 
 import pymunk
 
 from pymunk_dragon.contact import ContactEvent, Phase
+from pymunk_dragon.signals import signals_held
 
 __all__ = ["Contacts", "Recorder", "manifold"]
 
 # What to do about contacts: end the run, play on and record, or let the engine push the benches apart.
 Contacts = Literal["stop", "report", "resolve"]
-
-# Signals that may end the program, where the system has them.
-HANDLED = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
 
 Vector = tuple[float, float]
 
@@ -61,8 +56,7 @@ class Recorder:
         self._on_event = on_event
         self._failure: BaseException | None = None
         self._closed = self._stepping = self._logging = False
-        self._handlers: dict[int, Any] = {}
-        self._held: list[int] = []
+        self._release: Callable[[], None] = lambda: None
         space.on_collision(
             begin=self._callback("begin"),
             pre_solve=self._callback("pre_solve"),
@@ -80,34 +74,19 @@ class Recorder:
 
         Python runs them when C calls back, before the first line of a callback: what they raise there is lost.
         """
-        if threading.current_thread() is threading.main_thread():
-            self._handlers = {number: found for number in HANDLED if callable(found := signal.getsignal(number))}
-
-        def handle(number: int, frame: FrameType | None) -> None:
-            if self._stepping and not self._logging:
-                self._held.append(number)
-            else:
-                self._handlers[number](number, frame)
-
-        try:
-            for number in self._handlers:
-                signal.signal(number, handle)
+        with signals_held(lambda: self._stepping and not self._logging) as release:
+            self._release = release
             yield
-        finally:
-            for number, handler in self._handlers.items():
-                signal.signal(number, handler)
 
     @contextmanager
     def stepping(self) -> Iterator[None]:
-        """Step the space in here; what was held, or raised inside a callback, is raised at the end."""
+        """Step the space in here; what waited, or was raised inside a callback, is raised at the end."""
         self._stepping = True
         try:
             yield
         finally:
             self._stepping = False
-        while self._held:
-            number = self._held.pop()
-            self._handlers[number](number, None)
+        self._release()
         if self._failure is not None:
             failure, self._failure = self._failure, None
             raise failure

@@ -21,6 +21,7 @@ from pymunk_dragon.render.moments import Moment
 from pymunk_dragon.render.sheet import Sheet
 from pymunk_dragon.render.streams import Stream
 from pymunk_dragon.render.streams.base import Patch, PatchStream, Table
+from pymunk_dragon.signals import ENDING, signals_held
 
 __all__ = ["expose"]
 
@@ -130,6 +131,9 @@ _darkroom: Darkroom
 def _move_in(darkroom: Darkroom) -> None:
     global _darkroom
     _darkroom = darkroom
+    if hasattr(signal, "pthread_sigmask"):
+        # Held while this process started; now they may end it. Ctrl-C is for the one that asked for the patches.
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, set(ENDING) - {signal.SIGINT})
     threading.Thread(target=_follow_parent, daemon=True).start()
 
 
@@ -143,20 +147,22 @@ def _follow_parent() -> None:
 
 @contextmanager
 def _interrupts_held() -> Iterator[None]:
-    """Let Ctrl-C wait; a process that is started meanwhile will never hear of it.
+    """Let signals wait: a process that is started needs all that this one is writing to it.
 
-    A terminal sends it to all processes. The one that asked for the patches tells the others to stop.
+    It will never hear of Ctrl-C, which a terminal sends to all processes. The one that asked for the patches tells the
+    others to stop.
     """
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
     # It would let interrupts through when it starts, and it starts before the first process does.
     resource_tracker.ensure_running()
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+    with signals_held():
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, ENDING)
+        try:
+            yield
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _patches(before: View | None, batch: Sequence[View]) -> list[Patch | None]:

@@ -1,0 +1,47 @@
+"""Signals that wait while code runs that must not be left in the middle."""
+
+from __future__ import annotations
+
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from types import FrameType
+from typing import Any
+
+__all__ = ["ENDING", "signals_held"]
+
+# Signals that end a program, where the system has them.
+ENDING = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
+
+
+@contextmanager
+def signals_held(holds: Callable[[], bool] = lambda: True) -> Iterator[Callable[[], None]]:
+    """Have the handlers of signals wait while `holds` is true; gives a function that runs those that wait.
+
+    The function is also called at the end. Outside the main thread, which runs all handlers, nothing is changed.
+    """
+    handlers: dict[int, Any] = {}
+    if threading.current_thread() is threading.main_thread():
+        handlers = {number: found for number in ENDING if callable(found := signal.getsignal(number))}
+    held: list[int] = []
+
+    def handle(number: int, frame: FrameType | None) -> None:
+        if holds():
+            held.append(number)
+        else:
+            handlers[number](number, frame)
+
+    def release() -> None:
+        while held:
+            number = held.pop()
+            handlers[number](number, None)
+
+    try:
+        for number in handlers:
+            signal.signal(number, handle)
+        yield release
+    finally:
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
+    release()
