@@ -99,6 +99,6 @@ def _rebuilt(kind: type[DragonError], args: tuple[Any, ...], state: dict[str, An
 def _shown(value: object) -> str:
     try:
         text = repr(value)
-    except ValueError:  # Python refuses to write out an integer of more than 4300 digits.
+    except (ValueError, RecursionError):  # An integer of more than 4300 digits; lists in thousands of lists.
         return f"a {type(value).__name__} that cannot be shown"
     return text if len(text) <= MAX_SHOWN else text[: MAX_SHOWN - 3] + "..."

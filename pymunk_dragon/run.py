@@ -22,7 +22,7 @@ from pymunk_dragon.files import check_destination, written_in_place
 from pymunk_dragon.march import March
 from pymunk_dragon.scenario import Scenario
 
-__all__ = ["HEAD_BENCHES", "RUN_ENDINGS", "Outcome", "Run", "versions"]
+__all__ = ["HEAD_BENCHES", "RUN_ENDINGS", "Outcome", "Run", "check_saveable", "versions"]
 
 Array = NDArray[np.float64]
 T = TypeVar("T", Contact, ContactEvent)
@@ -138,7 +138,7 @@ class Run(Displayed):
         Raises
         ------
         ParameterError
-            If the ending is not .npz, or the folder cannot be written.
+            If the ending is not .npz, the folder cannot be written, or the march has no scenario: see `check_saveable`.
         OutputError
             If writing fails.
         """
@@ -204,6 +204,28 @@ class Run(Displayed):
             outcome=notes["outcome"],
             provenance=dict(notes["provenance"]),
         )
+
+
+def check_saveable(march: March) -> None:
+    """Check that a run of a march can be saved, before the run is made.
+
+    Every curve and speed of the package can be saved. A curve of a class of your own and a speed that is a function
+    cannot, because a file holds values and no code.
+
+    Raises
+    ------
+    ParameterError
+        If `Run.save` would refuse a run of this march: names the part that cannot be written down.
+
+    Examples
+    --------
+    >>> from pymunk_dragon import March
+    >>> check_saveable(March())
+    >>> check_saveable(March(speed=lambda t: 1 + 0 * t))  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+    pymunk_dragon.errors.ParameterError: speed is <function ...>, but must be a number or a table to be written down...
+    """
+    Scenario.of(march)
 
 
 def versions() -> dict[str, str]:
