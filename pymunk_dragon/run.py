@@ -14,12 +14,13 @@ from typing import Any, Literal, TypeVar, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from pymunk_dragon.checks import word
 from pymunk_dragon.contact import PHASES, Contact, ContactEvent, ContactLog
 from pymunk_dragon.display import Displayed
 from pymunk_dragon.dragon import interpolated
 from pymunk_dragon.errors import DragonError, FileFormatError, ParameterError
 from pymunk_dragon.files import check_destination, written_in_place
-from pymunk_dragon.march import March
+from pymunk_dragon.march import March, check_march
 from pymunk_dragon.scenario import Scenario
 
 __all__ = ["HEAD_BENCHES", "RUN_ENDINGS", "Outcome", "Run", "check_saveable", "versions"]
@@ -83,6 +84,7 @@ class Run(Displayed):
     timing: Mapping[str, float] = field(default_factory=dict, compare=False)
 
     def __post_init__(self) -> None:
+        check_march(self.march)
         frames, benches = len(self.times), self.march.dragon.benches
         shapes = {"times": (frames,), "poses": (frames, benches, 3), "drift": (frames, benches)}
         if self.joint_impulses is not None:
@@ -96,12 +98,12 @@ class Run(Displayed):
             object.__setattr__(self, name, array)
         if not frames or not np.all(np.isfinite(self.times)) or np.any(np.diff(self.times) < 0):
             raise DragonError("a run's times are not finite and rising, or there are none")
-        if self.outcome not in get_args(Outcome):
-            raise DragonError(f"a run's outcome is {self.outcome!r}, but must be one of {get_args(Outcome)}")
+        word("outcome", self.outcome, get_args(Outcome))
 
     @classmethod
     def exact(cls, march: March, times: ArrayLike) -> Run:
         """The exact model's run, frame by frame, without a look at contacts."""
+        check_march(march)
         states = march.at(times)
         drift = np.zeros(states.poses.shape[:2])
         provenance = {"player": "exact", "versions": versions()}

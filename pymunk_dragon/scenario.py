@@ -11,7 +11,7 @@ from typing import Any
 from pymunk_dragon.curves import KINDS, Curve, Sampled, from_table, to_table
 from pymunk_dragon.dragon import BENCHES, Dragon, Sizes
 from pymunk_dragon.errors import FileFormatError, ParameterError
-from pymunk_dragon.march import March
+from pymunk_dragon.march import March, check_march
 from pymunk_dragon.speed import ConstantSpeed, SpeedTable, speed_of
 
 __all__ = ["Scenario"]
@@ -146,6 +146,7 @@ class Scenario:
         ParameterError
             If it cannot be written down: a curve of a class of your own, or a speed that is a function.
         """
+        check_march(march)
         return cls(**_values(march))
 
     def march(self) -> March:

@@ -13,7 +13,7 @@ from pymunk.batch import BodyFields
 
 from pymunk_dragon.dragon import Dragon
 from pymunk_dragon.errors import UnreachableError
-from pymunk_dragon.march import March, States
+from pymunk_dragon.march import March, States, check_march
 
 __all__ = ["DRAG", "Joiner", "World", "bench_mass", "bench_shape"]
 
@@ -112,6 +112,7 @@ class World:
     def __init__(
         self, march: March, guide: Joiner, *, start: float, substep: float, iterations: int, top_speed: float = 1.0
     ) -> None:
+        check_march(march)
         self.march = march
         self.substep = substep
         self.space = pymunk.Space()
