@@ -222,6 +222,6 @@ def _points(path: str) -> Any:
     try:
         return Sampled.read(path).points
     except ParameterError as error:
-        if error.value == path:
+        if error.name == "points":
             raise ParameterError("curve", path, error.bound) from error
         raise

@@ -218,6 +218,14 @@ def test_curve_and_speed_may_be_files_beside_the_scenario(tmp_path):
     assert Scenario(benches=5, curve=str(tmp_path / "path.csv"), speed=TABLE) == scenario
 
 
+def test_file_of_too_few_points_is_refused(tmp_path):
+    (tmp_path / "path.csv").write_text("0,0\n10,0\n20,1\n")
+    with pytest.raises(ParameterError) as caught:
+        Scenario(curve=str(tmp_path / "path.csv"))
+    assert caught.value.name == "curve"
+    assert_says(caught.value, "path.csv", "4 to 50000 points")
+
+
 def test_lists_and_tables_stand_in_a_toml_file(tmp_path):
     (tmp_path / "s.toml").write_text(
         "body_spacing = [3, 2.0]\nwidth = [0.4, 0.5, 0.3]\nspeed = [[0, 1], [20, 2.5], [25, 0.5]]"
