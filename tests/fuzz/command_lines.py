@@ -183,8 +183,35 @@ COMMANDS: dict[str, tuple[list[st.SearchStrategy], Options, Options]] = {
         },
     ),
 }
-# Values that are no number, or none of the range: where a number bounds the work, a larger one is a longer run.
-SMALL = [value for value in BAD_NUMBERS if value != "1_0"]
+# Values at the ends of their ranges and beyond, but none that asks for hours of work.
+EXTREMES = {
+    "--head-spacing": ["0.001", "100", "1e-300", "1e300"],
+    "--body-spacing": ["0.001", "100", "1e-300", "1e300"],
+    "--overhang": ["0.001", "0.5", "100", "1e-300"],
+    "--width": ["0.001", "1", "100", "1e-300"],
+    "--pitch": ["0.001", "0.30001", "1000", "1e300"],
+    "--turns": ["1e-300", "0.001", "1", "1000", "1e300"],
+    "--radius": ["0.1", "100", "1e300"],
+    "--ratio": ["0.02", "50", "1e-300"],
+    "--speed": ["1e-6", "20", "1e-300", "1e300"],
+    "--times": ["1e300", "-1e5", "-99999", "0:1:1e-4", "0:1e-300:1e-303", "0:1e300:1e297", "442.59", "1e16", "0,0"],
+    "--handles": ["0:2:0.5", "0,0,0", "4:0:1", "1e300", "0:1e300:1e300"],
+    "--from": ["-1e5", "442.59", "1e300", "1e-300", "-1e300"],
+    "--until": ["1e-8", "1e-300", "5e-324", "-1e300"],
+    "--step": ["1e-300", "1e-12", "1e300"],
+    "--tolerance": ["5e-324", "1e-300", "1e-17", "1e300"],
+    "--substep": ["1e-5", "0.1", "1e-300", "1e300"],
+    "--iterations": ["1000", "1" + "0" * 30],
+    "--frame-interval": ["1e-300", "1e-12", "1e9", "1e300"],
+    "--speedup": ["1e6", "1e-6", "1e-300"],
+    "--hold": ["60", "1e-300"],
+    "--span": ["0.1", "1e5", "1e300"],
+    "--size": ["63", "1024", "64x1024", "1024x64", "1e3", "64x64x64", "2049"],
+    "--fps": ["50", "51", "60", "1" + "0" * 30],
+    "--limit": ["1", "1.0000001", "20", "1e9", "1e-300"],
+    "--fastest": ["1", "1e-300", "1e300"],
+    "--title": ["x" * 500, "x" * 501, "\x1b[31m", "\u202e", " " * 99],
+}
 
 
 @st.composite
@@ -223,8 +250,10 @@ def changed(draw: st.DrawFn, parts: list[list[str]]) -> None:
         return
     part = parts[draw(st.integers(0, len(parts) - 1))]
     match draw(st.integers(0, 9)):
-        case 0 | 1 | 2 | 3:
-            part[-1] = draw(st.sampled_from(SMALL))
+        case 0 | 1:
+            part[-1] = draw(st.sampled_from(BAD_NUMBERS))
+        case 2 | 3:
+            part[-1] = draw(st.sampled_from(EXTREMES.get(part[0], BAD_NUMBERS)))
         case 4 | 5:
             part[-1] = draw(st.sampled_from(NAMES))
         case 6:

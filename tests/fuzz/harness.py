@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import faulthandler
-import gc
 import hashlib
 import json
 import multiprocessing
@@ -194,7 +193,6 @@ def _serve(connection: Connection, log: str, program: tuple[str, str], patience:
             faulthandler.enable(hang)
             connection.send(_run(main, arguments, folder, said))
             faulthandler.cancel_dump_traceback_later()
-            gc.collect()
 
 
 def _run(main: Callable[[list[str]], None], arguments: tuple[str, ...], folder: str, said: int) -> tuple[object, ...]:
