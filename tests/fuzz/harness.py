@@ -176,7 +176,8 @@ def _place(text: str) -> str:
 
 def _serve(connection: Connection, log: str, program: tuple[str, str], patience: float) -> None:
     """Run the cases that come in through `connection`, until it is closed."""
-    resource.setrlimit(resource.RLIMIT_AS, (MAX_ADDRESSES, MAX_ADDRESSES))
+    with suppress(OSError, ValueError):  # Not every system can do that.
+        resource.setrlimit(resource.RLIMIT_AS, (MAX_ADDRESSES, MAX_ADDRESSES))
     # Threads of a linear algebra library reserve gigabytes of addresses.
     os.environ["OPENBLAS_NUM_THREADS"] = "1"
     os.dup2(os.open(os.devnull, os.O_RDONLY), 0)

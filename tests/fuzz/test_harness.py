@@ -62,4 +62,3 @@ def test_large_work_is_found(worker, monkeypatch, behaviour, limit, words):
     monkeypatch.setattr(f"harness.MAX_{limit}", {"SECONDS": 0.05, "MEMORY": 250_000_000}[limit])
     [one] = found(worker, behaviour)
     assert one.startswith(words)
-    assert found(worker, "good", "-o", "old.json") == []
