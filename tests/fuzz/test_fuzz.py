@@ -19,6 +19,7 @@ from harness import Case, Worker, faults
 from hypothesis import strategies as st
 
 CASES = int(os.environ.get("FUZZ_CASES", "0"))
+REPEATS = 4
 KINDS = {
     "command-lines": command_lines.cases(),
     "scenario-files": scenario_files.cases(),
@@ -34,14 +35,16 @@ def worker() -> Iterator[Worker]:
 
 
 def found_in(worker: Worker, cases: st.SearchStrategy[Case], count: int) -> dict[str, str]:
-    """Run `count` cases: each fault, with the shortest case that has it."""
+    """Run `count` cases, no two of them the same: each fault, with the shortest case that has it."""
     found: dict[str, str] = {}
+    seen: set[int] = set()
     slowest = (0.0, Case(()))
     largest = 0
     codes: dict[object, int] = {}
 
     @hypothesis.settings(
-        max_examples=count,
+        # Hypothesis tries many cases again.
+        max_examples=REPEATS * count,
         derandomize=not CASES,
         database=None,
         phases=[hypothesis.Phase.generate],
@@ -50,6 +53,10 @@ def found_in(worker: Worker, cases: st.SearchStrategy[Case], count: int) -> dict
     @hypothesis.given(cases)
     def run(case: Case) -> None:
         nonlocal slowest, largest
+        one = hash((case.arguments, *sorted(case.files.items())))
+        if one in seen or len(seen) == count:
+            return
+        seen.add(one)
         outcome = worker.run(case)
         codes[outcome.code] = codes.get(outcome.code, 0) + 1
         slowest = max(slowest, (outcome.seconds, case), key=lambda one: one[0])
@@ -61,7 +68,7 @@ def found_in(worker: Worker, cases: st.SearchStrategy[Case], count: int) -> dict
 
     run()
     print(
-        f"\n{sum(codes.values())} cases; exit codes {codes}; {len(found)} faults; at most {largest / 1e6:.0f} MB, ",
+        f"\n{len(seen)} different cases; exit codes {codes}; {len(found)} faults; at most {largest / 1e6:.0f} MB, ",
         end="",
     )
     print(f"{slowest[0]:.1f} s: {slowest[1].arguments!r:.200}")
