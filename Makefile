@@ -9,7 +9,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 MAKEFLAGS += --jobs=$(shell getconf _NPROCESSORS_ONLN) $(if $(filter output-sync,$(.FEATURES)),--output-sync=line)
 
 .DEFAULT_GOAL := help
-.PHONY: help render figures screenshot report test test-all lint bench demos clean FORCE
+.PHONY: help render figures screenshot report test test-all fuzz lint bench demos clean FORCE
 # A film or a run that was interrupted is not a film or a run.
 .DELETE_ON_ERROR:
 
@@ -114,6 +114,13 @@ test: $(VENV)/tools ## run the quick tests, which are most of them
 
 test-all: $(VENV)/tools ## run all tests: whole engine runs, every lesson, README's commands, pages in a browser
 	$(RUN_TESTS) $(PYTEST)
+
+# Cases of each kind that `make fuzz` runs, and words in the names of the kinds, as in KIND="command or csv".
+CASES ?= 5000
+KIND ?= lines or files
+
+fuzz: $(VENV)/tools ## run CASES random cases of each kind: command lines, scenario, CSV and run files  [5000]
+	FUZZ_CASES=$(CASES) $(BIN)/python -m pytest -q -s tests/fuzz -k 'no_case_fails and ($(KIND))'
 
 lint: $(VENV)/tools ## style, types, and which room imports which
 	$(BIN)/ruff check

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from pymunk_dragon.player import player_page, write_player
     from pymunk_dragon.render import Camera, Palette, Scene, write_film
     from pymunk_dragon.render.debug_draw import PillowDrawOptions
-    from pymunk_dragon.run import Run
+    from pymunk_dragon.run import Run, check_saveable
     from pymunk_dragon.scenario import Scenario
     from pymunk_dragon.speed import Speed, SpeedTable
     from pymunk_dragon.studies import min_pitch, sensitivity
@@ -58,6 +58,7 @@ __all__ = [
     "UTurn",
     "UnreachableError",
     "World",
+    "check_saveable",
     "first_contact",
     "min_pitch",
     "outlines",
@@ -87,7 +88,7 @@ _ROOMS = {
     "render": ("Camera", "Palette", "Scene", "write_film"),
     # Apart from its room, which does without Pymunk.
     "render.debug_draw": ("PillowDrawOptions",),
-    "run": ("Run",),
+    "run": ("Run", "check_saveable"),
     "scenario": ("Scenario",),
     "speed": ("Speed", "SpeedTable"),
     "studies": ("min_pitch", "sensitivity"),

@@ -6,11 +6,15 @@ Each returns the number as plain Python, so that NumPy's scalars go no further t
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from numbers import Integral, Real
+
+import numpy as np
+from numpy.typing import NDArray
 
 from pymunk_dragon.errors import ParameterError
 
-__all__ = ["finite", "number", "positive", "whole"]
+__all__ = ["answer", "finite", "number", "positive", "whole", "word"]
 
 
 def finite(name: str, value: object, low: float, high: float, unit: str) -> float:
@@ -35,6 +39,31 @@ def whole(name: str, value: object, low: int, high: int) -> int:
     if not isinstance(value, bool) and isinstance(value, Integral) and low <= int(value) <= high:
         return int(value)
     raise ParameterError(name, value, f"a whole number from {low} to {high}")
+
+
+def word(name: str, value: object, words: Iterable[str]) -> str:
+    """`value`, if it is one of `words`."""
+    known = list(words)
+    if isinstance(value, str) and value in known:
+        return value
+    raise ParameterError(name, value, "one of " + ", ".join(known))
+
+
+def answer(method: str, value: object, given: tuple[int, ...], tail: tuple[int, ...] = ()) -> NDArray[np.float64]:
+    """What a method of a user's own class returned, if it is real numbers in an array of the shape `given` + `tail`.
+
+    One number may stand for an array that is the same everywhere.
+    """
+    shape = given + tail
+    try:
+        array = np.asarray(value)
+    except ValueError:  # lists of different lengths
+        array = np.array(None)
+    if array.dtype.kind not in "iuf":
+        raise ParameterError(method, value, f"an array of numbers of shape {shape} for arguments of shape {given}")
+    if array.shape != shape and (tail or array.ndim):
+        raise ParameterError(f"the shape of {method}", array.shape, f"{shape} for arguments of shape {given}")
+    return np.broadcast_to(array, shape).astype(float)
 
 
 def number(value: object) -> float:

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from pymunk_dragon.checks import finite, positive, whole
 from pymunk_dragon.curves import Curve, Reversed, Spiral, UTurn, chain
-from pymunk_dragon.curves.base import frame
+from pymunk_dragon.curves.base import check_curve, frame, point
 from pymunk_dragon.curves.spiral import MAX_TURNS
 from pymunk_dragon.display import Displayed
 from pymunk_dragon.dragon import Dragon, bench_poses
@@ -19,7 +19,7 @@ from pymunk_dragon.errors import ParameterError, UnreachableError
 from pymunk_dragon.frozen import ArrayRecord, read_only
 from pymunk_dragon.speed import ConstantSpeed, Speed, speed_of
 
-__all__ = ["March", "States", "last_time"]
+__all__ = ["March", "States", "check_march", "last_time"]
 
 Array = NDArray[np.float64]
 
@@ -113,8 +113,7 @@ class March(Displayed):
     def __post_init__(self) -> None:
         if not isinstance(self.dragon, Dragon):
             raise ParameterError("dragon", self.dragon, "a Dragon")
-        if not isinstance(self.curve, Curve):
-            raise ParameterError("curve", self.curve, "a Curve")
+        check_curve("curve", self.curve)
         pace = speed_of(self.speed)
         if isinstance(pace, ConstantSpeed):
             object.__setattr__(self, "speed", pace.value)
@@ -283,7 +282,7 @@ class March(Displayed):
 
     def _away_from_begin(self, place: float) -> float:
         """Straight distance of a place from where the curve begins, m."""
-        begin, there = self.curve.point([self.curve.begin, place])
+        begin, there = point(self.curve, [self.curve.begin, place])
         return float(np.hypot(*(there - begin)))
 
     def at(self, times: ArrayLike, handles: int | None = None) -> States:
@@ -327,6 +326,12 @@ class March(Displayed):
         now, later = (self.curve.angle(self.parameters(when)) for when in (t, t + step))
         speeds: Array = self.curve.k * np.hypot(now, 1) * np.abs(later - now) / step
         return speeds
+
+
+def check_march(value: object) -> None:
+    """Raise a ParameterError if `value` is no march."""
+    if not isinstance(value, March):
+        raise ParameterError("march", value, "a March")
 
 
 def last_time(march: March, start: float) -> float:

@@ -19,16 +19,17 @@ from typing import Any, Literal, TypeVar, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from pymunk_dragon.checks import word
 from pymunk_dragon.contact import PHASES, Contact, ContactEvent, ContactLog
 from pymunk_dragon.display import Displayed
 from pymunk_dragon.dragon import hermite
 from pymunk_dragon.errors import DragonError, FileFormatError, ParameterError
 from pymunk_dragon.files import check_destination, written_in_place
 from pymunk_dragon.frozen import ArrayRecord, frozen, read_only
-from pymunk_dragon.march import March
+from pymunk_dragon.march import March, check_march
 from pymunk_dragon.scenario import Scenario
 
-__all__ = ["HEAD_BENCHES", "RUN_ENDINGS", "Outcome", "Run", "versions"]
+__all__ = ["HEAD_BENCHES", "RUN_ENDINGS", "Outcome", "Run", "check_saveable", "versions"]
 
 Array = NDArray[np.float64]
 T = TypeVar("T", Contact, ContactEvent)
@@ -102,6 +103,7 @@ class Run(ArrayRecord, Displayed):
     timing: Mapping[str, float] = field(default_factory=dict, compare=False)
 
     def __post_init__(self) -> None:
+        check_march(self.march)
         frames = len(self.times)
         for name, shape in _shapes(self.march, frames).items():
             if name in MAY_LACK and getattr(self, name) is None:
@@ -115,8 +117,7 @@ class Run(ArrayRecord, Displayed):
             object.__setattr__(self, name, frozen(getattr(self, name)))
         if not frames or not np.all(np.isfinite(self.times)) or np.any(np.diff(self.times) < 0):
             raise DragonError("a run's times are not finite and rising, or there are none")
-        if self.outcome not in get_args(Outcome):
-            raise DragonError(f"a run's outcome is {self.outcome!r}, but must be one of {get_args(Outcome)}")
+        word("outcome", self.outcome, get_args(Outcome))
 
     def __repr__(self) -> str:
         frames = f"{len(self.times)} frames from {self.times[0]:g} s to {self.times[-1]:g} s"
@@ -125,6 +126,7 @@ class Run(ArrayRecord, Displayed):
     @classmethod
     def exact(cls, march: March, times: ArrayLike) -> Run:
         """The exact model's run, frame by frame, without a look at contacts."""
+        check_march(march)
         states = march.at(times)
         drift = np.zeros(states.poses.shape[:2])
         provenance = {"player": "exact", "versions": versions()}
@@ -212,7 +214,7 @@ class Run(ArrayRecord, Displayed):
         Raises
         ------
         ParameterError
-            If the ending is not .npz, or the folder cannot be written.
+            If the ending is not .npz, the folder cannot be written, or the march has no scenario: see `check_saveable`.
         OutputError
             If writing fails.
         """
@@ -328,6 +330,28 @@ def _unpacked(
             raise DragonError(f"its {name} are not as long as they say")
     with archive.open(member) as file:
         return np.lib.format.read_array(file, allow_pickle=False)
+
+
+def check_saveable(march: March) -> None:
+    """Check that a run of a march can be saved, before the run is made.
+
+    Every curve and speed of the package can be saved. A curve of a class of your own and a speed that is a function
+    cannot, because a file holds values and no code.
+
+    Raises
+    ------
+    ParameterError
+        If `Run.save` would refuse a run of this march: names the part that cannot be written down.
+
+    Examples
+    --------
+    >>> from pymunk_dragon import March
+    >>> check_saveable(March())
+    >>> check_saveable(March(speed=lambda t: 1 + 0 * t))  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+    pymunk_dragon.errors.ParameterError: speed is <function ...>, but must be a number or a table to be written down...
+    """
+    Scenario.of(march)
 
 
 def versions() -> dict[str, str]:

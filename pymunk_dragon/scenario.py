@@ -9,11 +9,11 @@ from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
 
-from pymunk_dragon.curves import Curve, Sampled, Spiral, UTurn
+from pymunk_dragon.curves import KINDS, Curve, Sampled, from_table, to_table
 from pymunk_dragon.dragon import BENCHES, Dragon, Sizes
 from pymunk_dragon.errors import DragonError, FileFormatError, ParameterError
 from pymunk_dragon.files import read_text
-from pymunk_dragon.march import March
+from pymunk_dragon.march import March, check_march
 from pymunk_dragon.speed import ConstantSpeed, SpeedTable, speed_of
 
 __all__ = ["Scenario"]
@@ -22,16 +22,16 @@ __all__ = ["Scenario"]
 LONG_KEY = re.compile(r"""(?<![\w-])(?:(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){20}""")
 # What a file of points or of speeds is called.
 CSV = ".csv"
-# The curves by name, and which parameters each of them has.
-CURVES: dict[str, tuple[type[Curve], tuple[str, ...]]] = {
-    "spiral": (Spiral, ("pitch", "rotation", "mirrored", "outward")),
-    "u-turn": (UTurn, ("pitch", "radius", "ratio")),
-    "sampled": (Sampled, ("points",)),
+# The kinds of curves whose parameters stand beside the other values, and these parameters. Any other kind is a table.
+CURVES: dict[str, tuple[str, ...]] = {
+    "spiral": ("pitch", "rotation", "mirrored", "outward"),
+    "u-turn": ("pitch", "radius", "ratio"),
+    "sampled": ("points",),
 }
-PARTS = dict.fromkeys(name for _, names in CURVES.values() for name in names)
+PARTS = dict.fromkeys(name for names in CURVES.values() for name in names)
 # What says nothing in a file: these are newer than the first files.
 UNSAID = {"curve": "spiral", "rotation": 0.0, "mirrored": False, "outward": False}
-ALLOWED_CURVE = f"a name, spiral or u-turn, or that of a file of points, which ends in {CSV}"
+ALLOWED_CURVE = f"a name, spiral or u-turn, that of a file of points, which ends in {CSV}, or a table with its kind"
 ALLOWED_SPEED = f"a number in m/s, a table of [s, m/s], or a file of one, which ends in {CSV}"
 
 # One speed, or times in s and speeds in m/s.
@@ -49,8 +49,10 @@ class Scenario:
     ----------
     benches, head_spacing, body_spacing, overhang, width
         As in `Dragon`: a count, then m.
-    curve : str
-        "spiral", "u-turn", "sampled" for a `Sampled` path through `points`, or a CSV file of these points.
+    curve : str, Curve or mapping
+        "spiral", "u-turn", "sampled" for a `Sampled` path through `points`, or a CSV file of these points. Any other
+        curve of the package is given as itself or as a table, ``{kind = "line", start = [0, 0], stop = [40, 0]}`` in
+        TOML; the tables of a `Composite` are its ``pieces``.
     pitch, rotation, mirrored, outward
         As in `Spiral`: m, then rad.
     pitch, radius, ratio : float
@@ -77,7 +79,7 @@ class Scenario:
     body_spacing: Sizes = 1.65
     overhang: Sizes = 0.275
     width: Sizes = 0.30
-    curve: str | None = None
+    curve: str | Curve | None = None
     pitch: float | None = None
     rotation: float | None = None
     mirrored: bool | None = None
@@ -123,7 +125,10 @@ class Scenario:
 
         The numbers of the paper's march are there in any case.
         """
-        return {name: value for name, value in asdict(self).items() if value is not None and value != UNSAID.get(name)}
+        values = {f.name: getattr(self, f.name) for f in fields(self)}
+        if isinstance(self.curve, Curve):
+            values["curve"] = to_table(self.curve)
+        return {name: value for name, value in values.items() if value is not None and value != UNSAID.get(name)}
 
     @classmethod
     def read(cls, path: str | Path) -> dict[str, Any]:
@@ -160,9 +165,10 @@ class Scenario:
 
         Raises
         ------
-        DragonError
-            If it cannot be written down: a curve of another kind, or a speed that is a function.
+        ParameterError
+            If it cannot be written down: a curve of a class of your own, or a speed that is a function.
         """
+        check_march(march)
         return cls(**_values(march))
 
     def march(self) -> March:
@@ -181,20 +187,24 @@ def _curve(values: Mapping[str, Any]) -> Curve:
     kind = values["curve"]
     if kind is None:
         kind = "sampled" if "points" in given else "spiral"
+    elif isinstance(kind, Mapping | Curve):
+        for name, value in given.items():
+            raise ParameterError(name, value, "absent where the curve is a table, which holds all parameters")
+        return kind if isinstance(kind, Curve) else from_table(kind)
     elif _is_file(kind):
         if "points" in given:
             raise ParameterError("points", given["points"], f"absent where the curve is a file, {kind}")
         kind, given["points"] = "sampled", Sampled.read(kind).points
     if not (isinstance(kind, str) and kind in CURVES):
         raise ParameterError("curve", kind, ALLOWED_CURVE)
-    make, own = CURVES[kind]
     for name, value in given.items():
-        if name not in own:
-            owners = " or a ".join(owner for owner, (_, names) in CURVES.items() if name in names)
+        if name not in CURVES[kind]:
+            owners = " or a ".join(owner for owner, names in CURVES.items() if name in names)
             raise ParameterError(name, value, f"absent on a {kind} curve: it is of a {owners}")
     if kind == "sampled" and "points" not in given:
         raise ParameterError("points", None, "there for a sampled curve, which goes through them")
-    return make(**given)
+    curve: Curve = KINDS[kind](**given)
+    return curve
 
 
 def _speed(value: Any) -> Any:
@@ -211,12 +221,9 @@ def _speed(value: Any) -> Any:
 def _values(march: March) -> dict[str, Any]:
     """Names and values of a scenario that makes `march`."""
     curve, speed = march.curve, speed_of(march.speed)
-    kind = next((kind for kind, (made, _) in CURVES.items() if isinstance(curve, made)), None)
-    if kind is None:
-        raise DragonError(
-            f"a scenario describes a march on a Spiral, a UTurn or a Sampled curve, not on a {type(curve).__name__}"
-        )
-    parts = {name: getattr(curve, name) for name in CURVES[kind][1]}
+    table = to_table(curve)
+    kind = table.pop("kind")
+    parts: dict[str, Any] = {"curve": kind} | table if kind in CURVES else {"curve": curve}
     if isinstance(curve, Sampled):
         parts["points"] = tuple(map(tuple, curve.points.tolist()))
     if isinstance(speed, ConstantSpeed):
@@ -224,8 +231,8 @@ def _values(march: March) -> dict[str, Any]:
     elif isinstance(speed, SpeedTable):
         told = tuple(zip(speed.times, speed.speeds, strict=True))
     else:
-        raise DragonError("a scenario describes a speed that is a number or a table, not a function of time")
-    return asdict(march.dragon) | {"curve": kind} | parts | {"turns": march.turns, "start": march.start, "speed": told}
+        raise ParameterError("speed", march.speed, "a number or a table to be written down, not a function of time")
+    return asdict(march.dragon) | parts | {"turns": march.turns, "start": march.start, "speed": told}
 
 
 def _is_file(value: object) -> bool:

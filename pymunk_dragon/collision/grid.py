@@ -23,7 +23,7 @@ from pymunk_dragon.checks import finite, whole
 from pymunk_dragon.collision.outlines import MAX_COORDINATE, checked_outlines, numbers
 from pymunk_dragon.curves import Spiral
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.march import March
+from pymunk_dragon.march import March, check_march
 
 __all__ = ["Grid"]
 
@@ -84,6 +84,7 @@ class Grid:
 
         On other curves the cells are as wide as the longest bench is long, and the origin is the plane's.
         """
+        check_march(march)
         curve = march.curve
         if not isinstance(curve, Spiral):
             return cls(cell=float(march.dragon.lengths.max()), origin=(0.0, 0.0))

@@ -31,9 +31,10 @@ from pymunk_dragon.checks import finite
 from pymunk_dragon.collision.motion import Motion, Stretches, near_pairs
 from pymunk_dragon.collision.sat import separation
 from pymunk_dragon.contact import Contact
+from pymunk_dragon.curves.base import point
 from pymunk_dragon.dragon import bench_poses
 from pymunk_dragon.errors import ParameterError, UnreachableError
-from pymunk_dragon.march import March, last_time
+from pymunk_dragon.march import March, check_march, last_time
 
 __all__ = ["Clearance", "Impact", "Status", "first_contact"]
 
@@ -200,6 +201,7 @@ def first_contact(
 
 def checked_times(march: March, start: float, until: float | None) -> tuple[float, float]:
     """Both as floats, `until` by default the end of the curve; a `ParameterError` if the one is not after the other."""
+    check_march(march)
     start = finite("start", start, -np.inf, np.inf, "s")
     until = last_time(march, start) if until is None else finite("until", until, -np.inf, np.inf, "s")
     if until <= start:
@@ -397,7 +399,7 @@ class _Search:
 
 def _overlapping(march: March, places: Array) -> tuple[int, int] | None:
     """The pair that overlaps most where the handles are at `places` (1, H), if any does."""
-    dragon, poses = march.dragon, bench_poses(march.curve.point(places[0]))
+    dragon, poses = march.dragon, bench_poses(point(march.curve, places[0]))
     corners = dragon.outlines(poses)
     first, second = near_pairs(poses[:, :2], np.hypot(dragon.lengths, dragon.widths) / 2).T
     distances = separation(corners[first], corners[second]).distance

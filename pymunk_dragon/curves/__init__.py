@@ -9,9 +9,11 @@ from pymunk_dragon.curves.reversed import Reversed
 from pymunk_dragon.curves.sampled import Sampled
 from pymunk_dragon.curves.section import Section
 from pymunk_dragon.curves.spiral import Spiral
+from pymunk_dragon.curves.tables import KINDS, from_table, to_table
 from pymunk_dragon.curves.u_turn import UTurn
 
 __all__ = [
+    "KINDS",
     "Arc",
     "Composite",
     "Curve",
@@ -24,4 +26,6 @@ __all__ = [
     "chain",
     "foot",
     "frame",
+    "from_table",
+    "to_table",
 ]

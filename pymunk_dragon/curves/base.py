@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Protocol, runtime_checkable
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["Array", "Curve", "frame", "sharpest"]
+from pymunk_dragon.checks import answer, number
+from pymunk_dragon.errors import ParameterError
+
+__all__ = ["Array", "Curve", "check_curve", "curvature", "frame", "point", "sharpest", "tangent"]
 
 Array = NDArray[np.float64]
 
@@ -79,14 +82,85 @@ class Curve(Protocol):
         ...
 
 
+def check_curve(name: str, value: object) -> None:
+    """Check that `value` is a curve, and call each method of a user's own class with places of shape (1, 3).
+
+    Raises
+    ------
+    ParameterError
+        If it is no curve, its ends are no numbers in the order of travel, or a method returns anything but finite
+        numbers of the shape that `Curve` asks for.
+    """
+    if isinstance(value, type) or not isinstance(value, Curve):
+        raise ParameterError(name, value, "a Curve")
+    if _is_of_package(value):
+        return
+    kind = type(value).__name__
+    begin, end = number(value.begin), number(value.end)
+    # Written so that nan fails.
+    if not begin < end:
+        raise ParameterError(f"{kind}.begin and end", (value.begin, value.end), "two numbers, m, the first one smaller")
+    if np.isinf(begin):
+        begin = min(end, 1.0) - 1
+    places = begin + min(end - begin, 1.0) * np.array([[0.25, 0.5, 0.75]])
+    frame(value, places)
+    curvature(value, places)
+    sharpest(value, places[:, :-1], places[:, 1:])
+
+
+def point(curve: Curve, s: ArrayLike) -> Array:
+    """Points (..., 2) of a curve, m."""
+    return _called(curve, "point", s, (2,))
+
+
+def tangent(curve: Curve, s: ArrayLike) -> Array:
+    """Tangents (..., 2) of a curve."""
+    return _called(curve, "tangent", s, (2,))
+
+
+def curvature(curve: Curve, s: ArrayLike) -> Array:
+    """Curvature (...) of a curve, 1/m."""
+    return _called(curve, "curvature", s, ())
+
+
 def frame(curve: Curve, s: ArrayLike) -> tuple[Array, Array]:
     """Points and tangents of a curve, each (..., 2); at once where it has a method `frame`, which costs less."""
-    own = getattr(curve, "frame", None)
-    points, tangents = own(s) if own is not None else (curve.point(s), curve.tangent(s))
-    # A user's curve may lay its numbers out in another order, or not own them.
+    if _is_of_package(curve) and (own := getattr(curve, "frame", None)) is not None:
+        points, tangents = own(s)
+    else:
+        points, tangents = point(curve, s), tangent(curve, s)
     return np.ascontiguousarray(points, dtype=float), np.ascontiguousarray(tangents, dtype=float)
 
 
-def sharpest(curve: Curve, s: Array, other: Array) -> Array:
+def sharpest(curve: Curve, s: ArrayLike, other: ArrayLike) -> Array:
     """A curve's bound on its curvature between places, as an array of their shape that is the caller's own."""
-    return np.array(np.broadcast_to(curve.sharpest(s, other), np.broadcast_shapes(s.shape, other.shape)), dtype=float)
+    shape = np.broadcast_shapes(np.shape(s), np.shape(other))
+    bounds = curve.sharpest(s, other)
+    if not _is_of_package(curve):
+        method = f"{type(curve).__name__}.sharpest(s, other)"
+        bounds = answer(method, bounds, shape)
+        bad = ~(np.isfinite(bounds) & (bounds >= 0) | np.isnan(np.add(s, other)))
+        if bad.any():
+            raise ParameterError(method, bounds[bad][0].item(), "finite and not negative, 1/m")
+    return np.array(np.broadcast_to(bounds, shape), dtype=float)
+
+
+def _is_of_package(curve: Curve) -> bool:
+    """Whether the tests vouch for the class of a curve."""
+    return type(curve).__module__.startswith(__package__)
+
+
+def _called(curve: Curve, method: str, s: ArrayLike, tail: tuple[int, ...]) -> Array:
+    """What a method of a curve returns for places; that of a user's own class is checked."""
+    value: Any = getattr(curve, method)(s)
+    if _is_of_package(curve):
+        return np.asarray(value)
+    places = np.asarray(s, dtype=float)
+    name = f"{type(curve).__name__}.{method}"
+    array = answer(f"{name}(s)", value, places.shape, tail)
+    on = np.isfinite(places) & (places >= curve.begin) & (places <= curve.end)
+    bad = on & ~(np.isfinite(array).all(axis=-1) if tail else np.isfinite(array))
+    if bad.any():
+        bound = f"finite from begin = {curve.begin:g} m to end = {curve.end:g} m"
+        raise ParameterError(f"{name}({places[bad][0]:.9g})", array[bad][0].tolist(), bound)
+    return array

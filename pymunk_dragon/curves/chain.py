@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from pymunk_dragon.curves.base import Array, Curve, frame, sharpest
+from pymunk_dragon.curves.base import Array, Curve, frame, point, sharpest
 from pymunk_dragon.curves.composite import Composite
 from pymunk_dragon.curves.section import Section
 from pymunk_dragon.curves.spiral import Spiral
@@ -56,7 +56,7 @@ def chain(curve: Curve, s: ArrayLike, spacings: ArrayLike) -> Array:
     chords = np.asarray(spacings, dtype=float)
     places = np.full((np.size(s), chords.size + 1), np.nan)
     places[:, 0] = s
-    fronts = np.array(curve.point(places[:, 0]), dtype=float)
+    fronts = np.array(point(curve, places[:, 0]), dtype=float)
     places[np.isnan(fronts[:, 0]), 0] = np.nan
     way_in = _WayIn(curve, places)
     for i, chord in enumerate(chords.tolist()):
@@ -162,7 +162,7 @@ def _reached(curve: Curve, s: Array, fronts: Array, chord: float, low: Array, hi
     """
     first = s - curve.begin
     high = np.minimum(high, first)
-    begins = curve.point(np.full(s.shape, curve.begin)) if np.isfinite(curve.begin) else fronts
+    begins = point(curve, np.full(s.shape, curve.begin)) if np.isfinite(curve.begin) else fronts
     # A place at the very begin is one, rounding or not.
     lost = np.isnan(low) | (low > first) | ((high == first) & (_distance(fronts, begins) < chord * (1 - SETTLED)))
     low, high = np.where(lost, np.nan, low), np.where(lost, np.nan, high)
@@ -182,7 +182,7 @@ def _reached(curve: Curve, s: Array, fronts: Array, chord: float, low: Array, hi
         if not np.any(step > SETTLED * chord):
             break
     place = np.maximum(s - way, curve.begin)
-    return place, curve.point(place)
+    return place, point(curve, place)
 
 
 def _bracket(curve: Curve, s: Array, fronts: Array, chord: float) -> tuple[Array, Array]:

@@ -10,7 +10,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pymunk_dragon.curves.base import Array, Curve, frame
+from pymunk_dragon.curves.base import Array, Curve, check_curve, curvature, frame, point, sharpest, tangent
 from pymunk_dragon.curves.places import overlap, within
 from pymunk_dragon.errors import ParameterError
 
@@ -55,6 +55,8 @@ class Composite:
         pieces: tuple[Curve, ...] = tuple(given) if isinstance(given, Iterable) else ()
         if not pieces or not all(isinstance(piece, Curve) for piece in pieces):
             raise ParameterError("pieces", self.pieces, "one Curve or more")
+        for i, piece in enumerate(pieces):
+            check_curve(f"pieces[{i}]", piece)
         first = pieces[0]
         shifts = [next((float(place) for place in (first.begin, first.end) if math.isfinite(place)), 0.0)]
         joints: list[float] = []
@@ -78,12 +80,12 @@ class Composite:
 
     def point(self, s: ArrayLike) -> Array:
         """Position (..., 2) in m."""
-        [points] = self._by_piece(s, lambda piece, places: [piece.point(places)], (2,))
+        [points] = self._by_piece(s, lambda piece, places: [point(piece, places)], (2,))
         return points
 
     def tangent(self, s: ArrayLike) -> Array:
         """Unit vector (..., 2) in the direction of travel."""
-        [tangents] = self._by_piece(s, lambda piece, places: [piece.tangent(places)], (2,))
+        [tangents] = self._by_piece(s, lambda piece, places: [tangent(piece, places)], (2,))
         return tangents
 
     def frame(self, s: ArrayLike) -> tuple[Array, Array]:
@@ -93,7 +95,7 @@ class Composite:
 
     def curvature(self, s: ArrayLike) -> Array:
         """Curvature (...) in 1/m, positive to the left."""
-        [bends] = self._by_piece(s, lambda piece, places: [piece.curvature(places)], ())
+        [bends] = self._by_piece(s, lambda piece, places: [curvature(piece, places)], ())
         return bends
 
     def sharpest(self, s: ArrayLike, other: ArrayLike) -> Array:
@@ -105,7 +107,7 @@ class Composite:
             shared = (lower <= edges[k + 1]) & (upper >= edges[k]) & (lower <= upper)
             if shared.any():
                 first, last = self._place_on(k, lower[shared]), self._place_on(k, upper[shared])
-                bends[shared] = np.maximum(bends[shared], piece.sharpest(first, last))
+                bends[shared] = np.maximum(bends[shared], sharpest(piece, first, last))
         return bends
 
     def _by_piece(
@@ -134,8 +136,8 @@ class Composite:
         names = f"piece {number} ({type(before).__name__}) and piece {number + 1} ({type(after).__name__})"
         if not (math.isfinite(before.end) and math.isfinite(after.begin)):
             raise ParameterError("pieces", self.pieces, f"finite where they meet: {names} lie infinitely far apart")
-        (x, y), (dx, dy) = (part(before.end) for part in (before.point, before.tangent))
-        (x_after, y_after), (dx_after, dy_after) = (part(after.begin) for part in (after.point, after.tangent))
+        (x, y), (dx, dy) = frame(before, before.end)
+        (x_after, y_after), (dx_after, dy_after) = frame(after, after.begin)
         gap = math.hypot(x_after - x, y_after - y)
         kink = abs(math.atan2(dx * dy_after - dy * dx_after, dx * dx_after + dy * dy_after))
         # Written so that nan fails.

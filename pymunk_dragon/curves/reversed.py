@@ -7,8 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pymunk_dragon.curves.base import Array, Curve, frame
-from pymunk_dragon.errors import ParameterError
+from pymunk_dragon.curves.base import Array, Curve, check_curve, curvature, frame, point, sharpest, tangent
 
 __all__ = ["Reversed"]
 
@@ -31,8 +30,7 @@ class Reversed:
     curve: Curve
 
     def __post_init__(self) -> None:
-        if not isinstance(self.curve, Curve):
-            raise ParameterError("curve", self.curve, "a Curve")
+        check_curve("curve", self.curve)
 
     @property
     def begin(self) -> float:
@@ -46,11 +44,11 @@ class Reversed:
 
     def point(self, s: ArrayLike) -> Array:
         """Position (..., 2) in m."""
-        return self.curve.point(-np.asarray(s, dtype=float))
+        return point(self.curve, -np.asarray(s, dtype=float))
 
     def tangent(self, s: ArrayLike) -> Array:
         """Unit vector (..., 2) in the direction of travel."""
-        return -self.curve.tangent(-np.asarray(s, dtype=float))
+        return -tangent(self.curve, -np.asarray(s, dtype=float))
 
     def frame(self, s: ArrayLike) -> tuple[Array, Array]:
         """Positions and unit vectors in the direction of travel, each (..., 2)."""
@@ -59,8 +57,8 @@ class Reversed:
 
     def curvature(self, s: ArrayLike) -> Array:
         """Curvature (...) in 1/m, positive where the path bends to the left."""
-        return -self.curve.curvature(-np.asarray(s, dtype=float))
+        return -curvature(self.curve, -np.asarray(s, dtype=float))
 
     def sharpest(self, s: ArrayLike, other: ArrayLike) -> Array:
         """Curvature (...) in 1/m that the path nowhere exceeds between two places."""
-        return self.curve.sharpest(-np.asarray(s, dtype=float), -np.asarray(other, dtype=float))
+        return sharpest(self.curve, -np.asarray(s, dtype=float), -np.asarray(other, dtype=float))

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pymunk_dragon.checks import number
-from pymunk_dragon.curves.base import Array, Curve, frame
+from pymunk_dragon.curves.base import Array, Curve, check_curve, curvature, frame, point, sharpest, tangent
 from pymunk_dragon.curves.places import overlap, within
 from pymunk_dragon.errors import ParameterError
 
@@ -37,8 +37,7 @@ class Section:
     end: float
 
     def __post_init__(self) -> None:
-        if not isinstance(self.curve, Curve):
-            raise ParameterError("curve", self.curve, "a Curve")
+        check_curve("curve", self.curve)
         first, last = self.curve.begin, self.curve.end
         begin, end = number(self.begin), number(self.end)
         # Written so that nan fails.
@@ -51,11 +50,11 @@ class Section:
 
     def point(self, s: ArrayLike) -> Array:
         """Position (..., 2) in m."""
-        return self.curve.point(within(s, self.begin, self.end))
+        return point(self.curve, within(s, self.begin, self.end))
 
     def tangent(self, s: ArrayLike) -> Array:
         """Unit vector (..., 2) in the direction of travel."""
-        return self.curve.tangent(within(s, self.begin, self.end))
+        return tangent(self.curve, within(s, self.begin, self.end))
 
     def frame(self, s: ArrayLike) -> tuple[Array, Array]:
         """Positions and unit vectors in the direction of travel, each (..., 2)."""
@@ -63,10 +62,10 @@ class Section:
 
     def curvature(self, s: ArrayLike) -> Array:
         """Curvature (...) in 1/m, positive to the left."""
-        return self.curve.curvature(within(s, self.begin, self.end))
+        return curvature(self.curve, within(s, self.begin, self.end))
 
     def sharpest(self, s: ArrayLike, other: ArrayLike) -> Array:
         """Curvature (...) in 1/m that is nowhere exceeded between two places."""
         lower, upper = overlap(s, other, self.begin, self.end)
         shared = lower <= upper
-        return np.where(shared, self.curve.sharpest(np.where(shared, lower, np.nan), upper), 0.0)
+        return np.where(shared, sharpest(self.curve, np.where(shared, lower, np.nan), upper), 0.0)

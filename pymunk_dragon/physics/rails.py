@@ -8,8 +8,8 @@ import numpy as np
 import pymunk
 from numpy.typing import NDArray
 
+from pymunk_dragon.checks import word
 from pymunk_dragon.curves import foot
-from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.march import March
 from pymunk_dragon.physics.world import DRAG, Joiner, bench_mass
 
@@ -31,11 +31,9 @@ def make_guide(name: Guide, march: March, *, start: float, substep: float, top_s
     ParameterError
         If there is none of that name.
     """
-    if name == "rails":
-        return Rails(march, start=start, substep=substep, top_speed=top_speed)
-    if name == "none":
+    if word("guide", name, get_args(Guide)) == "none":
         return Free()
-    raise ParameterError("guide", name, "one of " + ", ".join(get_args(Guide)))
+    return Rails(march, start=start, substep=substep, top_speed=top_speed)
 
 
 class Free:

@@ -10,11 +10,11 @@ from typing import get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from pymunk_dragon.checks import finite, positive, whole
+from pymunk_dragon.checks import finite, positive, whole, word
 from pymunk_dragon.contact import Contact, ContactEvent, ContactLog
 from pymunk_dragon.dragon import interpolated
 from pymunk_dragon.errors import DragonError, ParameterError, UnreachableError
-from pymunk_dragon.march import March, States, last_time
+from pymunk_dragon.march import March, States, check_march, last_time
 from pymunk_dragon.physics.callbacks import Contacts, Recorder
 from pymunk_dragon.physics.rails import Guide, make_guide
 from pymunk_dragon.physics.refine import refined_contact
@@ -107,6 +107,7 @@ def simulate(
     DragonError
         If the engine's chain flew apart.
     """
+    check_march(march)
     if until is None:
         until = last_time(march, finite("start", start, -MAX_TIME, MAX_TIME, "s"))
     _check(contacts, start, until, iterations)
@@ -320,8 +321,7 @@ def _track(head: States) -> Iterator[tuple[Array, Array, Array]]:
 
 def _check(contacts: str, start: float, until: float, iterations: int) -> None:
     """Raise a ParameterError for settings that no run can be made of."""
-    if contacts not in get_args(Contacts):
-        raise ParameterError("contacts", contacts, "one of " + ", ".join(get_args(Contacts)))
+    word("contacts", contacts, get_args(Contacts))
     finite("start", start, -MAX_TIME, MAX_TIME, "s")
     finite("until", until, -MAX_TIME, MAX_TIME, "s")
     if until <= start:

@@ -13,7 +13,7 @@ from pymunk.batch import BodyFields
 
 from pymunk_dragon.dragon import Dragon
 from pymunk_dragon.errors import UnreachableError
-from pymunk_dragon.march import March, States
+from pymunk_dragon.march import March, States, check_march
 
 __all__ = ["DRAG", "Joiner", "World", "bench_mass", "bench_shape"]
 
@@ -127,6 +127,7 @@ class World:
         top_speed: float = 1.0,
         head_force: float | None = None,
     ) -> None:
+        check_march(march)
         self.march = march
         self.substep = substep
         self.space = pymunk.Space()

@@ -8,8 +8,7 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from pymunk_dragon.checks import finite
-from pymunk_dragon.errors import ParameterError
+from pymunk_dragon.checks import finite, word
 
 __all__ = ["Camera", "Subject", "View"]
 
@@ -45,8 +44,7 @@ class Camera:
     span: float | None = None
 
     def __post_init__(self) -> None:
-        if self.follow not in get_args(Subject):
-            raise ParameterError("follow", self.follow, "one of " + ", ".join(get_args(Subject)))
+        word("follow", self.follow, get_args(Subject))
         if self.span is not None:
             finite("span", self.span, MIN_SPAN, MAX_SPAN, "m")
 

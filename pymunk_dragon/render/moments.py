@@ -11,6 +11,7 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from pymunk_dragon.checks import word
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.march import March
 from pymunk_dragon.run import Run
@@ -78,8 +79,7 @@ def check_marks(source: Source, marks: tuple[Mark, ...]) -> None:
         If one is no mark, or of something that only another player knows.
     """
     for mark in marks:
-        if mark not in get_args(Mark):
-            raise ParameterError("show", mark, "one of " + ", ".join(get_args(Mark)))
+        word("show", mark, get_args(Mark))
         if mark == "impulses" and (isinstance(source, March) or source.joint_impulses is None):
             raise ParameterError("show", mark, "left out: only the engine's runs know their joint impulses")
         if mark in ("contacts", "normals") and isinstance(source, March):

@@ -20,6 +20,8 @@ def exact_impact(run: Run) -> Impact | None:
     model looks until it finds one, or for as long again where the curve has no end. Any other run is looked at until
     its end.
     """
+    if not isinstance(run, Run):
+        raise ParameterError("run", run, "a Run")
     start, end = float(run.times[0]), float(run.times[-1])
     until = end
     if run.first_contact and run.provenance.get("guide") != "none":

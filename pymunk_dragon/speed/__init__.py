@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from pymunk_dragon.speed.base import MAX_SPEED, MIN_SPEED, ConstantSpeed, Speed
+from pymunk_dragon.errors import ParameterError
+from pymunk_dragon.speed.base import MAX_SPEED, MIN_SPEED, ConstantSpeed, OwnSpeed, Speed
 from pymunk_dragon.speed.function import SpeedFunction
 from pymunk_dragon.speed.table import SpeedTable
 
@@ -17,8 +18,10 @@ def speed_of(value: object) -> Speed:
     ParameterError
         If it is none of them, or a number that is not from 1e-6 to 20 m/s.
     """
+    if isinstance(value, type):
+        raise ParameterError("speed", value, "an object with the members of Speed, not a class")
     if isinstance(value, Speed):
-        return value
+        return value if type(value).__module__.startswith(__name__) else OwnSpeed(value)
     if callable(value):
         return SpeedFunction(value)
     return ConstantSpeed(value)  # type: ignore[arg-type]  # ConstantSpeed refuses what is no number.

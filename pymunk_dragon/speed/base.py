@@ -8,9 +8,10 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from pymunk_dragon.checks import finite
+from pymunk_dragon.checks import answer, finite
+from pymunk_dragon.errors import ParameterError
 
-__all__ = ["MAX_SPEED", "MIN_SPEED", "Array", "ConstantSpeed", "Speed", "largest_between"]
+__all__ = ["MAX_SPEED", "MIN_SPEED", "Array", "ConstantSpeed", "OwnSpeed", "Speed", "largest_between"]
 
 Array = NDArray[np.float64]
 
@@ -69,6 +70,46 @@ class ConstantSpeed:
     def fastest(self, t0: ArrayLike, t1: ArrayLike) -> Array:
         """As in `Speed`."""
         return np.full(np.broadcast_shapes(np.shape(t0), np.shape(t1)), self.value)
+
+
+@dataclass(frozen=True)
+class OwnSpeed:
+    """A speed of a user's own class, which checks all that its methods return.
+
+    Raises
+    ------
+    ParameterError
+        When a method is called: if it returns anything but numbers of the shape that `Speed` asks for, nan, or a speed
+        below 1e-6 or above 20 m/s.
+    """
+
+    speed: Speed
+
+    def at(self, t: ArrayLike) -> Array:
+        """As in `Speed`."""
+        return self._called("at", t, low=MIN_SPEED, high=MAX_SPEED)
+
+    def way(self, t: ArrayLike) -> Array:
+        """As in `Speed`."""
+        return self._called("way", t)
+
+    def time(self, way: ArrayLike) -> Array:
+        """As in `Speed`."""
+        return self._called("time", way)
+
+    def fastest(self, t0: ArrayLike, t1: ArrayLike) -> Array:
+        """As in `Speed`."""
+        return self._called("fastest", t0, t1, low=MIN_SPEED)
+
+    def _called(self, method: str, *given: ArrayLike, low: float = -np.inf, high: float = np.inf) -> Array:
+        name = f"{type(self.speed).__name__}.{method}"
+        values = answer(name, getattr(self.speed, method)(*given), np.broadcast_shapes(*map(np.shape, given)))
+        arguments = np.broadcast_arrays(*given)
+        bad = ~((values >= low) & (values <= high)) & np.all(np.isfinite(arguments), axis=0)
+        if bad.any():
+            where = ", ".join(f"{argument[bad][0]:.9g}" for argument in arguments)
+            raise ParameterError(f"{name}({where})", values[bad][0].item(), f"a number from {low:g} to {high:g}")
+        return values
 
 
 def largest_between(values: Array, first: NDArray[np.intp], last: NDArray[np.intp]) -> Array:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -11,6 +11,7 @@ import numpy as np
 from numpy.polynomial.chebyshev import chebder, chebint, chebval, chebvander
 from numpy.typing import ArrayLike, NDArray
 
+from pymunk_dragon.checks import answer
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.speed.base import MAX_SPEED, MIN_SPEED, Array, largest_between
 
@@ -25,8 +26,9 @@ DEGREE = 24
 LAST, GOOD = 4, 1e-14
 # Seconds. A kink disappears in a piece of a microsecond; what still is there in a nanosecond is a jump.
 MIN_PIECE = 1e-9
-# Pieces of one block: a kink takes about forty. What takes more is noise, and no refinement will end it.
-MAX_PIECES = 4000
+# Pieces of one length in a block that no fit is good enough for: a kink is in one or two of them. Where there are more,
+# the speed varies within 2 ms nearly everywhere, as noise does and an oscillation of 1 kHz.
+MAX_ROUGH = 1000
 # Seconds, more than a day: within it, fitting takes half a minute at most.
 MAX_TIME = 1e5
 # Cells of a piece that have a bound on the speed of their own.
@@ -171,32 +173,28 @@ class SpeedFunction:
 
     def _block(self, number: int) -> _Fit:
         """The fit of one block."""
-        begin, end = number * BLOCK, (number + 1) * BLOCK
-        edges, speeds = [begin], []
-        for piece_end, coefficients in self._pieces(begin, end):
-            edges.append(piece_end)
-            speeds.append(coefficients)
-            if len(speeds) > MAX_PIECES:
+        begin, end, width = number * BLOCK, (number + 1) * BLOCK, BLOCK
+        begins, found, speeds = np.array([begin]), [], []
+        while begins.size:
+            values = self._values((begins[:, None] + width / 2 * (1 + _NODES)).ravel()).reshape(begins.size, -1)
+            coefficients = (_COEFFICIENTS * values[:, None]).sum(axis=2)
+            rest = np.abs(coefficients[:, -LAST:]).max(axis=1) * width
+            rough = rest > GOOD * BLOCK * np.abs(coefficients[:, 0])
+            found.append(begins[~rough])
+            speeds.append(coefficients[~rough])
+            if rough.any() and width < MIN_PIECE:
+                first = int(np.argmax(rough))
+                jump = (float(f"{values[first, 0]:.6g}"), float(f"{values[first, -1]:.6g}"))
+                name = f"speed at t = {begins[first] + width:.9g} s"
+                raise ParameterError(name, jump, "one speed: the head's must not jump")
+            if np.count_nonzero(rough) > MAX_ROUGH:
                 name = f"speed from t = {begin:g} s to {end:g} s"
-                raise ParameterError(name, self.function, "smooth but for some kinks")
-        return _fit(np.array(edges), np.array(speeds))
-
-    def _pieces(self, begin: float, end: float) -> Iterator[tuple[float, Array]]:
-        """Ends and coefficients of the pieces of a block, in the order of time."""
-        waiting = [end]
-        while waiting:
-            end = waiting[-1]
-            values = self._values(begin + (end - begin) / 2 * (1 + _NODES))
-            coefficients = (_COEFFICIENTS * values).sum(axis=1)
-            rest = np.abs(coefficients[-LAST:]).max() * (end - begin)
-            if rest <= GOOD * BLOCK * np.abs(coefficients[0]):
-                yield end, coefficients
-                begin = waiting.pop()
-            elif end - begin < MIN_PIECE:
-                jump = (float(f"{values[0]:.6g}"), float(f"{values[-1]:.6g}"))
-                raise ParameterError(f"speed at t = {end:.9g} s", jump, "one speed: the head's must not jump")
-            else:
-                waiting.append((begin + end) / 2)
+                raise ParameterError(name, self.function, f"smooth but for some kinks: it varies within {width:.1g} s")
+            width /= 2
+            begins = np.add.outer(begins[rough], [0.0, width]).ravel()
+        edges = np.concatenate(found)
+        order = np.argsort(edges)
+        return _fit(np.append(edges[order], end), np.concatenate(speeds)[order])
 
     def _values(self, times: Array) -> Array:
         """The function at `times` (T,) in s, checked."""
@@ -211,18 +209,22 @@ class SpeedFunction:
         """The function at `times` (T,) in s, all at once or, where it does not take arrays, one by one."""
         with np.errstate(all="ignore"):
             try:
-                values = np.asarray(self.function(times), dtype=float)
+                values = np.asarray(self.function(times))
                 if values.shape == times.shape:
-                    return values
+                    return answer("speed(t)", values, times.shape)
             except (TypeError, ValueError):
                 pass
             return np.array([self._called_once(time) for time in times.tolist()])
 
     def _called_once(self, time: float) -> float:
+        name = f"speed({time:g})"
         try:
-            return float(self.function(time))
+            return float(answer(name, self.function(time), ()))
         except ArithmeticError:
             return float("nan")
+        except ParameterError as error:
+            bound = "a number in m/s, and for an array of T times an array of shape (T,)"
+            raise ParameterError(error.name, error.value, bound) from error
         except (TypeError, ValueError) as error:
             raise ParameterError(
                 "speed", self.function, f"a function from s to m/s (at {time:g} s: {error})"

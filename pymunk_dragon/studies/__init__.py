@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from pymunk_dragon.checks import word
 from pymunk_dragon.dragon import Dragon
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.studies.max_speed import MaxSpeed, max_speed
@@ -101,9 +102,7 @@ def study(name: str, values: Mapping[str, Any]) -> Any:
     DragonError
         As the study itself does.
     """
-    if name not in STUDIES:
-        raise ParameterError("study", name, "one of " + ", ".join(STUDIES))
-    asked = STUDIES[name]
+    asked = STUDIES[word("study", name, STUDIES)]
     for given, value in values.items():
         if given not in asked.takes:
             raise ParameterError(given, value, f"left out: {name} takes " + ", ".join(asked.takes))

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from functools import cache
 from importlib.resources import files
 
-from pymunk_dragon.errors import ParameterError
+from pymunk_dragon import checks
 
 __all__ = ["LANGUAGES", "NO_BREAK", "PARTS", "check_language", "entry", "unbroken", "with_code", "word"]
 
@@ -29,9 +29,7 @@ def check_language(language: str) -> str:
     ParameterError
         If there is none.
     """
-    if language not in LANGUAGES:
-        raise ParameterError("lang", language, "one of " + ", ".join(LANGUAGES))
-    return language
+    return checks.word("lang", language, LANGUAGES)
 
 
 def word(name: str, language: str) -> str:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from PIL import Image
 
+from pymunk_dragon.checks import word
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.files import check_destination, written_in_place
 from pymunk_dragon.march import March
@@ -184,9 +185,7 @@ def _write(draw: Callable[[], Figure], destination: Path) -> None:
 
 
 def _kind(name: str) -> Kind:
-    if name not in FIGURES:
-        raise ParameterError("figure", name, "one of " + ", ".join(FIGURES))
-    return FIGURES[name]
+    return FIGURES[word("figure", name, FIGURES)]
 
 
 def _marching(kind: Kind, source: Source | None) -> tuple[March, Stretch]:
