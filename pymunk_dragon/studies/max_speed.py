@@ -14,27 +14,31 @@ Three facts leave little to look at:
 
 - On the way in no handle is faster than the one before it: the end of a spiral's arc that bends more has the larger
   angle to the chord (W. Vogt, "Über monotongekrümmte Kurven", 1914).
-- On the way out each one is faster, but all of them together by less than 1 / sqrt(1 - (kappa L / 2)^2), where kappa is
-  the curvature at the exit: the angle to a chord lies between those on the circles with the largest and the smallest
-  curvature (A. Schur, 1921), and in the product over all benches what is between cancels.
+- On the way out each one is faster, but all of them together by no more than a bound that depends on the curvature
+  kappa at the exit alone. The angle to a chord lies between those on the circles with the largest and the smallest
+  curvature of the arc (A. Schur, 1921), so both cosines of a bench lie between c(L, kappa at its front hole) and
+  c(L, kappa at its rear hole), where c(L, k) = sqrt(1 - (k L / 2)^2). At a hole between benches of the spacings L and M
+  the product has the factor cos alpha / cos beta, which is at most max(1, c(M, kappa) / c(L, kappa)); what remains is
+  at most 1 / c(L, kappa) of the last bench.
 - Benches but the head are alike, so once the head is out, the picture in the turn repeats with every bench.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pymunk_dragon.checks import finite
-from pymunk_dragon.curves import UTurn, frame
+from pymunk_dragon.curves import Composite, UTurn, frame
 from pymunk_dragon.dragon import Dragon
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.march import March
 from pymunk_dragon.speed import MAX_SPEED, MIN_SPEED
+from pymunk_dragon.studies.progress import Progress, silent
 
-__all__ = ["MaxSpeed", "max_speed"]
+__all__ = ["MaxSpeed", "SpeedRatio", "largest_ratio", "max_speed"]
 
 Array = NDArray[np.float64]
 Interval = tuple[Array, Array]
@@ -48,6 +52,32 @@ ROUNDING = 1e-13
 # m. Shorter stretches have nothing between their ends.
 SHORTEST = 1e-12
 QUARTER = np.pi / 2
+
+
+@dataclass(frozen=True, kw_only=True)
+class SpeedRatio:
+    """The largest speed of a handle over the head's in a turn.
+
+    Attributes
+    ----------
+    ratio : float
+        Largest speed of a handle for each m/s of the head.
+    excess : float
+        Share of that by which the true value may be larger.
+    handle, handles : int and tuple of int
+        The foremost handle with that speed, and all handles with it.
+    way : float
+        Distance of the head from the entry of the circle at that moment, m.
+    looks : int
+        Number of moments at which the speeds were computed.
+    """
+
+    ratio: float
+    excess: float
+    handle: int
+    handles: tuple[int, ...]
+    way: float
+    looks: int
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -99,6 +129,7 @@ def max_speed(
     pitch: float = 1.7,
     radius: float = 4.5,
     ratio: float = 2.0,
+    progress: Progress = silent,
 ) -> MaxSpeed:
     """The largest constant speed of the head for which no handle exceeds a limit, ever, on the path of the U-turn.
 
@@ -110,6 +141,8 @@ def max_speed(
         m/s.
     pitch, radius, ratio : float
         As in `UTurn`.
+    progress : callable, optional
+        Called with the number of parts that are done, and of all.
 
     Returns
     -------
@@ -130,39 +163,76 @@ def max_speed(
     if not dragon.alike:
         raise ParameterError("dragon", dragon, "one whose benches but the head are alike")
     curve = UTurn(pitch=pitch, radius=radius, ratio=ratio)
-    head, body = dragon.spacings[:2].tolist()
     try:
         march = March(dragon, curve)
     except ParameterError as error:
         if error.name != "start":
             raise
         raise ParameterError("radius", radius, "large enough for the dragon to stand at the circle") from error
-    search = _Search(march)
-    head_out = _out(search.march, 1, head)
-    search.run(0.0, head_out)
+    try:
+        found = largest_ratio(march, progress)
+    except ParameterError as error:
+        raise ParameterError("radius", radius, "large enough for every hole to go forward all the time") from error
+    speed = limit / found.ratio
+    speeds = speed * march.at(found.way, min(found.handles[-1] + 3, dragon.handles)).speeds[0]
+    return MaxSpeed(
+        speed=speed,
+        limit=limit,
+        time=found.way / speed,
+        speeds=tuple(speeds.tolist()),
+        curve=curve,
+        dragon=dragon,
+        **asdict(found),
+    )
+
+
+def largest_ratio(march: March, progress: Progress = silent) -> SpeedRatio:
+    """The largest speed of a handle over the head's, for all handles and all times, enclosed by branch and bound.
+
+    Parameters
+    ----------
+    march : March
+        At 1 m/s on a curve that comes in on a spiral and goes out on one, the head being at the end of the first at
+        t = 0. Between them are arcs and lines.
+
+    Raises
+    ------
+    ParameterError
+        If a bench stands perpendicular to the path at its front handle: the handle behind is pushed back from there on.
+    UnreachableError
+        If the dragon does not fit round the turn.
+    """
+    dragon, search = march.dragon, _Search(march)
+    head, whole = float(dragon.spacings[0]), float(dragon.spacings.sum())
+    if not dragon.alike:
+        search.run(0.0, _out(march, dragon.benches, whole))
+        return search.answer(_gain(search.curve, dragon.spacings))
+    search.run(0.0, _out(march, 1, head))
     # Once the head is out, what follows it does what benches alike do while the first of them goes on by one bench.
-    gain = _gain(curve, dragon.spacings[:2])
-    followers = _Search(March(replace(dragon, head_spacing=body), curve, start=curve.joints[-1]), search.ratio / gain)
-    followers.run(0.0, _out(followers.march, 1, body))
+    gain, body = _gain(search.curve, dragon.spacings[:2]), float(dragon.spacings[1:2].sum()) or head
+    alike = March(replace(dragon, head_spacing=body), march.curve, start=search.curve.joints[-1])
+    followers = _Search(alike, search.ratio / gain)
+    followers.run(0.0, _out(alike, 1, body))
     if followers.found:
         # Too coarse a bound: the whole dragon has to be followed through the turn.
-        search.run(head_out, _out(search.march, dragon.benches, float(dragon.spacings.sum())))
-    return search.answer(limit, gain, followers.looks)
+        search.run(_out(march, 1, head), _out(march, dragon.benches, whole))
+    search.looks += followers.looks
+    return search.answer(gain)
 
 
-def _gain(curve: UTurn, spacings: Array) -> float:
+def _gain(curve: Composite, spacings: Array) -> float:
     """How much faster than the head, at most, benches are that are all on the way out."""
     outward = curve.pieces[-1]
-    bend = np.abs(outward.curvature(outward.begin))
-    return float(np.prod(1 / np.sqrt(1 - (bend * spacings / 2) ** 2)))
+    cosines = np.sqrt(1 - (outward.curvature(outward.begin) * spacings / 2) ** 2)
+    return float(np.prod(np.maximum(1.0, cosines[1:] / cosines[:-1])) / cosines[-1])
 
 
 def _out(march: March, handle: int, step: float) -> float:
     """A way of the head, m, after which `handle` is out of the turn; to within `step`, more or less."""
-    assert isinstance(march.curve, UTurn)
+    assert isinstance(march.curve, Composite)
     exit_place = march.curve.joints[-1]
     way = exit_place - march.head_start + step
-    while march.parameters(way, handle + 1)[0, -1] < exit_place:
+    while march.parameters(march.time(way), handle + 1)[0, -1] < exit_place:
         way += step / 8
     return way
 
@@ -171,7 +241,7 @@ class _Search:
     """The largest ratio of a march at 1 m/s that is above a floor, if there is one, and when."""
 
     def __init__(self, march: March, floor: float = 1.0) -> None:
-        assert isinstance(march.curve, UTurn)
+        assert isinstance(march.curve, Composite)
         self.march, self.curve = march, march.curve
         self.ratio, self.found = floor, False
         self.looks = 0
@@ -220,7 +290,7 @@ class _Search:
         facing = ((points[:, :-1] - points[:, 1:]) / spacings).conj()
         front, rear = np.angle(tangents[:, :-1] * facing), np.angle(tangents[:, 1:] * facing)
         if np.any(np.abs(front) >= QUARTER):
-            raise ParameterError("radius", self.curve.radius, "large enough for every hole to go forward all the time")
+            raise ParameterError("curve", self.curve, "one on which every hole goes forward all the time")
         # While both holes go forward they stay between their places at the ends, and no bench turns by more than both
         # of them go, over its spacing.
         ways = np.maximum(middle - first, last - middle)
@@ -253,24 +323,17 @@ class _Search:
                 low, high = np.where(here, np.minimum(low, bend), low), np.where(here, np.maximum(high, bend), high)
         return low, high
 
-    def answer(self, limit: float, gain: float, looks: int) -> MaxSpeed:
+    def answer(self, gain: float) -> SpeedRatio:
         """The answer that follows from the largest ratio, where none is above `gain` once all benches are out."""
         speeds = self.march.at(self._way, self._handles).speeds[0]
         fastest = np.flatnonzero(speeds > self.ratio * (1 - EQUAL)).tolist()
-        speed = limit / self.ratio
-        return MaxSpeed(
-            speed=speed,
-            limit=limit,
+        return SpeedRatio(
             ratio=self.ratio,
             excess=max(EXACT, gain / self.ratio - 1),
             handle=fastest[0],
             handles=tuple(fastest),
             way=self._way,
-            time=self._way / speed,
-            speeds=tuple((speed * speeds[: fastest[-1] + 3]).tolist()),
-            looks=self.looks + looks,
-            curve=self.curve,
-            dragon=self.march.dragon,
+            looks=self.looks,
         )
 
 
