@@ -31,7 +31,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pymunk_dragon.checks import finite
-from pymunk_dragon.curves import Composite, UTurn, frame
+from pymunk_dragon.curves import Composite, Section, Spiral, UTurn, frame
 from pymunk_dragon.dragon import Dragon
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.march import March
@@ -45,6 +45,10 @@ Interval = tuple[Array, Array]
 
 # Head's way in the first stretches, in spacings. Longer ones are halved more often, shorter ones cost more at once.
 STRETCH = 1 / 16
+# Parts whose progress is reported.
+PARTS = 2
+# First stretches times benches up to which a whole dragon is followed through the turn: some seconds of work.
+WORK = 100_000
 # Share of the largest ratio to which it is enclosed; and the same of two handles that are equally fast.
 EXACT, EQUAL = 1e-11, 1e-10
 # Share of a ratio that rounding may be wrong by.
@@ -147,8 +151,10 @@ def max_speed(
     Returns
     -------
     MaxSpeed
-        Its speed is right to `excess` of itself, which is 1e-11 but in turns as gentle as the way out: the largest
-        ratio is enclosed, for all times and all handles.
+        Its speed is right to `excess` of itself: the largest ratio is enclosed, for all times and all handles. That is
+        1e-11 but in turns as gentle as the way out, and of dragons so long that they are not followed as a whole (more
+        than some 80 benches of the contest's size), if the last benches may be the fastest, because the head bench is
+        hardly longer than the others: then it is about 0.01.
 
     Raises
     ------
@@ -213,11 +219,37 @@ def largest_ratio(march: March, progress: Progress = silent) -> SpeedRatio:
     alike = March(replace(dragon, head_spacing=body), march.curve, start=search.curve.joints[-1])
     followers = _Search(alike, search.ratio / gain)
     followers.run(0.0, _out(alike, 1, body))
+    bound = gain
     if followers.found:
-        # Too coarse a bound: the whole dragon has to be followed through the turn.
-        search.run(_out(march, 1, head), _out(march, dragon.benches, whole))
+        # A bench behind may be faster on top of what the benches on the way out add, which is at most the gain: the
+        # moments at which the followers are fastest, for each bench that is out; and then all others, if they are few.
+        progress(1, PARTS)
+        search.enclose(*_rounds(march, followers.way))
+        if whole / (STRETCH * body) * dragon.benches <= WORK:
+            search.run(_out(march, 1, head), _out(march, dragon.benches, whole))
+        else:
+            bound = followers.ratio * gain
+    progress(PARTS, PARTS)
     search.looks += followers.looks
-    return search.answer(gain)
+    return search.answer(bound)
+
+
+def _rounds(march: March, phase: float) -> tuple[Array, Array]:
+    """Ways of the head, as stretches of no length, at which handle 1, 2, ... is `phase` m behind the exit.
+
+    The benches from there to the head are on the way out, and their places follow from there outward.
+    """
+    assert isinstance(march.curve, Composite)
+    outward = march.curve.pieces[-1]
+    spiral = outward.curve if isinstance(outward, Section) else outward
+    assert isinstance(spiral, Spiral)
+    head, body = float(march.dragon.spacings[0]), float(march.dragon.spacings[-1])
+    angles, heads = spiral.angle([outward.begin + phase]), []
+    for _ in range(1, march.dragon.benches):
+        heads.append(spiral.behind(angles, head))
+        angles = spiral.behind(angles, body)
+    ways = spiral.arc(np.concatenate(heads)) - outward.begin + march.curve.joints[-1] - march.head_start
+    return ways, ways
 
 
 def _gain(curve: Composite, spacings: Array) -> float:
@@ -245,39 +277,41 @@ class _Search:
         self.march, self.curve = march, march.curve
         self.ratio, self.found = floor, False
         self.looks = 0
-        self._way, self._handles = 0.0, 1
+        self.way, self._handles = 0.0, 1
         self._spacings = march.dragon.spacings
 
     def run(self, begin: float, end: float) -> None:
-        """Look at the head's ways from `begin` to `end`, m."""
+        """Enclose the largest ratio on the head's ways from `begin` to `end`, m; as `enclose`."""
+        edges = np.linspace(begin, end, int(np.ceil((end - begin) / (STRETCH * self._spacings.min()))) + 1)
+        self.enclose(edges[:-1], edges[1:])
+
+    def enclose(self, begins: Array, ends: Array) -> None:
+        """Enclose the largest ratio on stretches of the head's way."""
         # Those behind, which are on the way in, are no faster than the last of these.
-        handles = 2
-        while handles < self.march.dragon.handles and self.march.parameters(end, handles)[0, -2] > 0:
-            handles += 1
-        count = int(np.ceil((end - begin) / (STRETCH * self._spacings.min())))
-        ways = np.linspace(begin, end, 2 * count + 1)
-        places = self.march.parameters(ways, handles)
-        first, middle, last = places[:-1:2], places[1::2], places[2::2]
-        ways, length = ways[1::2], float(ways[2] - ways[0])
+        ahead = int(np.count_nonzero(self.march.parameters(self.march.time(ends.max()))[0] > 0))
+        handles = min(max(2, ahead + 1), self.march.dragon.handles)
+        ways, halves = (begins + ends) / 2, (ends - begins) / 2
+        parts = [self.march.parameters(way, handles) for way in (begins, ways, ends)]
         while ways.size:
+            first, middle, last = parts
             self.looks += ways.size
             ratios, most = self._ratios(first, middle, last)
             self._note(ways, ratios)
             left = np.flatnonzero((most > self.ratio * (1 + EXACT)).any(axis=1))
-            if length < SHORTEST or not left.size:
+            if not left.size or 2 * halves.max() < SHORTEST:
                 break
             handles = int(np.flatnonzero((most[left] > self.ratio).any(axis=0))[-1]) + 2
-            first, middle, last = (part[left, :handles] for part in (first, middle, last))
-            length /= 2
-            ways = np.concatenate([ways[left] - length / 2, ways[left] + length / 2])
-            first, last = np.concatenate([first, middle]), np.concatenate([middle, last])
-            middle = self.march.parameters(ways, handles)
+            first, middle, last = (part[left, :handles] for part in parts)
+            halves = np.tile(halves[left] / 2, 2)
+            ways = np.concatenate([ways[left], ways[left]]) + np.repeat([-1, 1], left.size) * halves
+            joined = np.concatenate([first, middle]), np.concatenate([middle, last])
+            parts = [joined[0], self.march.parameters(ways, handles), joined[1]]
 
     def _note(self, ways: Array, ratios: Array) -> None:
         largest = ratios.max(axis=1)
         best = int(largest.argmax())
         if largest[best] > self.ratio:
-            self.ratio, self.found, self._way = float(largest[best]), True, float(ways[best])
+            self.ratio, self.found, self.way = float(largest[best]), True, float(ways[best])
             self._handles = ratios.shape[1] + 1
 
     def _ratios(self, first: Array, middle: Array, last: Array) -> tuple[Array, Array]:
@@ -323,16 +357,16 @@ class _Search:
                 low, high = np.where(here, np.minimum(low, bend), low), np.where(here, np.maximum(high, bend), high)
         return low, high
 
-    def answer(self, gain: float) -> SpeedRatio:
-        """The answer that follows from the largest ratio, where none is above `gain` once all benches are out."""
-        speeds = self.march.at(self._way, self._handles).speeds[0]
+    def answer(self, bound: float) -> SpeedRatio:
+        """The answer that follows from the largest ratio, where none is above `bound` in what was not enclosed."""
+        speeds = self.march.at(self.way, self._handles).speeds[0]
         fastest = np.flatnonzero(speeds > self.ratio * (1 - EQUAL)).tolist()
         return SpeedRatio(
             ratio=self.ratio,
-            excess=max(EXACT, gain / self.ratio - 1),
+            excess=max(EXACT, bound / self.ratio - 1),
             handle=fastest[0],
             handles=tuple(fastest),
-            way=self._way,
+            way=self.way,
             looks=self.looks,
         )
 
