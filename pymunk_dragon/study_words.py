@@ -220,7 +220,7 @@ def _shortest_in_words(found: TurnAnswer, shortest: Shortest) -> list[str]:
     return [
         f"shorter:   {turn.length:.4f} m on {len(turn.lengths)} arcs: best found, not proven to be the shortest",
         "searched:  turns on n circular arcs, tangent to each other and to both spirals where these meet the circle,",
-        f"{indent}inside the circle, with radii of at least {shortest.min_radius:g} m (half a bench's width), on which",
+        f"{indent}inside the circle, with radii of at least {shortest.min_radius:g} m, on which",
         f"{indent}every handle goes forward and none more than {found.allowed:.6f} times as fast as the head",
         f"by n:      {counts}",
         *(f"{indent}arc {i}: {_arc_in_words(*arc)}" for i, arc in enumerate(arcs, start=1)),

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-PITCH, RADIUS, MIN_RADIUS = 1.7, 4.5, 0.15
+PITCH, RADIUS, MIN_RADIUS = 1.7, 4.5, 0.5
 SPACINGS = (2.86, *[1.65] * 7)
 # m between the points of the table; before the entry and behind the exit it reaches so far, and the head goes so far.
 FINE, BEFORE, AFTER, BEYOND, EVERY = 0.004, 18.0, 9.0, 9.0, 0.04

@@ -20,6 +20,7 @@ __all__ = ["study"]
 @click.option("--fastest", type=float, metavar="X", help="Of u-turn: times as fast as the head that anybody may be.")
 @click.option("--search/--no-search", default=None, help="Of u-turn: search for a shorter turn on more arcs.  [search]")
 @click.option("--arcs", type=int, metavar="N", help="Of u-turn: largest number of arcs in the search, odd.  [7]")
+@click.option("--min-radius", type=float, metavar="M", help="Of u-turn: least radius in the search, m.  [0.5]")
 @json_option
 @output_option(".json, .png or .svg for a picture of the answer, or .xlsx for the contest's sheets of the u-turn")
 def study(
@@ -29,6 +30,7 @@ def study(
     fastest: float | None,
     search: bool | None,
     arcs: int | None,
+    min_radius: float | None,
     as_json: bool,
     output: str | None,
 ) -> None:
@@ -51,7 +53,7 @@ def study(
     values = _of_file(scenario_file, STUDIES[name].takes if name in STUDIES else ()) | chosen()
     if isinstance(values.get("speed"), str | tuple):
         values["speed"] = _speed(values["speed"])
-    own = {"limit": limit, "fastest": fastest, "search": search, "arcs": arcs}
+    own = {"limit": limit, "fastest": fastest, "search": search, "arcs": arcs, "min_radius": min_radius}
     values |= {given: value for given, value in own.items() if value is not None}
     destination = destination_of(output, (".json", ".png", ".svg", *((".xlsx",) if name == "u-turn" else ())))
     if destination is not None:

@@ -80,7 +80,7 @@ STUDIES: Mapping[str, Study] = {
     "u-turn": Study(
         asks="the turn inside the circle, and the shortest one that is found (the contest's question 4)",
         ask=u_turn,
-        options=("pitch", "radius", "ratio", "speed", "fastest", "search", "arcs"),
+        options=("pitch", "radius", "ratio", "speed", "fastest", "search", "arcs", "min_radius"),
     ),
 }
 

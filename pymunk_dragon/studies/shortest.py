@@ -4,7 +4,7 @@ The turn is an optimal-control problem with a piecewise constant control: the cu
 follows. Unknowns are curvature and length of each of n arcs; the length of the turn is minimised so that
 
 - the last arc ends at the circle's exit with the exit's tangent,
-- the arcs stay inside the circle, and no radius is smaller than half a bench's width,
+- the arcs stay inside the circle, and no radius is smaller than a given one,
 - at every moment the speed of every handle is at most a given multiple of the head's.
 
 The last constraint holds at infinitely many moments. It is imposed at finitely many, to which the maxima that are left
@@ -42,12 +42,12 @@ Complex = NDArray[np.complex128]
 Indices = NDArray[np.intp]
 Solution = tuple[Turn, float]
 
-# Starts for each number of arcs above 3, and 1/m: standard deviation of the curvatures that are added to those of the
-# best turn on two arcs fewer, two of whose arcs are halved.
-STARTS, NOISE = 2, 0.1
+# Starts on 5 arcs, and on each larger number; and 1/m: standard deviation of the curvatures that are added to those of
+# the best turn on two arcs fewer, two of whose arcs are halved.
+STARTS, NOISE = (2, 1), 0.1
 # Finite problems for each start, and for the best of them; and solutions with a lower limit after one that does not
 # keep to it everywhere.
-ROUNDS, LAST_ROUNDS, REPAIRS = 25, 6, 5
+ROUNDS, LAST_ROUNDS, REPAIRS = 25, 4, 8
 # m behind the circle as far as which the chain reaches that is regarded in the search.
 LEAD = 3.0
 
@@ -133,7 +133,9 @@ class Shortest:
     evaluations: int
 
 
-def shortest_turn(base: UTurn, dragon: Dragon, limit: float, arcs: int, progress: Progress = silent) -> Shortest:
+def shortest_turn(
+    base: UTurn, dragon: Dragon, limit: float, arcs: int, min_radius: float, progress: Progress = silent
+) -> Shortest:
     """Search for the shortest turn on at most `arcs` arcs on which no handle exceeds `limit` times the head's speed.
 
     Parameters
@@ -146,6 +148,8 @@ def shortest_turn(base: UTurn, dragon: Dragon, limit: float, arcs: int, progress
         Above 1.
     arcs : int
         An odd number from 3; all odd numbers up to it are searched.
+    min_radius : float
+        Least radius of an arc, m.
     progress : callable, optional
         Called with the number of arcs for which the search is done, and one that stands for the end.
 
@@ -157,7 +161,6 @@ def shortest_turn(base: UTurn, dragon: Dragon, limit: float, arcs: int, progress
         If no such turn is found.
     """
     count = 1 + int(np.searchsorted(np.cumsum(dragon.spacings), base.length + LEAD))
-    min_radius = float(dragon.widths.max()) / 2
     programme = _Programme(base, dragon.spacings[:count], limit, min_radius)
     (right, left), turned = base.radii.tolist(), float(base.sweeps[1])
     first = np.array([-1 / right, 0, 1 / left, right * turned, MIN_ARC, left * turned])
@@ -169,13 +172,12 @@ def shortest_turn(base: UTurn, dragon: Dragon, limit: float, arcs: int, progress
     for n in range(5, arcs + 1, 2):
         divided = _divided(_unknowns(best[0]), 2)
         found = [best]
-        for seed in range(STARTS):
+        for seed in range(STARTS[n > 5]):
             noise = np.concatenate([np.random.default_rng(seed).standard_normal(n), np.zeros(n)])
             found += [turn for turn in (programme.solve(divided + NOISE * noise),) if turn is not None]
         best = min(found, key=lambda solution: solution[1])
         progress(n, arcs + 2)
         lengths.append((n, best))
-    best = programme.solve(_unknowns(best[0]), LAST_ROUNDS, FINALLY) or best
     for _ in range(REPAIRS):
         # The certificate regards all handles at all times.
         ratio = largest_ratio(March(dragon, best[0].path))

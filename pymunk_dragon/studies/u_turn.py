@@ -41,6 +41,10 @@ RATIOS = (0.25, 0.5, 1.0, 2.0, 4.0)
 MIN_FASTEST, MAX_FASTEST = 1.01, 5.0
 # Largest number of arcs in the search: by default, and at most.
 ARCS, MAX_ARCS = 7, 15
+# m. Least radius of an arc in the search. Smaller ones save centimetres and make the certificate of a contact slow.
+MIN_RADIUS = 0.5
+# m. Least value of that.
+SMALLEST = 0.05
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -94,6 +98,7 @@ def u_turn(
     fastest: float | None = None,
     search: bool = True,
     arcs: int = ARCS,
+    min_radius: float = MIN_RADIUS,
     progress: Progress = silent,
 ) -> TurnAnswer:
     """The turn of question 4, its first contact, and the shortest turn that is found.
@@ -113,6 +118,8 @@ def u_turn(
         Whether to search for the shortest turn; this needs SciPy.
     arcs : int
         Largest number of arcs of the turns that are searched: an odd number from 3 to 15.
+    min_radius : float
+        Least radius of an arc in the search, from 0.05 m to the circle's radius.
     progress : callable, optional
         Called with how much of the search is done, and how much there is.
 
@@ -139,6 +146,7 @@ def u_turn(
     if search:
         library("scipy.optimize")
     turn = UTurn(pitch=pitch, radius=radius, ratio=ratio)
+    min_radius = finite("min_radius", min_radius, SMALLEST, turn.radius, "m")
     march = March(dragon, turn, speed=speed)
     times = march.time(TIMES)
     times.flags.writeable = False
@@ -147,7 +155,7 @@ def u_turn(
     except (ParameterError, UnreachableError) as error:
         raise ParameterError("radius", radius, "large enough for the dragon to get round the turn") from error
     allowed = most.ratio if fastest is None else fastest
-    shortest = shortest_turn(turn, dragon, allowed, arcs, progress) if search else None
+    shortest = shortest_turn(turn, dragon, allowed, arcs, min_radius, progress) if search else None
     short_march = None if shortest is None else March(dragon, shortest.turn.path, speed=speed)
     return TurnAnswer(
         turn=turn,
