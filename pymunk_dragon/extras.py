@@ -19,6 +19,7 @@ FEATURES = {
     "nbformat": ("a notebook", "demos"),
     "pygments": ("a page of lessons", "demos"),
     "scipy": ("a path through points", "curves"),
+    "scipy.optimize": ("the search for the shortest turn", "studies"),
     "xlsxwriter": ("an XLSX file", "report"),
 }
 
@@ -36,7 +37,7 @@ def library(name: str) -> Any:
     try:
         return import_module(name)
     except ImportError as error:
-        raise MissingExtraError(*FEATURES[name.partition(".")[0]]) from error
+        raise MissingExtraError(*(FEATURES.get(name) or FEATURES[name.partition(".")[0]])) from error
     except OSError as error:
         raise OutputError(f"the cache of {name}", error.strerror or str(error)) from error
 

@@ -11,7 +11,7 @@ from typing import Any
 
 from pymunk_dragon.curves import KINDS, Curve, Sampled, from_table, to_table
 from pymunk_dragon.dragon import BENCHES, Dragon, Sizes
-from pymunk_dragon.errors import DragonError, FileFormatError, ParameterError
+from pymunk_dragon.errors import FileFormatError, ParameterError
 from pymunk_dragon.files import read_text
 from pymunk_dragon.march import March, check_march
 from pymunk_dragon.speed import ConstantSpeed, SpeedTable, speed_of

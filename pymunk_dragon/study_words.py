@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from pymunk_dragon.collision import Impact
 from pymunk_dragon.studies import MaxSpeed, MinPitch, Reach, Sensitivity, Slope, TurnAnswer
-from pymunk_dragon.studies.u_turn import Hurry
+from pymunk_dragon.studies.max_speed import SpeedRatio
+from pymunk_dragon.studies.shortest import Shortest
 
 __all__ = ["study_answer", "study_in_words"]
 
@@ -150,7 +151,7 @@ def _speed_in_words(found: MaxSpeed) -> str:
 
 
 def _turn_answer(found: TurnAnswer) -> Answer:
-    turn, short = found.turn, found.shortest.turn
+    turn = found.turn
     return {
         "length": turn.length,
         "radii": turn.radii.tolist(),
@@ -159,22 +160,33 @@ def _turn_answer(found: TurnAnswer) -> Answer:
         "tangent_points": turn.tangent_points.tolist(),
         "lengths": [{"ratio": ratio, "length": length} for ratio, length in found.lengths],
         "contact": _impact_answer(found.impact, found.times[-1]),
-        "hurry": asdict(found.hurry),
-        "shortest": {
-            "length": short.length,
-            "radii": short.radii,
-            "bend": short.bend,
-            "sweeps": short.sweeps,
-            "joints": short.path.point(short.path.joints).tolist(),
-            "allowed": found.allowed,
-            "binding": found.shortest.binding,
-            "late": found.shortest.late,
-            "early": found.shortest.early,
-            "sure": found.shortest.sure,
-            "contact": _impact_answer(found.short_impact, found.times[-1]),
-            "hurry": asdict(found.short_hurry),
-        },
+        "hurry": _ratio_answer(found.hurry),
+        "shortest": None if found.shortest is None else _shortest_answer(found, found.shortest),
     }
+
+
+def _shortest_answer(found: TurnAnswer, shortest: Shortest) -> Answer:
+    turn = shortest.turn
+    assert found.short_impact is not None
+    return {
+        "length": turn.length,
+        "proven": False,
+        "arcs": [
+            {"curvature": curvature, "length": length}
+            for curvature, length in zip(turn.curvatures, turn.lengths, strict=True)
+        ],
+        "joints": turn.path.point(turn.path.joints).tolist(),
+        "lengths": [{"arcs": arcs, "length": length} for arcs, length in shortest.lengths],
+        "min_radius": shortest.min_radius,
+        "allowed": found.allowed,
+        "binding": shortest.binding,
+        "contact": _impact_answer(found.short_impact, found.times[-1]),
+        "hurry": _ratio_answer(shortest.ratio),
+    }
+
+
+def _ratio_answer(ratio: SpeedRatio) -> Answer:
+    return {"factor": ratio.ratio, "excess": ratio.excess, "handle": ratio.handle, "way": ratio.way}
 
 
 def _impact_answer(impact: Impact, until: float) -> Answer:
@@ -182,32 +194,47 @@ def _impact_answer(impact: Impact, until: float) -> Answer:
 
 
 def _turn_in_words(found: TurnAnswer) -> str:
-    turn, short, indent = found.turn, found.shortest.turn, " " * 11
+    turn, indent = found.turn, " " * 11
     first, second = turn.radii.tolist()
     ratios, lengths = zip(*found.lengths, strict=True)
-    between = f"an arc of {1 / abs(short.bend):.1f} m to the {'left' if short.bend > 0 else 'right'}"
-    if short.sweeps[1] == 0:
-        between = "a line"
-    handles = ", ".join(str(handle) for handle in found.shortest.binding)
     lines = [
         f"the turn:  {turn.length:.6f} m on arcs of {first:.6f} and {second:.6f} m,",
         f"{indent}each of {math.degrees(abs(turn.sweeps[0])):.6f} degrees, about {_points(turn.centres)} m,",
         f"{indent}which touch at {_points(turn.tangent_points)} m",
         f"contact:   {_impact_in_words(found.impact, found.times)}",
-        f"fastest:   {_hurry_in_words(found.hurry)}",
+        f"fastest:   {_ratio_in_words(found.hurry)}",
         f"two arcs:  always as long: {min(lengths):.12f} to {max(lengths):.12f} m where the radii are",
         f"{indent}as {min(ratios):g} to 1 up to {max(ratios):g} to 1. Both turn by the same angle, and their chords",
         f"{indent}make up the circle's diameter",
-        f"shortest:  {short.length:.5f} m, if nobody may be more than {found.allowed:.6f} times as fast as the head:",
-        f"{indent}arcs of {short.radii[0]:.4f} and {short.radii[1]:.4f} m with {between} between;",
-        f"{indent}the speed of handles {handles} is the limit. Leaving the one spiral later, or joining the other",
-        f"{indent}earlier, makes it longer by {found.shortest.late:.2f} or {found.shortest.early:.2f} m for each metre",
-        f"contact:   {_impact_in_words(found.short_impact, found.times)}",
-        f"fastest:   {_hurry_in_words(found.short_hurry)}",
     ]
-    if not found.shortest.sure:
-        lines.append("           (the shortest that was found; with such a limit there may be shorter ones)")
+    if found.shortest is not None:
+        lines += _shortest_in_words(found, found.shortest)
     return "\n".join(lines)
+
+
+def _shortest_in_words(found: TurnAnswer, shortest: Shortest) -> list[str]:
+    turn, indent = shortest.turn, " " * 11
+    assert found.short_impact is not None
+    counts = ", ".join(f"{length:.4f} m on {arcs}" for arcs, length in shortest.lengths)
+    arcs = zip(turn.curvatures, turn.lengths, strict=True)
+    return [
+        f"shorter:   {turn.length:.4f} m on {len(turn.lengths)} arcs: best found, not proven to be the shortest",
+        "searched:  turns on n circular arcs, tangent to each other and to both spirals where these meet the circle,",
+        f"{indent}inside the circle, with radii of at least {shortest.min_radius:g} m, on which",
+        f"{indent}every handle goes forward and none more than {found.allowed:.6f} times as fast as the head",
+        f"by n:      {counts}",
+        *(f"{indent}arc {i}: {_arc_in_words(*arc)}" for i, arc in enumerate(arcs, start=1)),
+        f"contact:   {_impact_in_words(found.short_impact, found.times)}",
+        f"fastest:   {_ratio_in_words(shortest.ratio)};",
+        f"{indent}handles at the limit: {', '.join(map(str, shortest.binding))}",
+    ]
+
+
+def _arc_in_words(curvature: float, length: float) -> str:
+    if curvature == 0:
+        return f"{length:.4f} m, straight"
+    side = "left" if curvature > 0 else "right"
+    return f"{length:.4f} m, to the {side} with a radius of {1 / abs(curvature):.4f} m"
 
 
 def _points(points: Array) -> str:
@@ -223,8 +250,9 @@ def _impact_in_words(impact: Impact, times: Array) -> str:
     return f"benches {impact.benches[0]} and {impact.benches[1]} touch at t = {impact.time:.6f} s"
 
 
-def _hurry_in_words(hurry: Hurry) -> str:
-    return f"handle {hurry.handle}, {hurry.factor:.6f} times as fast as the head, as that is {hurry.way:.3f} m in"
+def _ratio_in_words(ratio: SpeedRatio) -> str:
+    where = f"handle {ratio.handle}, {ratio.ratio:.6f} times as fast as the head, as that is {ratio.way:.3f} m in"
+    return f"{where}: certified to {ratio.excess:.1g}"
 
 
 # How each kind of answer is told, as values and in words.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import sys
 from dataclasses import replace
@@ -390,7 +391,7 @@ def test_bad_input_gets_one_line(
 def test_json_of_sensitivity_has_a_slope_for_each_size(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, sensed: Sensitivity
 ) -> None:
-    monkeypatch.setitem(STUDIES, "sensitivity", replace(STUDIES["sensitivity"], ask=lambda dragon: sensed))
+    monkeypatch.setitem(STUDIES, "sensitivity", replace(STUDIES["sensitivity"], ask=lambda dragon, progress: sensed))
     _, out, _ = run(capsys, "sensitivity", "--json")
     found = json.loads(out)
     assert found["contact"]["time"] == sensed.time
@@ -444,7 +445,7 @@ def test_pictures_are_written(answer: MinPitch, sensed: Sensitivity, tmp_path: P
 def test_the_command_writes_what_the_ending_says(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, answer: MinPitch, tmp_path: Path
 ) -> None:
-    monkeypatch.setitem(STUDIES, "min-pitch", replace(STUDIES["min-pitch"], ask=lambda dragon: answer))
+    monkeypatch.setitem(STUDIES, "min-pitch", replace(STUDIES["min-pitch"], ask=lambda dragon, progress: answer))
     for ending in (".json", ".png", ".svg"):
         assert run(capsys, "min-pitch", "-o", str(tmp_path / f"answer{ending}"))[0] == 0
     assert json.loads((tmp_path / "answer.json").read_text(encoding="utf-8"))["pitch"] == answer.pitch
@@ -473,3 +474,25 @@ def test_a_number_that_a_study_does_not_take_is_refused() -> None:
     with pytest.raises(ParameterError) as caught:
         study("min-pitch", {"ratio": 2})
     assert_says(caught.value, "ratio", "left out", "radius")
+
+
+@pytest.mark.parametrize("name", ["max-speed", "min-pitch"])
+def test_studies_report_their_progress(name: str) -> None:
+    shown: list[tuple[float, float]] = []
+    study(name, {}, lambda done, total: shown.append((done, total)))
+    assert shown
+    assert shown[-1][0] == shown[-1][1]
+    assert all(0 <= done <= total for done, total in shown)
+
+
+def test_a_study_shows_its_progress_on_a_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Terminal(io.StringIO):
+        def isatty(self) -> bool:
+            return True
+
+    screen = Terminal()
+    monkeypatch.setattr("sys.stderr", screen)
+    with pytest.raises(SystemExit):
+        main(["study", "max-speed"])
+    assert "max-speed" in screen.getvalue()
+    assert "100%" in screen.getvalue()

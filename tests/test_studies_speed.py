@@ -89,6 +89,35 @@ def test_other_dragons_and_turns_are_as_fast_as_a_scan_sees(dragon: Dragon, size
     assert found.ratio * (1 - 1e-6) < max(near, 1.0) <= found.ratio * (1 + 1e-11)
 
 
+def test_a_head_bench_little_longer_than_the_others_needs_few_moments() -> None:
+    """With 2.0 m the whole dragon was followed through the turn, for a minute and a half."""
+    found = max_speed(Dragon(head_spacing=2.0))
+    assert found.looks < 5000
+    seen, _ = scanned(found.dragon, found.curve, 14.0, 15.5, 0.001)
+    assert found.ratio * (1 - 1e-6) < seen <= found.ratio * (1 + 1e-11)
+
+
+def test_the_last_benches_may_be_the_fastest() -> None:
+    """Where the head bench is no longer than the others, the benches on the way out add to the speed behind them."""
+    found = max_speed(Dragon(benches=25, head_spacing=1.65))
+    assert found.handle == 25
+    assert found.excess <= 1e-11
+    end = found.curve.joints[-1] + 40.0
+    coarse, way = scanned(found.dragon, found.curve, 0.0, end, 0.05)
+    fine, _ = scanned(found.dragon, found.curve, way - 0.06, way + 0.06, 1e-4)
+    assert coarse <= found.ratio * (1 + 1e-11)
+    assert found.ratio * (1 - 1e-6) < fine <= found.ratio * (1 + 1e-11)
+
+
+@pytest.mark.parametrize("head_spacing", [1.0, 1.65, 1.9])
+def test_a_long_dragon_of_like_benches_is_bounded_with_little_work(head_spacing: float) -> None:
+    found = max_speed(Dragon(head_spacing=head_spacing))
+    assert found.looks < 5000
+    assert found.excess < 0.02
+    seen, _ = scanned(found.dragon, found.curve, found.way - 1.0, found.way + 1.0, 0.05)
+    assert seen <= found.ratio * (1 + found.excess)
+
+
 def test_a_turn_gentler_than_the_way_out_says_how_much_it_leaves_open() -> None:
     """On a wide turn the bound for the way out is the larger one."""
     found = max_speed(Dragon(benches=20), radius=40.0)

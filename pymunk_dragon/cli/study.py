@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from pymunk_dragon.cli.options import chosen, destination_of, json_option, output_option, scenario_options
-from pymunk_dragon.cli.output import print_json, write_json
+from pymunk_dragon.cli.output import print_json, progress, write_json
 
 __all__ = ["study"]
 
@@ -18,6 +18,9 @@ __all__ = ["study"]
 @scenario_options
 @click.option("--limit", type=float, metavar="M/S", help="Of max-speed: no handle shall be faster, m/s.  [2]")
 @click.option("--fastest", type=float, metavar="X", help="Of u-turn: times as fast as the head that anybody may be.")
+@click.option("--search/--no-search", default=None, help="Of u-turn: search for a shorter turn on more arcs.  [search]")
+@click.option("--arcs", type=int, metavar="N", help="Of u-turn: largest number of arcs in the search, odd.  [7]")
+@click.option("--min-radius", type=float, metavar="M", help="Of u-turn: least radius in the search, m.  [0.5]")
 @json_option
 @output_option(".json, .png or .svg for a picture of the answer, or .xlsx for the contest's sheets of the u-turn")
 def study(
@@ -25,6 +28,9 @@ def study(
     scenario_file: str | None,
     limit: float | None,
     fastest: float | None,
+    search: bool | None,
+    arcs: int | None,
+    min_radius: float | None,
     as_json: bool,
     output: str | None,
 ) -> None:
@@ -47,11 +53,13 @@ def study(
     values = _of_file(scenario_file, STUDIES[name].takes if name in STUDIES else ()) | chosen()
     if isinstance(values.get("speed"), str | tuple):
         values["speed"] = _speed(values["speed"])
-    values |= {given: value for given, value in (("limit", limit), ("fastest", fastest)) if value is not None}
+    own = {"limit": limit, "fastest": fastest, "search": search, "arcs": arcs, "min_radius": min_radius}
+    values |= {given: value for given, value in own.items() if value is not None}
     destination = destination_of(output, (".json", ".png", ".svg", *((".xlsx",) if name == "u-turn" else ())))
     if destination is not None:
         _check_libraries(destination)
-    found = ask(name, values)
+    with progress(name) as show:
+        found = ask(name, values, lambda done, total: show(done, total, name))
     answer = study_answer(found)
     if destination is not None:
         _write(found, answer, destination)

@@ -11,6 +11,7 @@ from pymunk_dragon.dragon import Dragon
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.studies.max_speed import MaxSpeed, max_speed
 from pymunk_dragon.studies.min_pitch import MinPitch, PitchMap, min_pitch
+from pymunk_dragon.studies.progress import Progress, silent
 from pymunk_dragon.studies.sensitivity import Reach, Sensitivity, Slope, sensitivity
 from pymunk_dragon.studies.u_turn import TurnAnswer, u_turn
 
@@ -78,14 +79,14 @@ STUDIES: Mapping[str, Study] = {
         options=("pitch", "turns", "speed", "radius"),
     ),
     "u-turn": Study(
-        asks="the turn inside the circle, and the shortest one that dancers can walk (the contest's question 4)",
+        asks="the turn inside the circle, and the shortest one that is found (the contest's question 4)",
         ask=u_turn,
-        options=("pitch", "radius", "ratio", "speed", "fastest"),
+        options=("pitch", "radius", "ratio", "speed", "fastest", "search", "arcs", "min_radius"),
     ),
 }
 
 
-def study(name: str, values: Mapping[str, Any]) -> Any:
+def study(name: str, values: Mapping[str, Any], progress: Progress = silent) -> Any:
     """Ask one of `STUDIES`.
 
     Parameters
@@ -94,6 +95,8 @@ def study(name: str, values: Mapping[str, Any]) -> Any:
         Which.
     values : mapping
         Numbers that it `takes`, by name; what is not among them keeps its default.
+    progress : callable, optional
+        Called with how much of the study is done, and how much there is.
 
     Raises
     ------
@@ -108,5 +111,6 @@ def study(name: str, values: Mapping[str, Any]) -> Any:
             raise ParameterError(given, value, f"left out: {name} takes " + ", ".join(asked.takes))
     options = {given: value for given, value in values.items() if given in asked.options}
     if not asked.of_dragon:
-        return asked.ask(**options)
-    return asked.ask(Dragon(**{given: value for given, value in values.items() if given in DRAGON}), **options)
+        return asked.ask(**options, progress=progress)
+    dragon = Dragon(**{given: value for given, value in values.items() if given in DRAGON})
+    return asked.ask(dragon, **options, progress=progress)

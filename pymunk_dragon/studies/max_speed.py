@@ -14,33 +14,41 @@ Three facts leave little to look at:
 
 - On the way in no handle is faster than the one before it: the end of a spiral's arc that bends more has the larger
   angle to the chord (W. Vogt, "Über monotongekrümmte Kurven", 1914).
-- On the way out each one is faster, but all of them together by less than 1 / sqrt(1 - (kappa L / 2)^2), where kappa is
-  the curvature at the exit: the angle to a chord lies between those on the circles with the largest and the smallest
-  curvature (A. Schur, 1921), and in the product over all benches what is between cancels.
+- On the way out each one is faster, but all of them together by no more than a bound that depends on the curvature
+  kappa at the exit alone. The angle to a chord lies between those on the circles with the largest and the smallest
+  curvature of the arc (A. Schur, 1921), so both cosines of a bench lie between c(L, kappa at its front hole) and
+  c(L, kappa at its rear hole), where c(L, k) = sqrt(1 - (k L / 2)^2). At a hole between benches of the spacings L and M
+  the product has the factor cos alpha / cos beta, which is at most max(1, c(M, kappa) / c(L, kappa)); what remains is
+  at most 1 / c(L, kappa) of the last bench.
 - Benches but the head are alike, so once the head is out, the picture in the turn repeats with every bench.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pymunk_dragon.checks import finite
-from pymunk_dragon.curves import UTurn, frame
+from pymunk_dragon.curves import Composite, Section, Spiral, UTurn, frame
 from pymunk_dragon.dragon import Dragon
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.march import March
 from pymunk_dragon.speed import MAX_SPEED, MIN_SPEED
+from pymunk_dragon.studies.progress import Progress, silent
 
-__all__ = ["MaxSpeed", "max_speed"]
+__all__ = ["MaxSpeed", "SpeedRatio", "largest_ratio", "max_speed"]
 
 Array = NDArray[np.float64]
 Interval = tuple[Array, Array]
 
 # Head's way in the first stretches, in spacings. Longer ones are halved more often, shorter ones cost more at once.
 STRETCH = 1 / 16
+# Parts whose progress is reported.
+PARTS = 2
+# First stretches times benches up to which a whole dragon is followed through the turn: some seconds of work.
+WORK = 100_000
 # Share of the largest ratio to which it is enclosed; and the same of two handles that are equally fast.
 EXACT, EQUAL = 1e-11, 1e-10
 # Share of a ratio that rounding may be wrong by.
@@ -48,6 +56,32 @@ ROUNDING = 1e-13
 # m. Shorter stretches have nothing between their ends.
 SHORTEST = 1e-12
 QUARTER = np.pi / 2
+
+
+@dataclass(frozen=True, kw_only=True)
+class SpeedRatio:
+    """The largest speed of a handle over the head's in a turn.
+
+    Attributes
+    ----------
+    ratio : float
+        Largest speed of a handle for each m/s of the head.
+    excess : float
+        Share of that by which the true value may be larger.
+    handle, handles : int and tuple of int
+        The foremost handle with that speed, and all handles with it.
+    way : float
+        Distance of the head from the entry of the circle at that moment, m.
+    looks : int
+        Number of moments at which the speeds were computed.
+    """
+
+    ratio: float
+    excess: float
+    handle: int
+    handles: tuple[int, ...]
+    way: float
+    looks: int
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -99,6 +133,7 @@ def max_speed(
     pitch: float = 1.7,
     radius: float = 4.5,
     ratio: float = 2.0,
+    progress: Progress = silent,
 ) -> MaxSpeed:
     """The largest constant speed of the head for which no handle exceeds a limit, ever, on the path of the U-turn.
 
@@ -110,12 +145,16 @@ def max_speed(
         m/s.
     pitch, radius, ratio : float
         As in `UTurn`.
+    progress : callable, optional
+        Called with the number of parts that are done, and of all.
 
     Returns
     -------
     MaxSpeed
-        Its speed is right to `excess` of itself, which is 1e-11 but in turns as gentle as the way out: the largest
-        ratio is enclosed, for all times and all handles.
+        Its speed is right to `excess` of itself: the largest ratio is enclosed, for all times and all handles. That is
+        1e-11 but in turns as gentle as the way out, and of dragons so long that they are not followed as a whole (more
+        than some 80 benches of the contest's size), if the last benches may be the fastest, because the head bench is
+        hardly longer than the others: then it is about 0.01.
 
     Raises
     ------
@@ -130,39 +169,102 @@ def max_speed(
     if not dragon.alike:
         raise ParameterError("dragon", dragon, "one whose benches but the head are alike")
     curve = UTurn(pitch=pitch, radius=radius, ratio=ratio)
-    head, body = dragon.spacings[:2].tolist()
     try:
         march = March(dragon, curve)
     except ParameterError as error:
         if error.name != "start":
             raise
         raise ParameterError("radius", radius, "large enough for the dragon to stand at the circle") from error
-    search = _Search(march)
-    head_out = _out(search.march, 1, head)
-    search.run(0.0, head_out)
+    try:
+        found = largest_ratio(march, progress)
+    except ParameterError as error:
+        raise ParameterError("radius", radius, "large enough for every hole to go forward all the time") from error
+    speed = limit / found.ratio
+    speeds = speed * march.at(found.way, min(found.handles[-1] + 3, dragon.handles)).speeds[0]
+    return MaxSpeed(
+        speed=speed,
+        limit=limit,
+        time=found.way / speed,
+        speeds=tuple(speeds.tolist()),
+        curve=curve,
+        dragon=dragon,
+        **asdict(found),
+    )
+
+
+def largest_ratio(march: March, progress: Progress = silent) -> SpeedRatio:
+    """The largest speed of a handle over the head's, for all handles and all times, enclosed by branch and bound.
+
+    Parameters
+    ----------
+    march : March
+        At 1 m/s on a curve that comes in on a spiral and goes out on one, the head being at the end of the first at
+        t = 0. Between them are arcs and lines.
+
+    Raises
+    ------
+    ParameterError
+        If a bench stands perpendicular to the path at its front handle: the handle behind is pushed back from there on.
+    UnreachableError
+        If the dragon does not fit round the turn.
+    """
+    dragon, search = march.dragon, _Search(march)
+    head, whole = float(dragon.spacings[0]), float(dragon.spacings.sum())
+    if not dragon.alike:
+        search.run(0.0, _out(march, dragon.benches, whole))
+        return search.answer(_gain(search.curve, dragon.spacings))
+    search.run(0.0, _out(march, 1, head))
     # Once the head is out, what follows it does what benches alike do while the first of them goes on by one bench.
-    gain = _gain(curve, dragon.spacings[:2])
-    followers = _Search(March(replace(dragon, head_spacing=body), curve, start=curve.joints[-1]), search.ratio / gain)
-    followers.run(0.0, _out(followers.march, 1, body))
+    gain, body = _gain(search.curve, dragon.spacings[:2]), float(dragon.spacings[1:2].sum()) or head
+    alike = March(replace(dragon, head_spacing=body), march.curve, start=search.curve.joints[-1])
+    followers = _Search(alike, search.ratio / gain)
+    followers.run(0.0, _out(alike, 1, body))
+    bound = gain
     if followers.found:
-        # Too coarse a bound: the whole dragon has to be followed through the turn.
-        search.run(head_out, _out(search.march, dragon.benches, float(dragon.spacings.sum())))
-    return search.answer(limit, gain, followers.looks)
+        # A bench behind may be faster on top of what the benches on the way out add, which is at most the gain: the
+        # moments at which the followers are fastest, for each bench that is out; and then all others, if they are few.
+        progress(1, PARTS)
+        search.enclose(*_rounds(march, followers.way))
+        if whole / (STRETCH * body) * dragon.benches <= WORK:
+            search.run(_out(march, 1, head), _out(march, dragon.benches, whole))
+        else:
+            bound = followers.ratio * gain
+    progress(PARTS, PARTS)
+    search.looks += followers.looks
+    return search.answer(bound)
 
 
-def _gain(curve: UTurn, spacings: Array) -> float:
+def _rounds(march: March, phase: float) -> tuple[Array, Array]:
+    """Ways of the head, as stretches of no length, at which handle 1, 2, ... is `phase` m behind the exit.
+
+    The benches from there to the head are on the way out, and their places follow from there outward.
+    """
+    assert isinstance(march.curve, Composite)
+    outward = march.curve.pieces[-1]
+    spiral = outward.curve if isinstance(outward, Section) else outward
+    assert isinstance(spiral, Spiral)
+    head, body = float(march.dragon.spacings[0]), float(march.dragon.spacings[-1])
+    angles, heads = spiral.angle([outward.begin + phase]), []
+    for _ in range(1, march.dragon.benches):
+        heads.append(spiral.behind(angles, head))
+        angles = spiral.behind(angles, body)
+    ways = spiral.arc(np.concatenate(heads)) - outward.begin + march.curve.joints[-1] - march.head_start
+    return ways, ways
+
+
+def _gain(curve: Composite, spacings: Array) -> float:
     """How much faster than the head, at most, benches are that are all on the way out."""
     outward = curve.pieces[-1]
-    bend = np.abs(outward.curvature(outward.begin))
-    return float(np.prod(1 / np.sqrt(1 - (bend * spacings / 2) ** 2)))
+    cosines = np.sqrt(1 - (outward.curvature(outward.begin) * spacings / 2) ** 2)
+    return float(np.prod(np.maximum(1.0, cosines[1:] / cosines[:-1])) / cosines[-1])
 
 
 def _out(march: March, handle: int, step: float) -> float:
     """A way of the head, m, after which `handle` is out of the turn; to within `step`, more or less."""
-    assert isinstance(march.curve, UTurn)
+    assert isinstance(march.curve, Composite)
     exit_place = march.curve.joints[-1]
     way = exit_place - march.head_start + step
-    while march.parameters(way, handle + 1)[0, -1] < exit_place:
+    while march.parameters(march.time(way), handle + 1)[0, -1] < exit_place:
         way += step / 8
     return way
 
@@ -171,43 +273,45 @@ class _Search:
     """The largest ratio of a march at 1 m/s that is above a floor, if there is one, and when."""
 
     def __init__(self, march: March, floor: float = 1.0) -> None:
-        assert isinstance(march.curve, UTurn)
+        assert isinstance(march.curve, Composite)
         self.march, self.curve = march, march.curve
         self.ratio, self.found = floor, False
         self.looks = 0
-        self._way, self._handles = 0.0, 1
+        self.way, self._handles = 0.0, 1
         self._spacings = march.dragon.spacings
 
     def run(self, begin: float, end: float) -> None:
-        """Look at the head's ways from `begin` to `end`, m."""
+        """Enclose the largest ratio on the head's ways from `begin` to `end`, m; as `enclose`."""
+        edges = np.linspace(begin, end, int(np.ceil((end - begin) / (STRETCH * self._spacings.min()))) + 1)
+        self.enclose(edges[:-1], edges[1:])
+
+    def enclose(self, begins: Array, ends: Array) -> None:
+        """Enclose the largest ratio on stretches of the head's way."""
         # Those behind, which are on the way in, are no faster than the last of these.
-        handles = 2
-        while handles < self.march.dragon.handles and self.march.parameters(end, handles)[0, -2] > 0:
-            handles += 1
-        count = int(np.ceil((end - begin) / (STRETCH * self._spacings.min())))
-        ways = np.linspace(begin, end, 2 * count + 1)
-        places = self.march.parameters(ways, handles)
-        first, middle, last = places[:-1:2], places[1::2], places[2::2]
-        ways, length = ways[1::2], float(ways[2] - ways[0])
+        ahead = int(np.count_nonzero(self.march.parameters(self.march.time(ends.max()))[0] > 0))
+        handles = min(max(2, ahead + 1), self.march.dragon.handles)
+        ways, halves = (begins + ends) / 2, (ends - begins) / 2
+        parts = [self.march.parameters(way, handles) for way in (begins, ways, ends)]
         while ways.size:
+            first, middle, last = parts
             self.looks += ways.size
             ratios, most = self._ratios(first, middle, last)
             self._note(ways, ratios)
             left = np.flatnonzero((most > self.ratio * (1 + EXACT)).any(axis=1))
-            if length < SHORTEST or not left.size:
+            if not left.size or 2 * halves.max() < SHORTEST:
                 break
             handles = int(np.flatnonzero((most[left] > self.ratio).any(axis=0))[-1]) + 2
-            first, middle, last = (part[left, :handles] for part in (first, middle, last))
-            length /= 2
-            ways = np.concatenate([ways[left] - length / 2, ways[left] + length / 2])
-            first, last = np.concatenate([first, middle]), np.concatenate([middle, last])
-            middle = self.march.parameters(ways, handles)
+            first, middle, last = (part[left, :handles] for part in parts)
+            halves = np.tile(halves[left] / 2, 2)
+            ways = np.concatenate([ways[left], ways[left]]) + np.repeat([-1, 1], left.size) * halves
+            joined = np.concatenate([first, middle]), np.concatenate([middle, last])
+            parts = [joined[0], self.march.parameters(ways, handles), joined[1]]
 
     def _note(self, ways: Array, ratios: Array) -> None:
         largest = ratios.max(axis=1)
         best = int(largest.argmax())
         if largest[best] > self.ratio:
-            self.ratio, self.found, self._way = float(largest[best]), True, float(ways[best])
+            self.ratio, self.found, self.way = float(largest[best]), True, float(ways[best])
             self._handles = ratios.shape[1] + 1
 
     def _ratios(self, first: Array, middle: Array, last: Array) -> tuple[Array, Array]:
@@ -220,7 +324,7 @@ class _Search:
         facing = ((points[:, :-1] - points[:, 1:]) / spacings).conj()
         front, rear = np.angle(tangents[:, :-1] * facing), np.angle(tangents[:, 1:] * facing)
         if np.any(np.abs(front) >= QUARTER):
-            raise ParameterError("radius", self.curve.radius, "large enough for every hole to go forward all the time")
+            raise ParameterError("curve", self.curve, "one on which every hole goes forward all the time")
         # While both holes go forward they stay between their places at the ends, and no bench turns by more than both
         # of them go, over its spacing.
         ways = np.maximum(middle - first, last - middle)
@@ -253,24 +357,17 @@ class _Search:
                 low, high = np.where(here, np.minimum(low, bend), low), np.where(here, np.maximum(high, bend), high)
         return low, high
 
-    def answer(self, limit: float, gain: float, looks: int) -> MaxSpeed:
-        """The answer that follows from the largest ratio, where none is above `gain` once all benches are out."""
-        speeds = self.march.at(self._way, self._handles).speeds[0]
+    def answer(self, bound: float) -> SpeedRatio:
+        """The answer that follows from the largest ratio, where none is above `bound` in what was not enclosed."""
+        speeds = self.march.at(self.way, self._handles).speeds[0]
         fastest = np.flatnonzero(speeds > self.ratio * (1 - EQUAL)).tolist()
-        speed = limit / self.ratio
-        return MaxSpeed(
-            speed=speed,
-            limit=limit,
+        return SpeedRatio(
             ratio=self.ratio,
-            excess=max(EXACT, gain / self.ratio - 1),
+            excess=max(EXACT, bound / self.ratio - 1),
             handle=fastest[0],
             handles=tuple(fastest),
-            way=self._way,
-            time=self._way / speed,
-            speeds=tuple((speed * speeds[: fastest[-1] + 3]).tolist()),
-            looks=self.looks + looks,
-            curve=self.curve,
-            dragon=self.march.dragon,
+            way=self.way,
+            looks=self.looks,
         )
 
 

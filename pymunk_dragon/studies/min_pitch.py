@@ -29,6 +29,7 @@ from pymunk_dragon.dragon import Dragon
 from pymunk_dragon.errors import DragonError, ParameterError
 from pymunk_dragon.march import March
 from pymunk_dragon.studies.passing import Passing
+from pymunk_dragon.studies.progress import Progress, silent
 from pymunk_dragon.studies.slopes import PITCH, Gaps, gaps_of
 
 __all__ = ["MinPitch", "PitchMap", "min_pitch", "way_to"]
@@ -147,7 +148,12 @@ def way_to(march: March, radius: float) -> float:
 
 
 def min_pitch(
-    dragon: Dragon | None = None, *, turns: float = 16.0, speed: float = 1.0, radius: float = RADIUS
+    dragon: Dragon | None = None,
+    *,
+    turns: float = 16.0,
+    speed: float = 1.0,
+    radius: float = RADIUS,
+    progress: Progress = silent,
 ) -> MinPitch:
     """The smallest pitch at which handle 0 reaches a circle about the centre without a collision on the way.
 
@@ -161,6 +167,8 @@ def min_pitch(
         As in `March`.
     radius : float
         Of the circle, m.
+    progress : callable, optional
+        Called with the width that the smallest gap has reached on the map, and the one at which the map ends, m.
 
     Returns
     -------
@@ -179,13 +187,14 @@ def min_pitch(
     turns = positive("turns", turns, MAX_TURNS, "")
     # Further in than the longest spacing a handle may have no place, and a start further out is on no spiral.
     radius = finite("radius", radius, float(dragon.spacings.max()), min(MAX_RADIUS, MAX_PITCH * turns), "m")
-    return _Search(dragon, turns, speed, radius).run()
+    return _Search(dragon, turns, speed, radius, progress).run()
 
 
 class _Search:
     """Looks at marches that differ in their pitch."""
 
-    def __init__(self, dragon: Dragon, turns: float, speed: float, radius: float) -> None:
+    def __init__(self, dragon: Dragon, turns: float, speed: float, radius: float, progress: Progress) -> None:
+        self._progress = progress
         self._dragon, self._turns, self._speed, self._radius = dragon, turns, speed, radius
 
     def run(self) -> MinPitch:
@@ -273,6 +282,7 @@ class _Search:
             rows.append(_lowest_gaps(passing))
             if (found := passing.about_to_touch(near)) is not None:
                 slopes.append(found.slopes_on_circle)
+            self._progress(min(max(0.0, *rows[-1]), wide), wide)
             if min(rows[-1]) >= wide:
                 break
             pitches.append(RAISE * pitches[-1])

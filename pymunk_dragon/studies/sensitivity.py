@@ -24,6 +24,7 @@ from pymunk_dragon.march import March
 from pymunk_dragon.studies.branches import ASIDE, Branch, Grazing, Meeting, Misses, Stand, changed
 from pymunk_dragon.studies.min_pitch import RADIUS, MinPitch, min_pitch
 from pymunk_dragon.studies.passing import Passing
+from pymunk_dragon.studies.progress import Progress, silent
 from pymunk_dragon.studies.slopes import QUANTITIES, SIZES, gaps_of
 
 __all__ = ["Reach", "Sensitivity", "Slope", "sensitivity"]
@@ -43,6 +44,10 @@ NEAR = 0.05
 NO_GAP, SAME_WAY = 1e-10, 1e-6
 # Steps along a branch, at most: with more than that it leads nowhere.
 STEPS = 60
+
+
+# First contact, smallest pitch, and the slopes of both.
+PARTS = 4
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -127,6 +132,7 @@ def sensitivity(
     turns: float = 16.0,
     speed: float = 1.0,
     radius: float = RADIUS,
+    progress: Progress = silent,
 ) -> Sensitivity:
     """How the time of the first contact and the smallest pitch move with the sizes, by exact derivatives.
 
@@ -140,6 +146,8 @@ def sensitivity(
         As in `March`.
     radius
         As in `min_pitch`.
+    progress : callable, optional
+        Called with the number of parts that are done, and of all.
 
     Raises
     ------
@@ -153,12 +161,16 @@ def sensitivity(
     hit = first_contact(march)
     if hit.status != "contact" or hit.benches is None:
         raise ParameterError("pitch", pitch, f"one at which the dragon meets itself on the way ({hit.status} here)")
+    progress(1, PARTS)
     smallest = min_pitch(dragon, turns=turns, speed=speed, radius=radius)
+    progress(2, PARTS)
+    times = _of_contact(march, hit.benches, float(march.way(hit.time)))
+    progress(3, PARTS)
     return Sensitivity(
         march=march,
         time=hit.time,
         benches=hit.benches,
-        times=_of_contact(march, hit.benches, float(march.way(hit.time))),
+        times=times,
         smallest=smallest,
         pitches=_of_pitch(smallest),
     )

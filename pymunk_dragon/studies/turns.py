@@ -1,142 +1,222 @@
-"""Turns on three arcs, tangent to each other and to both spirals: what the shortest one is sought among."""
+"""Turns on n circular arcs between the two spirals of a U-turn, and their derivatives by curvatures and lengths."""
 
 from __future__ import annotations
 
 import cmath
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pymunk_dragon.curves import Arc, Composite, Curve, Line, Section, UTurn
+from pymunk_dragon.curves import Arc, Composite, Curve, Line, UTurn
+from pymunk_dragon.curves.base import frame
 
-__all__ = ["Turn", "three_arcs"]
+__all__ = ["ArcPath", "Turn", "closed_turn"]
 
 Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
 
-# 1/m. An arc that bends less is drawn as a line: from end to end they are less than 0.1 mm apart.
+# 1/m. An arc with a smaller curvature is replaced by a line: a radius above 100 km is not accepted by `Arc`.
 STRAIGHT = 1e-5
-# m. A shorter piece between the arcs is none.
-SHORTEST = 1e-3
-# rad. Arcs that turn further go round the wrong way.
-MAX_SWEEP = 1.5 * math.pi
+# rad. Below this angle the integral over an arc is taken from its series, because its closed form cancels.
+SMALL_ANGLE = 0.05
+# Newton steps to the end pose, which converge quadratically, and the error that is left, m and rad.
+CLOSING_STEPS, CLOSED = 30, 2e-14
 
 
 @dataclass(frozen=True, kw_only=True)
 class Turn:
-    """In on a spiral, round to the right, on along a line or a gentle arc, round to the left, and out on the other.
+    """Turn on n circular arcs, tangent to each other and to both spirals where these meet the circle.
 
     Attributes
     ----------
+    base : UTurn
+        Spirals and circle.
+    curvatures : tuple of float
+        Of the arcs, positive to the left, 1/m; 0 for a line.
+    lengths : tuple of float
+        Of the arcs, m.
     path : Composite
-        All of it; its place 0 is where the inward spiral is left.
-    length : float
-        From where the circle is entered to where it is left, m.
-    radii : tuple of float
-        Of the arcs to the right and to the left, m.
-    bend : float
-        Curvature of what is between them, positive to the left, 1/m.
-    sweeps : tuple of float
-        Angles that the three turn by, positive to the left, rad.
+        Inward spiral, arcs and outward spiral; the arc-length coordinate is 0 where the circle is entered.
     """
 
-    path: Composite
-    length: float
-    radii: tuple[float, float]
-    bend: float
-    sweeps: tuple[float, float, float]
+    base: UTurn
+    curvatures: tuple[float, ...]
+    lengths: tuple[float, ...]
+    path: Composite = field(repr=False)
+
+    @property
+    def length(self) -> float:
+        """Length from where the circle is entered to where it is left, m."""
+        return math.fsum(self.lengths)
 
 
-def three_arcs(
-    base: UTurn, first: float, second: float, bend: float = 0.0, *, late: float = 0.0, early: float = 0.0
-) -> Turn | None:
-    """The turn with arcs of the radii `first` and `second` and a middle piece of curvature `bend`.
+class ArcPath:
+    """The inward spiral, n arcs, and the outward spiral attached rigidly to the end of the last arc.
+
+    The end of the arcs need not be the circle's exit: the search closes the path only as it converges.
 
     Parameters
     ----------
     base : UTurn
-        Whose spirals and circle.
-    first, second : float
-        m.
-    bend : float
-        1/m, positive to the left.
-    late, early : float
-        How far inside the circle the inward spiral is left, and the outward one is joined, m along them.
+        Spirals and circle.
+    x : ndarray, shape (2 n,)
+        Curvatures, 1/m, and then lengths of the arcs, m.
+    """
+
+    def __init__(self, base: UTurn, x: Array) -> None:
+        self.count = x.size // 2
+        self.curvatures, self.lengths = x[: self.count], x[self.count :]
+        inward, outward = base.pieces[0], base.pieces[-1]
+        start, direction = _frame(inward, np.array([inward.end]))
+        turned = self.curvatures * self.lengths
+        self.edges = np.concatenate([[0.0], np.cumsum(self.lengths)])
+        self.headings = np.angle(direction) + np.concatenate([[0.0], np.cumsum(turned)])
+        chords = self.lengths * np.exp(1j * self.headings[:-1]) * _chord(turned)
+        self.joints: Complex = start + np.concatenate([[0.0], np.cumsum(chords)])
+        self._inward, self._outward = inward, outward
+        stop, leaving = _frame(outward, np.array([outward.begin]))
+        self._stop, self._leaving = stop, leaving
+        self._rotation = np.exp(1j * self.headings[-1]) / leaving
+
+    def at(self, s: Array) -> tuple[Complex, Complex, Array]:
+        """Points and tangents as complex numbers, and curvatures, each (...), at arc-length coordinates (...)."""
+        k = np.clip(np.searchsorted(self.edges, s, side="right") - 1, 0, self.count - 1)
+        way = s - self.edges[k]
+        curvatures = self.curvatures[k]
+        starts = np.exp(1j * self.headings[k])
+        angles = curvatures * way
+        points = self.joints[k] + way * starts * _chord(angles)
+        tangents = starts * np.exp(1j * angles)
+        before, after = s < 0, s >= self.edges[-1]
+        if before.any():
+            there = s[before] + self._inward.end
+            points[before], tangents[before] = _frame(self._inward, there)
+            curvatures[before] = self._inward.curvature(there)
+        if after.any():
+            there = s[after] - self.edges[-1] + self._outward.begin
+            spiral, direction = _frame(self._outward, there)
+            points[after] = self.joints[-1] + self._rotation * (spiral - self._stop)
+            tangents[after] = self._rotation * direction
+            curvatures[after] = self._outward.curvature(there)
+        return points, tangents, curvatures
+
+    def partials(self, s: Array, points: Complex, tangents: Complex, curvatures: Array) -> tuple[Complex, Array]:
+        """Derivatives (..., 2 n) of points and headings by the curvatures and lengths, the coordinates `s` being fixed.
+
+        The part of the path behind an arc moves rigidly when the arc changes.
+        """
+        n = self.count
+        of_points = np.zeros((*s.shape, 2 * n), dtype=complex)
+        of_headings = np.zeros((*s.shape, 2 * n))
+        starts = np.exp(1j * self.headings)
+        for j in range(n):
+            curvature, length, joint = self.curvatures[j], self.lengths[j], self.joints[j + 1]
+            behind, inside = s >= self.edges[j + 1], (s > self.edges[j]) & (s < self.edges[j + 1])
+            way = s[inside] - self.edges[j]
+            of_headings[inside, j], of_headings[behind, j] = way, length
+            of_points[inside, j] = way**2 * starts[j] * _moment(curvature * way)
+            whole = length**2 * starts[j] * _moment(np.array(curvature * length))
+            of_points[behind, j] = whole + 1j * length * (points[behind] - joint)
+            of_headings[behind, n + j] = curvature - curvatures[behind]
+            moved = starts[j + 1] + 1j * curvature * (points[behind] - joint) - tangents[behind]
+            of_points[behind, n + j] = moved
+        return of_points, of_headings
+
+    def end_error(self) -> tuple[Array, Array]:
+        """Distance from the exit and angle to its tangent, (3,), m and rad, and their derivatives (3, 2 n)."""
+        off, turned = self.joints[-1:] - self._stop, self.headings[-1] - self.headings[0]
+        tangent = np.exp(1j * self.headings[-1:])
+        of_points, of_headings = self.partials(self.edges[-1:], self.joints[-1:], tangent, np.zeros(1))
+        of_points[:, self.count :] += tangent
+        error = np.array([off[0].real, off[0].imag, turned])
+        return error, np.concatenate([of_points.real, of_points.imag, of_headings])
+
+    def squared_radii(self) -> tuple[Array, Array]:
+        """Squared distances (2 n - 1,) of the arcs' middles and inner ends from the centre, and derivatives."""
+        shares = np.arange(1, 2 * self.count) / 2
+        arcs = np.minimum(np.floor(shares).astype(int), self.count - 1)
+        places = self.edges[arcs] + (shares - arcs) * self.lengths[arcs]
+        points, tangents, curvatures = self.at(places)
+        moved = np.clip(shares[:, None] - np.arange(self.count), 0, 1)
+        of_points, _ = self.partials(places, points, tangents, curvatures)
+        of_points[:, self.count :] += tangents[:, None] * moved
+        return np.abs(points) ** 2, 2 * (points.conj()[:, None] * of_points).real
+
+
+def closed_turn(base: UTurn, x: Array) -> Turn | None:
+    """The turn that reaches the exit with the least change of the curvatures and lengths `x` (2 n,).
 
     Returns
     -------
     Turn or None
-        None where the arcs do not fit.
+        None where the Newton steps do not converge, an arc vanishes or the turn leaves the circle.
     """
-    inward, outward = base.pieces[0], base.pieces[-1]
-    assert isinstance(inward, Section)
-    assert isinstance(outward, Section)
-    before = Section(inward.curve, inward.begin, inward.end + late)
-    after = Section(outward.curve, outward.begin - early, outward.end)
-    start, setting_out = _complex(before.point(before.end)), _complex(before.tangent(before.end))
-    stop, arriving = _complex(after.point(after.begin)), _complex(after.tangent(after.begin))
-    # The first circle lies on the right of the way, the second one on its left.
-    one, other = start - 1j * first * setting_out, stop + 1j * second * arriving
-    headings = _headings(other - one, first, second, bend)
-    if headings is None:
-        return None
-    leaving, joining = headings
-    sweeps = (-_angle(leaving, setting_out), cmath.phase(joining / leaving), _angle(joining, arriving))
-    middle, goal = one + 1j * first * leaving, other - 1j * second * joining
-    straight = abs(bend) < STRAIGHT
-    between = abs(goal - middle) if straight else sweeps[1] / bend
-    if between < SHORTEST or max(-sweeps[0], sweeps[2]) > MAX_SWEEP:
-        return None
-    connection: Curve = Line(start=_pair(middle), stop=_pair(goal))
-    if not straight:
-        connection = _arc(middle, leaving, 1 / bend, sweeps[1])
-    right, left = _arc(start, setting_out, -first, sweeps[0]), _arc(goal, joining, second, sweeps[2])
-    path = Composite((before, right, connection, left, after))
-    length = late - first * sweeps[0] + between + second * sweeps[2] + early
-    return Turn(path=path, length=length, radii=(first, second), bend=bend, sweeps=sweeps)
-
-
-def _headings(between: complex, first: float, second: float, bend: float) -> tuple[complex, complex] | None:
-    """Directions where the middle piece begins and ends, if the second circle's centre lies `between` from the first's.
-
-    The middle of a bent piece is 1 / bend to its left. So it is first + 1 / bend away from the one centre, and
-    1 / bend - second from the other: two sides of a triangle whose third is known.
-    """
-    distance = abs(between)
-    if abs(bend) < STRAIGHT:
-        sine = (first + second) / distance
-        if sine >= 1:
+    x, count = x.copy(), x.size // 2
+    x[:count][np.abs(x[:count]) < STRAIGHT] = 0.0
+    free = x != 0
+    for _ in range(CLOSING_STEPS):
+        if x[count:].min() <= STRAIGHT:
             return None
-        heading = between / distance * complex(math.sqrt(1 - sine**2), -sine)
-        return heading, heading
-    one, other = first + 1 / bend, 1 / bend - second
-    cosine = (one**2 + distance**2 - other**2) / (2 * one * distance)
-    if not abs(cosine) < 1:
+        path = ArcPath(base, x)
+        error, slopes = path.end_error()
+        if np.abs(error).max() < CLOSED:
+            break
+        x[free] -= np.linalg.lstsq(slopes[:, free], error, rcond=None)[0]
+    else:
         return None
-    # Of both triangles the one whose middle piece leads from the first circle towards the second.
-    ways = []
-    for side in (1, -1):
-        left = between / distance * complex(cosine, side * math.sqrt(1 - cosine**2))
-        left_after = (one * left - between) / other
-        ways.append((left / 1j, left_after / 1j))
-    return max(ways, key=lambda way: (way[0] * between.conjugate()).real)
+    pieces: list[Curve] = [base.pieces[0]]
+    for curvature, length, heading, joint, stop in zip(
+        path.curvatures.tolist(),
+        path.lengths.tolist(),
+        path.headings.tolist(),
+        path.joints[:-1].tolist(),
+        path.joints[1:].tolist(),
+        strict=False,
+    ):
+        if curvature == 0:
+            pieces.append(Line(start=(joint.real, joint.imag), stop=(stop.real, stop.imag)))
+            continue
+        side = math.copysign(1.0, curvature)
+        centre = joint + 1j * complex(math.cos(heading), math.sin(heading)) / curvature
+        begin = heading - side * math.pi / 2
+        sweep = curvature * length
+        if _farthest(centre, abs(1 / curvature), begin, sweep) > base.radius * (1 + CLOSED):
+            return None
+        pieces.append(Arc(centre=(centre.real, centre.imag), radius=abs(1 / curvature), begin_angle=begin, sweep=sweep))
+    return Turn(
+        base=base,
+        curvatures=tuple(path.curvatures.tolist()),
+        lengths=tuple(path.lengths.tolist()),
+        path=Composite((*pieces, base.pieces[-1])),
+    )
 
 
-def _arc(start: complex, direction: complex, radius: float, sweep: float) -> Arc:
-    """Arc from a point on; its `radius` is positive to the left, as its sweep."""
-    left = 1j * direction * radius
-    return Arc(centre=_pair(start + left), radius=abs(radius), begin_angle=cmath.phase(-left), sweep=sweep)
+def _frame(curve: Curve, s: Array) -> tuple[Complex, Complex]:
+    """Points and tangents as complex numbers."""
+    points, tangents = (part.view(complex)[..., 0] for part in frame(curve, s))
+    return points, tangents
 
 
-def _angle(direction: complex, other: complex) -> float:
-    """Angle by which one turns to the left from a direction to another, rad, from 0 to a whole turn."""
-    return cmath.phase(other / direction) % (2 * math.pi)
+def _chord(angles: Array) -> Complex:
+    """Integral of exp(i a v) over v from 0 to 1."""
+    chord: Complex = np.sinc(angles / (2 * np.pi)) * np.exp(0.5j * angles)
+    return chord
 
 
-def _complex(vector: Array) -> complex:
-    return complex(*vector.tolist())
+def _moment(angles: Array) -> Complex:
+    """Integral of i v exp(i a v) over v from 0 to 1: the derivative of `_chord` by the angle."""
+    small = np.abs(angles) < SMALL_ANGLE
+    a = np.where(small, angles, 0.0)
+    series = 1j / 2 - a / 3 - 1j * a**2 / 8 + a**3 / 30 + 1j * a**4 / 144 - a**5 / 840
+    b = np.where(small, 1.0, angles)
+    return np.where(small, series, 1j * (np.exp(1j * b) * (1 - 1j * b) - 1) / b**2)
 
 
-def _pair(point: complex) -> tuple[float, float]:
-    return point.real, point.imag
+def _farthest(centre: complex, radius: float, begin: float, sweep: float) -> float:
+    """Largest distance of an arc from the origin, m."""
+    ends = (abs(centre + cmath.rect(radius, angle)) for angle in (begin, begin + sweep))
+    # The circle's farthest point lies beyond its centre, seen from the origin.
+    way = (cmath.phase(centre) - begin) * math.copysign(1.0, sweep) % (2 * math.pi)
+    return abs(centre) + radius if way < abs(sweep) else max(ends)

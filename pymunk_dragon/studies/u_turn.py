@@ -1,13 +1,13 @@
-"""The turn of the contest's question 4, and the shortest one that a dragon can make instead.
+"""The turn of the contest's question 4, and the shortest one that was found inside its circle.
 
 Two arcs. Entry and exit lie opposite to each other, 2 R apart, and the directions there are the same, at an angle a to
 the straight way across. Any two arcs that touch both and each other turn by 2 a each. Their chords, 2 r sin a each, lie
 on the straight way, one behind the other, so (r1 + r2) sin a = R, and the length is 2 a (r1 + r2) = 2 a R / sin a:
 changing the arcs does not make the turn shorter.
 
-Three arcs, or two and a line between them, do. Nothing but the way straight across, 2 R, is a limit to that: benches do
-not touch each other in tight turns. But dancers have to run round them. So the shortest turn is sought on which nobody
-comes to be faster, over the head, than is allowed: without any other word, than on the contest's own turn.
+Three and more arcs do. The way straight across, 2 R, is the only geometric limit, but the handles behind the head
+become ever faster. So the shortest turn is sought on which no handle exceeds a given multiple of the head's speed: by
+default the largest one on the contest's own turn.
 """
 
 from __future__ import annotations
@@ -17,15 +17,18 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from pymunk_dragon.checks import finite
+from pymunk_dragon.checks import finite, whole
 from pymunk_dragon.collision import Impact, first_contact
 from pymunk_dragon.curves import UTurn
 from pymunk_dragon.dragon import Dragon
-from pymunk_dragon.errors import ParameterError
+from pymunk_dragon.errors import ParameterError, UnreachableError
+from pymunk_dragon.extras import library
 from pymunk_dragon.march import March
-from pymunk_dragon.studies.shortest import LEAD, Shortest, hurry, shortest_turn
+from pymunk_dragon.studies.max_speed import SpeedRatio, largest_ratio
+from pymunk_dragon.studies.progress import Progress, silent
+from pymunk_dragon.studies.shortest import Shortest, shortest_turn
 
-__all__ = ["TIMES", "Hurry", "TurnAnswer", "u_turn"]
+__all__ = ["TIMES", "TurnAnswer", "u_turn"]
 
 Array = NDArray[np.float64]
 
@@ -36,27 +39,12 @@ RATIOS = (0.25, 0.5, 1.0, 2.0, 4.0)
 # Times the head's speed. Below it no chain goes round a bend; above it nobody runs, and next to where the dragon gets
 # stuck the search takes long.
 MIN_FASTEST, MAX_FASTEST = 1.01, 5.0
-# Share of a speed that is no difference.
-SAME = 1e-9
-
-
-@dataclass(frozen=True, kw_only=True)
-class Hurry:
-    """Who has to go fastest.
-
-    Attributes
-    ----------
-    factor : float
-        Speed over that of the head.
-    handle : int
-        Whose.
-    way : float
-        Where the head is then, m from where it entered the circle.
-    """
-
-    factor: float
-    handle: int
-    way: float
+# Largest number of arcs in the search: by default, and at most.
+ARCS, MAX_ARCS = 7, 15
+# m. Least radius of an arc in the search. Smaller ones save centimetres and make the certificate of a contact slow.
+MIN_RADIUS = 0.5
+# m. Least value of that.
+SMALLEST = 0.05
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,33 +62,30 @@ class TurnAnswer:
         from 100 m before the circle to 100 m after entering it otherwise, s.
     impact : Impact
         First contact between the first and the last of these, certified.
-    hurry : Hurry
-        Who goes fastest on it between them.
+    hurry : SpeedRatio
+        Largest speed of a handle over the head's on it, at any time.
     lengths : tuple of tuple of float
         Ratios of the radii, and the length of the turn with each, m.
     allowed : float
-        How many times as fast as the head anybody may be on the shortest turn.
-    shortest : Shortest
-        The shortest turn inside the circle on three arcs, the middle one of any bend.
-    short_march : March
+        Multiple of the head's speed that no handle may exceed on the shortest turn.
+    shortest : Shortest or None
+        The shortest turn that was found; None without the search.
+    short_march : March or None
         On that.
-    short_impact : Impact
+    short_impact : Impact or None
         First contact there.
-    short_hurry : Hurry
-        Who goes fastest there.
     """
 
     turn: UTurn
     march: March
     times: Array = field(repr=False)
     impact: Impact
-    hurry: Hurry
+    hurry: SpeedRatio
     lengths: tuple[tuple[float, float], ...]
     allowed: float
-    shortest: Shortest
-    short_march: March
-    short_impact: Impact
-    short_hurry: Hurry
+    shortest: Shortest | None
+    short_march: March | None
+    short_impact: Impact | None
 
 
 def u_turn(
@@ -111,44 +96,67 @@ def u_turn(
     ratio: float = 2.0,
     speed: float = 1.0,
     fastest: float | None = None,
+    search: bool = True,
+    arcs: int = ARCS,
+    min_radius: float = MIN_RADIUS,
+    progress: Progress = silent,
 ) -> TurnAnswer:
-    """The turn of question 4, whether the dragon gets round it, and the shortest one.
+    """The turn of question 4, its first contact, and the shortest turn that is found.
 
     Parameters
     ----------
     dragon : Dragon, optional
-        Who marches; by default the contest's.
+        By default the contest's.
     pitch, radius, ratio
         As in `UTurn`.
     speed
         As in `March`.
     fastest : float, optional
-        How many times as fast as the head anybody may be on the shortest turn, from 1.01 to 5; by default what
-        somebody is on the contest's.
+        Multiple of the head's speed that no handle may exceed on the shortest turn, from 1.01 to 5; by default the
+        largest on the contest's.
+    search : bool
+        Whether to search for the shortest turn; this needs SciPy.
+    arcs : int
+        Largest number of arcs of the turns that are searched: an odd number from 3 to 15.
+    min_radius : float
+        Least radius of an arc in the search, from 0.05 m to the circle's radius.
+    progress : callable, optional
+        Called with how much of the search is done, and how much there is.
 
     Returns
     -------
     TurnAnswer
-        The shortest turn's length is right to 1e-5 m among the turns that are searched, if the limit is from 1.3 to
-        1.7. With others it is that of the shortest turn found, and there may be shorter ones.
+        The search finds good turns; no proof shows that there are no shorter ones.
 
     Raises
     ------
     ParameterError
-        If one of these is impossible, if the dragon does not get round the contest's turn, or if no turn inside the
-        circle is found on which nobody is too fast.
+        If a value cannot be used, if the dragon does not get round the contest's turn, or if no turn inside the
+        circle is found on which every handle keeps to the limit.
+    MissingExtraError
+        If the search needs SciPy and it is not installed.
     """
     dragon = dragon or Dragon()
     if fastest is not None:
         fastest = finite("fastest", fastest, MIN_FASTEST, MAX_FASTEST, "times the head's speed")
+    if not isinstance(search, bool):
+        raise ParameterError("search", search, "True or False")
+    if whole("arcs", arcs, 3, MAX_ARCS) % 2 == 0:
+        raise ParameterError("arcs", arcs, f"an odd number from 3 to {MAX_ARCS}")
+    if search:
+        library("scipy.optimize")
     turn = UTurn(pitch=pitch, radius=radius, ratio=ratio)
+    min_radius = finite("min_radius", min_radius, SMALLEST, turn.radius, "m")
     march = March(dragon, turn, speed=speed)
     times = march.time(TIMES)
     times.flags.writeable = False
-    most = _hurry(march, turn.radius)
-    allowed = most.factor if fastest is None else fastest
-    found = shortest_turn(turn, dragon.spacings, allowed)
-    short_march = March(dragon, found.turn.path, speed=speed)
+    try:
+        most = largest_ratio(March(dragon, turn))
+    except (ParameterError, UnreachableError) as error:
+        raise ParameterError("radius", radius, "large enough for the dragon to get round the turn") from error
+    allowed = most.ratio if fastest is None else fastest
+    shortest = shortest_turn(turn, dragon, allowed, arcs, min_radius, progress) if search else None
+    short_march = None if shortest is None else March(dragon, shortest.turn.path, speed=speed)
     return TurnAnswer(
         turn=turn,
         march=march,
@@ -157,10 +165,9 @@ def u_turn(
         hurry=most,
         lengths=tuple((each, _measured(replace(turn, ratio=each))) for each in RATIOS),
         allowed=allowed,
-        shortest=found,
+        shortest=shortest,
         short_march=short_march,
-        short_impact=_impact(short_march, times),
-        short_hurry=_hurry(short_march, turn.radius),
+        short_impact=None if short_march is None else _impact(short_march, times),
     )
 
 
@@ -171,19 +178,3 @@ def _measured(turn: UTurn) -> float:
 
 def _impact(march: March, times: Array) -> Impact:
     return first_contact(march, start=float(times[0]), until=float(times[-1]))
-
-
-def _hurry(march: March, radius: float) -> Hurry:
-    """Who goes fastest while the head goes through the turn and on.
-
-    Along the inward spiral everybody is slower than the one before, so only those that get beyond it are looked at.
-    """
-    spacings, until = march.dragon.spacings, float(TIMES[-1])
-    reach = 1 + int(np.searchsorted(np.cumsum(spacings), until))
-    found = hurry(march.curve, spacings[:reach], -LEAD, until)
-    if found is None:
-        raise ParameterError("radius", radius, "large enough for the dragon to get round the turn")
-    peaks, heads = found
-    # On an arc several are as fast, but for rounding: the foremost of them.
-    handle = int(np.argmax(peaks >= peaks.max() * (1 - SAME)))
-    return Hurry(factor=float(peaks[handle]), handle=handle, way=float(heads[handle]))

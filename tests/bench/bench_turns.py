@@ -1,51 +1,42 @@
-"""The shortest turn against a fine grid: no turn on it that is shorter keeps to the limit.
+"""The shortest turn found against a random search by brute force, which shares no code with it but the dragon's sizes.
 
-Run it with `python tests/bench/bench_turns.py`; it takes some minutes.
+Run it with `python tests/bench/bench_turns.py`. It prints the lengths by the number of arcs, and what the random search
+finds in the same family from the contest's turn.
 """
 
 from __future__ import annotations
 
+import sys
 import time
-from itertools import product
+from pathlib import Path
 
-import numpy as np
+sys.path.insert(0, str(Path(__file__).parents[1]))
+from arc_turns import random_search
+from measure import sized
 
 from pymunk_dragon.curves import UTurn
 from pymunk_dragon.dragon import Dragon
-from pymunk_dragon.studies.shortest import hurry, shortest_turn
-from pymunk_dragon.studies.turns import three_arcs
+from pymunk_dragon.studies.shortest import shortest_turn
+from pymunk_dragon.studies.u_turn import MIN_RADIUS
 
-RADII = np.arange(0.4, 3.2, 0.2)
-BENDS = (-0.3, -0.1, -0.03, 0.0, 0.03, 0.1, 0.3)
-KEPT = (0.0, 0.3)
-LIMITS = (1.3, 1.6047933789666373, 1.7)
+CONTESTS = 1.6047933789666373
+LIMITS = sized((1.3, CONTESTS, 1.7), (CONTESTS,))
+ARCS = sized(7, 3)
+TRIALS = sized(20_000, 20)
 
 
 def main() -> None:
-    """Search, then try every turn of the grid that is shorter than what was found."""
-    base, spacings = UTurn(), Dragon().spacings
-    found = []
+    """Search with each limit, and then at random with the contest's."""
     for limit in LIMITS:
         start = time.perf_counter()
-        shortest = shortest_turn(base, spacings, limit)
+        found = shortest_turn(UTurn(), Dragon(), limit, ARCS, MIN_RADIUS)
         wall = time.perf_counter() - start
-        found.append(shortest.turn.length)
-        print(f"limit {limit:.6f}: {shortest.turn.length:.6f} m after {shortest.looks} looks, {wall:.1f} s", flush=True)
-    tried = 0
-    best = dict.fromkeys(LIMITS, np.inf)
-    for first, second, bend, late, early in product(RADII, RADII, BENDS, KEPT, KEPT):
-        turn = three_arcs(base, first, second, bend, late=late, early=early)
-        if turn is None or turn.length >= max(found):
-            continue
-        tried += 1
-        peaks = hurry(turn.path, spacings[:9], -3.0, turn.length + 5.0)
-        most = np.inf if peaks is None else peaks[0].max()
-        for limit in LIMITS:
-            if most <= limit:
-                best[limit] = min(best[limit], turn.length)
-    for limit, length in zip(LIMITS, found, strict=True):
-        print(f"limit {limit:.6f}: shortest on the grid {best[limit]:.6f} m, found {length:.6f} m")
-    print(f"{tried} turns of the grid looked at")
+        lengths = ", ".join(f"{length:.5f} m on {arcs} arcs" for arcs, length in found.lengths)
+        print(f"limit {limit:.6f}: {lengths}; {found.evaluations} evaluations, {wall:.1f} s", flush=True)
+    for arcs in (3, 5):
+        start = time.perf_counter()
+        length = random_search(arcs, CONTESTS, TRIALS)[0]
+        print(f"at random, {arcs} arcs: {length:.5f} m after {TRIALS} trials, {time.perf_counter() - start:.1f} s")
 
 
 if __name__ == "__main__":

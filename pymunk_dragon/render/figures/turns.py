@@ -1,4 +1,4 @@
-"""The turn of question 4 and the shortest one: both paths with the dragon on them, and how fast dancers have to go."""
+"""The turn of question 4 and the shortest one that was found: both paths with the dragon on them, and its speeds."""
 
 from __future__ import annotations
 
@@ -27,18 +27,17 @@ POINTS = 1200
 
 def turns(found: TurnAnswer) -> Figure:
     """The answer of `u_turn`."""
-    short = found.shortest.turn
-    saved = 100 * (1 - short.length / found.turn.length)
-    figure = page(
-        8.0,
-        8.0,
-        f"The turn is {found.turn.length:.4f} m long on any two arcs; three can do with {saved:.0f} % less",
-        f"the shortest on which nobody has to go more than {found.allowed:.4g} times as fast as the head",
-    )
-    panels = (
-        (0.3, found.march, found.turn.joints, f"two arcs, {found.turn.length:.4f} m", BLUE),
-        (4.1, found.short_march, short.path.joints, f"three arcs, {short.length:.4f} m", AMBER),
-    )
+    panels = [(0.3, found.march, found.turn.joints, f"two arcs, {found.turn.length:.4f} m", BLUE)]
+    title = f"The turn is {found.turn.length:.4f} m long on any two arcs"
+    note = f"no handle goes more than {found.allowed:.4g} times as fast as the head"
+    if found.shortest is not None and found.short_march is not None:
+        short = found.shortest.turn
+        saved = 100 * (1 - short.length / found.turn.length)
+        name = f"{len(short.lengths)} arcs, {short.length:.4f} m"
+        panels.append((4.1, found.short_march, short.path.joints, name, AMBER))
+        title += f"; {len(short.lengths)} can do with {saved:.0f} % less"
+        note = "the best found on which " + note
+    figure = page(8.0, 8.0, title, note)
     for left, march, joints, title, colour in panels:
         axes = panel(figure, left, 3.2, 3.6, 3.6)
         axes.set_title(title, loc="left", size=11.5, color=colour, pad=6)
@@ -84,6 +83,8 @@ def _speeds(axes: Axes, found: TurnAnswer) -> None:
     axes.set_title("fastest handle, times the head's speed", loc="left", size=11.5, color=QUIET, pad=8)
     ways = np.linspace(-BEFORE, AFTER, POINTS)
     for march, colour, gid in ((found.march, BLUE, "speeds"), (found.short_march, AMBER, "short-speeds")):
+        if march is None:
+            continue
         speeds = march.at(march.time(ways)).speeds
         axes.plot(ways, (speeds / speeds[:, :1]).max(axis=1), color=colour, lw=1.8, gid=gid)
     axes.axhline(found.allowed, color=COLOURS.contact, lw=1.0, ls=(0, (5, 3)), gid="allowed")
