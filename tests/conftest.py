@@ -30,6 +30,10 @@ hypothesis.settings.load_profile("house")
 # A shell that starts the tests in the background has them ignore Ctrl-C, and with them every program that they start.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
+# Coverage measures child processes too, writes a file in each, and locks what its tracer shares.
+not_under_coverage = pytest.mark.skipif(
+    "COVERAGE_PROCESS_CONFIG" in os.environ, reason="coverage writes files and takes locks of its own"
+)
 DATA = Path(__file__).parent / "data"
 # Share of the pixels of a golden picture that another machine's rounding may change.
 SHARE = 0.002

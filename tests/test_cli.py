@@ -18,7 +18,7 @@ from pathlib import Path
 
 import openpyxl
 import pytest
-from conftest import assert_says
+from conftest import assert_says, not_under_coverage
 from PIL import Image
 
 from pymunk_dragon.cli.options import SCENARIO_OPTIONS
@@ -691,6 +691,7 @@ def test_a_film_takes_no_more_processes_than_have_work(call, tmp_path, monkeypat
     assert call("render", "-o", tmp_path / "film.gif", "--until", "1", "--size", "64") == (0, "", "")
 
 
+@not_under_coverage
 def test_a_video_that_does_not_fit_on_the_disk_leaves_the_old_one(tmp_path):
     path = tmp_path / "film.mp4"
     path.write_bytes(b"old")

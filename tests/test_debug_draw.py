@@ -17,7 +17,7 @@ import numpy as np
 import pymunk
 import pytest
 import shapely
-from conftest import assert_says
+from conftest import assert_says, not_under_coverage
 from numpy.typing import NDArray
 from PIL import Image
 from pymunk import BB, SpaceDebugDrawOptions, Transform, Vec2d
@@ -747,6 +747,7 @@ def test_an_exception_between_the_calls_arrives(capfd: pytest.CaptureFixture[str
     assert image.tobytes() == white().tobytes()
 
 
+@not_under_coverage
 @pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="Windows has no timer that interrupts")
 def test_no_interrupt_is_lost_whenever_it_comes() -> None:
     class InterruptError(Exception):

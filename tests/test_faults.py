@@ -19,7 +19,7 @@ import zipfile
 from pathlib import Path
 
 import pytest
-from conftest import assert_says
+from conftest import assert_says, not_under_coverage
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
@@ -287,6 +287,7 @@ def test_only_drafts_are_cleared(tmp_path):
 # Full disks
 
 
+@not_under_coverage
 @pytest.mark.parametrize(
     ("arguments", "file"),
     [
@@ -312,6 +313,7 @@ def test_full_disk_is_one_line_and_leaves_the_old_file(tmp_path, arguments, file
     assert (tmp_path / file).read_bytes() == b"old"
 
 
+@not_under_coverage
 def test_font_cache_that_cannot_be_written_is_one_line(tmp_path):
     cache, folder = tmp_path / "cache", tmp_path / "out"
     folder.mkdir()

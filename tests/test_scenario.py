@@ -218,10 +218,11 @@ def test_curve_and_speed_may_be_files_beside_the_scenario(tmp_path):
     assert Scenario(benches=5, curve=str(tmp_path / "path.csv"), speed=TABLE) == scenario
 
 
-def test_file_of_too_few_points_is_refused(tmp_path):
-    (tmp_path / "path.csv").write_text("0,0\n10,0\n20,1\n")
+def test_file_of_too_few_points_is_refused(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("path.csv").write_text("0,0\n10,0\n20,1\n")
     with pytest.raises(ParameterError) as caught:
-        Scenario(curve=str(tmp_path / "path.csv"))
+        Scenario(curve="path.csv")
     assert caught.value.name == "curve"
     assert_says(caught.value, "path.csv", "4 to 50000 points")
 

@@ -376,7 +376,7 @@ def test_a_scenario_gives_the_dragon_and_flags_win(capsys: pytest.CaptureFixture
         (["min-pitch", "--radius", "many"], ("radius", "many")),
         (["min-pitch", "--pitch", "0.5"], ("pitch", "left out")),
         (["min-pitch", "--benches", "5"], ("benches", "5")),
-        (["min-pitch", "-o", "answer.gif"], ("output", "answer.gif", ".json or .png or .svg")),
+        (["min-pitch", "-o", "answer.gif"], ("-o is", "answer.gif", ".json or .png or .svg")),
         (["nothing"], ("study", "nothing", "min-pitch")),
     ],
 )
