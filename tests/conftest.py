@@ -24,7 +24,7 @@ from pymunk_dragon.march import March
 # time, so that a failure comes from a change; `--hypothesis-profile=explore` throws the dice.
 hypothesis.settings.register_profile("explore", deadline=None, print_blob=True)
 hypothesis.settings.register_profile("house", deadline=None, derandomize=True)
-hypothesis.settings.register_profile("quick", deadline=None, derandomize=True, max_examples=25)
+hypothesis.settings.register_profile("quick", deadline=None, derandomize=True, max_examples=15)
 hypothesis.settings.load_profile("house")
 
 # A shell that starts the tests in the background has them ignore Ctrl-C, and with them every program that they start.
@@ -40,7 +40,7 @@ SHARE = 0.002
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Let parallel processes share what they play, and take a quarter of the examples for `make test`."""
+    """Let parallel processes share what they play, and take a seventh of the examples for `make test`."""
     if getattr(config.option, "numprocesses", None):
         folder = tempfile.TemporaryDirectory(prefix="pymunk-dragon-tests-")
         config.add_cleanup(folder.cleanup)

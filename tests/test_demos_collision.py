@@ -267,6 +267,7 @@ def test_near_miss_that_is_changed_finds_the_right_benches(tmp_path):
 WIDER = {"width": "0.301"}
 
 
+@pytest.mark.thorough
 def test_window_is_that_of_many_digits():
     begin = contact_time(409.7759, (0, 11), **WIDER)
     end = contact_time(409.8845, (0, 11), **WIDER)

@@ -167,6 +167,7 @@ def test_the_dots_on_the_spiral_are_whole_minutes(drawn: dict[str, Any]) -> None
         np.testing.assert_allclose(dot, (float(x), float(y)), atol=1e-9)
 
 
+@pytest.mark.thorough
 def test_seven_handles_walk_from_where_they_start_to_where_the_contact_stops_them(drawn: dict[str, Any]) -> None:
     for column, time in ((0, 0.0), (-1, CONTACT_TIME)):
         positions, _ = oracle.solve(time, **SEED, difference=False)

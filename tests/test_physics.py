@@ -174,6 +174,7 @@ def test_same_scenario_gives_the_same_bytes(seed_march, tmp_path):
     assert (tmp_path / "once.npz").read_bytes() == (tmp_path / "again.npz").read_bytes()
 
 
+@pytest.mark.thorough
 def test_smaller_substeps_drift_less(seed_march):
     drifts = [
         simulate(seed_march, start=405.0, until=410.0, substep=substep).max_drift
@@ -212,6 +213,7 @@ def test_dragon_of_1000_benches_keeps_to_the_model():
     assert_keeps_to_the_model(run)
 
 
+@pytest.mark.thorough
 def test_faster_march_is_the_same_march(seed_march, true_time):
     fast = simulate(March(speed=2.0), start=205.0)
     assert fast.first_contact.benches == (0, 8)

@@ -163,6 +163,7 @@ def test_brute_force_sees_the_same_largest_speed(answer: TurnAnswer) -> None:
     assert largest_ratio(unknowns(answer.shortest.turn)) == pytest.approx(answer.shortest.ratio.ratio, abs=2e-3)
 
 
+@pytest.mark.thorough
 def test_no_random_turn_near_the_shortest_one_is_shorter_and_keeps_to_the_limit(answer: TurnAnswer) -> None:
     assert answer.shortest is not None
     # What brute force sees of a speed is right to 0.001; the length changes by about 5 m for a unit of it.
