@@ -17,7 +17,7 @@ from pymunk_dragon.errors import FileFormatError, OutputError, ParameterError
 try:
     import fcntl
 except ImportError:  # Windows has no such locks, and drafts of killed processes stay there.
-    fcntl = None  # type: ignore[assignment]
+    fcntl = None  # type: ignore[assignment]  # None stands for no module.
 
 __all__ = ["check_destination", "number_rows", "read_text", "written_in_place"]
 

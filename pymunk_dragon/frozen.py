@@ -60,6 +60,7 @@ class ArrayRecord:
 
 
 def _compared(record: object) -> list[Any]:
+    # Only dataclasses derive from ArrayRecord.
     return [getattr(record, field.name) for field in fields(record) if field.compare]  # type: ignore[arg-type]
 
 
