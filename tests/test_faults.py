@@ -182,7 +182,18 @@ def is_whole(path):
     content = path.read_bytes()
     if path.suffix in (".npz", ".xlsx"):
         return zipfile.ZipFile(io.BytesIO(content)).testzip() is None
-    return {".gif": b";", ".mp4": b"moov", ".html": b"</html>"}[path.suffix] in content[-200_000:]
+    if path.suffix == ".mp4":
+        return b"moov" in boxes(content)
+    return {".gif": b";", ".html": b"</html>"}[path.suffix] in content[-200_000:]
+
+
+def boxes(content):
+    """Return the kinds of an MP4 file's boxes, or none where the file ends inside one of them."""
+    kinds, at = [], 0
+    while at < len(content):
+        kinds.append(content[at + 4 : at + 8])
+        at += int.from_bytes(content[at : at + 4]) or len(content)
+    return kinds if at == len(content) else []
 
 
 def interrupted(folder, name, number, delay, old):
