@@ -90,7 +90,7 @@ class Continuation:
         They are nan for a handle that motion from the start does not bring there, and for all behind it.
         """
         spacings = self._spacings[: handles - 1]
-        usual = self._usual(np.minimum(heads, self._head), np.maximum(heads, self._head), handles)
+        usual = self._usual(np.minimum(heads, self._head), np.maximum(heads, self._head), range(handles - 1))
         if usual.all():
             return chain(self._curve, heads, spacings)
         places = np.empty((heads.size, handles))
@@ -102,13 +102,19 @@ class Continuation:
         """Lowest and highest coordinates (T, H) of handles while the chain moves between two states (T, H)."""
         lows, highs = np.minimum(first, last), np.maximum(first, last)
         handles = first.shape[1]
-        rows = np.flatnonzero(~self._usual(lows[:, 0], highs[:, 0], handles))
+        rows = np.flatnonzero(~self._usual(lows[:, 0], highs[:, 0], range(handles - 1)))
         if rows.size:
             reversing = np.zeros(rows.size, dtype=bool)
             for i, branch in enumerate(self._branches(handles - 1)):
                 reversing |= branch.may_reverse(lows[rows, i], highs[rows, i])
             rows = rows[reversing]
         for i, branch in enumerate(self._branches(handles - 1) if rows.size else []):
+            usual = self._usual(lows[rows, i], highs[rows, i], range(i, handles - 1))
+            rest, rows = rows[usual], rows[~usual]
+            lows[rest, i:] = chain(self._curve, lows[rest, i], self._spacings[i : handles - 1])
+            highs[rest, i:] = chain(self._curve, highs[rest, i], self._spacings[i : handles - 1])
+            if not rows.size:
+                break
             known = (first[rows, i], first[rows, i + 1]), (last[rows, i], last[rows, i + 1])
             low, high = branch.image(lows[rows, i], highs[rows, i], known)
             hidden = np.where(branch.may_reverse(lows[rows, i], highs[rows, i]), branch.hidden, 0.0)
@@ -120,13 +126,13 @@ class Continuation:
         if self._spacings[1:].size and np.ptp(self._spacings[1:]) > 0:
             return False
         extremes = np.array([min(low, self._head)]), np.array([max(high, self._head)])
-        if self._usual(*extremes, self._spacings.size + 1).all():
+        if self._usual(*extremes, range(self._spacings.size)).all():
             return True
         return len({id(branch) for branch in self._branches(self._spacings.size)[1:]}) <= 1
 
-    def _usual(self, lows: Array, highs: Array, handles: int) -> Flags:
-        """Whether `curves.chain` gives the coordinates wherever the head is between `lows` and `highs` (T,)."""
-        spacings, curve = self._spacings[: handles - 1], self._curve
+    def _usual(self, lows: Array, highs: Array, benches: range) -> Flags:
+        """Whether `curves.chain` places these benches wherever the first front is between `lows` and `highs` (T,)."""
+        spacings, curve = self._spacings[benches.start : benches.stop], self._curve
         if not spacings.size:
             return np.ones(lows.shape, dtype=bool)
         if isinstance(curve, Spiral) and not curve.outward:
@@ -134,7 +140,8 @@ class Continuation:
             # rear handle from some angle on inward, with the exception of `INNERMOST`; and no bench that is as short or
             # shorter loses its own further out.
             chords = spacings / curve.k
-            if np.all(np.diff(chords) <= 0) and not np.any((chords > INNERMOST[0]) & (chords < INNERMOST[1])):
+            regular = np.all(np.diff(chords) <= 0) and not np.any((chords > INNERMOST[0]) & (chords < INNERMOST[1]))
+            if benches.start == 0 and regular:
                 return np.ones(lows.shape, dtype=bool)
         bends = sharpest(curve, lows - np.pi / 2 * spacings.sum(), highs)
         usual: Flags = ~(bends * spacings.max() >= 2)
@@ -142,11 +149,22 @@ class Continuation:
 
     def _branches(self, benches: int) -> list[_Branch]:
         """The functions of the foremost `benches`, or of fewer if others have no state at the start."""
-        while len(self._chains) < benches and not np.isnan(self.start[len(self._chains) + 1]):
-            bench = len(self._chains)
-            chord, (front, rear) = float(self._spacings[bench]), self.start[bench : bench + 2].tolist()
-            branch = next((one for one in dict.fromkeys(self._chains) if one.passes(chord, front, rear)), None)
-            self._chains.append(branch or _Branch(self._curve, chord, front, rear))
+        if not self._chains:
+            known = np.flatnonzero(~np.isnan(self.start[1:]))
+            found: dict[int, _Branch] = {}
+            for bench in known.tolist():
+                if bench not in found:
+                    chord = float(self._spacings[bench])
+                    branch = _Branch(self._curve, chord, float(self.start[bench]), float(self.start[bench + 1]))
+                    others = [
+                        other for other in known.tolist() if other not in found and self._spacings[other] == chord
+                    ]
+                    fronts = self.start[others]
+                    branch.cover(fronts.min(), fronts.max())
+                    same = np.abs(branch.rear(fronts) - self.start[1:][others]) <= SAME
+                    found |= {other: branch for other, shared in zip(others, same.tolist(), strict=True) if shared}
+                    found[bench] = branch
+            self._chains = [found[bench] for bench in known.tolist()]
         return self._chains[:benches]
 
     def _followed(self, heads: Array, handles: int) -> Array:
@@ -154,8 +172,13 @@ class Continuation:
         places = np.full((heads.size, handles), np.nan)
         places[:, 0] = heads
         lows, highs = np.minimum(heads, self._head), np.maximum(heads, self._head)
+        done = np.zeros(heads.size, dtype=bool)
         for i, branch in enumerate(self._branches(handles - 1)):
-            rows = np.flatnonzero(~np.isnan(places[:, i]))
+            rows = np.flatnonzero(~done & ~np.isnan(places[:, i]))
+            usual = self._usual(lows[rows], highs[rows], range(i, handles - 1))
+            self._place_rest(places, rows[usual], i, lows)
+            done[rows[usual]] = True
+            rows = rows[~usual]
             if not rows.size:
                 break
             branch.cover(lows[rows].min(), highs[rows].max())
@@ -165,6 +188,16 @@ class Continuation:
             lows[rows], highs[rows] = branch.image(lows[rows], highs[rows], known)
             places[rows, i + 1] = np.where(np.isnan(lows[rows] + highs[rows]), np.nan, rears)
         return places
+
+    def _place_rest(self, places: Array, rows: NDArray[np.intp], i: int, lows: Array) -> None:
+        """Place the handles behind handle `i` by `curves.chain`; those once pushed off the path are lost."""
+        fronts, low = places[rows, i], lows[rows]
+        spacings = self._spacings[i : places.shape[1] - 1]
+        places[rows, i:] = chain(self._curve, fronts, spacings)
+        lower = np.flatnonzero((low < fronts) & (low < self.start[i]))
+        if lower.size:
+            lost = np.isnan(chain(self._curve, low[lower], spacings))
+            places[rows[lower], i:] = np.where(lost, np.nan, places[rows[lower], i:])
 
 
 class _Branch:
@@ -182,13 +215,6 @@ class _Branch:
         self._doubtful: list[tuple[float, float]] = []
         self.hidden = 0.0
         self._join()
-
-    def passes(self, chord: float, front: float, rear: float) -> bool:
-        """Whether the function is that of a bench with this spacing and in this state."""
-        if chord != self._chord:
-            return False
-        self.cover(front, front)
-        return bool(np.abs(self.rear(np.array([front]))[0] - rear) <= SAME)
 
     def cover(self, low: float, high: float) -> None:
         """Follow the function to both coordinates of the front handle, or to where it ends."""
