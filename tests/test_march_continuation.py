@@ -184,3 +184,15 @@ def test_a_start_in_the_middle_of_a_jackknife_is_refused_as_before():
     with pytest.raises(ParameterError) as caught:
         March(BENCH, HOOK, start=TOP + 1)
     assert_says(caught.value, "room for the whole dragon behind it")
+
+
+def test_the_state_at_the_start_is_the_one_along_the_path_before_anything_else_was_asked():
+    """Also where the path between the handles bends more sharply than a circle with the bench as its diameter."""
+    heads = np.array([RISE + 2, RISE + 2.1])
+    for head in heads:
+        march = March(BENCH, HOOK, start=head)
+        expected = chain(HOOK, [head], BENCH.spacings)
+        assert head - expected[0, 1] > 3.5
+        assert march.places(0.0) == pytest.approx(expected, abs=1e-12)
+        march.places([-0.1, 0.0])
+        assert march.places(0.0) == pytest.approx(expected, abs=1e-12)

@@ -204,7 +204,7 @@ class _Branch:
     """Rear handle's coordinate of a bench as a function of the front handle's, as far as it is continuous."""
 
     def __init__(self, curve: Curve, chord: float, front: float, rear: float) -> None:
-        self._curve, self._chord = curve, chord
+        self._curve, self._chord, self._rear = curve, chord, rear
         # By direction: the state reached last, None where the function ends; edges of cells, and brackets of the rear.
         self._tips: dict[int, tuple[float, float] | None] = {-1: (front, rear), 1: (front, rear)}
         self._ends = {-1: [front], 1: [front]}
@@ -270,7 +270,8 @@ class _Branch:
         """Make arrays of what both directions know."""
         (left, right), (before, after) = self._ends.values(), self._brackets.values()
         self._edges = np.array(left[::-1] + right[1:])
-        self._cells = np.array(before[::-1] + after or [(np.nan, np.nan)])
+        # Before it is followed anywhere, the function is known at the start only.
+        self._cells = np.array(before[::-1] + after or [(self._rear, self._rear)])
         self.reversals = np.array(sorted(self._turns)).reshape(-1, 2).T
 
     def _extend(self, direction: int, aim: float) -> None:
