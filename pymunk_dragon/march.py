@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from pymunk_dragon.checks import finite, positive, whole
 from pymunk_dragon.curves import Curve, Reversed, Spiral, UTurn, chain
 from pymunk_dragon.curves.base import check_curve, frame, point
+from pymunk_dragon.curves.continuation import Continuation
 from pymunk_dragon.curves.spiral import MAX_TURNS
 from pymunk_dragon.display import Displayed
 from pymunk_dragon.dragon import Dragon, bench_poses
@@ -201,6 +202,11 @@ class March(Displayed):
         """The speed as something that knows ways and times."""
         return speed_of(self.speed)
 
+    @cached_property
+    def continuation(self) -> Continuation:
+        """The states that continuous motion from t = 0 leads to."""
+        return Continuation(self.curve, self.head_start, self.dragon.spacings)
+
     def way(self, times: ArrayLike) -> Array:
         """How far (T,) in m handle 0 has gone since t = 0; negative before."""
         return self.pace.way(times)
@@ -234,15 +240,15 @@ class March(Displayed):
             As `parameters` does.
         """
         t = self._checked(times)
-        spacings = self.dragon.spacings
+        number = self.dragon.handles
         if handles is not None:
-            spacings = spacings[: whole("handles", handles, 1, self.dragon.handles) - 1]
+            number = whole("handles", handles, 1, number)
         heads = self.head_start + self.way(t)
         beyond = heads > self.curve.end
         if beyond.any():
             # Rounding does not carry the head past the end before its time.
             heads[beyond] = np.where(t[beyond] <= self.end, self.curve.end, np.nan)
-        return chain(self.curve, heads, spacings)
+        return self.continuation.coordinates(heads, number)
 
     def _checked(self, times: ArrayLike) -> Array:
         """A copy of `times` as an array (T,) in s."""

@@ -11,13 +11,14 @@ import numpy as np
 import oracle
 import pytest
 import shapely
+from chain_follower import random_path
 from conftest import NO_NUMBERS, assert_says, examples
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from pymunk_dragon.collision import first_contact, scan
 from pymunk_dragon.collision.motion import Motion, Stretches
-from pymunk_dragon.curves import Spiral
+from pymunk_dragon.curves import Arc, Composite, Line, Spiral
 from pymunk_dragon.dragon import Dragon, outlines
 from pymunk_dragon.errors import DragonError, ParameterError, UnreachableError
 from pymunk_dragon.march import March
@@ -316,7 +317,7 @@ def test_benches_stay_within_their_bounds(choice, share, exponent):
     motion = Motion(march, stretches)
     gone = march.parameters(times)
     assert np.all(np.abs(gone - gone[50]) <= motion.ways[0] + 1e-12)
-    rows, pairs = motion.candidates(0.0, everyone=True)
+    rows, pairs = motion.candidates(0.0, np.ones((1, march.dragon.benches), dtype=bool))
     apart, all_pairs = gaps(march, times)
     among = {tuple(pair) for pair in pairs.tolist()}
     for column, pair in enumerate(all_pairs.tolist()):
@@ -337,7 +338,7 @@ def test_bounds_hold_at_the_end_of_a_way_of_many_kilometres():
         times = np.linspace(begin, end, 41)
         motion = Motion(march, Stretches.between(march, times[[0, -1]]))
         gone = march.parameters(times)
-        assert np.all(np.abs(gone - gone[20]) <= motion.ways[0])
+        assert np.all(np.abs(gone - gone[20]) <= motion.ways[0] + motion.rounding)
 
 
 def test_bound_falls_short_of_the_smallest_gap_by_the_square_of_the_length(seed_march):
@@ -413,3 +414,59 @@ def test_scan_of_too_many_looks_is_refused(seed_march):
     with pytest.raises(ParameterError) as caught:
         scan(seed_march, step=1e-6)
     assert_says(caught.value, "step is 1e-06", "10,000,000 looks")
+
+
+# Chains that are pushed back
+
+
+def pushed_back(width=0.1):
+    """A long head bench goes round a curve and pushes the chain back across its own way in."""
+    d = 15.892
+    path = Composite(
+        [
+            Line(start=(-d, -10), stop=(-d, 4)),
+            Arc(centre=(-d - 4, 4), radius=4, begin_angle=0, sweep=1.5 * np.pi),
+            Line(start=(-d - 4, 0), stop=(0, 0)),
+            Arc(centre=(0, 3), radius=3, begin_angle=-np.pi / 2, sweep=3.1),
+        ]
+    )
+    dragon = Dragon(benches=60, head_spacing=10, body_spacing=0.6, overhang=0.05, width=width)
+    return March(dragon, path, start=56.243)
+
+
+def test_benches_that_are_pushed_back_behind_their_start_are_found_to_touch():
+    march = pushed_back()
+    found = first_contact(march)
+    assert (found.status, found.benches) == ("contact", (15, 59))
+    # The tail's corner reaches the side of a bench that is on the x axis: 0.05 m away from it.
+    assert found.point[1] == pytest.approx(0.05, abs=1e-9)
+    assert found.time == pytest.approx(5.0391, abs=1e-4)
+    scanned = scan(march, start=4.5, until=5.5, step=0.05, tolerance=1e-9)
+    assert scanned.time == pytest.approx(found.time, abs=2e-9)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("seed", range(60))
+def test_no_overlap_is_seen_before_the_first_contact_on_random_paths(seed):
+    """Against Shapely, with head benches long enough to jackknife."""
+    rng = np.random.default_rng(seed)
+    march = None
+    while march is None:
+        path = random_path(rng, pieces=6, tightest=0.6, straight=(8, 14))
+        sizes = {"head_spacing": rng.uniform(1.5, 5), "body_spacing": rng.uniform(0.3, 0.6)}
+        dragon = Dragon(benches=int(rng.integers(8, 25)), overhang=0.05, width=rng.uniform(0.05, 0.2), **sizes)
+        try:
+            march = March(dragon, path, start=rng.uniform(0.5, 1) * path.end)
+            found = first_contact(march)
+        except ParameterError:
+            march = None
+    if found.status == "overlapping":
+        return
+    apart, pairs = gaps(march, np.linspace(0, found.time, 400)[:-1])
+    assert apart.min() > 0
+    if found.status == "contact":
+        at_contact, pairs = gaps(march, [found.time])
+        assert at_contact[0, (pairs == found.benches).all(axis=1)] < 1e-9
+    elif found.status == "unreachable":
+        assert not np.isnan(march.places(found.time)).any()
+        assert np.isnan(march.places(found.time + 1e-9)).any()

@@ -3,19 +3,23 @@
 Looking at the dragon every so often and bisecting misses a contact that opens again between two looks. Here a stretch
 of time is cleared only by proof: where two benches are in its middle, and how far each may move from there within it
 (`motion.py`), leave a gap between them. A stretch that is not cleared is halved, down to a picosecond: conservative
-advancement (B. Mirtich, "Impulse-based Dynamic Simulation of Rigid Body Systems", 1996) on all pairs at once. A stretch
-at whose ends the chain has a place, but perhaps not all the time between, is halved as well: nothing is said of what
-comes after a bench would have to jump.
+advancement (B. Mirtich, "Impulse-based Dynamic Simulation of Rigid Body Systems", 1996) on all pairs at once.
 
 How fast the head goes does not matter: where the dragon is depends on nothing but how far the head has gone. So the
 search goes by that way, and times are only worked out of it in the end.
 
-Where all benches but the head are alike, two of them break new ground, and only they have to be watched for long. Each
-bench passes where the one before it passed, on any curve. Once every bench has reached the place where its predecessor
-stood at the start, it repeats with the benches behind it what its predecessor did with those behind that one. From then
-on a first contact is one of the head or of bench 1. (Near the end of a path the head may push holes back. What they do
-then has been seen as well, unless one is pushed back behind its own start: that is assumed not to happen, and not
-checked.) Where benches differ, all of them are watched to the end.
+Where all benches but the head are alike, few pairs have to be watched for long. Let s_i(t) be the place of hole i. The
+rear hole of bench i is at s_{i+1} = g(s_i), with one and the same function g for all benches behind the head
+(`curves/continuation.py`; checked by `Continuation.alike`). So the poses of benches i and j > i are functions of s_i
+alone, and benches i - 1 and j - 1 are in the same two poses whenever s_{i-1} has the same value, if i >= 2.
+
+Claim: at the time t of a first contact some touching pair (i, j) has i <= 1 or s_i(t) < s_{i-1}(start). Proof: else
+take a touching pair, which has i >= 2 and s_i(t) >= s_{i-1}(start). As s_i(t) < s_{i-1}(t) and s_{i-1} is continuous,
+it had the value s_i(t) at some time between the start and t, before t. Then benches i - 1 and j - 1 touched at that
+time, which is earlier than the first contact: a contradiction. No hole has to move forward for this, and none does
+where a long head bench pushes the chain back. So pairs with i <= 1 are tested all the time, and other pairs in every
+stretch in which s_i may be below s_{i-1}(start). Where benches differ, or follow different functions, all pairs are
+tested to the end.
 """
 
 from __future__ import annotations
@@ -33,7 +37,7 @@ from pymunk_dragon.collision.sat import separation
 from pymunk_dragon.contact import Contact
 from pymunk_dragon.curves.base import point
 from pymunk_dragon.dragon import bench_poses
-from pymunk_dragon.errors import ParameterError, UnreachableError
+from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.march import March, check_march, last_time
 
 __all__ = ["Clearance", "Impact", "Status", "first_contact"]
@@ -50,12 +54,10 @@ STRETCH = 1.2
 SHORT_STRETCH = 0.3
 # Stretches looked at together: few enough to stop soon after a contact, enough to make NumPy worth its calls.
 WINDOW = 128
-# Roundings. So much less than in the middle of a stretch a gap seems to become within it when only rounding changes it.
-BLUR = 4
+# m. A gap that changes by less within a stretch is taken for the one in the middle: positions are hardly more exact.
+STILL = 8e-12
 # m of the head's way, and its last digits. Shorter stretches are decided by their middle: positions are no more exact.
 RESOLUTION, LAST_DIGITS = 1e-12, 4
-# m. Nobody looks for a shorter spell in which the chain has no place.
-FOLLOWED = 1e-9
 # Where so few pairs are left, stretches are halved this often before the next look, which costs NumPy as much for one.
 FEW, HALVINGS = 8, 3
 # Smallest gaps below this share of a bench's width are near misses: 1 cm at the contest's 0.3 m.
@@ -157,7 +159,7 @@ def first_contact(
 ) -> Impact:
     """First contact of benches that are not neighbours, certified: there is no earlier one, however short.
 
-    What the certificate rests on, and the one thing it assumes, is told at the head of this module.
+    What the certificate rests on is told at the head of this module.
 
     Parameters
     ----------
@@ -224,6 +226,8 @@ class _Search:
         self._stretch = STRETCH * dragon.spacings.min()
         self._short_stretch = SHORT_STRETCH * dragon.spacings.min()
         self._hit, self._pair = np.inf, (0, 0)
+        # Places of the holes at the start, and whether all benches behind the head follow each other.
+        self._begins, self._alike = np.empty(0), False
         self._looks = self._tests = 0
         # Rows of pair, time, length of the stretch, gap.
         self._small_gaps: list[Array] = [np.empty((0, 5))]
@@ -234,8 +238,12 @@ class _Search:
         if (pair := _overlapping(march, begins)) is not None:
             return self._impact("overlapping", start, start, pair)
         last = start
-        for times, everyone in self._windows(start, begins, min(until, march.end)):
-            last = self._clear_as_far_as_placed(times, everyone)
+        self._begins = begins[0]
+        end = min(until, march.end)
+        heads = (march.head_start + march.way([start, end])).tolist()
+        self._alike = march.dragon.alike and march.continuation.alike(*heads)
+        for times in self._windows(start, begins, end):
+            last = self._clear_as_far_as_placed(times)
             if self._hit < np.inf:
                 return self._impact("contact", start, self._hit, self._pair)
             progress(last, until)
@@ -247,23 +255,23 @@ class _Search:
         misses = self._clearances(start, time)
         return Impact.at(self._march, status, time, pair, clearances=misses, looks=self._looks, tests=self._tests)
 
-    def _windows(self, start: float, begins: Array, end: float) -> Iterator[tuple[Array, bool]]:
-        """Times at which stretches begin and end, some at once, and whether all benches have to be watched in them."""
+    def _windows(self, start: float, begins: Array, end: float) -> Iterator[Array]:
+        """Times at which stretches begin and end, some at once: shorter ones while all benches are watched."""
         familiar = self._familiar(start, begins, end)
-        for begin, last, everyone in ((start, familiar, True), (familiar, end, False)):
-            count = int(np.ceil((last - begin) / (self._short_stretch if everyone else self._stretch)))
+        for begin, last, stretch in ((start, familiar, self._short_stretch), (familiar, end, self._stretch)):
+            count = int(np.ceil((last - begin) / stretch))
             for done in range(0, count, WINDOW):
                 shares = np.arange(done, min(done + WINDOW, count) + 1) / count
                 # Exact at both ends.
-                yield (1 - shares) * begin + shares * last, everyone
+                yield (1 - shares) * begin + shares * last
 
     def _familiar(self, start: float, begins: Array, end: float) -> float:
-        """Time by which each bench behind bench 1 has reached the place where the one before it stood at the start.
+        """A time by which each bench behind bench 1 has reached the place where the one before it was at the start.
 
-        There is none, and so it is the end, where these benches differ.
+        The end, if there is none.
         """
         march = self._march
-        if not march.dragon.alike:
+        if not self._alike:
             return end
         # A little longer than it takes at the head's speed; where that is too short, a little more.
         wait = 1.05 * float(march.dragon.spacings[-1])
@@ -273,37 +281,21 @@ class _Search:
             wait *= 1.05
         return end
 
-    def _clear_as_far_as_placed(self, times: Array, everyone: bool) -> float:
+    def _clear_as_far_as_placed(self, times: Array) -> float:
         """Clear the time between the first and the last of `times`, or find the first contact in it.
 
         Returns the last moment until which the chain has a place.
         """
-        later = float(times[-1])
-        while True:
-            try:
-                last = self._clear(times, everyone)
-                break
-            except UnreachableError as error:
-                # It had a place at both ends and in the middle of some stretch, but not all the time between.
-                later = min(error.time, self._hit)
-                times = times[times < later]
-                if later == self._hit:
-                    times = np.append(times, later)
-                # What touches later, touches where no motion of the chain leads to.
-                self._hit = later if later == self._hit else np.inf
-        if last == later or self._hit < np.inf:
+        last = self._clear(times)
+        if last == times[-1] or self._hit < np.inf:
             return last
-        # The first moment seen at which it has none: beyond it the chain may have another place.
-        following = float(times[np.searchsorted(times, last, side="right")]) if last < times[-1] else later
-        moments = np.array([(last + following) / 2, following])
-        lost = np.isnan(self._march.places(moments)).any(axis=1)
-        end = _last_placed(self._march, last, float(moments[lost.argmax()]) if lost.any() else later)
-        return self._clear_as_far_as_placed(np.array([last, end]), everyone) if end > last else last
+        end = _last_placed(self._march, last, float(times[np.searchsorted(times, last, side="right")]))
+        return self._clear(np.array([last, end])) if end > last else last
 
-    def _clear(self, times: Array, everyone: bool) -> float:
+    def _clear(self, times: Array) -> float:
         """Clear the stretches between `times`, or find the first contact in them.
 
-        Returns the last of the times, or an earlier one after which the chain does not always have a place.
+        Returns the last of the times until which the chain has a place.
         """
         march = self._march
         stretches = Stretches.between(march, times)
@@ -311,8 +303,8 @@ class _Search:
         if not stretches.begins.size:
             return last
         motion = Motion(march, stretches)
-        whole, doubtful = stretches, ~motion.followed
-        rows, pairs = motion.candidates(self._near, everyone=everyone)
+        watched = motion.breaking_new_ground(self._begins if self._alike else np.full_like(self._begins, np.inf))
+        rows, pairs = motion.candidates(self._near, watched)
         sampled = np.zeros(rows.size, dtype=bool)
         while rows.size:
             length, middles = float(stretches.lengths[0]), stretches.middles[rows]
@@ -328,7 +320,7 @@ class _Search:
                 self._note_small_gaps(middles, length, pairs, found.distance, fresh & (gaps <= self._near))
                 # A gap that only rounding changes within a stretch stays as it is, but for where benches come to touch:
                 # in the stretch before the first one that has them touching in its middle.
-                blurred = found.distance - gaps <= BLUR * motion.rounding
+                blurred = found.distance - gaps - motion.rounding[rows] <= STILL
                 blurred &= stretches.ends[rows] + length < self._hit
                 instant = max(RESOLUTION, LAST_DIGITS * float(np.spacing(np.abs(middles).max())))
                 unsettled = (gaps <= 0) & ~blurred & (length > instant)
@@ -341,21 +333,7 @@ class _Search:
                     rows, pairs = np.concatenate([rows, rows + chosen.size]), np.concatenate([pairs, pairs])
                     sampled = np.concatenate([sampled, sampled])
                 motion = Motion(march, stretches)
-        self._follow(whole, doubtful)
         return last
-
-    def _follow(self, stretches: Stretches, doubtful: Flags) -> None:
-        """Make sure that the chain has a place all the time until it touches; an `UnreachableError` where it has none.
-
-        In these stretches some benches are `doubtful` (T, N).
-        """
-        while True:
-            doubtful = doubtful & (stretches.begins < self._hit)[:, None]
-            if not doubtful.any() or stretches.lengths[0] <= FOLLOWED:
-                return
-            last = int(np.flatnonzero(doubtful.any(axis=0))[-1])
-            stretches = stretches.halved(self._march, np.flatnonzero(doubtful.any(axis=1)), last + 2)
-            doubtful = ~Motion(self._march, stretches).followed
 
     def _note(self, times: Array, pairs: Indices, distances: Array) -> None:
         """Note what was looked at, and the earliest touch."""
@@ -410,7 +388,7 @@ def _overlapping(march: March, places: Array) -> tuple[int, int] | None:
 
 
 def _last_placed(march: March, placed: float, later: float) -> float:
-    """Last moment from `placed` on, at which the chain has a place, before one at which it has not, or `later`."""
+    """Last moment from `placed` on at which the chain has a place; it has none at `later`."""
     while later - placed > RESOLUTION and placed < (placed + later) / 2 < later:
         times = np.linspace(placed, later, LAST_POINTS)
         lost: Flags = np.isnan(march.places(times)[:, -1])

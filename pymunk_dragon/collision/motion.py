@@ -10,7 +10,16 @@ kappa_r there, the rigid bench has
               domega/ds = (kappa_f cos alpha - rho^2 kappa_r cos beta - drho/ds sin beta) / L.
 
 With bounds on the angles and on the curvature, each of these is bounded too, and so is the second derivative of every
-corner q from the front hole: kappa + |q| (domega/ds + omega^2). Taylor's theorem does the rest.
+corner q from the front hole: kappa + |q| (domega/ds + omega^2). Taylor's theorem does the rest. None of this depends on
+the direction in which the front hole moves: `Continuation.ranges` bounds its way also where it reverses.
+
+Rounding. A point of the curve is right to a few last digits u of the longest coordinate; users' curves have to be so
+too. So the residual of a bench's equation |P(s) - P(r)| = L is below ROUNDED u; Newton's last step is the square of
+1e-10 and does not count. A residual h puts the rear hole h / cos beta wrong, and an error of the front hole reaches the
+rear hole times |rho|. So the error of a hole is, to first order, at most E: the sum over the benches before it of
+ROUNDED u / cos beta times the product of |rho| of the benches behind that one. With arms of length q, a corner is at
+most (1 + 2 q / L) E wrong; the gap depends on two benches, and each of them on a way between two coordinates as well:
+6 (1 + 2 q / L) E in all.
 """
 
 from __future__ import annotations
@@ -34,9 +43,8 @@ Complex = NDArray[np.complex128]
 Flags = NDArray[np.bool_]
 Indices = NDArray[np.intp]
 
-# m. What the places of holes, and so ways and gaps, may be wrong by: four times the error measured in the tests. On a
-# path of many kilometres it is a few last digits of the arc length.
-ROUNDING, LAST_DIGITS = 2e-12, 16
+# Last digits of the longest coordinate that a bench's equation may be wrong by: 4 for each point, 2 for the distance.
+ROUNDED = 10
 QUARTER = np.pi / 2
 # Sine of the angle from a bench to its path, at most, up to which it is not followed.
 SHALLOW = 0.7
@@ -95,10 +103,8 @@ class _Rates:
     ----------
     known : ndarray of bool
         Whether the other bounds hold; they are infinite or meaningless where not.
-    forward : ndarray of bool
-        Whether the rear hole goes forward all the time, as the front hole does.
     lag : ndarray
-        Way of the rear hole for each metre of the front hole's, at most.
+        Way of the rear hole for each metre of the front hole's, in either direction, at most; inf where unknown.
     lag_change : ndarray
         Change of that, 1/m, at most.
     turn : ndarray
@@ -108,7 +114,6 @@ class _Rates:
     """
 
     known: Flags
-    forward: Flags
     lag: Array
     lag_change: Array
     turn: Array
@@ -149,11 +154,12 @@ class Motion:
     ----------
     outlines : ndarray, shape (T, N, 4, 2)
         Corners of the benches in the middle, m.
-    rounding : float
-        What ways and gaps may be wrong by, m.
+    rounding : ndarray, shape (T,)
+        What gaps, and bounds on them, may be wrong by, m.
+    lows : ndarray, shape (T, H)
+        Lowest places of the handles within the stretch, m.
     ways : ndarray, shape (T, H)
-        How far each handle goes from there within the stretch, to either side and at most, m along the path; inf where
-        no bound is known.
+        How far each handle goes from the middle within the stretch, to either side and at most, m along the path.
     """
 
     def __init__(self, march: March, stretches: Stretches) -> None:
@@ -162,14 +168,27 @@ class Motion:
         self._spacings = march.dragon.spacings[: handles - 1]
         self._points, self._tangents = frame(march.curve, stretches.places)
         self.outlines = march.dragon.outlines(bench_poses(self._points))
+        self._front_turns, self._rear_turns = self._turns()
         # However near zero, places come from that of the head at the start and its way.
         longest = max(np.abs(stretches.first_places[:, [0, -1]]).max(), abs(march.head_start))
-        self.rounding = max(ROUNDING, LAST_DIGITS * float(np.spacing(longest)))
-        # Where all holes go forward, a bench stays between where its rear hole begins and its front hole ends.
-        rears, fronts = stretches.first_places[:, 1:], stretches.last_places[:, :-1]
-        self._bends = sharpest(march.curve, rears - self.rounding, fronts + self.rounding)
-        self._front_turns, self._rear_turns = self._turns()
-        self.ways, self._rates = self._bounds(stretches)
+        errors = self._errors(ROUNDED * float(np.spacing(longest)))
+        arms = np.hypot(*(self.outlines[0] - self._points[0, :-1, None]).T).max(axis=0)
+        self.rounding = 6 * (1 + 2 * float(np.max(arms / self._spacings))) * errors.max(axis=1)
+        self.lows, highs = march.continuation.ranges(stretches.first_places, stretches.last_places)
+        # Rounding may put the middle beside its range.
+        self.ways = np.maximum(np.maximum(stretches.places - self.lows, highs - stretches.places), 0)
+        self._bends = sharpest(march.curve, self.lows[:, 1:] - errors[:, 1:], highs[:, :-1] + errors[:, :-1])
+        self._rates = self._bounds(stretches.places, self.ways[:, :-1] + 2 * errors[:, :-1])
+
+    def _errors(self, residual: float) -> Array:
+        """Errors (T, H) of the places, m, where benches' equations hold but for a `residual`."""
+        with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
+            cosines = np.abs(self._rear_turns.real)
+            lags = _products(np.abs(self._front_turns.real) / cosines)
+            errors = residual + np.pad(
+                lags[:, 1:] * np.cumsum(residual / cosines / lags[:, 1:], axis=1), ((0, 0), (1, 0))
+            )
+        return np.where(np.isnan(errors), np.inf, errors)
 
     def _turns(self) -> tuple[Complex, Complex]:
         """Turns (T, N), e^(i angle), from each bench to the path at its front and its rear hole."""
@@ -177,43 +196,32 @@ class Motion:
         heading = (points[:, :-1] - points[:, 1:]) / self._spacings
         return tangents[:, :-1] * heading.conj(), tangents[:, 1:] * heading.conj()
 
-    def _bounds(self, stretches: Stretches) -> tuple[Array, _Rates]:
-        """`ways`, and the rates (T, N) at which they are gone.
+    def _bounds(self, places: Array, ways: Array) -> _Rates:
+        """Bounds (T, N) on the benches as their front holes go `ways` (T, N) to either side of the middle.
 
-        Where all holes go forward they stay between their places at both ends of the stretch.
+        On a path that bends less than a circle with the bench as its diameter, and where the rear hole is no further
+        back than half that circle, neither angle is ever larger than on the circle that bends as much as the path does,
+        with the bench as its chord. Close to that limit these bounds are far too wide.
         """
-        middle, first, last = stretches.places, stretches.first_places, stretches.last_places
-        ways = np.maximum(middle - first, last - middle) + self.rounding
-        rates = _rates(self._front_turns, self._rear_turns, ways[:, :-1], self._bends, self._spacings)
-        doubtful = np.flatnonzero(~rates.forward.all(axis=1))
-        if doubtful.size:
-            ways[doubtful] = self._driven_ways(ways[doubtful], doubtful, middle[doubtful])
-            rates = _rates(self._front_turns, self._rear_turns, ways[:, :-1], self._bends, self._spacings)
-        return ways, rates
+        bend, spacing = self._bends, self._spacings
+        sine = bend * spacing / 2
+        shallow = (sine < SHALLOW) & (places[:, :-1] - places[:, 1:] < np.pi / 2 * spacing)
+        sine = np.where(shallow, sine, 0.0)
+        cosine = np.sqrt(1 - sine**2)
+        rates = _rates_within(shallow, (sine, sine), 1 / cosine, cosine, bend, spacing)
+        if shallow.all():
+            return rates
+        followed = _followed_rates(self._front_turns, self._rear_turns, ways, bend, spacing)
+        merged = zip(astuple(rates), astuple(followed), strict=True)
+        return _Rates(*(np.where(shallow, one, other) for one, other in merged))
 
-    def _driven_ways(self, ways: Array, rows: Indices, places: Array) -> Array:
-        """`ways` of stretches in which some hole may be pushed back: at most its lag times that before it."""
-        forward = np.ones(rows.size, dtype=bool)
-        # A hole pushed further than this is not followed: no bound is known on how the path bends there.
-        longest = ways[:, 0] + self._spacings.sum()
-        reach = longest[:, None] + self.rounding
-        self._bends[rows] = sharpest(self._march.curve, places[:, 1:] - reach, places[:, :-1] + reach)
-        for bench, spacing in enumerate(self._spacings):
-            front, rear = self._front_turns[rows, bench], self._rear_turns[rows, bench]
-            rates = _rates(front, rear, ways[:, bench], self._bends[rows, bench], spacing)
-            forward &= rates.forward
-            driven = np.where(rates.known, rates.lag * ways[:, bench] + self.rounding, np.inf)
-            driven = np.where(driven <= longest, driven, np.inf)
-            ways[:, bench + 1] = np.where(forward, ways[:, bench + 1], driven)
-            if not (forward | (driven < np.inf)).any():
-                ways[:, bench + 1 :] = np.inf
-                break
-        return ways
-
-    @property
-    def followed(self) -> Flags:
-        """Benches (T, N) that are known to have a place all the time, if those before them have."""
-        return self._rates.known & np.isfinite(self.ways[:, 1:])
+    def breaking_new_ground(self, start: Array) -> Flags:
+        """Benches (T, N) that may be where no bench before them has been since all were at the places `start` (H,)."""
+        benches = self.lows.shape[1] - 1
+        new: Flags = np.ones((len(self.lows), benches), dtype=bool)
+        margin = self.rounding[:, None]
+        new[:, 2:] = self.lows[:, 2:-1] - margin < start[1 : benches - 1] + margin
+        return new
 
     def separations(self, rows: Indices, pairs: Indices) -> Separation:
         """Separations of `pairs` (P, 2) of benches in the middles of the stretches `rows` (P,)."""
@@ -229,7 +237,7 @@ class Motion:
         one, other = self._corners(rows, first, normals), self._corners(rows, second, normals)
         farthest = np.max(one.heights + one.swing(self.ways[rows, first]), axis=1)
         nearest = np.min(other.heights - other.swing(self.ways[rows, second]), axis=1)
-        return np.where(one.known & other.known, nearest - farthest - self.rounding, -np.inf)
+        return np.where(one.known & other.known, nearest - farthest - self.rounding[rows], -np.inf)
 
     def smallest_gaps_together(self, rows: Indices, pairs: Indices, normals: Array) -> Array:
         """The same from the motion of one bench as the other sees it.
@@ -243,7 +251,7 @@ class Motion:
         own, other = np.where(swapped, second, first), np.where(swapped, first, second)
         normals = np.where(swapped[:, None], -normals, normals)
         seen = self._corners(rows, other, normals)
-        known = seen.known & self._rates.known[rows, own] & np.isfinite(self.ways[rows, second])
+        known = seen.known & self._rates.known[rows, own]
         way = np.where(known, self.ways[rows, first], 0.0)[:, None]
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             # All by the way of the first bench's front hole, which drives both.
@@ -260,8 +268,8 @@ class Motion:
             bends += most**2 * self._bends[rows, own][:, None] + change + 2 * turn * most * fastest
             bends += (most**2 * (turn_change + turn**2) + change * turn) * (np.hypot(*arms.T).T + way * fastest)
             gaps = seen.heights - _dot(self.outlines[rows, own], normals).max(axis=1, keepdims=True)
-            gaps = (gaps - np.abs(speeds) * way - bends * way**2 / 2).min(axis=1) - self.rounding
-        # Where the lags of very many benches do not fit into a double, nothing is known.
+            gaps = (gaps - np.abs(speeds) * way - bends * way**2 / 2).min(axis=1) - self.rounding[rows]
+        # Where the lags of very many benches do not fit into a double, or one between is unknown, nothing is known.
         return np.where(known & np.isfinite(gaps), gaps, -np.inf)
 
     def _squareness(self, rows: Indices, benches: Indices, normals: Array) -> Array:
@@ -293,7 +301,7 @@ class Motion:
         turning = -self._turning[rows, benches][:, None] * _dot(arms, _left_of(normals))
         turn, turn_change = rates.turn[rows, benches][:, None], rates.turn_change[rows, benches][:, None]
         return _Corners(
-            known=rates.known[rows, benches] & np.isfinite(self.ways[rows, benches]),
+            known=rates.known[rows, benches],
             heights=_dot(corners, normals),
             speeds=_dot(self._tangents[rows, benches][:, None], normals) + turning,
             fastest=1 + lengths * turn,
@@ -307,22 +315,27 @@ class Motion:
         turning: Array = (front.imag - front.real / rear.real * rear.imag) / self._spacings
         return turning
 
-    def candidates(self, near: float, *, everyone: bool) -> tuple[Indices, Indices]:
+    def candidates(self, near: float, watched: Flags) -> tuple[Indices, Indices]:
         """Stretches (P,) and pairs (P, 2) of benches, without neighbours, that may come within `near` m in them.
 
-        Without `everyone` only pairs with bench 0 or bench 1. Circles about the benches, wide enough for all their
-        motion, rule the others out.
+        Only pairs whose first bench is `watched` (T, N) in the stretch. Circles about the benches, wide enough for all
+        their motion, rule the others out.
         """
         centres = self.outlines.mean(axis=2)
         own = np.hypot(*(self.outlines[0, :, 0] - centres[0]).T)
-        radii = own + (self.ways[:, :-1] + self.ways[:, 1:] + near) / 2
-        if everyone:
-            pairs = [near_pairs(*row) for row in zip(centres, radii, strict=True)]
-            return np.repeat(np.arange(len(pairs)), [len(found) for found in pairs]), np.concatenate(pairs)
+        radii = own + (self.ways[:, :-1] + self.ways[:, 1:] + near + self.rounding[:, None]) / 2
         leaders = centres[:, :2, None], radii[:, :2, None]
-        rows, first, second = np.nonzero(_meet(*leaders, centres[:, None], radii[:, None]))
+        many = watched[:, 2:].any(axis=1)
+        few = np.flatnonzero(~many)
+        rows, first, second = np.nonzero(_meet(leaders[0][few], leaders[1][few], centres[few, None], radii[few, None]))
         chosen = second - first >= 2
-        return rows[chosen], np.stack([first, second], axis=-1)[chosen]
+        found = [few[rows[chosen]]], [np.stack([first, second], axis=-1)[chosen]]
+        for row in np.flatnonzero(many).tolist():
+            pairs = near_pairs(centres[row], radii[row])
+            pairs = pairs[watched[row, pairs[:, 0]]]
+            found[0].append(np.full(len(pairs), row))
+            found[1].append(pairs)
+        return np.concatenate(found[0]), np.concatenate(found[1])
 
 
 def near_pairs(centres: Array, radii: Array) -> Indices:
@@ -343,50 +356,30 @@ def _meet(one: Array, one_radius: Array, other: Array, other_radius: Array) -> F
     return meeting
 
 
-def _rates(front_turn: Complex, rear_turn: Complex, way: Array, bend: Array, spacing: Array) -> _Rates:
-    """Bounds on benches whose front holes go `way` m to either side of where the turns are the given ones.
-
-    On a path that bends less than a circle with the bench as its diameter, neither angle is ever larger than on the
-    circle that bends as much as the path does, with the bench as its chord, and both holes go forward. Close to that
-    limit these bounds are far too wide.
-    """
-    sine = bend * spacing / 2
-    shallow = sine < SHALLOW
-    sine = np.where(shallow, sine, 0.0)
-    cosine = np.sqrt(1 - sine**2)
-    rates = _rates_within(shallow, shallow, (sine, sine), 1 / cosine, cosine, bend, spacing)
-    if shallow.all():
-        return rates
-    followed = _followed_rates(front_turn, rear_turn, way, bend, spacing)
-    merged = zip(astuple(rates), astuple(followed), strict=True)
-    return _Rates(*(np.where(shallow, one, other) for one, other in merged))
-
-
 def _followed_rates(front_turn: Complex, rear_turn: Complex, way: Array, bend: Array, spacing: Array) -> _Rates:
-    """The same on any path: the angles are followed from their values in the middle.
+    """Bounds on any path: the angles are followed from their values in the middle.
 
     They are supposed to change by some slack, at most. If the rates that come out of that use up less than the slack
     over the whole way, the angles never leave it.
     """
     # A bench that is pushed back has the sine and, but for the sign, the cosine of one that goes forward.
-    angle, rear = np.abs(np.angle(front_turn)), np.abs(np.angle(rear_turn))
-    front = np.minimum(angle, np.pi - angle)
+    front, rear = np.abs(np.angle(front_turn)), np.abs(np.angle(rear_turn))
+    front = np.minimum(front, np.pi - front)
     lag = np.cos(front) / np.cos(rear)
     slack = 2 * way * (bend * np.maximum(1, lag) + (np.sin(front) + lag * np.sin(rear)) / spacing)
     slack = np.minimum(slack, np.pi)
     widest_front, widest_rear = np.minimum(front + slack, QUARTER), np.minimum(rear + slack, QUARTER)
     cosine = np.cos(widest_rear)
     lag = np.cos(np.maximum(front - slack, 0)) / cosine
-    known, forward = rear + slack < QUARTER, angle + slack < QUARTER
+    known = rear + slack < QUARTER
     sines = np.sin(widest_front), np.sin(widest_rear)
-    rates = _rates_within(known, forward, sines, lag, cosine, bend, spacing)
+    rates = _rates_within(known, sines, lag, cosine, bend, spacing)
     known = rates.known & (way * (bend * np.maximum(1, lag) + rates.turn) <= slack)
-    return replace(rates, known=known, forward=known & rates.forward)
+    return replace(rates, known=known, lag=np.where(known, rates.lag, np.inf))
 
 
 def _rates_within(
     known: Flags,
-    forward: Flags,
     sines: tuple[Array, Array],
     lag: Array,
     rear_cosine: Array,
@@ -398,7 +391,7 @@ def _rates_within(
     turn = (front_sine + lag * rear_sine) / spacing
     lag_change = (bend * (front_sine + lag**2 * rear_sine) + turn**2 * spacing) / rear_cosine
     turn_change = (bend * (1 + lag**2) + lag_change * rear_sine) / spacing
-    return _Rates(known, forward, lag, lag_change, turn, turn_change)
+    return _Rates(known, lag, lag_change, turn, turn_change)
 
 
 def _products(factors: Array) -> Array:

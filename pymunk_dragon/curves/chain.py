@@ -31,11 +31,11 @@ FOOT_PASSES = 20
 
 
 def chain(curve: Curve, s: ArrayLike, spacings: ArrayLike) -> Array:
-    """Places of all handles of chains whose heads stand at `s`.
+    """Places of all handles of chains whose heads stand at `s`, each chain laid out along the path from its head.
 
     Each handle is at the first place back along the path whose straight distance from the handle before is the spacing,
-    never at a later intersection. That distance has to grow all the way: where the path turns back on itself within a
-    bench's length no motion of the chain leads to a place beyond.
+    never at a later intersection. That distance has to grow all the way. Motion may take a chain to other states:
+    `continuation.py` follows it.
 
     Parameters
     ----------
@@ -137,8 +137,8 @@ def foot(curve: Curve, points: ArrayLike, near: ArrayLike) -> tuple[Array, Array
     return places, feet + step[..., None] * tangents, tangents
 
 
-def _behind(curve: Curve, s: Array, fronts: Array, chord: float) -> tuple[Array, Array]:
-    """Nearest places (T,) back along the curve from `s`, at straight distance `chord` from `fronts`, and their points.
+def gentle_ways(curve: Curve, s: Array, chord: float) -> tuple[Array, Array, Flags]:
+    """Ways back, each (T,), between which the distance from `s` comes to `chord`, where the path is gentle (T,).
 
     On a path that bends no more than a circle with the chord as its diameter, the distance grows until the way is that
     circle's half, and the way to the place is no longer than along the circle's arc.
@@ -148,14 +148,19 @@ def _behind(curve: Curve, s: Array, fronts: Array, chord: float) -> tuple[Array,
     # At least one last digit, so that a straight line has its place in it.
     longest = np.where(gentle, np.arcsin(np.where(gentle, sine, 0.0)) / np.where(sine > 0, sine, 1.0), 1.0)
     longest = np.where(sine > 0, longest, 1.0) * chord * (1 + SETTLED)
-    shortest = np.full(s.shape, chord * (1 - SETTLED))
+    return np.full(s.shape, chord * (1 - SETTLED)), longest, gentle
+
+
+def _behind(curve: Curve, s: Array, fronts: Array, chord: float) -> tuple[Array, Array]:
+    """Nearest places (T,) back along the curve from `s`, at distance `chord` from `fronts`, and their points."""
+    shortest, longest, gentle = gentle_ways(curve, s, chord)
     sharp = np.flatnonzero(~gentle & ~np.isnan(s))
     if sharp.size:
         shortest[sharp], longest[sharp] = _bracket(curve, s[sharp], fronts[sharp], chord)
-    return _reached(curve, s, fronts, chord, shortest, longest)
+    return reached(curve, s, fronts, chord, shortest, longest)
 
 
-def _reached(curve: Curve, s: Array, fronts: Array, chord: float, low: Array, high: Array) -> tuple[Array, Array]:
+def reached(curve: Curve, s: Array, fronts: Array, chord: float, low: Array, high: Array) -> tuple[Array, Array]:
     """Places (T,) back from `s` where the distance from `fronts` becomes `chord`, by Newton, and the points there.
 
     They are sought between the ways `low` and `high`, within which the distance grows; nan before the curve's begin.

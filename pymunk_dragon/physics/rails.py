@@ -73,8 +73,10 @@ class Rails:
         self._curve = march.curve
         self._half, self._over_spacings = dragon.spacings[1:] / 2, 1 / dragon.spacings[1:]
         state = march.at(start)
-        # Places of the rear holes: they tell on which of the curve's turns each hole is, no more. And their speeds.
-        self._places, self._paces = state.places[0, 2:].copy(), state.speeds[0, 2:].copy()
+        # Places of the rear holes: they tell on which of the curve's turns each hole is, no more. And their speeds
+        # along the path, negative where a jackknifed bench pushes them back.
+        self._places = state.places[0, 2:].copy()
+        self._paces = np.sum(state.velocities[0, 2:] * march.curve.tangent(self._places), axis=-1)
         sizes = list(zip(dragon.lengths[1:].tolist(), dragon.widths[1:].tolist(), strict=True))
         masses = [bench_mass(*size) for size in sizes]
         moments = [pymunk.moment_for_box(mass, size) for mass, size in zip(masses, sizes, strict=True)]

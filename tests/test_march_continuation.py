@@ -1,0 +1,198 @@
+"""The state of a chain is the one that continuous motion leads to, through jackknifes and up to a fold."""
+
+from __future__ import annotations
+
+import math
+import pickle
+
+import numpy as np
+import pytest
+from chain_follower import follow, random_path
+from conftest import assert_says
+
+from pymunk_dragon.curves import Arc, Composite, Line, Reversed, Spiral, UTurn, chain
+from pymunk_dragon.dragon import Dragon
+from pymunk_dragon.errors import ParameterError, UnreachableError
+from pymunk_dragon.march import March
+
+# Along the x axis, round and back above it at a height of 2 m, and up: a bench of 3 m stands on three of the lines.
+HOOK = Composite(
+    [
+        Line(start=(-10, 0), stop=(0, 0)),
+        Arc(centre=(0, 0.5), radius=0.5, begin_angle=-np.pi / 2, sweep=np.pi / 2),
+        Line(start=(0.5, 0.5), stop=(0.5, 1.5)),
+        Arc(centre=(0, 1.5), radius=0.5, begin_angle=0, sweep=np.pi / 2),
+        Line(start=(0, 2), stop=(-2, 2)),
+        Arc(centre=(-2, 2.5), radius=0.5, begin_angle=-np.pi / 2, sweep=-np.pi / 2),
+        Line(start=(-2.5, 2.5), stop=(-2.5, 6)),
+    ]
+)
+# Where the head is 2.5 m and then 3 m above the first line.
+TOP = 10 + np.pi / 4 + 1 + np.pi / 4
+RISE = TOP + 2 + np.pi / 4
+BENCH = Dragon(benches=2, head_spacing=3.0, body_spacing=0.5, overhang=0.05, width=0.1)
+
+
+@pytest.mark.parametrize(("pitch", "ratio"), [(1.7, 3.0), (2.0, 3.0), (1.7, 2.5), (1.7, 1 / 3)])
+def test_a_head_bench_longer_than_the_turn_is_wide_jackknifes_and_goes_on(pitch, ratio):
+    march = March(Dragon(benches=2), UTurn(pitch=pitch, ratio=ratio))
+    heads = np.arange(1.0, 19.0)
+    states, end = follow(march.curve, march.places(0.0)[0], heads, march.dragon.spacings, step=0.02)
+    assert end == np.inf
+    assert np.abs(march.places(heads) - states).max() < 1e-10
+    assert np.any(np.diff(states[:, 1]) < 0)
+    # Not where the first distance that grows all the way leads to.
+    elsewhere = chain(march.curve, heads, march.dragon.spacings)
+    assert np.isnan(elsewhere).any()
+
+
+def test_speeds_in_a_jackknife_are_those_of_the_handles():
+    march = March(Dragon(benches=4), UTurn(ratio=3.0))
+    heads = np.arange(10.0, 20.0)
+    states = march.at(heads)
+    step = 1e-5
+    rates = (march.places(heads + step) - march.places(heads - step)) / (2 * step)
+    assert rates.min() < -0.5
+    assert states.speeds == pytest.approx(np.abs(rates), abs=1e-8)
+    positions = (march.at(heads + step).positions - march.at(heads - step).positions) / (2 * step)
+    assert states.velocities == pytest.approx(positions, abs=1e-7)
+
+
+def test_head_that_goes_back_beside_its_own_path_pushes_the_next_handle_back():
+    """The closed form: on two parallel lines 2 m apart the bench keeps its direction."""
+    march = March(BENCH, HOOK, start=4.0)
+    heads = np.linspace(TOP + 1e-9, TOP + 2, 9)
+    x = -(heads - TOP)
+    assert march.places(heads - 4)[:, 1] == pytest.approx(x - math.sqrt(5) + 10, abs=1e-11)
+
+
+def test_motion_ends_at_the_fold_and_is_over_at_all_later_times():
+    """The closed form: with the head h above the first line, its rear handle is sqrt(9 - h^2) behind it there."""
+    march = March(BENCH, HOOK, start=4.0)
+    heights = np.linspace(2.5, 3 - 1e-9, 12)
+    rear = -2.5 - np.sqrt(9 - heights**2) + 10
+    assert march.places(RISE + heights - 2.5 - 4)[:, 1] == pytest.approx(rear, abs=1e-8)
+    fold = RISE + 0.5 - 4
+    march.at(fold - 1e-10)
+    for late in (1e-10, 1e-3, 0.5, march.end - fold):
+        with pytest.raises(UnreachableError) as caught:
+            march.at([fold - 1, fold + late])
+        assert (caught.value.time, caught.value.handle) == (fold + late, 1)
+    # Although other states exist there.
+    assert not np.isnan(chain(HOOK, [HOOK.end], [3.0])).any()
+
+
+def test_a_bench_behind_that_was_led_past_its_fold_does_not_come_back():
+    """A short head bench that jackknifes draws handle 1 back again from where bench 1 had to fold."""
+    path = Composite(
+        [
+            *HOOK.pieces[:-1],
+            Line(start=(-2.5, 2.5), stop=(-2.5, 3.35)),
+            Arc(centre=(-2.2, 3.35), radius=0.3, begin_angle=np.pi, sweep=-np.pi),
+            Line(start=(-1.9, 3.35), stop=(-1.9, 2.95)),
+        ]
+    )
+    dragon = Dragon(benches=3, head_spacing=0.7, body_spacing=[3.0, 0.5], overhang=0.05, width=0.1)
+    march = March(dragon, path, start=5.0)
+    heads = np.linspace(march.head_start, path.end, 100)[1:]
+    states, end = follow(path, march.places(0.0)[0], heads, dragon.spacings)
+    assert end < path.end - 0.1
+    # The head bench alone moves on.
+    ours = march.places(heads - march.head_start)
+    assert np.nanmax(ours[:, 1]) > RISE + 0.5 > ours[-1, 1]
+    assert ours[: len(states)] == pytest.approx(states, abs=1e-9)
+    assert np.isnan(ours[len(states) :, 2:]).all()
+
+
+def test_a_handle_pushed_past_the_begin_of_the_curve_and_drawn_on_again_is_lost():
+    # It begins 5.4 m further on.
+    path = Composite([Line(start=(-4.6, 0), stop=(0, 0)), *HOOK.pieces[1:]])
+    march = March(BENCH, path, start=4.0)
+    heads = np.linspace(march.head_start, RISE - 5.4 + 0.45, 100)[1:]
+    states, end = follow(path, march.places(0.0)[0], heads, BENCH.spacings)
+    assert end < RISE - 5.4
+    ours = march.places(heads - march.head_start)
+    assert ours[: len(states)] == pytest.approx(states, abs=1e-9)
+    assert np.isnan(ours[len(states) :]).any(axis=1).all()
+
+
+@pytest.mark.parametrize("seed", [9, 39])
+def test_random_paths_are_followed_to_where_small_steps_end(seed):
+    _compare(seed)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("seed", range(40))
+def test_many_random_paths_are_followed_to_where_small_steps_end(seed):
+    _compare(seed)
+
+
+def _compare(seed):
+    rng = np.random.default_rng(seed)
+    path = random_path(rng)
+    sizes = {"head_spacing": rng.uniform(0.6, 2.5), "body_spacing": rng.uniform(0.4, 1.2)}
+    march = March(Dragon(benches=int(rng.integers(2, 6)), overhang=0.05, width=0.05, **sizes), path)
+    heads = np.linspace(march.head_start, path.end, 80)[1:-1]
+    states, end = follow(path, march.places(0.0)[0], heads, march.dragon.spacings)
+    ours = march.places(heads - march.head_start)
+    assert ours[: len(states)] == pytest.approx(states, abs=1e-8)
+    # Small steps may miss the end by some of them.
+    assert np.isnan(ours[heads > end + 0.02]).any(axis=1).all()
+
+
+def test_the_way_back_in_time_is_followed_as_well():
+    march = March(BENCH, HOOK, start=HOOK.end)
+    heads = np.linspace(march.head_start, 7.0, 60)[1:]
+    states, end = follow(HOOK, march.places(0.0)[0], heads, BENCH.spacings)
+    ours = march.places(heads - march.head_start)
+    assert len(states) > 10
+    assert ours[: len(states)] == pytest.approx(states, abs=1e-9)
+    assert np.isnan(ours[heads < end - 0.02]).any(axis=1).all() == (end < np.inf)
+
+
+def test_the_order_of_questions_changes_nothing():
+    times = np.array([1.0, 30.0, 12.0, -5.0, 14.5, 13.0, 100.0])
+    dragon = Dragon(benches=30)
+    one = March(dragon, UTurn(ratio=3.0))
+    forth = [one.places(time) for time in times]
+    other = March(dragon, UTurn(ratio=3.0))
+    back = [other.places(time) for time in times[::-1]][::-1]
+    again = pickle.loads(pickle.dumps(one))
+    for first, second, time in zip(forth, back, times, strict=True):
+        assert np.array_equal(first, second)
+        assert np.array_equal(first, again.places(time))
+    assert one == other
+
+
+def test_a_spiral_and_the_same_by_the_code_for_any_curve_are_followed_alike_close_to_the_centre():
+    """Where a rear handle vanishes near the centre and another one exists further in, motion has ended."""
+    spiral = Spiral(pitch=1.0)
+    head_start = spiral.at_turn(3)
+    dragon = Dragon(benches=3, head_spacing=0.95, body_spacing=0.5, overhang=0.05, width=0.1)
+    times = np.append(np.linspace(0, -head_start - 0.3, 40), np.linspace(-head_start - 0.3, -head_start, 60))
+    ours = March(dragon, spiral, start=head_start).places(times)
+    other = March(dragon, Reversed(Reversed(spiral)), start=head_start).places(times)
+    assert np.allclose(ours, other, rtol=0, atol=1e-9, equal_nan=True)
+    lost = np.isnan(ours[:, 1])
+    assert lost[-1]
+    assert lost[np.argmax(lost) :].all()
+    # A state that no motion leads to.
+    assert not np.isnan(chain(spiral, [-0.05], [0.95])).any()
+
+
+def test_a_start_in_the_middle_of_a_jackknife_is_refused_as_before():
+    with pytest.raises(ParameterError) as caught:
+        March(BENCH, HOOK, start=TOP + 1)
+    assert_says(caught.value, "room for the whole dragon behind it")
+
+
+def test_the_state_at_the_start_is_the_one_along_the_path_before_anything_else_was_asked():
+    """Also where the path between the handles bends more sharply than a circle with the bench as its diameter."""
+    heads = np.array([RISE + 2, RISE + 2.1])
+    for head in heads:
+        march = March(BENCH, HOOK, start=head)
+        expected = chain(HOOK, [head], BENCH.spacings)
+        assert head - expected[0, 1] > 3.5
+        assert march.places(0.0) == pytest.approx(expected, abs=1e-12)
+        march.places([-0.1, 0.0])
+        assert march.places(0.0) == pytest.approx(expected, abs=1e-12)
