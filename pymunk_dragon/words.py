@@ -24,6 +24,8 @@ __all__ = [
 
 Answer = dict[str, Any]
 
+# m. A certificate that leaves open more than this says so.
+COARSE = 1e-8
 # Heads of the table of positions in a file.
 POSITIONS = ("time_s", "handle", "x_m", "y_m", "speed_m_s")
 
@@ -51,12 +53,12 @@ def answer_of(method: str, found: Impact | Run) -> Answer:
     """What `contact --json` prints, and `contact` tells, of an impact or of a run."""
     touch: Impact | Contact | None
     if isinstance(found, Impact):
-        misses, until = found.clearances, found.time
+        misses, until, resolution = found.clearances, found.time, found.resolution
         touch = found if found.benches is not None else None
         status: str = found.status
     else:
         # The engine is told of contacts only, not of gaps.
-        misses, until = None, float(found.times[-1])
+        misses, until, resolution = None, float(found.times[-1]), None
         touch = found.first_contact
         status = found.outcome
     return {
@@ -68,6 +70,7 @@ def answer_of(method: str, found: Impact | Run) -> Answer:
         "normal": touch.normal if touch else None,
         "near_misses": None if misses is None else [asdict(miss) for miss in misses],
         "until": until,
+        "resolution": resolution,
     }
 
 
@@ -84,8 +87,10 @@ def answer_in_words(answer: Answer) -> str:
             told = f"benches {i} and {j} overlap at the start, t = {time} s"
         else:
             told = f"first contact at t = {time} s: benches {i} and {j} at ({x:.6f}, {y:.6f}) m"
-    misses = [_near_miss_in_words(miss) for miss in answer["near_misses"] or ()]
-    return "\n".join([told, *misses])
+    lines = [told, *(_near_miss_in_words(miss) for miss in answer["near_misses"] or ())]
+    if (answer["resolution"] or 0.0) > COARSE:
+        lines.append(f"benches that overlap by less than {1e6 * answer['resolution']:.2g} micrometres count as apart")
+    return "\n".join(lines)
 
 
 def _near_miss_in_words(miss: dict[str, Any]) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import csv
-from dataclasses import FrozenInstanceError
+from dataclasses import FrozenInstanceError, replace
 from pathlib import Path
 
 import mpmath as mp
@@ -15,9 +15,11 @@ from chain_follower import random_path
 from conftest import NO_NUMBERS, assert_says, examples
 from hypothesis import assume, given
 from hypothesis import strategies as st
+from scipy.optimize import brentq
 
 from pymunk_dragon.collision import first_contact, scan
 from pymunk_dragon.collision.motion import Motion, Stretches
+from pymunk_dragon.collision.sat import separation
 from pymunk_dragon.curves import Arc, Composite, Line, Spiral
 from pymunk_dragon.dragon import Dragon, outlines
 from pymunk_dragon.errors import DragonError, ParameterError, UnreachableError
@@ -414,6 +416,43 @@ def test_scan_of_too_many_looks_is_refused(seed_march):
     with pytest.raises(ParameterError) as caught:
         scan(seed_march, step=1e-6)
     assert_says(caught.value, "step is 1e-06", "10,000,000 looks")
+
+
+# Work is bounded
+
+
+@pytest.mark.parametrize("gap", [pytest.param(1e-6, marks=pytest.mark.thorough), 1e-11])
+def test_a_gap_that_stays_the_same_is_answered_in_seconds_to_a_resolution_that_is_told(gap):
+    """On a circle the chain moves as a rigid body, with its tail just before its head."""
+    benches, radius = 18, 5.0
+    spacing = 2 * radius * np.sin(np.pi / (benches + 0.12))
+    circle = Arc(centre=(0, 0), radius=radius, begin_angle=0, sweep=30)
+
+    def march(overhang):
+        sizes = {"head_spacing": spacing, "body_spacing": spacing, "overhang": overhang, "width": 0.2}
+        return March(Dragon(benches=benches, **sizes), circle)
+
+    def excess(overhang):
+        head, *_, tail = march(overhang).dragon.outlines(march(overhang).at(0).poses[0])
+        return separation(head, tail).distance - gap
+
+    closest = march(brentq(excess, 0.001, 0.3, xtol=1e-16))
+    found = first_contact(closest)
+    assert (found.status, found.time) == ("clear", closest.end)
+    assert found.resolution < 1e-6
+    assert found.looks < 400_000
+
+
+@pytest.mark.parametrize("width", [0.01, pytest.param(0.015, marks=pytest.mark.thorough)])
+def test_ten_thousand_short_benches_are_answered_in_seconds(width):
+    dragon = Dragon(benches=10_000, head_spacing=0.1, body_spacing=0.1, overhang=0.01, width=width)
+    march = March(dragon, Spiral(pitch=0.021))
+    found = first_contact(march)
+    assert (found.status, found.benches[0]) == ("contact", 0)
+    # The first turns alone do the same.
+    short = March(replace(dragon, benches=200), march.curve)
+    assert first_contact(short).time == pytest.approx(found.time, abs=1e-9)
+    assert found.tests < 1_000_000
 
 
 # Chains that are pushed back

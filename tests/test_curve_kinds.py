@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from conftest import NO_NUMBERS, assert_says
 from curve_checks import assert_is_a_curve
-from exact_curves import DIGITS, arc, line, s_turn, spiral, worst_errors
+from exact_curves import DIGITS, arc, line, s_turn, spiral, u_turn, worst_errors
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -109,6 +109,37 @@ def test_example_of_an_own_curve_works_as_written():
 def test_curve_is_exact(curve, truth):
     places = np.linspace(curve.begin, curve.end, 41)
     assert max(worst_errors(curve, truth, places)) < 1e-12
+
+
+def _u_turn(*sizes):
+    return UTurn(**dict(zip(("pitch", "radius", "ratio"), sizes, strict=True))), u_turn(*sizes)
+
+
+@pytest.mark.parametrize(
+    ("curve", "truth"),
+    [
+        (LINE, line((-3.5, 2.25), (40.0, -7.0))),
+        (ARC, arc((1.5, -20.0), 7.3, 0.4, -9.1)),
+        (Spiral(pitch=0.021), spiral(0.021)),
+        (Spiral(pitch=0.5, rotation=1.3, outward=True), spiral(0.5, 1.3, outward=True)),
+        _u_turn(1.7, 4.5, 2.0),
+        _u_turn(0.55, 3.0, 0.3),
+        _u_turn(2.5, 7.0, 4.0),
+        _u_turn(0.7, 20.0, 1.0),
+    ],
+    ids=["line", "arc", "inward", "outward", "turn", "narrow turn", "wide turn", "large turn"],
+)
+def test_points_are_right_to_8_last_digits_of_the_largest_coordinate(curve, truth):
+    """The certificate of a first contact rests on this (`collision/motion.py`)."""
+    rng = np.random.default_rng(0)
+    ends = [end for piece in getattr(curve, "pieces", []) for end in (piece.begin, piece.end) if np.isfinite(end)]
+    places = np.concatenate([rng.uniform(-1, 1, 60) * reach for reach in (3, 30, 300, 3000)])
+    places = places[(places > curve.begin) & (places < curve.end)]
+    with mp.workdps(DIGITS):
+        for place, found in zip(places.tolist(), curve.point(places).tolist(), strict=True):
+            x, y = truth(mp.mpf(place))[:2]
+            error = mp.hypot(x - mp.mpf(found[0]), y - mp.mpf(found[1]))
+            assert error < 8 * np.spacing(np.abs([place, *found, *ends]).max())
 
 
 def turned_back(truth, s):

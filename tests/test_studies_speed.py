@@ -139,9 +139,11 @@ def test_a_dragon_that_cannot_be_asked_about_is_refused() -> None:
         max_speed(Dragon(body_spacing=[1.65, 1.5, 1.65]))
     assert_says(caught.value, "alike")
     with pytest.raises(UnreachableError):
-        max_speed(radius=4.0)
+        max_speed(radius=4.2)
     for dragon, sizes in (
         (Dragon(), {"radius": 0.6}),
+        # Handle 1 is pushed back all the way out.
+        (Dragon(), {"radius": 4.0}),
         (
             Dragon(benches=4, head_spacing=0.51, body_spacing=0.47, overhang=0.01, width=0.05),
             {"pitch": 2.4, "radius": 0.632, "ratio": 0.185},
@@ -149,7 +151,7 @@ def test_a_dragon_that_cannot_be_asked_about_is_refused() -> None:
     ):
         with pytest.raises(ParameterError) as caught:
             max_speed(dragon, **sizes)
-        assert_says(caught.value, "radius is 0.6", "must be large enough for")
+        assert_says(caught.value, f"radius is {sizes['radius']}", "must be large enough for")
 
 
 def test_program_answers_in_words_and_in_json(answer: MaxSpeed, capsys: pytest.CaptureFixture[str]) -> None:

@@ -32,7 +32,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pymunk_dragon.checks import finite
-from pymunk_dragon.collision.motion import Motion, Stretches, near_pairs
+from pymunk_dragon.collision.motion import Motion, Stretches, handles_in_reach, near_pairs
 from pymunk_dragon.collision.sat import separation
 from pymunk_dragon.contact import Contact
 from pymunk_dragon.curves.base import point
@@ -54,8 +54,14 @@ STRETCH = 1.2
 SHORT_STRETCH = 0.3
 # Stretches looked at together: few enough to stop soon after a contact, enough to make NumPy worth its calls.
 WINDOW = 128
-# m. A gap that changes by less within a stretch is taken for the one in the middle: positions are hardly more exact.
+# m. A gap that may be so far below zero within a stretch, and that rounding may have, is called open: positions are
+# hardly more exact.
 STILL = 8e-12
+# The same where gaps stay near zero for so long that halving leads to a crowd: work at one length of the stretches that
+# is above `CROWD` for the whole search, or above the least share of it for a window. The excess coarsens it, squared.
+CROWDED, CROWD, LEAST_SHARE = 1e-6, 2_000_000, 0.05
+# Work of a pair tested, in benches placed; and by how much halving may multiply the work in a window before that.
+PAIR_WORK, GROWTH = 20, 8
 # m of the head's way, and its last digits. Shorter stretches are decided by their middle: positions are no more exact.
 RESOLUTION, LAST_DIGITS = 1e-12, 4
 # Where so few pairs are left, stretches are halved this often before the next look, which costs NumPy as much for one.
@@ -111,12 +117,15 @@ class Impact:
     normal : tuple of float or None
         Unit vector from the first bench towards the second.
     clearances : tuple of Clearance or None
-        Smallest gaps below a thirtieth of the width before `time`, in the order of time; but for the first moments
-        only those of benches 0 and 1, which all others repeat. None where nobody measured gaps.
+        Smallest gaps below a thirtieth of the width before `time`, in the order of time; where all benches behind the
+        head do the same one after the other, only those of benches 0 and 1. None where nobody measured gaps.
     looks : int
         Moments at which the dragon was looked at.
     tests : int
         Pairs of benches tested at all of them together.
+    resolution : float or None
+        m. Before `time`, benches may overlap by this much and no more: by what rounding leaves open, and where a gap
+        stays near zero for long, by about a micrometre. None where nothing was certified.
     """
 
     status: Status
@@ -127,6 +136,7 @@ class Impact:
     clearances: tuple[Clearance, ...] | None
     looks: int
     tests: int
+    resolution: float | None = None
 
     @property
     def contact(self) -> Contact | None:
@@ -174,7 +184,7 @@ def first_contact(
     -------
     Impact
         Its time is right to 1e-11 s where the gap closes at centimetres a second, as the seed's does, and in general to
-        the time in which it closes by some 1e-12 m. Benches that graze each other more lightly count as apart.
+        the time in which it closes by its `resolution`. Benches that graze each other more lightly count as apart.
 
     Raises
     ------
@@ -229,6 +239,9 @@ class _Search:
         # Places of the holes at the start, and whether all benches behind the head follow each other.
         self._begins, self._alike = np.empty(0), False
         self._looks = self._tests = 0
+        self._resolution = 0.0
+        self._whole = 1.0
+        self._familiar_from = np.inf
         # Rows of pair, time, length of the stretch, gap.
         self._small_gaps: list[Array] = [np.empty((0, 5))]
 
@@ -242,6 +255,7 @@ class _Search:
         end = min(until, march.end)
         heads = (march.head_start + march.way([start, end])).tolist()
         self._alike = march.dragon.alike and march.continuation.alike(*heads)
+        self._whole = end - start
         for times in self._windows(start, begins, end):
             last = self._clear_as_far_as_placed(times)
             if self._hit < np.inf:
@@ -253,11 +267,12 @@ class _Search:
 
     def _impact(self, status: Status, start: float, time: float, pair: tuple[int, int] | None) -> Impact:
         misses = self._clearances(start, time)
-        return Impact.at(self._march, status, time, pair, clearances=misses, looks=self._looks, tests=self._tests)
+        counts = {"looks": self._looks, "tests": self._tests, "resolution": self._resolution}
+        return Impact.at(self._march, status, time, pair, clearances=misses, **counts)
 
     def _windows(self, start: float, begins: Array, end: float) -> Iterator[Array]:
         """Times at which stretches begin and end, some at once: shorter ones while all benches are watched."""
-        familiar = self._familiar(start, begins, end)
+        self._familiar_from = familiar = self._familiar(start, begins, end)
         for begin, last, stretch in ((start, familiar, self._short_stretch), (familiar, end, self._stretch)):
             count = int(np.ceil((last - begin) / stretch))
             for done in range(0, count, WINDOW):
@@ -298,7 +313,10 @@ class _Search:
         Returns the last of the times until which the chain has a place.
         """
         march = self._march
-        stretches = Stretches.between(march, times)
+        handles = march.dragon.handles
+        if times[0] >= self._familiar_from:
+            handles = handles_in_reach(march, float(times[0]), float(times[-1]), self._near)
+        stretches = Stretches.between(march, times, handles)
         last = float(times[stretches.begins.size])
         if not stretches.begins.size:
             return last
@@ -306,24 +324,31 @@ class _Search:
         watched = motion.breaking_new_ground(self._begins if self._alike else np.full_like(self._begins, np.inf))
         rows, pairs = motion.candidates(self._near, watched)
         sampled = np.zeros(rows.size, dtype=bool)
+        crowd = 0.0
         while rows.size:
             length, middles = float(stretches.lengths[0]), stretches.middles[rows]
             found = motion.separations(rows, pairs)
             self._note(middles, pairs, found.distance)
             if length > self._near_stretch:
-                gaps = motion.smallest_gaps(rows, pairs, found.normal)
-                unsettled = gaps <= self._near
+                unsettled = motion.smallest_gaps(rows, pairs, found.normal) <= self._near
+                doubtful = rows[unsettled], pairs[unsettled], found.normal[unsettled]
+                unsettled[unsettled] = motion.smallest_gaps_together(*doubtful) <= self._near
             else:
                 gaps = motion.smallest_gaps_together(rows, pairs, found.normal)
                 fresh = np.isfinite(gaps) & ~sampled
                 sampled |= fresh
+                if self._alike:
+                    fresh &= pairs[:, 0] <= 1
                 self._note_small_gaps(middles, length, pairs, found.distance, fresh & (gaps <= self._near))
-                # A gap that only rounding changes within a stretch stays as it is, but for where benches come to touch:
-                # in the stretch before the first one that has them touching in its middle.
-                blurred = found.distance - gaps - motion.rounding[rows] <= STILL
-                blurred &= stretches.ends[rows] + length < self._hit
+                work = np.unique(rows).size * (int(pairs.max()) + 2) + PAIR_WORK * rows.size
+                share = max((times[-1] - times[0]) / self._whole, LEAST_SHARE)
+                crowd = crowd or max(share * CROWD, GROWTH * work)
+                limit = motion.rounding[rows] + (STILL if work <= crowd else CROWDED * (work / crowd) ** 2)
+                # Not in the stretch before the first one that has them touching in its middle.
+                apart = (gaps > -limit) & (stretches.ends[rows] + length < self._hit)
+                self._resolution = max(self._resolution, -float(gaps[apart].min(initial=0.0)))
                 instant = max(RESOLUTION, LAST_DIGITS * float(np.spacing(np.abs(middles).max())))
-                unsettled = (gaps <= 0) & ~blurred & (length > instant)
+                unsettled = (gaps <= 0) & ~apart & (length > instant)
             unsettled &= stretches.begins[rows] < self._hit
             rows, pairs, sampled = rows[unsettled], pairs[unsettled], sampled[unsettled]
             if rows.size:

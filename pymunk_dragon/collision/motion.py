@@ -13,13 +13,20 @@ With bounds on the angles and on the curvature, each of these is bounded too, an
 corner q from the front hole: kappa + |q| (domega/ds + omega^2). Taylor's theorem does the rest. None of this depends on
 the direction in which the front hole moves: `Continuation.ranges` bounds its way also where it reverses.
 
-Rounding. A point of the curve is right to a few last digits u of the longest coordinate; users' curves have to be so
-too. So the residual of a bench's equation |P(s) - P(r)| = L is below ROUNDED u; Newton's last step is the square of
-1e-10 and does not count. A residual h puts the rear hole h / cos beta wrong, and an error of the front hole reaches the
-rear hole times |rho|. So the error of a hole is, to first order, at most E: the sum over the benches before it of
-ROUNDED u / cos beta times the product of |rho| of the benches behind that one. With arms of length q, a corner is at
-most (1 + 2 q / L) E wrong; the gap depends on two benches, and each of them on a way between two coordinates as well:
-6 (1 + 2 q / L) E in all.
+Rounding. A point of the curve is right to 8 last digits u of the largest coordinate, in space or along the path or one
+of its pieces; the tests measure this for the package's curves, and `Curve.point` asks it of others. So with F = (|P(s)
+- P(r)|^2 - L^2) / (2 L), the computed coordinates have |F| <= h = 18 u: 8 u for each point, and 2 u for the distance;
+Newton's last step is the square of 1e-10 and does not count. Let F go from there to 0 in proportion to 1 - tau, and the
+coordinates with it. While each of them stays within E of where it was, cos alpha and cos beta stay within (2 / L +
+kappa) E of their values, and by half as much again for the rounded length of the bench. Where this is at most `SLACK`,
+d|s|/dtau of the front hole and d|r|/dtau of the rear hole satisfy
+
+    d|r|/dtau <= ((|cos alpha| + SLACK) d|s|/dtau + h) / (|cos beta| - SLACK).
+
+E is the largest of what this gives along the chain, from h for the head. So the coordinates never leave that range, and
+the exact ones, at tau = 1, are in it. Where E is too large for `SLACK`, nothing is known. With arms of length q, a
+corner is at most (1 + 2 q / L) E wrong. The gap depends on two benches, and each of them on a way between two
+coordinates, with an error of 2 E, as well: 6 (1 + 2 q / L) E in all.
 """
 
 from __future__ import annotations
@@ -32,20 +39,24 @@ from numpy.typing import NDArray
 
 from pymunk_dragon.collision.grid import MAX_CELL, MIN_CELL, Grid
 from pymunk_dragon.collision.sat import Separation, separation
-from pymunk_dragon.curves.base import frame, sharpest
+from pymunk_dragon.curves.base import Curve, frame, sharpest
+from pymunk_dragon.curves.composite import Composite
+from pymunk_dragon.curves.spiral import Spiral
 from pymunk_dragon.dragon import bench_poses
 from pymunk_dragon.march import March
 
-__all__ = ["Motion", "Stretches", "near_pairs"]
+__all__ = ["Motion", "Stretches", "handles_in_reach", "near_pairs"]
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 Flags = NDArray[np.bool_]
 Indices = NDArray[np.intp]
 
-# Last digits of the longest coordinate that a bench's equation may be wrong by: 4 for each point, 2 for the distance.
-ROUNDED = 10
+# Last digits of the largest coordinate that a bench's equation may be wrong by: 8 for each point, 2 for the distance.
+ROUNDED = 18
 QUARTER = np.pi / 2
+# Change of the cosines of a bench's angles to its path that rounding may make.
+SLACK = 1e-5
 # Sine of the angle from a bench to its path, at most, up to which it is not followed.
 SHALLOW = 0.7
 # Corners of a square with half its side as the unit, counter-clockwise.
@@ -63,11 +74,11 @@ class Stretches:
     last_places: Array
 
     @classmethod
-    def between(cls, march: March, times: Array) -> Stretches:
-        """Those from each of `times` to the next, with all handles, as long as these have places on the curve."""
+    def between(cls, march: March, times: Array, handles: int | None = None) -> Stretches:
+        """Those from each of `times` to the next, with all or the foremost `handles`, while these have places."""
         all_times = np.empty(2 * times.size - 1)
         all_times[::2], all_times[1::2] = times, (times[:-1] + times[1:]) / 2
-        places = march.places(all_times)
+        places = march.places(all_times, handles)
         # A handle that has no place leaves none to the last one.
         lost = np.isnan(places[:, -1])
         count = (int(lost.argmax()) - 1) // 2 if lost.any() else times.size - 1
@@ -170,21 +181,25 @@ class Motion:
         self.outlines = march.dragon.outlines(bench_poses(self._points))
         self._front_turns, self._rear_turns = self._turns()
         # However near zero, places come from that of the head at the start and its way.
-        longest = max(np.abs(stretches.first_places[:, [0, -1]]).max(), abs(march.head_start))
-        errors = self._errors(ROUNDED * float(np.spacing(longest)))
+        coordinates = stretches.first_places[:, [0, -1]], march.head_start, self._points, _of_pieces(march.curve)
+        largest = max(float(np.abs(part).max()) for part in coordinates)
+        errors = self._errors(ROUNDED * float(np.spacing(largest)))
         arms = np.hypot(*(self.outlines[0] - self._points[0, :-1, None]).T).max(axis=0)
-        self.rounding = 6 * (1 + 2 * float(np.max(arms / self._spacings))) * errors.max(axis=1)
         self.lows, highs = march.continuation.ranges(stretches.first_places, stretches.last_places)
         # Rounding may put the middle beside its range.
         self.ways = np.maximum(np.maximum(stretches.places - self.lows, highs - stretches.places), 0)
         self._bends = sharpest(march.curve, self.lows[:, 1:] - errors[:, 1:], highs[:, :-1] + errors[:, :-1])
+        worst = errors.max(axis=1)
+        change = 1.5 * (2 / self._spacings.min() + self._bends.max(axis=1)) * worst
+        rounding = 6 * (1 + 2 * float(np.max(arms / self._spacings))) * worst
+        self.rounding = np.where(change <= SLACK, rounding, np.inf)
         self._rates = self._bounds(stretches.places, self.ways[:, :-1] + 2 * errors[:, :-1])
 
     def _errors(self, residual: float) -> Array:
         """Errors (T, H) of the places, m, where benches' equations hold but for a `residual`."""
         with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
-            cosines = np.abs(self._rear_turns.real)
-            lags = _products(np.abs(self._front_turns.real) / cosines)
+            cosines = np.maximum(np.abs(self._rear_turns.real) - SLACK, 0.0)
+            lags = _products((np.abs(self._front_turns.real) + SLACK) / cosines)
             errors = residual + np.pad(
                 lags[:, 1:] * np.cumsum(residual / cosines / lags[:, 1:], axis=1), ((0, 0), (1, 0))
             )
@@ -336,6 +351,40 @@ class Motion:
             found[0].append(np.full(len(pairs), row))
             found[1].append(pairs)
         return np.concatenate(found[0]), np.concatenate(found[1])
+
+
+def _of_pieces(curve: Curve) -> list[float]:
+    """Coordinates of the ends of a curve's pieces along these, m, and 0."""
+    pieces = curve.pieces if isinstance(curve, Composite) else []
+    return [0.0, *(end for piece in pieces for end in (piece.begin, piece.end) if np.isfinite(end))]
+
+
+def handles_in_reach(march: March, first: float, last: float, near: float) -> int:
+    """Number of the foremost handles whose benches may come within `near` m of benches 0 and 1 from `first` to `last`.
+
+    All handles on a curve that is no inward spiral. There, handle j is at most at the head's coordinate less the sum of
+    the spacings between, because an arc is no shorter than its chord, and the outline of its bench is no closer to the
+    centre than sqrt(r^2 - q^2) less half the width, if r is the radius at that handle and q half the spacing, or the
+    overhang if that is longer. Benches 0 and 1 are no further from the centre than handle 2 ever is, and the overhang
+    and the width.
+    """
+    dragon, curve = march.dragon, march.curve
+    if not isinstance(curve, Spiral) or curve.outward or not dragon.alike:
+        return dragon.handles
+    ends = march.places([first, last], 3)
+    if np.isnan(ends).any():
+        return dragon.handles
+    lows, _ = march.continuation.ranges(ends[:1], ends[1:])
+    widest = float(dragon.widths.max())
+    outer = curve.k * curve.angle(lows[0, 2]) + dragon.overhangs.max() + widest + near
+    highest = ends[1, 0] - np.concatenate([[0.0], np.cumsum(dragon.spacings)])
+    radii = curve.k * curve.angle(highest[:-1])
+    halves = np.maximum(dragon.spacings / 2, dragon.overhangs)
+    inner = np.sqrt(np.maximum(radii**2 - halves**2, 0.0)) - widest / 2
+    # Where the path bends less than a circle with the bench as its diameter, each handle behind goes forward as well.
+    needed = (inner <= outer) | (sharpest(curve, highest[:-1], highest[:-1]) * dragon.spacings >= 2)
+    needed[:3] = True
+    return min(int(np.flatnonzero(needed)[-1]) + 2, dragon.handles)
 
 
 def near_pairs(centres: Array, radii: Array) -> Indices:

@@ -63,7 +63,11 @@ class Curve(Protocol):
         ...
 
     def point(self, s: ArrayLike) -> Array:
-        """Position (..., 2) in m."""
+        """Position (..., 2) in m.
+
+        Right to 8 last digits of the largest coordinate, in space or along the path: the certificate of a first contact
+        rests on this.
+        """
         ...
 
     def tangent(self, s: ArrayLike) -> Array:

@@ -7,11 +7,12 @@ function theorem): the bench pushes its rear handle back where A < 0 (jackknife)
 fold, B = 0, where the bench is perpendicular to the path at its rear handle, and where r reaches the curve's begin.
 
 So g depends on s alone, not on the way in which s was reached, and the whole chain is a composition of such functions.
-Two facts make g certain:
+Three facts make g certain:
 
 - Where the path bends less than a circle with the bench as its diameter over the quarter circle's length to either side
   (pi / 2 d back from s), A and B are positive, and the rear handle is the only one within that length: the "gentle"
   case, in which `curves.chain` finds it. This is checked with the curve's own bound on its curvature.
+- On an inward spiral r = k theta, `curves.chain` finds g wherever it exists; see `_is_regular_on`.
 - Elsewhere g is followed in cells. From a root (s0, r0), and with bounds K_s and K_r on the curvature near both
   handles, |F(s, r0)| <= |A| h + M_s h^2 / 2 for |s - s0| <= h, and B decreases by no more than h + M_r p for
   |r - r0| <= p, where M = 1 + K times the longest distance in the cell. If |A| h + M_s h^2 / 2 < p (B - h - M_r p),
@@ -54,8 +55,8 @@ SECTIONS, PASSES = 17, 10
 SAME = 1e-9
 # Cells after which a path that bends too sharply is not followed any further.
 MAX_CELLS = 100_000
-# Chord over k of an inward spiral between which a rear handle may vanish near the centre and exist again further in.
-INNERMOST = 5.7, 2 * np.pi
+# Spacings over k of an inward spiral between which a rear handle may vanish near the centre and exist again further in.
+INNERMOST = 5.78, 2 * np.pi
 
 
 class Continuation:
@@ -135,14 +136,8 @@ class Continuation:
         spacings, curve = self._spacings[benches.start : benches.stop], self._curve
         if not spacings.size:
             return np.ones(lows.shape, dtype=bool)
-        if isinstance(curve, Spiral) and not curve.outward:
-            # The first maximum of the distance from an angle theta, seen outward, grows with theta. So bench 0 has no
-            # rear handle from some angle on inward, with the exception of `INNERMOST`; and no bench that is as short or
-            # shorter loses its own further out.
-            chords = spacings / curve.k
-            regular = np.all(np.diff(chords) <= 0) and not np.any((chords > INNERMOST[0]) & (chords < INNERMOST[1]))
-            if benches.start == 0 and regular:
-                return np.ones(lows.shape, dtype=bool)
+        if benches.start == 0 and _is_regular_on(curve, spacings):
+            return np.ones(lows.shape, dtype=bool)
         bends = sharpest(curve, lows - np.pi / 2 * spacings.sum(), highs)
         usual: Flags = ~(bends * spacings.max() >= 2)
         return usual
@@ -198,6 +193,29 @@ class Continuation:
         if lower.size:
             lost = np.isnan(chain(self._curve, low[lower], spacings))
             places[rows[lower], i:] = np.where(lost, np.nan, places[rows[lower], i:])
+
+
+def _is_regular_on(curve: Curve, spacings: Array) -> bool:
+    """Whether `curves.chain` finds the states that motion leads to everywhere on an inward spiral.
+
+    Let D be the distance over k between the points at the angles theta and theta + x, and G = d(D^2)/dx / 2. Then
+    G = x + theta (1 - cos x) + theta (theta + x) sin x, and G > 0 for 0 < x <= pi. For pi < x < 2 pi, G = 0 means
+    cos x / (theta + x) - sin x = 1 / theta. The left side is below the right one at both ends of this interval, and
+    has one maximum in it, where tan x = -(theta + x) - 1 / (theta + x). The maximum lies beyond 3 pi / 2, where theta
+    times the left side grows with theta. So there is one angle theta* = 0.98577 above which D has one maximum m(theta)
+    within a turn, and below which D grows over the whole turn, to 2 pi. By the envelope theorem m grows with theta:
+    dm^2/dtheta = 2 (2 theta + x) (1 - cos x) > 0; and m(theta*) = 5.78357.
+
+    `Spiral.chain` finds the x < 2 pi up to which D grows to the spacing over k. So where theta falls, a spacing
+    of at most 5.78 k always has its rear handle, one of 2 pi k or more loses it for good, at the fold, where m(theta)
+    is the spacing; only one in between may lose it and have another one further in. As m grows outward, a bench that is
+    no longer than the one before it loses its rear handle no earlier.
+    """
+    if not isinstance(curve, Spiral) or curve.outward:
+        return False
+    chords = spacings / curve.k
+    between = (chords > INNERMOST[0]) & (chords < INNERMOST[1])
+    return bool(np.all(np.diff(chords) <= 0) and not between.any())
 
 
 class _Branch:

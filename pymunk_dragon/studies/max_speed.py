@@ -56,6 +56,7 @@ ROUNDING = 1e-13
 # m. Shorter stretches have nothing between their ends.
 SHORTEST = 1e-12
 QUARTER = np.pi / 2
+FORWARD = "one on which every hole goes forward all the time"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -260,13 +261,23 @@ def _gain(curve: Composite, spacings: Array) -> float:
 
 
 def _out(march: March, handle: int, step: float) -> float:
-    """A way of the head, m, after which `handle` is out of the turn; to within `step`, more or less."""
+    """A way of the head, m, after which `handle` is out of the turn; to within `step`, more or less.
+
+    Raises
+    ------
+    ParameterError
+        If the handle is pushed back.
+    """
     assert isinstance(march.curve, Composite)
     exit_place = march.curve.joints[-1]
-    way = exit_place - march.head_start + step
-    while march.parameters(march.time(way), handle + 1)[0, -1] < exit_place:
+    way, place = exit_place - march.head_start + step, -np.inf
+    while True:
+        before, place = place, float(march.parameters(march.time(way), handle + 1)[0, -1])
+        if place >= exit_place:
+            return way
+        if place <= before:
+            raise ParameterError("curve", march.curve, FORWARD)
         way += step / 8
-    return way
 
 
 class _Search:
@@ -324,7 +335,7 @@ class _Search:
         facing = ((points[:, :-1] - points[:, 1:]) / spacings).conj()
         front, rear = np.angle(tangents[:, :-1] * facing), np.angle(tangents[:, 1:] * facing)
         if np.any(np.abs(front) >= QUARTER):
-            raise ParameterError("curve", self.curve, "one on which every hole goes forward all the time")
+            raise ParameterError("curve", self.curve, FORWARD)
         # While both holes go forward they stay between their places at the ends, and no bench turns by more than both
         # of them go, over its spacing.
         ways = np.maximum(middle - first, last - middle)
