@@ -445,6 +445,7 @@ def test_every_scenario_option_refuses_what_it_cannot_be(complaint, name, value)
         (["simulate", "--from", "2", "--until", "1"], ["--until is 1.0"]),
         (["simulate", "--from", "nan"], ["--from is nan"]),
         (["contact", "--from", "1e300"], ["--from is 1e+300"]),
+        (["render", "--from", "-1e9", "-o", "film.gif"], ["--from is -1"]),
         (["render", "-o", "f.gif", "--from", "nan"], ["--from is nan"]),
         (["render", "-o", "f.gif", "--from", "5", "--until", "1"], ["--until is 1.0"]),
         (["positions", "-o", "f.txt"], ["-o is 'f.txt'"]),

@@ -121,7 +121,20 @@ def _named_by_flag(error: ParameterError | FileFormatError) -> Exception:
                 return ParameterError(flag, error.value, error.bound)
         elif option.is_flag and isinstance(error.value, str) and error.value == name:
             return click.UsageError(f"{flag} must be {error.bound}")
-    return error
+    return _named_by_value(error) if isinstance(error, ParameterError) else error
+
+
+def _named_by_value(error: ParameterError) -> ParameterError:
+    """The error with the name of the flag that was typed with its number, if there is one such flag."""
+    if not isinstance(error.value, float):
+        return error
+    context = click.get_current_context()
+    typed = [
+        option.opts[0]
+        for option in context.command.params
+        if isinstance(option, click.Option) and context.params.get(str(option.name)) == error.value
+    ]
+    return ParameterError(typed[0], error.value, error.bound) if len(typed) == 1 else error
 
 
 def march_of(scenario_file: str | None) -> March:
