@@ -10,7 +10,7 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
 
-    from pymunk_dragon.collision import Clearance, Grid, Impact, Separation, first_contact, scan, separation
+    from pymunk_dragon.collision import FirstContact, Grid, NearMiss, Separation, first_contact, scan, separation
     from pymunk_dragon.contact import Contact, ContactEvent, ContactLog
     from pymunk_dragon.curves import Arc, Composite, Curve, Line, Reversed, Sampled, Section, Spiral, UTurn
     from pymunk_dragon.dragon import Dragon, outlines
@@ -28,7 +28,6 @@ if TYPE_CHECKING:
 __all__ = [
     "Arc",
     "Camera",
-    "Clearance",
     "Composite",
     "Contact",
     "ContactEvent",
@@ -36,11 +35,12 @@ __all__ = [
     "Curve",
     "Dragon",
     "DragonError",
+    "FirstContact",
     "Grid",
-    "Impact",
     "Line",
     "March",
     "MissingExtraError",
+    "NearMiss",
     "Palette",
     "ParameterError",
     "PillowDrawOptions",
@@ -77,7 +77,7 @@ __all__ = [
 # Names are loaded when they are first used: NumPy, Pymunk and Pillow together take longer to import than
 # `pymunk-dragon --help` may take to answer.
 _ROOMS = {
-    "collision": ("Grid", "Impact", "Clearance", "Separation", "first_contact", "scan", "separation"),
+    "collision": ("Grid", "FirstContact", "NearMiss", "Separation", "first_contact", "scan", "separation"),
     "contact": ("Contact", "ContactEvent", "ContactLog"),
     "curves": ("Arc", "Composite", "Curve", "Line", "Reversed", "Sampled", "Section", "Spiral", "UTurn"),
     "dragon": ("Dragon", "outlines"),

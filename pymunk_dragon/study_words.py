@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pymunk_dragon.collision import Impact
+from pymunk_dragon.collision import FirstContact
 from pymunk_dragon.studies import MaxSpeed, MinPitch, Reach, Sensitivity, Slope, TurnAnswer
 from pymunk_dragon.studies.max_speed import SpeedRatio
 from pymunk_dragon.studies.shortest import Shortest
@@ -189,7 +189,7 @@ def _ratio_answer(ratio: SpeedRatio) -> Answer:
     return {"factor": ratio.ratio, "excess": ratio.excess, "handle": ratio.handle, "way": ratio.way}
 
 
-def _impact_answer(impact: Impact, until: float) -> Answer:
+def _impact_answer(impact: FirstContact, until: float) -> Answer:
     return {"status": impact.status, "time": impact.time, "benches": impact.benches, "until": float(until)}
 
 
@@ -241,9 +241,9 @@ def _points(points: Array) -> str:
     return ", ".join(f"({x:.6f}, {y:.6f})" for x, y in points.tolist())
 
 
-def _impact_in_words(impact: Impact, times: Array) -> str:
+def _impact_in_words(impact: FirstContact, times: Array) -> str:
     if impact.status == "clear":
-        near = ", nor a gap below a thirtieth of the width" if impact.clearances == () else ""
+        near = ", nor a gap below a thirtieth of the width" if impact.near_misses == () else ""
         return f"none from {times[0]:g} to {times[-1]:g} s{near}: certified"
     if impact.benches is None:
         return f"none, but the dragon gets stuck at t = {impact.time:.6f} s"

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
-from pymunk_dragon.collision import Impact
+from pymunk_dragon.collision import FirstContact
 from pymunk_dragon.contact import Contact
 from pymunk_dragon.run import Run
 
@@ -49,11 +49,11 @@ def positions_in_words(result: Mapping[str, Any]) -> str:
     return "\n".join(lines)
 
 
-def answer_of(method: str, found: Impact | Run) -> Answer:
+def answer_of(method: str, found: FirstContact | Run) -> Answer:
     """What `contact --json` prints, and `contact` tells, of an impact or of a run."""
-    touch: Impact | Contact | None
-    if isinstance(found, Impact):
-        misses, until, resolution = found.clearances, found.time, found.resolution
+    touch: FirstContact | Contact | None
+    if isinstance(found, FirstContact):
+        misses, until, resolution = found.near_misses, found.time, found.resolution
         touch = found if found.benches is not None else None
         status: str = found.status
     else:
@@ -100,7 +100,7 @@ def _near_miss_in_words(miss: dict[str, Any]) -> str:
 
 def comparison_in_words(answers: Sequence[Answer]) -> str:
     """A table of who found what, and what it cost; lateness is against the first of them."""
-    lines = ["method  status       time (s)       benches  late by (ms)    looks  pairs tested  seconds"]
+    lines = ["method  status       time (s)       benches  late by (ms)  samples  pairs tested  seconds"]
     for answer in answers:
         time, first = answer["time"], answers[0]["time"]
         cells = (
@@ -109,7 +109,7 @@ def comparison_in_words(answers: Sequence[Answer]) -> str:
             f"{_or_dash(time, '.9f'):>13}",
             f"{'{} and {}'.format(*answer['benches']) if answer['benches'] else '-':>9}",
             f"{_or_dash(None if None in (time, first) else 1e3 * (time - first), '+.6f'):>12}",
-            f"{answer['looks']:>7}",
+            f"{answer['samples']:>7}",
             f"{_or_dash(answer['tests'], 'd'):>12}",
             f"{answer['wall_seconds']:7.2f}",
         )

@@ -176,7 +176,7 @@ def test_compare_puts_the_three_side_by_side(call, tmp_path):
     assert abs(engine["time"] - exact["time"]) < 2e-3
     for answer in (exact, grid, engine):
         assert answer["benches"] == [0, 8]
-        assert min(answer["looks"], answer["wall_seconds"]) > 0
+        assert min(answer["samples"], answer["wall_seconds"]) > 0
     assert (grid["tests"] > 0, engine["tests"]) == (True, None)
 
 

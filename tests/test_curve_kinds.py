@@ -130,7 +130,7 @@ def _u_turn(*sizes):
     ids=["line", "arc", "inward", "outward", "turn", "narrow turn", "wide turn", "large turn"],
 )
 def test_points_are_right_to_8_last_digits_of_the_largest_coordinate(curve, truth):
-    """The certificate of a first contact rests on this (`collision/motion.py`)."""
+    """The certificate of a first contact rests on this (`collision/bounds.py`)."""
     rng = np.random.default_rng(0)
     ends = [end for piece in getattr(curve, "pieces", []) for end in (piece.begin, piece.end) if np.isfinite(end)]
     places = np.concatenate([rng.uniform(-1, 1, 60) * reach for reach in (3, 30, 300, 3000)])

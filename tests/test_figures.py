@@ -246,16 +246,16 @@ def test_the_title_of_the_grid_counts_its_candidates(drawn: dict[str, Any]) -> N
 
 
 def test_the_gap_is_smallest_where_the_exact_model_says_so(drawn: dict[str, Any]) -> None:
-    clearances = {c.benches[1]: c for c in first_contact(March()).clearances or ()}
-    assert set(clearances) == set(NEAR_MISSES)
+    near_misses = {c.benches[1]: c for c in first_contact(March()).near_misses or ()}
+    assert set(near_misses) == set(NEAR_MISSES)
     for name in ("gap", "last-gap"):
         times, gaps = line(drawn["gap"], name)
         for bench, (time, gap) in NEAR_MISSES.items():
             window = np.abs(times - time) < 1
             place = np.flatnonzero(window)[gaps[window].argmin()]
             assert gaps[place] == pytest.approx(gap, abs=5e-4)
-            assert gaps[place] == pytest.approx(1e3 * clearances[bench].gap, abs=1e-9)
-            assert times[place] == clearances[bench].time
+            assert gaps[place] == pytest.approx(1e3 * near_misses[bench].gap, abs=1e-9)
+            assert times[place] == near_misses[bench].time
         assert times[-1] == pytest.approx(CONTACT_TIME, abs=1e-9)
         # At the contact there is no gap, and the line leaves the scale.
         assert gaps[-1] < artist(drawn["gap"], name).axes.get_ylim()[0] / 5

@@ -222,7 +222,7 @@ def test_the_first_contact_is_at_the_same_place_however_fast_the_head_goes(seed_
     assert hit.benches == (0, 8)
     assert hit.time == pytest.approx(float(march.time(plain.time)), abs=1e-10)
     assert hit.point == pytest.approx(plain.point, abs=1e-11)
-    assert [miss.gap for miss in hit.clearances] == pytest.approx([miss.gap for miss in plain.clearances], abs=1e-12)
+    assert [miss.gap for miss in hit.near_misses] == pytest.approx([miss.gap for miss in plain.near_misses], abs=1e-12)
 
 
 def test_a_search_without_an_end_wants_one():

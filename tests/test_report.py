@@ -497,7 +497,7 @@ def test_exact_run_is_told_with_the_exact_contact_as_its_own(tmp_path):
     ids=["clear", "unreachable", "overlapping"],
 )
 def test_other_answers_of_the_exact_model_are_told(answer, words, played, monkeypatch):
-    nowhere = {"benches": None, "point": None, "normal": None, "clearances": ()}
+    nowhere = {"benches": None, "point": None, "normal": None, "near_misses": ()}
     impact = replace(exact.exact_impact(played), **nowhere | answer)
     monkeypatch.setattr(exact, "first_contact", lambda march, start, until: impact)
     assert words in first_said(played)

@@ -73,7 +73,7 @@ def test_a_pitch_a_little_smaller_collides_and_one_a_little_larger_does_not(answ
     below, above = hit_at(answer.pitch - 1e-8), hit_at(answer.pitch + 1e-8)
     assert (below.status, below.benches) == ("contact", (0, 19))
     assert above.status == "clear"
-    least = min(above.clearances, key=lambda miss: miss.gap)
+    least = min(above.near_misses, key=lambda miss: miss.gap)
     assert least.benches == (0, 19)
     assert least.gap == pytest.approx(1e-8, rel=0.01)
 

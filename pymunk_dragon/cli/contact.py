@@ -31,11 +31,11 @@ SETTINGS_OF = {"step": "grid", "tolerance": "grid", "fine": "engine"}
 
 @click.command()
 @scenario_options
-@click.option("--method", type=click.Choice(METHODS), default="exact", help="Who looks for it.  [exact]")
+@click.option("--method", type=click.Choice(METHODS), default="exact", help="Search method.  [exact]")
 @click.option("--compare", is_flag=True, help="Ask all three, and print their answers side by side.")
 @start_option
 @click.option("--until", type=float, metavar="T", help="Last time, s.  [the end of the curve]")
-@click.option("--step", type=float, metavar="T", help="Of the grid: s between looks.  [1]")
+@click.option("--step", type=float, metavar="T", help="Of the grid: s between samples.  [1]")
 @click.option("--tolerance", type=float, metavar="T", help="Of the grid: how far it bisects, s.  [1e-6]")
 @click.option("--fine", is_flag=True, default=None, help="Of the engine: a quarter of the usual substep.")
 @json_option
@@ -52,8 +52,8 @@ def contact(
 ) -> None:
     """When benches that are not neighbours first touch, and where.
 
-    The exact method certifies that nothing touched before, however briefly. The grid is the paper's way: it looks every
-    so often, and bisects. The engine is Pymunk.
+    The exact method certifies that no benches touched before, however briefly. The grid is the method of the paper:
+    samples at equal time steps, and bisection. The engine is Pymunk.
     """
     from pymunk_dragon.words import answer_in_words, comparison_in_words
 
@@ -96,7 +96,7 @@ def _answer(
     begin = perf_counter()
     if method == "engine":
         run = played(march, fine=own.get("fine", False), start=start, until=until)
-        answer = answer_of(method, run) | {"looks": run.provenance["substeps"], "tests": None}
+        answer = answer_of(method, run) | {"samples": run.provenance["substeps"], "tests": None}
     else:
         look = first_contact if method == "exact" else scan
         with progress("t") as show:
@@ -105,7 +105,7 @@ def _answer(
                 show(time - start, last - start, f"t = {time:.1f} s")
 
             found = look(march, start=start, until=until, progress=tell, **own)
-        answer = answer_of(method, found) | {"looks": found.looks, "tests": found.tests}
+        answer = answer_of(method, found) | {"samples": found.samples, "tests": found.tests}
     return answer | {"wall_seconds": perf_counter() - begin}
 
 

@@ -1,8 +1,8 @@
 """Which benches touch, and when: broad phase, narrow phase, first contact (paper, section 2.2)."""
 
+from pymunk_dragon.collision.first_contact import FirstContact, NearMiss, first_contact
 from pymunk_dragon.collision.grid import Grid
-from pymunk_dragon.collision.impact import Clearance, Impact, first_contact
 from pymunk_dragon.collision.sat import Separation, separation
 from pymunk_dragon.collision.scan import scan
 
-__all__ = ["Clearance", "Grid", "Impact", "Separation", "first_contact", "scan", "separation"]
+__all__ = ["FirstContact", "Grid", "NearMiss", "Separation", "first_contact", "scan", "separation"]

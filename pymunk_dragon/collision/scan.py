@@ -1,6 +1,6 @@
-"""The paper's way to the first contact: look every so often, with grid, DDA and SAT, and bisect (paper, section 2.2).
+"""First contact by sampling at equal time steps, with grid, DDA and SAT, then bisection (paper, section 2.2).
 
-Quick to explain, and wrong wherever benches touch and part again between two looks: `impact.py` does not miss those.
+It misses contacts that open again between two samples; `first_contact.py` does not.
 """
 
 from __future__ import annotations
@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pymunk_dragon.checks import positive
+from pymunk_dragon.collision.first_contact import FirstContact, Status, checked_times
 from pymunk_dragon.collision.grid import Grid
-from pymunk_dragon.collision.impact import Impact, Status, checked_times
 from pymunk_dragon.collision.sat import separation
 from pymunk_dragon.errors import ParameterError, UnreachableError
 from pymunk_dragon.march import March
@@ -22,13 +22,14 @@ __all__ = ["STEP", "TOLERANCE", "scan"]
 Array = NDArray[np.float64]
 Pair = tuple[int, int]
 
-# s. The paper names the second in which the dragon collides.
+# s. The paper gives the second in which the dragon collides.
 STEP = 1.0
-# s. A head at 1 m/s goes a micrometre.
+# s. A head at 1 m/s moves by a micrometre.
 TOLERANCE = 1e-6
-# Looks for which the dragon is placed together.
+# Samples computed together.
 BATCH = 64
-MAX_LOOKS = 10_000_000
+# About a day of computing.
+MAX_SAMPLES = 10_000_000
 
 
 def scan(
@@ -39,56 +40,62 @@ def scan(
     step: float = STEP,
     tolerance: float = TOLERANCE,
     progress: Callable[[float, float], None] | None = None,
-) -> Impact:
-    """First contact that a look at every `step` notices, bisected to `tolerance`.
+) -> FirstContact:
+    """First contact among samples every `step`, bisected to `tolerance`.
 
     Parameters
     ----------
     march : March
-        What to look at.
+        The motion.
     start, until : float
-        Times of the first and the last look, s; without `until`, the last is at the end of the curve.
+        Times of the first and the last sample, s; without `until`, the last is at the end of the curve.
     step, tolerance : float
-        Time between looks, and how closely bisection encloses the contact, s.
+        Time between samples, and length of the interval that bisection ends with, s.
     progress : callable, optional
-        Told the time of the last look, and `until`, s.
+        Called with the time of the last sample, and with `until`, s.
 
     Returns
     -------
-    Impact
-        Its time is one at which the benches overlap, at most `tolerance` after one at which none do. It has no near
-        misses: nobody measured gaps.
+    FirstContact
+        Its time is one at which the benches overlap, at most `tolerance` after one at which none do. Near misses and
+        resolution are None: gaps are not measured.
 
     Raises
     ------
     ParameterError
-        If a time is no number, `until` is not later than `start`, `step` or `tolerance` is not above 0, or there would
-        be more than ten million looks.
+        If a time is not a number, `until` is not later than `start`, `step` or `tolerance` is not above 0, or the
+        number of samples is above ten million.
     UnreachableError
-        If the dragon has no place at `start`.
+        If the dragon has no state at `start`.
+
+    Examples
+    --------
+    >>> from pymunk_dragon import Dragon, March, scan
+    >>> scan(March(Dragon(benches=16), turns=8), step=0.5).benches
+    (0, 8)
     """
     start, until = checked_times(march, start, until)
     positive("step", step, np.inf, "s")
     positive("tolerance", tolerance, np.inf, "s")
     end = min(until, march.end)
-    if (end - start) / step > MAX_LOOKS:
-        raise ParameterError("step", step, f"long enough for at most {MAX_LOOKS:,} looks until {end:g} s")
-    looks = _Looks(march)
-    if (pair := looks.overlapping(march.at(start).poses[0])) is not None:
-        return looks.impact("overlapping", start, pair)
+    if (end - start) / step > MAX_SAMPLES:
+        raise ParameterError("step", step, f"long enough for at most {MAX_SAMPLES:,} samples until {end:g} s")
+    sampler = _Sampler(march)
+    if (pair := sampler.overlapping(march.at(start).poses[0])) is not None:
+        return sampler.result("overlapping", start, pair)
     before = start
     for times, poses in _batches(march, np.append(np.arange(start + step, end, step), end)):
         for time, then in zip(times.tolist(), poses, strict=True):
-            if (pair := looks.overlapping(then)) is not None:
-                return looks.bisected(before, time, pair, tolerance)
+            if (pair := sampler.overlapping(then)) is not None:
+                return sampler.bisected(before, time, pair, tolerance)
             before = time
         if progress is not None:
             progress(before, until)
-    return looks.impact("clear" if before >= until else "unreachable", before, None)
+    return sampler.result("clear" if before >= until else "unreachable", before, None)
 
 
 def _batches(march: March, times: Array) -> Iterator[tuple[Array, Array]]:
-    """Some of `times` at once, with the poses then, as long as the chain has a place on the curve."""
+    """Batches of `times` with the poses at these times, until the chain has no state."""
     for first in range(0, times.size, BATCH):
         batch = times[first : first + BATCH]
         try:
@@ -99,26 +106,26 @@ def _batches(march: March, times: Array) -> Iterator[tuple[Array, Array]]:
             return
 
 
-class _Looks:
-    """Looks at a dragon, and what they have cost."""
+class _Sampler:
+    """Overlap tests of a dragon, and their number."""
 
     def __init__(self, march: March) -> None:
         self._march, self._grid = march, Grid.of(march)
-        self._looks = self._tests = 0
+        self._samples = self._tests = 0
 
     def overlapping(self, poses: Array) -> Pair | None:
-        """The pair that overlaps most at `poses` (N, 3), if any does."""
+        """The pair with the deepest overlap at `poses` (N, 3), or None."""
         corners = self._march.dragon.outlines(poses)
         pairs = self._grid.pairs(corners)
         distances = separation(corners[pairs[:, 0]], corners[pairs[:, 1]]).distance
-        self._looks += 1
+        self._samples += 1
         self._tests += len(pairs)
         if not np.any(distances <= 0):
             return None
         first, second = pairs[distances.argmin()].tolist()
         return first, second
 
-    def bisected(self, before: float, after: float, pair: Pair, tolerance: float) -> Impact:
+    def bisected(self, before: float, after: float, pair: Pair, tolerance: float) -> FirstContact:
         """The contact between a time at which no benches overlap and one at which `pair` does."""
         while after - before > tolerance and before < (middle := (before + after) / 2) < after:
             found = self.overlapping(self._march.at(middle).poses[0])
@@ -126,7 +133,8 @@ class _Looks:
                 before = middle
             else:
                 after, pair = middle, found
-        return self.impact("contact", after, pair)
+        return self.result("contact", after, pair)
 
-    def impact(self, status: Status, time: float, pair: Pair | None) -> Impact:
-        return Impact.at(self._march, status, time, pair, clearances=None, looks=self._looks, tests=self._tests)
+    def result(self, status: Status, time: float, pair: Pair | None) -> FirstContact:
+        counts = {"samples": self._samples, "tests": self._tests}
+        return FirstContact.at(self._march, status, time, pair, near_misses=None, **counts)

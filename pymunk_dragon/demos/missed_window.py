@@ -20,7 +20,7 @@ lesson.predict(
 
 march = March(Dragon(width=0.301))
 for name, hit in {"scan": scan(march, step=1), "first_contact": first_contact(march)}.items():
-    print(f"{name:14}{hit.time:.6f} s  benches {hit.benches}  {hit.looks:5} looks")
+    print(f"{name:14}{hit.time:.6f} s  benches {hit.benches}  {hit.samples:5} looks")
 
 
 def gap(times: ArrayLike) -> NDArray[np.float64]:

@@ -23,7 +23,7 @@ lesson.predict(
 # overlap.
 march = March(Dragon(), Spiral(pitch=0.55), turns=16, speed=1.0)
 hit, look = first_contact(march), scan(march, until=420, step=10)
-for miss in hit.clearances:
+for miss in hit.near_misses:
     print(f"{'exact':15}{miss.time:.3f} s  benches {miss.benches}  gap {1000 * miss.gap:.3f} mm")
 print(f"{'exact':15}{hit.time:.3f} s  benches {hit.benches}  contact")
 print(f"{'every 10 s':15}{look.time:.3f} s  benches {look.benches}  contact")

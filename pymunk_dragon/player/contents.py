@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pymunk_dragon.collision import Grid, Impact
+from pymunk_dragon.collision import FirstContact, Grid
 from pymunk_dragon.march import March
 from pymunk_dragon.player.packing import Packed, packed
 from pymunk_dragon.render.scene import hole_diameter
@@ -52,7 +52,7 @@ class PlayerData:
     curve: Packed
 
 
-def player_data(run: Run, impact: Impact | None) -> PlayerData:
+def player_data(run: Run, impact: FirstContact | None) -> PlayerData:
     """What the page is told of `run`, of which the exact model says `impact`."""
     dragon = run.march.dragon
     narrowest = float(dragon.widths.min())
@@ -62,7 +62,7 @@ def player_data(run: Run, impact: Impact | None) -> PlayerData:
     curve = packed(curve_points(run.march, begin, end)[:, None], STEP * narrowest)
     # The exact model's near misses are none of a dragon that nobody kept on its path.
     on_path = run.provenance.get("guide") != "none"
-    misses = (impact and on_path and impact.clearances) or ()
+    misses = (impact and on_path and impact.near_misses) or ()
     told = {
         "dragon": asdict(dragon) | {"hole": hole_diameter(dragon)},
         "grid": asdict(Grid.of(run.march)),

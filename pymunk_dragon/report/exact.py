@@ -6,14 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from pymunk_dragon.collision import Impact, first_contact
+from pymunk_dragon.collision import FirstContact, first_contact
 from pymunk_dragon.errors import ParameterError, UnreachableError
 from pymunk_dragon.run import Run
 
 __all__ = ["exact_impact", "with_exact_contact"]
 
 
-def exact_impact(run: Run) -> Impact | None:
+def exact_impact(run: Run) -> FirstContact | None:
     """The exact model's first contact and near misses over the time of `run`; None where there is no time to look over.
 
     A contact of a dragon that is kept on its path is the exact model's own, a little early or late: there the exact
@@ -33,7 +33,7 @@ def exact_impact(run: Run) -> Impact | None:
         return None
 
 
-def with_exact_contact(run: Run, impact: Impact | None) -> Run:
+def with_exact_contact(run: Run, impact: FirstContact | None) -> Run:
     """`run` as it is; but one of the exact player, who places benches and looks for nothing, with the exact contact.
 
     The moment of the contact is a frame of it.

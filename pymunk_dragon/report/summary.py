@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pymunk_dragon.collision import Impact
+from pymunk_dragon.collision import FirstContact
 from pymunk_dragon.curves import Spiral, UTurn
 from pymunk_dragon.errors import UnreachableError
 from pymunk_dragon.march import March
@@ -36,7 +36,7 @@ TABLE_TIMES = (0.0, 60.0, 120.0, 180.0, 240.0, 300.0)
 # Times of a table on a curve that the paper does not have: as the contest asks for, from -100 s to 100 s.
 OTHER_TIMES = 5
 
-# What of an `Impact` is reported as the exact model's answer; its near misses stand on their own.
+# What of an `FirstContact` is reported as the exact model's answer; its near misses stand on their own.
 EXACT = ("status", "time", "benches", "point", "normal")
 
 # How deep provenance may be nested. What the players write is two deep; a file made to harm is not followed further.
@@ -59,12 +59,12 @@ def contents(run: Run) -> Contents:
     return told(with_exact_contact(run, impact), impact)
 
 
-def told(run: Run, impact: Impact | None) -> Contents:
+def told(run: Run, impact: FirstContact | None) -> Contents:
     """The contents of a report on `run`, of which the exact model says `impact`."""
     provenance = dict(run.provenance)
     player, found_versions = provenance.pop("player", None), provenance.pop("versions", {})
     first = run.first_contact
-    near = None if impact is None else impact.clearances
+    near = None if impact is None else impact.near_misses
     whole: Contents = {
         "schema": SCHEMA,
         "version": VERSION,
@@ -123,7 +123,7 @@ def _speed(march: March) -> float | list[tuple[float, float]] | None:
     return pace.value if isinstance(pace, ConstantSpeed) else None
 
 
-def _handles(run: Run, impact: Impact | None) -> dict[str, Any]:
+def _handles(run: Run, impact: FirstContact | None) -> dict[str, Any]:
     """Where the tables' handles are, and how fast, in the exact model, as far as it has a place for them.
 
     On a spiral the times are the paper's, whatever the run's; on other curves they are spread over the run.

@@ -3,7 +3,7 @@
 How much faster than the head a handle is depends on nothing but how far the head has gone. Its largest value is found
 by branch and bound: over a stretch of the head's way it is at most its value in the middle plus half the stretch times
 a bound on its slope, and stretches that cannot hold the largest value are left out, the others halved. The slopes come
-from interval arithmetic on the rigid-bench equations (`collision/motion.py` has them): with the angles alpha and beta
+from interval arithmetic on the rigid-bench equations (`collision/bounds.py` has them): with the angles alpha and beta
 from a bench to the path's directions at its holes, its spacing L and the path's curvatures there, the rear hole goes
 rho = cos alpha / cos beta for each metre of the front hole, and
 

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pymunk_dragon.checks import finite, positive
-from pymunk_dragon.collision import Impact, first_contact
+from pymunk_dragon.collision import FirstContact, first_contact
 from pymunk_dragon.curves import Spiral
 from pymunk_dragon.curves.spiral import MAX_PITCH
 from pymunk_dragon.dragon import Dragon
@@ -312,12 +312,12 @@ class _Search:
         found = passing.lowest()
         return (np.inf, 0.0) if found is None else (float(found.gaps[0]), _slope(found))
 
-    def _hit(self, pitch: float) -> Impact:
+    def _hit(self, pitch: float) -> FirstContact:
         """What is certified of the way in."""
         march = self._march(pitch)
         return first_contact(march, until=way_to(march, self._radius))
 
-    def _halved(self, blocked: float, larger: list[float]) -> tuple[float, Impact]:
+    def _halved(self, blocked: float, larger: list[float]) -> tuple[float, FirstContact]:
         """The limit between the first and some of the `larger` pitches, and the contact below it.
 
         By nothing but certificates: slow, and always right.

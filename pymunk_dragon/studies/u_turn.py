@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pymunk_dragon.checks import finite, whole
-from pymunk_dragon.collision import Impact, first_contact
+from pymunk_dragon.collision import FirstContact, first_contact
 from pymunk_dragon.curves import UTurn
 from pymunk_dragon.dragon import Dragon
 from pymunk_dragon.errors import ParameterError, UnreachableError
@@ -60,7 +60,7 @@ class TurnAnswer:
     times : ndarray, shape (201,)
         Those of the contest's sheet, result4.xlsx: from -100 to 100 s where the head goes at 1 m/s, and while it goes
         from 100 m before the circle to 100 m after entering it otherwise, s.
-    impact : Impact
+    impact : FirstContact
         First contact between the first and the last of these, certified.
     hurry : SpeedRatio
         Largest speed of a handle over the head's on it, at any time.
@@ -72,20 +72,20 @@ class TurnAnswer:
         The shortest turn that was found; None without the search.
     short_march : March or None
         On that.
-    short_impact : Impact or None
+    short_impact : FirstContact or None
         First contact there.
     """
 
     turn: UTurn
     march: March
     times: Array = field(repr=False)
-    impact: Impact
+    impact: FirstContact
     hurry: SpeedRatio
     lengths: tuple[tuple[float, float], ...]
     allowed: float
     shortest: Shortest | None
     short_march: March | None
-    short_impact: Impact | None
+    short_impact: FirstContact | None
 
 
 def u_turn(
@@ -176,5 +176,5 @@ def _measured(turn: UTurn) -> float:
     return turn.joints[-1] - turn.joints[0]
 
 
-def _impact(march: March, times: Array) -> Impact:
+def _impact(march: March, times: Array) -> FirstContact:
     return first_contact(march, start=float(times[0]), until=float(times[-1]))

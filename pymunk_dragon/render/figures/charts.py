@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from pymunk_dragon.collision import Impact, separation
+from pymunk_dragon.collision import FirstContact, separation
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.march import March
 from pymunk_dragon.render.figures.lines import ASIDE, bundle, label, logarithmic, name, several_times
@@ -42,7 +42,7 @@ def gap(march: March, look: Stretch) -> Figure:
     if march.dragon.benches < 3:
         raise ParameterError("benches", march.dragon.benches, "3 or more: neighbours have no gap")
     hit, begin = ending(march, look), look[0]
-    misses = [miss for miss in hit.clearances or () if miss.benches[0] == 0]
+    misses = [miss for miss in hit.near_misses or () if miss.benches[0] == 0]
     title = "How near the head comes to other benches than its neighbour"
     if spirals_in(march):
         title = "The tighter the coil, the closer the head comes to the benches that it passes"
@@ -93,9 +93,9 @@ def speeds(march: March, look: Stretch) -> Figure:
     return figure
 
 
-def _moments(begin: float, hit: Impact) -> Array:
+def _moments(begin: float, hit: FirstContact) -> Array:
     """Times from `begin` to the end at which gaps are measured, s; those of the smallest ones are among them."""
-    smallest = [miss.time for miss in hit.clearances or () if miss.time > begin]
+    smallest = [miss.time for miss in hit.near_misses or () if miss.time > begin]
     return np.unique([*np.linspace(begin, hit.time, GAP_MOMENTS), *smallest])
 
 

@@ -66,7 +66,7 @@ def drift(run: Run) -> Figure:
     profiles = scale * run.drift[rows]
     lines = bundle(along, profiles, "drift")
     low, high = _decades(scale * run.max_drift, DRIFT_DECADES)
-    misses = ending(run.march, stretch(run)).clearances or ()
+    misses = ending(run.march, stretch(run)).near_misses or ()
     gaps = [miss.gap for miss in misses if run.times[0] <= miss.time <= run.times[-1]]
     if gaps:
         # What the drift has to be compared with: an engine that is as far off meets the wrong bench.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pymunk_dragon.collision import Impact, first_contact
+from pymunk_dragon.collision import FirstContact, first_contact
 from pymunk_dragon.curves import Spiral
 from pymunk_dragon.dragon import Dragon
 from pymunk_dragon.errors import ParameterError
@@ -49,7 +49,7 @@ def stretch(source: Source) -> Stretch:
     return float(source.times[0]), float(source.times[-1])
 
 
-def ending(march: March, look: Stretch, *, touching: bool = False) -> Impact:
+def ending(march: March, look: Stretch, *, touching: bool = False) -> FirstContact:
     """The exact first contact, or where there is none the last moment.
 
     Raises
@@ -66,12 +66,12 @@ def ending(march: March, look: Stretch, *, touching: bool = False) -> Impact:
     return hit
 
 
-def in_words(hit: Impact) -> str:
+def in_words(hit: FirstContact) -> str:
     """What happens at the time of `hit`."""
     return "the first contact" if hit.status == "contact" else "the end"
 
 
-def last_look(hit: Impact, since: float) -> tuple[float, str]:
+def last_look(hit: FirstContact, since: float) -> tuple[float, str]:
     """Time of `hit`, s, and in words when that is; but where no contact comes, a little before.
 
     At the very end of a spiral some bench stands square across it, and speeds have no bounds.

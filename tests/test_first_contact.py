@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 from scipy.optimize import brentq
 
 from pymunk_dragon.collision import first_contact, scan
-from pymunk_dragon.collision.motion import Motion, Stretches
+from pymunk_dragon.collision.bounds import Intervals, MotionBounds
 from pymunk_dragon.collision.sat import separation
 from pymunk_dragon.curves import Arc, Composite, Line, Spiral
 from pymunk_dragon.dragon import Dragon, outlines
@@ -96,8 +96,8 @@ def test_table_3_matches_to_the_digit(seed_march, seed_impact):
 
 
 def test_seed_passes_benches_9_and_11_without_touching(seed_march, seed_impact):
-    assert [miss.benches for miss in seed_impact.clearances] == [(0, 9), (0, 11)]
-    for miss, (begin, end) in zip(seed_impact.clearances, [(406.5, 407.2), (409.5, 410.2)], strict=True):
+    assert [miss.benches for miss in seed_impact.near_misses] == [(0, 9), (0, 11)]
+    for miss, (begin, end) in zip(seed_impact.near_misses, [(406.5, 407.2), (409.5, 410.2)], strict=True):
         times = np.linspace(begin, end, 20_001)
         benches = polygons(seed_march, times, 13)
         apart = shapely.distance(benches[:, 0], benches[:, miss.benches[1]])
@@ -126,7 +126,7 @@ def test_later_start_meets_the_same_contact(seed_march, seed_impact):
     later = first_contact(seed_march, start=410)
     assert later.benches == seed_impact.benches
     assert later.time == pytest.approx(seed_impact.time, abs=1e-11)
-    assert later.clearances == ()
+    assert later.near_misses == ()
 
 
 def test_double_speed_takes_half_the_time(seed_impact):
@@ -159,7 +159,7 @@ def test_gap_or_overlap_of_a_hundredth_of_a_nanometre_is_told_apart(width, touch
     found = first_contact(March(Dragon(width=width)), start=409, until=410)
     assert found.status == ("contact" if touches else "clear")
     if not touches:
-        (miss,) = found.clearances
+        (miss,) = found.near_misses
         assert 0 < miss.gap < 2e-11
 
 
@@ -177,14 +177,14 @@ def test_dragon_of_another_size_does_the_same_at_its_scale(scale, seed_impact):
     found = first_contact(March(dragon, Spiral(pitch=scale * 0.55)))
     assert found.benches == (0, 8)
     assert found.time == pytest.approx(scale * seed_impact.time, abs=1e-10 * max(scale, 1))
-    assert [miss.gap for miss in found.clearances] == pytest.approx(
-        [scale * miss.gap for miss in seed_impact.clearances], rel=1e-6
+    assert [miss.gap for miss in found.near_misses] == pytest.approx(
+        [scale * miss.gap for miss in seed_impact.near_misses], rel=1e-6
     )
 
 
 def test_a_nanosecond_without_an_event_has_no_near_miss(seed_march):
     found = first_contact(seed_march, start=412.47, until=412.47 + 1e-9)
-    assert (found.status, found.clearances) == ("clear", ())
+    assert (found.status, found.near_misses) == ("clear", ())
 
 
 # Other dragons
@@ -285,13 +285,13 @@ def test_near_misses_are_all_smallest_gaps_below_a_thirtieth_of_the_width(choice
     times = np.linspace(0, found.time, 2000)
     apart, pairs = gaps(march, times)
     near = march.dragon.width / 30
-    told = {(*miss.benches, k) for miss in found.clearances for k in [np.searchsorted(times, miss.time)]}
+    told = {(*miss.benches, k) for miss in found.near_misses for k in [np.searchsorted(times, miss.time)]}
     smallest = (apart[1:-1] < apart[:-2]) & (apart[1:-1] <= apart[2:]) & (apart[1:-1] < near - 1e-6)
     # Other benches repeat what bench 1 did.
     for row, column in np.argwhere(smallest & (pairs[:, 0] < 2)):
         around = {(*pairs[column].tolist(), row + 1 + step) for step in (-1, 0, 1, 2)}
         assert told & around, (times[row + 1], pairs[column])
-    for miss in found.clearances:
+    for miss in found.near_misses:
         assert 0 < miss.gap < near
         (column,) = np.flatnonzero((pairs == miss.benches).all(axis=1))
         step = 1e-4 / march.speed
@@ -315,10 +315,10 @@ def test_benches_stay_within_their_bounds(choice, share, exponent):
         march.parameters(times)
     except UnreachableError:
         assume(False)
-    stretches = Stretches.between(march, times[[0, -1]])
-    motion = Motion(march, stretches)
+    intervals = Intervals.between(march, times[[0, -1]])
+    motion = MotionBounds(march, intervals)
     gone = march.parameters(times)
-    assert np.all(np.abs(gone - gone[50]) <= motion.ways[0] + 1e-12)
+    assert np.all(np.abs(gone - gone[50]) <= motion.travel[0] + 1e-12)
     rows, pairs = motion.candidates(0.0, np.ones((1, march.dragon.benches), dtype=bool))
     apart, all_pairs = gaps(march, times)
     among = {tuple(pair) for pair in pairs.tolist()}
@@ -338,15 +338,15 @@ def test_bounds_hold_at_the_end_of_a_way_of_many_kilometres():
     march = March(dragon, Spiral(pitch=27.402931504556456), turns=14.378403024521337, speed=0.42949312219671554)
     for begin, end in ((41461.258312833335, 41468.1838615804), (41468.18332751512, 41468.1838615804)):
         times = np.linspace(begin, end, 41)
-        motion = Motion(march, Stretches.between(march, times[[0, -1]]))
+        motion = MotionBounds(march, Intervals.between(march, times[[0, -1]]))
         gone = march.parameters(times)
-        assert np.all(np.abs(gone - gone[20]) <= motion.ways[0] + motion.rounding)
+        assert np.all(np.abs(gone - gone[20]) <= motion.travel[0] + motion.rounding)
 
 
 def test_bound_falls_short_of_the_smallest_gap_by_the_square_of_the_length(seed_march):
     for length, slack in ((1e-2, 2e-3), (1e-3, 2e-5), (1e-4, 2e-7)):
-        stretches = Stretches.between(seed_march, np.array([411.0, 411.0 + length]))
-        motion = Motion(seed_march, stretches)
+        intervals = Intervals.between(seed_march, np.array([411.0, 411.0 + length]))
+        motion = MotionBounds(seed_march, intervals)
         rows, pairs = np.array([0]), np.array([[0, 8]])
         bound = motion.smallest_gaps_together(rows, pairs, motion.separations(rows, pairs).normal)
         benches = polygons(seed_march, np.linspace(411.0, 411.0 + length, 11), 10)
@@ -359,7 +359,7 @@ def test_bound_falls_short_of_the_smallest_gap_by_the_square_of_the_length(seed_
 def test_scan_agrees_with_the_certified_answer_to_its_tolerance(seed_march, seed_impact):
     for step, tolerance in ((1.0, 1e-6), (0.3, 1e-9)):
         found = scan(seed_march, start=405, step=step, tolerance=tolerance)
-        assert (found.status, found.benches, found.clearances) == ("contact", (0, 8), None)
+        assert (found.status, found.benches, found.near_misses) == ("contact", (0, 8), None)
         assert 0 <= found.time - seed_impact.time <= tolerance + 1e-11
 
 
@@ -371,8 +371,8 @@ def test_scan_knows_the_other_endings():
     assert scan(March(Dragon(benches=30), Spiral(pitch=0.31), turns=8)).status == "overlapping"
 
 
-def test_scan_counts_its_looks(seed_march):
-    assert scan(seed_march, start=400, until=410, step=0.5).looks == 21
+def test_scan_counts_its_samples(seed_march):
+    assert scan(seed_march, start=400, until=410, step=0.5).samples == 21
 
 
 # Bad input
@@ -412,10 +412,10 @@ def test_impossible_settings_of_a_scan_are_refused(name, value, seed_march):
     assert_says(caught.value, f"{name} is ")
 
 
-def test_scan_of_too_many_looks_is_refused(seed_march):
+def test_scan_of_too_many_samples_is_refused(seed_march):
     with pytest.raises(ParameterError) as caught:
         scan(seed_march, step=1e-6)
-    assert_says(caught.value, "step is 1e-06", "10,000,000 looks")
+    assert_says(caught.value, "step is 1e-06", "10,000,000 samples")
 
 
 # Work is bounded
@@ -440,7 +440,7 @@ def test_a_gap_that_stays_the_same_is_answered_in_seconds_to_a_resolution_that_i
     found = first_contact(closest)
     assert (found.status, found.time) == ("clear", closest.end)
     assert found.resolution < 1e-6
-    assert found.looks < 400_000
+    assert found.samples < 400_000
 
 
 @pytest.mark.parametrize("width", [0.01, pytest.param(0.015, marks=pytest.mark.thorough)])

@@ -1,0 +1,458 @@
+"""Bounds on the motion of benches within a time interval, from their state at its midpoint.
+
+On a given path, the pose of a bench is a function of the arc-length coordinate s of its front handle. Let L be the
+spacing, alpha and beta the angles from the bench to the path's tangent at its front and rear handle, and kappa_f and
+kappa_r the curvatures there. The rigid bench has, with the rear handle at r,
+
+- velocity ratio:  dr/ds = rho = cos alpha / cos beta,
+- angular rate:    dphi/ds = omega = (sin alpha - rho sin beta) / L,
+- and so           drho/ds = (rho^2 kappa_r sin beta - kappa_f sin alpha + omega^2 L) / cos beta,
+                   domega/ds = (kappa_f cos alpha - rho^2 kappa_r cos beta - drho/ds sin beta) / L.
+
+Bounds on the angles and curvatures give bounds on these quantities, and on the second derivative of every corner at a
+distance q from the front handle: kappa + q (domega/ds + omega^2). Taylor's theorem then bounds the displacement. The
+bounds hold for either direction of motion: `Continuation.ranges` bounds the range of s also if the handle reverses.
+
+Rounding. The error of a point of the curve is at most 8 last digits u of the largest coordinate, in space, along the
+path or along one of its pieces. The tests measure this for the package's curves; `Curve.point` requires it of others.
+So the computed coordinates satisfy |F| <= h = 18 u, with F = (|P(s) - P(r)|^2 - L^2) / (2 L): 8 u for each point, and
+2 u for the distance. Newton's last step is the square of 1e-10, which is negligible.
+
+The exact coordinates are reached if F goes to 0 in proportion to 1 - tau, with tau from 0 to 1. While each coordinate
+stays within E of its computed value, cos alpha and cos beta stay within (2 / L + kappa) E of theirs; half as much again
+covers the rounded length of the bench. Where this is at most `SLACK`, the rates of the front and rear handle satisfy
+
+    |dr/dtau| <= ((|cos alpha| + SLACK) |ds/dtau| + h) / (|cos beta| - SLACK).
+
+E is the largest bound that this recursion gives along the chain, beginning with h for the head. So the coordinates
+never leave their range of E. Where E is too large for `SLACK`, the error is unknown. A corner at the distance q from its
+front handle has an error of at most (1 + 2 q / L) E. A gap depends on two benches, and each bound on the displacement
+of a bench on two coordinates with an error of 2 E: the sum is 6 (1 + 2 q / L) E.
+"""
+
+from __future__ import annotations
+
+from dataclasses import astuple, dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pymunk_dragon.collision.grid import MAX_CELL, MIN_CELL, Grid
+from pymunk_dragon.collision.sat import Separation, separation
+from pymunk_dragon.curves.base import Curve, frame, sharpest
+from pymunk_dragon.curves.composite import Composite
+from pymunk_dragon.curves.spiral import Spiral
+from pymunk_dragon.dragon import bench_poses
+from pymunk_dragon.march import March
+
+__all__ = ["Intervals", "MotionBounds", "handles_in_reach", "near_pairs"]
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+Flags = NDArray[np.bool_]
+Indices = NDArray[np.intp]
+
+# Error of a bench's equation in last digits of the largest coordinate: 8 for each point, 2 for the distance.
+ROUNDED = 18
+# rad.
+QUARTER = np.pi / 2
+# Change of the cosines of a bench's angles that rounding may cause; checked against the bound on rounding.
+SLACK = 1e-5
+# Largest sine of the angle from a bench to its path up to which the simpler bounds hold tightly.
+SHALLOW = 0.7
+# Corners of a square of side 2, counter-clockwise.
+SQUARE = np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
+
+
+@dataclass(frozen=True)
+class Intervals:
+    """Time intervals (T,) with the coordinates (T, H) of the foremost handles at their beginning, midpoint and end."""
+
+    begins: Array
+    ends: Array
+    first_s: Array
+    middle_s: Array
+    last_s: Array
+
+    @classmethod
+    def between(cls, march: March, times: Array, handles: int | None = None) -> Intervals:
+        """Intervals between consecutive `times`, up to the first time at which a handle has no coordinate."""
+        all_times = np.empty(2 * times.size - 1)
+        all_times[::2], all_times[1::2] = times, (times[:-1] + times[1:]) / 2
+        handles_s = march.places(all_times, handles)
+        # If a handle has no coordinate, the last one has none.
+        lost = np.isnan(handles_s[:, -1])
+        count = (int(lost.argmax()) - 1) // 2 if lost.any() else times.size - 1
+        handles_s = handles_s[: 2 * count + 1]
+        return cls(times[:count], times[1 : count + 1], handles_s[:-1:2], handles_s[1::2], handles_s[2::2])
+
+    def halved(self, march: March, chosen: Indices, handles: int) -> Intervals:
+        """First halves of the `chosen` intervals, then their second halves, with the foremost `handles`."""
+        begins, middles, ends = self.begins[chosen], self.middles[chosen], self.ends[chosen]
+        first, middle, last = (part[chosen, :handles] for part in (self.first_s, self.middle_s, self.last_s))
+        begins, ends = np.concatenate([begins, middles]), np.concatenate([middles, ends])
+        first, last = np.concatenate([first, middle]), np.concatenate([middle, last])
+        return Intervals(begins, ends, first, march.parameters((begins + ends) / 2, handles), last)
+
+    @property
+    def middles(self) -> Array:
+        """Midpoints (T,), s."""
+        return (self.begins + self.ends) / 2
+
+    @property
+    def lengths(self) -> Array:
+        """Lengths (T,), s."""
+        return self.ends - self.begins
+
+
+@dataclass(frozen=True)
+class _Rates:
+    """Upper bounds on the motion of benches over intervals, by the coordinate s of the front handle; equal shapes.
+
+    Attributes
+    ----------
+    known : ndarray of bool
+        Whether the other bounds hold; they are infinite or meaningless elsewhere.
+    ratio : ndarray
+        On the velocity ratio |rho|; inf if unknown.
+    ratio_change : ndarray
+        On |drho/ds|, 1/m.
+    omega : ndarray
+        On the angular rate |omega|, rad/m.
+    omega_change : ndarray
+        On |domega/ds|, rad/m^2.
+    """
+
+    known: Flags
+    ratio: Array
+    ratio_change: Array
+    omega: Array
+    omega_change: Array
+
+
+@dataclass(frozen=True)
+class _Corners:
+    """Projections of the corners of P benches on a direction, by the coordinate s of the bench's front handle.
+
+    Attributes
+    ----------
+    known : ndarray of bool, shape (P,)
+        Whether the bounds hold.
+    heights, speeds : ndarray, shape (P, 4)
+        Projection in m, and its derivative by s, at the midpoint.
+    fastest, second : ndarray, shape (P, 4)
+        Bounds on the first derivative in any direction, and on the second derivative, 1/m.
+    """
+
+    known: Flags
+    heights: Array
+    speeds: Array
+    fastest: Array
+    second: Array
+
+    def displacement(self, travel: Array) -> Array:
+        """Bounds (P, 4) on the displacement of each projection, m, if the front handle moves by `travel` (P,), m."""
+        travel = np.where(self.known, travel, 0.0)[:, None]
+        displacement: Array = np.abs(self.speeds) * travel + self.second * travel**2 / 2
+        return displacement
+
+
+class MotionBounds:
+    """Poses of the foremost benches at the midpoints of T intervals, and bounds on their motion within them.
+
+    Attributes
+    ----------
+    outlines : ndarray, shape (T, N, 4, 2)
+        Corners of the benches at the midpoint, m.
+    rounding : ndarray, shape (T,)
+        Bound on the rounding error of gaps and of the bounds on them, m.
+    lows : ndarray, shape (T, H)
+        Lowest arc-length coordinates of the handles within the interval, m.
+    travel : ndarray, shape (T, H)
+        Bounds on the handles' distance along the path from their coordinates at the midpoint, m.
+    """
+
+    def __init__(self, march: March, intervals: Intervals) -> None:
+        self._march = march
+        handles = intervals.middle_s.shape[1]
+        self._spacings = march.dragon.spacings[: handles - 1]
+        self._points, self._tangents = frame(march.curve, intervals.middle_s)
+        self.outlines = march.dragon.outlines(bench_poses(self._points))
+        self._front_angles, self._rear_angles = self._angles()
+        # Coordinates near zero are differences of larger ones: the head's at the start, and the distance travelled.
+        coordinates = intervals.first_s[:, [0, -1]], march.head_start, self._points, _of_pieces(march.curve)
+        largest = max(float(np.abs(part).max()) for part in coordinates)
+        errors = self._errors(ROUNDED * float(np.spacing(largest)))
+        arms = np.hypot(*(self.outlines[0] - self._points[0, :-1, None]).T).max(axis=0)
+        self.lows, highs = march.continuation.ranges(intervals.first_s, intervals.last_s)
+        # Rounding may put the midpoint outside its range.
+        self.travel = np.maximum(np.maximum(intervals.middle_s - self.lows, highs - intervals.middle_s), 0)
+        self._curvature = sharpest(march.curve, self.lows[:, 1:] - errors[:, 1:], highs[:, :-1] + errors[:, :-1])
+        worst = errors.max(axis=1)
+        change = 1.5 * (2 / self._spacings.min() + self._curvature.max(axis=1)) * worst
+        rounding = 6 * (1 + 2 * float(np.max(arms / self._spacings))) * worst
+        self.rounding = np.where(change <= SLACK, rounding, np.inf)
+        self._rates = self._bounds(intervals.middle_s, self.travel[:, :-1] + 2 * errors[:, :-1])
+
+    def _errors(self, residual: float) -> Array:
+        """Bounds (T, H) on the errors of the coordinates, m, if the benches' equations have this residual, m."""
+        with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
+            cosines = np.maximum(np.abs(self._rear_angles.real) - SLACK, 0.0)
+            ratios = _products((np.abs(self._front_angles.real) + SLACK) / cosines)
+            errors = residual + np.pad(
+                ratios[:, 1:] * np.cumsum(residual / cosines / ratios[:, 1:], axis=1), ((0, 0), (1, 0))
+            )
+        return np.where(np.isnan(errors), np.inf, errors)
+
+    def _angles(self) -> tuple[Complex, Complex]:
+        """e^(i alpha) and e^(i beta), each (T, N)."""
+        points, tangents = (array.view(complex)[..., 0] for array in (self._points, self._tangents))
+        heading = (points[:, :-1] - points[:, 1:]) / self._spacings
+        return tangents[:, :-1] * heading.conj(), tangents[:, 1:] * heading.conj()
+
+    def _bounds(self, middle_s: Array, travel: Array) -> _Rates:
+        """Bounds (T, N) while the front handles move by `travel` (T, N) at most to either side.
+
+        If the path is less curved than a circle with the bench as its diameter, and the rear handle is less than half
+        that circle back, both angles are at most those on a circle of the path's largest curvature with the bench as
+        its chord. Near that limit these bounds are too wide, and the angles are bounded from their midpoint values.
+        """
+        curvature, spacing = self._curvature, self._spacings
+        sine = curvature * spacing / 2
+        shallow = (sine < SHALLOW) & (middle_s[:, :-1] - middle_s[:, 1:] < np.pi / 2 * spacing)
+        sine = np.where(shallow, sine, 0.0)
+        cosine = np.sqrt(1 - sine**2)
+        rates = _rates_within(shallow, (sine, sine), 1 / cosine, cosine, curvature, spacing)
+        if shallow.all():
+            return rates
+        followed = _followed_rates(self._front_angles, self._rear_angles, travel, curvature, spacing)
+        merged = zip(astuple(rates), astuple(followed), strict=True)
+        return _Rates(*(np.where(shallow, one, other) for one, other in merged))
+
+    def at_new_poses(self, start: Array) -> Flags:
+        """Whether benches (T, N) may have poses that no bench before them has had since the coordinates `start` (H,).
+
+        These are the benches 0 and 1, and those with s_i < s_{i-1}(start); see `first_contact.py`.
+        """
+        benches = self.lows.shape[1] - 1
+        new: Flags = np.ones((len(self.lows), benches), dtype=bool)
+        margin = self.rounding[:, None]
+        new[:, 2:] = self.lows[:, 2:-1] - margin < start[1 : benches - 1] + margin
+        return new
+
+    def separations(self, rows: Indices, pairs: Indices) -> Separation:
+        """Separations of `pairs` (P, 2) of benches at the midpoints of the intervals `rows` (P,)."""
+        return separation(self.outlines[rows, pairs[:, 0]], self.outlines[rows, pairs[:, 1]])
+
+    def smallest_gaps(self, rows: Indices, pairs: Indices, normals: Array) -> Array:
+        """Lower bounds (P,) in m on the gaps of `pairs` anywhere in the intervals `rows`, along `normals` (P, 2).
+
+        The benches are treated as independent: the bound is the distance along the normal between the foremost corner
+        of the first bench and the rearmost of the second, less both displacement bounds.
+        """
+        first, second = pairs.T
+        one, other = self._corners(rows, first, normals), self._corners(rows, second, normals)
+        farthest = np.max(one.heights + one.displacement(self.travel[rows, first]), axis=1)
+        nearest = np.min(other.heights - other.displacement(self.travel[rows, second]), axis=1)
+        return np.where(one.known & other.known, nearest - farthest - self.rounding[rows], -np.inf)
+
+    def smallest_gaps_together(self, rows: Indices, pairs: Indices, normals: Array) -> Array:
+        """The same from the relative motion of the two benches; tighter where they move and rotate alike.
+
+        The normal rotates with the bench `own`, the one whose edge is perpendicular to it. So the corners of that bench
+        have constant projections, and only those of the other bench move.
+        """
+        first, second = pairs.T
+        swapped = self._squareness(rows, second, normals) > self._squareness(rows, first, normals)
+        own, other = np.where(swapped, second, first), np.where(swapped, first, second)
+        normals = np.where(swapped[:, None], -normals, normals)
+        seen = self._corners(rows, other, normals)
+        known = seen.known & self._rates.known[rows, own]
+        travel = np.where(known, self.travel[rows, first], 0.0)[:, None]
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            # All derivatives are by the coordinate of the first bench's front handle, which drives both.
+            ratio, most, change = self._velocity_ratios(rows, first, own)
+            other_ratio, other_most, other_change = self._velocity_ratios(rows, first, other)
+            omega, omega_change = self._rates.omega[rows, own][:, None], self._rates.omega_change[rows, own][:, None]
+            front = self._points[rows, own][:, None]
+            arms = self.outlines[rows, other] - front
+            ahead = _dot(self._tangents[rows, own][:, None], normals)
+            aside = self._omega[rows, own][:, None] * _dot(arms, _left_of(normals))
+            speeds = other_ratio * seen.speeds + ratio * (aside - ahead)
+            fastest = other_most * seen.fastest + most
+            second = other_most**2 * seen.second + other_change * seen.fastest
+            second += most**2 * self._curvature[rows, own][:, None] + change + 2 * omega * most * fastest
+            second += (most**2 * (omega_change + omega**2) + change * omega) * (np.hypot(*arms.T).T + travel * fastest)
+            gaps = seen.heights - _dot(self.outlines[rows, own], normals).max(axis=1, keepdims=True)
+            gaps = (gaps - np.abs(speeds) * travel - second * travel**2 / 2).min(axis=1) - self.rounding[rows]
+        # Velocity ratios over thousands of benches may overflow, and one between may be unknown.
+        return np.where(known & np.isfinite(gaps), gaps, -np.inf)
+
+    def _squareness(self, rows: Indices, benches: Indices, normals: Array) -> Array:
+        """Largest squared cosine (P,) of the angles from `normals` (P, 2) to the edges' normals of `benches` (P,)."""
+        rear, front = self._points[rows, benches + 1], self._points[rows, benches]
+        along = (_dot((front - rear)[:, None], normals)[:, 0] / self._spacings[benches]) ** 2
+        return np.maximum(along, 1 - along)
+
+    def _velocity_ratios(self, rows: Indices, first: Indices, benches: Indices) -> tuple[Array, Array, Array]:
+        """Velocity ratio of the front handles of `benches` to those of `first`: value, bound, bound on its derivative.
+
+        Each (P, 1); the value at the midpoint, the derivative in 1/m.
+        """
+        ratios = _products(self._front_angles.real / self._rear_angles.real)
+        most = _products(self._rates.ratio)
+        change = np.cumsum(self._rates.ratio_change * most[:, :-1] / self._rates.ratio, axis=1)
+        change = np.concatenate([np.zeros((len(change), 1)), change], axis=1)
+        begin, end = (rows, first), (rows, benches)
+        changes = (change[end] - change[begin]) * most[end] / most[begin] ** 2
+        return (ratios[end] / ratios[begin])[:, None], (most[end] / most[begin])[:, None], changes[:, None]
+
+    def _corners(self, rows: Indices, benches: Indices, normals: Array) -> _Corners:
+        """Corners of `benches` (P,) in the intervals `rows`, projected on `normals` (P, 2)."""
+        rates = self._rates
+        corners = self.outlines[rows, benches]
+        arms = corners - self._points[rows, benches][:, None]
+        lengths = np.hypot(arms[..., 0], arms[..., 1])
+        # Rotation moves a corner by omega J arm, whose projection on n is -omega (J n) arm.
+        rotation = -self._omega[rows, benches][:, None] * _dot(arms, _left_of(normals))
+        omega, omega_change = rates.omega[rows, benches][:, None], rates.omega_change[rows, benches][:, None]
+        return _Corners(
+            known=rates.known[rows, benches],
+            heights=_dot(corners, normals),
+            speeds=_dot(self._tangents[rows, benches][:, None], normals) + rotation,
+            fastest=1 + lengths * omega,
+            second=self._curvature[rows, benches][:, None] + lengths * (omega_change + omega**2),
+        )
+
+    @cached_property
+    def _omega(self) -> Array:
+        """Angular rate (T, N) at the midpoint, rad/m."""
+        front, rear = self._front_angles, self._rear_angles
+        omega: Array = (front.imag - front.real / rear.real * rear.imag) / self._spacings
+        return omega
+
+    def candidates(self, near: float, tested: Flags) -> tuple[Indices, Indices]:
+        """Intervals (P,) and pairs (P, 2) of benches that may come within `near` m in them, without neighbours.
+
+        Only pairs whose first bench is `tested` (T, N) in the interval. Circles about the benches that contain all
+        their motion rule the others out.
+        """
+        centres = self.outlines.mean(axis=2)
+        own = np.hypot(*(self.outlines[0, :, 0] - centres[0]).T)
+        radii = own + (self.travel[:, :-1] + self.travel[:, 1:] + near + self.rounding[:, None]) / 2
+        leaders = centres[:, :2, None], radii[:, :2, None]
+        many = tested[:, 2:].any(axis=1)
+        few = np.flatnonzero(~many)
+        rows, first, second = np.nonzero(_meet(leaders[0][few], leaders[1][few], centres[few, None], radii[few, None]))
+        chosen = second - first >= 2
+        found = [few[rows[chosen]]], [np.stack([first, second], axis=-1)[chosen]]
+        for row in np.flatnonzero(many).tolist():
+            pairs = near_pairs(centres[row], radii[row])
+            pairs = pairs[tested[row, pairs[:, 0]]]
+            found[0].append(np.full(len(pairs), row))
+            found[1].append(pairs)
+        return np.concatenate(found[0]), np.concatenate(found[1])
+
+
+def _of_pieces(curve: Curve) -> list[float]:
+    """Coordinates of the ends of a curve's pieces, along each piece, m, and 0."""
+    pieces = curve.pieces if isinstance(curve, Composite) else []
+    return [0.0, *(end for piece in pieces for end in (piece.begin, piece.end) if np.isfinite(end))]
+
+
+def handles_in_reach(march: March, first: float, last: float, near: float) -> int:
+    """Number of the foremost handles whose benches may come within `near` m of benches 0 and 1 from `first` to `last`.
+
+    All handles unless the curve is an inward spiral. There, the coordinate of handle j is at most the head's less the
+    spacings between, because an arc is no shorter than its chord. The outline of its bench stays sqrt(r^2 - q^2) away
+    from the centre, less half the width, where r is the radius at that handle, and q half the spacing or the overhang,
+    whichever is longer. Benches 0 and 1 stay within the largest radius of handle 2, plus the overhang and the width.
+    """
+    dragon, curve = march.dragon, march.curve
+    if not isinstance(curve, Spiral) or curve.outward or not dragon.alike:
+        return dragon.handles
+    ends = march.places([first, last], 3)
+    if np.isnan(ends).any():
+        return dragon.handles
+    lows, _ = march.continuation.ranges(ends[:1], ends[1:])
+    widest = float(dragon.widths.max())
+    outer = curve.k * curve.angle(lows[0, 2]) + dragon.overhangs.max() + widest + near
+    highest = ends[1, 0] - np.concatenate([[0.0], np.cumsum(dragon.spacings)])
+    radii = curve.k * curve.angle(highest[:-1])
+    halves = np.maximum(dragon.spacings / 2, dragon.overhangs)
+    inner = np.sqrt(np.maximum(radii**2 - halves**2, 0.0)) - widest / 2
+    # Where the path second less than a circle with the bench as its diameter, each handle behind goes forward as well.
+    needed = (inner <= outer) | (sharpest(curve, highest[:-1], highest[:-1]) * dragon.spacings >= 2)
+    needed[:3] = True
+    return min(int(np.flatnonzero(needed)[-1]) + 2, dragon.handles)
+
+
+def near_pairs(centres: Array, radii: Array) -> Indices:
+    """Pairs (P, 2) of benches whose circles intersect, without neighbours."""
+    # No bench is further away than the chain's length, even if its bound is infinite.
+    half = np.minimum(radii, np.ptp(centres, axis=0).sum() + 1)
+    squares = (centres - centres.mean(axis=0))[:, None] + half[:, None, None] * SQUARE
+    cell = float(np.clip(2 * half.max(), MIN_CELL, MAX_CELL))
+    pairs = Grid(cell=cell, origin=(0.0, 0.0)).pairs(squares)
+    first, second = pairs.T
+    return pairs[_meet(centres[first], radii[first], centres[second], radii[second])]
+
+
+def _meet(one: Array, one_radius: Array, other: Array, other_radius: Array) -> Flags:
+    """Whether circles about the points `one` and `other` intersect."""
+    between = one - other
+    meeting: Flags = np.hypot(between[..., 0], between[..., 1]) <= one_radius + other_radius
+    return meeting
+
+
+def _followed_rates(front_turn: Complex, rear_turn: Complex, travel: Array, curvature: Array, spacing: Array) -> _Rates:
+    """Bounds on any path, from the angles at the midpoint.
+
+    The angles are assumed to change by at most some slack. If the rates that follow change them by less over the whole
+    travel, the assumption holds.
+    """
+    # A bench that is pushed back has the same sine, and the same cosine up to its sign, as one that is pulled.
+    front, rear = np.abs(np.angle(front_turn)), np.abs(np.angle(rear_turn))
+    front = np.minimum(front, np.pi - front)
+    ratio = np.cos(front) / np.cos(rear)
+    slack = 2 * travel * (curvature * np.maximum(1, ratio) + (np.sin(front) + ratio * np.sin(rear)) / spacing)
+    slack = np.minimum(slack, np.pi)
+    widest_front, widest_rear = np.minimum(front + slack, QUARTER), np.minimum(rear + slack, QUARTER)
+    cosine = np.cos(widest_rear)
+    ratio = np.cos(np.maximum(front - slack, 0)) / cosine
+    known = rear + slack < QUARTER
+    sines = np.sin(widest_front), np.sin(widest_rear)
+    rates = _rates_within(known, sines, ratio, cosine, curvature, spacing)
+    known = rates.known & (travel * (curvature * np.maximum(1, ratio) + rates.omega) <= slack)
+    return replace(rates, known=known, ratio=np.where(known, rates.ratio, np.inf))
+
+
+def _rates_within(
+    known: Flags,
+    sines: tuple[Array, Array],
+    ratio: Array,
+    rear_cosine: Array,
+    curvature: Array,
+    spacing: Array,
+) -> _Rates:
+    """Bounds from those on sines, ratio and cosine: the four equations of this module, with the worst signs."""
+    front_sine, rear_sine = sines
+    omega = (front_sine + ratio * rear_sine) / spacing
+    ratio_change = (curvature * (front_sine + ratio**2 * rear_sine) + omega**2 * spacing) / rear_cosine
+    omega_change = (curvature * (1 + ratio**2) + ratio_change * rear_sine) / spacing
+    return _Rates(known, ratio, ratio_change, omega, omega_change)
+
+
+def _products(factors: Array) -> Array:
+    """Products (T, N + 1) of the first 0, 1, ... of `factors` (T, N)."""
+    return np.concatenate([np.ones((len(factors), 1)), np.cumprod(factors, axis=1)], axis=1)
+
+
+def _left_of(directions: Array) -> Array:
+    return np.stack([-directions[:, 1], directions[:, 0]], axis=-1)
+
+
+def _dot(vectors: Array, directions: Array) -> Array:
+    """Products (P, K) of vectors (P, K, 2) with directions (P, 2)."""
+    return vectors[..., 0] * directions[:, None, 0] + vectors[..., 1] * directions[:, None, 1]

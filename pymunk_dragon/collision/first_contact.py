@@ -1,0 +1,466 @@
+"""The first contact in continuous time, certified: bounds on the motion rule out every earlier one.
+
+Sampling the motion at discrete times misses a contact that opens again between two samples. Here a time interval is
+cleared only by proof: the gap between two benches at its midpoint, less a bound on how far each may move within the
+interval (`bounds.py`), is positive. An interval that is not cleared is halved, down to a picosecond. This is
+conservative advancement (B. Mirtich, "Impulse-based Dynamic Simulation of Rigid Body Systems", 1996), applied to all
+pairs at once.
+
+The state of the chain depends only on the distance that the head has travelled, not on its speed. So the search uses
+this distance as its time (a march at 1 m/s), and converts it to times at the end.
+
+If all benches behind the head have the same size, few pairs need tests. Let s_i(t) be the arc-length coordinate of
+handle i. The rear handle of bench i is at s_{i+1} = g(s_i), with one function g for all benches behind the head
+(`curves/continuation.py`; checked by `Continuation.alike`). So the poses of benches i and j > i depend on s_i only, and
+benches i - 1 and j - 1 have the same two poses whenever s_{i-1} has the same value, if i >= 2.
+
+Claim: at the time t of a first contact some touching pair (i, j) has i <= 1 or s_i(t) < s_{i-1}(start). Proof: assume
+the contrary and take a touching pair, so i >= 2 and s_i(t) >= s_{i-1}(start). As s_i(t) < s_{i-1}(t) and s_{i-1} is
+continuous, s_{i-1} had the value s_i(t) at some time between the start and t, before t. Benches i - 1 and j - 1 touched
+at that time, which is earlier than the first contact: a contradiction. The proof does not need handles to move forward;
+they do not where a long head bench pushes the chain back. So pairs with i <= 1 are tested at all times, and all other
+pairs in every interval in which s_i may be below s_{i-1}(start). If benches differ in size, or follow different
+functions g, all pairs are tested at all times.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pymunk_dragon.checks import finite
+from pymunk_dragon.collision.bounds import Intervals, MotionBounds, handles_in_reach, near_pairs
+from pymunk_dragon.collision.sat import separation
+from pymunk_dragon.contact import Contact
+from pymunk_dragon.curves.base import point
+from pymunk_dragon.dragon import bench_poses
+from pymunk_dragon.errors import ParameterError
+from pymunk_dragon.march import March, check_march, last_time
+
+__all__ = ["FirstContact", "NearMiss", "Status", "first_contact"]
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+Indices = NDArray[np.intp]
+Progress = Callable[[float, float], None]
+Status = Literal["contact", "clear", "overlapping", "unreachable"]
+
+# Length of the initial intervals, in shortest spacings. Other values only change the number of halvings.
+INTERVAL = 1.2
+# The same while all pairs are tested: shorter, because each pair is tested again in both halves.
+ALL_PAIRS_INTERVAL = 0.3
+# Intervals evaluated together: few enough to stop soon after a contact, enough to amortise NumPy's overhead per call.
+BATCH = 128
+# m. A gap that may be this far below zero, in addition to rounding, counts as open: coordinates are hardly more exact.
+GAP_TOLERANCE = 8e-12
+# Work of the whole search at one length of the intervals, in benches placed, above which the tolerance grows. Halving
+# reaches it where a gap stays near zero for long. A few seconds.
+WORK_LIMIT = 2_000_000
+# Smallest share of `WORK_LIMIT` for a batch: the last batch before a contact may be short.
+MIN_SHARE = 0.05
+# Factor by which halving may increase the work in a batch before the tolerance grows.
+WORK_GROWTH = 8
+# Work of a pair test, in benches placed (measured).
+PAIR_WORK = 20
+# m. Tolerance at the work limit; above, it grows with the square of the excess.
+LIMITED_TOLERANCE = 1e-6
+# m of the head's distance. The state at the midpoint decides shorter intervals: coordinates are no more exact.
+RESOLUTION = 1e-12
+# The same in last digits of the head's distance.
+LAST_DIGITS = 4
+# Pairs up to which intervals are halved `HALVINGS` times before the next evaluation, which costs NumPy the same.
+FEW_PAIRS = 8
+HALVINGS = 3
+# Share of the narrowest bench's width below which a local minimum of a gap is a near miss: 1 cm at the paper's 0.3 m.
+NEAR_MISS = 1 / 30
+# Length of intervals in which near misses are sampled, in widths: a local minimum lasts about one width.
+NEAR_MISS_INTERVAL = 0.4
+# Points per bracket in the search for a local minimum, and passes: each pass narrows the bracket eightfold.
+MINIMUM_POINTS = 17
+MINIMUM_PASSES = 8
+# Handles placed together in that search: 20 MB of corners.
+MINIMUM_HANDLES = 300_000
+# Points per pass in the search for the last time at which the chain has a state.
+LAST_POINTS = 33
+# m of the head's distance, and share of the bracket: so close to its end, the minimum lies outside the bracket.
+BRACKET_END = 1e-9
+BRACKET_END_SHARE = 1e-6
+
+
+@dataclass(frozen=True, kw_only=True)
+class NearMiss:
+    """A local minimum of the gap between two benches.
+
+    Attributes
+    ----------
+    time : float
+        s; accurate to a few microseconds only, because the gap is stationary there.
+    benches : tuple of int
+        The smaller number first.
+    gap : float
+        m.
+    """
+
+    time: float
+    benches: tuple[int, int]
+    gap: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class FirstContact:
+    """Result of a search for the first contact of benches that are not neighbours.
+
+    Attributes
+    ----------
+    status : {"contact", "clear", "overlapping", "unreachable"}
+        "contact": two benches touch at `time`. "clear": none do until the end. "overlapping": two benches overlap at
+        the start. "unreachable": the chain has no state after `time`, and no benches touch before.
+    time : float
+        Of the contact, the end, the start or the last state, s.
+    benches : tuple of int or None
+        The two that touch or overlap, the smaller number first.
+    point : tuple of float or None
+        Contact point, m.
+    normal : tuple of float or None
+        Unit vector from the first bench towards the second.
+    near_misses : tuple of NearMiss or None
+        Local minima of gaps below a thirtieth of the width before `time`, in the order of time. If all benches behind
+        the head pass through the same poses, only those of benches 0 and 1. None if gaps were not measured.
+    samples : int
+        Number of times at which poses were computed.
+    tests : int
+        Number of pair tests, over all samples.
+    resolution : float or None
+        Largest overlap before `time` that the certificate does not rule out, m: rounding, and about a micrometre where
+        a gap stays near zero for long. None if nothing was certified.
+    """
+
+    status: Status
+    time: float
+    benches: tuple[int, int] | None
+    point: tuple[float, float] | None
+    normal: tuple[float, float] | None
+    near_misses: tuple[NearMiss, ...] | None
+    samples: int
+    tests: int
+    resolution: float | None = None
+
+    @property
+    def contact(self) -> Contact | None:
+        """The same as a `Contact`, as runs have them; None for every status but "contact"."""
+        if self.status != "contact" or self.benches is None or self.point is None or self.normal is None:
+            return None
+        return Contact(
+            time=self.time,
+            raw_time=self.time,
+            benches=self.benches,
+            point=self.point,
+            normal=self.normal,
+            depth=0.0,
+        )
+
+    @classmethod
+    def at(cls, march: March, status: Status, time: float, pair: tuple[int, int] | None, **others: Any) -> FirstContact:
+        """Result at `time`, with the contact point and the normal of the benches `pair` if there is one."""
+        if pair is None:
+            return cls(status=status, time=time, benches=None, point=None, normal=None, **others)
+        poses = march.at(time, handles=pair[1] + 2).poses[0]
+        corners = march.dragon.outlines(poses)
+        found = separation(*corners[list(pair)])
+        (x, y), (nx, ny) = found.point.tolist(), found.normal.tolist()
+        return cls(status=status, time=time, benches=pair, point=(x, y), normal=(nx, ny), **others)
+
+
+def first_contact(
+    march: March, *, start: float = 0.0, until: float | None = None, progress: Progress | None = None
+) -> FirstContact:
+    """First contact of benches that are not neighbours, certified: there is no earlier one, however short.
+
+    The head of this module has the method and the proof.
+
+    Parameters
+    ----------
+    march : March
+        The motion.
+    start, until : float
+        Times of the search, s; without `until`, to the end of the curve.
+    progress : callable, optional
+        Called with the time up to which the march is cleared, and with `until`, s.
+
+    Returns
+    -------
+    FirstContact
+        The time is accurate to 1e-11 s where the gap closes at centimetres per second, as in the paper's march, and in
+        general to the time in which the gap closes by `resolution`. Benches that graze each other less deeply than
+        that count as apart.
+
+    Raises
+    ------
+    ParameterError
+        If one of the times is not a number, or `until` is not later than `start`.
+    UnreachableError
+        If the dragon has no state at `start`.
+
+    Examples
+    --------
+    >>> from pymunk_dragon import Dragon, March, first_contact
+    >>> hit = first_contact(March(Dragon(benches=16), turns=8))
+    >>> hit.status, hit.benches
+    ('contact', (0, 8))
+    """
+    start, until = checked_times(march, start, until)
+    steady = March(march.dragon, march.curve, start=march.head_start)
+    begin, end = march.way([start, until]).tolist()
+    if until == march.end:
+        # Not beyond it by rounding.
+        end = steady.end
+
+    def report(cleared: float, last: float) -> None:
+        if progress is not None:
+            progress(float(march.time(cleared)), until)
+
+    found = _Search(steady).run(begin, end, report)
+    # The times that were given stay as they were given.
+    time = {begin: start, end: until}.get(found.time, float(march.time(found.time)))
+    misses = [replace(miss, time=float(march.time(miss.time))) for miss in found.near_misses or ()]
+    return replace(found, time=time, near_misses=tuple(misses))
+
+
+def checked_times(march: March, start: float, until: float | None) -> tuple[float, float]:
+    """Both as floats, `until` by default the end of the curve; a `ParameterError` if the one is not after the other."""
+    check_march(march)
+    start = finite("start", start, -np.inf, np.inf, "s")
+    until = last_time(march, start) if until is None else finite("until", until, -np.inf, np.inf, "s")
+    if until <= start:
+        raise ParameterError("until", until, f"later than the start, {start:g} s")
+    return start, until
+
+
+class _Search:
+    """State of the search on a march at 1 m/s: earliest contact and samples of small gaps.
+
+    All its times are the head's distance from its position at t = 0, m.
+    """
+
+    def __init__(self, march: March) -> None:
+        self._march = march
+        dragon = march.dragon
+        narrowest, shortest = float(dragon.widths.min()), dragon.spacings.min()
+        self._near = NEAR_MISS * narrowest
+        self._near_miss_interval = NEAR_MISS_INTERVAL * narrowest
+        self._interval = INTERVAL * shortest
+        self._all_pairs_interval = ALL_PAIRS_INTERVAL * shortest
+        self._hit, self._pair = np.inf, (0, 0)
+        # Coordinates of the handles at the start, and whether all benches behind the head are the same function.
+        self._start_s, self._alike = np.empty(0), False
+        self._duration, self._warm_up_end = 1.0, np.inf
+        self._samples = self._tests = 0
+        self._resolution = 0.0
+        # Rows of pair, time, length of the interval, gap.
+        self._small_gaps: list[Array] = [np.empty((0, 5))]
+
+    def run(self, start: float, until: float, progress: Progress) -> FirstContact:
+        """Result of the search between two times."""
+        march = self._march
+        start_s = march.parameters(start)
+        if (pair := _overlapping(march, start_s)) is not None:
+            return self._result("overlapping", start, start, pair)
+        last = start
+        self._start_s = start_s[0]
+        end = min(until, march.end)
+        heads = (march.head_start + march.way([start, end])).tolist()
+        self._alike = march.dragon.alike and march.continuation.alike(*heads)
+        self._duration = end - start
+        self._warm_up_end = self._end_of_warm_up(start, end)
+        for times in self._batches(start, end):
+            last = self._clear_while_reachable(times)
+            if self._hit < np.inf:
+                return self._result("contact", start, self._hit, self._pair)
+            progress(last, until)
+            if last < times[-1]:
+                break
+        return self._result("clear" if last >= until else "unreachable", start, last, None)
+
+    def _result(self, status: Status, start: float, time: float, pair: tuple[int, int] | None) -> FirstContact:
+        counts = {"samples": self._samples, "tests": self._tests, "resolution": self._resolution}
+        return FirstContact.at(self._march, status, time, pair, near_misses=self._near_misses(start, time), **counts)
+
+    def _batches(self, start: float, end: float) -> Iterator[Array]:
+        """Bounds of consecutive intervals, one array for each batch; shorter intervals during the warm-up."""
+        warm_up_end = self._warm_up_end
+        phases = (start, warm_up_end, self._all_pairs_interval), (warm_up_end, end, self._interval)
+        for begin, last, length in phases:
+            count = int(np.ceil((last - begin) / length))
+            for done in range(0, count, BATCH):
+                shares = np.arange(done, min(done + BATCH, count) + 1) / count
+                # Exact at both ends.
+                yield (1 - shares) * begin + shares * last
+
+    def _end_of_warm_up(self, start: float, end: float) -> float:
+        """Time by which each bench behind bench 1 has reached the start position of the bench before it, or the end."""
+        march, start_s = self._march, self._start_s
+        if not self._alike:
+            return end
+        # A little longer than at the head's speed; where that is not enough, a little more.
+        wait = 1.05 * float(march.dragon.spacings[-1])
+        while start + wait < end:
+            if np.all(march.places(start + wait)[0, 2:-1] >= start_s[1:-2]):
+                return start + wait
+            wait *= 1.05
+        return end
+
+    def _clear_while_reachable(self, times: Array) -> float:
+        """Clear the time between the first and the last of `times`, or find the first contact in it.
+
+        Returns the last time at which the chain has a state.
+        """
+        last = self._clear(times)
+        if last == times[-1] or self._hit < np.inf:
+            return last
+        end = _last_reachable(self._march, last, float(times[np.searchsorted(times, last, side="right")]))
+        return self._clear(np.array([last, end])) if end > last else last
+
+    def _clear(self, times: Array) -> float:
+        """Clear the intervals between `times`, or find the first contact in them.
+
+        Returns the last of the times at which the chain has a state.
+        """
+        march, handles = self._march, self._march.dragon.handles
+        if times[0] >= self._warm_up_end:
+            handles = handles_in_reach(march, float(times[0]), float(times[-1]), self._near)
+        intervals = Intervals.between(march, times, handles)
+        last = float(times[intervals.begins.size])
+        if not intervals.begins.size:
+            return last
+        bounds = MotionBounds(march, intervals)
+        tested = bounds.at_new_poses(self._start_s if self._alike else np.full_like(self._start_s, np.inf))
+        rows, pairs = bounds.candidates(self._near, tested)
+        sampled = np.zeros(rows.size, dtype=bool)
+        limit = 0.0
+        while rows.size:
+            length, middles = float(intervals.lengths[0]), intervals.middles[rows]
+            found = bounds.separations(rows, pairs)
+            self._note_contact(middles, pairs, found.distance)
+            if length > self._near_miss_interval:
+                open_ = bounds.smallest_gaps(rows, pairs, found.normal) > self._near
+                rest = ~open_
+                open_[rest] = bounds.smallest_gaps_together(rows[rest], pairs[rest], found.normal[rest]) > self._near
+            else:
+                gaps = bounds.smallest_gaps_together(rows, pairs, found.normal)
+                fresh = np.isfinite(gaps) & ~sampled
+                sampled |= fresh
+                fresh &= (gaps <= self._near) & (pairs[:, 0] <= 1 if self._alike else True)
+                self._note_small_gaps(middles, length, pairs, found.distance, fresh)
+                work = np.unique(rows).size * (int(pairs.max()) + 2) + PAIR_WORK * rows.size
+                limit = limit or max(self._share(times) * WORK_LIMIT, WORK_GROWTH * work)
+                tolerance = GAP_TOLERANCE if work <= limit else LIMITED_TOLERANCE * (work / limit) ** 2
+                open_ = self._are_open(intervals, bounds, rows, gaps, tolerance)
+            left = ~open_ & (intervals.begins[rows] < self._hit)
+            rows, pairs, sampled = rows[left], pairs[left], sampled[left]
+            if rows.size:
+                for _ in range(1 if rows.size > FEW_PAIRS else HALVINGS):
+                    chosen, rows = np.unique(rows, return_inverse=True)
+                    intervals = intervals.halved(march, chosen, int(pairs.max()) + 2)
+                    rows, pairs = np.concatenate([rows, rows + chosen.size]), np.concatenate([pairs, pairs])
+                    sampled = np.concatenate([sampled, sampled])
+                bounds = MotionBounds(march, intervals)
+        return last
+
+    def _share(self, times: Array) -> float:
+        """Share of the whole search's work that a batch may have."""
+        return max(float(times[-1] - times[0]) / self._duration, MIN_SHARE)
+
+    def _are_open(
+        self, intervals: Intervals, bounds: MotionBounds, rows: Indices, gaps: Array, tolerance: float
+    ) -> Flags:
+        """Whether pairs count as apart in the intervals `rows`, given lower bounds on their gaps, m.
+
+        A gap that may be below zero by the tolerance counts as open, but not in the interval before the first one with
+        a contact at its midpoint: that one is halved to the resolution.
+        """
+        length = float(intervals.lengths[0])
+        within = (gaps > -(bounds.rounding[rows] + tolerance)) & (intervals.ends[rows] + length < self._hit)
+        self._resolution = max(self._resolution, -float(gaps[within].min(initial=0.0)))
+        latest = float(np.abs(intervals.middles[rows]).max())
+        open_: Flags = (gaps > 0) | within | (length <= max(RESOLUTION, LAST_DIGITS * float(np.spacing(latest))))
+        return open_
+
+    def _note_contact(self, times: Array, pairs: Indices, distances: Array) -> None:
+        """Count the samples, and keep the earliest contact among them."""
+        self._samples += np.unique(times).size
+        self._tests += len(pairs)
+        touching = np.flatnonzero(distances <= 0)
+        if touching.size:
+            earliest = touching[times[touching].argmin()]
+            if times[earliest] < self._hit:
+                self._hit = float(times[earliest])
+                first, second = pairs[earliest].tolist()
+                self._pair = first, second
+
+    def _note_small_gaps(self, times: Array, length: float, pairs: Indices, distances: Array, chosen: Flags) -> None:
+        """Keep the `chosen` samples, whose gap may be small within an interval of this length about their time."""
+        lengths = np.full(times.size, length)
+        self._small_gaps.append(np.column_stack([pairs, times, lengths, distances])[chosen])
+
+    def _near_misses(self, start: float, end: float) -> tuple[NearMiss, ...]:
+        """Local minima of small gaps between `start` and `end`."""
+        samples = np.concatenate(self._small_gaps)
+        samples = samples[samples[:, 2] <= end]
+        if not samples.size:
+            return ()
+        first, second, times, lengths, gaps = samples[np.lexsort(samples.T[2::-1])].T
+        # Where a sample has no neighbour, a bound has shown that the gap there is larger.
+        follows = (np.diff(first) == 0) & (np.diff(second) == 0) & (np.diff(times) < 1.5 * lengths[1:])
+        falls = np.diff(gaps) < 0
+        smallest = ~np.append(follows & falls, False) & ~np.append(False, follows & ~falls)
+        pairs = np.stack([first, second], axis=-1)[smallest].astype(np.intp)
+        low, high = np.maximum(times - lengths, start)[smallest], np.minimum(times + lengths, end)[smallest]
+        some = max(1, MINIMUM_HANDLES // (MINIMUM_POINTS * (int(pairs.max()) + 2)))
+        parts = [slice(at, at + some) for at in range(0, len(pairs), some)]
+        minima = [_local_minima(self._march, pairs[part], low[part], high[part]) for part in parts]
+        times, gaps = np.concatenate(minima, axis=1)
+        margin = np.maximum(BRACKET_END_SHARE * (high - low), BRACKET_END)
+        inside = (times > low + margin) & (times < high - margin) & (gaps > 0) & (gaps < self._near)
+        found = zip(times[inside].tolist(), pairs[inside].tolist(), gaps[inside].tolist(), strict=True)
+        return tuple(NearMiss(time=time, benches=(i, j), gap=gap) for time, (i, j), gap in sorted(found))
+
+
+def _overlapping(march: March, handles_s: Array) -> tuple[int, int] | None:
+    """The pair with the deepest overlap where the handles are at the coordinates (1, H), or None."""
+    dragon, poses = march.dragon, bench_poses(point(march.curve, handles_s[0]))
+    corners = dragon.outlines(poses)
+    first, second = near_pairs(poses[:, :2], np.hypot(dragon.lengths, dragon.widths) / 2).T
+    distances = separation(corners[first], corners[second]).distance
+    if not np.any(distances <= 0):
+        return None
+    deepest = int(distances.argmin())
+    return int(first[deepest]), int(second[deepest])
+
+
+def _last_reachable(march: March, reachable: float, later: float) -> float:
+    """Last time at which the chain has a state, between one at which it has and one at which it has not."""
+    while later - reachable > RESOLUTION and reachable < (reachable + later) / 2 < later:
+        times = np.linspace(reachable, later, LAST_POINTS)
+        lost: Flags = np.isnan(march.places(times)[:, -1])
+        lost[-1] = True
+        first = max(1, int(lost.argmax()))
+        reachable, later = float(times[first - 1]), float(times[first])
+    return reachable
+
+
+def _local_minima(march: March, pairs: Indices, low: Array, high: Array) -> tuple[Array, Array]:
+    """Times (B,) of the minima of the gaps of `pairs` (B, 2) between `low` and `high` (B,), and the gaps (B,), m."""
+    handles, chosen = int(pairs.max()) + 2, np.arange(len(pairs))
+    rows = np.arange(len(pairs) * MINIMUM_POINTS)
+    first, second = np.repeat(pairs, MINIMUM_POINTS, axis=0).T
+    for _ in range(MINIMUM_PASSES):
+        times = np.linspace(low, high, MINIMUM_POINTS, axis=-1)
+        corners = march.dragon.outlines(march.at(times, handles).poses)
+        gaps = separation(corners[rows, first], corners[rows, second]).distance.reshape(times.shape)
+        best = gaps.argmin(axis=1)
+        low, high = times[chosen, np.maximum(best - 1, 0)], times[chosen, np.minimum(best + 1, MINIMUM_POINTS - 1)]
+    return times[chosen, best], gaps[chosen, best]
