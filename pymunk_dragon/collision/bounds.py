@@ -25,9 +25,9 @@ covers the rounded length of the bench. Where this is at most `SLACK`, the rates
     |dr/dtau| <= ((|cos alpha| + SLACK) |ds/dtau| + h) / (|cos beta| - SLACK).
 
 E is the largest bound that this recursion gives along the chain, beginning with h for the head. So the coordinates
-never leave their range of E. Where E is too large for `SLACK`, the error is unknown. A corner at the distance q from its
-front handle has an error of at most (1 + 2 q / L) E. A gap depends on two benches, and each bound on the displacement
-of a bench on two coordinates with an error of 2 E: the sum is 6 (1 + 2 q / L) E.
+never leave their range of E. Where E is too large for `SLACK`, the error is unknown. A corner at the distance q from
+its front handle has an error of at most (1 + 2 q / L) E. A gap depends on two benches, and each bound on the
+displacement of a bench on two coordinates with an error of 2 E: the sum is 6 (1 + 2 q / L) E.
 """
 
 from __future__ import annotations

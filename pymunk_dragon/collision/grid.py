@@ -4,7 +4,7 @@ The floor is cut into square cells, every bench is filed under the cells that it
 cell are candidates for a collision. Which cells an edge passes through is found by a digital differential analyser
 (DDA): it follows the edge from column to column and works out at each where the edge comes in and goes out. The walk of
 J. Amanatides and A. Woo ("A Fast Voxel Traversal Algorithm for Ray Tracing", Eurographics 1987) reaches the same cells
-by adding up step widths; here each crossing comes straight from the edge's two ends, so no error adds up on the way.
+by adding up step widths; here each crossing is computed from the edge's two ends, so errors do not accumulate.
 
 Cells are closed: a cell owns its sides and its corners. An edge along a grid line is filed on both sides of it, and one
 through a corner of the grid in all four cells there, so two benches that merely touch always share a cell. A bench is
@@ -106,8 +106,7 @@ class Grid:
     def walk(self, start: ArrayLike, end: ArrayLike) -> Indices:
         """Cells (K, 2) as (i, j) that the edge from `start` (2,) to `end` (2,) in m touches, in the order of the walk.
 
-        The edge is followed from column to column. Within one it is a stretch with a first and a last row, and takes
-        all the rows between.
+        The edge is followed from column to column. Within a column it touches all rows from a first to a last one.
 
         Raises
         ------
@@ -122,7 +121,7 @@ class Grid:
         top, bottom = _range(*_rows(u0, v0, u1, v1, columns))
         owner, rows = _runs(top, bottom - top + 1)
         cells = np.stack([rows, columns[owner]], axis=-1)
-        # Towards smaller indices the walk goes the other way round, in either direction by itself.
+        # Towards smaller indices the order is reversed, for rows and columns separately.
         order = np.lexsort((rows if v1 >= v0 else -rows, owner if u1 >= u0 else -owner))
         return cells[order]
 
@@ -182,10 +181,10 @@ class Grid:
         # Every entry is paired with the later ones of its cell.
         ends = np.append(np.flatnonzero(np.diff(cells)) + 1, cells.size)
         sizes = np.diff(ends, prepend=0)
-        places = np.arange(cells.size)
-        later = np.repeat(ends, sizes) - places - 1
+        entries = np.arange(cells.size)
+        later = np.repeat(ends, sizes) - entries - 1
         self._check_entries(later, "small")
-        owner, other = _runs(places + 1, later)
+        owner, other = _runs(entries + 1, later)
         one, two = benches[owner], benches[other]
         far = two - one > neighbours
         codes = np.unique(one[far] * n + two[far])
@@ -231,12 +230,12 @@ class Grid:
 
 
 def _range(low: Array, high: Array) -> tuple[Indices, Indices]:
-    """First and last cell, in one direction, that a stretch from `low` to `high` touches."""
+    """First and last cell, in one direction, that a segment from `low` to `high` touches."""
     return np.floor(low - SLACK).astype(np.int64), np.floor(high + SLACK).astype(np.int64)
 
 
 def _runs(starts: Indices, counts: Indices) -> tuple[Indices, Indices]:
-    """Runs of whole numbers, `counts[k]` of them from `starts[k]` on, one after the other: each one's k, and itself."""
+    """Concatenated ranges of `counts[k]` integers from `starts[k]` on: the k of each integer, and the integers."""
     owner = np.repeat(np.arange(counts.size), counts)
     before = np.cumsum(counts) - counts
     return owner, np.arange(owner.size) + (starts - before)[owner]

@@ -1,11 +1,10 @@
 """Narrow phase: whether two benches touch, and how far apart they are (paper, section 2.2).
 
-The paper's test is the separating axis theorem: two convex shapes are apart exactly where a line fits between them, and
-for two rectangles it is enough to try lines along their edges. So the shadows of both are compared on four axes: the
-first one's length and width, the second one's length and width. Where the shadows leave a gap on any of them the
-rectangles are apart; where they overlap on all four the rectangles overlap, and the axis of the smallest overlap is the
-shortest way out (S. Gottschalk et al., "OBBTree", SIGGRAPH 1996; C. Ericson, "Real-Time Collision Detection", 2005,
-section 4.4.1).
+The paper's test is the separating axis theorem: two convex shapes are apart exactly where a line fits between them. For
+two rectangles, lines along their edges suffice. So the projections of both are compared on four axes: the length and
+the width of each. If the projections leave a gap on any axis, the rectangles are apart. If they overlap on all four,
+the rectangles overlap, and the shortest translation that separates them is along the axis of the smallest overlap
+(S. Gottschalk et al., "OBBTree", SIGGRAPH 1996; C. Ericson, "Real-Time Collision Detection", 2005, section 4.4.1).
 
 The widest gap is the distance only where an edge faces the other rectangle. Two rectangles that are nearest corner to
 corner are further apart than any gap shows, so the distance comes from the corners: for convex shapes that are
@@ -46,7 +45,7 @@ class Separation(ArrayRecord):
         Shortest distance between the two, m. Negative where they overlap: the shortest translation that parts them,
         along an edge normal. Zero where they touch. Its sign is that of the separating axis test, without tolerance.
     normal : ndarray, shape (..., 2)
-        Unit vector from the first towards the second: between their closest points, or the way out of the overlap.
+        Unit vector from the first towards the second: between their closest points, or along the shortest separation.
         Moving the second along it by `-distance` makes overlapping ones touch.
     point : ndarray, shape (..., 2)
         Midway between the closest points, m. For overlapping ones: midway between where they touch once they are
@@ -89,7 +88,7 @@ def separation(first: ArrayLike, second: ArrayLike) -> Separation:
 
     Notes
     -----
-    Where two ways out of an overlap are equally short, or two places equally close, one of them is given.
+    If two translations are equally short, or two pairs of points equally close, the result is one of them.
     """
     corners, shape = _paired(first, second)
     distance, normal, point = np.empty(shape), np.empty((*shape, 2)), np.empty((*shape, 2))
@@ -102,7 +101,7 @@ def separation(first: ArrayLike, second: ArrayLike) -> Separation:
 
 
 def axis_gaps(first: ArrayLike, second: ArrayLike) -> Array:
-    """Gaps (..., 4) in m between the shadows of two rectangles on the four axes, negative where the shadows overlap.
+    """Gaps (..., 4) in m between the projections of two rectangles on the four axes, negative where they overlap.
 
     The axes are the first rectangle's length and width, then the second one's. The widest gap is at most the distance
     of the two, and equals it where an edge faces the other; where all four are negative it is minus the depth of the
@@ -143,16 +142,16 @@ class _Pairs:
         self.half = np.abs(along) + 1j * np.abs(left)  # (2, P): half the length ahead, half the width to the left
 
     def gaps(self) -> tuple[Array, Array]:
-        """Gaps between the shadows on the four axes, and the way from the first centre to the second there, (4, P)."""
+        """Gaps between the projections on the four axes, and offsets of the second centre there, each (4, P)."""
         facing = self.heading.conj()
         offset = (self.centre[1] - self.centre[0]) * facing
         turn = self.heading[1] * facing[0]
         other = self.half[::-1]
-        # On an axis that is not its own, a rectangle's length throws a shadow and so does its width.
-        shadow = np.abs(turn.real) * other + np.abs(turn.imag) * (1j * other.conj())
-        covered = _by_component(self.half + shadow)
-        ways = _by_component(offset)
-        return np.abs(ways) - covered, ways
+        # On the axes of the other rectangle, both the length and the width have a projection.
+        projection = np.abs(turn.real) * other + np.abs(turn.imag) * (1j * other.conj())
+        covered = _by_component(self.half + projection)
+        offsets = _by_component(offset)
+        return np.abs(offsets) - covered, offsets
 
 
 def _by_component(z: Complex) -> Array:
@@ -163,36 +162,36 @@ def _by_component(z: Complex) -> Array:
 def _separate(corners: Complex) -> tuple[Array, Complex, Complex]:
     """Distance, normal and point of the pairs `corners` (2, 4, P), each (P,)."""
     pairs = _Pairs(corners)
-    gaps, ways = pairs.gaps()
+    gaps, offsets = pairs.gaps()
     widest = gaps.argmax(axis=0)
-    chosen = _places(widest)
+    chosen = _flat_indices(widest)
     gap = gaps.take(chosen)
-    normal = np.where(widest >= 2, pairs.heading[1], pairs.heading[0]) * np.copysign(1.0, ways.take(chosen))
+    normal = np.where(widest >= 2, pairs.heading[1], pairs.heading[0]) * np.copysign(1.0, offsets.take(chosen))
     normal = np.where(widest % 2, 1j * normal, normal)
 
-    # Overlapping ones are parted first: what is closest then is what has sunk in deepest.
+    # Overlapping rectangles are separated first: the closest corner is then the one that was deepest inside.
     step = np.maximum(-gap, 0.0) * normal
-    # The corners of each as the other one sees them, and how far out of it they lie.
+    # The corners of each in the frame of the other one, and their offsets from it.
     others = np.array((corners[1] + step, corners[0]))
     centre = np.array((pairs.centre[0], pairs.centre[1] + step))
     seen = (others - centre[:, None]) * pairs.heading.conj()[:, None]
     out = np.maximum(np.abs(seen.view(float)) - pairs.half.view(float)[:, None], 0.0).view(complex)
     nearest = np.abs(out).reshape(8, -1).argmin(axis=0)
     by_second = nearest >= 4
-    chosen = _places(nearest)
-    way = np.copysign(out.take(chosen).view(float), seen.take(chosen).view(float)).view(complex)
-    way *= np.where(by_second, pairs.heading[1], pairs.heading[0])
-    point = others.take(chosen) - (way + step) / 2
+    chosen = _flat_indices(nearest)
+    between = np.copysign(out.take(chosen).view(float), seen.take(chosen).view(float)).view(complex)
+    between *= np.where(by_second, pairs.heading[1], pairs.heading[0])
+    point = others.take(chosen) - (between + step) / 2
 
-    length = np.abs(way)
+    length = np.abs(between)
     apart = gap > 0
     distance = np.where(apart, np.maximum(gap, length), gap)
-    # Rounding can see a gap and yet put a corner at distance 0. Then there is no direction but the axis.
-    np.divide(np.where(by_second, -way, way), length, out=normal, where=apart & (length > 0))
+    # A gap may be positive by rounding with a corner at distance 0. The axis is then the only direction.
+    np.divide(np.where(by_second, -between, between), length, out=normal, where=apart & (length > 0))
     return distance, normal, point
 
 
-def _places(choice: NDArray[np.intp]) -> NDArray[np.intp]:
+def _flat_indices(choice: NDArray[np.intp]) -> NDArray[np.intp]:
     """Where entry `choice[p]` of column p stands in a flattened array (..., P)."""
     return choice * choice.size + np.arange(choice.size)
 
