@@ -19,7 +19,6 @@ from PIL import Image, ImageSequence
 
 from pymunk_dragon.curves import UTurn
 from pymunk_dragon.dragon import Dragon
-from pymunk_dragon.errors import UnreachableError
 from pymunk_dragon.march import March
 from pymunk_dragon.render.figures.style import COLOURS
 
@@ -207,10 +206,17 @@ def test_both_dragons_of_the_film_come_in_and_leave_side_by_side() -> None:
 
 
 def test_dragon_does_not_get_round_a_much_narrower_arc() -> None:
+    """Its head goes on alone: the bench behind is pushed back from 13 s on."""
     times = np.arange(0, 30, 0.01)
-    assert March(Dragon(benches=12), UTurn(ratio=2.1)).at(times).speeds.shape == (3000, 13)
-    with pytest.raises(UnreachableError, match="handle 1 "):
-        March(Dragon(benches=12), UTurn(ratio=2.5)).at(times)
+    for ratio, gets_round in ((2.1, True), (2.5, False)):
+        turn = UTurn(ratio=ratio)
+        march = March(Dragon(benches=12), turn)
+        back = np.diff(march.places(times)[:, 1]) < 0
+        assert (march.places(times)[-1, 1] > turn.joints[-1]) == gets_round
+        assert back.any() != gets_round
+    assert times[back.argmax()] == pytest.approx(13.13, abs=0.01)
+    assert back[back.argmax() :].all()
+    assert 2 * turn.radii[1] == pytest.approx(2.576, abs=1e-3)
 
 
 # speed-limit

@@ -55,8 +55,9 @@ SECTIONS, PASSES = 17, 10
 SAME = 1e-9
 # Cells after which a path that bends too sharply is not followed any further.
 MAX_CELLS = 100_000
-# Spacings over k of an inward spiral between which a rear handle may vanish near the centre and exist again further in.
-INNERMOST = 5.78, 2 * np.pi
+# Spacings over k of an inward spiral between which a rear handle may vanish near the centre and exist again further in:
+# from m(theta*) to 2 pi, and by rounding a little more (see `_is_regular_on`).
+INNERMOST = 5.78, 6.29
 
 
 class Continuation:
@@ -207,7 +208,7 @@ def _is_regular_on(curve: Curve, spacings: Array) -> bool:
     dm^2/dtheta = 2 (2 theta + x) (1 - cos x) > 0; and m(theta*) = 5.78357.
 
     `Spiral.chain` finds the x < 2 pi up to which D grows to the spacing over k. So where theta falls, a spacing
-    of at most 5.78 k always has its rear handle, one of 2 pi k or more loses it for good, at the fold, where m(theta)
+    of at most 5.78 k always has its rear handle, one above 2 pi k loses it for good, at the fold, where m(theta)
     is the spacing; only one in between may lose it and have another one further in. As m grows outward, a bench that is
     no longer than the one before it loses its rear handle no earlier.
     """

@@ -46,6 +46,6 @@ lesson.check(
     "and the length is 9 a / sin a."
 )
 lesson.change(
-    "Set `rival` to 2.5: the program stops and says that a handle has no place. Compare the head's 2.86 m with the "
-    "diameter of the narrow arc: up to about which ratio does it get round?"
+    "Set `rival` to 2.5: the narrow arc is 2.58 m wide, and the holes of the head's bench are 2.86 m apart. Which way "
+    "does handle 1 go from t = 13 s on? Up to about which ratio does the dragon get round?"
 )
