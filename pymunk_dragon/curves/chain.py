@@ -1,4 +1,4 @@
-"""Where the handles of a chain stand on any curve, and which place on it is beside a point."""
+"""Arc-length coordinates of a chain's handles on any curve, and the foot of a point beside a curve."""
 
 from __future__ import annotations
 
@@ -14,78 +14,78 @@ __all__ = ["chain", "foot"]
 
 Flags = NDArray[np.bool_]
 
-# Newton needs 3 or 4 passes, and bisection, its fallback within a bracket, 53.
+# Newton's method needs 3 or 4 passes, and bisection, its fallback within a bracket, 53.
 MAX_PASSES = 80
-# Share of a chord: after so small a step of Newton's the next one would be below the last digit.
+# Share of a chord: after a Newton step as small as this, the next one is below the last digit.
 SETTLED = 1e-10
-# A share of a chord that is no step any more: there the straight distance has its maximum.
+# Share of a chord. Shorter steps mean that the straight distance has its maximum.
 SMALLEST_STEP = 1e-9
-# Steps after which a path that bends too sharply to be followed any further has no place.
+# Steps after which the search on a strongly curved path ends without a result.
 MAX_STEPS = 1_000
-# Chords that are looked ahead for the sharpest bend when the growth of a distance is followed.
-LOOK = 0.25
-# m. So close to where a foot was supposed to be, the path leaves its tangent by a few 1e-11 m.
-BESIDE = 1e-5
-# Passes for a foot: each one leaves the share of the error that the distance from the path is of its radius.
+# Chords over which the largest curvature ahead is taken when the growth of a distance is followed.
+LOOKAHEAD = 0.25
+# m. So close to the estimate of a foot, the path differs from its tangent by a few 1e-11 m.
+NEAR_FOOT = 1e-5
+# Passes for a foot: each leaves a share of the error, the distance from the path over its radius of curvature.
 FOOT_PASSES = 20
 
 
 def chain(curve: Curve, s: ArrayLike, spacings: ArrayLike) -> Array:
-    """Places of all handles of chains whose heads stand at `s`, each chain laid out along the path from its head.
+    """Coordinates of all handles of chains with the heads at `s`, each chain laid out along the path from its head.
 
-    Each handle is at the first place back along the path whose straight distance from the handle before is the spacing,
-    never at a later intersection. That distance has to grow all the way. Motion may take a chain to other states:
-    `continuation.py` follows it.
+    Each handle is at the first point back along the path whose straight distance from the handle before is the spacing,
+    never at a later intersection. That distance has to grow over the whole arc between. Motion may take a chain to
+    other states: `continuation.py` follows it.
 
     Parameters
     ----------
     curve : Curve
-        What they stand on.
+        The path.
     s : array_like, shape (T,)
-        Places of the heads, m.
+        Coordinates of the heads, m.
     spacings : array_like, shape (N,)
         Straight distances between neighbouring handles, m.
 
     Returns
     -------
     ndarray, shape (T, N + 1)
-        Places, m; nan for a handle that has none on the curve, and for all behind it.
+        Coordinates, m; nan for a handle that has none on the curve, and for all behind it.
     """
     if isinstance(curve, Spiral) and not curve.outward:
         return curve.chain(s, spacings)
     chords = np.asarray(spacings, dtype=float)
-    places = np.full((np.size(s), chords.size + 1), np.nan)
-    places[:, 0] = s
-    fronts = np.array(point(curve, places[:, 0]), dtype=float)
-    places[np.isnan(fronts[:, 0]), 0] = np.nan
-    way_in = _WayIn(curve, places)
+    handles_s = np.full((np.size(s), chords.size + 1), np.nan)
+    handles_s[:, 0] = s
+    fronts = np.array(point(curve, handles_s[:, 0]), dtype=float)
+    handles_s[np.isnan(fronts[:, 0]), 0] = np.nan
+    inward = _InwardPiece(curve, handles_s)
     for i, chord in enumerate(chords.tolist()):
-        elsewhere = way_in.follow(i, chord)
-        if elsewhere.size:
-            places[elsewhere, i + 1], fronts[elsewhere] = _behind(curve, places[elsewhere, i], fronts[elsewhere], chord)
-    way_in.place()
-    return places
+        rest = inward.advance(i, chord)
+        if rest.size:
+            handles_s[rest, i + 1], fronts[rest] = _behind(curve, handles_s[rest, i], fronts[rest], chord)
+    inward.convert()
+    return handles_s
 
 
-class _WayIn:
-    """A spiral on which a curve comes in, if it does: the handles there are followed in its polar angle.
+class _InwardPiece:
+    """The inward spiral with which a composite curve may begin: its handles are computed in polar angles.
 
-    That takes a quarter of the time, and most of a dragon in a turn is still on its way in.
+    This takes a quarter of the time, and most handles of a dragon in a turn are still on that spiral.
     """
 
-    def __init__(self, curve: Curve, places: Array) -> None:
+    def __init__(self, curve: Curve, handles_s: Array) -> None:
         first = curve.pieces[0] if isinstance(curve, Composite) and curve.joints else None
         spiral = first.curve if isinstance(first, Section) else first
         self._spiral = spiral if isinstance(spiral, Spiral) and not spiral.outward else None
-        self._places = places
-        self._on = np.zeros(len(places), dtype=bool)
+        self._handles_s = handles_s
+        self._on = np.zeros(len(handles_s), dtype=bool)
         if self._spiral is not None and isinstance(curve, Composite) and first is not None:
             self._begin, self._joint, self._shift = curve.begin, curve.joints[0], first.end - curve.joints[0]
-            self._angles = np.full(places.shape, np.nan)
+            self._angles = np.full(handles_s.shape, np.nan)
 
-    def follow(self, i: int, chord: float) -> NDArray[np.intp]:
-        """Go on from handle `i` to the next in the chains (T,) that are there; the others that go on."""
-        here = self._places[:, i]
+    def advance(self, i: int, chord: float) -> NDArray[np.intp]:
+        """Advance the chains (T,) on the spiral from handle `i` to the next, and return the other chains."""
+        here = self._handles_s[:, i]
         if self._spiral is None:
             return np.flatnonzero(~np.isnan(here))
         fresh = ~self._on & (here <= self._joint)
@@ -96,64 +96,64 @@ class _WayIn:
             self._angles[self._on, i + 1] = self._spiral.behind(self._angles[self._on, i], chord)
         return np.flatnonzero(~self._on & ~np.isnan(here))
 
-    def place(self) -> None:
-        """Put down the places of the handles that were followed."""
+    def convert(self) -> None:
+        """Set the coordinates of the handles that were computed in polar angles."""
         if self._spiral is not None:
-            missing = np.isnan(self._places)
+            missing = np.isnan(self._handles_s)
             found = -self._spiral.arc(self._angles[missing]) - self._shift
-            # A place at the very begin is one, rounding or not.
-            self._places[missing] = np.where(found < self._begin - SETTLED, np.nan, np.maximum(found, self._begin))
+            # Rounding may put a handle at the curve's begin before it.
+            self._handles_s[missing] = np.where(found < self._begin - SETTLED, np.nan, np.maximum(found, self._begin))
 
 
 def foot(curve: Curve, points: ArrayLike, near: ArrayLike) -> tuple[Array, Array, Array]:
-    """The place beside each of some points, near places that are known.
+    """Feet of the perpendiculars from some points to a curve, near coordinates that are known.
 
     Parameters
     ----------
     curve : Curve
-        What the points lie close to.
+        The path.
     points : array_like, shape (..., 2)
-        m.
+        Points close to the path, m.
     near : array_like, shape (...)
-        Places from which to look, m: the foot is the one that lies nearest along the path.
+        Estimates of the coordinates, m: the foot is the one nearest to them along the path.
 
     Returns
     -------
-    places : ndarray, shape (...)
-        m.
+    s : ndarray, shape (...)
+        Coordinates of the feet, m.
     feet, tangents : ndarray, shape (..., 2)
-        The path's points there, and its directions.
+        The path's points and unit tangents there.
     """
     if isinstance(curve, Spiral):
         return curve.foot(points, near)
     xy = np.asarray(points, dtype=float)
-    places = np.clip(np.array(near, dtype=float), curve.begin, curve.end)
+    s = np.clip(np.array(near, dtype=float), curve.begin, curve.end)
     for _ in range(FOOT_PASSES):
-        feet, tangents = frame(curve, places)
-        step = np.clip(places + _dot(xy - feet, tangents), curve.begin, curve.end) - places
-        places += step
-        if np.all(np.abs(step) <= BESIDE):
+        feet, tangents = frame(curve, s)
+        step = np.clip(s + _dot(xy - feet, tangents), curve.begin, curve.end) - s
+        s += step
+        if np.all(np.abs(step) <= NEAR_FOOT):
             break
-    return places, feet + step[..., None] * tangents, tangents
+    return s, feet + step[..., None] * tangents, tangents
 
 
-def gentle_ways(curve: Curve, s: Array, chord: float) -> tuple[Array, Array, Flags]:
-    """Ways back, each (T,), between which the distance from `s` comes to `chord`, where the path is gentle (T,).
+def gentle_offsets(curve: Curve, s: Array, chord: float) -> tuple[Array, Array, Flags]:
+    """Offsets back from `s` (T,) that bracket the handle behind, and whether the path is gentle there (T,).
 
-    On a path that bends no more than a circle with the chord as its diameter, the distance grows until the way is that
-    circle's half, and the way to the place is no longer than along the circle's arc.
+    Where the path is no more curved than a circle with the chord as its diameter, the straight distance grows over half
+    that circle's circumference, and the arc to the handle is no longer than the circle's arc.
     """
     sine = sharpest(curve, s - np.pi / 2 * chord, s) * chord / 2
     gentle = sine < 1
-    # At least one last digit, so that a straight line has its place in it.
+    # Longer by at least one last digit, so that the bracket on a straight line is not empty.
     longest = np.where(gentle, np.arcsin(np.where(gentle, sine, 0.0)) / np.where(sine > 0, sine, 1.0), 1.0)
     longest = np.where(sine > 0, longest, 1.0) * chord * (1 + SETTLED)
     return np.full(s.shape, chord * (1 - SETTLED)), longest, gentle
 
 
 def _behind(curve: Curve, s: Array, fronts: Array, chord: float) -> tuple[Array, Array]:
-    """Nearest places (T,) back along the curve from `s`, at distance `chord` from `fronts`, and their points."""
-    shortest, longest, gentle = gentle_ways(curve, s, chord)
+    """Nearest coordinates (T,) back along the curve from `s` at distance `chord` from `fronts`, and their points."""
+    shortest, longest, gentle = gentle_offsets(curve, s, chord)
     sharp = np.flatnonzero(~gentle & ~np.isnan(s))
     if sharp.size:
         shortest[sharp], longest[sharp] = _bracket(curve, s[sharp], fronts[sharp], chord)
@@ -161,55 +161,56 @@ def _behind(curve: Curve, s: Array, fronts: Array, chord: float) -> tuple[Array,
 
 
 def reached(curve: Curve, s: Array, fronts: Array, chord: float, low: Array, high: Array) -> tuple[Array, Array]:
-    """Places (T,) back from `s` where the distance from `fronts` becomes `chord`, by Newton, and the points there.
+    """Coordinates (T,) back from `s` at which the distance from `fronts` is `chord`, and the points there.
 
-    They are sought between the ways `low` and `high`, within which the distance grows; nan before the curve's begin.
+    Newton's method, bracketed by the offsets `low` and `high`, between which the distance grows; nan before the curve's
+    begin.
     """
     first = s - curve.begin
     high = np.minimum(high, first)
     begins = point(curve, np.full(s.shape, curve.begin)) if np.isfinite(curve.begin) else fronts
-    # A place at the very begin is one, rounding or not.
+    # Rounding may put a handle at the curve's begin before it.
     lost = np.isnan(low) | (low > first) | ((high == first) & (_distance(fronts, begins) < chord * (1 - SETTLED)))
     low, high = np.where(lost, np.nan, low), np.where(lost, np.nan, high)
-    way = high.copy()
+    offset = high.copy()
     for _ in range(MAX_PASSES):
-        place = np.maximum(s - way, curve.begin)
-        points, tangents = frame(curve, place)
+        points, tangents = frame(curve, np.maximum(s - offset, curve.begin))
         between = fronts - points
         distance = np.hypot(between[..., 0], between[..., 1])
         short = distance < chord
-        low, high = np.where(short, way, low), np.where(short, high, way)
+        low, high = np.where(short, offset, low), np.where(short, high, offset)
         with np.errstate(divide="ignore", invalid="ignore"):
-            better = way + (chord - distance) * distance / _dot(between, tangents)
+            better = offset + (chord - distance) * distance / _dot(between, tangents)
         better = np.where((better >= low) & (better <= high), better, (low + high) / 2)
-        step = np.abs(better - way)
-        way = better
+        step = np.abs(better - offset)
+        offset = better
         if not np.any(step > SETTLED * chord):
             break
-    place = np.maximum(s - way, curve.begin)
-    return place, point(curve, place)
+    rears = np.maximum(s - offset, curve.begin)
+    return rears, point(curve, rears)
 
 
 def _bracket(curve: Curve, s: Array, fronts: Array, chord: float) -> tuple[Array, Array]:
-    """Ways back, each (T,), between which the distance from `fronts` comes to `chord`, growing all the way from `s` on.
+    """Offsets back from `s`, each (T,), that bracket the first point at distance `chord`, growing from `s` on.
 
-    With the way h the growth g of half the square of the distance d changes by at least 1 - K (d + h) per metre, where
-    the path bends by K at most. So it is safe to go on by h as long as g + h (1 - K (d + h)) is not negative.
+    Let d be the distance at the offset h, and g the derivative of d^2 / 2. The derivative of g is at least
+    1 - K (d + h) where the curvature is at most K. So a step of h is safe while g + h (1 - K (d + h)) is not negative.
     """
-    before, way = np.zeros(s.shape), np.zeros(s.shape)
+    before, offset = np.zeros(s.shape), np.zeros(s.shape)
     distance, growth = np.zeros(s.shape), np.zeros(s.shape)
-    rows, looks = np.arange(s.size), np.full(s.shape, LOOK * chord)
+    rows, ahead = np.arange(s.size), np.full(s.shape, LOOKAHEAD * chord)
     for _ in range(MAX_STEPS):
-        at, look = way[rows], looks[rows]
-        bend = np.maximum(sharpest(curve, s[rows] - at, s[rows] - at - look), SMALLEST_STEP / chord)
-        slope = 1 - bend * distance[rows]
+        here, reach = offset[rows], ahead[rows]
+        curvature = sharpest(curve, s[rows] - here, s[rows] - here - reach)
+        curvature = np.maximum(curvature, SMALLEST_STEP / chord)
+        slope = 1 - curvature * distance[rows]
         # The positive root, without cancellation.
-        total = np.abs(slope) + np.sqrt(slope**2 + 4 * bend * growth[rows])
-        step = np.minimum(np.where(slope > 0, total / (2 * bend), 2 * growth[rows] / total), look)
-        before[rows], way[rows] = at, at + step
-        # Where steps are short, a bound on what bends much further ahead would only shorten them.
-        looks[rows] = np.minimum(4 * step, LOOK * chord)
-        points, tangents = frame(curve, s[rows] - way[rows])
+        total = np.abs(slope) + np.sqrt(slope**2 + 4 * curvature * growth[rows])
+        step = np.minimum(np.where(slope > 0, total / (2 * curvature), 2 * growth[rows] / total), reach)
+        before[rows], offset[rows] = here, here + step
+        # Where steps are short, the curvature much further ahead does not matter.
+        ahead[rows] = np.minimum(4 * step, LOOKAHEAD * chord)
+        points, tangents = frame(curve, s[rows] - offset[rows])
         between = fronts[rows] - points
         distance[rows], growth[rows] = np.hypot(between[..., 0], between[..., 1]), _dot(between, tangents)
         beyond = np.isnan(distance[rows]) | (distance[rows] >= chord)
@@ -219,7 +220,7 @@ def _bracket(curve: Curve, s: Array, fronts: Array, chord: float) -> tuple[Array
         if not rows.size:
             break
     before[rows] = np.nan
-    return before, way
+    return before, offset
 
 
 def _distance(points: Array, others: Array) -> Array:

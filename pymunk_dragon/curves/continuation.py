@@ -6,11 +6,11 @@ F(s, r) = (|P(s) - P(r)|^2 - d^2) / 2 = 0. With e = P(s) - P(r), the derivatives
 function theorem): the bench pushes its rear handle back where A < 0 (jackknife), and motion goes on. Motion ends at a
 fold, B = 0, where the bench is perpendicular to the path at its rear handle, and where r reaches the curve's begin.
 
-So g depends on s alone, not on the way in which s was reached, and the whole chain is a composition of such functions.
+So g depends on s alone, not on the motion that led to s, and the whole chain is a composition of such functions.
 Three facts make g certain:
 
-- Where the path bends less than a circle with the bench as its diameter over the quarter circle's length to either side
-  (pi / 2 d back from s), A and B are positive, and the rear handle is the only one within that length: the "gentle"
+- Where the path is less curved than a circle with the bench as its diameter, over half that circle's circumference back
+  (pi / 2 d from s), A and B are positive, and the rear handle is the only one within that length: the "gentle"
   case, in which `curves.chain` finds it. This is checked with the curve's own bound on its curvature.
 - On an inward spiral r = k theta, `curves.chain` finds g wherever it exists; see `_is_regular_on`.
 - Elsewhere g is followed in cells. From a root (s0, r0), and with bounds K_s and K_r on the curvature near both
@@ -32,7 +32,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pymunk_dragon.curves.base import Array, Curve, frame, sharpest
-from pymunk_dragon.curves.chain import chain, gentle_ways, reached
+from pymunk_dragon.curves.chain import chain, gentle_offsets, reached
 from pymunk_dragon.curves.spiral import Spiral
 
 __all__ = ["Continuation"]
@@ -53,7 +53,7 @@ REVERSAL = 1e-4
 SECTIONS, PASSES = 17, 10
 # m by which two benches may differ in a state that they share.
 SAME = 1e-9
-# Cells after which a path that bends too sharply is not followed any further.
+# Cells after which a strongly curved path is not followed any further.
 MAX_CELLS = 100_000
 # Spacings over k of an inward spiral between which a rear handle may vanish near the centre and exist again further in:
 # from m(theta*) to 2 pi, and by rounding a little more (see `_is_regular_on`).
@@ -83,8 +83,8 @@ class Continuation:
     @cached_property
     def start(self) -> Array:
         """Coordinates (H,) at the start, m; nan for handles that have none, and for all behind them."""
-        places: Array = chain(self._curve, [self._head], self._spacings)[0]
-        return places
+        handles_s: Array = chain(self._curve, [self._head], self._spacings)[0]
+        return handles_s
 
     def coordinates(self, heads: Array, handles: int) -> Array:
         """Coordinates (T, handles) of the foremost handles with the head at `heads` (T,), m.
@@ -95,10 +95,10 @@ class Continuation:
         usual = self._usual(np.minimum(heads, self._head), np.maximum(heads, self._head), range(handles - 1))
         if usual.all():
             return chain(self._curve, heads, spacings)
-        places = np.empty((heads.size, handles))
-        places[usual] = chain(self._curve, heads[usual], spacings)
-        places[~usual] = self._followed(heads[~usual], handles)
-        return places
+        handles_s = np.empty((heads.size, handles))
+        handles_s[usual] = chain(self._curve, heads[usual], spacings)
+        handles_s[~usual] = self._followed(heads[~usual], handles)
+        return handles_s
 
     def ranges(self, first: Array, last: Array) -> tuple[Array, Array]:
         """Lowest and highest coordinates (T, H) of handles while the chain moves between two states (T, H)."""
@@ -139,8 +139,8 @@ class Continuation:
             return np.ones(lows.shape, dtype=bool)
         if benches.start == 0 and _is_regular_on(curve, spacings):
             return np.ones(lows.shape, dtype=bool)
-        bends = sharpest(curve, lows - np.pi / 2 * spacings.sum(), highs)
-        usual: Flags = ~(bends * spacings.max() >= 2)
+        curvature = sharpest(curve, lows - np.pi / 2 * spacings.sum(), highs)
+        usual: Flags = ~(curvature * spacings.max() >= 2)
         return usual
 
     def _branches(self, benches: int) -> list[_Branch]:
@@ -165,35 +165,35 @@ class Continuation:
 
     def _followed(self, heads: Array, handles: int) -> Array:
         """What `coordinates` gives, bench by bench."""
-        places = np.full((heads.size, handles), np.nan)
-        places[:, 0] = heads
+        handles_s = np.full((heads.size, handles), np.nan)
+        handles_s[:, 0] = heads
         lows, highs = np.minimum(heads, self._head), np.maximum(heads, self._head)
         done = np.zeros(heads.size, dtype=bool)
         for i, branch in enumerate(self._branches(handles - 1)):
-            rows = np.flatnonzero(~done & ~np.isnan(places[:, i]))
+            rows = np.flatnonzero(~done & ~np.isnan(handles_s[:, i]))
             usual = self._usual(lows[rows], highs[rows], range(i, handles - 1))
-            self._place_rest(places, rows[usual], i, lows)
+            self._place_rest(handles_s, rows[usual], i, lows)
             done[rows[usual]] = True
             rows = rows[~usual]
             if not rows.size:
                 break
             branch.cover(lows[rows].min(), highs[rows].max())
-            fronts = places[rows, i]
+            fronts = handles_s[rows, i]
             rears = branch.rear(fronts)
             known = (self.start[i], self.start[i + 1]), (fronts, rears)
             lows[rows], highs[rows] = branch.image(lows[rows], highs[rows], known)
-            places[rows, i + 1] = np.where(np.isnan(lows[rows] + highs[rows]), np.nan, rears)
-        return places
+            handles_s[rows, i + 1] = np.where(np.isnan(lows[rows] + highs[rows]), np.nan, rears)
+        return handles_s
 
-    def _place_rest(self, places: Array, rows: NDArray[np.intp], i: int, lows: Array) -> None:
+    def _place_rest(self, handles_s: Array, rows: NDArray[np.intp], i: int, lows: Array) -> None:
         """Place the handles behind handle `i` by `curves.chain`; those once pushed off the path are lost."""
-        fronts, low = places[rows, i], lows[rows]
-        spacings = self._spacings[i : places.shape[1] - 1]
-        places[rows, i:] = chain(self._curve, fronts, spacings)
+        fronts, low = handles_s[rows, i], lows[rows]
+        spacings = self._spacings[i : handles_s.shape[1] - 1]
+        handles_s[rows, i:] = chain(self._curve, fronts, spacings)
         lower = np.flatnonzero((low < fronts) & (low < self.start[i]))
         if lower.size:
             lost = np.isnan(chain(self._curve, low[lower], spacings))
-            places[rows[lower], i:] = np.where(lost, np.nan, places[rows[lower], i:])
+            handles_s[rows[lower], i:] = np.where(lost, np.nan, handles_s[rows[lower], i:])
 
 
 def _is_regular_on(curve: Curve, spacings: Array) -> bool:
@@ -250,7 +250,7 @@ class _Branch:
         cells = np.searchsorted(self._edges, fronts, side="right") - 1
         inside = (cells >= 0) & (fronts <= self._edges[-1])
         low, high = self._cells[np.clip(cells, 0, len(self._cells) - 1)].T
-        shortest, longest, _ = gentle_ways(self._curve, fronts, self._chord)
+        shortest, longest, _ = gentle_offsets(self._curve, fronts, self._chord)
         shortest = np.where(np.isnan(low), shortest, fronts - high)
         longest = np.where(np.isnan(low), longest, fronts - low)
         points = self._curve.point(fronts)
@@ -341,13 +341,13 @@ class _Branch:
         gentle = sharpest(curve, lows - np.pi / 2 * chord, highs) * chord < 2
         number = count if gentle.all() else int(np.argmin(gentle))
         # On another branch the rear handle is further away.
-        if number == 0 or front - rear > gentle_ways(curve, np.array([front]), chord)[1][0]:
+        if number == 0 or front - rear > gentle_offsets(curve, np.array([front]), chord)[1][0]:
             return front
         return float(np.clip(edges[number], curve.begin, curve.end))
 
     def _gentle_rear(self, front: float) -> float:
         fronts = np.array([front])
-        shortest, longest, _ = gentle_ways(self._curve, fronts, self._chord)
+        shortest, longest, _ = gentle_offsets(self._curve, fronts, self._chord)
         return float(reached(self._curve, fronts, self._curve.point(fronts), self._chord, shortest, longest)[0][0])
 
     def _within(self, fronts: Array, bracket: tuple[float, float]) -> Array:
@@ -368,8 +368,8 @@ class _Branch:
         ahead, behind = float(growth[0][0]), float(growth[1][0])
         window = WINDOW * self._chord
         others = np.array([front + direction * window, rear + window])
-        bends = sharpest(self._curve, np.array([front, rear - window]), others)
-        own, other = (1 + bends * (self._chord + 2 * window)).tolist()
+        curvature = sharpest(self._curve, np.array([front, rear - window]), others)
+        own, other = (1 + curvature * (self._chord + 2 * window)).tolist()
         if behind <= 0:
             return 0.0, 0.0, ahead, 0.0
         half = min(window, behind / (2 * other))
