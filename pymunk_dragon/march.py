@@ -1,4 +1,4 @@
-"""Exact kinematics: where every handle of a dragon on a curve is, and how fast (paper, eq. 1-15)."""
+"""Exact kinematics of a dragon on a curve: positions and velocities of its handles (paper, eq. 1-15)."""
 
 from __future__ import annotations
 
@@ -24,28 +24,28 @@ __all__ = ["March", "States", "check_march", "last_time"]
 
 Array = NDArray[np.float64]
 
-# Metres before the start, a day's march. So far out a double still tells places 0.1 nm apart.
+# m before the start. At this distance a double still resolves 0.1 nm.
 MAX_RETREAT = 1e5
-# The turn of a spiral on which the contest's march begins.
+# Turn of the spiral on which the paper's march begins.
 TURNS = 16.0
-# m from where a curve begins to the last hole of a dragon that is put there: a thousand roundings.
+# m between a curve's begin and the last handle of a dragon that starts there: a thousand rounding errors.
 CLEAR_OF_BEGIN = 1e-9
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class States(ArrayRecord):
-    """A dragon at T times: H handles, N = H - 1 benches.
+    """States of a dragon at T times: H handles, N = H - 1 benches.
 
     Attributes
     ----------
     times : ndarray, shape (T,)
         s.
     places : ndarray, shape (T, H)
-        Places of the handles on the curve, m of arc length.
+        Arc-length coordinates of the handles, m.
     positions, velocities : ndarray, shape (T, H, 2)
         m and m/s.
     speeds : ndarray, shape (T, H)
-        Lengths of the velocities, m/s.
+        Magnitudes of the velocities, m/s.
     """
 
     times: Array
@@ -80,29 +80,29 @@ class States(ArrayRecord):
 
 @dataclass(frozen=True)
 class March(Displayed):
-    """A dragon on a curve at a speed; by default the march of the paper.
+    """Motion of a dragon along a curve at a given speed; by default the march of the paper.
 
     Parameters
     ----------
     dragon : Dragon
-        What marches.
+        The chain of benches.
     curve : Curve
-        What it marches on.
+        The path of the handles.
     turns : float, optional
-        Turn of a spiral on which handle 0 stands at t = 0; 16, the contest's (8.8, 0) m, if `start` is not given.
+        Turn of a spiral on which handle 0 is at t = 0; 16, at (8.8, 0) m on the paper's, if `start` is not given.
     start : float, optional
-        Place of handle 0 at t = 0, m. By default 0 on a curve other than a spiral that comes from infinity, and the
-        first place at which the whole dragon is on the curve where that has a begin.
+        Coordinate of handle 0 at t = 0, m. By default 0 on a curve other than a spiral that comes from infinity, and
+        the first coordinate at which the whole dragon is on the curve if the curve has a begin.
     speed : float, Speed or callable
         Speed of handle 0: a number in m/s, a `SpeedTable`, or a function of the time in s.
 
     Raises
     ------
     ParameterError
-        If `dragon` is no `Dragon` or `curve` no `Curve`, if `turns` is not a number above 0 and at most 1000, `start`
-        no place on the curve or `speed` anywhere not from 1e-6 to 20 m/s, if `turns` are given with a `start` or for a
-        curve without turns, if a spiral's turns are no further apart than the benches are wide, or if the curve cannot
-        take the dragon at t = 0.
+        If `dragon` is not a `Dragon` or `curve` not a `Curve`, if `turns` is not a number above 0 and at most 1000,
+        `start` not on the curve or `speed` anywhere not from 1e-6 to 20 m/s, if `turns` is given with `start` or for a
+        curve without turns, if a spiral's pitch is not larger than the benches' width, or if the dragon does not fit on
+        the curve at t = 0.
     """
 
     dragon: Dragon = field(default_factory=Dragon)
@@ -115,9 +115,9 @@ class March(Displayed):
         if not isinstance(self.dragon, Dragon):
             raise ParameterError("dragon", self.dragon, "a Dragon")
         check_curve("curve", self.curve)
-        pace = speed_of(self.speed)
-        if isinstance(pace, ConstantSpeed):
-            object.__setattr__(self, "speed", pace.value)
+        speed_profile = speed_of(self.speed)
+        if isinstance(speed_profile, ConstantSpeed):
+            object.__setattr__(self, "speed", speed_profile.value)
         widest = float(self.dragon.widths.max())
         if isinstance(self.curve, Spiral | UTurn) and self.curve.pitch <= widest:
             raise ParameterError("pitch", self.curve.pitch, f"more than the width, {widest:g} m")
@@ -140,7 +140,7 @@ class March(Displayed):
             raise ParameterError("turns", self.turns, "absent: only a Spiral has turns, other curves have a start")
 
     def _misfit(self, error: UnreachableError) -> ParameterError:
-        """What is wrong with a march that has no place for a handle at t = 0."""
+        """Error for a march in which a handle has no coordinate at t = 0."""
         handle = error.handle
         if self.start is None and isinstance(self.curve, Spiral):
             name = "head_spacing" if handle == 1 else "body_spacing"
@@ -151,12 +151,12 @@ class March(Displayed):
 
     @cached_property
     def head_start(self) -> float:
-        """Place of handle 0 at t = 0, m.
+        """Coordinate of handle 0 at t = 0, m.
 
         Raises
         ------
         ParameterError
-            If the curve is too short for the dragon, or turns back within a bench's length.
+            If the curve is too short for the dragon, or reverses within a bench's length.
         """
         if self.start is not None:
             return self.start
@@ -164,7 +164,7 @@ class March(Displayed):
             return self.curve.at_turn(self.turns)
         if self.curve.begin == -np.inf:
             return min(0.0, self.curve.end)
-        # The dragon seen from its tail: its holes follow each other back along the curve travelled the other way.
+        # The dragon from its tail on: its handles follow each other back along the reversed curve.
         tail = self.curve.begin + CLEAR_OF_BEGIN
         head = -float(chain(Reversed(self.curve), [-tail], self.dragon.spacings[::-1])[0, -1])
         if np.isnan(head):
@@ -175,14 +175,14 @@ class March(Displayed):
 
     @property
     def end(self) -> float:
-        """Time at which handle 0 reaches the end of the curve, s; inf where it has none."""
+        """Time at which handle 0 reaches the end of the curve, s; inf if the curve has no end."""
         return float(self.time(self.curve.end - self.head_start))
 
     def span(self, since: float, until: float) -> tuple[float, float]:
-        """Places in m that the curve is worth looking at: where it begins and ends, if it does.
+        """Range of coordinates that a picture of the curve shows, m: from its begin to its end, if it has these.
 
-        On one that comes from infinity it begins with the last handle at `since` s, or at 0 s where that has no place
-        then; on one without end it ends with handle 0 at `until` s.
+        On a curve from infinity the range begins with the last handle at `since` s, or at 0 s if the handle has no
+        coordinate at `since`; on a curve without end it ends with handle 0 at `until` s.
 
         Raises
         ------
@@ -194,36 +194,36 @@ class March(Displayed):
             tails = self.places([since, 0.0])[:, -1]
             first = float(tails[1] if np.isnan(tails[0]) else tails[0])
         if last == np.inf:
-            last = self.head_start + float(self.way(until))
+            last = self.head_start + float(self.distance(until))
         return first, last
 
     @cached_property
-    def pace(self) -> Speed:
-        """The speed as something that knows ways and times."""
+    def speed_profile(self) -> Speed:
+        """The speed as an object that converts between times and distances."""
         return speed_of(self.speed)
 
     @cached_property
     def continuation(self) -> Continuation:
-        """The states that continuous motion from t = 0 leads to."""
+        """States reached by continuous motion from t = 0."""
         return Continuation(self.curve, self.head_start, self.dragon.spacings)
 
-    def way(self, times: ArrayLike) -> Array:
-        """How far (T,) in m handle 0 has gone since t = 0; negative before."""
-        return self.pace.way(times)
+    def distance(self, times: ArrayLike) -> Array:
+        """Distance (T,) in m that handle 0 has travelled since t = 0; negative before."""
+        return self.speed_profile.distance(times)
 
-    def time(self, ways: ArrayLike) -> Array:
-        """When (T,) in s handle 0 has gone so far, in m, since t = 0."""
-        return self.pace.time(ways)
+    def time(self, distances: ArrayLike) -> Array:
+        """Times (T,) in s at which handle 0 has travelled the `distances` (T,) in m since t = 0."""
+        return self.speed_profile.time(distances)
 
     def parameters(self, times: ArrayLike, handles: int | None = None) -> Array:
-        """Places (T, H) of the first `handles` (all by default) at `times` (T,), m of arc length.
+        """Arc-length coordinates (T, H) of the first `handles` (all by default) at `times` (T,), m.
 
         Raises
         ------
         ParameterError
-            If a time is no finite number, or so early that the head would stand more than 100 km before its start.
+            If a time is not a finite number, or so early that the head would be more than 100 km before its start.
         UnreachableError
-            If a handle has no place on the curve: the first such time, and the first such handle then.
+            If continuous motion has ended for a handle: the first such time, and the first such handle then.
         """
         t = self._checked(times)
         places = self.places(t, handles)
@@ -232,7 +232,7 @@ class March(Displayed):
         return places
 
     def places(self, times: ArrayLike, handles: int | None = None) -> Array:
-        """What `parameters` gives, with nan for handles that have no place on the curve, and for all behind them.
+        """The same, with nan for handles that have no coordinate at a time, and for all behind them.
 
         Raises
         ------
@@ -243,10 +243,10 @@ class March(Displayed):
         number = self.dragon.handles
         if handles is not None:
             number = whole("handles", handles, 1, number)
-        heads = self.head_start + self.way(t)
+        heads = self.head_start + self.distance(t)
         beyond = heads > self.curve.end
         if beyond.any():
-            # Rounding does not carry the head past the end before its time.
+            # Not past the end by rounding.
             heads[beyond] = np.where(t[beyond] <= self.end, self.curve.end, np.nan)
         return self.continuation.coordinates(heads, number)
 
@@ -259,7 +259,7 @@ class March(Displayed):
         bad = ~np.isfinite(t)
         if not bad.any():
             with np.errstate(over="ignore"):
-                bad = self.way(t) < -MAX_RETREAT
+                bad = self.distance(t) < -MAX_RETREAT
         if bad.any():
             raise ParameterError("times", t[bad][0].item(), f"finite numbers, at least {self._earliest:g} s")
         return t
@@ -273,13 +273,13 @@ class March(Displayed):
         affected = np.flatnonzero(lost.any(axis=1))
         row = affected[np.argmin(times[affected])]
         handle = int(np.argmax(lost[row]))
-        if handle == 0 and self.way(times[row]) < 0:
+        if handle == 0 and self.distance(times[row]) < 0:
             reason = f"the curve begins at t = {float(self.time(self.curve.begin - self.head_start)):.6g} s"
         elif handle == 0:
             reason = f"the curve ends at t = {self.end:.6g} s"
         else:
             spacing, front = self.dragon.spacings[handle - 1], places[row, handle - 1]
-            # A bench stands on an arc of at most half a circle.
+            # The arc of a bench is at most half a circle.
             if front - self.curve.begin < np.pi / 2 * spacing and self._away_from_begin(front) < spacing:
                 reason = f"the curve begins less than a spacing of {spacing:g} m behind handle {handle - 1}"
             else:
@@ -287,14 +287,14 @@ class March(Displayed):
         raise UnreachableError(float(times[row]), handle, reason)
 
     def _away_from_begin(self, place: float) -> float:
-        """Straight distance of a place from where the curve begins, m."""
+        """Straight distance of a coordinate from the curve's begin, m."""
         begin, there = point(self.curve, [self.curve.begin, place])
         return float(np.hypot(*(there - begin)))
 
     def at(self, times: ArrayLike, handles: int | None = None) -> States:
         """Exact states of the first `handles` (all by default) at `times` (T,) in s.
 
-        Velocities follow from the rigid bench: both its holes have the same velocity component along it (the exact
+        Velocities follow from the rigid bench: both its handles have the same velocity component along it (the exact
         form of eq. 14).
 
         Raises
@@ -308,9 +308,9 @@ class March(Displayed):
         along = positions[:, :-1] - positions[:, 1:]
         front = np.sum(tangents[:, :-1] * along, axis=-1)
         rear = np.sum(tangents[:, 1:] * along, axis=-1)
-        # Signed along the path: a head that has come more than square across its bench pushes it back out.
+        # Signed along the path: a head at more than a right angle to its bench pushes the rear handle back.
         rates = np.empty(places.shape)
-        rates[:, 0] = self.pace.at(t)
+        rates[:, 0] = self.speed_profile.at(t)
         rates[:, 1:] = rates[:, :1] * np.cumprod(front / rear, axis=1)
         return States(t, places, positions, rates[..., None] * tangents, np.abs(rates))
 
@@ -323,7 +323,7 @@ class March(Displayed):
         Raises
         ------
         ParameterError
-            If the curve is no spiral, or `step` not above 0.
+            If the curve is not a spiral, or `step` is not above 0.
         """
         positive("step", step, np.inf, "s")
         if not isinstance(self.curve, Spiral):
@@ -335,13 +335,13 @@ class March(Displayed):
 
 
 def check_march(value: object) -> None:
-    """Raise a ParameterError if `value` is no march."""
+    """Raise a ParameterError if `value` is not a march."""
     if not isinstance(value, March):
         raise ParameterError("march", value, "a March")
 
 
 def last_time(march: March, start: float) -> float:
-    """Time at which handle 0 reaches the end of the curve, s, for those who start at `start` s and name no end.
+    """Time at which handle 0 reaches the end of the curve, s, as the default end of an interval from `start` s.
 
     Raises
     ------

@@ -200,7 +200,7 @@ def test_where_the_dragon_is_depends_on_the_way_alone():
     table = SpeedTable([0, 10, 20], [1.0, 2.0, 0.5])
     changing, steady = March(SMALL, speed=table), March(SMALL)
     times = np.array([-3.0, 0, 4, 15, 33.3])
-    ways = changing.way(times)
+    ways = changing.distance(times)
     assert ways.tolist() == pytest.approx([-3, 0, 4 + 0.8, 15 + 2 * 5 - 1.5 / 20 * 25, 27.5 + 13.3 * 0.5])
     there, same = changing.at(times), steady.at(ways)
     assert there.positions == pytest.approx(same.positions, abs=1e-12)

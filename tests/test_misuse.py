@@ -51,7 +51,7 @@ class Steady:
     def at(self, t):
         return np.ones(np.shape(t))
 
-    def way(self, t):
+    def distance(self, t):
         return np.asarray(t, dtype=float)
 
     def time(self, way):
@@ -155,7 +155,7 @@ def test_class_is_no_curve_and_no_speed():
         March(speed=Steady)
 
 
-@pytest.mark.parametrize("method", ["at", "way", "time", "fastest"])
+@pytest.mark.parametrize("method", ["at", "distance", "time", "fastest"])
 @wrong
 def test_speed_of_a_wrong_shape_is_refused_by_its_method(method, answer):
     speed = speed_of(own(Steady, **{method: answer}))
@@ -171,7 +171,7 @@ def test_speed_of_a_wrong_shape_is_refused_by_its_method(method, answer):
         ("at", 0.0),
         ("at", -1.0),
         ("at", 21.0),
-        ("way", math.nan),
+        ("distance", math.nan),
         ("time", math.nan),
         ("fastest", math.nan),
         ("fastest", 0.0),
@@ -212,7 +212,7 @@ def test_function_that_varies_too_fast_is_refused_at_once(rate):
 def test_function_that_varies_often_is_integrated_exactly():
     speed = speed_of(lambda t: 1 + 0.9 * np.sin(2e3 * t))
     times = np.linspace(-1, 3, 50)
-    np.testing.assert_allclose(speed.way(times), times + 0.9 / 2e3 * (1 - np.cos(2e3 * times)), atol=1e-12)
+    np.testing.assert_allclose(speed.distance(times), times + 0.9 / 2e3 * (1 - np.cos(2e3 * times)), atol=1e-12)
 
 
 NONE = {

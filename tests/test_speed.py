@@ -45,7 +45,7 @@ def test_what_is_no_speed_is_refused(value):
 def test_a_constant_speed_is_exact():
     speed = speed_of(0.7)
     times = np.array([-3.0, 0.0, 412.473])
-    assert speed.way(times).tolist() == (0.7 * times).tolist()
+    assert speed.distance(times).tolist() == (0.7 * times).tolist()
     assert speed.time([1.0, -2.0]).tolist() == [1 / 0.7, -2 / 0.7]
     assert speed.at(times).tolist() == [0.7] * 3
     assert speed.fastest(0.0, 9.0) == 0.7
@@ -61,20 +61,20 @@ def test_a_table_goes_straight_from_entry_to_entry():
 def test_a_tables_way_is_the_integral_of_its_speed(time):
     knots = sorted({0.0, time, *(t for t in TABLE.times if min(0, time) < t < max(0, time))})
     exact = math.fsum((b - a) * (TABLE.at(a) + TABLE.at(b)) / 2 for a, b in itertools.pairwise(knots))
-    assert TABLE.way(time) == pytest.approx(math.copysign(exact, time), rel=1e-14, abs=1e-15)
+    assert TABLE.distance(time) == pytest.approx(math.copysign(exact, time), rel=1e-14, abs=1e-15)
 
 
 @given(tables(), st.lists(st.floats(-2000, 2000), min_size=1))
 def test_a_tables_time_is_the_inverse_of_its_way(table, times):
-    found = table.time(table.way(times))
+    found = table.time(table.distance(times))
     # A way is known to some units of its last place, and where the head is slow it stays there the longer.
-    allowed = 1e-12 * (1 + np.abs(table.way(times))) / table.at(times) + 1e-12 * np.abs(times)
+    allowed = 1e-12 * (1 + np.abs(table.distance(times))) / table.at(times) + 1e-12 * np.abs(times)
     assert np.all(np.abs(found - times) <= allowed)
 
 
 def test_a_table_that_hardly_changes_loses_no_places():
     table = SpeedTable((0.0, 1e6), (1.0, 1.0 + 1e-13))
-    assert table.time(table.way(777.77)) == pytest.approx(777.77, rel=1e-15)
+    assert table.time(table.distance(777.77)) == pytest.approx(777.77, rel=1e-15)
 
 
 @given(tables(), st.floats(-600, 600), st.floats(0, 300))
@@ -182,21 +182,21 @@ def test_a_functions_way_is_its_integral(name):
     function, integral = CLOSED[name]
     times = np.array([-400.3, -100.0, -1.0, 0.0, 1e-9, 3.3, 7.0, 99.99, 150.0, 412.473])
     exact = np.array([float(integral(mpmath.mpf(time))) for time in times])
-    assert np.abs(speed_of(function).way(times) - exact).max() < 1e-11
+    assert np.abs(speed_of(function).distance(times) - exact).max() < 1e-11
 
 
 def test_a_functions_way_agrees_with_another_quadrature():
     speed = speed_of(lambda t: np.exp(np.sin(t)) / (1 + 0.1 * np.cos(3 * t)))
     steps = mpmath.linspace(0, 60, 61)
     exact = mpmath.quad(lambda t: mpmath.exp(mpmath.sin(t)) / (1 + mpmath.cos(3 * t) / 10), steps)
-    assert float(speed.way(60.0)) == pytest.approx(float(exact), abs=1e-12)
+    assert float(speed.distance(60.0)) == pytest.approx(float(exact), abs=1e-12)
 
 
 @pytest.mark.parametrize("name", CLOSED)
 def test_a_functions_time_is_the_inverse_of_its_way(name):
     speed = speed_of(CLOSED[name][0])
     times = np.linspace(-300, 500, 4001)
-    assert np.abs(speed.time(speed.way(times)) - times).max() < 2e-12
+    assert np.abs(speed.time(speed.distance(times)) - times).max() < 2e-12
     assert speed.at(times).shape == times.shape
 
 
@@ -217,20 +217,20 @@ def test_a_functions_bound_holds_and_is_tight(name):
 
 def test_the_answer_does_not_depend_on_what_was_asked_before():
     times = [300.0, -200.0, 5.0, 0.5, -7.0]
-    ways = {time: speed_of(WAVE[0]).way(time).item() for time in times}
+    ways = {time: speed_of(WAVE[0]).distance(time).item() for time in times}
     speed = speed_of(WAVE[0])
     speed.time(-20.0)
-    assert [speed.way(time).item() for time in times] == list(ways.values())
-    assert speed.way(times).tolist() == list(ways.values())
+    assert [speed.distance(time).item() for time in times] == list(ways.values())
+    assert speed.distance(times).tolist() == list(ways.values())
 
 
 def test_only_the_time_that_is_asked_about_is_looked_at():
     speed = speed_of(lambda t: np.sqrt(101 - t) / 10)
     exact = (101**1.5 - 3**1.5) / 15
-    assert speed.way(98.0) == pytest.approx(exact, abs=1e-12)
+    assert speed.distance(98.0) == pytest.approx(exact, abs=1e-12)
     assert speed.time(exact) == pytest.approx(98.0, abs=1e-10)
     with pytest.raises(ParameterError, match="speed at t = 1"):
-        speed.way(110.0)
+        speed.distance(110.0)
 
 
 @pytest.mark.parametrize(
@@ -248,7 +248,7 @@ def test_only_the_time_that_is_asked_about_is_looked_at():
 )
 def test_a_function_that_is_no_speed_is_refused_with_the_time(function, at, words):
     with pytest.raises(ParameterError) as caught:
-        speed_of(function).way([0.0, 120.0])
+        speed_of(function).distance([0.0, 120.0])
     assert_says(caught.value, "speed", *words)
     if "at t = " in str(caught.value):
         assert float(str(caught.value).split("at t = ")[1].split()[0]) == pytest.approx(at, abs=0.15)
@@ -258,19 +258,19 @@ def test_a_function_that_is_no_speed_is_refused_with_the_time(function, at, word
 
 def test_noise_is_refused():
     with pytest.raises(ParameterError, match=r"speed from t = 0 s to 2 s .*smooth but for some kinks"):
-        speed_of(lambda t: 1 + 1e-3 * np.sin(1e9 * t)).way(1.0)
+        speed_of(lambda t: 1 + 1e-3 * np.sin(1e9 * t)).distance(1.0)
 
 
 @pytest.mark.parametrize("function", [lambda: 1.0, lambda t, v: 1.0])
 def test_what_is_no_function_of_time_is_refused(function):
     with pytest.raises(ParameterError) as caught:
-        speed_of(function).way(1.0)
+        speed_of(function).distance(1.0)
     assert_says(caught.value, "speed is ", "a function from s to m/s")
 
 
 def test_times_and_ways_out_of_reach_are_refused(monkeypatch):
     with pytest.raises(ParameterError, match="time is 1000000"):
-        speed_of(WAVE[0]).way(1e6)
+        speed_of(WAVE[0]).distance(1e6)
     monkeypatch.setattr("pymunk_dragon.speed.function.MAX_TIME", 1e3)
     with pytest.raises(ParameterError, match=r"way is -2001\.0, .*within the 2000 m that the speed gets through"):
         speed_of(lambda t: 2.0 + 0 * t).time(-2001.0)
@@ -280,9 +280,9 @@ def test_times_and_ways_out_of_reach_are_refused(monkeypatch):
 def test_for_ever_is_gone_in_for_ever(value):
     speed = speed_of(value)
     for sign in (-math.inf, math.inf):
-        assert speed.way(sign) == sign
+        assert speed.distance(sign) == sign
         assert speed.time(sign) == sign
-    assert math.isnan(speed.way(math.nan))
+    assert math.isnan(speed.distance(math.nan))
     assert math.isnan(speed.time(math.nan))
 
 
@@ -291,5 +291,5 @@ def test_shapes_are_kept(value):
     speed = speed_of(value)
     for shape in ((), (0,), (3,), (2, 3)):
         zeros = np.zeros(shape)
-        for answer in (speed.at(zeros), speed.way(zeros), speed.time(zeros), speed.fastest(zeros, zeros)):
+        for answer in (speed.at(zeros), speed.distance(zeros), speed.time(zeros), speed.fastest(zeros, zeros)):
             assert np.shape(answer) == shape

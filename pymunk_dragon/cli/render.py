@@ -145,7 +145,7 @@ def _write_player(sources: list[Run | March], path: Path, given: dict[str, Any])
         run = source
     else:
         since, until = given.get("since", 0.0), given["until"]
-        times = np.arange(since, until, PLAYER_STRIDE / float(source.pace.fastest(since, until)))
+        times = np.arange(since, until, PLAYER_STRIDE / float(source.speed_profile.fastest(since, until)))
         run = Run.exact(source, np.append(times, until))
     with progress("page") as show:
         write_player(run, path, title=given.get("title"), progress=lambda done, total: show(done, total, "page"))

@@ -214,7 +214,7 @@ def first_contact(
     """
     start, until = checked_times(march, start, until)
     steady = March(march.dragon, march.curve, start=march.head_start)
-    begin, end = march.way([start, until]).tolist()
+    begin, end = march.distance([start, until]).tolist()
     if until == march.end:
         # Not beyond it by rounding.
         end = steady.end
@@ -272,7 +272,7 @@ class _Search:
         last = start
         self._start_s = start_s[0]
         end = min(until, march.end)
-        heads = (march.head_start + march.way([start, end])).tolist()
+        heads = (march.head_start + march.distance([start, end])).tolist()
         self._alike = march.dragon.alike and march.continuation.alike(*heads)
         self._duration = end - start
         self._warm_up_end = self._end_of_warm_up(start, end)

@@ -180,7 +180,7 @@ def _head_force(march: March, guide: Guide, fastest: float, given: float | None)
 def top_speed(march: March, start: float, until: float | None) -> float:
     """The highest speed of the head between two times, or until it comes to the end of the curve, m/s."""
     end = march.end
-    return float(march.pace.fastest(start, max(start, end if until is None else min(until, end))))
+    return float(march.speed_profile.fastest(start, max(start, end if until is None else min(until, end))))
 
 
 class _Loop:

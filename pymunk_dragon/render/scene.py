@@ -171,7 +171,9 @@ class Scene:
             left = f"gap {_length(gap)} to bench {bench}"
         if moment.impulses is not None:
             right = f"joints up to {_impulse(float(moment.impulses.max()))} N s"
-        self._lettering.put(picture, f"t = {moment.time:.2f} s", f"{float(self.march.pace.at(moment.time)):.2f} m/s")
+        self._lettering.put(
+            picture, f"t = {moment.time:.2f} s", f"{float(self.march.speed_profile.at(moment.time)):.2f} m/s"
+        )
         self._lettering.put(picture, left, right, bottom=True)
 
 

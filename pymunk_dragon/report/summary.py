@@ -117,7 +117,7 @@ def _scenario(march: March) -> dict[str, Any]:
 
 def _speed(march: March) -> float | list[tuple[float, float]] | None:
     """A number, or entries of a table; None for a function."""
-    pace = march.pace
+    pace = march.speed_profile
     if isinstance(pace, SpeedTable):
         return list(zip(pace.times, pace.speeds, strict=True))
     return pace.value if isinstance(pace, ConstantSpeed) else None

@@ -1,4 +1,4 @@
-"""How fast the head goes: a number, a table over time, or a function."""
+"""Speed profiles of the head: a number, a table over time, or a function of time."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a speed over time has to answer, and the plainest one."""
+"""Interface of a speed profile, and the constant one."""
 
 from __future__ import annotations
 
@@ -15,24 +15,26 @@ __all__ = ["MAX_SPEED", "MIN_SPEED", "Array", "ConstantSpeed", "OwnSpeed", "Spee
 
 Array = NDArray[np.float64]
 
-# Metres per second. Nobody runs faster than 13, and a snail is a thousand times as fast as the slowest.
-MIN_SPEED, MAX_SPEED = 1e-6, 20.0
+# m/s, a thousandth of a snail's speed.
+MIN_SPEED = 1e-6
+# m/s; sprinters reach 13 m/s.
+MAX_SPEED = 20.0
 
 
 @runtime_checkable
 class Speed(Protocol):
-    """The speed of handle 0 over time; never zero, so that every way has its time."""
+    """Speed of handle 0 over time. It is never zero, so every distance has one time."""
 
     def at(self, t: ArrayLike) -> Array:
         """Speed (T,) in m/s at times `t` (T,) in s."""
         ...
 
-    def way(self, t: ArrayLike) -> Array:
-        """Distance (T,) in m gone from time 0 to `t` (T,) in s, negative before 0."""
+    def distance(self, t: ArrayLike) -> Array:
+        """Distance (T,) in m travelled from time 0 to `t` (T,) in s, negative before 0."""
         ...
 
-    def time(self, way: ArrayLike) -> Array:
-        """Times (T,) in s at which `way` (T,) in m has been gone: the inverse of `way`."""
+    def time(self, distance: ArrayLike) -> Array:
+        """Times (T,) in s at which the `distance` (T,) in m is reached: the inverse of the method `distance`."""
         ...
 
     def fastest(self, t0: ArrayLike, t1: ArrayLike) -> Array:
@@ -42,7 +44,7 @@ class Speed(Protocol):
 
 @dataclass(frozen=True)
 class ConstantSpeed:
-    """One speed at all times, `value` in m/s.
+    """The same speed at all times, `value` in m/s.
 
     Raises
     ------
@@ -59,13 +61,13 @@ class ConstantSpeed:
         """As in `Speed`."""
         return np.full(np.shape(t), self.value)
 
-    def way(self, t: ArrayLike) -> Array:
+    def distance(self, t: ArrayLike) -> Array:
         """As in `Speed`."""
         return self.value * np.asarray(t, dtype=float)
 
-    def time(self, way: ArrayLike) -> Array:
+    def time(self, distance: ArrayLike) -> Array:
         """As in `Speed`."""
-        return np.asarray(way, dtype=float) / self.value
+        return np.asarray(distance, dtype=float) / self.value
 
     def fastest(self, t0: ArrayLike, t1: ArrayLike) -> Array:
         """As in `Speed`."""
@@ -74,12 +76,12 @@ class ConstantSpeed:
 
 @dataclass(frozen=True)
 class OwnSpeed:
-    """A speed of a user's own class, which checks all that its methods return.
+    """Wrapper of a user-defined speed profile that checks all return values.
 
     Raises
     ------
     ParameterError
-        When a method is called: if it returns anything but numbers of the shape that `Speed` asks for, nan, or a speed
+        When a method is called: if it returns anything but numbers of the shape that `Speed` requires, nan, or a speed
         below 1e-6 or above 20 m/s.
     """
 
@@ -89,13 +91,13 @@ class OwnSpeed:
         """As in `Speed`."""
         return self._called("at", t, low=MIN_SPEED, high=MAX_SPEED)
 
-    def way(self, t: ArrayLike) -> Array:
+    def distance(self, t: ArrayLike) -> Array:
         """As in `Speed`."""
-        return self._called("way", t)
+        return self._called("distance", t)
 
-    def time(self, way: ArrayLike) -> Array:
+    def time(self, distance: ArrayLike) -> Array:
         """As in `Speed`."""
-        return self._called("time", way)
+        return self._called("time", distance)
 
     def fastest(self, t0: ArrayLike, t1: ArrayLike) -> Array:
         """As in `Speed`."""

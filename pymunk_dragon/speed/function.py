@@ -1,4 +1,4 @@
-"""A speed as a function of time, integrated once by fits and looked up from then on."""
+"""Speed profile given by a function of time, integrated once with piecewise polynomial fits."""
 
 from __future__ import annotations
 
@@ -17,25 +17,27 @@ from pymunk_dragon.speed.base import MAX_SPEED, MIN_SPEED, Array, largest_betwee
 
 __all__ = ["SpeedFunction"]
 
-# Seconds between the edges of two blocks; each is fitted by itself, whatever was asked before, and halved as often as
-# it takes. Of the first fit's points no two are further apart than 0.13 s: what is shorter can be overlooked.
+# s. Length of a block; each is fitted independently of the others, and halved as often as needed. The points of the
+# first fit are at most 0.13 s apart: shorter features can be missed.
 BLOCK = 2.0
 DEGREE = 24
-# A piece is good enough when its last coefficients, over its length, are below this share of the speed's way in its
-# block: the ways of all pieces of a block are good to a few units in the last place of the block's way then.
-LAST, GOOD = 4, 1e-14
-# Seconds. A kink disappears in a piece of a microsecond; what still is there in a nanosecond is a jump.
+# Number of last coefficients of a piece that decide whether its fit is good enough.
+LAST = 4
+# Their largest share, integrated over the piece, of the distance in the block: the distances of all pieces of a block
+# are then accurate to a few units in the last place of the block's distance.
+GOOD = 1e-14
+# s. A kink is negligible in a piece of a microsecond; a difference that remains within a nanosecond is a jump.
 MIN_PIECE = 1e-9
-# Pieces of one length in a block that no fit is good enough for: a kink is in one or two of them. Where there are more,
-# the speed varies within 2 ms nearly everywhere, as noise does and an oscillation of 1 kHz.
+# Pieces of one length in a block without a good fit: a kink affects one or two of them. If there are more, the speed
+# varies within 2 ms nearly everywhere, like noise or an oscillation of 1 kHz.
 MAX_ROUGH = 1000
-# Seconds, more than a day: within it, fitting takes half a minute at most.
+# s, more than a day: fitting takes at most half a minute.
 MAX_TIME = 1e5
-# Cells of a piece that have a bound on the speed of their own.
+# Cells of a piece, each with its own bound on the speed.
 CELLS = 32
-# A bracket of Newton's method is halved where a step leaves it, so that this many steps always end it.
+# Newton's method halves its bracket where a step leaves it, so it always ends within this number of steps.
 MAX_STEPS = 60
-# Half lengths of a piece. The error after a step is about the step's square: nothing is left of it after this one.
+# Half lengths of a piece. The error after a step is about the step's square, here below the last digit.
 LAST_STEP = 1e-9
 
 _ANGLES = np.pi * np.arange(DEGREE + 1) / DEGREE
@@ -52,7 +54,7 @@ class _Fit:
     """P pieces in the order of time, from one edge of blocks to another.
 
     `edges` (P + 1,) in s; `speeds` (DEGREE + 1, P) and `gone` (DEGREE + 2, P): coefficients of the speed in m/s and of
-    the way since the piece's begin in m; `bounds` (P, CELLS) on the speed in m/s.
+    the distance since the piece's beginning in m; `bounds` (P, CELLS) on the speed in m/s.
     """
 
     edges: Array
@@ -61,10 +63,10 @@ class _Fit:
     bounds: Array
 
     @cached_property
-    def ways(self) -> Array:
-        """Ways (P + 1,) in m at the edges, one of which is time 0."""
+    def distances(self) -> Array:
+        """Distances (P + 1,) in m at the edges, one of which is time 0."""
         steps = np.asarray(chebval(1.0, self.gone))
-        # Added up from time 0 outwards, so that it does not matter in which order the blocks came.
+        # Summed from time 0 outwards, so that the result does not depend on the order of the blocks.
         zero = int(np.searchsorted(self.edges, 0.0))
         return np.concatenate([-np.cumsum(steps[:zero][::-1])[::-1], [0.0], np.cumsum(steps[zero:])])
 
@@ -84,14 +86,13 @@ class SpeedFunction:
     Raises
     ------
     ParameterError
-        When it is asked: where the function is no number from 1e-6 to 20 m/s, jumps, or is too rough; for times
-        further than 100,000 s from 0, and for ways that it does not get through till then.
+        When a method is called: if the function is not a number from 1e-6 to 20 m/s somewhere, jumps, or is too rough;
+        for times beyond 100,000 s from 0, and for distances that are not reached by then.
 
     Notes
     -----
-    Ways are integrals of piecewise Chebyshev fits, good to about 1e-13 of themselves. The fits are made block after
-    block as they are needed, and are the same in whatever order that happens. What lasts for less than 0.1 s can be
-    overlooked.
+    Distances are integrals of piecewise Chebyshev fits, with a relative error of about 1e-13. The fits are made block
+    by block when needed; the result does not depend on the order. Features shorter than 0.1 s can be missed.
     """
 
     function: Callable[[Any], Any]
@@ -103,25 +104,27 @@ class SpeedFunction:
         t = np.asarray(t, dtype=float)
         return self._values(t.ravel()).reshape(t.shape)
 
-    def way(self, t: ArrayLike) -> Array:
+    def distance(self, t: ArrayLike) -> Array:
         """As in `Speed`."""
         t = np.asarray(t, dtype=float)
         flat = np.where(np.isfinite(t), t, 0.0).ravel()
         fit = self._fitted(flat)
         piece = _piece(fit.edges, flat)
         begin, end = fit.edges[piece], fit.edges[piece + 1]
-        ways = fit.ways[piece] + chebval(2 * (flat - begin) / (end - begin) - 1, fit.gone[:, piece], tensor=False)
-        return np.where(np.isfinite(t), ways.reshape(t.shape), t)
+        distances = fit.distances[piece] + chebval(
+            2 * (flat - begin) / (end - begin) - 1, fit.gone[:, piece], tensor=False
+        )
+        return np.where(np.isfinite(t), distances.reshape(t.shape), t)
 
-    def time(self, way: ArrayLike) -> Array:
+    def time(self, distance: ArrayLike) -> Array:
         """As in `Speed`: Newton's method within a bracket, to the last places."""
-        way = np.asarray(way, dtype=float)
-        flat = np.where(np.isfinite(way), way, 0.0).ravel()
+        distance = np.asarray(distance, dtype=float)
+        flat = np.where(np.isfinite(distance), distance, 0.0).ravel()
         fit = self._covering(flat)
-        piece = _piece(fit.ways, flat)
+        piece = _piece(fit.distances, flat)
         begin, half = fit.edges[piece], (fit.edges[piece + 1] - fit.edges[piece]) / 2
         gone, speeds = fit.gone[:, piece], fit.speeds[:, piece]
-        target = np.clip(flat - fit.ways[piece], 0.0, chebval(np.ones(flat.size), gone, tensor=False))
+        target = np.clip(flat - fit.distances[piece], 0.0, chebval(np.ones(flat.size), gone, tensor=False))
         low, high, x = -np.ones(flat.size), np.ones(flat.size), np.zeros(flat.size)
         for _ in range(MAX_STEPS):
             excess = chebval(x, gone, tensor=False) - target
@@ -132,7 +135,7 @@ class SpeedFunction:
             x = better
             if done.all():
                 break
-        return np.where(np.isfinite(way), (begin + half * (1 + x)).reshape(way.shape), way)
+        return np.where(np.isfinite(distance), (begin + half * (1 + x)).reshape(distance.shape), distance)
 
     def fastest(self, t0: ArrayLike, t1: ArrayLike) -> Array:
         """As in `Speed`: of the fits, from a bound on their second derivative."""
@@ -141,23 +144,23 @@ class SpeedFunction:
         first, last = _cell(fit.edges, t0.ravel()), _cell(fit.edges, t1.ravel()) + 1
         return largest_between(fit.bounds.ravel(), first, last).reshape(t0.shape)
 
-    def _covering(self, ways: Array) -> _Fit:
-        """The fit, long enough for the times at which all `ways` have been gone."""
+    def _covering(self, distances: Array) -> _Fit:
+        """The fit, extended to the times at which all `distances` are reached."""
         fit = self._fitted(np.zeros(1))
         for sign in (-1.0, 1.0):
-            farthest = float((sign * ways).max(initial=0.0))
-            while (there := sign * fit.ways[-1 if sign > 0 else 0]) < farthest:
+            farthest = float((sign * distances).max(initial=0.0))
+            while (there := sign * fit.distances[-1 if sign > 0 else 0]) < farthest:
                 edge = sign * fit.edges[-1 if sign > 0 else 0]
                 if edge >= MAX_TIME:
-                    bound = f"within the {there:g} m that the speed gets through in {MAX_TIME:g} s"
-                    raise ParameterError("way", sign * farthest, bound)
-                # As far as the fastest could get, and never a block that is not needed.
+                    bound = f"within the {there:g} m that are travelled in {MAX_TIME:g} s"
+                    raise ParameterError("distance", sign * farthest, bound)
+                # As far as the largest speed allows, so no block is computed that is not needed.
                 ahead = max((farthest - there) / MAX_SPEED, BLOCK / 2)
                 fit = self._fitted(np.array([sign * min(edge + ahead, MAX_TIME)]))
         return fit
 
     def _fitted(self, times: Array) -> _Fit:
-        """The fit, long enough for `times` (T,) in s."""
+        """The fit, extended to `times` (T,) in s."""
         fit = self._fits[0]
         if not (np.abs(times) <= MAX_TIME).all():
             wrong = times[~(np.abs(times) <= MAX_TIME)][0].item()
@@ -206,7 +209,7 @@ class SpeedFunction:
         return values
 
     def _called(self, times: Array) -> Array:
-        """The function at `times` (T,) in s, all at once or, where it does not take arrays, one by one."""
+        """The function at `times` (T,) in s, in one call or, if it does not take arrays, one by one."""
         with np.errstate(all="ignore"):
             try:
                 values = np.asarray(self.function(times))
@@ -237,7 +240,7 @@ def _fit(edges: Array, speeds: Array) -> _Fit:
     gone = chebint(speeds.T, lbnd=-1) * half
     values = (_AT_CELLS * speeds[:, None]).sum(axis=2)
     sag = (2 / CELLS) ** 2 / 8 * np.abs(chebder(speeds, 2, axis=1)).sum(axis=1)
-    # Between two points a curve is above its chord by no more than `sag`; nor is it above the sum of all its waves.
+    # Between two points the curve is above its chord by at most `sag`, and nowhere above the sum of all its terms.
     bounds = np.maximum(values[:, :-1], values[:, 1:]) + sag[:, None]
     bounds = np.minimum(bounds, (speeds[:, 0] + np.abs(speeds[:, 1:]).sum(axis=1))[:, None])
     bounds += LAST * np.abs(speeds[:, -LAST:]).max(axis=1)[:, None]
@@ -245,7 +248,7 @@ def _fit(edges: Array, speeds: Array) -> _Fit:
 
 
 def _joined(fits: list[_Fit]) -> _Fit:
-    """One fit of `fits` that follow one another."""
+    """Concatenation of consecutive `fits`."""
     return _Fit(
         np.concatenate([fits[0].edges[:1], *(fit.edges[1:] for fit in fits)]),
         np.concatenate([fit.speeds for fit in fits], axis=1),

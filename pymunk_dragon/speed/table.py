@@ -1,4 +1,4 @@
-"""A speed as a table over time: linear between its entries."""
+"""Speed profile given by a table over time, linear between its entries."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ from pymunk_dragon.speed.base import MAX_SPEED, MIN_SPEED, Array, largest_betwee
 
 __all__ = ["SpeedTable"]
 
-# Seconds, thirty years. So far out a double still tells microseconds apart.
+# s, thirty years. At this time a double still resolves microseconds.
 MAX_TIME = 1e9
-# Seconds between entries at least: who changes speed faster has hit a wall.
+# s. Smallest time between entries; faster changes of speed are jumps.
 MIN_STEP = 1e-6
 
 
@@ -52,7 +52,7 @@ class SpeedTable:
             raise ParameterError("speeds", self.speeds, f"as many as the times, {len(self.times)}")
         for i, (before, after) in enumerate(pairwise(self.times)):
             if after - before < MIN_STEP:
-                # The same time twice would be a jump, and no head of any mass can do that.
+                # The same time twice would be a jump.
                 bound = f"later than the time before it, {before:g} s, by {MIN_STEP:g} s or more"
                 raise ParameterError(f"times[{i + 1}]", after, bound)
 
@@ -78,25 +78,25 @@ class SpeedTable:
         """As in `Speed`."""
         return np.asarray(np.interp(np.asarray(t, dtype=float), self.times, self.speeds))
 
-    def way(self, t: ArrayLike) -> Array:
+    def distance(self, t: ArrayLike) -> Array:
         """As in `Speed`: exact, a quadratic between two entries."""
         t = np.asarray(t, dtype=float)
-        times, speeds, growths, ways = self._knots
+        times, speeds, growths, distances = self._knots
         i = np.maximum(np.searchsorted(times, t, side="right") - 1, 0)
         gone = np.where(np.isfinite(t), t - times[i], 0.0)
         growth = np.where(gone < 0, 0.0, growths[i])
-        return np.where(np.isfinite(t), ways[i] + gone * (speeds[i] + growth * gone / 2), t)
+        return np.where(np.isfinite(t), distances[i] + gone * (speeds[i] + growth * gone / 2), t)
 
-    def time(self, way: ArrayLike) -> Array:
+    def time(self, distance: ArrayLike) -> Array:
         """As in `Speed`."""
-        way = np.asarray(way, dtype=float)
-        times, speeds, growths, ways = self._knots
-        i = np.maximum(np.searchsorted(ways, way, side="right") - 1, 0)
-        gone = np.where(np.isfinite(way), way - ways[i], 0.0)
-        # The root of the quadratic in the form that does not subtract what is almost equal.
+        distance = np.asarray(distance, dtype=float)
+        times, speeds, growths, distances = self._knots
+        i = np.maximum(np.searchsorted(distances, distance, side="right") - 1, 0)
+        gone = np.where(np.isfinite(distance), distance - distances[i], 0.0)
+        # The root of the quadratic, in the form without cancellation.
         growth = np.where(gone < 0, 0.0, growths[i])
         then = np.sqrt(np.maximum(speeds[i] ** 2 + 2 * growth * gone, MIN_SPEED**2))
-        return np.where(np.isfinite(way), times[i] + 2 * gone / (speeds[i] + then), way)
+        return np.where(np.isfinite(distance), times[i] + 2 * gone / (speeds[i] + then), distance)
 
     def fastest(self, t0: ArrayLike, t1: ArrayLike) -> Array:
         """As in `Speed`: the largest speed itself."""
@@ -107,17 +107,17 @@ class SpeedTable:
 
     @cached_property
     def _knots(self) -> tuple[Array, Array, Array, Array]:
-        """Times, speeds, growths of the speed after each (m/s^2) and ways, (K,) each: of the entries and of time 0."""
+        """Times, speeds, accelerations after each (m/s^2) and distances, (K,) each: of the entries and of time 0."""
         times = np.unique([*self.times, 0.0])
         speeds = self.at(times)
         # Between entries, which are no less than a microsecond apart; the time 0 may be next to one.
         slopes = np.concatenate([[0.0], np.diff(self.speeds) / np.diff(self.times), [0.0]])
         growths = slopes[np.searchsorted(self.times, times, side="right")]
         steps = np.diff(times) * (speeds[:-1] + speeds[1:]) / 2
-        # Away from time 0 in both directions: a table that begins long before must not blur the ways around it.
+        # From time 0 in both directions: a table that begins long before must not add rounding errors near 0.
         zero = int(np.searchsorted(times, 0.0))
-        ways = np.concatenate([-np.cumsum(steps[:zero][::-1])[::-1], [0.0], np.cumsum(steps[zero:])])
-        return times, speeds, growths, ways
+        distances = np.concatenate([-np.cumsum(steps[:zero][::-1])[::-1], [0.0], np.cumsum(steps[zero:])])
+        return times, speeds, growths, distances
 
 
 def _entries(name: str, values: object) -> tuple[float, ...]:

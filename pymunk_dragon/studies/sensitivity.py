@@ -164,7 +164,7 @@ def sensitivity(
     progress(1, PARTS)
     smallest = min_pitch(dragon, turns=turns, speed=speed, radius=radius)
     progress(2, PARTS)
-    times = _of_contact(march, hit.benches, float(march.way(hit.time)))
+    times = _of_contact(march, hit.benches, float(march.distance(hit.time)))
     progress(3, PARTS)
     return Sensitivity(
         march=march,
@@ -183,7 +183,7 @@ def _of_contact(march: March, pair: tuple[int, int], way: float) -> tuple[Slope,
     assert march.turns is not None
     radius = float(np.hypot(*march.curve.point(march.head_start + way)))
     passing = Passing(march.dragon, march.curve, march.turns, radius)
-    rate = float(march.pace.at(march.time(way)))
+    rate = float(march.speed_profile.at(march.time(way)))
 
     def beyond(stand: Stand, change: float, name: str) -> Pair | None:
         found = first_contact(changed(steady, name, change))

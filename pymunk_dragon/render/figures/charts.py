@@ -56,7 +56,7 @@ def gap(march: March, look: Stretch) -> Figure:
         title,
         "gap between the head and the nearest bench but its neighbour, mm; dashed, to each bench by itself",
     )
-    since = max(begin, float(march.time(march.way(hit.time) - LAST_LENGTHS * march.dragon.lengths[0])))
+    since = max(begin, float(march.time(march.distance(hit.time) - LAST_LENGTHS * march.dragon.lengths[0])))
     whole = panel(figure, 0.85, 4.85, 6.85, 1.75)
     close = panel(figure, 0.85, 0.65, 6.85, 3.5)
     whole.axvspan(since, hit.time, color=FAINT, lw=0)

@@ -57,7 +57,7 @@ def spiral(march: March, look: Stretch) -> Figure:
     hit = ending(march, look)
     step = MINUTE * max(1.0, np.ceil(hit.time / MINUTE / MOST_DOTS))
     turns = float(curve.angle(march.head_start)) / (2 * np.pi)
-    length, gone = curve.end - march.head_start, float(march.way(hit.time))
+    length, gone = curve.end - march.head_start, float(march.distance(hit.time))
     figure = page(
         8.0,
         8.6,
@@ -68,7 +68,7 @@ def spiral(march: March, look: Stretch) -> Figure:
     axes.plot(*_way(march, gone, length).T, color=QUIET, lw=1.0, ls=(0, (3, 2)), gid="ahead")
     axes.plot(*_way(march, 0.0, gone).T, color=BLUE, lw=1.8, gid="walked")
     minutes = np.arange(0.0, hit.time, step)
-    dots = march.curve.point(march.head_start + march.way(minutes))
+    dots = march.curve.point(march.head_start + march.distance(minutes))
     axes.plot(*dots.T, "o", color=COLOURS.ink, ms=5, gid="minutes")
     for time, dot in zip(minutes, dots, strict=True):
         _note(axes, dot, f"{time:g} s")
