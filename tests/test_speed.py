@@ -268,11 +268,11 @@ def test_what_is_no_function_of_time_is_refused(function):
     assert_says(caught.value, "speed is ", "a function from s to m/s")
 
 
-def test_times_and_ways_out_of_reach_are_refused(monkeypatch):
+def test_times_and_distances_out_of_reach_are_refused(monkeypatch):
     with pytest.raises(ParameterError, match="time is 1000000"):
         speed_of(WAVE[0]).distance(1e6)
     monkeypatch.setattr("pymunk_dragon.speed.function.MAX_TIME", 1e3)
-    with pytest.raises(ParameterError, match=r"way is -2001\.0, .*within the 2000 m that the speed gets through"):
+    with pytest.raises(ParameterError, match=r"distance is -2001\.0, .*within the 2000 m that are travelled"):
         speed_of(lambda t: 2.0 + 0 * t).time(-2001.0)
 
 
