@@ -1,4 +1,4 @@
-"""What a contact is, whoever found it."""
+"""Contacts between benches, from the engine or the exact model."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ class ContactEvent:
 
 @dataclass(frozen=True, kw_only=True)
 class ContactWindow:
-    """A stretch of time in which two benches touch; `end` is None where they still did when the run ended."""
+    """A time interval in which two benches touch; `end` is None if they still touched when the run ended."""
 
     benches: tuple[int, int]
     begin: float

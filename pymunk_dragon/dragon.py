@@ -31,7 +31,7 @@ TABLE_HANDLES = (0, 1, 51, 101, 151, 201)
 
 
 class _Contests(int):
-    """A number that nobody chose: it gives way where sizes of single benches tell how many there are."""
+    """Default bench count, overridden by the length of a per-bench sequence."""
 
 
 BENCHES = _Contests(223)
@@ -44,7 +44,7 @@ class Dragon:
     Parameters
     ----------
     benches : int
-        Number of benches N: one head, N - 2 of the body, one tail. It may be left out where a sequence tells it.
+        Number of benches N: one head, N - 2 of the body, one tail. Optional where a sequence defines it.
     head_spacing : float
         Distance between the two holes of the head, m.
     body_spacing : float or sequence of float
@@ -87,7 +87,7 @@ class Dragon:
                 bound = f"less than half the shortest spacing, {shortest / 2:g} m"
                 raise ParameterError("overhang", self.overhang, bound)
             return
-        # At an end of the chain the bench stands in for its missing neighbour.
+        # At an end of the chain the bench replaces its missing neighbour.
         beside = np.pad(self.overhangs, 1, mode="edge")
         before, after = beside[:-2], beside[2:]
         short = np.flatnonzero(before + after >= self.spacings)
@@ -217,7 +217,7 @@ def outlines(poses: ArrayLike, lengths: ArrayLike, width: ArrayLike) -> Array:
 
 
 def interpolated(before: Array, after: Array, share: ArrayLike) -> Array:
-    """Poses (..., 3) at a `share` of the way from `before` to `after`, turning the shorter way round."""
+    """Poses (..., 3) at a `share` of the step from `before` to `after`, rotated by the smaller angle."""
     return before + np.asarray(share)[..., None] * _step(before, after)
 
 
@@ -229,7 +229,7 @@ def hermite(
     Parameters
     ----------
     poses, velocities : tuple of two ndarray, shape (..., 3)
-        Values at the first and at the second time: m, m, rad and m/s, m/s, rad/s. Benches turn the shorter way round.
+        Values at the first and at the second time: m, m, rad and m/s, m/s, rad/s. Benches rotate by the smaller angle.
     interval : array_like, shape (...)
         Time between the two, s. Where it is 0, `share` must be 0 or 1.
     share : array_like, shape (...)

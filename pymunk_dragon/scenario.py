@@ -22,7 +22,7 @@ __all__ = ["Scenario"]
 LONG_KEY = re.compile(r"""(?<![\w-])(?:(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){20}""")
 # What a file of points or of speeds is called.
 CSV = ".csv"
-# The kinds of curves whose parameters stand beside the other values, and these parameters. Any other kind is a table.
+# Kinds of curves whose parameters are top-level values of a scenario, and these parameters. Other kinds are tables.
 CURVES: dict[str, tuple[str, ...]] = {
     "spiral": ("pitch", "rotation", "mirrored", "outward"),
     "u-turn": ("pitch", "radius", "ratio"),
@@ -227,12 +227,12 @@ def _values(march: March) -> dict[str, Any]:
     if isinstance(curve, Sampled):
         parts["points"] = tuple(map(tuple, curve.points.tolist()))
     if isinstance(speed, ConstantSpeed):
-        told: Speeds = speed.value
+        values: Speeds = speed.value
     elif isinstance(speed, SpeedTable):
-        told = tuple(zip(speed.times, speed.speeds, strict=True))
+        values = tuple(zip(speed.times, speed.speeds, strict=True))
     else:
         raise ParameterError("speed", march.speed, "a number or a table to be written down, not a function of time")
-    return asdict(march.dragon) | parts | {"turns": march.turns, "start": march.start, "speed": told}
+    return asdict(march.dragon) | parts | {"turns": march.turns, "start": march.start, "speed": values}
 
 
 def _is_file(value: object) -> bool:

@@ -219,7 +219,7 @@ def test_section_lies_on_its_curve(begin, end, name):
     with pytest.raises(ParameterError) as caught:
         Section(LINE, begin, end)
     assert caught.value.name == name
-    assert_says(caught.value, "a place on the curve")
+    assert_says(caught.value, "a coordinate on the curve")
 
 
 @pytest.mark.parametrize("make", [Reversed, lambda curve: Section(curve, 0, 1), lambda curve: Composite([LINE, curve])])

@@ -18,7 +18,7 @@ from pymunk_dragon.errors import DragonError, ParameterError, UnreachableError
 from pymunk_dragon.march import March
 from pymunk_dragon.physics import simulate
 from pymunk_dragon.physics.callbacks import Recorder
-from pymunk_dragon.physics.rails import Free, Rails
+from pymunk_dragon.physics.guides import Free, Rails
 from pymunk_dragon.physics.simulation import FINE_ITERATIONS, FINE_STRIDE
 from pymunk_dragon.physics.world import World
 from pymunk_dragon.run import Run

@@ -10,12 +10,12 @@ from numpy.typing import ArrayLike
 
 from pymunk_dragon.checks import finite
 from pymunk_dragon.curves.base import Array
-from pymunk_dragon.curves.places import FARTHEST, overlap, plane_point, within
+from pymunk_dragon.curves.coordinates import FARTHEST, overlap, plane_point, within
 from pymunk_dragon.errors import ParameterError
 
 __all__ = ["Arc"]
 
-# Metres. On a smaller circle nobody can turn, not even with a bench of a millimetre.
+# m. Smaller circles are too narrow even for benches of a millimetre.
 MIN_RADIUS = 1e-3
 # Radians: a thousand turns and the angle at which they begin. More is a slip of the finger, and costs digits.
 MAX_ANGLE = 2000 * math.pi
@@ -26,7 +26,7 @@ SHORTEST = 1e-9
 
 @dataclass(frozen=True, kw_only=True)
 class Arc:
-    """Circular arc; places on it are arc lengths from its beginning.
+    """Circular arc; the coordinate is the arc length from its beginning.
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ class Arc:
         return self._side / self.radius + 0 * within(s, self.begin, self.end)
 
     def sharpest(self, s: ArrayLike, other: ArrayLike) -> Array:
-        """1 / radius (...) between places of the arc."""
+        """1 / radius (...) between coordinates of the arc."""
         lower, upper = overlap(s, other, self.begin, self.end)
         return np.where(lower <= upper, 1 / self.radius, 0.0)
 

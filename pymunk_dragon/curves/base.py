@@ -19,9 +19,9 @@ Array = NDArray[np.float64]
 class Curve(Protocol):
     """A smooth path with a direction of travel, by arc length.
 
-    A place on the path is its arc length ``s`` in m, which grows in the direction of travel; where it is zero is the
-    curve's own choice. Every method is vectorised over places and returns arrays of their shape, or that shape + (2,)
-    for points and vectors. Beyond the ends there is no place: the answer is nan.
+    A point of the path is given by its arc-length coordinate ``s`` in m, which grows in the direction of travel; each
+    curve defines its zero. Every method is vectorised over coordinates and returns arrays of their shape, or that shape
+    + (2,) for points and vectors. Beyond the ends the result is nan.
 
     Any class with these members is a curve that a dragon can march on.
 
@@ -43,7 +43,7 @@ class Curve(Protocol):
     ...         return 2 / (np.square(s) + 4)
     ...
     ...     def sharpest(self, s, other):
-    ...         # It bends most at its lowest point.
+    ...         # The curvature is largest at the lowest point.
     ...         return self.curvature(np.clip(0, np.minimum(s, other), np.maximum(s, other)))
     >>> from pymunk_dragon.curves import Composite, Line, Section
     >>> top, slope = Catenary().point(3.0), Catenary().tangent(3.0)
@@ -54,12 +54,12 @@ class Curve(Protocol):
 
     @property
     def begin(self) -> float:
-        """Place where the path begins, m; -inf for one that comes from infinity."""
+        """Coordinate where the path begins, m; -inf for one that comes from infinity."""
         ...
 
     @property
     def end(self) -> float:
-        """Place where the path ends, m; inf for one that goes on for ever."""
+        """Coordinate where the path ends, m; inf for one that goes on for ever."""
         ...
 
     def point(self, s: ArrayLike) -> Array:
@@ -75,25 +75,25 @@ class Curve(Protocol):
         ...
 
     def curvature(self, s: ArrayLike) -> Array:
-        """Curvature (...) in 1/m, positive where the path bends to the left."""
+        """Curvature (...) in 1/m, positive for a curve to the left."""
         ...
 
     def sharpest(self, s: ArrayLike, other: ArrayLike) -> Array:
-        """Curvature (...) in 1/m that the path nowhere exceeds, to either side, between two places in any order.
+        """Upper bound (...) on the absolute curvature between two coordinates in any order, 1/m.
 
-        The certificate of a first contact rests on this bound. What lies beyond the ends bends nowhere.
+        The certificate of a first contact depends on this bound. It is 0 beyond the ends.
         """
         ...
 
 
 def check_curve(name: str, value: object) -> None:
-    """Check that `value` is a curve, and call each method of a user's own class with places of shape (1, 3).
+    """Check that `value` is a curve, and call each method of a user-defined class with coordinates of shape (1, 3).
 
     Raises
     ------
     ParameterError
         If it is no curve, its ends are no numbers in the order of travel, or a method returns anything but finite
-        numbers of the shape that `Curve` asks for.
+        numbers of the shape that `Curve` requires.
     """
     if isinstance(value, type) or not isinstance(value, Curve):
         raise ParameterError(name, value, "a Curve")
@@ -106,10 +106,10 @@ def check_curve(name: str, value: object) -> None:
         raise ParameterError(f"{kind}.begin and end", (value.begin, value.end), "two numbers, m, the first one smaller")
     if np.isinf(begin):
         begin = min(end, 1.0) - 1
-    places = begin + min(end - begin, 1.0) * np.array([[0.25, 0.5, 0.75]])
-    frame(value, places)
-    curvature(value, places)
-    sharpest(value, places[:, :-1], places[:, 1:])
+    coordinates = begin + min(end - begin, 1.0) * np.array([[0.25, 0.5, 0.75]])
+    frame(value, coordinates)
+    curvature(value, coordinates)
+    sharpest(value, coordinates[:, :-1], coordinates[:, 1:])
 
 
 def point(curve: Curve, s: ArrayLike) -> Array:
@@ -137,7 +137,7 @@ def frame(curve: Curve, s: ArrayLike) -> tuple[Array, Array]:
 
 
 def sharpest(curve: Curve, s: ArrayLike, other: ArrayLike) -> Array:
-    """A curve's bound on its curvature between places, as an array of their shape that is the caller's own."""
+    """A curve's bound on its curvature between coordinates, as a new array of their shape."""
     shape = np.broadcast_shapes(np.shape(s), np.shape(other))
     bounds = curve.sharpest(s, other)
     if not _is_of_package(curve):
@@ -155,16 +155,16 @@ def _is_of_package(curve: Curve) -> bool:
 
 
 def _called(curve: Curve, method: str, s: ArrayLike, tail: tuple[int, ...]) -> Array:
-    """What a method of a curve returns for places; that of a user's own class is checked."""
+    """Result of a curve's method for coordinates; checked if the class is user-defined."""
     value: Any = getattr(curve, method)(s)
     if _is_of_package(curve):
         return np.asarray(value)
-    places = np.asarray(s, dtype=float)
+    coordinates = np.asarray(s, dtype=float)
     name = f"{type(curve).__name__}.{method}"
-    array = answer(f"{name}(s)", value, places.shape, tail)
-    on = np.isfinite(places) & (places >= curve.begin) & (places <= curve.end)
+    array = answer(f"{name}(s)", value, coordinates.shape, tail)
+    on = np.isfinite(coordinates) & (coordinates >= curve.begin) & (coordinates <= curve.end)
     bad = on & ~(np.isfinite(array).all(axis=-1) if tail else np.isfinite(array))
     if bad.any():
         bound = f"finite from begin = {curve.begin:g} m to end = {curve.end:g} m"
-        raise ParameterError(f"{name}({places[bad][0]:.9g})", array[bad][0].tolist(), bound)
+        raise ParameterError(f"{name}({coordinates[bad][0]:.9g})", array[bad][0].tolist(), bound)
     return array

@@ -1,4 +1,4 @@
-"""A path of cubics, cut into cells so short that its arc length and its bends are known to the last digits."""
+"""Path of cubics, cut into cells so short that arc length and curvature are accurate to the last digits."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ _nodes, _weights = np.polynomial.legendre.leggauss(8)
 NODES, WEIGHTS = (_nodes + 1) / 2, _weights / 2
 # Share of a cell's length. Halves that agree with the whole so well have 16 more bits than this, and rounding has none.
 LENGTH_TOLERANCE = 4e-15
-# Share of the speed that a path by its chords has. A path that is slower nearly stands: it turns on the spot.
+# Share of the parametric speed along the chords. A slower path is close to a cusp.
 MIN_SPEED = 0.01
-# How far the bound on a cell's curvature may be above what it has: as a share of that, and of the path's sharpest bend.
+# Excess of the bound on a cell's curvature: as a share of the cell's, and of the path's largest curvature.
 LOOSE, LOOSE_OVERALL = 0.02, 0.001
-# Places in a cell where it is looked at.
+# Parameters in a cell at which the curvature is sampled.
 SEEN = (0.0, 0.5, 1.0)
 # Share of a bound that covers its rounding.
 ROUNDING = 1e-9
@@ -42,13 +42,13 @@ class Cells(NamedTuple):
         x and y in m as polynomials of w, which goes from 0 to 1 in every cell: coefficients of 1, w, w^2, w^3.
     lengths : ndarray, shape (C,)
         m.
-    bends : ndarray, shape (C,)
+    curvatures : ndarray, shape (C,)
         Upper bounds on the size of the curvature, 1/m.
     """
 
     cubics: Array
     lengths: Array
-    bends: Array
+    curvatures: Array
 
 
 def speed(cubics: Array, w: Array | float) -> Array:
@@ -66,14 +66,14 @@ def travelled(cubics: Array, w: Array | float) -> Array:
     return length
 
 
-def bend(cubics: Array, w: Array | float) -> Array:
+def cubic_curvature(cubics: Array, w: Array | float) -> Array:
     """Curvature (n,) in 1/m, positive to the left, of cubics (n, 4, 2) at w (n,)."""
     one, two, three = cubics[:, 1], cubics[:, 2], cubics[:, 3]
     w = np.reshape(w, (-1, 1))
     first = one + w * (2 * two + 3 * w * three)
     second = 2 * two + 6 * w * three
-    bends: Array = _cross(first, second) / np.hypot(first[:, 0], first[:, 1]) ** 3
-    return bends
+    curvatures: Array = _cross(first, second) / np.hypot(first[:, 0], first[:, 1]) ** 3
+    return curvatures
 
 
 def cut(cubics: Array, points: Array) -> Cells:
@@ -82,29 +82,29 @@ def cut(cubics: Array, points: Array) -> Cells:
     Raises
     ------
     ParameterError
-        If the path nearly stands somewhere, as at a cusp.
+        If the parametric speed nearly vanishes somewhere, as at a cusp.
     """
     chords = np.hypot(*np.diff(points, axis=0).T)
     numbers = np.arange(1, chords.size + 1)
     for _ in range(MAX_HALVINGS):
-        slowest, bends = _bounds(cubics)
+        slowest, curvatures = _bounds(cubics)
         too_slow = np.min([speed(cubics, w) for w in SEEN], axis=0) < MIN_SPEED * chords
         if too_slow.any():
             break
-        seen = np.max([np.abs(bend(cubics, w)) for w in SEEN], axis=0)
+        seen = np.max([np.abs(cubic_curvature(cubics, w)) for w in SEEN], axis=0)
         lengths = travelled(cubics, 1.0)
         halves = _halved(cubics)
         by_halves = travelled(halves, 1.0).reshape(-1, 2).sum(axis=1)
         coarse = np.abs(by_halves - lengths) > LENGTH_TOLERANCE * lengths
         too_slow = slowest < MIN_SPEED * chords
         coarse |= too_slow
-        coarse |= ~(bends <= (1 + LOOSE) * seen + LOOSE_OVERALL * seen.max())
+        coarse |= ~(curvatures <= (1 + LOOSE) * seen + LOOSE_OVERALL * seen.max())
         if not coarse.any():
-            return Cells(cubics, lengths, bends * (1 + ROUNDING))
+            return Cells(cubics, lengths, curvatures * (1 + ROUNDING))
         # A cell that is cut makes room for two.
-        places = np.cumsum(1 + coarse) - 1
+        coordinates = np.cumsum(1 + coarse) - 1
         cubics = np.repeat(cubics, 1 + coarse, axis=0)
-        cubics[places[coarse] - 1], cubics[places[coarse]] = halves[0::2][coarse], halves[1::2][coarse]
+        cubics[coordinates[coarse] - 1], cubics[coordinates[coarse]] = halves[0::2][coarse], halves[1::2][coarse]
         chords = np.repeat(np.where(coarse, chords / 2, chords), 1 + coarse)
         numbers = np.repeat(numbers, 1 + coarse)
     number = int(numbers[np.argmax(too_slow)])

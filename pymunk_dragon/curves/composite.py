@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pymunk_dragon.curves.base import Array, Curve, check_curve, curvature, frame, point, sharpest, tangent
-from pymunk_dragon.curves.places import overlap, within
+from pymunk_dragon.curves.coordinates import overlap, within
 from pymunk_dragon.errors import ParameterError
 
 __all__ = ["Composite"]
@@ -25,7 +25,7 @@ MAX_GAP, MAX_KINK = 1e-9, 1e-9
 class Composite:
     """Curves joined end to begin, without gaps and kinks.
 
-    Its place 0 is where its first piece begins, or where that one ends if it comes from infinity.
+    Its coordinate is 0 where the first piece begins, or where the first piece ends if it comes from infinity.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ class Composite:
     Attributes
     ----------
     joints : tuple of float
-        The places where a piece ends and the next one begins, m: one fewer than pieces. At a joint the curvature is
+        Coordinates at which a piece ends and the next one begins, m: one fewer than pieces. At a joint the curvature is
         that of the later piece.
 
     Raises
@@ -47,7 +47,7 @@ class Composite:
 
     pieces: tuple[Curve, ...]
     joints: tuple[float, ...] = field(init=False, repr=False, compare=False)
-    # What to add to a place, to have that of the piece.
+    # Offsets from the curve's coordinates to those of each piece.
     _shifts: tuple[float, ...] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -58,7 +58,9 @@ class Composite:
         for i, piece in enumerate(pieces):
             check_curve(f"pieces[{i}]", piece)
         first = pieces[0]
-        shifts = [next((float(place) for place in (first.begin, first.end) if math.isfinite(place)), 0.0)]
+        shifts = [
+            next((float(coordinate) for coordinate in (first.begin, first.end) if math.isfinite(coordinate)), 0.0)
+        ]
         joints: list[float] = []
         for before, after in pairwise(pieces):
             self._check_joint(len(shifts), before, after)
@@ -70,22 +72,22 @@ class Composite:
 
     @property
     def begin(self) -> float:
-        """Place where the first piece begins: 0 m, or -inf."""
+        """Coordinate at which the first piece begins: 0 m, or -inf."""
         return self.pieces[0].begin - self._shifts[0]
 
     @property
     def end(self) -> float:
-        """Place where the last piece ends, m."""
+        """Coordinate at which the last piece ends, m."""
         return self.pieces[-1].end - self._shifts[-1]
 
     def point(self, s: ArrayLike) -> Array:
         """Position (..., 2) in m."""
-        [points] = self._by_piece(s, lambda piece, places: [point(piece, places)], (2,))
+        [points] = self._by_piece(s, lambda piece, coordinates: [point(piece, coordinates)], (2,))
         return points
 
     def tangent(self, s: ArrayLike) -> Array:
         """Unit vector (..., 2) in the direction of travel."""
-        [tangents] = self._by_piece(s, lambda piece, places: [tangent(piece, places)], (2,))
+        [tangents] = self._by_piece(s, lambda piece, coordinates: [tangent(piece, coordinates)], (2,))
         return tangents
 
     def frame(self, s: ArrayLike) -> tuple[Array, Array]:
@@ -95,41 +97,41 @@ class Composite:
 
     def curvature(self, s: ArrayLike) -> Array:
         """Curvature (...) in 1/m, positive to the left."""
-        [bends] = self._by_piece(s, lambda piece, places: [curvature(piece, places)], ())
-        return bends
+        [curvatures] = self._by_piece(s, lambda piece, coordinates: [curvature(piece, coordinates)], ())
+        return curvatures
 
     def sharpest(self, s: ArrayLike, other: ArrayLike) -> Array:
-        """Curvature (...) in 1/m that is nowhere exceeded between two places."""
+        """Upper bound (...) on the absolute curvature between two coordinates, 1/m."""
         lower, upper = overlap(s, other, self.begin, self.end)
-        bends = np.zeros(lower.shape)
+        curvatures = np.zeros(lower.shape)
         edges = [self.begin, *self.joints, self.end]
         for k, piece in enumerate(self.pieces):
             shared = (lower <= edges[k + 1]) & (upper >= edges[k]) & (lower <= upper)
             if shared.any():
-                first, last = self._place_on(k, lower[shared]), self._place_on(k, upper[shared])
-                bends[shared] = np.maximum(bends[shared], sharpest(piece, first, last))
-        return bends
+                first, last = self._on_piece(k, lower[shared]), self._on_piece(k, upper[shared])
+                curvatures[shared] = np.maximum(curvatures[shared], sharpest(piece, first, last))
+        return curvatures
 
     def _by_piece(
-        self, s: ArrayLike, ask: Callable[[Curve, Array], Sequence[Array]], *tails: tuple[int, ...]
+        self, s: ArrayLike, method: Callable[[Curve, Array], Sequence[Array]], *tails: tuple[int, ...]
     ) -> Sequence[Array]:
-        """What is asked of each piece about its places: one array for each of `tails`, of their shape and that tail."""
-        places = within(s, self.begin, self.end)
-        # What is no place is sorted behind all joints, and is nan on the last piece as well.
-        index = np.searchsorted(self.joints, places, side="right")
+        """Joined results of `method` for the pieces: an array for each of `tails`, of the coordinates' shape + tail."""
+        coordinates = within(s, self.begin, self.end)
+        # nan is sorted behind all joints, and gives nan on the last piece.
+        index = np.searchsorted(self.joints, coordinates, side="right")
         first, last = (int(index.min()), int(index.max())) if index.size else (0, 0)
         if first == last:
-            return ask(self.pieces[first], self._place_on(first, places))
-        answers = [np.empty(places.shape + tail) for tail in tails]
+            return method(self.pieces[first], self._on_piece(first, coordinates))
+        answers = [np.empty(coordinates.shape + tail) for tail in tails]
         for k in range(first, last + 1):
             here = index == k
-            for answer, part in zip(answers, ask(self.pieces[k], self._place_on(k, places[here])), strict=True):
+            for answer, part in zip(answers, method(self.pieces[k], self._on_piece(k, coordinates[here])), strict=True):
                 answer[here] = part
         return answers
 
-    def _place_on(self, k: int, places: Array) -> Array:
-        """Places on piece `k`, kept from leaving it by rounding."""
-        return np.clip(places + self._shifts[k], self.pieces[k].begin, self.pieces[k].end)
+    def _on_piece(self, k: int, coordinates: Array) -> Array:
+        """Coordinates on piece `k`, clipped to it against rounding."""
+        return np.clip(coordinates + self._shifts[k], self.pieces[k].begin, self.pieces[k].end)
 
     def _check_joint(self, number: int, before: Curve, after: Curve) -> None:
         """Refuse two pieces that do not meet at joint `number`, counted from 1."""

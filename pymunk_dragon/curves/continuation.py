@@ -133,7 +133,7 @@ class Continuation:
         return len({id(branch) for branch in self._branches(self._spacings.size)[1:]}) <= 1
 
     def _usual(self, lows: Array, highs: Array, benches: range) -> Flags:
-        """Whether `curves.chain` places these benches wherever the first front is between `lows` and `highs` (T,)."""
+        """Whether `curves.chain` gives the states of these benches for any first front from `lows` to `highs` (T,)."""
         spacings, curve = self._spacings[benches.start : benches.stop], self._curve
         if not spacings.size:
             return np.ones(lows.shape, dtype=bool)
@@ -186,7 +186,7 @@ class Continuation:
         return handles_s
 
     def _place_rest(self, handles_s: Array, rows: NDArray[np.intp], i: int, lows: Array) -> None:
-        """Place the handles behind handle `i` by `curves.chain`; those once pushed off the path are lost."""
+        """Coordinate the handles behind handle `i` by `curves.chain`; those once pushed off the path are lost."""
         fronts, low = handles_s[rows, i], lows[rows]
         spacings = self._spacings[i : handles_s.shape[1] - 1]
         handles_s[rows, i:] = chain(self._curve, fronts, spacings)

@@ -9,23 +9,23 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pymunk_dragon.curves.base import Array
-from pymunk_dragon.curves.places import plane_point, within
+from pymunk_dragon.curves.coordinates import plane_point, within
 from pymunk_dragon.errors import ParameterError
 
 __all__ = ["Line"]
 
-# Metres. Shorter is no way to go, and two points so close say little about a direction.
+# m. Two points closer than this do not define a direction.
 SHORTEST = 1e-3
 
 
 @dataclass(frozen=True, kw_only=True)
 class Line:
-    """Straight line; places on it are distances from its start.
+    """Straight line; the coordinate is the distance from its start.
 
     Parameters
     ----------
     start, stop : tuple of float
-        Where it begins and where it ends: x and y in m. (The attribute `end` is its last place, as on every curve.)
+        End points: x and y in m. (The attribute `end` is the last coordinate, as on every curve.)
 
     Raises
     ------
@@ -54,8 +54,8 @@ class Line:
 
     def point(self, s: ArrayLike) -> Array:
         """Position (..., 2) in m."""
-        places = within(s, self.begin, self.end)
-        return self.start + places[..., None] * self._direction
+        coordinates = within(s, self.begin, self.end)
+        return self.start + coordinates[..., None] * self._direction
 
     def tangent(self, s: ArrayLike) -> Array:
         """Unit vector (..., 2) in the direction of travel."""

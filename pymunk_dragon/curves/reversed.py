@@ -1,4 +1,4 @@
-"""Any path, travelled the other way."""
+"""Curves with the direction of travel reversed."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ __all__ = ["Reversed"]
 
 @dataclass(frozen=True)
 class Reversed:
-    """A curve travelled the other way; its places are those of the curve with the other sign.
+    """A curve with the direction of travel reversed; its coordinates are those of the curve with the opposite sign.
 
     Parameters
     ----------
@@ -56,9 +56,9 @@ class Reversed:
         return points, -tangents
 
     def curvature(self, s: ArrayLike) -> Array:
-        """Curvature (...) in 1/m, positive where the path bends to the left."""
+        """Curvature (...) in 1/m, positive for a curve to the left."""
         return -curvature(self.curve, -np.asarray(s, dtype=float))
 
     def sharpest(self, s: ArrayLike, other: ArrayLike) -> Array:
-        """Curvature (...) in 1/m that the path nowhere exceeds between two places."""
+        """Upper bound (...) on the absolute curvature between two coordinates, 1/m."""
         return sharpest(self.curve, -np.asarray(s, dtype=float), -np.asarray(other, dtype=float))

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from pymunk_dragon.curves.base import Array
-from pymunk_dragon.curves.cells import Cells, bend, cut, speed, travelled
-from pymunk_dragon.curves.places import FARTHEST, overlap, within
+from pymunk_dragon.curves.cells import Cells, cubic_curvature, cut, speed, travelled
+from pymunk_dragon.curves.coordinates import FARTHEST, overlap, within
 from pymunk_dragon.errors import FileFormatError, ParameterError
 from pymunk_dragon.extras import library
 from pymunk_dragon.files import number_rows
@@ -25,9 +25,9 @@ Indices = NDArray[np.intp]
 MIN_POINTS = 4
 # A point for every metre of a day's march, nearly; every point costs some kB and a millisecond for a hundred of them.
 MAX_POINTS = 50_000
-# Metres. Neighbouring points closer than this are the same point given twice, or its direction is not told.
+# m. Neighbouring points closer than this count as one point given twice, without a direction between them.
 MIN_CHORD = 1e-3
-# Places that are looked up together: what they need stays in a processor's cache.
+# Coordinates evaluated together: their temporaries fit into a processor's cache.
 CHUNK = 8192
 # Share of a cell: after so small a step of Newton's the next one would be below the last digit.
 SETTLED = 1e-9
@@ -39,8 +39,8 @@ MAX_PASSES = 8
 class Sampled:
     """Smooth path through points: the cubic spline by chord length, whose curvature is continuous (not-a-knot ends).
 
-    It begins at the first point and ends at the last one; its places are arc lengths from the first. Two of them are
-    equal if they are the same object.
+    It begins at the first point and ends at the last one; the coordinate is the arc length from the first. Two paths
+    are equal only if they are the same object.
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ class Sampled:
     ------
     ParameterError
         If the points are no such array of finite numbers, if one lies more than 100 km from the origin along an axis or
-        less than 1 mm from the one before, or if the path through them nearly stops on its way, as at a cusp.
+        less than 1 mm from the one before, or if the path through them nearly has a cusp.
     MissingExtraError
         If SciPy is not installed.
 
@@ -62,10 +62,10 @@ class Sampled:
 
     points: Array
     _cells: Cells = field(init=False, repr=False)
-    # Place where each cell begins and the last one ends, (C + 1,), m.
+    # Coordinates at which each cell begins and the last one ends, (C + 1,), m.
     _edges: Array = field(init=False, repr=False)
     # The bound on the curvature over 2^k cells from each on, one row for each k.
-    _bends: list[Array] = field(init=False, repr=False)
+    _curvatures: list[Array] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         points = _checked(self.points)
@@ -75,11 +75,11 @@ class Sampled:
         powers = np.arange(4)[:, None, None]
         cells = cut(np.moveaxis(spline.c[::-1] * np.diff(spline.x)[:, None] ** powers, 0, 1), points)
         edges = np.concatenate([[0.0], np.cumsum(cells.lengths)])
-        bends = [cells.bends]
-        while 2 ** len(bends) <= cells.bends.size:
-            half = 2 ** (len(bends) - 1)
-            bends.append(np.maximum(bends[-1][:-half], bends[-1][half:]))
-        for name, value in (("points", points), ("_cells", cells), ("_edges", edges), ("_bends", bends)):
+        curvatures = [cells.curvatures]
+        while 2 ** len(curvatures) <= cells.curvatures.size:
+            half = 2 ** (len(curvatures) - 1)
+            curvatures.append(np.maximum(curvatures[-1][:-half], curvatures[-1][half:]))
+        for name, value in (("points", points), ("_cells", cells), ("_edges", edges), ("_curvatures", curvatures)):
             object.__setattr__(self, name, value)
 
     @classmethod
@@ -116,37 +116,37 @@ class Sampled:
 
     def point(self, s: ArrayLike) -> Array:
         """Position (..., 2) in m."""
-        return self._looked_up(s, _point, (2,))
+        return self._evaluated(s, _point, (2,))
 
     def tangent(self, s: ArrayLike) -> Array:
         """Unit vector (..., 2) in the direction of travel."""
-        return self._looked_up(s, _tangent, (2,))
+        return self._evaluated(s, _tangent, (2,))
 
     def curvature(self, s: ArrayLike) -> Array:
         """Curvature (...) in 1/m, positive to the left."""
-        return self._looked_up(s, bend, ())
+        return self._evaluated(s, cubic_curvature, ())
 
     def sharpest(self, s: ArrayLike, other: ArrayLike) -> Array:
-        """Curvature (...) in 1/m that is nowhere exceeded between two places."""
+        """Upper bound (...) on the absolute curvature between two coordinates, 1/m."""
         lower, upper = overlap(s, other, self.begin, self.end)
         shared = lower <= upper
         first, last = self._cell(np.where(shared, lower, 0.0)), self._cell(np.where(shared, upper, 0.0))
         # Two overlapping ranges of 2^k cells each cover all from the first to the last one.
         rows = np.frexp(last - first + 1)[1] - 1
-        bends = np.zeros(lower.shape)
+        curvatures = np.zeros(lower.shape)
         for k in np.unique(rows[shared]).tolist():
             here = shared & (rows == k)
-            bends[here] = np.maximum(self._bends[k][first[here]], self._bends[k][last[here] - 2**k + 1])
-        return bends
+            curvatures[here] = np.maximum(self._curvatures[k][first[here]], self._curvatures[k][last[here] - 2**k + 1])
+        return curvatures
 
     def _cell(self, s: Array) -> Indices:
-        """Cell that each place is in."""
+        """Cell of each coordinate."""
         return np.clip(np.searchsorted(self._edges, s, side="right") - 1, 0, self._cells.lengths.size - 1)
 
-    def _looked_up(self, s: ArrayLike, what: Callable[[Array, Array], Array], tail: tuple[int, ...]) -> Array:
-        """`what` (n, ...) of cubics (n, 4, 2) at their w (n,), for places of any shape."""
-        places = within(s, self.begin, self.end)
-        flat = places.ravel()
+    def _evaluated(self, s: ArrayLike, what: Callable[[Array, Array], Array], tail: tuple[int, ...]) -> Array:
+        """`what` (n, ...) of cubics (n, 4, 2) at their w (n,), for coordinates of any shape."""
+        coordinates = within(s, self.begin, self.end)
+        flat = coordinates.ravel()
         answer = np.empty(flat.shape + tail)
         for start in range(0, flat.size, CHUNK):
             chunk = flat[start : start + CHUNK]
@@ -154,17 +154,17 @@ class Sampled:
             cubics = self._cells.cubics[cell]
             w = _solved(cubics, chunk - self._edges[cell], self._cells.lengths[cell])
             answer[start : start + CHUNK] = what(cubics, w)
-        return answer.reshape(places.shape + tail)
+        return answer.reshape(coordinates.shape + tail)
 
 
-def _solved(cubics: Array, way: Array, lengths: Array) -> Array:
-    """Where, from 0 to 1, each cubic (n, 4, 2) of known length (n,) has gone its `way` (n,): Newton's method."""
-    share = way / lengths
-    # The cubic that has the right values and slopes at both ends is a guess.
+def _solved(cubics: Array, s: Array, lengths: Array) -> Array:
+    """Parameter from 0 to 1 at which each cubic (n, 4, 2), of the lengths (n,), has the arc length `s` (n,)."""
+    share = s / lengths
+    # The initial guess is the cubic with the correct values and slopes at both ends.
     first, last = lengths / speed(cubics, 0.0), lengths / speed(cubics, 1.0)
     w = share * (first + share * (3 - 2 * first - last + share * (first + last - 2)))
     for _ in range(MAX_PASSES):
-        step = (travelled(cubics, w) - way) / speed(cubics, w)
+        step = (travelled(cubics, w) - s) / speed(cubics, w)
         w = np.clip(w - step, 0.0, 1.0)
         if not np.any(np.abs(step) > SETTLED):
             break

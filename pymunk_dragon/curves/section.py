@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from pymunk_dragon.checks import number
 from pymunk_dragon.curves.base import Array, Curve, check_curve, curvature, frame, point, sharpest, tangent
-from pymunk_dragon.curves.places import overlap, within
+from pymunk_dragon.curves.coordinates import overlap, within
 from pymunk_dragon.errors import ParameterError
 
 __all__ = ["Section"]
@@ -17,19 +17,19 @@ __all__ = ["Section"]
 
 @dataclass(frozen=True)
 class Section:
-    """Part of a curve; its places are those of the curve.
+    """Part of a curve, with the coordinates of the curve.
 
     Parameters
     ----------
     curve : Curve
         What it is a part of.
     begin, end : float
-        Its first and last place on the curve, m. They may be infinite where the curve is.
+        Its first and last coordinate on the curve, m. They may be infinite if the curve's are.
 
     Raises
     ------
     ParameterError
-        If `curve` is no curve, or the places are not on it or not in the order of travel.
+        If `curve` is not a curve, or the coordinates are not on it or not in the order of travel.
     """
 
     curve: Curve
@@ -42,9 +42,9 @@ class Section:
         begin, end = number(self.begin), number(self.end)
         # Written so that nan fails.
         if not first <= begin < last:
-            raise ParameterError("begin", self.begin, f"a place on the curve, from {first:g} to {last:g} m")
+            raise ParameterError("begin", self.begin, f"a coordinate on the curve, from {first:g} to {last:g} m")
         if not begin < end <= last:
-            raise ParameterError("end", self.end, f"a place on the curve after {begin:g} m, at most {last:g} m")
+            raise ParameterError("end", self.end, f"a coordinate on the curve after {begin:g} m, at most {last:g} m")
         object.__setattr__(self, "begin", begin)
         object.__setattr__(self, "end", end)
 
@@ -65,7 +65,7 @@ class Section:
         return curvature(self.curve, within(s, self.begin, self.end))
 
     def sharpest(self, s: ArrayLike, other: ArrayLike) -> Array:
-        """Curvature (...) in 1/m that is nowhere exceeded between two places."""
+        """Upper bound (...) on the absolute curvature between two coordinates, 1/m."""
         lower, upper = overlap(s, other, self.begin, self.end)
         shared = lower <= upper
         return np.where(shared, sharpest(self.curve, np.where(shared, lower, np.nan), upper), 0.0)

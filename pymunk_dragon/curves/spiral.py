@@ -35,7 +35,7 @@ FAR_OUT = 8.0
 
 @dataclass(frozen=True, kw_only=True)
 class Spiral:
-    """Archimedean spiral about the origin; places on it are arc lengths from the centre, negative on the way in.
+    """Archimedean spiral about the origin; the coordinate is the arc length from the centre, negative if inward.
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ class Spiral:
         Angle by which the spiral is turned about the origin, counter-clockwise, rad. At 0 it leaves the centre along
         the x axis.
     mirrored : bool
-        Whether it winds clockwise on the way out; the paper's winds clockwise on the way in. It is mirrored in the x
+        Whether it winds clockwise outward; the paper's winds clockwise inward. It is mirrored in the x
         axis first and turned then.
     outward : bool
         Whether it is travelled from the centre out; the paper's goes in.
@@ -75,16 +75,16 @@ class Spiral:
 
     @property
     def begin(self) -> float:
-        """The centre, 0 m, on the way out; on the way in it comes from infinity."""
+        """The centre, 0 m, of an outward spiral; -inf for an inward one."""
         return 0.0 if self.outward else -np.inf
 
     @property
     def end(self) -> float:
-        """The centre, 0 m, on the way in; on the way out it goes on for ever."""
+        """The centre, 0 m, of an inward spiral; inf for an outward one."""
         return np.inf if self.outward else 0.0
 
     def at_turn(self, turns: float) -> float:
-        """Place `turns` turns from the centre, m.
+        """Coordinate `turns` turns from the centre, m.
 
         Raises
         ------
@@ -94,7 +94,7 @@ class Spiral:
         return self._at_angle(TURN * positive("turns", turns, MAX_TURNS, ""))
 
     def at_radius(self, radius: float) -> float:
-        """Place `radius` m from the centre, m.
+        """Coordinate at the distance `radius` m from the centre, m.
 
         Raises
         ------
@@ -138,48 +138,53 @@ class Spiral:
         )
 
     def curvature(self, s: ArrayLike) -> Array:
-        """Curvature (...) in 1/m, positive to the left: the paper's spiral bends to the right."""
-        return np.asarray(self._bend(self.angle(s)) * (1 if self.outward != self.mirrored else -1))
+        """Curvature (...) in 1/m, positive to the left: the paper's spiral curves to the right."""
+        return np.asarray(self._curvature_at(self.angle(s)) * (1 if self.outward != self.mirrored else -1))
 
     def sharpest(self, s: ArrayLike, other: ArrayLike) -> Array:
-        """Curvature in 1/m of whichever place is further in: it falls on the way out."""
+        """Curvature at the inner one of two coordinates, 1/m: it decreases outward."""
         length, other_length = self._length(s), self._length(other)
         nearest = np.maximum(np.minimum(length, other_length), 0.0)
-        bends = self._bend(self.angle(nearest if self.outward else -nearest))
-        return np.where(np.maximum(length, other_length) < 0, 0.0, bends)
+        curvatures = self._curvature_at(self.angle(nearest if self.outward else -nearest))
+        return np.where(np.maximum(length, other_length) < 0, 0.0, curvatures)
 
     def chain(self, s: ArrayLike, spacings: ArrayLike) -> Array:
-        """Places (T, H) of the handles of heads at `s` (T,), as `curves.chain` finds them, for an inward spiral.
+        """Coordinates (T, H) of the handles of chains with heads at `s` (T,), as `curves.chain`, on an inward spiral.
 
-        Everything is done in polar angles, so only the heads' places have to be turned into them (eq. 10, 12, 13).
+        All steps use polar angles, so only the heads' coordinates are converted (eq. 10, 12, 13).
         """
         chords = np.asarray(spacings, dtype=float)
         theta = np.empty((np.size(s), chords.size + 1))
         theta[:, 0] = self.angle(s)
         for i, chord in enumerate(chords.tolist()):
             theta[:, i + 1] = self.behind(theta[:, i], chord)
-        places = -self.arc(theta)
+        coordinates = -self.arc(theta)
         # A head stays where it is, to the last digit.
-        places[:, 0] = np.where(np.isnan(theta[:, 0]), np.nan, s)
-        return places
+        coordinates[:, 0] = np.where(np.isnan(theta[:, 0]), np.nan, s)
+        return coordinates
 
     def foot(self, points: ArrayLike, near: ArrayLike) -> tuple[Array, Array, Array]:
-        """Place of each of `points` (..., 2) on the turn nearest to the place `near`, its point and its tangent.
+        """Feet of `points` (..., 2) on the turns nearest to the coordinates `near`: coordinates, points, tangents.
 
-        The foot has the bearing of the point, so one division replaces four sines: rails ask for it at every substep.
+        The foot is at the polar angle of the point, so one division replaces four sines; guides call this at every
+        substep.
         """
         z = np.ascontiguousarray(points, dtype=float).view(complex)[..., 0]
         z = self._unplaced(z)
         bearing = np.arctan2(z.imag, z.real)
-        # Close enough to tell the turn: the angle at `near` to a few hundredths, but for the innermost turn.
+        # The angle at `near` to a few hundredths, except on the innermost turn: enough to identify the turn.
         about = np.sqrt(2 / self.k * np.abs(near))
         theta = bearing + TURN * np.rint((about - bearing) / TURN)
         rise = np.hypot(theta, 1)
         direction = z / np.abs(z)
         tangents = self._tangent(theta, direction, rise)
         # The arc length of eq. 3-5; a logarithm costs less than its arcsinh.
-        place = self.k / 2 * (theta * rise + np.log(theta + rise))
-        return place if self.outward else -place, self._placed(self.k * theta * direction), self._placed(tangents)
+        coordinate = self.k / 2 * (theta * rise + np.log(theta + rise))
+        return (
+            coordinate if self.outward else -coordinate,
+            self._placed(self.k * theta * direction),
+            self._placed(tangents),
+        )
 
     def _length(self, s: ArrayLike) -> Array:
         """Arc length from the centre, m; negative beyond it."""
@@ -195,7 +200,7 @@ class Spiral:
         length: Array = self.k / 2 * (theta * np.hypot(theta, 1) + np.arcsinh(theta))
         return length
 
-    def _bend(self, theta: Array) -> Array:
+    def _curvature_at(self, theta: Array) -> Array:
         square = theta**2
         curvature: Array = (square + 2) / (self.k * (square + 1) ** 1.5)
         return curvature
@@ -220,7 +225,7 @@ class Spiral:
         return vectors[..., None].view(float)
 
     def _unplaced(self, vectors: Complex) -> Complex:
-        """The way back."""
+        """The inverse of `_placed`."""
         if self.rotation:
             vectors = vectors * np.exp(-1j * self.rotation)
         return vectors.conj() if self.mirrored else vectors
@@ -230,8 +235,8 @@ class Spiral:
 
         The distance grows along the path up to its first maximum, a little over half a turn back. Up to there the
         nearest intersection is the only one. Further back the bench would lie across the spiral with its end on
-        another turn, a place that no motion of the chain leads to: then the answer is nan. So it is where a distance
-        that grows all the way round, as it does close to the centre, is still too short after one whole turn.
+        another turn, which no motion of the chain leads to: then the result is nan. It is nan also if the distance
+        grows over a whole turn, as close to the centre, and is still too short at its end.
         """
         reach = (chord / self.k) ** 2
         # The chord of a circle with the radius that the spiral has halfway, to third order.
@@ -245,7 +250,8 @@ class Spiral:
                 settled = np.abs(step) <= SETTLED * phi
                 if settled.all():
                     break
-            # Every term of the growth is positive up to half a turn back, so what Newton finds there is the only place.
+            # Every term of the growth is positive up to half a turn back, so a root that Newton's method finds there is
+            # the only one.
             found = settled & (phi < np.pi)
         missed = ~(found | np.isnan(theta))
         if missed.any():

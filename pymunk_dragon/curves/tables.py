@@ -76,7 +76,7 @@ def from_table(table: Mapping[str, Any]) -> Curve:
     ------
     ParameterError
         If the kind is unknown, a parameter is missing, unknown or refused by the class, or more than 32 levels are
-        nested. The error names the way to the parameter, as in ``curve.pieces[1].radius``.
+        nested. The error names the path to the parameter, as in ``curve.pieces[1].radius``.
 
     Examples
     --------

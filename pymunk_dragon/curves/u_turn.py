@@ -16,7 +16,7 @@ from pymunk_dragon.curves.spiral import Spiral
 
 __all__ = ["UTurn"]
 
-# Metres. In a smaller circle no bench turns, and on a larger one places on the spiral lose digits.
+# m. Smaller circles are too narrow for benches; on larger ones, coordinates on the spiral lose digits.
 MIN_RADIUS, MAX_RADIUS = 0.1, 100.0
 # A turn on arcs more different than this is one on a single arc.
 MAX_RATIO = 50.0
@@ -26,8 +26,8 @@ MAX_RATIO = 50.0
 class UTurn(Composite):
     """In on a spiral, round inside a circle on two arcs that touch, and out on the spiral turned by 180 degrees.
 
-    Its place 0 is where it enters the circle. Entry and exit lie opposite to each other and the directions there are
-    the same, so both arcs turn by the same angle: twice that between the entry's direction and the way straight to the
+    The coordinate is 0 at the entry to the circle. Entry and exit are opposite to each other with equal tangents, so
+    both arcs have the same angle: twice that between the entry's direction and the straight line to the
     exit. With that the sum of the radii is fixed, and the length of the turn as well, whatever their ratio.
 
     Parameters
@@ -55,7 +55,7 @@ class UTurn(Composite):
         inward = Spiral(pitch=self.pitch)
         radius = finite("radius", self.radius, MIN_RADIUS, MAX_RADIUS, "m")
         ratio = finite("ratio", self.ratio, 1 / MAX_RATIO, MAX_RATIO, "")
-        place = inward.at_radius(radius)
+        coordinate = inward.at_radius(radius)
         outward = Spiral(pitch=inward.pitch, rotation=math.pi, outward=True)
         for name, value in (("pitch", inward.pitch), ("radius", radius), ("ratio", ratio)):
             object.__setattr__(self, name, value)
@@ -65,7 +65,7 @@ class UTurn(Composite):
             Arc(centre=self.centres[0], radius=first, begin_angle=heading + math.pi / 2, sweep=right),
             Arc(centre=self.centres[1], radius=second, begin_angle=heading + right - math.pi / 2, sweep=left),
         ]
-        pieces = (Section(inward, -math.inf, place), *arcs, Section(outward, -place, math.inf))
+        pieces = (Section(inward, -math.inf, coordinate), *arcs, Section(outward, -coordinate, math.inf))
         object.__setattr__(self, "pieces", pieces)
         super().__post_init__()
 
@@ -77,7 +77,7 @@ class UTurn(Composite):
 
     @property
     def centres(self) -> Array:
-        """Centres of the arcs, (2, 2), m: the first on the right of the way, the second on its left."""
+        """Centres of the arcs, (2, 2), m: the first on the right of the path, the second on its left."""
         left = np.array([-math.sin(self._heading), math.cos(self._heading)])
         return self.tangent_points[[0, 2]] + np.outer(self.radii * [-1, 1], left)
 
@@ -104,7 +104,7 @@ class UTurn(Composite):
 
     @property
     def _aside(self) -> float:
-        """Angle between the direction at the entry and the way straight across, rad."""
+        """Angle between the direction at the entry and the straight line to the exit, rad."""
         return math.atan(self._angle)
 
     @property

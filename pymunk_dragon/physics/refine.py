@@ -25,7 +25,7 @@ def refined_contact(
     """Contact of two benches that touch at the end of a substep, at the time within it when they began to.
 
     The benches move evenly from the poses `before` to the poses `after` (both (N, 3)); Pymunk's own shape test says
-    whether they touch on the way.
+    whether they touch in between.
 
     Parameters
     ----------

@@ -16,7 +16,7 @@ from pymunk_dragon.dragon import interpolated
 from pymunk_dragon.errors import DragonError, ParameterError, UnreachableError
 from pymunk_dragon.march import March, States, check_march, last_time
 from pymunk_dragon.physics.callbacks import Contacts, Recorder
-from pymunk_dragon.physics.rails import Guide, make_guide
+from pymunk_dragon.physics.guides import Guide, make_guide
 from pymunk_dragon.physics.refine import refined_contact
 from pymunk_dragon.physics.world import DRAG, World, bench_mass
 from pymunk_dragon.run import Outcome, Run, versions
@@ -103,7 +103,7 @@ def simulate(
     ParameterError
         If a setting is unusable.
     UnreachableError
-        If the dragon has no place on the curve at `start`.
+        If the dragon has no state at `start`.
     DragonError
         If the engine's chain flew apart.
     """
@@ -121,10 +121,10 @@ def simulate(
         head_force = _head_force(march, guide, fastest, head_force)
     elif head_force is not None:
         raise ParameterError("head_force", head_force, "absent unless contacts are resolved")
-    joiner = make_guide(guide, march, start=start, substep=substep, top_speed=fastest)
+    path_guide = make_guide(guide, march, start=start, substep=substep, top_speed=fastest)
     world = World(
         march,
-        joiner,
+        path_guide,
         start=start,
         substep=substep,
         iterations=iterations,
@@ -253,7 +253,7 @@ class _Loop:
     def _waiting_track(self, total: int) -> Iterator[tuple[Array, Array, Array]]:
         """What `_head_track` yields, but slowing down to a stop while the head cannot follow.
 
-        The dancers keep the pace of this track, so they brake as it does.
+        The dancers follow the speed of this track, so they brake with it.
         """
         world = self._world
         most_lag = LAG * float(world.march.dragon.widths.min())

@@ -15,7 +15,7 @@ from pymunk_dragon.dragon import Dragon
 from pymunk_dragon.errors import UnreachableError
 from pymunk_dragon.march import March, States, check_march
 
-__all__ = ["DRAG", "Joiner", "World", "bench_mass", "bench_shape"]
+__all__ = ["DRAG", "PathGuide", "World", "bench_mass", "bench_shape"]
 
 Array = NDArray[np.float64]
 
@@ -35,32 +35,39 @@ DRAG = 11.5
 # Work, in benches times solver sweeps, that brings the joints into balance before the first step. A change travels
 # along the chain by diffusion, so balance takes about 2 N**2 sweeps: half a second for 223 benches. The cap
 # keeps a dragon of 1,000 benches at some 12 s, when the first seconds drift by a millimetre more.
-MAX_SETTLING_WORK = 500_000_000
-# The share of it in one call of the engine, some 25 ms: in between, Ctrl-C is heard.
-SETTLING_WORK_PER_STEP = 1_000_000
+MAX_WARM_START_WORK = 500_000_000
+# Work in one call of the engine, some 25 ms: Ctrl-C takes effect between calls.
+WARM_START_WORK_PER_STEP = 1_000_000
 
 READ = BodyFields.POSITION | BodyFields.ANGLE | BodyFields.VELOCITY | BodyFields.ANGULAR_VELOCITY
 WRITE = BodyFields.POSITION | BodyFields.ANGLE | BodyFields.FORCE | BodyFields.TORQUE
 
 
-class Joiner(Protocol):
-    """What a world needs of a guide: how it ties benches to the path, and what it does before a step."""
+class PathGuide(Protocol):
+    """Interface of a guide: joints that constrain benches to the path, and their update before each step."""
 
     @property
-    def carriers(self) -> list[pymunk.Body]:
-        """Kinematic bodies that hold the guide's joints; the world adds them and moves them."""
+    def anchors(self) -> list[pymunk.Body]:
+        """Kinematic bodies at the other ends of the guide's joints; the world adds and moves them."""
         ...
 
     def joints(self, bench: int, body: pymunk.Body) -> list[pymunk.Constraint]:
-        """Joints that tie `bench` to the guide."""
+        """Joints between `bench` and the anchors."""
         ...
 
-    def lead(self, poses: Array, hinge_velocity: Array, carriers: Array, efforts: Array) -> None:
-        """Write what is needed of benches that are about to be at `poses` (N, 3).
+    def update(self, poses: Array, hinge_velocity: Array, anchors: Array, forces: Array) -> None:
+        """Write the anchors' positions and the forces for benches that the next step begins at `poses` (N, 3).
 
-        That is the carriers' positions (..., 2) in m, and forces in N and torques in N m on the benches, (N, 3).
-
-        The head's rear hole, by which it pulls the others, then moves at `hinge_velocity` (2,), m/s.
+        Parameters
+        ----------
+        poses : ndarray, shape (N, 3)
+            m, m, rad.
+        hinge_velocity : ndarray, shape (2,)
+            Velocity of the head's rear hole, m/s.
+        anchors : ndarray, shape (A, 2)
+            Output: positions of the anchors, m.
+        forces : ndarray, shape (N, 3)
+            Output: forces in N and torques in N m on the benches.
         """
         ...
 
@@ -87,7 +94,7 @@ class World:
     ----------
     march : March
         What is played. Only its state at `start` is used here, later only the head's pose.
-    guide : Joiner
+    guide : PathGuide
         What keeps the benches on the path.
     start : float
         Time of the first state, s.
@@ -96,10 +103,10 @@ class World:
     iterations : int
         Solver iterations per step.
     top_speed : float
-        The highest speed that the head will have, m/s: drag and joint correction are as fast as it wants them.
+        Largest speed of the head, m/s: the rates of drag and joint correction are proportional to it.
     head_force : float, optional
         Largest force of the motor that pulls the head towards its exact poses, N. Without it the head is a kinematic
-        body, which stands at these poses whatever is in its way.
+        body, which has these poses whatever it touches.
 
     Attributes
     ----------
@@ -119,7 +126,7 @@ class World:
     def __init__(
         self,
         march: March,
-        guide: Joiner,
+        guide: PathGuide,
         *,
         start: float,
         substep: float,
@@ -140,14 +147,14 @@ class World:
         state = march.at(start)
         self.bodies = [self._body(bench, head_force) for bench in range(march.dragon.benches)]
         # Kinematic bodies beside the benches. The head is one itself, or the last of these controls it.
-        moved = [*guide.carriers] if head_force is None else [*guide.carriers, _kinematic()]
+        moved = [*guide.anchors] if head_force is None else [*guide.anchors, _kinematic()]
         self._control = self.bodies[0] if head_force is None else moved[-1]
         self.space.add(*self.bodies, *moved)
         if head_force is not None:
             self._drive(head_force, top_speed)
         self._join(top_speed)
         self._open_buffers(moved)
-        self._settle(start, state)
+        self._warm_start(start, state)
         self.shapes = self._add_shapes()
 
     @property
@@ -207,8 +214,8 @@ class World:
         self._outbox = batch.Buffer()
         out = np.zeros((benches + len(moved), 6))
         self._outbox.set_float_buf(out)
-        self._out_poses, self._out_efforts = out[:benches, :3], out[:benches, 3:]
-        self._out_carriers = out[benches : benches + len(self._guide.carriers), :2]
+        self._out_poses, self._out_forces = out[:benches, :3], out[:benches, 3:]
+        self._out_anchors = out[benches : benches + len(self._guide.anchors), :2]
         self._out_control = out[0 if self._control is self.bodies[0] else -1, :3]
         self.poses = np.empty((benches, 3))
         self.velocities = np.empty((benches, 3))
@@ -248,8 +255,8 @@ class World:
         self._send(head_pose, head_velocity, hinge_velocity)
 
     def _send(self, head_pose: Array, head_velocity: Array, hinge_velocity: Array) -> None:
-        """Give the space its poses, and the guide's carriers and efforts for where the benches are about to be."""
-        self._guide.lead(self._coming, hinge_velocity, self._out_carriers, self._out_efforts)
+        """Write the head's pose, the guide's anchors and the forces for the next step to the space."""
+        self._guide.update(self._coming, hinge_velocity, self._out_anchors, self._out_forces)
         self._out_poses[:] = self._given
         self._out_control[:] = head_pose - self.substep * head_velocity
         if self._control is not self.bodies[0]:
@@ -261,28 +268,28 @@ class World:
         self._control.velocity = vx, vy
         self._control.angular_velocity = spin
 
-    def _settle(self, start: float, state: States) -> None:
-        """Put the benches on the exact state at `start` and let the joints find the impulses that hold them there.
+    def _warm_start(self, start: float, state: States) -> None:
+        """Set the benches to the exact state at `start`, and warm-start the joints' impulses there.
 
-        The solver begins each step with the impulses of the one before. Without any, the drag would stretch the chain
-        in the first second by more than the drift of the whole march.
+        The solver begins each step with the impulses of the step before. Without a warm start the drag would stretch
+        the chain in the first second by more than the drift of the whole march.
         """
         poses, velocities = state.poses[0], state.pose_velocities[0]
         try:
             earlier = self.march.at(start - self.substep)
         except UnreachableError:
-            # The last hole stands where the curve begins.
+            # The last hole is at the curve's begin.
             earlier = state
         before = earlier.pose_velocities[0]
         benches, iterations = len(self.bodies), self.space.iterations
-        steps = math.ceil(min(2 * benches**3, MAX_SETTLING_WORK) / SETTLING_WORK_PER_STEP) + 1
-        self.space.iterations = max(SETTLING_WORK_PER_STEP // benches, iterations)
+        steps = math.ceil(min(2 * benches**3, MAX_WARM_START_WORK) / WARM_START_WORK_PER_STEP) + 1
+        self.space.iterations = max(WARM_START_WORK_PER_STEP // benches, iterations)
         for _ in range(steps):
             for body, (vx, vy, spin) in zip(self.bodies, before.tolist(), strict=True):
                 body.velocity = vx, vy
                 body.angular_velocity = spin
             # The guide makes up for what changes from one step to the next.
-            self._guide.lead(earlier.poses[0], earlier.velocities[0, 1], self._out_carriers, self._out_efforts)
+            self._guide.update(earlier.poses[0], earlier.velocities[0, 1], self._out_anchors, self._out_forces)
             np.subtract(poses, self.substep * before, out=self._given)
             self._coming[:] = poses
             self._send(poses[0], velocities[0], state.velocities[0, 1])

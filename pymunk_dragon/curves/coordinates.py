@@ -1,4 +1,4 @@
-"""Places on a curve that ends somewhere, and points of the plane as users give them."""
+"""Coordinates on curves with ends, and points of the plane given by users."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ from pymunk_dragon.errors import ParameterError
 
 __all__ = ["FARTHEST", "overlap", "plane_point", "within"]
 
-# Metres from the origin, a day's march. So far out a double still tells places 0.02 nm apart.
+# m from the origin. At this distance a double still resolves 0.02 nm.
 FARTHEST = 1e5
 
 
 def within(s: ArrayLike, begin: float, end: float) -> Array:
-    """Places as an array, with nan for those that are not from `begin` to `end`."""
-    places = np.asarray(s, dtype=float)
-    return np.where((places >= begin) & (places <= end), places, np.nan)
+    """Coordinates as an array, with nan for those that are not from `begin` to `end`."""
+    coordinates = np.asarray(s, dtype=float)
+    return np.where((coordinates >= begin) & (coordinates <= end), coordinates, np.nan)
 
 
 def overlap(s: ArrayLike, other: ArrayLike, begin: float, end: float) -> tuple[Array, Array]:
-    """Lower and upper ends of what the stretches from `s` to `other` share with that from `begin` to `end`.
+    """Lower and upper ends of the intersections of the intervals from `s` to `other` with that from `begin` to `end`.
 
-    Where they share nothing, the lower one is above the upper one.
+    If an intersection is empty, its lower end is above its upper end.
     """
     lower, upper = np.minimum(s, other), np.maximum(s, other)
     return np.maximum(lower, begin), np.minimum(upper, end)
