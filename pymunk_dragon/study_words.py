@@ -1,6 +1,6 @@
-"""Answers of the studies as the program prints them: in words, and as the values of its JSON.
+"""Results of the studies as JSON values and as text.
 
-Each study has a pair of functions, found by the type of its answer.
+Each type of result has a pair of functions in `FORMATTERS`.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ __all__ = ["study_answer", "study_in_words"]
 Array = NDArray[np.float64]
 Answer = dict[str, Any]
 
+# Text of each cause of a smallest pitch.
 LIMITS = {"passing": "as the head passes", "arrival": "as the head arrives", "start": "as the dragon starts"}
 
 
@@ -43,7 +44,7 @@ def _pitch_answer(found: MinPitch) -> Answer:
         "half_line": found.half_line,
         "map": {
             "pitches": found.map.pitches.tolist(),
-            # JSON has no infinity.
+            # JSON has no infinity: a pitch at which the head passes no bench has no gap.
             "gaps": [gap if math.isfinite(gap) else None for gap in found.map.gaps.tolist()],
             "growth": found.map.growth,
             "near": found.map.near,
@@ -60,9 +61,9 @@ def _pitch_in_words(found: MinPitch) -> str:
         lines += ["limit:     the circle, on which it starts; with a smaller pitch it would start inside", certified]
     else:
         (i, j), (x, y) = found.benches, found.point
-        place = f"t = {found.march.time(found.way):.6f} s at ({x:.6f}, {y:.6f}) m"
+        where = f"t = {found.march.time(found.way):.6f} s at ({x:.6f}, {y:.6f}) m"
         lines += [
-            f"limit:     benches {i} and {j} touch without overlapping {LIMITS[found.limit]}, {place}",
+            f"limit:     benches {i} and {j} touch without overlapping {LIMITS[found.limit]}, {where}",
             f"{certified}, but one at {found.blocked_at:.12f} m",
         ]
     return "\n".join([*lines, *_map_in_words(found)])
@@ -109,7 +110,7 @@ def _sensitivity_in_words(found: Sensitivity) -> str:
 
 
 def _slopes_in_words(unit: str, per: float, slopes: Sequence[Slope]) -> list[str]:
-    """A table of slopes for each mm, `per` of which are in one of those in SI."""
+    """Lines of a table of derivatives per mm; `per` converts them from SI units."""
     lines = [f"  size          now (mm)  {f'{unit} for a mm':>11}  holds from (mm)             to (mm)"]
     for slope in slopes:
         name = slope.size.replace("_", "-")
@@ -121,13 +122,13 @@ def _slopes_in_words(unit: str, per: float, slopes: Sequence[Slope]) -> list[str
 def _reach_in_words(reach: Reach | None) -> str:
     if reach is None:
         return "-"
-    told = {
+    endings = {
         "nothing": "and further",
         "no contact": "then no contact there",
         "another corner": "then another corner",
         "another pair": "then " + "{} and {}".format(*reach.benches) if reach.benches else "",
     }
-    return f"{1e3 * reach.unchanged:+.4g} {told[reach.by]}"
+    return f"{1e3 * reach.unchanged:+.4g} {endings[reach.by]}"
 
 
 def _speed_answer(found: MaxSpeed) -> Answer:
@@ -137,12 +138,12 @@ def _speed_answer(found: MaxSpeed) -> Answer:
 
 def _speed_in_words(found: MaxSpeed) -> str:
     first, last = found.handles[0], found.handles[-1]
-    who = f"handle {first} goes" if first == last else f"handles {first} to {last} go"
+    subject = f"handle {first} goes" if first == last else f"handles {first} to {last} go"
     shown = "  ".join(f"{speed:.3f}" for speed in found.speeds)
     return "\n".join(
         [
             f"largest speed of the head {found.speed:.10f} m/s: no handle exceeds {found.limit:g} m/s",
-            f"limit:     {who} {found.ratio:.10f} times as fast as the head {found.time:.4f} s after it entered",
+            f"limit:     {subject} {found.ratio:.10f} times as fast as the head {found.time:.4f} s after it entered",
             f"           the circle, {found.way:.4f} m into it",
             f"then:      handles 0, 1, 2, ... go {shown} m/s",
             f"certified: no handle ever exceeds that by more than {found.excess:.2g} of it ({found.looks} looks)",
@@ -243,8 +244,8 @@ def _points(points: Array) -> str:
 
 def _impact_in_words(impact: Impact, times: Array) -> str:
     if impact.status == "clear":
-        near = ", nor a gap below a thirtieth of the width" if impact.clearances == () else ""
-        return f"none from {times[0]:g} to {times[-1]:g} s{near}: certified"
+        no_gap = ", nor a gap below a thirtieth of the width" if impact.clearances == () else ""
+        return f"none from {times[0]:g} to {times[-1]:g} s{no_gap}: certified"
     if impact.benches is None:
         return f"none, but the dragon gets stuck at t = {impact.time:.6f} s"
     return f"benches {impact.benches[0]} and {impact.benches[1]} touch at t = {impact.time:.6f} s"
@@ -255,8 +256,8 @@ def _ratio_in_words(ratio: SpeedRatio) -> str:
     return f"{where}: certified to {ratio.excess:.1g}"
 
 
-# How each kind of answer is told, as values and in words.
-TOLD: Mapping[type, tuple[Callable[[Any], Answer], Callable[[Any], str]]] = {
+# Functions that return the JSON values and the text of each type of result.
+FORMATTERS: Mapping[type, tuple[Callable[[Any], Answer], Callable[[Any], str]]] = {
     MaxSpeed: (_speed_answer, _speed_in_words),
     MinPitch: (_pitch_answer, _pitch_in_words),
     Sensitivity: (_sensitivity_answer, _sensitivity_in_words),
@@ -265,10 +266,10 @@ TOLD: Mapping[type, tuple[Callable[[Any], Answer], Callable[[Any], str]]] = {
 
 
 def study_answer(found: object) -> Answer:
-    """What `study --json` prints of a study's answer."""
-    return TOLD[type(found)][0](found)
+    """JSON values of a study's result, as `study --json` prints them."""
+    return FORMATTERS[type(found)][0](found)
 
 
 def study_in_words(found: object) -> str:
-    """The same in a few lines, with the evidence for it."""
-    return TOLD[type(found)][1](found)
+    """Text of a study's result and its evidence, as `study` prints it."""
+    return FORMATTERS[type(found)][1](found)

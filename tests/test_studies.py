@@ -391,7 +391,7 @@ def test_bad_input_gets_one_line(
 def test_json_of_sensitivity_has_a_slope_for_each_size(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, sensed: Sensitivity
 ) -> None:
-    monkeypatch.setitem(STUDIES, "sensitivity", replace(STUDIES["sensitivity"], ask=lambda dragon, progress: sensed))
+    monkeypatch.setitem(STUDIES, "sensitivity", replace(STUDIES["sensitivity"], run=lambda dragon, progress: sensed))
     _, out, _ = run(capsys, "sensitivity", "--json")
     found = json.loads(out)
     assert found["contact"]["time"] == sensed.time
@@ -445,7 +445,7 @@ def test_pictures_are_written(answer: MinPitch, sensed: Sensitivity, tmp_path: P
 def test_the_command_writes_what_the_ending_says(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, answer: MinPitch, tmp_path: Path
 ) -> None:
-    monkeypatch.setitem(STUDIES, "min-pitch", replace(STUDIES["min-pitch"], ask=lambda dragon, progress: answer))
+    monkeypatch.setitem(STUDIES, "min-pitch", replace(STUDIES["min-pitch"], run=lambda dragon, progress: answer))
     for ending in (".json", ".png", ".svg"):
         assert run(capsys, "min-pitch", "-o", str(tmp_path / f"answer{ending}"))[0] == 0
     assert json.loads((tmp_path / "answer.json").read_text(encoding="utf-8"))["pitch"] == answer.pitch
@@ -457,7 +457,7 @@ def test_without_matplotlib_nothing_is_asked(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.setitem(sys.modules, "matplotlib", None)
-    monkeypatch.setitem(STUDIES, "min-pitch", replace(STUDIES["min-pitch"], ask=None))
+    monkeypatch.setitem(STUDIES, "min-pitch", replace(STUDIES["min-pitch"], run=None))
     status, _, err = run(capsys, "min-pitch", "-o", str(tmp_path / "answer.png"))
     assert status == 2
     assert "pymunk-dragon[figures]" in err

@@ -28,14 +28,14 @@ Indices = NDArray[np.intp]
 
 # Newton steps, at most; four suffice.
 MAX_NEWTON_STEPS = 40
-# m. Largest gap that counts as zero: some hundred times its rounding error.
+# m. Largest gap that counts as zero: tens of times its rounding error.
 GAP_TOLERANCE = 1e-13
 # m. Largest Newton step along the spiral that counts as zero; its effect on a minimal gap is of second order.
 STEP_TOLERANCE = 1e-7
 # m travelled by the head. Difference step for the second derivative of a gap at its minimum.
 DIFFERENCE_STEP = 1e-3
-# m travelled by the head. A contact or a near miss is searched within this distance of its predicted position: well
-# below a spacing, so that no other minimum of the same gap is within the bracket.
+# m travelled by the head. A contact or a near miss is searched within this distance of its predicted position: a
+# fraction of a bench, within which a gap has a single minimum.
 BRACKET = 0.5
 
 
@@ -96,7 +96,7 @@ class ContactBranch:
             # Close to the end of a branch the tangent may lead beyond it, so the second attempt omits the predictor.
             contact = self._contact(march, begin + predicted) or self._contact(march, begin)
             if contact is None:
-                raise DragonError(f"benches {self._pair} do not meet any more")
+                raise DragonError(f"benches {self._pair} do not touch at this size")
             travelled = float(contact.travelled[0])
             rate = -float(contact.slopes[0, self._column] / contact.slopes[0, TRAVELLED])
             self._points[change] = ContinuationPoint(march, travelled, travelled, contact, rate)
@@ -163,7 +163,7 @@ class TangencyBranch:
             remaining, pitch = remaining + step, pitch - gap / float(contact.slopes_at_radius[1])
             if not (0 <= remaining < end and pitch > MIN_PITCH):
                 break
-        raise DragonError(f"benches {self._pair} do not graze each other any more")
+        raise DragonError(f"benches {self._pair} are not tangent at this size")
 
     def total_slopes(self, gaps: Gaps, point: ContinuationPoint) -> Array:
         """As in `Branch`, at a fixed distance of the head from the centre."""

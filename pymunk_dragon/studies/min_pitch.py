@@ -43,7 +43,7 @@ RADIUS = 4.5
 MAX_RADIUS = 100.0
 # Largest turn of the start. Samples begin further out, and a spiral has at most a thousand turns.
 MAX_TURNS = 900.0
-# m. Distance from the limit at which pitches are certified: far above the error of the limit, far below any use of it.
+# m. Distance from the limit at which pitches are certified: a thousand times the error of the limit.
 CERTIFIED = 1e-9
 # Ratio of successive pitches of the map.
 PITCH_RATIO = 1.04

@@ -43,7 +43,7 @@ Pair = tuple[int, int]
 # The pair, if any, that touches first instead of the branch's pair, at a point of the branch and a change of a size.
 OtherPair = Callable[[ContinuationPoint, float, str], Pair | None]
 
-# Largest change of a size, as a share of it: larger changes make another dragon.
+# Largest change of a size that is examined, as a share of the size.
 MAX_CHANGE = 0.1
 # Least number of continuation steps up to the largest change.
 MIN_STEPS = 5
