@@ -37,7 +37,7 @@ Indices = NDArray[np.intp]
 SIZES = ("width", "overhang", "head_spacing", "body_spacing", "pitch")
 # Columns of `Gaps.slopes`: distance travelled by the head, and the sizes.
 QUANTITIES = ("travelled", *SIZES)
-# Column numbers.
+# Column numbers of the quantities.
 TRAVELLED, WIDTH, OVERHANG, HEAD, BODY, PITCH = range(len(QUANTITIES))
 # m. A closest point within this distance of a bench's end or side lies on that edge; far above rounding.
 ON_EDGE = 1e-9

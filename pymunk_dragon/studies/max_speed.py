@@ -61,7 +61,7 @@ ROUNDING = 1e-13
 # m. Length below which an interval is not halved: next to rounding of the head's distance.
 MIN_INTERVAL = 1e-12
 # rad. A right angle.
-QUARTER = np.pi / 2
+RIGHT_ANGLE = np.pi / 2
 # Least cosine in a quotient: a smaller one belongs to an angle that may reach a right angle.
 MIN_COSINE = 1e-12
 # Condition on the curve in the message about a bench that is perpendicular to it.
@@ -349,7 +349,7 @@ class _Search:
         points, tangents = (part.view(complex)[..., 0] for part in frame(self.curve, middle))
         facing = ((points[:, :-1] - points[:, 1:]) / spacings).conj()
         front, rear = np.angle(tangents[:, :-1] * facing), np.angle(tangents[:, 1:] * facing)
-        if np.any(np.abs(front) >= QUARTER):
+        if np.any(np.abs(front) >= RIGHT_ANGLE):
             raise ParameterError("curve", self.curve, FORWARD)
         # While both holes move forward, they remain between their coordinates at the ends of the interval. No bench
         # rotates by more than the sum of the two distances, over its spacing.
@@ -369,7 +369,7 @@ class _Search:
             change = np.maximum(np.abs(np.cumsum(low, axis=1)), np.abs(np.cumsum(high, axis=1)))
             most = ratios * np.exp(change * moved[:, :1]) * (1 + ROUNDING)
         # Where an angle may reach a right angle, there is no bound for this handle and the handles behind it.
-        known = np.logical_and.accumulate((_largest(fronts) < QUARTER) & (_largest(rears) < QUARTER), axis=1)
+        known = np.logical_and.accumulate((_largest(fronts) < RIGHT_ANGLE) & (_largest(rears) < RIGHT_ANGLE), axis=1)
         return ratios, np.where(known & np.isfinite(most), most, np.inf)
 
     def _curvatures(self, first: Array, last: Array) -> Interval:
@@ -420,10 +420,12 @@ def _velocity_ratio(
 
 
 def _interval(middle: Array, half: Array) -> Interval:
+    """Interval of a midpoint and half a width."""
     return middle - half, middle + half
 
 
 def _largest(angles: Interval) -> Array:
+    """Largest absolute value in an interval."""
     return np.maximum(np.abs(angles[0]), np.abs(angles[1]))
 
 
@@ -441,10 +443,12 @@ def _cosine(angles: Interval) -> Interval:
 
 
 def _difference(one: Interval, other: Interval) -> Interval:
+    """Difference of intervals."""
     return one[0] - other[1], one[1] - other[0]
 
 
 def _product(one: Interval, other: Interval) -> Interval:
+    """Product of intervals."""
     ends = [a * b for a in one for b in other]
     return np.minimum.reduce(ends), np.maximum.reduce(ends)
 

@@ -194,22 +194,23 @@ def min_pitch(
 
 
 class _Search:
-    """Root finding over marches that differ in their pitch."""
+    """Search for the smallest pitch of a dragon."""
 
     def __init__(self, dragon: Dragon, turns: float, speed: float, radius: float, progress: Progress) -> None:
         self._progress = progress
         self._dragon, self._turns, self._speed, self._radius = dragon, turns, speed, radius
 
     def run(self) -> MinPitch:
-        known = self._map()
-        if known.gaps[0] > 0:
-            return self._limited_by_circle(known)
-        last = int(np.flatnonzero(known.gaps <= 0)[-1])
-        blocked, free = known.pitches[last : last + 2].tolist()
+        """The smallest pitch with its certificate and map."""
+        pitch_map = self._map()
+        if pitch_map.gaps[0] > 0:
+            return self._limited_by_circle(pitch_map)
+        last = int(np.flatnonzero(pitch_map.gaps <= 0)[-1])
+        blocked, free = pitch_map.pitches[last : last + 2].tolist()
         pitch = self._zero(blocked, free) + TANGENCY_MARGIN
         hit = self._first_contact(pitch - CERTIFIED)
         if hit.benches is None or self._first_contact(pitch + CERTIFIED).status != "clear":
-            pitch, hit = self._bisected(blocked, known.pitches[last + 1 :].tolist())
+            pitch, hit = self._bisected(blocked, pitch_map.pitches[last + 1 :].tolist())
         march = self._march(pitch)
         end = distance_to_circle(march, self._radius)
         contact = self._sampled(pitch).minimum()
@@ -225,7 +226,7 @@ class _Search:
             limit = "arrival"
         return self._result(
             pitch,
-            known,
+            pitch_map,
             limit=limit,
             benches=(first, second),
             point=(x, y),
@@ -235,25 +236,26 @@ class _Search:
             blocked_at=pitch - CERTIFIED,
         )
 
-    def _limited_by_circle(self, known: PitchMap) -> MinPitch:
+    def _limited_by_circle(self, pitch_map: PitchMap) -> MinPitch:
         """The result where the march is free of contacts even at the least pitch."""
-        least = float(known.pitches[0])
+        least = float(pitch_map.pitches[0])
         if least > self._radius / self._turns or self._first_contact(least + CERTIFIED).status != "clear":
             short = "so many, and so long, that the dragon can run into itself outside the circle"
             raise ParameterError("benches", self._dragon.benches, short)
         return self._result(
-            least, known, limit="circle", benches=None, point=None, way=0.0, gap=None, slope=None, blocked_at=None
+            least, pitch_map, limit="circle", benches=None, point=None, way=0.0, gap=None, slope=None, blocked_at=None
         )
 
-    def _result(self, pitch: float, known: PitchMap, **others: Any) -> MinPitch:
+    def _result(self, pitch: float, pitch_map: PitchMap, **others: Any) -> MinPitch:
+        """The result at a pitch, with the test of the half line."""
         march = self._march(pitch)
-        below = known.pitches < pitch
+        below = pitch_map.pitches < pitch
         separated = [
             # Where benches differ, the samples do not include the gaps of all of them.
             self._dragon.alike,
-            known.growth is None or known.growth[0] > 0,
-            np.all(known.gaps[below] < 0),
-            np.all(known.further_out[~below] > 0),
+            pitch_map.growth is None or pitch_map.growth[0] > 0,
+            np.all(pitch_map.gaps[below] < 0),
+            np.all(pitch_map.further_out[~below] > 0),
             _smallest_gaps(self._sampled(pitch, PITCH_RATIO))[1] > -CERTIFIED,
         ]
         return MinPitch(
@@ -264,7 +266,7 @@ class _Search:
             way_in=max(0.0, distance_to_circle(march, self._radius)),
             half_line=all(separated),
             free_at=pitch + CERTIFIED,
-            map=known,
+            map=pitch_map,
             **others,
         )
 

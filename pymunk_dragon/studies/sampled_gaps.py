@@ -69,6 +69,7 @@ class SampledGaps:
         self.gaps = np.concatenate(parts)
 
     def _gaps(self, travelled: Array) -> Array:
+        """Gaps (T, B, 2) at distances travelled (T,)."""
         dragon, poses = self.march.dragon, self.march.at(travelled).poses
         benches = dragon.benches
         gaps = np.full((len(travelled), benches, 2), np.inf)
@@ -105,6 +106,7 @@ class SampledGaps:
         return self._refined(row, np.stack([own, other], axis=-1)) if row.size else None
 
     def _refined(self, rows: Indices, pairs: Indices) -> Gaps:
+        """Minimal gaps of `pairs` (P, 2) between the samples next to `rows` (P,)."""
         last = len(self.travelled) - 1
         low, high = self.travelled[np.maximum(rows - 1, 0)], self.travelled[np.minimum(rows + 1, last)]
         return minimal_gaps(self.march, pairs, low, high)
@@ -119,7 +121,7 @@ def minimal_gaps(march: March, pairs: Indices, low: Array, high: Array) -> Gaps:
     for _ in range(PASSES):
         travelled = np.linspace(low, high, POINTS, axis=-1)
         falling = gaps_of(march, travelled, many).slopes[:, TRAVELLED].reshape(travelled.shape) < 0
-        # One past the last point up to which the gap decreases at every point.
+        # First point at which the gap does not decrease.
         turning = np.where(falling.all(axis=1), POINTS, falling.argmin(axis=1))
         low, high = (travelled[chosen, np.clip(turning - back, 0, POINTS - 1)] for back in (1, 0))
     return gaps_of(march, (low + high) / 2, pairs)
