@@ -25,9 +25,9 @@ from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.march import March
 from pymunk_dragon.render.figures import answer_figure, write_answer
 from pymunk_dragon.studies import STUDIES, MinPitch, Sensitivity, min_pitch, sensitivity, study
-from pymunk_dragon.studies.branches import changed
-from pymunk_dragon.studies.min_pitch import way_to
-from pymunk_dragon.studies.slopes import SIZES, gaps_of
+from pymunk_dragon.studies.branches import perturbed
+from pymunk_dragon.studies.gaps import SIZES, gaps_of
+from pymunk_dragon.studies.min_pitch import distance_to_circle
 
 SEED = {"width": 0.3, "overhang": 0.275, "head_spacing": 2.86, "body_spacing": 1.65, "pitch": 0.55}
 
@@ -43,7 +43,7 @@ def march_at(pitch: float, **sizes: Any) -> March:
 
 def hit_at(pitch: float, radius: float = 4.5, **sizes: Any) -> Any:
     march = march_at(pitch, **sizes)
-    return first_contact(march, until=way_to(march, radius))
+    return first_contact(march, until=distance_to_circle(march, radius))
 
 
 def exact_sizes(**changed: Any) -> dict[str, Any]:
@@ -115,7 +115,7 @@ def test_a_scan_every_second_finds_a_pitch_that_is_too_small(answer: MinPitch) -
     while free - blocked > 1e-6:
         middle = (blocked + free) / 2
         march = march_at(middle)
-        if scan(march, step=1.0, until=way_to(march, 4.5)).status == "clear":
+        if scan(march, step=1.0, until=distance_to_circle(march, 4.5)).status == "clear":
             free = middle
         else:
             blocked = middle
@@ -140,7 +140,7 @@ def test_gaps_near_zero_grow_with_the_pitch_on_the_same_circle(answer: MinPitch)
     gaps = []
     for pitch in (0.4502, 0.4504):
         march = march_at(pitch)
-        gaps.append(gaps_of(march, way_to(march, 4.6), (0, 19)).gaps[0])
+        gaps.append(gaps_of(march, distance_to_circle(march, 4.6), (0, 19)).gaps[0])
     assert least < (gaps[1] - gaps[0]) / 2e-4 < most
 
 
@@ -181,8 +181,8 @@ def test_a_smaller_circle_needs_a_larger_pitch(answer: MinPitch) -> None:
 def test_where_the_search_looks_past_a_limit_certificates_find_it(
     answer: MinPitch, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    # So few looks see no gap of the head's that is smallest in between.
-    monkeypatch.setattr("pymunk_dragon.studies.passing.LOOKS", 0.02)
+    # So few samples contain no gap of the head's that is smallest in between.
+    monkeypatch.setattr("pymunk_dragon.studies.sampled_gaps.SAMPLES_PER_SPACING", 0.02)
     assert min_pitch(Dragon(benches=25)).pitch == pytest.approx(answer.pitch, abs=2e-9)
 
 
@@ -266,7 +266,7 @@ def test_a_contact_holds_as_far_as_is_told_and_another_pair_meets_beyond(sensed:
         for reach in (found.less, found.more):
             assert reach is not None
             hits = [
-                first_contact(changed(March(), found.size, change))
+                first_contact(perturbed(March(), found.size, change))
                 for change in (reach.unchanged, reach.changed)
                 if change is not None
             ]
@@ -391,7 +391,7 @@ def test_bad_input_gets_one_line(
 def test_json_of_sensitivity_has_a_slope_for_each_size(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, sensed: Sensitivity
 ) -> None:
-    monkeypatch.setitem(STUDIES, "sensitivity", replace(STUDIES["sensitivity"], ask=lambda dragon, progress: sensed))
+    monkeypatch.setitem(STUDIES, "sensitivity", replace(STUDIES["sensitivity"], run=lambda dragon, progress: sensed))
     _, out, _ = run(capsys, "sensitivity", "--json")
     found = json.loads(out)
     assert found["contact"]["time"] == sensed.time
@@ -445,7 +445,7 @@ def test_pictures_are_written(answer: MinPitch, sensed: Sensitivity, tmp_path: P
 def test_the_command_writes_what_the_ending_says(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, answer: MinPitch, tmp_path: Path
 ) -> None:
-    monkeypatch.setitem(STUDIES, "min-pitch", replace(STUDIES["min-pitch"], ask=lambda dragon, progress: answer))
+    monkeypatch.setitem(STUDIES, "min-pitch", replace(STUDIES["min-pitch"], run=lambda dragon, progress: answer))
     for ending in (".json", ".png", ".svg"):
         assert run(capsys, "min-pitch", "-o", str(tmp_path / f"answer{ending}"))[0] == 0
     assert json.loads((tmp_path / "answer.json").read_text(encoding="utf-8"))["pitch"] == answer.pitch
@@ -457,7 +457,7 @@ def test_without_matplotlib_nothing_is_asked(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.setitem(sys.modules, "matplotlib", None)
-    monkeypatch.setitem(STUDIES, "min-pitch", replace(STUDIES["min-pitch"], ask=None))
+    monkeypatch.setitem(STUDIES, "min-pitch", replace(STUDIES["min-pitch"], run=None))
     status, _, err = run(capsys, "min-pitch", "-o", str(tmp_path / "answer.png"))
     assert status == 2
     assert "pymunk-dragon[figures]" in err

@@ -44,13 +44,13 @@ def study(
     from pymunk_dragon.study_words import study_answer, study_in_words
 
     if name is None:
-        asked = {known: kind.asks for known, kind in STUDIES.items()}
+        asked = {known: kind.summary for known, kind in STUDIES.items()}
         if as_json:
             print_json({"studies": asked})
         else:
             click.echo("\n".join(f"{known:<11}  {asks}" for known, asks in asked.items()))
         return
-    values = _of_file(scenario_file, STUDIES[name].takes if name in STUDIES else ()) | chosen()
+    values = _of_file(scenario_file, STUDIES[name].parameters if name in STUDIES else ()) | chosen()
     if isinstance(values.get("speed"), str | tuple):
         values["speed"] = _speed(values["speed"])
     own = {"limit": limit, "fastest": fastest, "search": search, "arcs": arcs, "min_radius": min_radius}

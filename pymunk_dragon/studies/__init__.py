@@ -1,4 +1,4 @@
-"""Questions asked of many marches."""
+"""Parameter studies over many marches, and optimisation."""
 
 from __future__ import annotations
 
@@ -32,85 +32,91 @@ __all__ = [
     "u_turn",
 ]
 
+# Names of the sizes of a dragon that studies take.
 DRAGON = ("benches", "head_spacing", "body_spacing", "overhang", "width")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Study:
-    """A question that can be asked by name.
+    """A study that can be run by name.
 
     Attributes
     ----------
-    asks : str
-        What it asks, in one line.
-    ask : callable
-        Who answers: a function of a `Dragon`, if `of_dragon`, and of the options by name. It gives a frozen dataclass.
+    summary : str
+        What the study computes, in one line.
+    run : callable
+        Function of a `Dragon`, if `of_dragon`, and of the options by name. It returns a frozen dataclass.
     options : tuple of str
-        Names of the numbers that it takes beside the dragon's own.
+        Names of the options apart from the dragon's sizes.
     of_dragon : bool
-        Whether a dragon is what it asks about.
+        Whether the study takes a dragon.
     """
 
-    asks: str
-    ask: Callable[..., Any]
+    summary: str
+    run: Callable[..., Any]
     options: tuple[str, ...]
     of_dragon: bool = True
 
     @property
-    def takes(self) -> tuple[str, ...]:
-        """Names of all the numbers that it takes."""
+    def parameters(self) -> tuple[str, ...]:
+        """Names of all parameters, including the dragon's sizes."""
         return (*DRAGON, *self.options) if self.of_dragon else self.options
 
 
 STUDIES: Mapping[str, Study] = {
     "min-pitch": Study(
-        asks="the smallest pitch at which the head reaches the turning circle (the contest's question 3)",
-        ask=min_pitch,
+        summary="the smallest pitch at which the head reaches the turning circle (the contest's question 3)",
+        run=min_pitch,
         options=("turns", "speed", "radius"),
     ),
     "max-speed": Study(
-        asks="the largest speed of the head in the U-turn at which no handle is too fast (question 5)",
-        ask=max_speed,
+        summary="the largest speed of the head in the U-turn at which no handle is too fast (question 5)",
+        run=max_speed,
         options=("limit", "pitch", "radius", "ratio"),
     ),
     "sensitivity": Study(
-        asks="what each size of the benches does to the first contact, and to that pitch",
-        ask=sensitivity,
+        summary="what each size of the benches does to the first contact, and to that pitch",
+        run=sensitivity,
         options=("pitch", "turns", "speed", "radius"),
     ),
     "u-turn": Study(
-        asks="the turn inside the circle, and the shortest one that is found (the contest's question 4)",
-        ask=u_turn,
+        summary="the turn inside the circle, and the shortest one that is found (the contest's question 4)",
+        run=u_turn,
         options=("pitch", "radius", "ratio", "speed", "fastest", "search", "arcs", "min_radius"),
     ),
 }
 
 
 def study(name: str, values: Mapping[str, Any], progress: Progress = silent) -> Any:
-    """Ask one of `STUDIES`.
+    """Run one of `STUDIES`.
 
     Parameters
     ----------
     name : str
-        Which.
+        Name of the study.
     values : mapping
-        Numbers that it `takes`, by name; what is not among them keeps its default.
+        Values of its `parameters`, by name; the others keep their defaults.
     progress : callable, optional
-        Called with how much of the study is done, and how much there is.
+        Called with the part of the study that is done and the whole.
+
+    Returns
+    -------
+    dataclass
+        The result of the study, as `MinPitch`, `MaxSpeed`, `Sensitivity` or `TurnAnswer`.
 
     Raises
     ------
     ParameterError
-        If there is no such study, it does not take one of the values, or one of them cannot be used.
+        If there is no such study, it does not take one of the values, or a value is out of range.
     DragonError
         As the study itself does.
     """
-    asked = STUDIES[word("study", name, STUDIES)]
+    chosen = STUDIES[word("study", name, STUDIES)]
     for given, value in values.items():
-        if given not in asked.takes:
-            raise ParameterError(given, value, f"left out: {name} takes " + ", ".join(asked.takes))
-    options = {given: value for given, value in values.items() if given in asked.options}
-    if not asked.of_dragon:
-        return asked.ask(**options, progress=progress)
+        if given not in chosen.parameters:
+            raise ParameterError(given, value, f"left out: {name} takes " + ", ".join(chosen.parameters))
+    options = {given: value for given, value in values.items() if given in chosen.options}
+    if not chosen.of_dragon:
+        return chosen.run(**options, progress=progress)
     dragon = Dragon(**{given: value for given, value in values.items() if given in DRAGON})
-    return asked.ask(dragon, **options, progress=progress)
+    return chosen.run(dragon, **options, progress=progress)

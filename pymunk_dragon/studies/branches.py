@@ -1,8 +1,8 @@
-"""What becomes of a contact, and of a smallest pitch, while one size of the benches changes.
+"""Continuation of a first contact, and of a smallest pitch, while one size of the benches changes.
 
-Two benches touch where one gap is zero, and it stays zero along a branch of places of the head, or of pitches, that has
-the slope of the implicit function theorem. The branch ends where a corner slides off the edge that it touches, or where
-another gap, one of the near misses, closes first. Both are found by Newton's method along the branch.
+Two benches touch where their gap is zero. The gap stays zero along a branch of head positions, or of pitches, whose
+slope follows from the implicit function theorem. The branch ends where a corner slides off the edge that it touches, or
+where one of the near misses closes first. Points of the branch and near misses are computed by Newton's method.
 """
 
 from __future__ import annotations
@@ -17,180 +17,187 @@ from pymunk_dragon.curves import Spiral
 from pymunk_dragon.curves.spiral import MIN_PITCH
 from pymunk_dragon.errors import DragonError
 from pymunk_dragon.march import March
-from pymunk_dragon.studies.min_pitch import way_to
-from pymunk_dragon.studies.passing import smallest_between
-from pymunk_dragon.studies.slopes import QUANTITIES, WAY, Gaps, gaps_of
+from pymunk_dragon.studies.gaps import QUANTITIES, TRAVELLED, Gaps, gaps_of
+from pymunk_dragon.studies.min_pitch import distance_to_circle
+from pymunk_dragon.studies.sampled_gaps import minimal_gaps
 
-__all__ = ["ASIDE", "Branch", "Grazing", "Meeting", "Misses", "Stand", "changed"]
+__all__ = ["BRACKET", "Branch", "ContactBranch", "ContinuationPoint", "NearMisses", "TangencyBranch", "perturbed"]
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
-# Newton's steps, of which it needs four; m, the gap and the way that are none.
-STEPS, NO_GAP, NO_WAY = 40, 1e-13, 1e-7
-# m: between places of the head at which it is seen how a smallest gap bends.
-APART = 1e-3
-# m: as far to either side of where a contact or a near miss is expected it is looked for.
-ASIDE = 0.5
+# Newton steps, at most; four suffice.
+MAX_NEWTON_STEPS = 40
+# m. Largest gap that counts as zero: tens of times its rounding error.
+GAP_TOLERANCE = 1e-13
+# m. Largest Newton step along the spiral that counts as zero; its effect on a minimal gap is of second order.
+STEP_TOLERANCE = 1e-7
+# m travelled by the head. Difference step for the second derivative of a gap at its minimum.
+DIFFERENCE_STEP = 1e-3
+# m travelled by the head. A contact or a near miss is searched within this distance of its predicted position: a
+# fraction of a bench, within which a gap has a single minimum.
+BRACKET = 0.5
 
 
 @dataclass(frozen=True)
-class Stand:
-    """A place on a branch.
+class ContinuationPoint:
+    """A point of a branch.
 
     Attributes
     ----------
     march : March
-        With the size changed, at 1 m/s.
-    anchor : float
-        Way of the head, m, from which those to near misses are counted, because they stay about the same.
-    last : float
-        Way of the head, m, as far as which near misses count.
-    touch : Gaps
-        The two benches that touch.
-    moves : float
-        How the branch's place moves with the size: m of way, or of pitch, for each m.
+        The march with the changed size, at 1 m/s.
+    reference : float
+        Distance travelled, m, from which positions of near misses are measured. Their offsets from it hardly change.
+    end : float
+        Distance travelled, m, up to which near misses count.
+    contact : Gaps
+        Gap of the two benches that touch.
+    rate : float
+        Derivative of the branch by the size: m travelled, or m of pitch, per m.
     """
 
     march: March
-    anchor: float
-    last: float
-    touch: Gaps
-    moves: float
+    reference: float
+    end: float
+    contact: Gaps
+    rate: float
 
 
 class Branch(Protocol):
-    """A contact, or a grazing, as one size changes."""
+    """A contact or a tangency as a function of one size."""
 
-    def stand(self, change: float) -> Stand:
-        """Where it is once the size has changed by so many m; a `DragonError` where it has come to an end."""
+    def at(self, change: float) -> ContinuationPoint:
+        """The point where the size has changed by `change` m; raises `DragonError` beyond the end of the branch."""
         ...
 
-    def total(self, gaps: Gaps, stand: Stand) -> Array:
-        """Slopes (P,) of other gaps by the size, along the branch, m for each m."""
+    def total_slopes(self, gaps: Gaps, point: ContinuationPoint) -> Array:
+        """Total derivatives (P,) of other gaps by the size along the branch, m per m."""
         ...
 
 
-class Meeting:
-    """The place of the head at a first contact."""
+class ContactBranch:
+    """Distance travelled by the head at a first contact, as a function of one size."""
 
-    def __init__(self, march: March, way: float, pair: tuple[int, int], name: str) -> None:
-        self._march, self._pair, self._name = march, pair, name
-        self._column = QUANTITIES.index(name)
-        self._known: dict[float, Stand] = {}
-        self._begin = way
+    def __init__(self, march: March, travelled: float, pair: tuple[int, int], size: str) -> None:
+        self._march, self._pair, self._size = march, pair, size
+        self._column = QUANTITIES.index(size)
+        self._points: dict[float, ContinuationPoint] = {}
+        self._begin = travelled
 
-    def stand(self, change: float) -> Stand:
-        """As in `Branch`, from the nearest place that is known."""
-        if change not in self._known:
-            march, begin, ahead = changed(self._march, self._name, change), self._begin, 0.0
-            if self._known:
-                near = min(self._known, key=lambda known: abs(known - change))
-                begin, ahead = self._known[near].anchor, self._known[near].moves * (change - near)
-            # Close to its end a branch turns away from its tangent, and a step along it leads beyond.
-            touch = self._met(march, begin + ahead) or self._met(march, begin)
-            if touch is None:
-                raise DragonError(f"benches {self._pair} do not meet any more")
-            way, moves = float(touch.ways[0]), -float(touch.slopes[0, self._column] / touch.slopes[0, WAY])
-            self._known[change] = Stand(march, way, way, touch, moves)
-        return self._known[change]
+    def at(self, change: float) -> ContinuationPoint:
+        """As in `Branch`, by continuation from the closest point that has been computed."""
+        if change not in self._points:
+            march, begin, predicted = perturbed(self._march, self._size, change), self._begin, 0.0
+            if self._points:
+                closest = min(self._points, key=lambda known: abs(known - change))
+                begin = self._points[closest].reference
+                predicted = self._points[closest].rate * (change - closest)
+            # Close to the end of a branch the tangent may lead beyond it, so the second attempt omits the predictor.
+            contact = self._contact(march, begin + predicted) or self._contact(march, begin)
+            if contact is None:
+                raise DragonError(f"benches {self._pair} do not touch at this size")
+            travelled = float(contact.travelled[0])
+            rate = -float(contact.slopes[0, self._column] / contact.slopes[0, TRAVELLED])
+            self._points[change] = ContinuationPoint(march, travelled, travelled, contact, rate)
+        return self._points[change]
 
-    def _met(self, march: March, way: float) -> Gaps | None:
-        """Where the gap closes near `way`, by Newton's method; None where it does not."""
-        begin = way
-        for _ in range(STEPS):
-            touch = gaps_of(march, way, self._pair)
-            gap, slope = float(touch.gaps[0]), float(touch.slopes[0, WAY])
-            if abs(gap) <= NO_GAP:
-                return touch if slope < 0 else None
-            if abs(gap) > ASIDE * abs(slope):
+    def _contact(self, march: March, travelled: float) -> Gaps | None:
+        """Zero of the gap close to `travelled` m, by Newton's method; None if the method does not converge."""
+        begin = travelled
+        for _ in range(MAX_NEWTON_STEPS):
+            contact = gaps_of(march, travelled, self._pair)
+            gap, slope = float(contact.gaps[0]), float(contact.slopes[0, TRAVELLED])
+            if abs(gap) <= GAP_TOLERANCE:
+                return contact if slope < 0 else None
+            if abs(gap) > BRACKET * abs(slope):
                 break
-            way -= gap / slope
-            if abs(way - begin) > ASIDE:
+            travelled -= gap / slope
+            if abs(travelled - begin) > BRACKET:
                 break
         return None
 
-    def total(self, gaps: Gaps, stand: Stand) -> Array:
-        """As in `Branch`: one that is smallest only because the head stops there changes as it stops elsewhere."""
-        total: Array = gaps.slopes[:, self._column] + gaps.slopes[:, WAY] * stand.moves
+    def total_slopes(self, gaps: Gaps, point: ContinuationPoint) -> Array:
+        """As in `Branch`, including the motion of the head's last position, where a gap may have its minimum."""
+        total: Array = gaps.slopes[:, self._column] + gaps.slopes[:, TRAVELLED] * point.rate
         return total
 
 
-class Grazing:
-    """The pitch at which two benches just graze each other on the way to a circle."""
+class TangencyBranch:
+    """Pitch at which the minimal gap of two benches on the inward spiral is zero, as a function of one size."""
 
-    def __init__(self, march: March, way: float, pair: tuple[int, int], radius: float, name: str) -> None:
-        self._march, self._pair, self._radius, self._name = march, pair, radius, name
-        self._column = QUANTITIES.index(name)
+    def __init__(self, march: March, travelled: float, pair: tuple[int, int], radius: float, size: str) -> None:
+        self._march, self._pair, self._radius, self._size = march, pair, radius, size
+        self._column = QUANTITIES.index(size)
         assert isinstance(march.curve, Spiral)
-        self._known: dict[float, Stand] = {}
-        self._begin = march.curve.pitch, way_to(march, radius) - way
+        self._points: dict[float, ContinuationPoint] = {}
+        self._begin = march.curve.pitch, distance_to_circle(march, radius) - travelled
 
-    def stand(self, change: float) -> Stand:
-        """As in `Branch`, from the nearest place that is known."""
-        if change not in self._known:
-            pitch, left = self._begin
-            if self._known:
-                near = min(self._known, key=lambda known: abs(known - change))
-                known = self._known[near]
+    def at(self, change: float) -> ContinuationPoint:
+        """As in `Branch`, by continuation from the closest point that has been computed."""
+        if change not in self._points:
+            pitch, remaining = self._begin
+            if self._points:
+                closest = min(self._points, key=lambda known: abs(known - change))
+                known = self._points[closest]
                 assert isinstance(known.march.curve, Spiral)
-                pitch = known.march.curve.pitch + known.moves * (change - near)
-                left = known.anchor - float(known.touch.ways[0])
-            self._known[change] = self._grazed(changed(self._march, self._name, change), pitch, left)
-        return self._known[change]
+                pitch = known.march.curve.pitch + known.rate * (change - closest)
+                remaining = known.reference - float(known.contact.travelled[0])
+            self._points[change] = self._tangency(perturbed(self._march, self._size, change), pitch, remaining)
+        return self._points[change]
 
-    def _grazed(self, other: March, pitch: float, left: float) -> Stand:
-        """Newton's method for the pitch, and for the way that is left to the circle, m."""
-        for _ in range(STEPS):
+    def _tangency(self, other: March, pitch: float, remaining: float) -> ContinuationPoint:
+        """Newton's method for the pitch and for the distance that remains to the circle, m."""
+        for _ in range(MAX_NEWTON_STEPS):
             march = replace(other, curve=Spiral(pitch=pitch))
-            end = way_to(march, self._radius)
-            touch = gaps_of(march, end - left + APART * np.array([-1, 0, 1]), [self._pair] * 3)
-            before, fall, after = touch.slopes[:, WAY].tolist()
+            end = distance_to_circle(march, self._radius)
+            contact = gaps_of(march, end - remaining + DIFFERENCE_STEP * np.array([-1, 0, 1]), [self._pair] * 3)
+            before, slope, after = contact.slopes[:, TRAVELLED].tolist()
             if before >= after:
                 break
-            gap, forward = float(touch.gaps[1]), 2 * APART * fall / (after - before)
-            if abs(gap) <= NO_GAP and abs(forward) <= NO_WAY:
-                touch = gaps_of(march, end - left, self._pair)
-                moves = -float(touch.slopes[0, self._column] / touch.slopes_on_circle[0])
-                return Stand(march, end, end, touch, moves)
-            left, pitch = left + forward, pitch - gap / float(touch.slopes_on_circle[1])
-            if not (0 <= left < end and pitch > MIN_PITCH):
+            gap, step = float(contact.gaps[1]), 2 * DIFFERENCE_STEP * slope / (after - before)
+            if abs(gap) <= GAP_TOLERANCE and abs(step) <= STEP_TOLERANCE:
+                contact = gaps_of(march, end - remaining, self._pair)
+                rate = -float(contact.slopes[0, self._column] / contact.slopes_at_radius[0])
+                return ContinuationPoint(march, end, end, contact, rate)
+            remaining, pitch = remaining + step, pitch - gap / float(contact.slopes_at_radius[1])
+            if not (0 <= remaining < end and pitch > MIN_PITCH):
                 break
-        raise DragonError(f"benches {self._pair} do not graze each other any more")
+        raise DragonError(f"benches {self._pair} are not tangent at this size")
 
-    def total(self, gaps: Gaps, stand: Stand) -> Array:
-        """As in `Branch`, the head being on the same circle."""
-        total: Array = gaps.slopes[:, self._column] + gaps.slopes_on_circle * stand.moves
+    def total_slopes(self, gaps: Gaps, point: ContinuationPoint) -> Array:
+        """As in `Branch`, at a fixed distance of the head from the centre."""
+        total: Array = gaps.slopes[:, self._column] + gaps.slopes_at_radius * point.rate
         return total
 
 
-def changed(march: March, name: str, change: float) -> March:
-    """The march with one of its sizes changed by so many m, that of all benches where each has its own."""
-    if name == "pitch":
+def perturbed(march: March, size: str, change: float) -> March:
+    """A march with one size changed by `change` m; a size that each bench has of its own changes on all benches."""
+    if size == "pitch":
         assert isinstance(march.curve, Spiral)
         return replace(march, curve=Spiral(pitch=march.curve.pitch + change))
-    value = getattr(march.dragon, name)
+    value = getattr(march.dragon, size)
     more: Any = value + change if isinstance(value, float) else tuple(each + change for each in value)
-    return replace(march, dragon=replace(march.dragon, **{name: more}))
+    return replace(march, dragon=replace(march.dragon, **{size: more}))
 
 
-class Misses:
-    """Near misses on the way of a branch.
+class NearMisses:
+    """Near misses along a branch.
 
     Parameters
     ----------
     pairs : ndarray, shape (K, 2)
-        Of benches.
+        Numbers of the benches.
     offsets : ndarray, shape (K,)
-        Ways from the branch's anchor to where their gaps are smallest, m.
+        Distances travelled from the branch's reference to the minima of the gaps, m.
     """
 
     def __init__(self, pairs: Indices, offsets: Array) -> None:
         self._pairs, self._offsets = pairs, offsets
 
-    def at(self, stand: Stand) -> Gaps:
-        """Their smallest gaps, about where they were last."""
-        about = np.minimum(stand.anchor + self._offsets, stand.last)
-        gaps = smallest_between(stand.march, self._pairs, about - ASIDE, np.minimum(about + ASIDE, stand.last))
-        self._offsets = gaps.ways - stand.anchor
+    def at(self, point: ContinuationPoint) -> Gaps:
+        """Minimal gaps at a point of the branch, searched about the positions of the last call."""
+        about = np.minimum(point.reference + self._offsets, point.end)
+        gaps = minimal_gaps(point.march, self._pairs, about - BRACKET, np.minimum(about + BRACKET, point.end))
+        self._offsets = gaps.travelled - point.reference
         return gaps

@@ -1,16 +1,16 @@
 """The smallest pitch at which the head reaches the turning circle (the contest's question 3).
 
-A smaller pitch brings the turns closer together, so the head touches a bench that it passes before it is there. Three
-things are found out:
+A smaller pitch brings the turns closer together, so the head touches a bench that it passes before it reaches the
+circle. The result consists of three parts:
 
-- Where the limit is: the smallest gap on the whole way in, over the pitch, has a zero, and Newton's method finds it
-  from the exact slope (`slopes.py`).
-- That it is a limit: `first_contact` certifies a way in without a contact a nanometre above it, and finds one a
-  nanometre below.
-- That there is no other one, neither free pitches below nor collisions above. Compare dragons with their heads on the
-  same circle about the centre. At every pitch of a map, and all along the way, every gap near zero grows with the
-  pitch. So what is free on a circle stays free there at all larger pitches. Their ways begin further out, and are seen
-  to be free there. So the free pitches are a half line, and the limit is its end.
+- The limit. The smallest gap on the whole inward spiral, as a function of the pitch, has a zero. Newton's method finds
+  the zero from the exact derivative (`gaps.py`).
+- Its certificate. `first_contact` certifies that the march is free of contacts a nanometre above the limit, and finds a
+  contact a nanometre below.
+- Its uniqueness: no free pitches below and no collisions above. Dragons are compared with their heads at the same
+  distance from the centre. At every sampled pitch and position, every gap close to zero grows with the pitch. So a
+  position that is free at one pitch is free at all larger pitches. Marches at larger pitches start further out, and
+  the additional part of their spirals is sampled as well. So the free pitches are a half line that begins at the limit.
 """
 
 from __future__ import annotations
@@ -28,55 +28,58 @@ from pymunk_dragon.curves.spiral import MAX_PITCH
 from pymunk_dragon.dragon import Dragon
 from pymunk_dragon.errors import DragonError, ParameterError
 from pymunk_dragon.march import March
-from pymunk_dragon.studies.passing import Passing
+from pymunk_dragon.studies.gaps import PITCH, Gaps, gaps_of
 from pymunk_dragon.studies.progress import Progress, silent
-from pymunk_dragon.studies.slopes import PITCH, Gaps, gaps_of
+from pymunk_dragon.studies.sampled_gaps import SampledGaps
 
-__all__ = ["MinPitch", "PitchMap", "min_pitch", "way_to"]
+__all__ = ["MinPitch", "PitchMap", "distance_to_circle", "min_pitch"]
 
 Array = NDArray[np.float64]
 Limit = Literal["passing", "arrival", "start", "circle"]
 
 # m. Radius of the contest's turning circle.
 RADIUS = 4.5
-# m. With a wider circle the way in is kilometres long, and the search takes minutes.
+# m. Largest radius: with a wider circle the inward spiral is kilometres long, and the search takes minutes.
 MAX_RADIUS = 100.0
-# Turns of the start, at most: some more are looked at, and no spiral has more than a thousand.
+# Largest turn of the start. Samples begin further out, and a spiral has at most a thousand turns.
 MAX_TURNS = 900.0
-# m. So far above the answer the way is certified to be free, and so far below it to be blocked.
-CERTAIN = 1e-9
-# Each pitch of the map over the one before it. It ends where the smallest gap is so large a share of the width: beyond
-# that no gap is near zero.
-RAISE, WIDE = 1.04, 0.5
-# Share of the width within which a gap counts as near zero: 1 cm at the contest's 0.3 m.
-NEAR = 1 / 30
-# No march has a pitch that is not larger than the width. The map begins so little above it.
-LEAST = 1 + 1e-6
-# m. So little above the zero of the smallest gap is the answer: rounding, of a few 1e-15 m, shows no overlap there.
-TOUCH = 1e-13
-# Newton's steps, of which it needs three. After one of so few metres only rounding is left.
-STEPS, SETTLED = 60, 1e-12
-# Share of the way that is no way: so close to an end of it a smallest gap is one at the end.
+# m. Distance from the limit at which pitches are certified: a thousand times the error of the limit.
+CERTIFIED = 1e-9
+# Ratio of successive pitches of the map.
+PITCH_RATIO = 1.04
+# Smallest gap at which the map ends, as a share of the width: beyond it no gap is close to zero.
+MAP_END = 0.5
+# Size up to which a gap counts as close to zero, as a share of the width: 1 cm at the contest's 0.3 m.
+CLOSE_TO_ZERO = 1 / 30
+# Least pitch of the map over the width: no march has a pitch that is not larger than the width.
+MIN_PITCH_RATIO = 1 + 1e-6
+# m. Distance of the result from the zero of the smallest gap: rounding, of a few 1e-15 m, shows no overlap there.
+TANGENCY_MARGIN = 1e-13
+# Newton steps, at most; three suffice.
+MAX_NEWTON_STEPS = 60
+# m. Newton step below which only rounding is left.
+STEP_TOLERANCE = 1e-12
+# Share of the distance to the circle within which a minimum of a gap lies at an end of the spiral.
 AT_END = 1e-9
 
 
 @dataclass(frozen=True)
 class PitchMap:
-    """Smallest gaps on the way in at K pitches.
+    """Smallest gaps on the inward spiral at K pitches.
 
     Attributes
     ----------
     pitches, gaps : ndarray, shape (K,)
         m; a gap is negative where benches overlap.
     further_out : ndarray, shape (K,)
-        The same on a way that begins as far out as that of the next pitch, m.
+        Smallest gaps on a spiral that begins as far out as that of the next pitch, m.
     growth : tuple of float or None
-        By how much gaps near zero grow with the pitch, the least and the most, while handle 0 stays on the same circle
-        about the centre, m for each m. None where no gap is near zero.
+        Least and largest derivative, by the pitch, of gaps close to zero at a fixed distance of handle 0 from the
+        centre, m per m. None where no gap is close to zero.
     near : float
-        Which gaps those are: at most so far from zero, m.
+        Largest size of a gap that counts as close to zero, m.
     compared : int
-        How many of them were looked at.
+        Number of gaps close to zero whose derivatives were computed.
     """
 
     pitches: Array
@@ -93,36 +96,36 @@ class PitchMap:
 
 @dataclass(frozen=True, kw_only=True)
 class MinPitch:
-    """The smallest pitch at which handle 0 reaches the turning circle without a collision on the way.
+    """The smallest pitch at which handle 0 reaches the turning circle without a collision.
 
     Attributes
     ----------
     pitch : float
-        The answer, m. There two benches touch without overlapping, if a gap is what limits it.
+        The smallest pitch, m. If a gap limits it, two benches touch there without overlapping.
     radius : float
-        Of the turning circle, m.
+        Radius of the turning circle, m.
     march : March
-        The dragon on the spiral of that pitch.
+        March on the spiral of that pitch.
     limit : {"passing", "arrival", "start", "circle"}
-        What sets it: the head passes a bench without a gap; two benches meet as the head arrives; two touch as it
-        starts; or nothing but the circle, on which the head then starts.
+        Cause of the limit: the head touches a bench while passing it; two benches touch as the head arrives; two
+        benches touch at the start; or only the circle, on which the head then starts.
     benches : tuple of int or None
-        The two that touch, the smaller number first; None where nothing does.
+        The two benches that touch, the smaller number first; None where no benches touch.
     point : tuple of float or None
-        Where they do, m.
+        Contact point, m.
     way, way_in : float
-        How far handle 0 has gone when they touch, and when it reaches the circle, m; `march.time` tells when that is.
+        Distances travelled by handle 0 at the contact and at the circle, m; `march.time` gives the times.
     gap : float or None
-        Between these two then, m: zero but for rounding.
+        Gap of the two benches at the contact, m; zero but for rounding.
     slope : float or None
-        How the smallest gap on the way grows with the pitch there, m for each m.
+        Derivative of the smallest gap by the pitch, m per m.
     half_line : bool
         Whether the map shows that all larger pitches are free, and all smaller ones are not.
     free_at, blocked_at : float
-        Pitches, m, at which `first_contact` certifies a way without a contact, and finds one. The latter is None where
-        nothing but the circle is the limit: at a smaller pitch the head would start inside of it.
+        Pitches, m, at which `first_contact` certifies a march without a contact, and finds a contact. The latter is
+        None where only the circle is the limit: at a smaller pitch the head would start inside it.
     map : PitchMap
-        What is seen at other pitches.
+        Smallest gaps at other pitches.
     """
 
     pitch: float
@@ -141,8 +144,8 @@ class MinPitch:
     map: PitchMap = field(repr=False)
 
 
-def way_to(march: March, radius: float) -> float:
-    """Way of handle 0 of a march inward on a `Spiral` from its start to where it is `radius` m from the centre, m."""
+def distance_to_circle(march: March, radius: float) -> float:
+    """Distance that handle 0 travels inward on a `Spiral` from its start to `radius` m from the centre, m."""
     assert isinstance(march.curve, Spiral)
     return march.curve.at_radius(radius) - march.head_start
 
@@ -155,178 +158,180 @@ def min_pitch(
     radius: float = RADIUS,
     progress: Progress = silent,
 ) -> MinPitch:
-    """The smallest pitch at which handle 0 reaches a circle about the centre without a collision on the way.
+    """The smallest pitch at which handle 0 reaches a circle about the centre without a collision.
 
-    It and all larger ones are free, and no smaller one is.
+    All larger pitches are free as well, and no smaller one is.
 
     Parameters
     ----------
     dragon : Dragon, optional
-        Who marches; by default the contest's.
+        The dragon; by default the contest's.
     turns, speed
         As in `March`.
     radius : float
-        Of the circle, m.
+        Radius of the circle, m.
     progress : callable, optional
-        Called with the width that the smallest gap has reached on the map, and the one at which the map ends, m.
+        Called with the smallest gap at the last pitch of the map, and the gap at which the map ends, m.
 
     Returns
     -------
     MinPitch
-        The pitch is right to 1e-12 m, and certified to 1e-9 m.
+        The pitch is accurate to 1e-12 m, and certified to 1e-9 m.
 
     Raises
     ------
     ParameterError
-        If the radius is no number, is less than the longest spacing (further in a handle may have no place), or is
+        If the radius is no number, is less than the longest spacing (further in, a handle may have no position), or is
         larger than any start; or if the dragon is too short to pass itself, so that nothing limits the pitch.
     DragonError
         If the limit cannot be certified.
     """
     dragon = dragon or Dragon()
     turns = positive("turns", turns, MAX_TURNS, "")
-    # Further in than the longest spacing a handle may have no place, and a start further out is on no spiral.
+    # Inside the longest spacing a handle may have no position, and beyond the largest start there is no spiral.
     radius = finite("radius", radius, float(dragon.spacings.max()), min(MAX_RADIUS, MAX_PITCH * turns), "m")
     return _Search(dragon, turns, speed, radius, progress).run()
 
 
 class _Search:
-    """Looks at marches that differ in their pitch."""
+    """Search for the smallest pitch of a dragon."""
 
     def __init__(self, dragon: Dragon, turns: float, speed: float, radius: float, progress: Progress) -> None:
         self._progress = progress
         self._dragon, self._turns, self._speed, self._radius = dragon, turns, speed, radius
 
     def run(self) -> MinPitch:
-        known = self._map()
-        if known.gaps[0] > 0:
-            return self._unhindered(known)
-        last = int(np.flatnonzero(known.gaps <= 0)[-1])
-        blocked, free = known.pitches[last : last + 2].tolist()
-        pitch = self._zero(blocked, free) + TOUCH
-        hit = self._hit(pitch - CERTAIN)
-        if hit.benches is None or self._hit(pitch + CERTAIN).status != "clear":
-            pitch, hit = self._halved(blocked, known.pitches[last + 1 :].tolist())
+        """The smallest pitch with its certificate and map."""
+        pitch_map = self._map()
+        if pitch_map.gaps[0] > 0:
+            return self._limited_by_circle(pitch_map)
+        last = int(np.flatnonzero(pitch_map.gaps <= 0)[-1])
+        blocked, free = pitch_map.pitches[last : last + 2].tolist()
+        pitch = self._zero(blocked, free) + TANGENCY_MARGIN
+        hit = self._first_contact(pitch - CERTIFIED)
+        if hit.benches is None or self._first_contact(pitch + CERTIFIED).status != "clear":
+            pitch, hit = self._bisected(blocked, pitch_map.pitches[last + 1 :].tolist())
         march = self._march(pitch)
-        end = way_to(march, self._radius)
-        at = self._passing(pitch).lowest()
-        if at is None or abs(at.gaps[0]) > CERTAIN:
+        end = distance_to_circle(march, self._radius)
+        contact = self._sampled(pitch).minimum()
+        if contact is None or abs(contact.gaps[0]) > CERTIFIED:
             assert hit.benches is not None
-            at = gaps_of(march, hit.time, hit.benches)
-        way, (first, second), (x, y) = float(at.ways[0]), at.pairs[0].tolist(), at.points[0].tolist()
+            contact = gaps_of(march, hit.time, hit.benches)
+        travelled, (first, second) = float(contact.travelled[0]), contact.pairs[0].tolist()
+        x, y = contact.points[0].tolist()
         limit: Limit = "passing"
-        if way <= AT_END * end:
+        if travelled <= AT_END * end:
             limit = "start"
-        elif way >= (1 - AT_END) * end:
+        elif travelled >= (1 - AT_END) * end:
             limit = "arrival"
-        return self._answer(
+        return self._result(
             pitch,
-            known,
+            pitch_map,
             limit=limit,
             benches=(first, second),
             point=(x, y),
-            way=way,
-            gap=float(at.gaps[0]),
-            slope=_slope(at),
-            blocked_at=pitch - CERTAIN,
+            way=travelled,
+            gap=float(contact.gaps[0]),
+            slope=_slope(contact),
+            blocked_at=pitch - CERTIFIED,
         )
 
-    def _unhindered(self, known: PitchMap) -> MinPitch:
-        """The answer where not even the least pitch has a contact on the way."""
-        least = float(known.pitches[0])
-        if least > self._radius / self._turns or self._hit(least + CERTAIN).status != "clear":
+    def _limited_by_circle(self, pitch_map: PitchMap) -> MinPitch:
+        """The result where the march is free of contacts even at the least pitch."""
+        least = float(pitch_map.pitches[0])
+        if least > self._radius / self._turns or self._first_contact(least + CERTIFIED).status != "clear":
             short = "so many, and so long, that the dragon can run into itself outside the circle"
             raise ParameterError("benches", self._dragon.benches, short)
-        return self._answer(
-            least, known, limit="circle", benches=None, point=None, way=0.0, gap=None, slope=None, blocked_at=None
+        return self._result(
+            least, pitch_map, limit="circle", benches=None, point=None, way=0.0, gap=None, slope=None, blocked_at=None
         )
 
-    def _answer(self, pitch: float, known: PitchMap, **others: Any) -> MinPitch:
+    def _result(self, pitch: float, pitch_map: PitchMap, **others: Any) -> MinPitch:
+        """The result at a pitch, with the test of the half line."""
         march = self._march(pitch)
-        below = known.pitches < pitch
-        parted = [
-            # Of others not all benches are looked at.
+        below = pitch_map.pitches < pitch
+        separated = [
+            # Where benches differ, the samples do not include the gaps of all of them.
             self._dragon.alike,
-            known.growth is None or known.growth[0] > 0,
-            np.all(known.gaps[below] < 0),
-            np.all(known.further_out[~below] > 0),
-            _lowest_gaps(self._passing(pitch, RAISE))[1] > -CERTAIN,
+            pitch_map.growth is None or pitch_map.growth[0] > 0,
+            np.all(pitch_map.gaps[below] < 0),
+            np.all(pitch_map.further_out[~below] > 0),
+            _smallest_gaps(self._sampled(pitch, PITCH_RATIO))[1] > -CERTIFIED,
         ]
         return MinPitch(
             pitch=pitch,
             radius=self._radius,
             march=replace(march, speed=self._speed),
-            # At the very start rounding may put it before.
-            way_in=max(0.0, way_to(march, self._radius)),
-            half_line=all(parted),
-            free_at=pitch + CERTAIN,
-            map=known,
+            # Rounding may give a negative distance where the start is on the circle.
+            way_in=max(0.0, distance_to_circle(march, self._radius)),
+            half_line=all(separated),
+            free_at=pitch + CERTIFIED,
+            map=pitch_map,
             **others,
         )
 
     def _march(self, pitch: float) -> March:
-        """At 1 m/s: how fast the head goes has no part in this."""
+        """The march at 1 m/s: the limit does not depend on the speed."""
         return March(self._dragon, Spiral(pitch=pitch), turns=self._turns)
 
-    def _passing(self, pitch: float, further: float = 1.0) -> Passing:
-        """The way in, or one that begins so many times as far out."""
-        return Passing(self._dragon, Spiral(pitch=pitch), self._turns, self._radius, further)
+    def _sampled(self, pitch: float, further: float = 1.0) -> SampledGaps:
+        """Gaps on the inward spiral from `further` times the turn of the start."""
+        return SampledGaps(self._dragon, Spiral(pitch=pitch), self._turns, self._radius, further)
 
     def _map(self) -> PitchMap:
-        """What is seen from the least pitch to one at which all gaps are wide."""
-        widest, near = float(self._dragon.widths.max()), NEAR * float(self._dragon.widths.min())
-        least, wide = max(widest * LEAST, self._radius / self._turns), WIDE * widest
+        """Smallest gaps from the least pitch to a pitch at which all gaps are wide."""
+        widest, close = float(self._dragon.widths.max()), CLOSE_TO_ZERO * float(self._dragon.widths.min())
+        least, wide = max(widest * MIN_PITCH_RATIO, self._radius / self._turns), MAP_END * widest
         pitches, rows, slopes = [least], [], [np.empty(0)]
         while True:
-            passing = self._passing(pitches[-1], RAISE)
-            rows.append(_lowest_gaps(passing))
-            if (found := passing.about_to_touch(near)) is not None:
-                slopes.append(found.slopes_on_circle)
+            sampled = self._sampled(pitches[-1], PITCH_RATIO)
+            rows.append(_smallest_gaps(sampled))
+            if (found := sampled.close_to_zero(close)) is not None:
+                slopes.append(found.slopes_at_radius)
             self._progress(min(max(0.0, *rows[-1]), wide), wide)
             if min(rows[-1]) >= wide:
                 break
-            pitches.append(RAISE * pitches[-1])
+            pitches.append(PITCH_RATIO * pitches[-1])
         growth = np.concatenate(slopes)
         bounds = (float(growth.min()), float(growth.max())) if growth.size else None
         gaps, further_out = np.array(rows).T
-        return PitchMap(np.array(pitches), gaps, further_out, bounds, near, growth.size)
+        return PitchMap(np.array(pitches), gaps, further_out, bounds, close, growth.size)
 
     def _zero(self, blocked: float, free: float) -> float:
-        """Where between the two the smallest gap is zero, by Newton's method within the bracket."""
+        """Zero of the smallest gap between two pitches, by Newton's method within the bracket."""
         pitch = free
-        for _ in range(STEPS):
-            gap, slope = self._lowest(pitch)
+        for _ in range(MAX_NEWTON_STEPS):
+            gap, slope = self._smallest_gap(pitch)
             if gap > 0:
                 free = pitch
             else:
                 blocked = pitch
             better = pitch - gap / slope if slope > 0 else blocked
-            if abs(better - pitch) <= SETTLED:
+            if abs(better - pitch) <= STEP_TOLERANCE:
                 return better
             pitch = better if blocked < better < free else (blocked + free) / 2
         return free
 
-    def _lowest(self, pitch: float) -> tuple[float, float]:
-        """The smallest gap on the way, m, and its slope by the pitch."""
-        passing = self._passing(pitch)
-        found = passing.lowest()
+    def _smallest_gap(self, pitch: float) -> tuple[float, float]:
+        """The smallest gap on the inward spiral, m, and its derivative by the pitch."""
+        found = self._sampled(pitch).minimum()
         return (np.inf, 0.0) if found is None else (float(found.gaps[0]), _slope(found))
 
-    def _hit(self, pitch: float) -> FirstContact:
-        """What is certified of the way in."""
+    def _first_contact(self, pitch: float) -> FirstContact:
+        """Certified first contact before the circle."""
         march = self._march(pitch)
-        return first_contact(march, until=way_to(march, self._radius))
+        return first_contact(march, until=distance_to_circle(march, self._radius))
 
-    def _halved(self, blocked: float, larger: list[float]) -> tuple[float, FirstContact]:
-        """The limit between the first and some of the `larger` pitches, and the contact below it.
+    def _bisected(self, blocked: float, larger: list[float]) -> tuple[float, FirstContact]:
+        """The limit between the pitch `blocked` and one of the `larger` pitches, and the contact below the limit.
 
-        By nothing but certificates: slow, and always right.
+        Bisection by certificates alone: slow, and always correct.
         """
-        free = next((pitch for pitch in larger if self._hit(pitch).status == "clear"), np.inf)
-        hit = self._hit(blocked)
-        while CERTAIN < free - blocked < np.inf:
+        free = next((pitch for pitch in larger if self._first_contact(pitch).status == "clear"), np.inf)
+        hit = self._first_contact(blocked)
+        while CERTIFIED < free - blocked < np.inf:
             middle = (blocked + free) / 2
-            between = self._hit(middle)
+            between = self._first_contact(middle)
             if between.status == "clear":
                 free = middle
             else:
@@ -336,12 +341,12 @@ class _Search:
         return free, hit
 
 
-def _lowest_gaps(passing: Passing) -> tuple[float, float]:
-    """The smallest gap since the start, and since before it, m."""
-    return float(passing.gaps[passing.ways >= 0].min()), float(passing.gaps.min())
+def _smallest_gaps(sampled: SampledGaps) -> tuple[float, float]:
+    """The smallest sampled gap from the start on, and that of all samples, m."""
+    return float(sampled.gaps[sampled.travelled >= 0].min()), float(sampled.gaps.min())
 
 
 def _slope(smallest: Gaps) -> float:
-    """Slope of a gap that is smallest on the way, by the pitch; the way begins at a turn, and ends at a circle."""
-    slope = smallest.slopes[0, PITCH] if smallest.ways[0] == 0 else smallest.slopes_on_circle[0]
+    """Derivative of a minimal gap by the pitch: at the start for a fixed turn, elsewhere for a fixed radius."""
+    slope = smallest.slopes[0, PITCH] if smallest.travelled[0] == 0 else smallest.slopes_at_radius[0]
     return float(slope)

@@ -1,4 +1,4 @@
-"""How studies report their progress."""
+"""Progress callbacks of the studies."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 __all__ = ["Progress", "silent"]
 
-# Called with how much is done, and how much there is.
+# Called with the work that is done and the whole work, in the same unit.
 Progress = Callable[[float, float], None]
 
 

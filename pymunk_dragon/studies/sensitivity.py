@@ -1,10 +1,11 @@
-"""How the first contact and the smallest pitch move with every size of the benches.
+"""Derivatives of the first contact's time and of the smallest pitch by every size of the benches.
 
-The slopes are exact (`slopes.py`): a contact is where a gap g is zero, so its place w moves by -(dg/dq) / (dg/dw) with
-a size q, and its time by as much over the speed; the smallest pitch p is where a smallest gap is zero, and moves by
--(dg/dq) / (dg/dp). They hold as long as the same two benches touch in the same way. How far each size may change until
-others do is found along the branch (`branches.py`), and what was not followed is looked for just before its end: for
-the contact by `first_contact`, which certifies that none is earlier, for the pitch along the whole way.
+The derivatives are exact (`gaps.py`). A contact is a zero of a gap g, so its position w changes by -(dg/dq) / (dg/dw)
+per unit of a size q, and its time by that over the speed. The smallest pitch p is where a minimal gap is zero, and it
+changes by -(dg/dq) / (dg/dp). The derivatives hold as long as the same two benches touch at the same features. The
+range of each size in which they do is found by continuation (`branches.py`). Contacts that the continuation does not
+follow are searched just before the end of the range: for the first contact by `first_contact`, which certifies that
+there is no earlier contact, and for the pitch by sampling the whole inward spiral.
 """
 
 from __future__ import annotations
@@ -21,50 +22,61 @@ from pymunk_dragon.curves import Spiral
 from pymunk_dragon.dragon import Dragon
 from pymunk_dragon.errors import DragonError, ParameterError
 from pymunk_dragon.march import March
-from pymunk_dragon.studies.branches import ASIDE, Branch, Grazing, Meeting, Misses, Stand, changed
+from pymunk_dragon.studies.branches import (
+    BRACKET,
+    Branch,
+    ContactBranch,
+    ContinuationPoint,
+    NearMisses,
+    TangencyBranch,
+    perturbed,
+)
+from pymunk_dragon.studies.gaps import QUANTITIES, SIZES, gaps_of
 from pymunk_dragon.studies.min_pitch import RADIUS, MinPitch, min_pitch
-from pymunk_dragon.studies.passing import Passing
 from pymunk_dragon.studies.progress import Progress, silent
-from pymunk_dragon.studies.slopes import QUANTITIES, SIZES, gaps_of
+from pymunk_dragon.studies.sampled_gaps import SampledGaps
 
 __all__ = ["Reach", "Sensitivity", "Slope", "sensitivity"]
 
 Change = Literal["another pair", "another corner", "no contact", "nothing"]
 Pair = tuple[int, int]
-Beyond = Callable[[Stand, float, str], Pair | None]
+# The pair, if any, that touches first instead of the branch's pair, at a point of the branch and a change of a size.
+OtherPair = Callable[[ContinuationPoint, float, str], Pair | None]
 
-# Share of a size by which it is changed at most, and the least number of steps to there.
-LIMIT, FOLLOWED = 0.1, 5
-# Share of a change by which it is told on both sides where other benches take over.
-BRACKET = 1e-3
-# Share of the width that a gap may be wide to be followed as a near miss. One that closes from further away is found,
-# too, but by looking at everything.
-NEAR = 0.05
-# m: gaps that are none, and ways between contacts that are one.
-NO_GAP, SAME_WAY = 1e-10, 1e-6
-# Steps along a branch, at most: with more than that it leads nowhere.
-STEPS = 60
-
-
-# First contact, smallest pitch, and the slopes of both.
+# Largest change of a size that is examined, as a share of the size.
+MAX_CHANGE = 0.1
+# Least number of continuation steps up to the largest change.
+MIN_STEPS = 5
+# Largest number of continuation steps; a branch that needs more has not converged.
+MAX_STEPS = 60
+# Relative width of the bracket of a change at which other benches touch first, as it is reported.
+RELATIVE_BRACKET = 1e-3
+# Share of the width up to which a gap is followed as a near miss. A wider gap that closes first is found by the check
+# at the end of the range, which takes longer.
+NEAR_MISS_WIDTH = 0.05
+# m. Largest gap that counts as zero.
+GAP_TOLERANCE = 1e-10
+# m travelled by the head. Contacts of a pair within this distance are the same contact.
+SAME_CONTACT = 1e-6
+# Parts of which progress is reported: first contact, smallest pitch, and the derivatives of both.
 PARTS = 4
 
 
 @dataclass(frozen=True, kw_only=True)
 class Reach:
-    """How far a size may change in one direction until other benches touch, or in another way.
+    """Range of a size, in one direction, in which the same benches touch at the same features.
 
     Attributes
     ----------
     unchanged : float
-        The change, m and with its sign, up to which the same two touch; looked at there, and on the way to there.
+        Signed change, m, up to which the same two benches touch. The contact is checked there and along the branch.
     changed : float or None
-        A change, m, at which others do, or in another way; None where none was found up to a tenth of the size.
+        Signed change, m, at which the contact is another one; None if there is none up to a tenth of the size.
     by : {"another pair", "another corner", "no contact", "nothing"}
-        What changes: another pair touches first; the same two touch elsewhere; they miss each other, and others meet
-        later; or nothing does.
+        What ends the range: another pair touches first; the same pair touches at other features; the pair no longer
+        touches; or nothing.
     benches : tuple of int or None
-        Which pair touches first beyond, if it is another one.
+        The pair that touches first beyond the range, if it is another one.
     """
 
     unchanged: float
@@ -75,19 +87,19 @@ class Reach:
 
 @dataclass(frozen=True, kw_only=True)
 class Slope:
-    """What one size does.
+    """Derivative of a result by one size.
 
     Attributes
     ----------
     size : str
-        Its name.
+        Name of the size.
     value : float
-        What it is, m; the least where the benches differ.
+        The size, m; the least one where the benches differ.
     slope : float
-        How the answer moves with it: s for each m of the time, m for each m of the pitch.
+        Derivative of the result: s per m for the time, m per m for the pitch.
     less, more : Reach or None
-        How far it may change either way; None where that is not followed: for a pitch that is not limited by benches
-        passing each other.
+        Ranges below and above the size in which the derivative holds; None where they are not computed, for a pitch
+        that is not limited by benches passing each other.
     """
 
     size: str
@@ -99,22 +111,22 @@ class Slope:
 
 @dataclass(frozen=True, kw_only=True)
 class Sensitivity:
-    """What every size does to the time of the first contact, and to the smallest pitch.
+    """Derivatives of the first contact's time and of the smallest pitch by every size.
 
     Attributes
     ----------
     march : March
-        The march of which the first contact is asked.
+        The march whose first contact is differentiated.
     time : float
-        Of its first contact, s.
+        Time of the first contact, s.
     benches : tuple of int
-        The two that touch then.
+        The two benches that touch.
     times : tuple of Slope
-        What each size does to that time, the pitch being one of them.
+        Derivatives of that time by each size, including the pitch.
     smallest : MinPitch
         The smallest pitch of the same dragon.
     pitches : tuple of Slope
-        What each size of the benches does to that pitch; none of them where the pitch is limited by the circle.
+        Derivatives of the smallest pitch by each size of the benches; empty where the circle limits the pitch.
     """
 
     march: March
@@ -134,25 +146,25 @@ def sensitivity(
     radius: float = RADIUS,
     progress: Progress = silent,
 ) -> Sensitivity:
-    """How the time of the first contact and the smallest pitch move with the sizes, by exact derivatives.
+    """Exact derivatives of the first contact's time and of the smallest pitch by the sizes.
 
     Parameters
     ----------
     dragon : Dragon, optional
-        Who marches; by default the contest's.
+        The dragon; by default the contest's.
     pitch
-        As in `Spiral`, of the first contact; the smallest pitch does not depend on it.
+        As in `Spiral`, for the first contact. The smallest pitch does not depend on it.
     turns, speed
         As in `March`.
     radius
         As in `min_pitch`.
     progress : callable, optional
-        Called with the number of parts that are done, and of all.
+        Called with the number of parts that are done and the number of all parts.
 
     Raises
     ------
     ParameterError
-        If the dragon never meets itself, or as `March` and `min_pitch` do.
+        If the dragon never touches itself, or as `March` and `min_pitch` do.
     DragonError
         As `min_pitch` does.
     """
@@ -164,7 +176,7 @@ def sensitivity(
     progress(1, PARTS)
     smallest = min_pitch(dragon, turns=turns, speed=speed, radius=radius)
     progress(2, PARTS)
-    times = _of_contact(march, hit.benches, float(march.distance(hit.time)))
+    times = _contact_slopes(march, hit.benches, float(march.distance(hit.time)))
     progress(3, PARTS)
     return Sensitivity(
         march=march,
@@ -172,136 +184,152 @@ def sensitivity(
         benches=hit.benches,
         times=times,
         smallest=smallest,
-        pitches=_of_pitch(smallest),
+        pitches=_pitch_slopes(smallest),
     )
 
 
-def _of_contact(march: March, pair: tuple[int, int], way: float) -> tuple[Slope, ...]:
-    """What each size does to the time of a first contact of `pair` after `way` m."""
+def _contact_slopes(march: March, pair: tuple[int, int], travelled: float) -> tuple[Slope, ...]:
+    """Derivatives of the time of a first contact of `pair` after `travelled` m."""
     steady = replace(march, speed=1.0)
     assert isinstance(march.curve, Spiral)
     assert march.turns is not None
-    radius = float(np.hypot(*march.curve.point(march.head_start + way)))
-    passing = Passing(march.dragon, march.curve, march.turns, radius)
-    rate = float(march.speed_profile.at(march.time(way)))
+    radius = float(np.hypot(*march.curve.point(march.head_start + travelled)))
+    sampled = SampledGaps(march.dragon, march.curve, march.turns, radius)
+    speed = float(march.speed_profile.at(march.time(travelled)))
 
-    def beyond(stand: Stand, change: float, name: str) -> Pair | None:
-        found = first_contact(changed(steady, name, change))
-        here = found.benches == pair and abs(found.time - float(stand.touch.ways[0])) <= SAME_WAY
-        return None if here else found.benches
+    def other_pair(point: ContinuationPoint, change: float, size: str) -> Pair | None:
+        found = first_contact(perturbed(steady, size, change))
+        same = found.benches == pair and abs(found.time - float(point.contact.travelled[0])) <= SAME_CONTACT
+        return None if same else found.benches
 
-    def slope(name: str) -> Slope:
-        return _slope(Meeting(passing.march, way, pair, name), passing, name, beyond, 1 / rate)
+    def slope(size: str) -> Slope:
+        return _slope(ContactBranch(sampled.march, travelled, pair, size), sampled, size, other_pair, 1 / speed)
 
-    return tuple(slope(name) for name in SIZES)
+    return tuple(slope(size) for size in SIZES)
 
 
-def _of_pitch(smallest: MinPitch) -> tuple[Slope, ...]:
-    """What each size of the benches does to a smallest pitch."""
+def _pitch_slopes(smallest: MinPitch) -> tuple[Slope, ...]:
+    """Derivatives of a smallest pitch by each size of the benches."""
     pair, march, radius = smallest.benches, replace(smallest.march, speed=1.0), smallest.radius
     if pair is None:
         return ()
     assert isinstance(march.curve, Spiral)
     assert march.turns is not None
-    sizes, turns = [name for name in SIZES if name != "pitch"], march.turns
+    sizes, turns = [size for size in SIZES if size != "pitch"], march.turns
     if smallest.limit != "passing":
-        touch = gaps_of(march, smallest.way, pair)
-        by_pitch = touch.slopes_on_circle if smallest.limit == "arrival" else touch.slopes[:, QUANTITIES.index("pitch")]
-        by_size = (-touch.slopes[0] / by_pitch[0]).tolist()
+        contact = gaps_of(march, smallest.way, pair)
+        at_start = contact.slopes[:, QUANTITIES.index("pitch")]
+        by_pitch = contact.slopes_at_radius if smallest.limit == "arrival" else at_start
+        by_size = (-contact.slopes[0] / by_pitch[0]).tolist()
         return tuple(
-            Slope(size=name, value=_size(march, name), slope=by_size[QUANTITIES.index(name)], less=None, more=None)
-            for name in sizes
+            Slope(size=size, value=_size(march, size), slope=by_size[QUANTITIES.index(size)], less=None, more=None)
+            for size in sizes
         )
-    passing = Passing(march.dragon, march.curve, turns, radius)
+    sampled = SampledGaps(march.dragon, march.curve, turns, radius)
 
-    def beyond(stand: Stand, change: float, name: str) -> Pair | None:
-        assert isinstance(stand.march.curve, Spiral)
-        found = Passing(changed(march, name, change).dragon, stand.march.curve, turns, radius).lowest()
-        if found is None or found.gaps[0] > -NO_GAP:
+    def other_pair(point: ContinuationPoint, change: float, size: str) -> Pair | None:
+        assert isinstance(point.march.curve, Spiral)
+        found = SampledGaps(perturbed(march, size, change).dragon, point.march.curve, turns, radius).minimum()
+        if found is None or found.gaps[0] > -GAP_TOLERANCE:
             return None
         first, second = found.pairs[0].tolist()
         return first, second
 
-    def slope(name: str) -> Slope:
-        return _slope(Grazing(passing.march, smallest.way, pair, radius, name), passing, name, beyond, 1.0)
+    def slope(size: str) -> Slope:
+        return _slope(TangencyBranch(sampled.march, smallest.way, pair, radius, size), sampled, size, other_pair, 1.0)
 
-    return tuple(slope(name) for name in sizes)
+    return tuple(slope(size) for size in sizes)
 
 
-def _slope(branch: Branch, passing: Passing, name: str, beyond: Beyond, factor: float) -> Slope:
-    """What the size `name` does to what lies on the branch, `factor` times as much as to its place."""
-    stand, dragon = branch.stand(0.0), passing.march.dragon
-    value, near = _size(passing.march, name), passing.smallest(NEAR * float(dragon.widths.min()))
+def _slope(branch: Branch, sampled: SampledGaps, size: str, other_pair: OtherPair, factor: float) -> Slope:
+    """Derivative by `size`: `factor` times the rate of the branch."""
+    point, dragon = branch.at(0.0), sampled.march.dragon
+    value, minima = _size(sampled.march, size), sampled.local_minima(NEAR_MISS_WIDTH * float(dragon.widths.min()))
 
-    def misses() -> Misses | None:
-        if near is None:
+    def near_misses() -> NearMisses | None:
+        if minima is None:
             return None
-        touch = np.all(near.pairs == stand.touch.pairs, axis=1) & (np.abs(near.ways - stand.touch.ways) < ASIDE)
-        return None if touch.all() else Misses(near.pairs[~touch], near.ways[~touch] - stand.anchor)
+        contact = np.all(minima.pairs == point.contact.pairs, axis=1)
+        contact &= np.abs(minima.travelled - point.contact.travelled) < BRACKET
+        if contact.all():
+            return None
+        return NearMisses(minima.pairs[~contact], minima.travelled[~contact] - point.reference)
 
     def reach(sign: int) -> Reach:
-        return _reach(branch, misses(), sign * LIMIT * value, lambda there, change: beyond(there, change, name))
+        return _reach(branch, near_misses(), sign * MAX_CHANGE * value, lambda at, change: other_pair(at, change, size))
 
-    return Slope(size=name, value=value, slope=stand.moves * factor, less=reach(-1), more=reach(1))
+    return Slope(size=size, value=value, slope=point.rate * factor, less=reach(-1), more=reach(1))
 
 
-def _size(march: March, name: str) -> float:
-    """One of the sizes, m; the least where the benches differ."""
+def _size(march: March, size: str) -> float:
+    """The value of a size, m; the least one where the benches differ."""
     assert isinstance(march.curve, Spiral)
-    return march.curve.pitch if name == "pitch" else float(np.min(getattr(march.dragon, name)))
+    return march.curve.pitch if size == "pitch" else float(np.min(getattr(march.dragon, size)))
 
 
-def _reach(branch: Branch, misses: Misses | None, limit: float, beyond: Callable[[Stand, float], Pair | None]) -> Reach:
-    """How far a size may change towards `limit`: as far as its branch goes, if everything else stays away."""
-    edge, by, pair = _followed(branch, misses, limit)
-    unchanged, other = (limit, None) if by == "nothing" else (edge * (1 - BRACKET), edge * (1 + BRACKET))
-    met = beyond(branch.stand(unchanged), unchanged)
-    if met is not None:
-        # Something that nobody followed is nearer.
-        pair, by, other, unchanged = met, "another pair", unchanged, 0.0
-        while abs(other - unchanged) > BRACKET * abs(other):
-            middle = (unchanged + other) / 2
-            met = beyond(branch.stand(middle), middle)
-            unchanged, other, pair = (middle, other, pair) if met is None else (unchanged, middle, met)
-    return Reach(unchanged=unchanged, changed=other, by=by, benches=pair)
+def _reach(
+    branch: Branch,
+    near_misses: NearMisses | None,
+    limit: float,
+    other_pair: Callable[[ContinuationPoint, float], Pair | None],
+) -> Reach:
+    """Range of a size towards the change `limit`: up to the end of the branch, if no other pair touches before it."""
+    edge, by, pair = _end_of_branch(branch, near_misses, limit)
+    unchanged, changed = (
+        (limit, None) if by == "nothing" else (edge * (1 - RELATIVE_BRACKET), edge * (1 + RELATIVE_BRACKET))
+    )
+    found = other_pair(branch.at(unchanged), unchanged)
+    if found is not None:
+        # A pair that is not among the near misses touches first.
+        pair, by, changed, unchanged = found, "another pair", unchanged, 0.0
+        while abs(changed - unchanged) > RELATIVE_BRACKET * abs(changed):
+            middle = (unchanged + changed) / 2
+            found = other_pair(branch.at(middle), middle)
+            unchanged, changed, pair = (middle, changed, pair) if found is None else (unchanged, middle, found)
+    return Reach(unchanged=unchanged, changed=changed, by=by, benches=pair)
 
 
-def _followed(branch: Branch, misses: Misses | None, limit: float) -> tuple[float, Change, Pair | None]:
-    """The change at which the branch ends or a near miss closes, which of them, and the pair that comes in between."""
-    sign, wall = math.copysign(1.0, limit), abs(limit)
+def _end_of_branch(branch: Branch, near_misses: NearMisses | None, limit: float) -> tuple[float, Change, Pair | None]:
+    """The change at which the branch ends or a near miss closes, the kind of the end, and the pair that closes."""
+    sign, end = math.copysign(1.0, limit), abs(limit)
     by: Change = "nothing"
-    change, stand = 0.0, branch.stand(0.0)
-    features = stand.touch.features
-
-    def kept(change: float) -> Change:
-        try:
-            here = branch.stand(sign * change).touch.features
-        except DragonError:
-            return "no contact"
-        return "nothing" if np.all(here == features) else "another corner"
-
-    for _ in range(STEPS):
-        step = abs(limit) / FOLLOWED
-        if misses is not None:
-            gaps = misses.at(stand)
-            growth = sign * branch.total(gaps, stand)
+    change, point = 0.0, branch.at(0.0)
+    for _ in range(MAX_STEPS):
+        step = abs(limit) / MIN_STEPS
+        if near_misses is not None:
+            gaps = near_misses.at(point)
+            growth = sign * branch.total_slopes(gaps, point)
             steps = np.where(growth < 0, -gaps.gaps / np.where(growth < 0, growth, -1.0), np.inf)
             first = int(steps.argmin())
-            if abs(gaps.gaps[first]) <= NO_GAP and np.isfinite(steps[first]):
+            if abs(gaps.gaps[first]) <= GAP_TOLERANCE and np.isfinite(steps[first]):
                 one, other = gaps.pairs[first].tolist()
                 return sign * change, "another pair", (one, other)
             step = min(step, float(steps[first]))
-        if step > 0 and change >= wall:
-            return sign * wall, by, None
-        target = min(change + step, wall)
-        if kept(target) != "nothing":
-            low, high = change, target
-            while high - low > BRACKET / 10 * high:
-                middle = (low + high) / 2
-                low, high = (middle, high) if kept(middle) == "nothing" else (low, middle)
+        if step > 0 and change >= end:
+            return sign * end, by, None
+        target = min(change + step, end)
+        if _state(branch, sign * target) != "nothing":
+            low, high = _bisected(branch, sign, change, target)
             target = low
-            # From so near it may turn out that only the step was too long.
-            if (end := kept(high)) != "nothing":
-                wall, by = low, end
-        change, stand = target, branch.stand(sign * target)
+            # Continuation from `low` succeeds at `high` where only the step was too long.
+            if (state := _state(branch, sign * high)) != "nothing":
+                end, by = low, state
+        change, point = target, branch.at(sign * target)
     raise DragonError(f"no end of the branch was found after {change:g} m")
+
+
+def _state(branch: Branch, change: float) -> Change:
+    """Whether the branch still exists at a change with the features of its contact at no change."""
+    try:
+        features = branch.at(change).contact.features
+    except DragonError:
+        return "no contact"
+    return "nothing" if np.all(features == branch.at(0.0).contact.features) else "another corner"
+
+
+def _bisected(branch: Branch, sign: float, low: float, high: float) -> tuple[float, float]:
+    """Bracket of the end of a branch between the sizes of two changes."""
+    while high - low > RELATIVE_BRACKET / 10 * high:
+        middle = (low + high) / 2
+        low, high = (middle, high) if _state(branch, sign * middle) == "nothing" else (low, middle)
+    return low, high

@@ -5,15 +5,15 @@ follows. Unknowns are curvature and length of each of n arcs; the length of the 
 
 - the last arc ends at the circle's exit with the exit's tangent,
 - the arcs stay inside the circle, and no radius is smaller than a given one,
-- at every moment the speed of every handle is at most a given multiple of the head's.
+- at every time the speed of every handle is at most a given multiple of the head's.
 
-The last constraint holds at infinitely many moments. It is imposed at finitely many, to which the maxima that are left
-are added after each solution (an exchange method for semi-infinite programmes: J. W. Blankenship, J. E. Falk,
+The last constraint is semi-infinite. It is imposed at finitely many instants, to which the maxima of each solution that
+violate it are added (an exchange method for semi-infinite programmes: J. W. Blankenship, J. E. Falk,
 "Infinitely constrained optimization problems", J. Optim. Theory Appl. 19, 1976). Each finite problem is solved by
 `scipy.optimize.minimize(method="SLSQP")` inside a trust region, with exact derivatives.
 
 A speed has a kink where a handle passes from one arc to the next, and the maxima of the best turns lie there. So each
-moment is defined by a handle's distance from an end of an arc, and moves with that end.
+instant is defined by the distance of one handle, the anchor, from an end of an arc, and moves with that end.
 
 The problem is not convex. The search starts from several turns, and its result is the best that was found.
 """
@@ -42,70 +42,98 @@ Complex = NDArray[np.complex128]
 Indices = NDArray[np.intp]
 Solution = tuple[Turn, float]
 
-# Starts on 5 arcs, and on each larger number; and 1/m: standard deviation of the curvatures that are added to those of
-# the best turn on three arcs, whose longest arcs are halved. From the best on two arcs fewer the search seldom leaves
-# its neighbourhood: on 7 arcs it then ended 0.12 m longer.
-STARTS, NOISE = (1, 2), 0.1
-# Finite problems for each start, and for the best of them; and solutions with a lower limit after one that does not
-# keep to it everywhere.
-ROUNDS, LAST_ROUNDS, REPAIRS = 25, 4, 8
-# m behind the circle as far as which the chain reaches that is regarded in the search.
-LEAD = 3.0
+# Random starts on 5 arcs, and on each larger number of arcs.
+STARTS = (1, 2)
+# 1/m. Standard deviation of the curvatures that are added to those of the best turn on three arcs, whose longest arcs
+# are halved. A search that starts from the best turn on two arcs fewer hardly leaves its neighbourhood: on 7 arcs it
+# ended 0.12 m longer.
+NOISE = 0.1
+# Finite problems for each start, at most: bounds the work of starts that hardly improve.
+ROUNDS = 25
+# Finite problems after the limit has been lowered: the start is almost a solution.
+LAST_ROUNDS = 4
+# Solutions with a lower limit, at most, after a solution that violates the limit somewhere.
+REPAIRS = 8
+# m behind the circle up to which the chain reaches in the search. The certificate of the result has no such limit.
+CHAIN_MARGIN = 3.0
 
-# m of the head's way between evaluations of the speeds; about a maximum they are repeated with a sixteenth of the
-# distance, as many times.
-STEP, POINTS, PASSES = 0.02, 17, 4
-# m beyond the turn as far as which the head goes in the search. The certificate of the result has no such limit.
-BEYOND = 9.0
-# Logarithms of a speed ratio below that of the limit from which a maximum, and a kink, is constrained.
-PEAKS, KINKS = 0.1, 0.2
-# m of a handle from an end of an arc, from which a maximum is not at the kink.
+# m travelled by the head between samples of the speeds, before refinement.
+STEP = 0.02
+# Points per bracket of a maximum in each refinement pass, which narrows the bracket eightfold.
+POINTS = 17
+# Refinement passes about a maximum.
+PASSES = 4
+# m travelled by the head beyond the turn in the search. The certificate of the result has no such limit.
+HEAD_MARGIN = 9.0
+# Logarithm of a speed ratio, relative to the limit's, above which a maximum is constrained.
+PEAK_MARGIN = 0.1
+# The same for a kink.
+KINK_MARGIN = 0.2
+# m. Distance of a handle from an end of an arc above which a maximum is not at the kink.
 AT_KINK = 1e-3
-# Least length of an arc, m.
+# m. Least length of an arc: an arc that vanishes makes the turn invalid.
 MIN_ARC = 0.02
-# Trust region: m of an arc's length, and 1/m of its curvature for each of these; first, largest and last size.
+# 1/m of curvature for each m of an arc's length in the trust region.
 CURVATURE_PER_LENGTH = 2.0
-FIRST_SIZE, MAX_SIZE, MIN_SIZE = 0.3, 0.6, 1e-4
-GROWTH, SHRINKAGE = 1.6, 1 / 3
-# m of length that a unit of the logarithm of a speed ratio above the limit is worth, several times its multiplier.
+# m. First size of the trust region.
+FIRST_SIZE = 0.3
+# m. Largest size of the trust region.
+MAX_SIZE = 0.6
+# m. Size of the trust region at which a search ends.
+MIN_SIZE = 1e-4
+# Factor on the size after a better solution.
+GROWTH = 1.6
+# Factor on the size after any other solution.
+SHRINKAGE = 1 / 3
+# m per unit of the logarithm of a speed ratio above the limit: several times the constraint's Lagrange multiplier.
 PENALTY = 10.0
-# m by which a solution has to be better for the search to go on: from each start, and from the best of all turns.
-SETTLED, FINALLY = 5e-4, 1e-4
-# m of penalty from which a turn is not repaired: its fastest handle is above the limit by a hundredth.
-HOPELESS = 0.1
-# Iterations of SLSQP for each finite problem, and its tolerance, m.
-ITERATIONS, TOLERANCE = 40, 1e-7
-# Newton steps for the places of a chain, their tolerance and largest step, m, and the least cosine of an angle between
-# a bench and the path at either end.
-NEWTON_STEPS, NEWTON_SETTLED, NEWTON_STEP, MIN_COSINE = 12, 1e-6, 0.3, 0.02
-# Logarithm of the ratio by which the search stays below the limit: several times what SLSQP leaves of a violation. It
-# makes the turn some micrometres longer.
+# m. Least gain of a solution with which the search from a start continues.
+MIN_GAIN = 5e-4
+# m. The same for the search from the best of all turns.
+FINAL_MIN_GAIN = 1e-4
+# m. Largest penalty of a turn that is repaired: its fastest handle is above the limit by a hundredth.
+MAX_PENALTY = 0.1
+# Iterations of SLSQP for each finite problem, at most.
+ITERATIONS = 40
+# m. Tolerance of SLSQP: far below the least gain.
+TOLERANCE = 1e-7
+# Newton steps for the coordinates of a chain, at most; the start is a solution of a similar path.
+NEWTON_STEPS = 12
+# m. Newton step at which the iteration ends: the error that is left is its square.
+NEWTON_TOLERANCE = 1e-6
+# m. Largest Newton step: a fraction of a bench.
+MAX_NEWTON_STEP = 0.3
+# Least cosine of an angle between a bench and the path: speeds are unbounded as it goes to zero.
+MIN_COSINE = 0.02
+# Logarithm of the ratio by which the search remains below the limit: several times the violations that SLSQP leaves.
+# It makes the turn some micrometres longer.
 MARGIN = 1e-6
-# Share of the largest curvature that is left to the step that closes a turn.
-ROOM = 1e-6
-# Share of the limit from which a handle's largest speed counts as equal to it.
+# Share of the largest curvature that is reserved for the step that closes a turn.
+CURVATURE_MARGIN = 1e-6
+# Relative distance from the limit within which a handle's largest speed counts as equal to it: ten times the margin.
 BINDING = 1e-5
 
 
 @dataclass(frozen=True, eq=False)
-class _Moments:
-    """Moments at which a handle's speed is constrained: those at which another one is so far from an end of an arc.
+class _Constraints:
+    """Speed constraints at instants at which an anchor handle has a given distance from an end of an arc.
 
-    `anchors`, `ends`, `offsets`: that other handle, the end's number, and the distance in m; `handles`: those whose
-    speeds are constrained; `places`: a first guess of the places of all handles; one row per moment.
+    One row per constraint. `anchors`, `ends`, `offsets`: the anchor, the number of the end and the distance, m.
+    `handles`: the handles whose speeds are constrained. `guesses`: initial coordinates of all handles for Newton's
+    method, m.
     """
 
     anchors: Indices
     ends: Indices
     offsets: Array
     handles: Indices
-    places: Array
+    guesses: Array
 
-    def __getitem__(self, rows: NDArray[np.bool_] | Indices) -> _Moments:
-        return _Moments(*(part[rows] for part in vars(self).values()))
+    def __getitem__(self, rows: NDArray[np.bool_] | Indices) -> _Constraints:
+        return _Constraints(*(part[rows] for part in vars(self).values()))
 
-    def __add__(self, other: _Moments) -> _Moments:
-        return _Moments(*map(np.concatenate, zip(vars(self).values(), vars(other).values(), strict=True)))
+    def __add__(self, other: _Constraints) -> _Constraints:
+        return _Constraints(*map(np.concatenate, zip(vars(self).values(), vars(other).values(), strict=True)))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -121,11 +149,11 @@ class Shortest:
     min_radius : float
         Least radius of an arc in the search, m.
     ratio : SpeedRatio
-        Largest speed of a handle over the head's on this turn, enclosed by branch and bound.
+        Largest ratio of a handle's speed to the head's on this turn, enclosed by branch and bound.
     binding : tuple of int
         Handles whose speed reaches the limit.
     evaluations : int
-        Turns for which the speeds were computed.
+        Number of turns whose speeds were computed.
     """
 
     turn: Turn
@@ -146,15 +174,15 @@ def shortest_turn(
     base : UTurn
         Spirals and circle.
     dragon : Dragon
-        The dragon that goes round.
+        The dragon.
     limit : float
-        Above 1.
+        Largest ratio of a handle's speed to the head's, above 1.
     arcs : int
-        An odd number from 3; all odd numbers up to it are searched.
+        Largest number of arcs, odd, from 3. All odd numbers up to `arcs` are searched.
     min_radius : float
         Least radius of an arc, m.
     progress : callable, optional
-        Called with the number of arcs for which the search is done, and one that stands for the end.
+        Called with the number of arcs that have been searched, and a number that represents the end.
 
     Raises
     ------
@@ -163,7 +191,7 @@ def shortest_turn(
     ParameterError
         If no such turn is found.
     """
-    count = 1 + int(np.searchsorted(np.cumsum(dragon.spacings), base.length + LEAD))
+    count = 1 + int(np.searchsorted(np.cumsum(dragon.spacings), base.length + CHAIN_MARGIN))
     programme = _Programme(base, dragon.spacings[:count], limit, min_radius)
     (right, left), turned = base.radii.tolist(), float(base.sweeps[1])
     first = np.array([-1 / right, 0, 1 / left, right * turned, MIN_ARC, left * turned])
@@ -181,16 +209,16 @@ def shortest_turn(
         best = min(found, key=lambda solution: solution[1])
         progress(n, arcs + 2)
         lengths.append((n, best))
-    too_fast = ParameterError("fastest", limit, "higher: no turn inside the circle was found that keeps to it")
-    if best[1] - best[0].length > HOPELESS:
+    too_fast = ParameterError("fastest", limit, "higher: no turn inside the circle was found that satisfies this limit")
+    if best[1] - best[0].length > MAX_PENALTY:
         raise too_fast
     for _ in range(REPAIRS):
-        # The certificate regards all handles at all times.
+        # The certificate includes all handles at all times.
         ratio = largest_ratio(March(dragon, best[0].path))
         if ratio.ratio <= limit:
             break
-        programme.floor -= np.log(ratio.ratio / limit) + MARGIN
-        best = programme.solve(_unknowns(best[0]), LAST_ROUNDS, FINALLY) or best
+        programme.log_limit -= np.log(ratio.ratio / limit) + MARGIN
+        best = programme.solve(_unknowns(best[0]), LAST_ROUNDS, FINAL_MIN_GAIN) or best
     else:
         raise too_fast
     progress(arcs + 2, arcs + 2)
@@ -205,11 +233,12 @@ def shortest_turn(
 
 
 def _unknowns(turn: Turn) -> Array:
+    """Curvatures, 1/m, and lengths, m, of the arcs, (2 n,)."""
     return np.array([*turn.curvatures, *turn.lengths])
 
 
 def _divided(x: Array, times: int) -> Array:
-    """The same turn with the longest arc halved, so many times."""
+    """The same turn with its longest arc halved, repeated `times` times."""
     curvatures, lengths = (part.tolist() for part in np.split(x, 2))
     for _ in range(times):
         longest = int(np.argmax(lengths))
@@ -219,72 +248,72 @@ def _divided(x: Array, times: int) -> Array:
 
 
 class _Programme:
-    """The search among turns on a fixed number of arcs."""
+    """The optimisation problem for turns on circular arcs."""
 
     def __init__(self, base: UTurn, spacings: Array, limit: float, min_radius: float) -> None:
         self.base, self.spacings = base, spacings
-        self.floor = np.log(limit) - MARGIN
-        self.max_curvature = (1 - ROOM) / min_radius
+        self.log_limit = np.log(limit) - MARGIN
+        self.max_curvature = (1 - CURVATURE_MARGIN) / min_radius
         self.evaluations = 0
         self._minimize = library("scipy.optimize").minimize
 
-    def solve(self, start: Array, rounds: int = ROUNDS, settled: float = SETTLED) -> Solution | None:
-        """The best turn from a start (2 n,), and its length with the penalty; None if the start is no turn.
+    def solve(self, start: Array, rounds: int = ROUNDS, min_gain: float = MIN_GAIN) -> Solution | None:
+        """The best turn found from a start (2 n,), and its length with the penalty; None if the start is no turn.
 
-        The search ends where a solution is better by less than `settled` m.
+        The search ends at a gain of less than `min_gain` m.
         """
-        found = self._measured(start)
+        found = self._evaluated(start)
         if found is None:
             return None
-        turn, cost, table, tops = found
-        moments, size = self._maxima(turn, tops), FIRST_SIZE
+        turn, cost, samples, maxima = found
+        constraints, size = self._peak_constraints(turn, maxima), FIRST_SIZE
         for _ in range(rounds):
             x = _unknowns(turn)
-            kinks = self._kinks(turn, *table)
-            better = self._measured(self._finite(x, moments + kinks, size))
+            kinks = self._kink_constraints(turn, *samples)
+            better = self._evaluated(self._finite_solution(x, constraints + kinks, size))
             if better is not None:
-                moments = moments + self._maxima(better[0], better[3])
+                constraints = constraints + self._peak_constraints(better[0], better[3])
             gain = -np.inf if better is None else cost - better[1]
             if better is None or gain <= 0:
                 size *= SHRINKAGE
             else:
-                turn, cost, table, tops = better
+                turn, cost, samples, maxima = better
                 size = min(size * GROWTH, MAX_SIZE)
-                moments = self._near_the_limit(turn, moments)
-            if abs(gain) < settled or size < MIN_SIZE:
+                constraints = self._active(turn, constraints)
+            if abs(gain) < min_gain or size < MIN_SIZE:
                 break
         return turn, cost
 
     def binding(self, turn: Turn) -> tuple[int, ...]:
         """Handles whose largest speed equals the limit."""
-        found = self._measured(_unknowns(turn))
+        found = self._evaluated(_unknowns(turn))
         assert found is not None
         _, handles, logs = found[3]
-        return tuple(np.unique(handles[logs > self.floor - BINDING]).tolist())
+        return tuple(np.unique(handles[logs > self.log_limit - BINDING]).tolist())
 
-    def _finite(self, x: Array, moments: _Moments, size: float) -> Array:
-        """Solution of the problem with finitely many moments in the trust region about `x`."""
+    def _finite_solution(self, x: Array, constraints: _Constraints, size: float) -> Array:
+        """Solution of the problem with finitely many constraints in the trust region about `x`."""
         count, last = x.size // 2, b""
-        ahead: tuple[Array, Array] = np.empty(0), np.empty((0, 0))
-        places = moments.places
+        cached: tuple[Array, Array] = np.empty(0), np.empty((0, 0))
+        guesses = constraints.guesses
 
-        def spare(y: Array) -> tuple[Array, Array]:
-            nonlocal last, ahead, places
+        def inequalities(y: Array) -> tuple[Array, Array]:
+            nonlocal last, cached, guesses
             if y.tobytes() != last:
                 last = y.tobytes()
                 path = ArcPath(self.base, y)
-                speeds = self._speeds(path, replace(moments, places=places))
+                speeds = self._speeds(path, replace(constraints, guesses=guesses))
                 radii, slopes = path.squared_radii()
                 inside = 1 - radii / self.base.radius**2, -slopes / self.base.radius**2
                 if speeds is None:
-                    # No chain stands there: the line search has to come back.
-                    ahead = np.append(np.full(places.shape[0], -1.0), inside[0]), np.zeros((ahead_rows, y.size))
+                    # The chain has no position on this path. Violated constraints shorten the step of the line search.
+                    cached = np.append(np.full(guesses.shape[0], -1.0), inside[0]), np.zeros((rows, y.size))
                 else:
-                    places = speeds[0]
-                    ahead = np.append(self.floor - speeds[1], inside[0]), np.vstack([-speeds[2], inside[1]])
-            return ahead
+                    guesses = speeds[0]
+                    cached = np.append(self.log_limit - speeds[1], inside[0]), np.vstack([-speeds[2], inside[1]])
+            return cached
 
-        ahead_rows = places.shape[0] + x.size - 1
+        rows = guesses.shape[0] + x.size - 1
         sizes = np.repeat([CURVATURE_PER_LENGTH * size, size], count)
         lowest = np.repeat([-self.max_curvature, MIN_ARC], count)
         highest = np.repeat([self.max_curvature, np.inf], count)
@@ -300,7 +329,7 @@ class _Programme:
                     "fun": lambda y: ArcPath(self.base, y).end_error()[0],
                     "jac": lambda y: ArcPath(self.base, y).end_error()[1],
                 },
-                {"type": "ineq", "fun": lambda y: spare(y)[0], "jac": lambda y: spare(y)[1]},
+                {"type": "ineq", "fun": lambda y: inequalities(y)[0], "jac": lambda y: inequalities(y)[1]},
             ],
             method="SLSQP",
             options={"maxiter": ITERATIONS, "ftol": TOLERANCE},
@@ -308,37 +337,37 @@ class _Programme:
         result: Array = found.x
         return result
 
-    def _speeds(self, path: ArcPath, moments: _Moments) -> tuple[Array, Array, Array] | None:
-        """Places (M, H) of the handles at moments, logarithms (M,) of the speed ratios and derivatives (M, 2 n).
+    def _speeds(self, path: ArcPath, constraints: _Constraints) -> tuple[Array, Array, Array] | None:
+        """Coordinates (M, H) of the handles, logarithms (M,) of the constrained speed ratios and derivatives (M, 2 n).
 
-        With the cosines a and b of a bench's angles to the path at its front and rear handle, a rigid bench lets the
-        rear handle go a / b for each metre of the front one. None where a chain has no such place, or stands
-        perpendicular to the path.
+        The velocity ratio of a bench's rear handle to its front handle is a / b, with the cosines a and b of the
+        bench's angles to the path at the front and rear handle. None where the chain has no position on the path or is
+        perpendicular to it.
         """
         self.evaluations += 1
-        # Several handles are constrained at one moment.
-        same = np.stack([moments.anchors, moments.ends, moments.offsets])
+        # Several handles are constrained at the same instant.
+        same = np.stack([constraints.anchors, constraints.ends, constraints.offsets])
         _, first, inverse = np.unique(same, axis=1, return_index=True, return_inverse=True)
-        given, moments = moments, moments[first]
-        settled = self._settled(path, moments)
-        if settled is None:
+        given, constraints = constraints, constraints[first]
+        positions = self._positions(path, constraints)
+        if positions is None:
             return None
-        places, points, tangents, curvatures = settled
-        rows, benches = np.arange(len(places)), self.spacings.size
+        s, points, tangents, curvatures = positions
+        rows, benches = np.arange(len(s)), self.spacings.size
         facing = ((points[:, :-1] - points[:, 1:]) / self.spacings).conj()
         front, rear = facing * tangents[:, :-1], facing * tangents[:, 1:]
         logs = _logs(front.real, rear.real)
         rates = np.exp(logs)[..., None]
-        of_points, of_headings = path.partials(places, points, tangents, curvatures)
-        # Derivatives of the places, the head being fixed, from the constant length of each bench; and then with the
-        # anchor at its distance from the end of an arc.
+        of_points, of_headings = path.partials(s, points, tangents, curvatures)
+        # Derivatives of the coordinates, first for a fixed head from the constant length of each bench, and then for
+        # the anchor at its distance from the end of an arc.
         moved = np.zeros_like(of_headings)
         for i in range(benches):
             along = (facing[:, i, None] * (of_points[:, i] - of_points[:, i + 1])).real
             moved[:, i + 1] = (along + front[:, i, None].real * moved[:, i]) / rear[:, i, None].real
-        anchors = moments.anchors
+        anchors = constraints.anchors
         ends = np.zeros((rows.size, of_headings.shape[-1]))
-        ends[:, path.count :] = np.arange(path.count) < moments.ends[:, None]
+        ends[:, path.count :] = np.arange(path.count) < constraints.ends[:, None]
         head = (ends - moved[rows, anchors]) / rates[rows, anchors]
         moved += rates * head[:, None]
         of_points += tangents[..., None] * moved
@@ -347,117 +376,119 @@ class _Programme:
         change = (rear.imag / rear.real)[..., None] * (of_headings[:, 1:] - turned)
         change -= (front.imag / front.real)[..., None] * (of_headings[:, :-1] - turned)
         handles = given.handles
-        return places[inverse], logs[inverse, handles], np.cumsum(change, axis=1)[inverse, handles - 1]
+        return s[inverse], logs[inverse, handles], np.cumsum(change, axis=1)[inverse, handles - 1]
 
-    def _settled(self, path: ArcPath, moments: _Moments) -> tuple[Array, Complex, Complex, Array] | None:
-        """Places (M, H), points, tangents and curvatures of the handles at moments, by Newton's method."""
-        places, rows = moments.places.copy(), np.arange(len(moments.places))
-        goals = path.edges[moments.ends] + moments.offsets
+    def _positions(self, path: ArcPath, constraints: _Constraints) -> tuple[Array, Complex, Complex, Array] | None:
+        """Coordinates (M, H), points, tangents and curvatures of the handles, by Newton's method; None without any."""
+        s, rows = constraints.guesses.copy(), np.arange(len(constraints.guesses))
+        goals = path.edges[constraints.ends] + constraints.offsets
         for _ in range(NEWTON_STEPS):
-            points, tangents, curvatures = path.at(places)
+            points, tangents, curvatures = path.at(s)
             between = points[:, :-1] - points[:, 1:]
             distances = np.abs(between)
             facing = (between / distances).conj()
             front, rear = (facing * tangents[:, :-1]).real, (facing * tangents[:, 1:]).real
             if not min(front.min(), rear.min()) > MIN_COSINE:
                 return None
-            excess, steps = distances - self.spacings, np.zeros_like(places)
-            steps[rows, moments.anchors] = goals - places[rows, moments.anchors]
+            excess, steps = distances - self.spacings, np.zeros_like(s)
+            steps[rows, constraints.anchors] = goals - s[rows, constraints.anchors]
             for i in range(self.spacings.size):
                 behind = (front[:, i] * steps[:, i] + excess[:, i]) / rear[:, i]
-                steps[:, i + 1] = np.where(moments.anchors <= i, behind, steps[:, i + 1])
+                steps[:, i + 1] = np.where(constraints.anchors <= i, behind, steps[:, i + 1])
             for i in range(self.spacings.size - 1, -1, -1):
                 ahead = (rear[:, i] * steps[:, i + 1] - excess[:, i]) / front[:, i]
-                steps[:, i] = np.where(moments.anchors > i, ahead, steps[:, i])
-            steps = np.clip(steps, -NEWTON_STEP, NEWTON_STEP)
-            places += steps
-            if np.abs(steps).max() < NEWTON_SETTLED:
-                # What a step changes is known to its square.
-                return places, points + steps * tangents, tangents * np.exp(1j * curvatures * steps), curvatures
+                steps[:, i] = np.where(constraints.anchors > i, ahead, steps[:, i])
+            steps = np.clip(steps, -MAX_NEWTON_STEP, MAX_NEWTON_STEP)
+            s += steps
+            if np.abs(steps).max() < NEWTON_TOLERANCE:
+                # Points and tangents are advanced by the last step to first order; the error is its square.
+                return s, points + steps * tangents, tangents * np.exp(1j * curvatures * steps), curvatures
         return None
 
-    def _measured(self, x: Array) -> tuple[Turn, float, tuple[Array, Array], tuple[Array, Indices, Array]] | None:
-        """The turn at `x`, its length with a penalty, its places and speeds at many moments, and their maxima."""
+    def _evaluated(self, x: Array) -> tuple[Turn, float, tuple[Array, Array], tuple[Array, Indices, Array]] | None:
+        """The turn at `x`, its length with a penalty, sampled coordinates and speeds of handles, and their maxima."""
         turn = closed_turn(self.base, x)
         if turn is None:
             return None
-        heads = np.arange(0.0, turn.length + BEYOND, STEP)
-        table = _evaluated(turn.path, self.spacings, heads)
-        tops = None if table is None else _maxima(turn.path, self.spacings, heads, table[1], self.floor - PEAKS)
-        if table is None or tops is None:
+        heads = np.arange(0.0, turn.length + HEAD_MARGIN, STEP)
+        samples = _sampled_speeds(turn.path, self.spacings, heads)
+        if samples is None:
             return None
-        return turn, turn.length + PENALTY * max(0.0, float(tops[2].max()) - self.floor), table, tops
+        maxima = _maxima(turn.path, self.spacings, heads, samples[1], self.log_limit - PEAK_MARGIN)
+        if maxima is None:
+            return None
+        return turn, turn.length + PENALTY * max(0.0, float(maxima[2].max()) - self.log_limit), samples, maxima
 
-    def _maxima(self, turn: Turn, tops: tuple[Array, Indices, Array]) -> _Moments:
-        """Moments of the maxima that are at no kink; the anchor is the handle that is nearest to the end of an arc."""
-        heads, handles, _ = tops
-        places = chain(turn.path, heads, self.spacings)
+    def _peak_constraints(self, turn: Turn, maxima: tuple[Array, Indices, Array]) -> _Constraints:
+        """Constraints at the maxima that are not at a kink; the anchor is the handle closest to an end of an arc."""
+        heads, handles, _ = maxima
+        s = chain(turn.path, heads, self.spacings)
         edges = np.array([0.0, *np.cumsum(turn.lengths)])
-        offsets = places[:, :, None] - edges
-        behind = np.arange(places.shape[1]) > handles[:, None]
+        offsets = s[:, :, None] - edges
+        behind = np.arange(s.shape[1]) > handles[:, None]
         distances = np.where(behind[..., None], np.inf, np.abs(offsets)).reshape(heads.size, -1)
-        nearest = distances.argmin(axis=1)
-        anchors, ends = np.divmod(nearest, edges.size)
-        offset = offsets.reshape(heads.size, -1)[np.arange(heads.size), nearest]
-        return _Moments(anchors, ends, offset, handles, places)[np.abs(offset) > AT_KINK]
+        closest = distances.argmin(axis=1)
+        anchors, ends = np.divmod(closest, edges.size)
+        offset = offsets.reshape(heads.size, -1)[np.arange(heads.size), closest]
+        return _Constraints(anchors, ends, offset, handles, s)[np.abs(offset) > AT_KINK]
 
-    def _kinks(self, turn: Turn, places: Array, logs: Array) -> _Moments:
-        """Moments at which a handle passes an end of an arc, where one of the handles from it on may be too fast."""
-        found: list[_Moments] = []
-        edges, fast = np.array([0.0, *np.cumsum(turn.lengths)]), logs > self.floor - KINKS
+    def _kink_constraints(self, turn: Turn, s: Array, logs: Array) -> _Constraints:
+        """Constraints where a handle passes an end of an arc, for the handles from it on that may exceed the limit."""
+        found: list[_Constraints] = []
+        edges, fast = np.array([0.0, *np.cumsum(turn.lengths)]), logs > self.log_limit - KINK_MARGIN
         for anchor, end in np.ndindex(self.spacings.size, edges.size):
-            after = int(np.searchsorted(places[:, anchor], edges[end]))
-            if not 0 < after < len(places):
+            after = int(np.searchsorted(s[:, anchor], edges[end]))
+            if not 0 < after < len(s):
                 continue
             handles = np.flatnonzero(fast[after - 1] | fast[after])
             handles = handles[handles >= max(anchor, 1)]
             same = np.full(handles.size, anchor), np.full(handles.size, end), np.zeros(handles.size)
-            found.append(_Moments(*same, handles, np.tile(places[after], (handles.size, 1))))
+            found.append(_Constraints(*same, handles, np.tile(s[after], (handles.size, 1))))
         return sum(found[1:], found[0])
 
-    def _near_the_limit(self, turn: Turn, moments: _Moments) -> _Moments:
-        """Those of the moments at which a handle is nearly as fast as the limit, with their places on a turn."""
+    def _active(self, turn: Turn, constraints: _Constraints) -> _Constraints:
+        """The constraints whose speeds on a turn are close to the limit, with the coordinates on that turn."""
         path = ArcPath(self.base, _unknowns(turn))
-        speeds = self._speeds(path, moments)
+        speeds = self._speeds(path, constraints)
         if speeds is None:
-            return moments[np.zeros(len(moments.handles), dtype=bool)]
-        return replace(moments, places=speeds[0])[speeds[1] > self.floor - PEAKS]
+            return constraints[np.zeros(len(constraints.handles), dtype=bool)]
+        return replace(constraints, guesses=speeds[0])[speeds[1] > self.log_limit - PEAK_MARGIN]
 
 
 def _logs(front: Array, rear: Array) -> Array:
-    """Logarithms (..., H) of the handles' speeds over the head's from the cosines at both ends of the benches."""
+    """Logarithms (..., H) of the speed ratios of the handles to the head, from the cosines at both ends of benches."""
     logs = np.cumsum(np.log(front) - np.log(rear), axis=-1)
     return np.concatenate([np.zeros((*logs.shape[:-1], 1)), logs], axis=-1)
 
 
-def _evaluated(curve: Curve, spacings: Array, heads: Array) -> tuple[Array, Array] | None:
-    """Places and logarithms of the speed ratios, each (T, H), at places of the head.
+def _sampled_speeds(curve: Curve, spacings: Array, heads: Array) -> tuple[Array, Array] | None:
+    """Coordinates of the handles and logarithms of their speed ratios, each (T, H), at coordinates `heads` of the head.
 
-    None where a handle has no place or does not go forward.
+    None where a handle has no position or does not move forward.
     """
-    places = chain(curve, heads, spacings)
-    points, tangents = frame(curve, places)
+    s = chain(curve, heads, spacings)
+    points, tangents = frame(curve, s)
     along = points[:, :-1] - points[:, 1:]
     front, rear = (np.sum(part * along, axis=-1) / spacings for part in (tangents[:, :-1], tangents[:, 1:]))
-    # Written so that nan fails.
-    return (places, _logs(front, rear)) if np.all(front > 0) and np.all(rear > 0) else None
+    # A comparison with nan is false.
+    return (s, _logs(front, rear)) if np.all(front > 0) and np.all(rear > 0) else None
 
 
 def _maxima(
-    curve: Curve, spacings: Array, heads: Array, logs: Array, floor: float
+    curve: Curve, spacings: Array, heads: Array, logs: Array, lower: float
 ) -> tuple[Array, Indices, Array] | None:
-    """Local maxima above a floor of the logarithms (T, H): places of the head, handles, and values."""
+    """Local maxima above `lower` of the logarithms (T, H): coordinates of the head, handles, and values."""
     beside = np.pad(logs, ((1, 1), (0, 0)), constant_values=-np.inf)
-    rows, handles = np.nonzero((logs >= beside[:-2]) & (logs >= beside[2:]) & (logs > floor))
+    rows, handles = np.nonzero((logs >= beside[:-2]) & (logs >= beside[2:]) & (logs > lower))
     rows, handles = rows[handles > 0], handles[handles > 0]
     low, high = heads[np.maximum(rows - 1, 0)], heads[np.minimum(rows + 1, heads.size - 1)]
     chosen = np.arange(rows.size)
     for _ in range(PASSES):
-        ways = np.linspace(low, high, POINTS, axis=-1)
-        found = _evaluated(curve, spacings, ways.ravel())
+        s = np.linspace(low, high, POINTS, axis=-1)
+        found = _sampled_speeds(curve, spacings, s.ravel())
         if found is None:
             return None
-        own = found[1].reshape(*ways.shape, -1)[chosen, :, handles]
+        own = found[1].reshape(*s.shape, -1)[chosen, :, handles]
         best = own.argmax(axis=1)
-        low, high = ways[chosen, np.maximum(best - 1, 0)], ways[chosen, np.minimum(best + 1, POINTS - 1)]
-    return ways[chosen, best], handles, own[chosen, best]
+        low, high = s[chosen, np.maximum(best - 1, 0)], s[chosen, np.minimum(best + 1, POINTS - 1)]
+    return s[chosen, best], handles, own[chosen, best]

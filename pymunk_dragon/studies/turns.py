@@ -1,4 +1,4 @@
-"""Turns on n circular arcs between the two spirals of a U-turn, and their derivatives by curvatures and lengths."""
+"""Turns on n circular arcs between the two spirals of a U-turn, and derivatives by curvatures and lengths."""
 
 from __future__ import annotations
 
@@ -17,26 +17,28 @@ __all__ = ["ArcPath", "Turn", "closed_turn"]
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
-# 1/m. An arc with a smaller curvature is replaced by a line: a radius above 100 km is not accepted by `Arc`.
+# 1/m. An arc with a smaller curvature is replaced by a line, because `Arc` does not accept a radius above 100 km.
 STRAIGHT = 1e-5
-# rad. Below this angle the integral over an arc is taken from its series, because its closed form cancels.
+# rad. Below this angle the integral over an arc is evaluated by its series, because of cancellation in the closed form.
 SMALL_ANGLE = 0.05
-# Newton steps to the end pose, which converge quadratically, and the error that is left, m and rad.
-CLOSING_STEPS, CLOSED = 30, 2e-14
+# Newton steps to the end pose, at most; convergence is quadratic.
+CLOSING_STEPS = 30
+# m and rad. Largest error of the end pose: next to rounding.
+CLOSED = 2e-14
 
 
 @dataclass(frozen=True, kw_only=True)
 class Turn:
-    """Turn on n circular arcs, tangent to each other and to both spirals where these meet the circle.
+    """A turn on n circular arcs, tangent to each other and to both spirals where these meet the circle.
 
     Attributes
     ----------
     base : UTurn
         Spirals and circle.
     curvatures : tuple of float
-        Of the arcs, positive to the left, 1/m; 0 for a line.
+        Curvatures of the arcs, positive to the left, 1/m; 0 for a line.
     lengths : tuple of float
-        Of the arcs, m.
+        Lengths of the arcs, m.
     path : Composite
         Inward spiral, arcs and outward spiral; the arc-length coordinate is 0 where the circle is entered.
     """
@@ -48,14 +50,14 @@ class Turn:
 
     @property
     def length(self) -> float:
-        """Length from where the circle is entered to where it is left, m."""
+        """Length from the entry of the circle to its exit, m."""
         return math.fsum(self.lengths)
 
 
 class ArcPath:
     """The inward spiral, n arcs, and the outward spiral attached rigidly to the end of the last arc.
 
-    The end of the arcs need not be the circle's exit: the search closes the path only as it converges.
+    The arcs need not end at the circle's exit: the path of the search is closed only in the limit of convergence.
 
     Parameters
     ----------
@@ -83,11 +85,11 @@ class ArcPath:
     def at(self, s: Array) -> tuple[Complex, Complex, Array]:
         """Points and tangents as complex numbers, and curvatures, each (...), at arc-length coordinates (...)."""
         k = np.clip(np.searchsorted(self.edges, s, side="right") - 1, 0, self.count - 1)
-        way = s - self.edges[k]
+        local = s - self.edges[k]
         curvatures = self.curvatures[k]
         starts = np.exp(1j * self.headings[k])
-        angles = curvatures * way
-        points = self.joints[k] + way * starts * _chord(angles)
+        angles = curvatures * local
+        points = self.joints[k] + local * starts * _chord(angles)
         tangents = starts * np.exp(1j * angles)
         before, after = s < 0, s >= self.edges[-1]
         if before.any():
@@ -103,9 +105,9 @@ class ArcPath:
         return points, tangents, curvatures
 
     def partials(self, s: Array, points: Complex, tangents: Complex, curvatures: Array) -> tuple[Complex, Array]:
-        """Derivatives (..., 2 n) of points and headings by the curvatures and lengths, the coordinates `s` being fixed.
+        """Derivatives (..., 2 n) of points and headings by the curvatures and lengths at fixed coordinates `s`.
 
-        The part of the path behind an arc moves rigidly when the arc changes.
+        The part of the path after an arc moves rigidly when the arc changes.
         """
         n = self.count
         of_points = np.zeros((*s.shape, 2 * n), dtype=complex)
@@ -114,9 +116,9 @@ class ArcPath:
         for j in range(n):
             curvature, length, joint = self.curvatures[j], self.lengths[j], self.joints[j + 1]
             behind, inside = s >= self.edges[j + 1], (s > self.edges[j]) & (s < self.edges[j + 1])
-            way = s[inside] - self.edges[j]
-            of_headings[inside, j], of_headings[behind, j] = way, length
-            of_points[inside, j] = way**2 * starts[j] * _moment(curvature * way)
+            local = s[inside] - self.edges[j]
+            of_headings[inside, j], of_headings[behind, j] = local, length
+            of_points[inside, j] = local**2 * starts[j] * _moment(curvature * local)
             whole = length**2 * starts[j] * _moment(np.array(curvature * length))
             of_points[behind, j] = whole + 1j * length * (points[behind] - joint)
             of_headings[behind, n + j] = curvature - curvatures[behind]
@@ -125,7 +127,7 @@ class ArcPath:
         return of_points, of_headings
 
     def end_error(self) -> tuple[Array, Array]:
-        """Distance from the exit and angle to its tangent, (3,), m and rad, and their derivatives (3, 2 n)."""
+        """Error (3,) of the end point, m, and of the tangent there, rad, and its derivatives (3, 2 n)."""
         off, turned = self.joints[-1:] - self._stop, self.headings[-1] - self.headings[0]
         tangent = np.exp(1j * self.headings[-1:])
         of_points, of_headings = self.partials(self.edges[-1:], self.joints[-1:], tangent, np.zeros(1))
@@ -134,19 +136,19 @@ class ArcPath:
         return error, np.concatenate([of_points.real, of_points.imag, of_headings])
 
     def squared_radii(self) -> tuple[Array, Array]:
-        """Squared distances (2 n - 1,) of the arcs' middles and inner ends from the centre, and derivatives."""
+        """Squared distances (2 n - 1,) of the arcs' midpoints and inner ends from the centre, and derivatives."""
         shares = np.arange(1, 2 * self.count) / 2
         arcs = np.minimum(np.floor(shares).astype(int), self.count - 1)
-        places = self.edges[arcs] + (shares - arcs) * self.lengths[arcs]
-        points, tangents, curvatures = self.at(places)
+        s = self.edges[arcs] + (shares - arcs) * self.lengths[arcs]
+        points, tangents, curvatures = self.at(s)
         moved = np.clip(shares[:, None] - np.arange(self.count), 0, 1)
-        of_points, _ = self.partials(places, points, tangents, curvatures)
+        of_points, _ = self.partials(s, points, tangents, curvatures)
         of_points[:, self.count :] += tangents[:, None] * moved
         return np.abs(points) ** 2, 2 * (points.conj()[:, None] * of_points).real
 
 
 def closed_turn(base: UTurn, x: Array) -> Turn | None:
-    """The turn that reaches the exit with the least change of the curvatures and lengths `x` (2 n,).
+    """A turn that ends at the exit with its tangent, by least-norm Newton steps from curvatures and lengths `x` (2 n,).
 
     Returns
     -------
@@ -194,7 +196,7 @@ def closed_turn(base: UTurn, x: Array) -> Turn | None:
 
 
 def _frame(curve: Curve, s: Array) -> tuple[Complex, Complex]:
-    """Points and tangents as complex numbers."""
+    """Points and tangents of a curve as complex numbers."""
     points, tangents = (part.view(complex)[..., 0] for part in frame(curve, s))
     return points, tangents
 
@@ -216,7 +218,7 @@ def _moment(angles: Array) -> Complex:
 
 def _farthest(centre: complex, radius: float, begin: float, sweep: float) -> float:
     """Largest distance of an arc from the origin, m."""
-    ends = (abs(centre + cmath.rect(radius, angle)) for angle in (begin, begin + sweep))
-    # The circle's farthest point lies beyond its centre, seen from the origin.
-    way = (cmath.phase(centre) - begin) * math.copysign(1.0, sweep) % (2 * math.pi)
-    return abs(centre) + radius if way < abs(sweep) else max(ends)
+    ends = (abs(centre + cmath.rect(radius, end)) for end in (begin, begin + sweep))
+    # The farthest point of the full circle is on the ray from the origin through its centre.
+    angle = (cmath.phase(centre) - begin) * math.copysign(1.0, sweep) % (2 * math.pi)
+    return abs(centre) + radius if angle < abs(sweep) else max(ends)

@@ -1,13 +1,13 @@
-"""The turn of the contest's question 4, and the shortest one that was found inside its circle.
+"""The turn of the contest's question 4, and the shortest turn that was found inside its circle.
 
-Two arcs. Entry and exit lie opposite to each other, 2 R apart, and the directions there are the same, at an angle a to
-the straight way across. Any two arcs that touch both and each other turn by 2 a each. Their chords, 2 r sin a each, lie
-on the straight way, one behind the other, so (r1 + r2) sin a = R, and the length is 2 a (r1 + r2) = 2 a R / sin a:
-changing the arcs does not make the turn shorter.
+Two arcs. Entry and exit are opposite to each other, 2 R apart, and their tangents are parallel, at an angle a to the
+diameter between them. Any two arcs tangent to both and to each other turn by 2 a each. Their chords, 2 r sin a each,
+lie on the diameter, one after the other, so (r1 + r2) sin a = R, and the length is 2 a (r1 + r2) = 2 a R / sin a. It
+does not depend on the ratio of the radii.
 
-Three and more arcs do. The way straight across, 2 R, is the only geometric limit, but the handles behind the head
-become ever faster. So the shortest turn is sought on which no handle exceeds a given multiple of the head's speed: by
-default the largest one on the contest's own turn.
+Three and more arcs allow shorter turns. The diameter, 2 R, is the only geometric limit, but the handles behind
+the head become faster as the turn becomes shorter. So the search is for the shortest turn on which no handle exceeds a
+given multiple of the head's speed: by default the largest ratio on the contest's own turn.
 """
 
 from __future__ import annotations
@@ -32,48 +32,52 @@ __all__ = ["TIMES", "TurnAnswer", "u_turn"]
 
 Array = NDArray[np.float64]
 
-# s at the contest's 1 m/s: the times of its sheet, and m of the head's way otherwise.
+# m travelled by the head after it enters the circle: at 1 m/s, the times in s that the contest's table requires.
 TIMES = np.arange(-100.0, 101.0)
-# Radii of the first arc over the second for which the length is told.
+# Ratios of the first arc's radius to the second's for which the length is reported.
 RATIOS = (0.25, 0.5, 1.0, 2.0, 4.0)
-# Times the head's speed. Below it no chain goes round a bend; above it nobody runs, and next to where the dragon gets
-# stuck the search takes long.
-MIN_FASTEST, MAX_FASTEST = 1.01, 5.0
-# Largest number of arcs in the search: by default, and at most.
-ARCS, MAX_ARCS = 7, 15
-# m. Least radius of an arc in the search. Smaller ones save centimetres and make the certificate of a contact slow.
+# Least limit of the speed ratio: with a smaller one no chain can follow a curve.
+MIN_FASTEST = 1.01
+# Largest limit of the speed ratio: next to configurations in which the dragon gets stuck, the search takes long.
+MAX_FASTEST = 5.0
+# Largest number of arcs in the search, by default.
+ARCS = 7
+# Largest number of arcs in the search.
+MAX_ARCS = 15
+# m. Least radius of an arc in the search, by default. Smaller radii save centimetres, and slow down the certificate of
+# the first contact.
 MIN_RADIUS = 0.5
-# m. Least value of that.
+# m. Least value of the least radius.
 SMALLEST = 0.05
 
 
 @dataclass(frozen=True, kw_only=True)
 class TurnAnswer:
-    """The contest's turn and the shortest one.
+    """The contest's turn and the shortest turn that was found.
 
     Attributes
     ----------
     turn : UTurn
-        The contest's, with its radii, centres, sweeps, tangent points and length.
+        The contest's turn, with its radii, centres, sweeps, tangent points and length.
     march : March
-        On it; handle 0 enters the circle at t = 0.
+        March on the contest's turn; handle 0 enters the circle at t = 0.
     times : ndarray, shape (201,)
-        Those of the contest's sheet, result4.xlsx: from -100 to 100 s where the head goes at 1 m/s, and while it goes
-        from 100 m before the circle to 100 m after entering it otherwise, s.
+        Times of the contest's table, result4.xlsx, s: from -100 to 100 s at a head speed of 1 m/s. At other speeds the
+        head travels the same distances, from 100 m before the entry of the circle to 100 m after it.
     impact : FirstContact
-        First contact between the first and the last of these, certified.
+        Certified first contact between the first and the last of these times.
     hurry : SpeedRatio
-        Largest speed of a handle over the head's on it, at any time.
+        Largest ratio of a handle's speed to the head's on the contest's turn.
     lengths : tuple of tuple of float
-        Ratios of the radii, and the length of the turn with each, m.
+        Ratios of the radii, and the length of the turn with each ratio, m.
     allowed : float
-        Multiple of the head's speed that no handle may exceed on the shortest turn.
+        Largest ratio of a handle's speed to the head's that the search allows.
     shortest : Shortest or None
         The shortest turn that was found; None without the search.
     short_march : March or None
-        On that.
+        March on the shortest turn.
     short_impact : FirstContact or None
-        First contact there.
+        Certified first contact on the shortest turn.
     """
 
     turn: UTurn
@@ -106,14 +110,14 @@ def u_turn(
     Parameters
     ----------
     dragon : Dragon, optional
-        By default the contest's.
+        The dragon; by default the contest's.
     pitch, radius, ratio
         As in `UTurn`.
     speed
         As in `March`.
     fastest : float, optional
-        Multiple of the head's speed that no handle may exceed on the shortest turn, from 1.01 to 5; by default the
-        largest on the contest's.
+        Largest ratio of a handle's speed to the head's on the shortest turn, from 1.01 to 5; by default the largest
+        ratio on the contest's turn.
     search : bool
         Whether to search for the shortest turn; this needs SciPy.
     arcs : int
@@ -121,17 +125,17 @@ def u_turn(
     min_radius : float
         Least radius of an arc in the search, from 0.05 m to the circle's radius.
     progress : callable, optional
-        Called with how much of the search is done, and how much there is.
+        Called with the part of the search that is done and the whole.
 
     Returns
     -------
     TurnAnswer
-        The search finds good turns; no proof shows that there are no shorter ones.
+        Both turns with their evidence. The search does not prove that there is no shorter turn.
 
     Raises
     ------
     ParameterError
-        If a value cannot be used, if the dragon does not get round the contest's turn, or if no turn inside the
+        If a value is out of range, if the dragon does not get round the contest's turn, or if no turn inside the
         circle is found on which every handle keeps to the limit.
     MissingExtraError
         If the search needs SciPy and it is not installed.
@@ -163,7 +167,7 @@ def u_turn(
         times=times,
         impact=_impact(march, times),
         hurry=most,
-        lengths=tuple((each, _measured(replace(turn, ratio=each))) for each in RATIOS),
+        lengths=tuple((each, _joint_length(replace(turn, ratio=each))) for each in RATIOS),
         allowed=allowed,
         shortest=shortest,
         short_march=short_march,
@@ -171,10 +175,11 @@ def u_turn(
     )
 
 
-def _measured(turn: UTurn) -> float:
-    """Length of a turn by the pieces that it is joined of, m."""
+def _joint_length(turn: UTurn) -> float:
+    """Distance between the first and the last joint of a turn, m."""
     return turn.joints[-1] - turn.joints[0]
 
 
 def _impact(march: March, times: Array) -> FirstContact:
+    """Certified first contact from the first of `times` to the last."""
     return first_contact(march, start=float(times[0]), until=float(times[-1]))
