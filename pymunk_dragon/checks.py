@@ -52,7 +52,7 @@ def word(name: str, value: object, words: Iterable[str]) -> str:
 def answer(method: str, value: object, given: tuple[int, ...], tail: tuple[int, ...] = ()) -> NDArray[np.float64]:
     """What a method of a user's own class returned, if it is real numbers in an array of the shape `given` + `tail`.
 
-    One number may stand for an array that is the same everywhere.
+    A single number is broadcast to the shape.
     """
     shape = given + tail
     try:

@@ -8,7 +8,7 @@ __all__ = ["Displayed"]
 
 
 class Displayed:
-    """Gives a class what Jupyter asks for.
+    """Base class of objects with a representation in Jupyter.
 
     How things look is known to the room `notebook`, far above the rooms of the things themselves. They know it by name
     only, so that no calculation loads what draws.

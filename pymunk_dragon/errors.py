@@ -66,9 +66,9 @@ class UnreachableError(DragonError):
     time : float
         Time of the march, s.
     handle : int
-        The first handle that has no place.
+        The first handle without a coordinate.
     reason : str
-        Why there is no place.
+        The reason.
     """
 
     def __init__(self, time: float, handle: int, reason: str) -> None:

@@ -17,7 +17,7 @@ from pymunk_dragon.errors import FileFormatError, OutputError, ParameterError
 try:
     import fcntl
 except ImportError:  # Windows has no such locks, and drafts of killed processes stay there.
-    fcntl = None  # type: ignore[assignment]  # None stands for no module.
+    fcntl = None  # type: ignore[assignment]  # None if there is no such module.
 
 __all__ = ["check_destination", "number_rows", "read_text", "written_in_place"]
 
@@ -91,7 +91,7 @@ def written_in_place(path: str | Path) -> Iterator[Path]:
 
 
 def read_text(path: str | Path, name: str) -> str:
-    """Text of a file that is given for the parameter `name`, without the mark that may stand at the begin of UTF-8.
+    """Text of a file that is given for the parameter `name`, without a byte order mark.
 
     Raises
     ------
@@ -124,7 +124,7 @@ def number_rows(path: str | Path, name: str, columns: Sequence[str]) -> tuple[li
     name : str
         The parameter that it is given for.
     columns : sequence of str
-        What stands in each column, as words.
+        Content of each column, in words.
 
     Raises
     ------
@@ -210,7 +210,7 @@ def _draft(destination: Path, status: os.stat_result | None) -> Iterator[Path]:
 
 @contextmanager
 def _locked(descriptor: int) -> Iterator[None]:
-    """Hold a lock on an open file, which ends with this process in whatever way it does; close the file at the end."""
+    """Hold a lock on an open file, which ends with this process at the latest; close the file at the end."""
     if fcntl is None:
         os.close(descriptor)
         yield

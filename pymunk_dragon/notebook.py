@@ -1,4 +1,4 @@
-"""How runs and marches look in a notebook: as a picture, and small runs as a player."""
+"""Representations of runs and marches in notebooks: a picture, and a player for small runs."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from pymunk_dragon.run import Run
 
 __all__ = ["as_html", "as_png"]
 
-# Places of handles over all frames up to which a run is played in the notebook, which keeps the page in its file: some
-# 400 kB. That is the last two minutes of the seed's 223 benches, or twenty minutes of 16.
+# Handle positions over all frames up to which a run is played in the notebook, which keeps the page in its file: some
+# 400 kB. That is the last two minutes of the paper's 223 benches, or twenty minutes of 16.
 MAX_PLACES = 250_000
 # Pixels: height of a player, which is as wide as the notebook, and side of a picture, shown at half of it on screens
 # with two pixels to the point.

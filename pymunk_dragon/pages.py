@@ -1,4 +1,4 @@
-"""What pages are made of that carry all they need with them, and ask nobody for anything."""
+"""Parts of self-contained HTML pages, which load nothing from elsewhere."""
 
 from __future__ import annotations
 

@@ -70,7 +70,7 @@ class Run(ArrayRecord, Displayed):
     poses : ndarray, shape (F, N, 3)
         Pose of every bench: centre in m, angle in rad.
     drift : ndarray, shape (F, N)
-        How far each bench's worse hole is from where the exact model has it, m; nan where that has no place for it.
+        Position error of each bench's worse hole against the exact model, m; nan where the model has no state.
     pose_velocities : ndarray, shape (F, N, 3), or None
         Rates of change of `poses`: m/s, m/s, rad/s. None where they are unknown, as in files of older versions.
     joint_impulses : ndarray, shape (F, N - 1), or None
@@ -125,7 +125,7 @@ class Run(ArrayRecord, Displayed):
 
     @classmethod
     def exact(cls, march: March, times: ArrayLike) -> Run:
-        """The exact model's run, frame by frame, without a look at contacts."""
+        """The exact model's run, frame by frame, without a search for contacts."""
         check_march(march)
         states = march.at(times)
         drift = np.zeros(states.poses.shape[:2])

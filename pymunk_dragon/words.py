@@ -33,9 +33,9 @@ POSITIONS = ("time_s", "handle", "x_m", "y_m", "speed_m_s")
 def position_rows(result: Mapping[str, Any]) -> list[tuple[float, ...]]:
     """What `positions --json` prints, as rows of a table."""
     return [
-        (time, handle, *place, speed)
-        for time, places, speeds in zip(result["times"], result["positions"], result["speeds"], strict=True)
-        for handle, place, speed in zip(result["handles"], places, speeds, strict=True)
+        (time, handle, *position, speed)
+        for time, positions, speeds in zip(result["times"], result["positions"], result["speeds"], strict=True)
+        for handle, position, speed in zip(result["handles"], positions, speeds, strict=True)
     ]
 
 
@@ -50,14 +50,14 @@ def positions_in_words(result: Mapping[str, Any]) -> str:
 
 
 def answer_of(method: str, found: FirstContact | Run) -> Answer:
-    """What `contact --json` prints, and `contact` tells, of an impact or of a run."""
+    """Values that `contact --json` prints, of a first contact or a run."""
     touch: FirstContact | Contact | None
     if isinstance(found, FirstContact):
         misses, until, resolution = found.near_misses, found.time, found.resolution
         touch = found if found.benches is not None else None
         status: str = found.status
     else:
-        # The engine is told of contacts only, not of gaps.
+        # The engine reports contacts only, not gaps.
         misses, until, resolution = None, float(found.times[-1]), None
         touch = found.first_contact
         status = found.outcome
@@ -78,16 +78,16 @@ def answer_in_words(answer: Answer) -> str:
     """When and where benches first touch, and the near misses before."""
     if answer["benches"] is None:
         reason = ", where the curve leaves a handle no place" if answer["status"] == "unreachable" else ""
-        told = f"no contact until t = {answer['until']:.6g} s{reason}"
+        first = f"no contact until t = {answer['until']:.6g} s{reason}"
     else:
         (i, j), (x, y) = answer["benches"], answer["point"]
         # The exact time is certain to its last decimal here; no other is known that well.
         time = f"{answer['time']:.{9 if answer['method'] == 'exact' else 6}f}"
         if answer["status"] == "overlapping":
-            told = f"benches {i} and {j} overlap at the start, t = {time} s"
+            first = f"benches {i} and {j} overlap at the start, t = {time} s"
         else:
-            told = f"first contact at t = {time} s: benches {i} and {j} at ({x:.6f}, {y:.6f}) m"
-    lines = [told, *(_near_miss_in_words(miss) for miss in answer["near_misses"] or ())]
+            first = f"first contact at t = {time} s: benches {i} and {j} at ({x:.6f}, {y:.6f}) m"
+    lines = [first, *(_near_miss_in_words(miss) for miss in answer["near_misses"] or ())]
     if (answer["resolution"] or 0.0) > COARSE:
         lines.append(f"benches that overlap by less than {1e6 * answer['resolution']:.2g} micrometres count as apart")
     return "\n".join(lines)
@@ -99,7 +99,7 @@ def _near_miss_in_words(miss: dict[str, Any]) -> str:
 
 
 def comparison_in_words(answers: Sequence[Answer]) -> str:
-    """A table of who found what, and what it cost; lateness is against the first of them."""
+    """Table of the methods' results and costs; lateness is relative to the first method."""
     lines = ["method  status       time (s)       benches  late by (ms)  samples  pairs tested  seconds"]
     for answer in answers:
         time, first = answer["time"], answers[0]["time"]

@@ -62,7 +62,7 @@ def status(arguments: list[str] | None = None) -> int:
     except KeyboardInterrupt:
         return _complain(f"{PROGRAM}: interrupted", INTERRUPTED)
     except BrokenPipeError:
-        # Whoever read our output has seen enough.
+        # The reader of our output has closed it.
         _drop_output()
         return FAILED
     except OSError as error:
@@ -78,7 +78,7 @@ def _open_streams() -> None:
     """Give Python the standard streams that it lacks, and make the output write any text."""
     for name, mode in (("stdout", "r"), ("stderr", "w")):
         if getattr(sys, name) is None:
-            # An output that was closed stays unwritable, an error that nobody sees is no other error.
+            # A closed output stays unwritable, and a second error there changes nothing.
             setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))  # noqa: SIM115  # Open until the end.
     if isinstance(sys.stdout, TextIOWrapper) and sys.stdout.errors == "strict":
         sys.stdout.reconfigure(errors="backslashreplace")
@@ -86,7 +86,7 @@ def _open_streams() -> None:
 
 def _drop_output() -> None:
     """Forget what the output could not write: Python would complain once more when it flushes at exit."""
-    with suppress(OSError):  # Where a test has put something else in its place.
+    with suppress(OSError):  # A test may have replaced the stream.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 __all__ = ["contact"]
 
-# Who may look for the first contact, and whose the settings of looking are.
+# Search methods, and the method that each setting belongs to.
 METHODS = ("exact", "grid", "engine")
 SETTINGS_OF = {"step": "grid", "tolerance": "grid", "fine": "engine"}
 
@@ -32,7 +32,7 @@ SETTINGS_OF = {"step": "grid", "tolerance": "grid", "fine": "engine"}
 @click.command()
 @scenario_options
 @click.option("--method", type=click.Choice(METHODS), default="exact", help="Search method.  [exact]")
-@click.option("--compare", is_flag=True, help="Ask all three, and print their answers side by side.")
+@click.option("--compare", is_flag=True, help="Run all three, and print their results side by side.")
 @start_option
 @click.option("--until", type=float, metavar="T", help="Last time, s.  [the end of the curve]")
 @click.option("--step", type=float, metavar="T", help="Of the grid: s between samples.  [1]")
@@ -66,8 +66,8 @@ def contact(
     sheet = destination if destination is not None and destination.suffix.lower() == ".xlsx" else None
     if sheet is not None:
         _check_xlsx()
-    asked = METHODS if compare else (method,)
-    answers = [_answer(march, name, given, start=start, until=until) for name in asked]
+    methods = METHODS if compare else (method,)
+    answers = [_answer(march, name, given, start=start, until=until) for name in methods]
     if compare:
         result: dict[str, Any] = {"methods": answers}
     else:
@@ -98,13 +98,13 @@ def _answer(
         run = played(march, fine=own.get("fine", False), start=start, until=until)
         answer = answer_of(method, run) | {"samples": run.provenance["substeps"], "tests": None}
     else:
-        look = first_contact if method == "exact" else scan
+        search = first_contact if method == "exact" else scan
         with progress("t") as show:
 
-            def tell(time: float, last: float) -> None:
+            def report(time: float, last: float) -> None:
                 show(time - start, last - start, f"t = {time:.1f} s")
 
-            found = look(march, start=start, until=until, progress=tell, **own)
+            found = search(march, start=start, until=until, progress=report, **own)
         answer = answer_of(method, found) | {"samples": found.samples, "tests": found.tests}
     return answer | {"wall_seconds": perf_counter() - begin}
 

@@ -23,7 +23,7 @@ __all__ = ["demo"]
 def demo(name: str | None, save: str | None, language: str, pause: bool, as_json: bool, output: str | None) -> None:
     """Play a lesson; without a name, list them.
 
-    Each asks a question, lets the class guess, runs, and gives the answer, a number to check and something to try.
+    Each has a question, a prediction, a run, the answer, a number to check and something to try.
     """
     from pymunk_dragon.demos import DEMOS, Terminal, write_lessons
     from pymunk_dragon.demos.telling import check_language, endings

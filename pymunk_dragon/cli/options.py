@@ -116,7 +116,7 @@ def _named_by_flag(error: ParameterError | FileFormatError) -> Exception:
             if values.get(name) == str(error.path):
                 return FileFormatError(f"{flag} {error.path}", error.reason)
         elif error.name in (name, flag.lstrip("-").replace("-", "_")):
-            # What was not typed as a flag stands in a scenario's file, which has no flags.
+            # Other values come from a scenario file, which has no flags.
             if name not in SCENARIO_OPTIONS or name in values:
                 return ParameterError(flag, error.value, error.bound)
         elif option.is_flag and isinstance(error.value, str) and error.value == name:

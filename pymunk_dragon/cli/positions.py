@@ -59,8 +59,8 @@ def positions(
     if sheets is not None and handles is not None:
         raise click.UsageError("the contest's sheets have all handles: leave out --handles, or write .csv or .json")
     states = march.at(at)
-    places, speeds = states.positions[:, chosen].tolist(), states.speeds[:, chosen].tolist()
-    result = {"times": at, "handles": chosen, "positions": places, "speeds": speeds}
+    positions, speeds = states.positions[:, chosen].tolist(), states.speeds[:, chosen].tolist()
+    result = {"times": at, "handles": chosen, "positions": positions, "speeds": speeds}
     if sheets is not None:
         _write_contest_tables(march, at, sheets)
     elif destination is not None:
@@ -82,7 +82,7 @@ def _paper_tables(march: March) -> str:
     from pymunk_dragon.collision import first_contact
     from pymunk_dragon.report import paper_tables
 
-    # On a curve without end nobody knows how long to look for a contact.
+    # On a curve without end there is no last time for the search.
     impact = first_contact(march) if isfinite(march.end) else None
     return paper_tables(march, impact.time if impact is not None and impact.status == "contact" else None)
 

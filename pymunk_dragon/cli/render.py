@@ -33,7 +33,7 @@ MARKS = {
     "normals": "In which direction they push.",
     "impulses": "Impulses in the joints, as discs.",
 }
-# s: how much of a march is filmed when it is not told.
+# s. Default length of a march in a film.
 MARCH_FILM = 60.0
 # m that the head goes between the frames of a march in a player.
 PLAYER_STRIDE = 0.1
@@ -72,7 +72,7 @@ def marks() -> tuple[Any, ...]:
 @click.option("--fps", type=int, metavar="N", help="Frames in a second, at most 60, and 50 in a GIF.  [10]")
 @click.option("--size", metavar="PIXELS", help="Width and height: 440, or 640x360.  [440]")
 @click.option(
-    "--camera", "follow", default="field", metavar="NAME", help="field: stand still; head: follow it.  [field]"
+    "--camera", "follow", default="field", metavar="NAME", help="field: fixed; head: follow the head.  [field]"
 )
 @click.option("--span", type=float, metavar="M", help="Width of the ground in view, m.")
 @click.option("--hold", type=float, metavar="T", help="How long the last frame stays, s.  [1]")
@@ -122,10 +122,10 @@ def render(
     else:
         with progress("frame") as show:
 
-            def tell(done: int, total: int) -> None:
+            def report(done: int, total: int) -> None:
                 show(done, total, f"frame {done}")
 
-            write_film(sources, destination, film, tell, workers if workers is not None else _spare_cores())
+            write_film(sources, destination, film, report, workers if workers is not None else _spare_cores())
     if as_json:
         print_json({"output": str(destination), "bytes": destination.stat().st_size})
 
@@ -152,10 +152,10 @@ def _write_player(sources: list[Run | March], path: Path, given: dict[str, Any])
 
 
 def _sources(run_files: tuple[str, ...], scenario_file: str | None, exact: bool) -> list[Run | March]:
-    """What is filmed: the runs, and the exact model of the first if it is asked for; or the march of a scenario."""
+    """Sources of the film: the runs, and with --exact the exact model of the first; or the march of a scenario."""
     if not run_files:
         if exact:
-            raise click.UsageError("--exact stands beside a run: name one, or leave it out")
+            raise click.UsageError("--exact needs a run: name one, or leave it out")
         return [march_of(scenario_file)]
     runs = [run_of(file, scenario_file) for file in run_files]
     return [*runs, runs[0].march] if exact else [*runs]

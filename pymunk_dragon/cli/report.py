@@ -15,7 +15,7 @@ __all__ = ["report"]
 @json_option
 @output_option(".html, .md, .xlsx, .csv or .json", required=True)
 def report(run_file: str, as_json: bool, output: str) -> None:
-    """Tell what happened in a run, as a document or a table."""
+    """Report on a run, as a document or a table."""
     from pymunk_dragon.report import REPORT_ENDINGS
     from pymunk_dragon.report import report as write_report
     from pymunk_dragon.run import Run

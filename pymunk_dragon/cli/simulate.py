@@ -80,7 +80,7 @@ def played(march: March, *, fine: bool, **settings: Any) -> Run:
     start = given["start"]
     with progress("t") as show:
 
-        def tell(time: float, until: float) -> None:
+        def report(time: float, until: float) -> None:
             show(time - start, until - start, f"t = {time:.1f} s")
 
-        return play(march, progress=tell, **given)
+        return play(march, progress=report, **given)

@@ -34,21 +34,21 @@ def study(
     as_json: bool,
     output: str | None,
 ) -> None:
-    """Ask a question of many marches; without a name, list them.
+    """Run a study of many marches; without a name, list the studies.
 
-    Of a scenario's file a study takes what it asks about, and leaves the rest aside: the pitch where that is the
-    question. The radius is that of the circle to which the head marches.
+    A study uses the values of a scenario file that are its parameters, and ignores the others, as the pitch where it is
+    the result. The radius is that of the circle to which the head marches.
     """
     from pymunk_dragon.studies import STUDIES
-    from pymunk_dragon.studies import study as ask
+    from pymunk_dragon.studies import study as run_study
     from pymunk_dragon.study_words import study_answer, study_in_words
 
     if name is None:
-        asked = {known: kind.summary for known, kind in STUDIES.items()}
+        summaries = {known: kind.summary for known, kind in STUDIES.items()}
         if as_json:
-            print_json({"studies": asked})
+            print_json({"studies": summaries})
         else:
-            click.echo("\n".join(f"{known:<11}  {asks}" for known, asks in asked.items()))
+            click.echo("\n".join(f"{known:<11}  {summary}" for known, summary in summaries.items()))
         return
     values = _of_file(scenario_file, STUDIES[name].parameters if name in STUDIES else ()) | chosen()
     if isinstance(values.get("speed"), str | tuple):
@@ -59,7 +59,7 @@ def study(
     if destination is not None:
         _check_libraries(destination)
     with progress(name) as show:
-        found = ask(name, values, lambda done, total: show(done, total, name))
+        found = run_study(name, values, lambda done, total: show(done, total, name))
     answer = study_answer(found)
     if destination is not None:
         _write(found, answer, destination)
@@ -88,7 +88,7 @@ def _speed(table: Any) -> Any:
 
 
 def _check_libraries(destination: Path) -> None:
-    """Refuse what cannot be written before the question is asked."""
+    """Refuse what cannot be written before the study runs."""
     from pymunk_dragon.extras import library
 
     needed = {".png": "matplotlib", ".svg": "matplotlib", ".xlsx": "xlsxwriter"}

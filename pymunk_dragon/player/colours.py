@@ -9,7 +9,7 @@ from pymunk_dragon.render import Palette
 __all__ = ["DARK", "LIGHT", "variables"]
 
 LIGHT = Palette()
-# Bright benches with dark outlines stand out from a dark ground as dark outlines do from a bright one.
+# Bright benches with dark outlines have the same contrast on a dark ground as dark outlines on a bright one.
 DARK = Palette(
     background="#171b22",
     curve="#4b5361",

@@ -1,4 +1,4 @@
-"""What the page knows of a run: sizes, places and velocities over time, and what happened."""
+"""Data of the player page: sizes, positions and velocities over time, and events."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ __all__ = ["PlayerData", "contact_windows", "curve_points", "handles", "player_d
 
 Array = NDArray[np.float64]
 
-# Share of a bench's width that one count of a place is: 0.2 micrometres at the contest's 0.3 m. A gap between two
+# Share of a bench's width that one count of a position is: 0.2 micrometres at the contest's 0.3 m. A gap between two
 # benches, which are off by up to 0.2 micrometres each, is then known to a thousandth of a millimetre.
 STEP = 1 / 1_500_000
-# Counts of a place per frame interval that one count of a velocity is. Rounding velocities then moves what is between
-# two frames by no more than rounding places does.
+# Counts of a position per frame interval that one count of a velocity is. The rounding of velocities then changes
+# interpolated positions by no more than the rounding of positions does.
 VELOCITY_STEP = 4
 # Share of a bench's width that the drawn curve may be off between two of its points: 0.1 mm at the contest's.
 CURVE_ERROR = 1 / 3000
-# Points of the curve: so many to find out how it bends, and at most so many in the page.
+# Points of the curve: samples of its curvature, and the largest number in the page.
 CURVE_SAMPLES, MAX_CURVE_POINTS = 4000, 20_000
 
 
@@ -36,50 +36,50 @@ class PlayerData:
 
     Attributes
     ----------
-    told : dict
+    payload : dict
         Everything else, as JSON values in m and s.
     handles : Packed
-        Places of the handles frame by frame.
+        Positions of the handles frame by frame.
     velocities : Packed or None
         Their velocities; None where the run does not know them.
     curve : Packed
         Points along the curve.
     """
 
-    told: dict[str, Any]
+    payload: dict[str, Any]
     handles: Packed
     velocities: Packed | None
     curve: Packed
 
 
 def player_data(run: Run, impact: FirstContact | None) -> PlayerData:
-    """What the page is told of `run`, of which the exact model says `impact`."""
+    """Data of the page for `run`, with the exact model's first contact."""
     dragon = run.march.dragon
     narrowest = float(dragon.widths.min())
     begin, end = float(run.times[0]), float(run.times[-1])
-    places, place_error = _handles(dragon.holes(run.poses), STEP * narrowest)
-    velocities, velocity_error = _velocities(run, places.step)
+    positions, position_error = _handles(dragon.holes(run.poses), STEP * narrowest)
+    velocities, velocity_error = _velocities(run, positions.step)
     curve = packed(curve_points(run.march, begin, end)[:, None], STEP * narrowest)
-    # The exact model's near misses are none of a dragon that nobody kept on its path.
+    # The exact model's near misses do not apply to a dragon without a guide.
     on_path = run.provenance.get("guide") != "none"
     misses = (impact and on_path and impact.near_misses) or ()
-    told = {
+    payload = {
         "dragon": asdict(dragon) | {"hole": hole_diameter(dragon)},
         "grid": asdict(Grid.of(run.march)),
         "times": run.times.tolist(),
         "near": [asdict(miss) for miss in misses if begin <= miss.time <= end],
         "windows": contact_windows(run),
-        "handles": _shape(places),
+        "handles": _shape(positions),
         "velocities": velocities and _shape(velocities),
-        "errors": [place_error, velocity_error],
+        "errors": [position_error, velocity_error],
         "curve": _shape(curve),
         "curve_error": CURVE_ERROR * narrowest,
     }
-    return PlayerData(told=told, handles=places, velocities=velocities, curve=curve)
+    return PlayerData(payload=payload, handles=positions, velocities=velocities, curve=curve)
 
 
 def _velocities(run: Run, step: float) -> tuple[Packed | None, float]:
-    """Velocities of the handles for places that are packed in steps of `step` m, and their error in m/s."""
+    """Velocities of the handles for positions that are packed in steps of `step` m, and their error in m/s."""
     intervals = np.diff(run.times)
     apart = intervals[intervals > 0]
     if run.pose_velocities is None and not apart.size:
@@ -129,28 +129,28 @@ def _is_possible(window: dict[str, Any], benches: int) -> bool:
 
 
 def curve_points(march: March, start: float, end: float) -> Array:
-    """Points (P, 2) in m of the curve, as far as `March.span` has it; they stand the closer, the tighter it bends.
+    """Points (P, 2) in m of the curve over `March.span`, closer where the curvature is larger.
 
-    It begins where the dragon stands at 0 s even if the run from `start` to `end` s is later.
+    The span begins at the dragon's position at 0 s even if the run from `start` to `end` s is later.
     """
     curve = march.curve
     first, last = march.span(min(start, 0.0), max(end, 0.0))
-    places = np.linspace(first, last, CURVE_SAMPLES)
-    # A chord c of a curve that bends by k is off by k c^2 / 8; this is the number of chords between two samples. On
-    # straight stretches they are three times as long as the shortest: the page leaves out points when it is far away,
+    positions = np.linspace(first, last, CURVE_SAMPLES)
+    # A chord c of a curve with the curvature k has an error of k c^2 / 8; this is the number of chords between samples.
+    # On straight parts they are three times as long as the shortest: the page leaves out points when it is far away,
     # and a chord across a joint must not be much further off than others.
-    bend = curve.sharpest(places[:-1], places[1:])
-    bend = np.where(bend > 0, bend, bend.max() / 9)
-    chords = np.sqrt(bend / (8 * CURVE_ERROR * float(march.dragon.widths.min()))) * np.diff(places)
+    curvature = curve.sharpest(positions[:-1], positions[1:])
+    curvature = np.where(curvature > 0, curvature, curvature.max() / 9)
+    chords = np.sqrt(curvature / (8 * CURVE_ERROR * float(march.dragon.widths.min()))) * np.diff(positions)
     passed = np.concatenate([[0.0], np.cumsum(chords)])
     if passed[-1] == 0:
         # A straight one has nothing to go by, and needs nothing but its ends.
-        return curve.point(places[[0, -1]])
+        return curve.point(positions[[0, -1]])
     count = int(min(passed[-1] + 2, MAX_CURVE_POINTS))
-    return curve.point(np.interp(np.linspace(0.0, passed[-1], count), passed, places))
+    return curve.point(np.interp(np.linspace(0.0, passed[-1], count), passed, positions))
 
 
-def _shape(places: Packed) -> dict[str, Any]:
-    whole = asdict(places)
+def _shape(positions: Packed) -> dict[str, Any]:
+    whole = asdict(positions)
     del whole["text"]
     return whole

@@ -1,4 +1,4 @@
-"""Vectors over time, places or velocities, as a short text, which the page's decode.js turns into numbers again.
+"""Vectors over time, positions or velocities, as a short text, which the page's decode.js converts back to numbers.
 
 Components are counted in steps of `Packed.step` from an origin. What is kept is the fourth difference of the counts
 over time, which is next to nothing where things move smoothly. Every count fits into 32 bits, and differences are taken
@@ -20,16 +20,16 @@ __all__ = ["Packed", "packed"]
 
 Array = NDArray[np.float64]
 
-# How often differences are taken. Of the seed's places in steps of 0.2 micrometres, 2 make 2.7 MB, 3 make 1.8 MB and 4
-# make 1.1 MB.
+# Order of the differences. The reference run's positions in steps of 0.2 micrometres take 2.7 MB at order 2, 1.8 MB at 3
+# and 1.1 MB at 4.
 ORDER = 4
-# Steps from the origin, either way: what 32 bits hold, and one to spare for rounding.
+# Steps from the origin in either direction: the range of 32 bits, less one for rounding.
 MAX_COUNT = 2**31 - 2
 
 
 @dataclass(frozen=True, kw_only=True)
 class Packed:
-    """Places or velocities of H points at F times.
+    """Positions or velocities of H points at F times.
 
     Attributes
     ----------
@@ -59,7 +59,7 @@ def packed(vectors: Array, step: float) -> Packed:
     # Halved first: the sum of two large numbers may not be a number.
     origin = low / 2 + high / 2
     step = max(step, float((high / 2 - low / 2).max()) / MAX_COUNT)
-    # By point, coordinate and time, so that one track's differences stand side by side.
+    # By point, coordinate and time, so that the differences of one track are adjacent.
     counts = np.rint((vectors - origin) / step).astype(np.int64).transpose(1, 2, 0)
     for _ in range(ORDER):
         counts = np.diff(counts, axis=-1, prepend=0)

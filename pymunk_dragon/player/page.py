@@ -1,4 +1,4 @@
-"""The page: one HTML file with its style, its script and its run inside, which asks nobody for anything."""
+"""The page: one HTML file with its style, its script and its run inside, which loads nothing else."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ SCRIPTS = (
 )
 # Steps of `write_player`: the page, and the file.
 STEPS = 2
-PLACE = re.compile(r"\{\{(\w+)\}\}")
+PLACEHOLDER = re.compile(r"\{\{(\w+)\}\}")
 
 
 def write_player(run: Run, path: str | Path, *, title: str | None = None, progress: Progress | None = None) -> None:
@@ -40,13 +40,13 @@ def write_player(run: Run, path: str | Path, *, title: str | None = None, progre
     Parameters
     ----------
     run : Run
-        What is played. A run of the exact player, who looks for no contacts, gets the exact model's.
+        The run to show. A run of the exact model has no contacts of its own; it gets the exact first contact.
     path : path
         File to write, ending in .html. An interrupted one leaves the old file or none.
     title : str, optional
         Heading of the page; by default what happened in the run.
     progress : callable, optional
-        Told the number of steps done, and of all steps, after each one.
+        Called with the number of steps done, and of all steps, after each step.
 
     Raises
     ------
@@ -60,13 +60,13 @@ def write_player(run: Run, path: str | Path, *, title: str | None = None, progre
     >>> write_player(Run.load("run.npz"), "run.html")  # doctest: +SKIP
     """
     destination = check_destination(path, PLAYER_ENDINGS)
-    tell = progress or (lambda done, total: None)
+    report_progress = progress or (lambda done, total: None)
     page = player_page(run, title=title)
-    tell(1, STEPS)
+    report_progress(1, STEPS)
     with written_in_place(destination) as draft:
         # As bytes: a text file would get the line ends of the machine, and the hashes would not fit any more.
         draft.write_bytes(page.encode("utf-8"))
-    tell(STEPS, STEPS)
+    report_progress(STEPS, STEPS)
 
 
 def player_page(run: Run, *, title: str | None = None) -> str:
@@ -103,7 +103,7 @@ def player_page(run: Run, *, title: str | None = None) -> str:
             "last_bench": str(run.march.dragon.benches - 1),
             "style": style,
             "script": script,
-            "told": _json(data.told),
+            "payload": _json(data.payload),
             "handles": data.handles.text,
             "velocities": data.velocities.text if data.velocities else "",
             "curve": data.curve.text,
@@ -113,7 +113,7 @@ def player_page(run: Run, *, title: str | None = None) -> str:
 
 def _filled(template: str, values: Mapping[str, str]) -> str:
     """`template` with every {{name}} replaced at once, so that nothing within a value is taken for a name."""
-    return PLACE.sub(lambda match: values[match[1]], template)
+    return PLACEHOLDER.sub(lambda match: values[match[1]], template)
 
 
 def _json(value: Any) -> str:
@@ -122,7 +122,7 @@ def _json(value: Any) -> str:
 
 
 def _origin(contents: Mapping[str, Any]) -> str:
-    """Where the run comes from, as a report tells it."""
+    """Provenance of the run, as in reports."""
     [origin] = (section for section in sections(contents) if section.key == "origin")
     parts = []
     for heading, facts in origin.facts.items():
