@@ -235,7 +235,7 @@ def test_markup_in_the_data_is_data(run, page, monkeypatch):
     # There are only numbers in it so far.
     module = import_module("pymunk_dragon.player.page")
     data = module.player_data(run, None)
-    monkeypatch.setattr(module, "player_data", lambda *_: replace(data, told={**data.payload, "note": MARKUP}))
+    monkeypatch.setattr(module, "player_data", lambda *_: replace(data, payload={**data.payload, "note": MARKUP}))
     changed = Page(player_page(run))
     assert changed.tags == page.tags
     assert changed.told["note"] == MARKUP

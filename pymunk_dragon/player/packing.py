@@ -20,8 +20,8 @@ __all__ = ["Packed", "packed"]
 
 Array = NDArray[np.float64]
 
-# Order of the differences. The reference run's positions in steps of 0.2 micrometres take 2.7 MB at order 2, 1.8 MB at 3
-# and 1.1 MB at 4.
+# Order of the differences. The paper's run in steps of 0.2 micrometres takes 2.7 MB at order 2, 1.8 MB at order 3
+# and 1.1 MB at order 4.
 ORDER = 4
 # Steps from the origin in either direction: the range of 32 bits, less one for rounding.
 MAX_COUNT = 2**31 - 2
