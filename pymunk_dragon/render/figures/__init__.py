@@ -23,7 +23,7 @@ from pymunk_dragon.render.figures.stills import Still, collision, inward, outer_
 from pymunk_dragon.render.figures.style import styled
 from pymunk_dragon.render.figures.times import Stretch, model, stretch
 from pymunk_dragon.render.moments import Source
-from pymunk_dragon.render.writing import STILL_ENDINGS, write_still
+from pymunk_dragon.render.output import STILL_ENDINGS, write_still
 from pymunk_dragon.run import Run
 
 if TYPE_CHECKING:

@@ -126,9 +126,9 @@ def _face() -> str:
 
 def page(width: float, height: float, title: str, subtitle: str = "") -> Figure:
     """An empty page of so many inches, with what it tells in its upper left corner."""
-    from pymunk_dragon.render.figures.shown import ShownFigure
+    from pymunk_dragon.render.figures.notebook_figure import NotebookFigure
 
-    figure = ShownFigure(figsize=(width, height), dpi=DPI)
+    figure = NotebookFigure(figsize=(width, height), dpi=DPI)
     x = MARGIN / width
     figure.text(x, 1 - TITLE_DEPTH / height, title, size=TITLE_SIZE)
     figure.text(x, 1 - SUBTITLE_DEPTH / height, subtitle, color=QUIET)
@@ -137,9 +137,9 @@ def page(width: float, height: float, title: str, subtitle: str = "") -> Figure:
 
 def chart(width: float, height: float) -> Figure:
     """An empty picture of so many inches, in which axes find their places by themselves."""
-    from pymunk_dragon.render.figures.shown import ShownFigure
+    from pymunk_dragon.render.figures.notebook_figure import NotebookFigure
 
-    return ShownFigure(figsize=(width, height), dpi=DPI, layout="constrained")
+    return NotebookFigure(figsize=(width, height), dpi=DPI, layout="constrained")
 
 
 def panel(figure: Figure, left: float, bottom: float, width: float, height: float, **options: Any) -> Axes:

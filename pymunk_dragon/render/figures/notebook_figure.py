@@ -6,13 +6,13 @@ from io import BytesIO
 
 from matplotlib.figure import Figure
 
-__all__ = ["ShownFigure"]
+__all__ = ["NotebookFigure"]
 
 # Pixels to the inch, as notebooks have it.
 NOTEBOOK_DPI = 100
 
 
-class ShownFigure(Figure):
+class NotebookFigure(Figure):
     """A matplotlib figure that needs no pyplot to be seen."""
 
     def _repr_png_(self) -> bytes:
