@@ -27,6 +27,8 @@ __all__ = ["encode_frames"]
 
 # Moments of one frame, one for each scene of the canvas.
 FrameMoments = Sequence[Moment]
+# Changes from frame to frame; None is no change.
+Changes = list[DirtyRectangle | None]
 # Frames: in a shorter film the start of the worker processes takes longer than they save.
 MIN_PARALLEL_FRAMES = 150
 # Frames per batch. A batch also draws the last frame of the previous batch, so this overhead is 1 in 16.
@@ -86,7 +88,7 @@ class WorkerContext:
     stream_type: type[DirtyRectangleStream]
     table: Table
 
-    def encode(self, before: FrameMoments | None, batch: Sequence[FrameMoments]) -> list[DirtyRectangle | None]:
+    def encode(self, before: FrameMoments | None, batch: Sequence[FrameMoments]) -> Changes:
         """Encode the frames of a batch; `before` holds the moments of the frame before the batch."""
         previous = None if before is None else self.canvas.draw(before)
         changes = []
@@ -104,13 +106,12 @@ def _encoded_in_parallel(
     batches = _batches(moments)
     # Spawned, because forking a program with threads can deadlock.
     pool = ProcessPoolExecutor(workers, get_context("spawn"), initializer=_initialise_worker, initargs=(context,))
-    pending: deque[Future[list[DirtyRectangle | None]] | list[DirtyRectangle | None]] = deque()
+    pending: deque[Future[Changes] | Changes] = deque()
     try:
         while True:
             running = sum(isinstance(batch, Future) and not batch.done() for batch in pending)
-            for batch in islice(
-                batches, max(0, min(BATCHES_PER_WORKER * workers - running, MAX_PENDING_BATCHES - len(pending)))
-            ):
+            free = min(BATCHES_PER_WORKER * workers - running, MAX_PENDING_BATCHES - len(pending))
+            for batch in islice(batches, max(0, free)):
                 with _signals_blocked():
                     pending.append(pool.submit(_encode, *batch))
             if not pending:
@@ -177,5 +178,5 @@ def _signals_blocked() -> Iterator[None]:
             signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
-def _encode(before: FrameMoments | None, batch: Sequence[FrameMoments]) -> list[DirtyRectangle | None]:
+def _encode(before: FrameMoments | None, batch: Sequence[FrameMoments]) -> Changes:
     return _context.encode(before, batch)
