@@ -19,8 +19,8 @@ Subject = Literal["field", "head"]
 MIN_SPAN = 0.1
 # Metres: more ground than the longest dragon covers. The bound detects lengths in another unit.
 MAX_SPAN = 1e5
-# Widths of the head bench: 6 m for the paper's 0.3 m, which shows the head's turn of the spiral and both adjacent turns,
-# where near misses occur.
+# Widths of the head bench: 6 m for the paper's 0.3 m, which shows the head's turn of the spiral and both adjacent
+# turns, where near misses occur.
 HEAD_SPAN = 20.0
 
 

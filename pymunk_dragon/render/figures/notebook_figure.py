@@ -1,4 +1,4 @@
-"""A figure that shows itself in a notebook. Loads matplotlib, so it is imported by what is about to draw."""
+"""A matplotlib figure for notebooks. Imports matplotlib, so this module is imported only when a figure is drawn."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from matplotlib.figure import Figure
 
 __all__ = ["NotebookFigure"]
 
-# Pixels to the inch, as notebooks have it.
+# Pixels per inch: the default of notebooks.
 NOTEBOOK_DPI = 100
 
 
 class NotebookFigure(Figure):
-    """A matplotlib figure that needs no pyplot to be seen."""
+    """A matplotlib figure that notebooks display without pyplot."""
 
     def _repr_png_(self) -> bytes:
         file = BytesIO()
