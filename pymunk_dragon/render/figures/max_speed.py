@@ -21,7 +21,7 @@ __all__ = ["max_speed"]
 DISTANCE_BEFORE = 14.0
 # m: head travel shown after the time of the limit.
 DISTANCE_AFTER = 26.0
-# Times at which speeds are sampled: as many as the line is pixels wide.
+# Times at which speeds are sampled: more than the line is pixels wide.
 TIME_SAMPLES = 1600
 # Foremost handles whose speeds are drawn individually.
 DRAWN_HANDLES = 12

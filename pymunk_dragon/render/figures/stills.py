@@ -19,18 +19,18 @@ SIZE = 880
 
 
 def outer_loop(march: March, interval: TimeInterval) -> Still:
-    """The dragon on the outer loop, at its start."""
+    """Return the picture of the dragon on the outer loop, at its start."""
     return _moment(march, interval[0], "on the outer loop" if spirals_in(march) else "at the start")
 
 
 def inward(march: March, interval: TimeInterval) -> Still:
-    """The dragon on the inward spiral, as it closes a full loop."""
+    """Return the picture of the dragon on the inward spiral, as it closes a full loop."""
     time = closing_time(march, interval[0], contact_or_end(march, interval).time)
     return _moment(march, time, "moving inward" if spirals_in(march) else "on their way")
 
 
 def collision(march: March, interval: TimeInterval) -> Still:
-    """The dragon at its first contact."""
+    """Return the picture of the dragon at its first contact."""
     hit = contact_or_end(march, interval, touching=True)
     run, film = _moment(march, hit.time, "at the first contact")
     return replace(run, first_contact=hit.contact, outcome="contact"), film

@@ -82,7 +82,7 @@ def describe(hit: Impact) -> str:
 
 
 def last_regular_time(hit: Impact, since: float) -> tuple[float, str]:
-    """Return the time of the contact, s, and its description. Without a contact, a time shortly before the end."""
+    """Return the time of the contact, s, or a time shortly before the end without contact, and its description."""
     if hit.status == "contact":
         return hit.time, "at the first contact"
     return since + REGULAR_FRACTION * (hit.time - since), "shortly before the end"

@@ -25,7 +25,7 @@ BORDER = 1.5
 DISTANCE_BEFORE = 5.0
 # m: head travel after it enters the circle for which speeds are drawn.
 DISTANCE_AFTER = 35.0
-# Points of a line: as many as it is pixels wide.
+# Points of a line: enough for smooth curves.
 LINE_POINTS = 1200
 
 
