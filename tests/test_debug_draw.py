@@ -24,8 +24,8 @@ from pymunk import BB, SpaceDebugDrawOptions, Transform, Vec2d
 
 import pymunk_dragon
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.render import convex, debug_draw, recording, stencil
-from pymunk_dragon.render.convex import grown
+from pymunk_dragon.render import compositing, convex, debug_draw, deferred_calls
+from pymunk_dragon.render.convex import offset_polygon
 from pymunk_dragon.render.debug_draw import CALLBACKS, PillowDrawOptions
 
 BLACK, RED, GREEN = (0, 0, 0, 255), (255, 0, 0, 255), (0, 255, 0, 255)
@@ -525,7 +525,7 @@ def test_the_same_space_gives_the_same_bytes() -> None:
 
 @pytest.fixture
 def worked(monkeypatch: pytest.MonkeyPatch) -> list[int]:
-    """Pixels of all stencils that are made."""
+    """Pixels of all coverage masks that are made."""
     pixels: list[int] = []
 
     class Counted:
@@ -536,7 +536,7 @@ def worked(monkeypatch: pytest.MonkeyPatch) -> list[int]:
             pixels.append(size[0] * size[1])
             return Image.new(mode, size, colour)
 
-    monkeypatch.setattr(stencil, "Image", Counted())
+    monkeypatch.setattr(compositing, "Image", Counted())
     return pixels
 
 
@@ -582,7 +582,7 @@ def test_a_planet_is_drawn_as_exactly_and_as_cheaply_as_a_wall(worked: list[int]
     if radius >= 1e6:  # where the circle is a pixel's hundredth from straight
         assert np.abs(np.asarray(planet, dtype=float) - np.asarray(wall)).mean() < 0.3
     assert cost < 40 * 400 * 400
-    assert len(grown([(200 - radius * slope.x, 200 - radius * slope.y)], radius, (0, 0, 400, 400))) < 200
+    assert len(offset_polygon([(200 - radius * slope.x, 200 - radius * slope.y)], radius, (0, 0, 400, 400))) < 200
 
 
 def test_shapes_far_larger_than_the_picture_cover_it_whole(worked: list[int]) -> None:
@@ -591,7 +591,7 @@ def test_shapes_far_larger_than_the_picture_cover_it_whole(worked: list[int]) ->
         options = PillowDrawOptions(image)
         options.draw_polygon([Vec2d(-1e9, -1e9), Vec2d(1e9, -1e9), Vec2d(0, 2e9)], radius, BLACK, RED)
         assert (np.asarray(image) == RED[:3]).all()
-    # Where nothing but fill is seen, no stencil is finer than the picture.
+    # Where nothing but fill is seen, no coverage mask is finer than the picture.
     assert sum(worked) == 2 * 300 * 300
 
 
@@ -844,7 +844,7 @@ def test_pymunk_calls_every_callback_by_its_name() -> None:
 
 
 def test_no_private_name_of_pymunk_is_used() -> None:
-    modules = (convex, debug_draw, recording, stencil)
+    modules = (compositing, convex, debug_draw, deferred_calls)
     text = "".join(Path(module.__file__).read_text(encoding="utf-8") for module in modules)
     assert "pymunk._" not in text
     assert "._options" not in text

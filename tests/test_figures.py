@@ -33,7 +33,7 @@ from pymunk_dragon.march import March
 from pymunk_dragon.physics import simulate
 from pymunk_dragon.render import Palette
 from pymunk_dragon.render.figures import FIGURES, figure, style, write_figure
-from pymunk_dragon.render.figures.lines import EARLY, spread
+from pymunk_dragon.render.figures.lines import FIRST_COLOUR, spread
 from pymunk_dragon.render.figures.times import closing_time, model
 from pymunk_dragon.run import Run
 
@@ -458,7 +458,7 @@ def contrast(one: str, other: str) -> float:
 
 def test_lines_and_type_have_contrast_to_the_ground() -> None:
     ground = Palette().background
-    for colour in (style.BLUE, style.AMBER, EARLY):
+    for colour in (style.BLUE, style.AMBER, FIRST_COLOUR):
         assert contrast(colour, ground) > 3
     for colour in (style.QUIET, Palette().ink, Palette().contact):
         assert contrast(colour, ground) > 4.5

@@ -25,8 +25,8 @@ from pymunk_dragon.errors import MissingExtraError, OutputError, ParameterError
 from pymunk_dragon.march import March
 from pymunk_dragon.render import FILM_ENDINGS, Camera, Film, render, still, write_film
 from pymunk_dragon.render.moments import moments
+from pymunk_dragon.render.output import make_canvas
 from pymunk_dragon.render.streams import open_stream
-from pymunk_dragon.render.writing import make_sheet
 from pymunk_dragon.run import Run
 
 Picture = NDArray[np.uint8]
@@ -53,9 +53,9 @@ def frames(path: Path) -> Iterator[tuple[Picture, float]]:
 
 def drawn(source: Any, film: Film) -> Iterator[Picture]:
     times = film.times([source])
-    sheet = make_sheet([source], film, times)
+    canvas = make_canvas([source], film, times)
     for moment in moments(source, times, film.show):
-        yield film.palette.table[np.asarray(sheet.draw([moment]))]
+        yield film.palette.table[np.asarray(canvas.draw([moment]))]
 
 
 @in_every_lossless_format
@@ -216,7 +216,7 @@ def test_a_full_disk_is_one_line(run: Run, tmp_path: Path, ending: str, monkeypa
     def full(*_: Any) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("pymunk_dragon.render.streams.base.PatchStream.add", full)
+    monkeypatch.setattr("pymunk_dragon.render.streams.base.DirtyRectangleStream.add", full)
     with pytest.raises(OutputError, match="No space left"):
         render(run, tmp_path / f"film{ending}", size=64)
     assert list(tmp_path.iterdir()) == []
@@ -292,7 +292,7 @@ def test_a_run_beside_its_exact_model_ends_when_the_run_does(run: Run) -> None:
 
 
 def test_headings_say_who_played(run: Run) -> None:
-    from pymunk_dragon.render.writing import _heading
+    from pymunk_dragon.render.output import _heading
 
     engine = replace(run, provenance={"player": "pymunk", "guide": "rails"})
     unguided = replace(run, provenance={"player": "pymunk", "guide": "none"})

@@ -17,8 +17,8 @@ from pymunk_dragon.march import March
 from pymunk_dragon.physics import simulate
 from pymunk_dragon.render import Camera, Film, Moment, Palette, still
 from pymunk_dragon.render.moments import moments
+from pymunk_dragon.render.output import make_canvas
 from pymunk_dragon.render.palette import BLOCK, CODES, STRENGTHS, TRANSPARENT, TYPE_RAMP, blends, index_of
-from pymunk_dragon.render.writing import make_sheet
 from pymunk_dragon.run import Run
 
 MARCH = March(Dragon(benches=16), turns=4)
@@ -44,7 +44,7 @@ def moment_of(source: Any, time: float, *marks: Any) -> Moment:
 
 def shown(source: Any, time: float, film: Film) -> tuple[NDArray[np.uint8], Any]:
     """A picture, and where points of the ground lie on it."""
-    view = make_sheet([source], film, np.array([time])).scenes[0].view(moment_of(source, time).poses)
+    view = make_canvas([source], film, np.array([time])).scenes[0].view(moment_of(source, time).poses)
     return still(source, time, film), lambda points: view.pixels(points) / BLOCK
 
 

@@ -22,9 +22,9 @@ from pymunk_dragon.march import March
 from pymunk_dragon.render import Camera, Film, Palette, render, write_film, write_still
 from pymunk_dragon.render.gaps import smallest_gap
 from pymunk_dragon.render.moments import moments
+from pymunk_dragon.render.output import make_canvas
 from pymunk_dragon.render.palette import BLOCK, CODES, TRANSPARENT, TYPE_RAMP, index_of, occurs
 from pymunk_dragon.render.scene import hole_diameter
-from pymunk_dragon.render.writing import make_sheet
 from pymunk_dragon.run import Run
 
 SMALL = Dragon(benches=16)
@@ -65,10 +65,10 @@ def colour_at(picture: NDArray[np.uint8], x: float, y: float) -> str:
 
 def drawn(source: Run | March, film: Film, time: float) -> tuple[NDArray[np.uint8], Any]:
     """Picture at a time, as RGB, and where points of the ground lie on it."""
-    sheet = make_sheet([source], film, film.times([source]))
+    canvas = make_canvas([source], film, film.times([source]))
     [moment] = moments(source, np.array([time]), film.show)
-    view = sheet.scenes[0].view(moment.poses)
-    picture = film.palette.table[np.asarray(sheet.draw([moment]))]
+    view = canvas.scenes[0].view(moment.poses)
+    picture = film.palette.table[np.asarray(canvas.draw([moment]))]
     return picture, lambda points: view.pixels(points) / BLOCK
 
 

@@ -1,4 +1,4 @@
-"""What a picture shows: the part of the ground, and where on the picture it lies."""
+"""Camera of a film, and the mapping from the ground to pixels."""
 
 from __future__ import annotations
 
@@ -15,29 +15,31 @@ __all__ = ["Camera", "Subject", "View"]
 Array = NDArray[np.float64]
 Subject = Literal["field", "head"]
 
-# Metres: two holes, and more ground than the longest dragon covers. The bounds catch lengths in another unit.
-MIN_SPAN, MAX_SPAN = 0.1, 1e5
-# Widths of the head: at the contest's 0.3 m it is seen with the turn it is on and the two beside it, where the near
-# misses are.
+# Metres: a smaller view shows less than two holes of a bench. The bound detects lengths in another unit.
+MIN_SPAN = 0.1
+# Metres: more ground than the longest dragon covers. The bound detects lengths in another unit.
+MAX_SPAN = 1e5
+# Widths of the head bench: 6 m for the paper's 0.3 m, which shows the head's turn of the spiral and both adjacent
+# turns, where near misses occur.
 HEAD_SPAN = 20.0
 
 
 @dataclass(frozen=True, kw_only=True)
 class Camera:
-    """Where a film looks.
+    """Camera of a film: what it follows, and the width of its view.
 
     Parameters
     ----------
     follow : {"field", "head"}
-        Stand still over the whole field, or stay above the head bench.
+        Keep the camera fixed over the whole field, or centre it on the head bench.
     span : float, optional
-        Width of the ground in view, m. By default whatever holds the dragon during the whole film, and 20 times the
-        head's width where that is followed.
+        Width of the ground in view, m. The default for "field" holds the dragon during the whole film, the default for
+        "head" is 20 times the head bench's width.
 
     Raises
     ------
     ParameterError
-        If `follow` is something else, or `span` is not a number from 0.1 m to 1e5 m.
+        If `follow` is neither "field" nor "head", or `span` is not a number from 0.1 m to 1e5 m.
     """
 
     follow: Subject = "field"
@@ -51,12 +53,12 @@ class Camera:
 
 @dataclass(frozen=True)
 class View:
-    """A rectangle of ground on a picture.
+    """Mapping from a rectangle of ground to a picture.
 
     Attributes
     ----------
     centre : tuple of float
-        Point in the middle of the picture, m.
+        Ground point at the picture's centre, m.
     scale : float
         Pixels per m.
     size : tuple of int
@@ -68,12 +70,12 @@ class View:
     size: tuple[int, int]
 
     def pixels(self, points: ArrayLike) -> Array:
-        """Where `points` (..., 2) in m lie on the picture: pixels right of and below its upper left corner."""
+        """Convert `points` (..., 2), m, to pixels right of and below the picture's upper left corner."""
         middle = np.asarray(self.size) / 2
         return (np.asarray(points, dtype=float) - self.centre) * (self.scale, -self.scale) + middle
 
     def holds(self, points: ArrayLike, margin: float) -> NDArray[np.bool_]:
-        """Which of `points` (..., 2) in m lie in view or at most `margin` m outside."""
+        """Return which of `points` (..., 2), m, are in view or at most `margin` m outside."""
         half = np.asarray(self.size) / (2 * self.scale) + margin
         inside: NDArray[np.bool_] = np.all(np.abs(np.asarray(points) - self.centre) <= half, axis=-1)
         return inside

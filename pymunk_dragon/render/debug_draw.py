@@ -1,4 +1,4 @@
-"""Pymunk's debug drawing on Pillow images, without a window."""
+"""Pymunk's debug drawing on Pillow images; no window is needed."""
 
 from __future__ import annotations
 
@@ -14,63 +14,65 @@ from pymunk.space_debug_draw_options import SpaceDebugColor
 
 from pymunk_dragon.checks import finite
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.render.convex import Point, grown, within
-from pymunk_dragon.render.recording import Recording
-from pymunk_dragon.render.stencil import FRINGE, lay
+from pymunk_dragon.render.compositing import EDGE_INSET, composite
+from pymunk_dragon.render.convex import Point, offset_polygon, within
+from pymunk_dragon.render.deferred_calls import DeferredCalls
 
 __all__ = ["PillowDrawOptions"]
 
-# Modes of images that can be drawn on.
+# Image modes that are supported.
 MODES = ("RGB", "RGBA")
-# Line widths that a shape must be thick to have an outline; a thinner one would be nothing but outline.
-MIN_THICKNESS = 3.0
-# Line widths that a collision mark is long. Chipmunk makes it four units of the space, which may be four metres.
-MARK_LENGTH = 10.0
-# Pixels: from the faintest line that is seen at all to one that hides everything.
-LINE_WIDTHS = (0.25, 100.0)
-# Pixels beside a space: the dots of constraints have a radius of 5.
+# Line widths: smallest thickness of a shape with an outline. The outline would cover all of a thinner shape.
+MIN_OUTLINED_THICKNESS = 3.0
+# Line widths: length of a collision mark. Chipmunk's is four units of the space, which may be four metres.
+COLLISION_MARK_LENGTH = 10.0
+# Pixels: a thinner line is invisible, a wider one hides the picture.
+LINE_WIDTH_RANGE = (0.25, 100.0)
+# Pixels around a space: the dots of constraints have a radius of 5.
 MARGIN = 10.0
-# What Chipmunk calls.
+# Names of the methods that Chipmunk calls.
 CALLBACKS = ("color_for_shape", "draw_circle", "draw_segment", "draw_fat_segment", "draw_polygon", "draw_dot")
 
 
 class PillowDrawOptions(pymunk.SpaceDebugDrawOptions):
-    """Draws a space on a Pillow image: `space.debug_draw(PillowDrawOptions(image))`.
+    """Debug drawing of a space on a Pillow image: `space.debug_draw(PillowDrawOptions(image))`.
 
-    Shapes, constraints and collision points are laid over what the image shows already, with smooth edges, and with the
-    alpha of their colours. Coordinates are pixels once `transform` is applied, as in Pymunk's other utilities.
+    Shapes, constraints and collision points are composited onto the image with anti-aliased edges and the alpha of
+    their colours. Coordinates are pixels after `transform`, as in Pymunk's other drawing utilities.
 
     Parameters
     ----------
     image : PIL.Image.Image
-        What is drawn on, in mode RGB or RGBA. The attribute can be set, as to the next frame of a film.
+        Target image, in mode RGB or RGBA. The attribute can be set, for example to the next frame of a film.
     positive_y_is_up : bool
-        Whether y grows upwards from the image's lower edge, or downwards from its upper one as in `pymunk.pygame_util`.
+        Whether y increases upwards from the image's lower edge. If False, y increases downwards from the upper edge as
+        in `pymunk.pygame_util`.
     line_width : float
-        Pixels of width of outlines and lines. Dots and collision marks grow with it.
+        Width of outlines and lines, pixels. Dots and collision marks scale with the line width.
 
     Raises
     ------
     ParameterError
-        If `image` is no image or has another mode, or `line_width` is no number from 0.25 to 100.
+        If `image` is not an image or has another mode, or `line_width` is not a number from 0.25 to 100.
 
     Notes
     -----
-    The colours are those of `pymunk.SpaceDebugDrawOptions`, and a shape's own `color` where it has one, as
-    (red, green, blue, alpha) from 0 to 255. `flags` says what is drawn.
+    A shape is drawn in its own `color` if it has one, and otherwise in the colours of `pymunk.SpaceDebugDrawOptions`,
+    as (red, green, blue, alpha) from 0 to 255. `flags` selects shapes, constraints and collision points.
 
-    `transform` may move, scale, turn and mirror. Polygons can also be stretched and sheared; circles and round corners
-    stay round, with the radius that they have along x. Lines, dots and collision marks keep their size. (Chipmunk
-    scales collision marks. They can only be told from constraints by their colour, so leave the two colours different.)
+    `transform` may translate, scale, rotate and mirror. It may also scale polygons non-uniformly and shear them;
+    circles and round corners stay round, with their radius along x. Lines, dots and collision marks keep their size.
+    (Chipmunk scales collision marks. Only the colour distinguishes them from constraints, so the two colours must
+    differ.)
 
-    What lies outside the picture costs next to nothing, however large it is. Whatever has a coordinate that is nan, or
-    beyond 1e12 pixels, is not drawn.
+    Shapes outside the image cost almost nothing, however large they are. Shapes with a coordinate that is nan or
+    greater than 1e12 pixels are not drawn.
 
-    Exceptions arrive where `debug_draw` was called. That takes care, because Chipmunk is written in C, and what a
-    function raises that C has called is printed and forgotten. So as long as C calls back, its calls are only written
-    down. Once it is done, the methods that draw, and `color_for_shape`, are called as it wanted, overridden ones too;
-    the first to raise something ends the drawing. What is raised in the meantime, by Ctrl-C or the lack of memory,
-    is taken from `sys.unraisablehook` and raised before anything is drawn.
+    `debug_draw` raises the exceptions of the drawing methods. Chipmunk is written in C, and Python only prints an
+    exception in a function called from C. The calls from C are therefore recorded. After Chipmunk has returned, the
+    drawing methods and `color_for_shape` are called with the recorded arguments, including overridden methods; the
+    first exception ends the drawing. An exception during recording, by Ctrl-C or lack of memory, is taken from
+    `sys.unraisablehook` and raised before anything is drawn.
 
     Examples
     --------
@@ -88,12 +90,12 @@ class PillowDrawOptions(pymunk.SpaceDebugDrawOptions):
         super().__init__()
         self.image = image
         self.positive_y_is_up = positive_y_is_up
-        self.line_width = finite("line_width", line_width, *LINE_WIDTHS, "pixels")
-        self._recording: Recording | None = None
+        self.line_width = finite("line_width", line_width, *LINE_WIDTH_RANGE, "pixels")
+        self._deferred: DeferredCalls | None = None
 
     @property
     def image(self) -> Image.Image:
-        """The image that is drawn on."""
+        """Target image."""
         return self._image
 
     @image.setter
@@ -105,27 +107,28 @@ class PillowDrawOptions(pymunk.SpaceDebugDrawOptions):
         self._image = image
 
     def fit(self, area: pymunk.Space | pymunk.BB, margin: float = MARGIN) -> None:
-        """Set `transform` to what shows all of a space, or a part of it, as large as the image allows, in its middle.
+        """Set `transform` so that a space, or a part of it, fills the image and is centred.
 
         Parameters
         ----------
         area : pymunk.Space or pymunk.BB
-            A space stands for the box around its shapes and its constraints' anchors, where they are now.
+            Area to show. For a space, the current bounding box of its shapes and its constraints' anchors.
         margin : float
-            Pixels to leave free on every side.
+            Free border on every side, pixels.
 
         Raises
         ------
         ParameterError
-            If `area` has no size, as a space without shapes, or `margin` leaves less than 2 pixels.
+            If `area` has no extent (for example an empty space), or `margin` leaves less than 2 pixels.
         """
         width, height = self.image.size
         margin = finite("margin", margin, 0, min(width, height) / 2 - 1, "pixels")
         box = _extent(area) if isinstance(area, pymunk.Space) else area
-        wide, high = box.right - box.left, box.top - box.bottom
-        if not (min(wide, high) >= 0 and 0 < max(wide, high) < math.inf):
+        box_width, box_height = box.right - box.left, box.top - box.bottom
+        if not (min(box_width, box_height) >= 0 and 0 < max(box_width, box_height) < math.inf):
             raise ParameterError("area", area, "something that has a size")
-        scale = min((room - 2 * margin) / size for room, size in ((width, wide), (height, high)) if size > 0)
+        sizes = ((width, box_width), (height, box_height))
+        scale = min((pixels - 2 * margin) / size for pixels, size in sizes if size > 0)
         x, y = box.center()
         self.transform = pymunk.Transform(scale, 0, 0, scale, width / 2 - scale * x, height / 2 - scale * y)
 
@@ -138,14 +141,14 @@ class PillowDrawOptions(pymunk.SpaceDebugDrawOptions):
         fill_color: SpaceDebugColor,
     ) -> None:
         """Draw a circle with a line from its centre in the direction of `angle`."""
-        # Its round end stays inside the circle.
-        reach = max(0.0, radius - self.line_width / 2)
-        needle = [pos, pos + pymunk.Vec2d.from_polar(reach, angle)] if math.isfinite(angle) else []
-        self._draw_shape([pos], radius, outline_color, fill_color, needle)
+        # The round end of the line stays inside the circle.
+        length = max(0.0, radius - self.line_width / 2)
+        radius_line = [pos, pos + pymunk.Vec2d.from_polar(length, angle)] if math.isfinite(angle) else []
+        self._draw_shape([pos], radius, outline_color, fill_color, radius_line)
 
     def draw_segment(self, a: pymunk.Vec2d, b: pymunk.Vec2d, color: SpaceDebugColor) -> None:
         """Draw a line."""
-        self._draw_plain([a, b], self.line_width / 2, color)
+        self._draw_filled([a, b], self.line_width / 2, color)
 
     def draw_fat_segment(
         self,
@@ -165,26 +168,26 @@ class PillowDrawOptions(pymunk.SpaceDebugDrawOptions):
         outline_color: SpaceDebugColor,
         fill_color: SpaceDebugColor,
     ) -> None:
-        """Draw a convex polygon that is grown by a radius."""
+        """Draw a convex polygon with corners rounded by a radius."""
         self._draw_shape(verts, radius, outline_color, fill_color, [])
 
     def draw_dot(self, size: float, pos: pymunk.Vec2d, color: SpaceDebugColor) -> None:
         """Draw a disc of radius `size`."""
-        self._draw_plain([pos], size, color)
+        self._draw_filled([pos], size, color)
 
     def __enter__(self) -> None:
-        """Write down from now on what is called; for `debug_draw` only."""
-        self._recording = Recording(self, CALLBACKS)
-        self._recording.begin()
+        """Start recording calls; for `debug_draw` only."""
+        self._deferred = DeferredCalls(self, CALLBACKS)
+        self._deferred.begin()
 
     def __exit__(
         self, type: type[BaseException] | None, value: BaseException | None, traceback: TracebackType | None
     ) -> None:
-        """Draw what was written down; for `debug_draw` only."""
-        recording, self._recording = self._recording, None
-        if recording is None:
+        """Replay the recorded calls; for `debug_draw` only."""
+        deferred, self._deferred = self._deferred, None
+        if deferred is None:
             return
-        calls = recording.end()
+        calls = deferred.end()
         if value is not None:
             return
         fill_color: SpaceDebugColor | None = None
@@ -193,28 +196,28 @@ class PillowDrawOptions(pymunk.SpaceDebugDrawOptions):
                 fill_color = SpaceDebugColor(*self.color_for_shape(*arguments))
                 continue
             if fill_color is not None:
-                # Chipmunk asks for a shape's colour, and hands it on as the last argument when it draws the shape.
+                # Chipmunk requests a shape's colour first, and passes it as the last argument of the drawing call.
                 arguments, fill_color = (*arguments[:-1], fill_color), None
-            getattr(self, name)(*self._mended(name, arguments))
+            getattr(self, name)(*self._corrected(name, arguments))
 
-    def _mended(self, name: str, arguments: tuple[Any, ...]) -> tuple[Any, ...]:
-        """Arguments as they should be: Chipmunk has an eye neither for mirrors nor for the size of the space."""
+    def _corrected(self, name: str, arguments: tuple[Any, ...]) -> tuple[Any, ...]:
+        """Correct arguments in which Chipmunk ignores mirroring, the size of the space or the line width."""
         if name == "draw_circle":
             pos, angle, *others = arguments
-            return pos, self._seen_angle(angle), *others
+            return pos, self._angle_on_image(angle), *others
         if name == "draw_segment":
             a, b, color = arguments
             length = math.dist(a, b)
             if color == self.collision_point_color != self.constraint_color and 0 < length < math.inf:
-                middle, half = (a + b) / 2, (b - a) / length * MARK_LENGTH * self.line_width / 2
+                middle, half = (a + b) / 2, (b - a) / length * COLLISION_MARK_LENGTH * self.line_width / 2
                 return middle - half, middle + half, color
         if name == "draw_dot":
             size, *others = arguments
             return size * self.line_width, *others
         return arguments
 
-    def _seen_angle(self, angle: float) -> float:
-        """Direction of a body's x axis on the picture: Chipmunk adds the picture's angle even where it is mirrored."""
+    def _angle_on_image(self, angle: float) -> float:
+        """Return the angle of a body's x axis on the image. Chipmunk's own angle is wrong if the image is mirrored."""
         a, b, c, d, _, _ = self.transform
         if (a == d and b == -c) or not math.isfinite(angle):
             return angle
@@ -227,45 +230,47 @@ class PillowDrawOptions(pymunk.SpaceDebugDrawOptions):
         radius: float,
         outline_color: SpaceDebugColor,
         fill_color: SpaceDebugColor,
-        needle: Sequence[Point],
+        radius_line: Sequence[Point],
     ) -> None:
-        """Draw what is nearer than `radius` to a point, a line or a polygon, with a line in it."""
+        """Draw a point, a line or a polygon offset by `radius`, with an outline and an optional line in it."""
         line = self.line_width
         points, box = self._on_image(points), (0, 0, *self.image.size)
         if not within(points, max(radius, line / 2), box):
             return
-        if not grown(points, radius - MIN_THICKNESS * line / 2, box):
-            if not grown(points, radius - line / 2, box):
-                radius = max(radius, line / 2)  # Nothing is thinner than a line.
-            lay(self.image, fill_color, [grown(points, radius - FRINGE, box)])
+        if not offset_polygon(points, radius - MIN_OUTLINED_THICKNESS * line / 2, box):
+            if not offset_polygon(points, radius - line / 2, box):
+                radius = max(radius, line / 2)  # No shape is thinner than a line.
+            composite(self.image, fill_color, [offset_polygon(points, radius - EDGE_INSET, box)])
             return
-        # The fill reaches to the middle of the outline, so that no ground shines through between the two.
-        rim, middle, inside = (grown(points, radius - depth - FRINGE, box) for depth in (0, line / 2, line))
-        lay(self.image, fill_color, [middle])
-        strokes = [grown(self._on_image(needle), line / 2 - FRINGE, box)] if needle else []
-        lay(self.image, outline_color, [rim, inside, *strokes])
+        # The fill extends to the middle of the outline, so that no background shows between the two.
+        outer, middle, inside = (
+            offset_polygon(points, radius - depth - EDGE_INSET, box) for depth in (0, line / 2, line)
+        )
+        composite(self.image, fill_color, [middle])
+        strokes = [offset_polygon(self._on_image(radius_line), line / 2 - EDGE_INSET, box)] if radius_line else []
+        composite(self.image, outline_color, [outer, inside, *strokes])
 
-    def _draw_plain(self, points: Sequence[Point], radius: float, color: SpaceDebugColor) -> None:
-        """Draw what is nearer than `radius` to a point or a line, in one colour."""
+    def _draw_filled(self, points: Sequence[Point], radius: float, color: SpaceDebugColor) -> None:
+        """Draw a point or a line offset by `radius`, in one colour."""
         points, box = self._on_image(points), (0, 0, *self.image.size)
         if within(points, radius, box):
-            lay(self.image, color, [grown(points, radius - FRINGE, box)])
+            composite(self.image, color, [offset_polygon(points, radius - EDGE_INSET, box)])
 
     def _on_image(self, points: Sequence[Point]) -> list[Point]:
-        """Pixels right of and below the image's upper left corner."""
+        """Convert points to pixels right of and below the image's upper left corner."""
         height = self.image.height
         return [(x, height - y if self.positive_y_is_up else y) for x, y in points]
 
 
 def _extent(space: pymunk.Space) -> pymunk.BB:
-    """Box around a space's shapes and its constraints' anchors, where a picture would show them now."""
+    """Return the current bounding box of a space's shapes and its constraints' anchors."""
     boxes = [shape.bb for shape in space.shapes]
     for joint in space.constraints:
         for name, body in (("anchor_a", joint.a), ("anchor_b", joint.b), ("groove_a", joint.a), ("groove_b", joint.a)):
             if hasattr(joint, name):
                 x, y = body.local_to_world(getattr(joint, name))
                 boxes.append(pymunk.BB(x, y, x, y))
-    # What was flung to infinity is not drawn either.
+    # Shapes with infinite coordinates are not drawn either.
     boxes = [box for box in boxes if all(map(math.isfinite, box))]
     if not boxes:
         raise ParameterError("area", space, "a space with something in it")

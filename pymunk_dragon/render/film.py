@@ -1,4 +1,4 @@
-"""How a run, or a march, becomes a film: its speed, its window, and what it shows."""
+"""Parameters of a film: speed, size, time window, camera, marks and texts."""
 
 from __future__ import annotations
 
@@ -22,27 +22,29 @@ __all__ = ["Film", "shared_window"]
 
 Array = NDArray[np.float64]
 
-# Frames a second: what screens show.
+# Frames per second: the refresh rate of common screens.
 MAX_FPS = 60
-# s: the shortest that browsers show a frame of a GIF.
+# s: shortest delay of a GIF frame that browsers respect.
 MIN_DELAY = 0.02
-# Pixels a side. Below, the type fills the picture; above, a film is the wrong format.
-MIN_SIZE, MAX_SIZE = 64, 2048
-# Frames: half an hour at 10 a second. More is a slip of the finger.
+# Pixels: in a smaller picture the text covers the dragon.
+MIN_SIZE = 64
+# Pixels: a film is not a suitable format for larger pictures.
+MAX_SIZE = 2048
+# Frames: half an hour at 10 frames per second. A larger number is taken for a typing error.
 MAX_FRAMES = 20_000
-# Simulated seconds per second: faster than that, any march is over within its first frame.
+# Simulated seconds per second of film: at a higher factor any march ends within its first frame.
 MAX_SPEEDUP = 1e6
-# Seconds; an APNG's longest delay is 65 s.
+# s: below the longest delay of an APNG, 65 s.
 MAX_HOLD = 60.0
 # Characters of a title or a caption: a few lines.
 MAX_TEXT = 500
-# Share of a frame that a window may be longer than its whole frames without getting one more.
+# Frames: a remainder of the window below this is rounding error and gets no frame of its own.
 ROUNDING = 1e-6
 
 
 @dataclass(frozen=True, kw_only=True)
 class Film:
-    """How a run becomes a film.
+    """Parameters of a film.
 
     Parameters
     ----------
@@ -51,39 +53,40 @@ class Film:
     speedup : float
         Simulated seconds per second of film.
     size : int or tuple of int
-        Width and height in pixels; one number for a square.
+        Width and height, pixels; one number for a square.
     since, until : float, optional
-        Simulated time of the first and the last frame, s. By default the whole run; a march needs `until`, and begins
-        at 0.
+        Simulated time of the first and the last frame, s. The default is the whole run. A march begins at 0 and
+        requires `until`.
     hold : float
-        How long the last frame stays, s.
+        Duration of the last frame, s.
     camera : Camera
-        What the film shows.
+        View of the film.
     palette : Palette
-        Its colours.
+        Colours of the film.
     gap : bool, optional
-        Whether to write down the smallest gap between the head and a bench that is not its neighbour; by default
-        where the camera follows the head.
+        Whether to display the smallest gap between the head and a bench that is not its neighbour. By default the gap
+        is displayed if the camera follows the head.
     show : tuple of str
-        Marks to lay over the benches: "velocities", as where each handle would be in half a second; "grid", the cells
-        of the broad phase, darker where a bench is filed; of runs "contacts" and "normals" where benches touch; of
-        the engine's runs "impulses" in the joints, as the areas of discs, the largest nearly as wide as a bench.
+        Marks drawn over the benches. "velocities": arrows to where each handle would be in half a second. "grid": the
+        cells of the broad phase, darker if they contain a bench. "contacts" and "normals" of benches that touch, for
+        runs only. "impulses" in the joints as areas of discs, the largest nearly as wide as a bench, for runs of the
+        engine only.
     title, caption : str
-        Lines above and below the picture, which grows by as much.
+        Text above and below the picture; the height of the film increases accordingly.
     headings : tuple of str
-        What stands above each of several pictures side by side; by default who played it.
+        Text above each of several pictures side by side; by default the model that computed the run.
     font : str or Path, optional
-        File of a TrueType or OpenType face, for words that Pillow's own has no letters for, as Chinese ones.
+        TrueType or OpenType font file, for characters that Pillow's default font lacks, such as Chinese.
 
     Raises
     ------
     ParameterError
-        If a number is out of its bounds.
+        If a number is out of bounds.
 
     Notes
     -----
-    The defaults film the seed's whole run in 21 s and less than 3 MB. A frame in which 223 benches move takes 14 kB,
-    so such a film has about 200 frames.
+    With the defaults, the film of the reference scenario's whole run lasts 21 s and is smaller than 3 MB. It has about
+    200 frames; a frame with 223 moving benches takes 14 kB.
     """
 
     fps: int = 10
@@ -130,16 +133,16 @@ class Film:
 
     @property
     def shows_gap(self) -> bool:
-        """Whether the gap is written down."""
+        """Whether the gap is displayed."""
         return self.camera.follow == "head" if self.gap is None else self.gap
 
     def times(self, sources: Sequence[Source]) -> Array:
-        """Simulated times of the frames, (F,) in s; the last one is the end of the window, however near.
+        """Return the simulated times of the frames (F,), s. The last time is always the end of the window.
 
         Raises
         ------
         ParameterError
-            If the window is empty, leaves the run, or takes too many frames.
+            If the window is empty, extends beyond the run, or requires too many frames.
         """
         since, until = self._window(sources)
         step = self.speedup / self.fps
@@ -151,12 +154,12 @@ class Film:
         return times
 
     def ends(self, times: Array) -> Array:
-        """When in the film the frames at `times` (F,) end, (F,) in s.
+        """Return the film times (F,), s, at which the frames at the simulated `times` (F,), s, end.
 
-        The last stays for `hold`, and at least as long as any.
+        The last frame is shown for `hold`, but at least for 1 / `fps`.
         """
         starts = (times - times[0]) / self.speedup
-        # A window that is no whole number of frames long shortens the last but one.
+        # The last frame but one is shorter if the window is not a whole number of frames long.
         starts[-1] = max(starts[-1], starts[max(0, len(times) - 2)] + (MIN_DELAY if len(times) > 1 else 0.0))
         return np.append(starts[1:], starts[-1] + max(1 / self.fps, self.hold))
 
@@ -178,7 +181,7 @@ class Film:
 
 
 def shared_window(sources: Sequence[Source]) -> tuple[float, float]:
-    """From when all of them have something to show, s, until when one moves; a run that is over can stand still."""
+    """Return the time interval, s, in which all sources can be shown; a run that has ended keeps its last frame."""
     windows = [window(source) for source in sources]
     marches = [end for source, (_, end) in zip(sources, windows, strict=True) if isinstance(source, March)]
     return max(begin for begin, _ in windows), min([max(end for _, end in windows), *marches])

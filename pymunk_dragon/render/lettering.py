@@ -1,4 +1,4 @@
-"""Lines of type as patches of palette indices."""
+"""Renders lines of text as images of palette indices."""
 
 from __future__ import annotations
 
@@ -13,27 +13,31 @@ from pymunk_dragon.render.palette import TYPE_RAMP
 
 __all__ = ["Lettering"]
 
-# Type height as a share of the picture's shorter side, and the pixels below which figures run together.
-RELATIVE_HEIGHT, MIN_HEIGHT = 0.036, 15
-# Shares of the type's height: the margin at its sides, and the one above.
-SIDE, ABOVE = 0.6, 0.3
-# A place in Unicode that will never be given a character.
-NO_CHARACTER = "\U0010ffff"
-# The 256 greys of Pillow's type, rounded to the palette's shades.
+# Text height as a fraction of the picture's shorter side: readable, and small beside the dragon.
+RELATIVE_HEIGHT = 0.036
+# Pixels: digits of a smaller text are not readable.
+MIN_HEIGHT = 15
+# Margin on the left and right of a line, as a fraction of the text height.
+SIDE_MARGIN = 0.6
+# Margin above a line, as a fraction of the text height.
+TOP_MARGIN = 0.3
+# A Unicode code point that will never be assigned.
+UNASSIGNED_CHARACTER = "\U0010ffff"
+# Palette index for each of the 256 grey levels of Pillow's text.
 SHADES = [TYPE_RAMP[i] for i in np.rint(np.linspace(0, len(TYPE_RAMP) - 1, 256)).astype(int)]
 
 
 class Lettering:
-    """Type on a ground of its own, of a height that fits a picture of `size` pixels.
+    """Renderer of text on a plain background, with a text height that suits the picture's size.
 
     Parameters
     ----------
     size : tuple of int
         Width and height of the picture, pixels.
     scale : float
-        How much larger than usual the type is.
+        Factor on the standard text height.
     font : str or Path, optional
-        File of the face; by default the one that Pillow brings.
+        Font file; by default the font included in Pillow.
     """
 
     def __init__(self, size: tuple[int, int], scale: float = 1.0, *, font: str | Path | None = None) -> None:
@@ -41,12 +45,12 @@ class Lettering:
         self._face = None if font is None else str(font)
 
     def check(self, name: str, text: str) -> None:
-        """Make sure that the face has every character of `text`, which is that of a parameter.
+        """Check that the font has every character of `text`, the value of the parameter `name`.
 
         Raises
         ------
         ParameterError
-            If it lacks one, or its file cannot be read.
+            If the font lacks a character, or its file cannot be read.
         """
         font, _ = _font(self.height, self._face)
         missing = [character for character in text if not character.isspace() and _lacks(font, character)]
@@ -55,14 +59,14 @@ class Lettering:
             raise ParameterError(name, text, bound)
 
     def line(self, text: str) -> Image.Image:
-        """One line with margins; all lines are equally high, whatever they say."""
-        return _patch(text, self.height, self._face)
+        """Render one line with margins. The height does not depend on the text."""
+        return _line_image(text, self.height, self._face)
 
     def put(self, picture: Image.Image, left: str, right: str, *, bottom: bool = False) -> None:
-        """Set lines into both upper corners of `picture`, or both lower ones; the right one only if there is room."""
+        """Write text into both upper (or lower) corners of `picture`; `right` is omitted if it would overlap `left`."""
         width, height = picture.size
         first, second = self.line(left), self.line(right)
-        # Flush with the edge: a patch brings its own margin.
+        # Flush with the edge: the image of a line includes its margin.
         top = height - first.height if bottom else 0
         room = width - second.width
         if right and (not left or first.width <= room):
@@ -71,7 +75,7 @@ class Lettering:
             picture.paste(first, (0, top))
 
     def wrapped(self, text: str, width: int) -> list[str]:
-        """`text` in lines that are at most `width` pixels wide; a word that is wider is broken."""
+        """Wrap `text` into lines of at most `width` pixels; a wider word is split."""
         lines: list[str] = []
         for word in text.split():
             longer = f"{lines[-1]} {word}" if lines else word
@@ -92,26 +96,26 @@ class Lettering:
 
 @lru_cache(maxsize=8)
 def _font(size: int, face: str | None) -> tuple[ImageFont.FreeTypeFont | ImageFont.ImageFont, int]:
-    """The face at a size, and how low its lines reach."""
+    """Load a font at a size; return the font and the lower edge of its lines, pixels."""
     try:
         font = ImageFont.load_default(size) if face is None else ImageFont.truetype(face, size)
     except OSError as error:
         raise ParameterError("font", face, "a file of a TrueType or OpenType face that can be read") from error
-    # No figure or Latin letter reaches lower.
+    # No digit or Latin letter extends below these characters.
     return font, round(font.getbbox("gjpqy,()[]|")[3])
 
 
 def _lacks(font: ImageFont.FreeTypeFont | ImageFont.ImageFont, character: str) -> bool:
-    """Whether a character is drawn as the box that stands for any that is not there."""
-    seen, nothing = (font.getmask(text) for text in (character, NO_CHARACTER))
-    return seen.size == nothing.size and bytes(seen) == bytes(nothing)
+    """Return whether a character is drawn as the font's box for missing characters."""
+    drawn, missing = (font.getmask(text) for text in (character, UNASSIGNED_CHARACTER))
+    return drawn.size == missing.size and bytes(drawn) == bytes(missing)
 
 
 @lru_cache(maxsize=32)
-def _patch(text: str, size: int, face: str | None) -> Image.Image:
+def _line_image(text: str, size: int, face: str | None) -> Image.Image:
     font, height = _font(size, face)
-    margin = round(SIDE * size)
+    margin = round(SIDE_MARGIN * size)
     width = round(font.getbbox(text)[2])
-    patch = Image.new("L", (width + 2 * margin, height + margin))
-    ImageDraw.Draw(patch).text((margin, round(ABOVE * size)), text, fill=255, font=font)
-    return patch.point(SHADES)
+    image = Image.new("L", (width + 2 * margin, height + margin))
+    ImageDraw.Draw(image).text((margin, round(TOP_MARGIN * size)), text, fill=255, font=font)
+    return image.point(SHADES)

@@ -1,4 +1,4 @@
-"""What is to be seen at a time: where the benches are, and what acts on them."""
+"""State of a dragon at one time as a picture needs it: poses, velocities, impulses and contacts."""
 
 from __future__ import annotations
 
@@ -20,19 +20,21 @@ __all__ = ["Mark", "Moment", "Source", "Touch", "check_marks", "largest_impulse"
 
 Array = NDArray[np.float64]
 Vector = tuple[float, float]
+# What a picture or film is drawn from.
 Source = Run | March
-# What may be laid over a picture.
+# Names of the marks that can be drawn over a picture.
 Mark = Literal["contacts", "normals", "impulses", "velocities", "grid"]
 
-# Frames whose poses are worked out at once: enough to make a call per frame cheap, little enough to stay small.
-CHUNK = 32
-# Substeps before a picture's time in which a callback counts as of that time: the last one, and rounding.
-RECENT = 1.5
+# Frames whose poses are computed at once: enough to amortise the cost of a call, few enough to limit memory.
+CHUNK_FRAMES = 32
+# Substeps: a contact callback is shown if it is at most this much older than the frame. The last substep, and a margin
+# for rounding.
+RECENT_SUBSTEPS = 1.5
 
 
 @dataclass(frozen=True)
 class Touch:
-    """Where two benches touch: points in m, and the unit normal from the first towards the second."""
+    """Contact of two benches: points in m, and the unit normal from the first bench to the second."""
 
     points: tuple[Vector, ...]
     normal: Vector
@@ -40,20 +42,20 @@ class Touch:
 
 @dataclass(frozen=True)
 class Moment:
-    """A dragon of N benches at one time.
+    """State of a dragon of N benches at one time.
 
     Attributes
     ----------
     time : float
-        s.
+        Simulated time, s.
     poses : ndarray, shape (N, 3)
         Centres in m and angles in rad.
     velocities : ndarray, shape (N + 1, 2), or None
-        Of the handles, m/s; where they are asked for.
+        Velocities of the handles, m/s, if a mark needs them.
     impulses : ndarray, shape (N - 1,), or None
-        In the pivots, N s; where they are asked for.
+        Impulses in the joints, N s, if a mark needs them.
     touches : tuple of Touch
-        Where benches touch; where that is asked for.
+        Contacts of benches, if a mark needs them.
     """
 
     time: float
@@ -64,19 +66,19 @@ class Moment:
 
 
 def window(source: Source) -> tuple[float, float]:
-    """First and last time, s, of which there are pictures."""
+    """Return the first and last time, s, at which a source can be drawn."""
     if isinstance(source, Run):
         return float(source.times[0]), float(source.times[-1])
     return -np.inf, source.end
 
 
 def check_marks(source: Source, marks: tuple[Mark, ...]) -> None:
-    """Make sure that `source` knows what `marks` ask for.
+    """Check that `source` has the data that `marks` need.
 
     Raises
     ------
     ParameterError
-        If one is no mark, or of something that only another player knows.
+        If a mark is unknown, or `source` has no data for it.
     """
     for mark in marks:
         word("show", mark, get_args(Mark))
@@ -87,18 +89,17 @@ def check_marks(source: Source, marks: tuple[Mark, ...]) -> None:
 
 
 def moments(source: Source, times: Array, marks: tuple[Mark, ...] = ()) -> Iterator[Moment]:
-    """The moments at `times` (F,) in s, a few at once; outside a run, its first or last one again."""
+    """Yield the moments at `times` (F,), s. Times outside a run are clipped to its first or last time."""
     times = np.clip(times, *window(source)) if isinstance(source, Run) else times
-    touches = _Touches(source) if isinstance(source, Run) and {"contacts", "normals"} & set(marks) else None
-    for begin in range(0, len(times), CHUNK):
-        for moment in _chunk(source, times[begin : begin + CHUNK], marks):
-            yield replace(moment, touches=touches.at(moment.time)) if touches else moment
+    contacts = _ContactTimeline(source) if isinstance(source, Run) and {"contacts", "normals"} & set(marks) else None
+    for begin in range(0, len(times), CHUNK_FRAMES):
+        for moment in _chunk(source, times[begin : begin + CHUNK_FRAMES], marks):
+            yield replace(moment, touches=contacts.at(moment.time)) if contacts else moment
 
 
 def _chunk(source: Source, times: Array, marks: tuple[Mark, ...]) -> Iterator[Moment]:
-    nothing = [None] * len(times)
-    velocities: Iterable[Array | None] = nothing
-    impulses: Iterable[Array | None] = nothing
+    velocities: Iterable[Array | None] = [None] * len(times)
+    impulses: Iterable[Array | None] = [None] * len(times)
     if isinstance(source, March):
         states = source.at(times)
         poses, velocities = states.poses, states.velocities
@@ -112,13 +113,13 @@ def _chunk(source: Source, times: Array, marks: tuple[Mark, ...]) -> Iterator[Mo
 
 
 def _velocities(run: Run, times: Array) -> Array:
-    """Velocities (T, N + 1, 2) of the benches' front holes and of the tail's rear hole."""
+    """Return the velocities (T, N + 1, 2), m/s, of the benches' front holes and of the tail's rear hole."""
     front, rear = run.march.dragon.hole_velocities(run.poses_at(times), run.pose_velocities_at(times))
     return np.concatenate([front, rear[:, -1:]], axis=1)
 
 
 def _impulses(run: Run, times: Array) -> Array:
-    """Impulses (T, N - 1) of the frames before `times`, N s; between two frames nothing is known."""
+    """Return the impulses (T, N - 1), N s, of the last frames before `times`; impulses are not interpolated."""
     assert run.joint_impulses is not None
     impulses: Array = run.joint_impulses[_frames_before(run, times)]
     return impulses
@@ -129,7 +130,7 @@ def _frames_before(run: Run, times: Array) -> NDArray[np.intp]:
 
 
 def largest_impulse(sources: Sequence[Source], times: Array) -> float:
-    """The largest joint impulse of all in a film with frames at `times` (F,), N s; 0 where none is known."""
+    """Return the largest joint impulse, N s, of a film with frames at `times` (F,); 0 if no source has impulses."""
     largest = 0.0
     for source in sources:
         if isinstance(source, Run) and source.joint_impulses is not None:
@@ -138,22 +139,22 @@ def largest_impulse(sources: Sequence[Source], times: Array) -> float:
     return largest
 
 
-class _Touches:
-    """Where benches of a run touch at any time."""
+class _ContactTimeline:
+    """Contacts of a run's benches by time."""
 
     def __init__(self, run: Run) -> None:
         self._first = run.first_contact
         self._events = [event for event in run.events if event.points]
         substep = run.provenance.get("substep")
-        # What a file that was changed by hand says may be anything.
-        self._recent = RECENT * substep if isinstance(substep, int | float) else 0.0
+        # A file that was edited by hand may contain any value.
+        self._recent = RECENT_SUBSTEPS * substep if isinstance(substep, int | float) else 0.0
         pair = self._first.benches if self._first else None
         ends = (event.time for event in run.events if event.phase == "separate" and event.benches == pair)
-        # Only an engine that played on knows when the first contact ended.
+        # The end of the first contact is known only if the engine continued after it.
         self._first_end = next(ends, math.inf)
 
     def at(self, time: float) -> tuple[Touch, ...]:
-        """What the callbacks of the last substep told; and the first contact, which was refined, before its own."""
+        """Return the contacts of the last substep's callbacks, and the refined first contact until it has callbacks."""
         begin, end = (bisect_right(self._events, t, key=lambda event: event.time) for t in (time - self._recent, time))
         last = {event.benches: event for event in self._events[begin:end]}
         touches = [Touch(event.points, event.normal) for event in last.values() if event.normal is not None]

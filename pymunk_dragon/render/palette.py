@@ -1,14 +1,15 @@
-"""Colours, and how their anti-aliased mixtures become palette indices without a quantiser.
+"""Colours, and the mapping of their anti-aliased mixtures to palette indices without a quantiser.
 
-A picture is drawn at twice its size on a greyscale image in seven codes, one a colour, and shrunk by averaging blocks
-of four. The codes are chosen so that the average tells which four pixels went in: the shrunken picture is the palette
-index, and the palette holds the mixture's colour. Seven codes have 210 mixtures of four, too many to be told apart
-in 256 rounded averages, but not all of them occur. Every bench has an outline, so its colour never meets another one
-without ink between: the 89 mixtures in which at most two bench colours meet, and only with ink, are exact. Where a
-rarer one shares its index with an exact one, the exact one has it; where rarer ones share, it is their mean.
+A picture is drawn at twice its size on a greyscale image with one grey level (code) for each of seven colours, and
+reduced by averaging blocks of four pixels. The codes are chosen so that the average identifies the four pixels: the
+average is the palette index, and the palette holds the mixture's colour. Seven codes have 210 mixtures of four, too
+many to distinguish in 256 rounded averages, but not all of them occur. Every bench has an outline, so two bench colours
+are adjacent only with ink between them. The 89 mixtures of one colour, of no bench colour, or of ink and at most two
+bench colours are exact. If another mixture shares its index with an exact mixture, the index has the exact mixture's
+colour; if several other mixtures share an index, it has their mean colour.
 
-What is laid over a finished picture (arrows, discs, a grid) has accents of its own: each in a few strengths over each
-of the colours, with an index for every such blend among those that the mixtures leave free.
+Marks over a finished picture (arrows, discs, the grid) are drawn in accents. Each accent has a few strengths over each
+colour, and every such blend has one of the indices that the mixtures leave free.
 """
 
 from __future__ import annotations
@@ -37,21 +38,25 @@ __all__ = [
     "occurs",
 ]
 
-# Pixels drawn for every pixel shown, along each side.
+# Drawn pixels per pixel of the picture along each axis: blocks of four give sufficiently smooth edges.
 BLOCK = 2
-# Grey level of every colour. A random search for codes that keep the 89 mixtures apart found these; of 149 finds they
-# have the fewest collisions among the remaining mixtures, and leave 89 indices free.
+# Grey level (code) of every colour. A random search found 149 sets of codes that keep the 89 mixtures distinct. This
+# set has the fewest collisions among the remaining mixtures, and leaves 89 indices free.
 CODES = {"background": 55, "curve": 164, "ink": 47, "body": 221, "head": 241, "tail": 2, "contact": 255}
+# Colours that occur on benches only, and hence next to ink.
 BENCH_COLOURS = frozenset({"body", "head", "tail", "contact"})
-# How much of an accent is laid over a colour: the coverages of a block of four by an edge; and for the grid, which only
-# tints the ground, a filed cell's and a line's.
+# Opacities of each accent: the coverages of a block of four pixels; for the grid, which only tints the ground, those of
+# an occupied cell and of a line.
 STRENGTHS = {"motion": (0.25, 0.5, 0.75, 1.0), "force": (0.25, 0.5, 0.75, 1.0), "grid": (0.1, 0.28)}
+# Colours that the grid tints.
 GROUND = ("background", "curve")
+# Names of the accents.
 Accent = Literal["motion", "force", "grid"]
-# Shades of type between background and ink; 16 are as smooth as the eye can tell at this size.
+# Shades of text between background and ink: more than 16 make no visible difference at this size.
 TYPE_SHADES = 16
 
-COLOUR = re.compile(r"#[0-9a-fA-F]{6}")
+# Format of a colour: "#rrggbb".
+COLOUR_FORMAT = re.compile(r"#[0-9a-fA-F]{6}")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,13 +66,13 @@ class Palette:
     Parameters
     ----------
     background, curve : str
-        The ground and the line that the dragon follows.
+        Ground and path of the dragon.
     head, body, tail, contact : str
-        The benches; `contact` takes the place of the others on the two that touch.
+        Benches; `contact` is the colour of two benches that touch.
     ink : str
-        Outlines, holes and type.
+        Outlines, holes and text.
     motion, force, grid : str
-        Velocities; impulses, contact points and normals; and the cells of the broad phase.
+        Velocities; impulses, contact points and normals; cells of the broad phase.
 
     Raises
     ------
@@ -76,8 +81,8 @@ class Palette:
 
     Notes
     -----
-    The defaults stay apart for people who cannot tell red from green, and printed in grey: the benches' colours differ
-    in lightness by a seventh of the scale and more, not only in hue.
+    The default colours are distinguishable with red-green colour blindness and in greyscale: the lightnesses of the
+    bench colours differ by at least a seventh of the scale.
     """
 
     background: str = "#fbf8f1"
@@ -94,7 +99,7 @@ class Palette:
     def __post_init__(self) -> None:
         for name in (f.name for f in fields(self)):
             value = getattr(self, name)
-            if not (isinstance(value, str) and COLOUR.fullmatch(value)):
+            if not (isinstance(value, str) and COLOUR_FORMAT.fullmatch(value)):
                 raise ParameterError(name, value, "a colour as #rrggbb")
 
     @cached_property
@@ -116,43 +121,43 @@ class Palette:
         return np.rint(table).astype(np.uint8)
 
     def rgb(self, name: str) -> NDArray[np.float64]:
-        """Red, green and blue of one of the colours, (3,), 0 to 255."""
+        """Return red, green and blue of a colour, (3,), 0 to 255."""
         return np.array(list(bytes.fromhex(getattr(self, name)[1:])), dtype=float)
 
 
 def index_of(mixture: tuple[str, ...]) -> int:
-    """Index that a block of four pixels of these colours is shrunk to: the mean, halves rounded up as Pillow does."""
+    """Return the index of a block of four pixels of these colours: the mean code, halves rounded up as in Pillow."""
     return (sum(CODES[name] for name in mixture) + BLOCK**2 // 2) // BLOCK**2
 
 
 def occurs(mixture: tuple[str, ...]) -> bool:
-    """Whether a mixture is one of those that a picture is made of."""
+    """Return whether a mixture occurs in pictures, and is therefore exact."""
     colours = set(mixture)
     benches = colours & BENCH_COLOURS
     return len(colours) == 1 or not benches or ("ink" in colours and len(benches) <= 2)
 
 
 def blends(accent: Accent) -> NDArray[np.uint8]:
-    """Which index (S + 1, 256) an index becomes under each of the accent's S strengths, after none at all.
+    """Return the index (S + 1, 256) of each index after blending: first unchanged, then for the accent's S strengths.
 
-    A mixture counts as the colour that it has most of; the grid leaves all that is not ground as it is.
+    A mixture is blended as its most frequent colour. The grid changes only mixtures of ground colours.
     """
     table = np.tile(np.arange(256, dtype=np.uint8), (len(STRENGTHS[accent]) + 1, 1))
-    # Where mixtures share an index, those that occur have it, as in the table of colours: they come last.
+    # Mixtures that occur are last, so that they overwrite others with the same index, as in the table of colours.
     for mixture in sorted(MIXTURES, key=occurs):
         if accent != "grid" or set(mixture) <= set(GROUND):
             name = max(reversed(mixture), key=mixture.count)
             for level, strength in enumerate(STRENGTHS[accent], start=1):
                 table[level, index_of(mixture)] = BLENDS[accent, name, strength]
     if accent != "grid":
-        # What covers a pixel does so whatever was there, other accents too.
+        # Full strength replaces every index, including those of other accents.
         table[-1] = BLENDS[accent, "background", 1.0]
     return table
 
 
 def _blends() -> dict[tuple[str, str, float], int]:
-    """An index for every accent, colour under it, and strength; full strength is one index whatever lies under it."""
-    free = iter(_FREE[TYPE_SHADES + 1 :])
+    """Assign an index to every accent, colour and strength; full strength has one index for all colours."""
+    free = iter(_FREE_INDICES[TYPE_SHADES + 1 :])
     indices: dict[tuple[str, str, float], int] = {}
     for accent, strengths in STRENGTHS.items():
         for strength in strengths:
@@ -162,9 +167,13 @@ def _blends() -> dict[tuple[str, str, float], int]:
     return indices
 
 
+# All mixtures of the pixels of a block.
 MIXTURES = list(combinations_with_replacement(CODES, BLOCK**2))
-_FREE = sorted(set(range(256)) - {index_of(mixture) for mixture in MIXTURES})
-TYPE_RAMP = tuple(_FREE[:TYPE_SHADES])
-# The index that means "as in the frame before"; no picture uses it.
-TRANSPARENT = _FREE[TYPE_SHADES]
+# Indices that no mixture has.
+_FREE_INDICES = sorted(set(range(256)) - {index_of(mixture) for mixture in MIXTURES})
+# Indices of the shades of text, from background to ink.
+TYPE_RAMP = tuple(_FREE_INDICES[:TYPE_SHADES])
+# Index of an unchanged pixel in a film; no picture uses it.
+TRANSPARENT = _FREE_INDICES[TYPE_SHADES]
+# Index of every accent, colour and strength.
 BLENDS = _blends()

@@ -25,7 +25,7 @@ from measure import arguments, sized
 from pymunk_dragon.march import March
 from pymunk_dragon.render import Film, write_film
 from pymunk_dragon.render.moments import moments
-from pymunk_dragon.render.writing import make_sheet
+from pymunk_dragon.render.output import make_canvas
 from pymunk_dragon.run import Run
 
 FRAMES, ROUNDS = sized((300, 5), (4, 1))
@@ -54,9 +54,9 @@ def imageio_rgb(run: Run, film: Film, folder: Path) -> None:
     import imageio.v3 as iio
 
     times = film.times([run])
-    sheet = make_sheet([run], film, times)
+    canvas = make_canvas([run], film, times)
     table = film.palette.table
-    stack = np.stack([table[np.asarray(sheet.draw([moment]))] for moment in moments(run, times)])
+    stack = np.stack([table[np.asarray(canvas.draw([moment]))] for moment in moments(run, times)])
     iio.imwrite(folder / "film.gif", stack, duration=1000 / FPS, loop=0)
 
 

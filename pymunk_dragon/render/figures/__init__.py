@@ -1,4 +1,4 @@
-"""The paper's figures, and some beyond it, by name."""
+"""Named figures: those of the paper, and others."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from pymunk_dragon.checks import word
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.files import check_destination, written_in_place
 from pymunk_dragon.march import March
-from pymunk_dragon.render.figures.answers import answer
-from pymunk_dragon.render.figures.cells import grid
 from pymunk_dragon.render.figures.charts import gap, speeds
 from pymunk_dragon.render.figures.engine import drift, impulses
-from pymunk_dragon.render.figures.ground import spiral, trajectories, velocities
+from pymunk_dragon.render.figures.grid_partition import grid
+from pymunk_dragon.render.figures.plan_views import spiral, trajectories, velocities
 from pymunk_dragon.render.figures.stills import Still, collision, inward, outer_loop
+from pymunk_dragon.render.figures.study_figures import study_figure
 from pymunk_dragon.render.figures.style import styled
-from pymunk_dragon.render.figures.times import Stretch, model, stretch
+from pymunk_dragon.render.figures.times import TimeInterval, model, time_interval
 from pymunk_dragon.render.moments import Source
-from pymunk_dragon.render.writing import STILL_ENDINGS, write_still
+from pymunk_dragon.render.output import STILL_ENDINGS, write_still
 from pymunk_dragon.run import Run
 
 if TYPE_CHECKING:
@@ -31,44 +31,46 @@ if TYPE_CHECKING:
 
 __all__ = ["FIGURES", "FIGURE_ENDINGS", "Kind", "answer_figure", "figure", "write_answer", "write_figure"]
 
+# File endings of figures with axes.
 FIGURE_ENDINGS = (".png", ".svg")
-# Colours of a PNG: with so many no pixel is more than two levels off, and the file is a third.
+# Colours of a PNG: with 256 no pixel changes by more than two levels, and the file is a third as large.
 PNG_COLOURS = 256
 
 
 @dataclass(frozen=True, kw_only=True)
 class Kind:
-    """A figure that can be asked for: one of the three ways to make it, and of what.
+    """Entry in the table of figures; exactly one of `of_march`, `of_run` and `still` is given.
 
     Attributes
     ----------
     shows : str
-        What it shows, in one line.
+        Description in one line.
     of_march, of_run : callable or None
-        What draws it with axes, from a march and when to look at it, or from a run of the engine.
+        Function that draws a figure with axes from a march and a time interval, or from a run of the engine.
     still : callable or None
-        What tells the moment of a picture of the dragon.
+        Function that returns the run and the film parameters of a picture of the dragon.
     default : callable
-        The march that is drawn where none is given.
+        Function that returns the march to draw if no source is given.
     """
 
     shows: str
-    of_march: Callable[[March, Stretch], Figure] | None = None
+    of_march: Callable[[March, TimeInterval], Figure] | None = None
     of_run: Callable[[Run], Figure] | None = None
-    still: Callable[[March, Stretch], Still] | None = None
+    still: Callable[[March, TimeInterval], Still] | None = None
     default: Callable[[], March] = March
 
     @property
     def needs_run(self) -> bool:
-        """Whether it is made from a run of the engine, which has to be given."""
+        """Whether the figure requires a run of the engine."""
         return self.of_run is not None
 
     @property
     def endings(self) -> tuple[str, ...]:
-        """Endings of the files in which it can be written."""
+        """File endings of the formats in which the figure can be written."""
         return FIGURE_ENDINGS if self.still is None else STILL_ENDINGS
 
 
+# All figures by name.
 FIGURES: Mapping[str, Kind] = {
     "spiral": Kind(shows="the spiral that handle 0 walks (the paper's figure 2)", of_march=spiral),
     "outer-loop": Kind(shows="16 benches on the outer loop (figure 3)", still=outer_loop, default=model),
@@ -85,58 +87,58 @@ FIGURES: Mapping[str, Kind] = {
 
 
 def figure(name: str, source: Source | None = None) -> Figure:
-    """One of the figures with axes, as matplotlib has it; a notebook shows it.
+    """Draw a figure with axes as a matplotlib figure, which notebooks display.
 
     Parameters
     ----------
     name : str
-        One of `FIGURES`, but no picture of the dragon, which is only to be written.
+        One of `FIGURES`. Pictures of the dragon are excluded; `write_figure` writes them.
     source : Run or March, optional
-        What is drawn: a march, or the march of a run; by default the paper's. Drift and impulses are those of a run of
-        the engine, which has to be given.
+        March to draw, or run whose march is drawn; by default the paper's march. The figures "drift" and "impulses"
+        require a run of the engine.
 
     Raises
     ------
     ParameterError
-        If there is no such figure, it needs another source, or the source has nothing for it to show.
+        If the figure does not exist, requires another source, or the source has no data for it.
     UnreachableError
-        If the march's dragon has no place on its curve at the start.
+        If the march's dragon does not fit on its curve at the start.
     MissingExtraError
         If matplotlib is not installed.
     """
     kind = _kind(name)
     if kind.still is not None:
         raise ParameterError("figure", name, "one with axes, or written by `write_figure`")
-    return _finished(lambda: _drawn(name, kind, source))
+    return _styled_figure(lambda: _draw(name, kind, source))
 
 
 def answer_figure(found: object) -> Figure:
-    """The picture of a study's answer, as matplotlib has it; a notebook shows it.
+    """Draw the result of a study as a matplotlib figure, which notebooks display.
 
     Raises
     ------
     ParameterError
-        If `found` is no answer of a study.
+        If `found` is not the result of a study.
     MissingExtraError
         If matplotlib is not installed.
     """
-    return _finished(lambda: answer(found))
+    return _styled_figure(lambda: study_figure(found))
 
 
 def write_figure(name: str, path: str | Path, source: Source | None = None) -> None:
-    """Write one of `FIGURES`, as PNG, or as SVG where it has axes.
+    """Write one of `FIGURES` as PNG, or as SVG if it has axes.
 
     Parameters
     ----------
     name, source
         As in `figure`.
     path : path
-        File to write. An interrupted figure leaves the old file or none.
+        File to write. If writing is interrupted, an old file is kept and no incomplete file is left.
 
     Raises
     ------
     ParameterError
-        As in `figure`, and if the file cannot be made.
+        As in `figure`, and if the file cannot be created.
     UnreachableError, MissingExtraError
         As in `figure`.
     OutputError
@@ -145,31 +147,31 @@ def write_figure(name: str, path: str | Path, source: Source | None = None) -> N
     kind = _kind(name)
     destination = check_destination(path, kind.endings)
     if kind.still is not None:
-        run, film = kind.still(*_marching(kind, source))
+        run, film = kind.still(*_march_and_interval(kind, source))
         write_still(run, float(run.times[0]), destination, film)
         return
-    _write(lambda: _drawn(name, kind, source), destination)
+    _write(lambda: _draw(name, kind, source), destination)
 
 
 def write_answer(found: object, path: str | Path) -> None:
-    """Write the picture of a study's answer as PNG or SVG.
+    """Write the figure of a study's result as PNG or SVG.
 
     Raises
     ------
     ParameterError
-        If `found` is no answer of a study, or the file cannot be made.
+        If `found` is not the result of a study, or the file cannot be created.
     MissingExtraError
         If matplotlib is not installed.
     OutputError
         If writing fails.
     """
-    _write(lambda: answer(found), check_destination(path, FIGURE_ENDINGS))
+    _write(lambda: study_figure(found), check_destination(path, FIGURE_ENDINGS))
 
 
-def _finished(draw: Callable[[], Figure]) -> Figure:
+def _styled_figure(draw: Callable[[], Figure]) -> Figure:
     with styled():
         drawn = draw()
-        # Some ticks are made only when they are drawn, and then in the style of that moment.
+        # matplotlib creates some ticks during drawing, with the settings of that time.
         drawn.draw_without_rendering()
     return drawn
 
@@ -188,22 +190,22 @@ def _kind(name: str) -> Kind:
     return FIGURES[word("figure", name, FIGURES)]
 
 
-def _marching(kind: Kind, source: Source | None) -> tuple[March, Stretch]:
-    """The march that is drawn, and when to look at it."""
+def _march_and_interval(kind: Kind, source: Source | None) -> tuple[March, TimeInterval]:
+    """Return the march to draw, and its time interval."""
     if source is None:
         source = kind.default()
     if not isinstance(source, Run | March):
         raise ParameterError("source", source, "a run or a march")
-    return source.march if isinstance(source, Run) else source, stretch(source)
+    return source.march if isinstance(source, Run) else source, time_interval(source)
 
 
-def _drawn(name: str, kind: Kind, source: Source | None) -> Figure:
+def _draw(name: str, kind: Kind, source: Source | None) -> Figure:
     if kind.of_run is not None:
         if not isinstance(source, Run):
             raise ParameterError("run", source, f"a run of the engine, which the figure {name} is made from")
         return kind.of_run(source)
     assert kind.of_march is not None
-    return kind.of_march(*_marching(kind, source))
+    return kind.of_march(*_march_and_interval(kind, source))
 
 
 def _write_png(drawn: Figure, draft: Path) -> None:

@@ -1,4 +1,4 @@
-"""Figures of a run of the engine: how far it drifts, and what its joints carry."""
+"""Figures of a run of the engine: position errors, and impulses in the joints."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.render.figures.lines import ASIDE, bundle, label, logarithmic, name, several_times, time_name
+from pymunk_dragon.render.figures.lines import NAME_OFFSET, bundle, label, logarithmic, name, several_times, time_name
 from pymunk_dragon.render.figures.style import AMBER, BLUE, COLOURS, page, panel
-from pymunk_dragon.render.figures.times import ending, stretch
+from pymunk_dragon.render.figures.times import contact_or_end, time_interval
 from pymunk_dragon.run import HEAD_BENCHES, Run
 
 if TYPE_CHECKING:
@@ -22,22 +22,24 @@ __all__ = ["drift", "impulses"]
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
-# Points of a line over time at most.
-MOMENTS = 600
-# Where along a line its name stands, as a share.
-NAME_PLACE = 0.42
-# Metres of drift from which on a unit of so many in a metre is used.
+# Largest number of points of a line over time.
+TIME_SAMPLES = 600
+# Position of a line's label, as a fraction of the line: at the ends the lines are too close to each other.
+LABEL_POSITION = 0.42
+# Units of position errors: smallest error in m, units per metre, and symbol.
 UNITS = ((1.0, 1.0, "m"), (1e-3, 1e3, "mm"), (0.0, 1e6, "\N{MICRO SIGN}m"))
-# N from which on the digits after the point tell nothing.
-WHOLE_FORCE = 10.0
-# N below which nothing pulls: on a straight way at one speed joints still carry what rounding leaves.
+# N: larger forces are displayed as whole numbers.
+MIN_WHOLE_FORCE = 10.0
+# N: smaller forces are rounding errors, as on a straight path at constant speed.
 NO_FORCE = 1e-6
-# Powers of ten that the scales of drift and of impulse cover.
-DRIFT_DECADES, IMPULSE_DECADES = 4, 3
+# Powers of ten covered by the scale of position errors.
+DRIFT_DECADES = 4
+# Powers of ten covered by the scale of impulses.
+IMPULSE_DECADES = 3
 
 
 def drift(run: Run) -> Figure:
-    """How far the engine is from the exact model: over time, and along the dragon."""
+    """Draw the engine's position error against the exact model: over time, and along the dragon."""
     if run.provenance.get("player") == "exact":
         raise ParameterError("run", "one of the exact model", "one of the engine, which alone drifts")
     if len(run.times) == 1 or not run.max_drift > 0:
@@ -51,25 +53,34 @@ def drift(run: Run) -> Figure:
     )
     over_time = panel(figure, 0.85, 0.65, 3.7, 3.9)
     along = panel(figure, 4.75, 0.65, 2.2, 3.9, sharey=over_time)
-    # The name of the higher line stands above it, that of the lower one below.
+    # The upper line has its label above, the lower line below.
     series: list[tuple[str, str, Any, Array, float, str]] = [("any bench", BLUE, "-", run.drift, 6, "bottom")]
     if run.march.dragon.benches > HEAD_BENCHES:
         first = run.drift[:, :HEAD_BENCHES]
         series.append((f"first {HEAD_BENCHES} benches", AMBER, (0, (4, 1.2)), first, -6, "top"))
     frames = _thinned(run)
     middle = len(frames) // 3
-    for who, colour, dashes, drifts, offset, side in series:
+    for subject, colour, dashes, drifts, offset, side in series:
         worst = scale * np.fmax.reduce(drifts[frames], axis=1)
-        over_time.plot(run.times[frames], worst, color=colour, lw=2.2, ls=dashes, gid=who.replace(" ", "-"))
-        label(over_time, run.times[frames[middle]], worst[middle], who, (0, offset), ha="center", va=side, color=colour)
+        over_time.plot(run.times[frames], worst, color=colour, lw=2.2, ls=dashes, gid=subject.replace(" ", "-"))
+        label(
+            over_time,
+            run.times[frames[middle]],
+            worst[middle],
+            subject,
+            (0, offset),
+            ha="center",
+            va=side,
+            color=colour,
+        )
     rows = _rows(run, several_times(float(run.times[0]), float(run.times[-1]))[1:])
     profiles = scale * run.drift[rows]
     lines = bundle(along, profiles, "drift")
     low, high = _decades(scale * run.max_drift, DRIFT_DECADES)
-    misses = ending(run.march, stretch(run)).near_misses or ()
-    gaps = [miss.gap for miss in misses if run.times[0] <= miss.time <= run.times[-1]]
+    near_misses = contact_or_end(run.march, time_interval(run)).near_misses or ()
+    gaps = [near_miss.gap for near_miss in near_misses if run.times[0] <= near_miss.time <= run.times[-1]]
     if gaps:
-        # What the drift has to be compared with: an engine that is as far off meets the wrong bench.
+        # An engine with a position error as large as the smallest gap can find the wrong first contact.
         least = scale * min(gaps)
         high = max(high, 2 * least)
         for axes in (over_time, along):
@@ -77,7 +88,7 @@ def drift(run: Run) -> Figure:
         text = f"smallest gap on the way: {least:.3g} {unit}"
         label(over_time, float(run.times[0]), least, text, (8, -6), va="top")
     logarithmic(over_time, low, high)
-    name(along, lines, run.times[rows], -1, ASIDE)
+    name(along, lines, run.times[rows], -1, NAME_OFFSET)
     along.tick_params(labelleft=False)
     over_time.set_xlim(run.times[0], run.times[-1])
     over_time.set_xlabel("time (s)")
@@ -86,11 +97,11 @@ def drift(run: Run) -> Figure:
 
 
 def impulses(run: Run) -> Figure:
-    """The impulse in every joint in a substep, and the force that it makes, at several times."""
+    """Draw the impulse in every joint in a substep, and the equivalent force, at several times."""
     substep = run.provenance.get("substep")
     if run.joint_impulses is None or not isinstance(substep, int | float):
         raise ParameterError("run", "one without joint impulses", "one of the engine, as `simulate` makes it")
-    # The frame of the contact ends a cut substep, in which the joints have not settled.
+    # The frame of the contact follows a shortened substep, in which the joint solver has not converged.
     end = run.first_contact.time if run.first_contact else np.inf
     played = run.times[run.times < end]
     if not played.size:
@@ -114,28 +125,28 @@ def impulses(run: Run) -> Figure:
     force.yaxis.set_major_formatter("{x:g}")
     force.minorticks_off()
     force.spines["right"].set_visible(True)
-    # At their ends the lines run together.
-    name(axes, lines, run.times[rows], int(NAME_PLACE * values.shape[1]), 0, ha="center")
+    # Labels are not at the lines' ends, where the lines converge.
+    name(axes, lines, run.times[rows], int(LABEL_POSITION * values.shape[1]), 0, ha="center")
     axes.set_xlabel("joint, from the head to the tail; joint i is between benches i and i + 1")
     return figure
 
 
 def _force(size: float) -> str:
-    """In N: whole ones, or two digits of a small one."""
-    return f"{size:.0f} N" if size >= WHOLE_FORCE or size < NO_FORCE else f"{size:.2g} N"
+    """Format a force in N: as a whole number, or a small force with two significant digits."""
+    return f"{size:.0f} N" if size >= MIN_WHOLE_FORCE or size < NO_FORCE else f"{size:.2g} N"
 
 
 def _rows(run: Run, times: Array) -> Indices:
-    """Frames of `run` at or right after `times`."""
+    """Return the first frames of `run` at or after `times`."""
     return np.unique(np.searchsorted(run.times, times))
 
 
 def _thinned(run: Run) -> Indices:
-    """Frames to draw over time, but for the first, which has no drift yet."""
-    return np.unique(np.linspace(min(1, len(run.times) - 1), len(run.times) - 1, MOMENTS).astype(np.intp))
+    """Return the frames to draw over time, without the first frame, whose position error is 0."""
+    return np.unique(np.linspace(min(1, len(run.times) - 1), len(run.times) - 1, TIME_SAMPLES).astype(np.intp))
 
 
 def _decades(largest: float, count: int) -> tuple[float, float]:
-    """So many powers of ten, of which the last holds `largest`."""
+    """Return the limits of a scale of `count` powers of ten whose last one contains `largest`."""
     high = float(np.ceil(np.log10(largest)))
     return 10.0 ** (high - count), 10.0**high

@@ -1,4 +1,4 @@
-"""Lines over time and along the dragon: how they look, and their names beside them."""
+"""Lines over time and along the dragon: styles, scales and labels."""
 
 from __future__ import annotations
 
@@ -13,31 +13,43 @@ from pymunk_dragon.render.figures.style import COLOURS, RULE, WIDE_HALO, blend, 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["ASIDE", "EARLY", "bundle", "label", "logarithmic", "name", "several_times", "spread", "time_name"]
+__all__ = [
+    "FIRST_COLOUR",
+    "NAME_OFFSET",
+    "bundle",
+    "label",
+    "logarithmic",
+    "name",
+    "several_times",
+    "spread",
+    "time_name",
+]
 
 Array = NDArray[np.float64]
 
-# Share of a stretch of time within which two times say the same.
-CLOSE = 0.02
-# The earliest of several lines; later ones go from here to ink.
-EARLY = "#6391bb"
-# Points of type: between the middles of two lines of it, and from a line's end to its name.
-LINE_HEIGHT, ASIDE = 14.0, 7.0
-# Handles or joints that all have their numbers below an axis.
-FEW = 10
+# Fraction of a time interval: times closer than this are drawn only once.
+MIN_TIME_DIFFERENCE = 0.02
+# Colour of the first of several lines; the colours of later lines change gradually to ink.
+FIRST_COLOUR = "#6391bb"
+# Points: distance between the centres of two lines of text.
+LINE_HEIGHT = 14.0
+# Points: distance from a line's end to its label.
+NAME_OFFSET = 7.0
+# Largest number of handles or joints that all have a tick label.
+MAX_NUMBERED = 10
 
 
 def several_times(begin: float, end: float) -> Array:
-    """A few round times from `begin` on, and `end`, s."""
+    """Return a few round times, s, from `begin` on, and `end`."""
     from matplotlib.ticker import MaxNLocator
 
     ticks = MaxNLocator(5, steps=[1, 2, 5, 10]).tick_values(begin, end)
-    # One that is close to the end would say the same.
-    return np.array([*(tick for tick in ticks if begin <= tick < end - CLOSE * (end - begin)), end])
+    # A tick close to the end is omitted.
+    return np.array([*(tick for tick in ticks if begin <= tick < end - MIN_TIME_DIFFERENCE * (end - begin)), end])
 
 
 def logarithmic(axes: Axes, low: float, high: float) -> None:
-    """Show `low` to `high` on a logarithmic scale with plain numbers and thin lines."""
+    """Set a logarithmic scale from `low` to `high` with plain numbers and thin grid lines."""
     from matplotlib.ticker import NullLocator
 
     axes.set_yscale("log")
@@ -49,21 +61,21 @@ def logarithmic(axes: Axes, low: float, high: float) -> None:
 
 
 def bundle(axes: Axes, values: Array, gid: str) -> list[Any]:
-    """Lines of `values` (T, K) along the dragon: the later, the darker and thicker."""
+    """Draw lines of `values` (T, K) along the dragon; later lines are darker and thicker."""
     last = max(len(values) - 1, 1)
     lines: list[Any] = []
     for rank, line in enumerate(values):
         age = rank / last
-        lines += axes.plot(line, color=blend(EARLY, COLOURS.ink, age), lw=1.2 + 1.2 * age, gid=f"{gid}-{rank}")
+        lines += axes.plot(line, color=blend(FIRST_COLOUR, COLOURS.ink, age), lw=1.2 + 1.2 * age, gid=f"{gid}-{rank}")
     axes.set_xlim(0, values.shape[1] - 1)
-    if values.shape[1] <= FEW:
-        # There is nothing between one and the next.
+    if values.shape[1] <= MAX_NUMBERED:
+        # One tick for each handle or joint.
         axes.set_xticks(range(values.shape[1]))
     return lines
 
 
 def name(axes: Axes, lines: Sequence[Any], times: Array, at: int, offset: float, **options: Any) -> None:
-    """Set the lines' times beside their points `at`, as near as they go without touching each other."""
+    """Label the lines with their times at their points `at`, without overlaps."""
     to_pixels = axes.transData
     points = to_pixels.transform([line.get_xydata()[at] for line in lines])
     points[:, 1] = spread(points[:, 1].tolist(), LINE_HEIGHT / 72 * axes.figure.dpi)
@@ -71,30 +83,30 @@ def name(axes: Axes, lines: Sequence[Any], times: Array, at: int, offset: float,
         label(axes, x, y, time_name(time), (offset, 0), va="center_baseline", annotation_clip=False, **options)
 
 
-def spread(places: Sequence[float], apart: float) -> list[float]:
-    """Places for labels as near to `places` as goes while they keep `apart` and their order."""
-    order = sorted(range(len(places)), key=lambda i: places[i])
-    # Blocks of labels that touch: their numbers, and the middle that suits them best.
+def spread(positions: Sequence[float], spacing: float) -> list[float]:
+    """Return the label positions closest to `positions` (least squares) that keep their order and a least `spacing`."""
+    order = sorted(range(len(positions)), key=lambda i: positions[i])
+    # Blocks of labels that touch: their indices, and the mean of their positions.
     blocks: list[tuple[list[int], float]] = []
     for i in order:
-        block, middle = [i], float(places[i])
-        while blocks and middle - blocks[-1][1] < apart * (len(block) + len(blocks[-1][0])) / 2:
+        block, middle = [i], float(positions[i])
+        while blocks and middle - blocks[-1][1] < spacing * (len(block) + len(blocks[-1][0])) / 2:
             before, other = blocks.pop()
             middle = (middle * len(block) + other * len(before)) / (len(block) + len(before))
             block = before + block
         blocks.append((block, middle))
-    found = [0.0] * len(places)
+    result = [0.0] * len(positions)
     for block, middle in blocks:
         for rank, i in enumerate(block):
-            found[i] = middle + apart * (rank - (len(block) - 1) / 2)
-    return found
+            result[i] = middle + spacing * (rank - (len(block) - 1) / 2)
+    return result
 
 
 def time_name(time: float) -> str:
-    """A time to the hundredth of a second, without zeros at its end."""
+    """Format a time to the hundredth of a second, without trailing zeros."""
     return f"{time:.2f}".rstrip("0").rstrip(".") + " s"
 
 
 def label(axes: Axes, x: float, y: float, text: str, offset: tuple[float, float], **options: Any) -> None:
-    """Type beside a point of a line, readable on others."""
+    """Write text beside a point, with a halo that keeps it readable on lines."""
     axes.annotate(text, (x, y), offset, textcoords="offset points", path_effects=halo(WIDE_HALO), **options)

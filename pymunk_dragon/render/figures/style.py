@@ -1,4 +1,4 @@
-"""Type, colours and pages that all figures share; in which matplotlib may be used."""
+"""Fonts, colours and page layout shared by all figures, and the matplotlib settings."""
 
 from __future__ import annotations
 
@@ -39,27 +39,41 @@ __all__ = [
     "styled",
 ]
 
+# Colours of the films.
 COLOURS = Palette()
-# The palette's blue and amber are for areas with an outline. As lines and type on its light ground they need more
-# contrast: these have 3 to 1 and more. Quiet type has 5 to 1.
-BLUE, AMBER, QUIET = "#3f78aa", "#b87400", "#5d6675"
-# Lines that only guide the eye, and fills behind everything.
-RULE, FAINT = "#d9cfb9", "#efe9db"
-# Cells that neighbours share, and cells with candidates for a contact: tints of the blue and of the amber, which differ
-# in grey too.
-SHARED, CANDIDATE = "#d3dfe8", "#efb037"
-# Pixels to the inch. A page 8 inches wide is 1600 pixels, for pages that show it 800 wide.
+# Lines and text: darker than the palette's blue, for a contrast of at least 3 to 1 on the background.
+BLUE = "#3f78aa"
+# Lines and text: darker than the palette's amber, for a contrast of at least 3 to 1.
+AMBER = "#b87400"
+# Secondary text: a contrast of 5 to 1.
+QUIET = "#5d6675"
+# Grid lines and other reference lines.
+RULE = "#d9cfb9"
+# Fills behind all other elements.
+FAINT = "#efe9db"
+# Cells that only neighbours share: a tint of blue, distinguishable from CANDIDATE in greyscale.
+SHARED = "#d3dfe8"
+# Cells with candidates for a contact: a tint of amber.
+CANDIDATE = "#efb037"
+# Pixels per inch: a page of 8 inches has 1600 pixels, twice the 800 at which it is displayed.
 DPI = 200
-# Inches from a page's edges to its type, and from its top to the base lines of title and subtitle.
-MARGIN, TITLE_DEPTH, SUBTITLE_DEPTH = 0.3, 0.48, 0.8
+# Inches from a page's edges to its text.
+MARGIN = 0.3
+# Inches from a page's top to the baseline of the title.
+TITLE_DEPTH = 0.48
+# Inches from a page's top to the baseline of the subtitle.
+SUBTITLE_DEPTH = 0.8
+# Points: size of a title.
 TITLE_SIZE = 16
-# Points around type that stands on lines, and on several of them.
-HALO, WIDE_HALO = 3.0, 5.0
-# The face that matplotlib brings.
-FALLBACK = "DejaVu Sans"
+# Points: width of the halo of text over a line.
+HALO = 3.0
+# Points: width of the halo of text over several lines.
+WIDE_HALO = 5.0
+# The default font of matplotlib.
+FALLBACK_FONT = "DejaVu Sans"
 
-# Type no smaller than 10.5 points, 14 pixels of a picture that is shown 800 wide.
-SETTINGS: dict[str, Any] = {
+# matplotlib settings. Text has at least 10.5 points, 14 pixels in a picture displayed 800 pixels wide.
+RC_PARAMS: dict[str, Any] = {
     "font.size": 11.5,
     "axes.labelsize": 11.5,
     "xtick.labelsize": 10.5,
@@ -79,16 +93,16 @@ SETTINGS: dict[str, Any] = {
     "lines.solid_capstyle": "round",
     "lines.solid_joinstyle": "round",
     "svg.fonttype": "path",
-    # Without it the names of clip paths are drawn by lot.
+    # A fixed salt makes the names of clip paths reproducible.
     "svg.hashsalt": "pymunk_dragon",
 }
 
 
 @contextmanager
 def styled() -> Iterator[None]:
-    """Draw in the house's type and colours; matplotlib's own settings are as before afterwards.
+    """Context with the fonts and colours of all figures; restores matplotlib's settings at its end.
 
-    Whatever draws is called in here, and may import matplotlib.
+    Figures are drawn in this context, after it has checked that matplotlib can be imported.
 
     Raises
     ------
@@ -98,23 +112,23 @@ def styled() -> Iterator[None]:
         If the fonts, or matplotlib's list of them, cannot be written to the disk.
     """
     matplotlib = library("matplotlib")
-    # The films' face first; what it has no glyph for, as µ, comes from the one that matplotlib brings.
-    family = {"font.family": [_face(), FALLBACK]}
+    # The font of the films; matplotlib's default font provides missing glyphs such as µ.
+    family = {"font.family": [_register_font(), FALLBACK_FONT]}
     with matplotlib.rc_context():
         matplotlib.rcdefaults()
-        matplotlib.rcParams.update(SETTINGS | family)
+        matplotlib.rcParams.update(RC_PARAMS | family)
         yield
 
 
 @cache
-def _face() -> str:
-    """Name of the face that Pillow brings and the films are set in, made known to matplotlib."""
+def _register_font() -> str:
+    """Register the font of Pillow and the films with matplotlib, and return its name."""
     fonts = library("matplotlib.font_manager").fontManager
-    # Where Pillow was built without FreeType there is none, and the films are set in dots.
+    # Without FreeType, Pillow has only a bitmap font, which matplotlib cannot use.
     font: Any = ImageFont.load_default(TITLE_SIZE)
     if not hasattr(font, "font_bytes"):
-        return FALLBACK
-    # matplotlib reads faces from files only, and may do so until the very end.
+        return FALLBACK_FONT
+    # matplotlib reads fonts from files only, and may do so until the program ends.
     folder = tempfile.TemporaryDirectory(prefix="pymunk-dragon-")
     atexit.register(folder.cleanup)
     file = Path(folder.name) / "face.ttf"
@@ -125,10 +139,10 @@ def _face() -> str:
 
 
 def page(width: float, height: float, title: str, subtitle: str = "") -> Figure:
-    """An empty page of so many inches, with what it tells in its upper left corner."""
-    from pymunk_dragon.render.figures.shown import ShownFigure
+    """Create a page with a title and a subtitle in its upper left corner; sizes in inches."""
+    from pymunk_dragon.render.figures.notebook_figure import NotebookFigure
 
-    figure = ShownFigure(figsize=(width, height), dpi=DPI)
+    figure = NotebookFigure(figsize=(width, height), dpi=DPI)
     x = MARGIN / width
     figure.text(x, 1 - TITLE_DEPTH / height, title, size=TITLE_SIZE)
     figure.text(x, 1 - SUBTITLE_DEPTH / height, subtitle, color=QUIET)
@@ -136,27 +150,27 @@ def page(width: float, height: float, title: str, subtitle: str = "") -> Figure:
 
 
 def chart(width: float, height: float) -> Figure:
-    """An empty picture of so many inches, in which axes find their places by themselves."""
-    from pymunk_dragon.render.figures.shown import ShownFigure
+    """Create an empty figure with matplotlib's constrained layout; sizes in inches."""
+    from pymunk_dragon.render.figures.notebook_figure import NotebookFigure
 
-    return ShownFigure(figsize=(width, height), dpi=DPI, layout="constrained")
+    return NotebookFigure(figsize=(width, height), dpi=DPI, layout="constrained")
 
 
 def panel(figure: Figure, left: float, bottom: float, width: float, height: float, **options: Any) -> Axes:
-    """Axes on a page, placed in inches from the page's lower left corner."""
+    """Add axes to a page; position and size in inches from the page's lower left corner."""
     across, up = figure.get_size_inches()
     axes: Axes = figure.add_axes((left / across, bottom / up, width / across, height / up), **options)
     return axes
 
 
 def halo(width: float = HALO) -> list[Any]:
-    """Path effects that keep type readable on lines: a border of the ground's colour."""
+    """Return path effects that keep text readable on lines: a border in the background colour."""
     from matplotlib.patheffects import withStroke
 
     return [withStroke(linewidth=width, foreground=COLOURS.background)]
 
 
 def blend(first: str, second: str, share: float) -> str:
-    """The colour a `share` of the way from `first` to `second`, all as #rrggbb."""
+    """Interpolate between two colours, #rrggbb; `share` is 0 for `first` and 1 for `second`."""
     one, other = bytes.fromhex(first[1:]), bytes.fromhex(second[1:])
     return "#" + bytes(round(a + share * (b - a)) for a, b in zip(one, other, strict=True)).hex()

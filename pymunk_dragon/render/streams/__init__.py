@@ -1,4 +1,4 @@
-"""Films as files, by their endings; all are written as they come, and keep no more than two frames."""
+"""Writers of film files, selected by the file's ending. Each writer keeps at most two frames in memory."""
 
 from __future__ import annotations
 
@@ -11,29 +11,36 @@ from numpy.typing import NDArray
 
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.render.streams.apng import ApngStream
-from pymunk_dragon.render.streams.base import PatchStream, Stream
+from pymunk_dragon.render.streams.base import DirtyRectangleStream, Stream
 from pymunk_dragon.render.streams.gif import GifStream
 from pymunk_dragon.render.streams.mp4 import Mp4Stream, ffmpeg
 from pymunk_dragon.render.streams.webp import WebpStream
 
 __all__ = ["FILM_ENDINGS", "Stream", "check_ending", "open_stream"]
 
-PATCHED: dict[str, type[PatchStream]] = {".gif": GifStream, ".apng": ApngStream, ".webp": WebpStream}
+# Writers that store only the dirty rectangle of each frame.
+DIRTY_RECTANGLE_STREAMS: dict[str, type[DirtyRectangleStream]] = {
+    ".gif": GifStream,
+    ".apng": ApngStream,
+    ".webp": WebpStream,
+}
+# Ending of a video, which FFmpeg encodes.
 VIDEO = ".mp4"
-# A GIF's delays are whole centiseconds, and browsers show 1 centisecond as 10.
+# Frames per second: delays in a GIF are whole centiseconds, and browsers replace 1 centisecond by 10.
 MAX_GIF_FPS = 50
-FILM_ENDINGS = (*PATCHED, VIDEO)
+# All endings of films, in lower case.
+FILM_ENDINGS = (*DIRTY_RECTANGLE_STREAMS, VIDEO)
 
 
 def check_ending(path: Path, fps: int) -> None:
-    """Make sure that a film of this ending can be written here, with `fps` frames a second.
+    """Check that a film with the ending of `path` can be written at `fps` frames per second.
 
     Raises
     ------
     ParameterError
-        If it is a GIF with so many that browsers would slow it down.
+        If the film is a GIF and browsers would slow it down.
     MissingExtraError
-        If it is an MP4, and there is no FFmpeg.
+        If the film is an MP4 and FFmpeg is not installed.
     """
     ending = path.suffix.lower()
     if ending == ".gif" and fps > MAX_GIF_FPS:
@@ -44,11 +51,11 @@ def check_ending(path: Path, fps: int) -> None:
 
 @contextmanager
 def open_stream(path: Path, size: tuple[int, int], table: NDArray[np.uint8], fps: int) -> Iterator[Stream]:
-    """A film to add frames to, of `size` in pixels and the colours of `table` (256, 3)."""
+    """Open a film file for writing. `size` is in pixels; `table` (256, 3) holds the colours."""
     ending = path.suffix.lower()
     if ending == VIDEO:
         with Mp4Stream(path, size, table, fps) as video:
             yield video
     else:
-        with path.open("wb") as file, PATCHED[ending](file, size, table) as stream:
+        with path.open("wb") as file, DIRTY_RECTANGLE_STREAMS[ending](file, size, table) as stream:
             yield stream

@@ -1,4 +1,4 @@
-"""Films that are written as they come, and the patches that most of them are made of."""
+"""Base classes of film writers, and the dirty rectangles that most formats store."""
 
 from __future__ import annotations
 
@@ -13,19 +13,21 @@ from PIL import Image, ImageChops
 
 from pymunk_dragon.render.palette import TRANSPARENT
 
-__all__ = ["Box", "Patch", "PatchStream", "Stream", "Table"]
+__all__ = ["Box", "DirtyRectangle", "DirtyRectangleStream", "Stream", "Table"]
 
+# Left, top, right, bottom, pixels.
 Box = tuple[int, int, int, int]
+# Red, green and blue of every palette index, (256, 3).
 Table = NDArray[np.uint8]
 
-# Unchanged pixels side by side from which on they are left out, 2 to this power. Shorter runs of the transparent index
-# between changed pixels break up patterns that the compression would have known: 16 made the GIF of the seed's march a
-# seventh smaller than 1 did, and 8 and 32 were no better.
+# Base-2 logarithm of the shortest run of unchanged pixels that is stored as transparent. Shorter runs interrupt
+# repeated patterns and compress worse: with runs of 16 pixels the GIF of the reference scenario is a seventh smaller
+# than with runs of 1; 8 and 32 pixels gave no further gain.
 RUN_DOUBLINGS = 4
 
 
 class Stream(Protocol):
-    """A film that is being written; as a context manager it ends the file."""
+    """Interface of a film writer. Leaving its context completes the file."""
 
     def __enter__(self) -> Self: ...
 
@@ -34,44 +36,47 @@ class Stream(Protocol):
     ) -> None: ...
 
     def add(self, frame: Image.Image, end: float) -> None:
-        """Show `frame`, palette indices (mode L), until `end` s of film. It must not change afterwards."""
+        """Add `frame`, palette indices (mode L), shown until `end` s of film. The caller must not modify it later."""
         ...
 
 
 @dataclass(frozen=True)
-class Patch:
-    """What changes from one frame to the next: pixels in a box, as the container keeps them."""
+class DirtyRectangle:
+    """Change from one frame to the next: a box, and its pixels in the compression of the container."""
 
     box: Box
     data: bytes
 
 
-class PatchStream(ABC):
-    """A film of which only what changes is stored: of each frame the box that changed, and in it the pixels that did.
+class DirtyRectangleStream(ABC):
+    """Film writer that stores the dirty rectangle of each frame, with the unchanged pixels in it transparent.
 
-    A frame like the one before lengthens it. Subclasses compress the patches and write the container.
+    A frame that equals the previous frame extends the previous frame's delay. Subclasses compress the rectangles and
+    write the container.
 
     Parameters
     ----------
     file : binary file
-        To write to, at its beginning; some containers go back there at their end.
+        Seekable file at position 0. Some containers complete their header at the end.
     size : tuple of int
         Width and height, pixels.
     table : ndarray of uint8, shape (256, 3)
         Red, green and blue of every index.
     """
 
-    # Of the container: the unit of its delays, how many fit into one, and a whole number that divides a box's place.
+    # Ticks per second: the container stores delays as whole ticks.
     TICKS_PER_SECOND: ClassVar[int]
+    # Longest delay that the container can store, ticks.
     MAX_DELAY: ClassVar[int]
-    GRID: ClassVar[int] = 1
+    # Pixels: the container stores box offsets in multiples of this.
+    ALIGNMENT: ClassVar[int] = 1
 
     def __init__(self, file: BinaryIO, size: tuple[int, int], table: Table) -> None:
         self._file = file
         self._size = size
         self.table = table
-        self._shown: Image.Image | None = None
-        self._waiting: Patch | None = None
+        self._previous: Image.Image | None = None
+        self._pending: DirtyRectangle | None = None
         self._delay = self._now = 0
         self._begin()
 
@@ -86,79 +91,79 @@ class PatchStream(ABC):
             self._end()
 
     def add(self, frame: Image.Image, end: float) -> None:
-        """Show `frame`, palette indices (mode L), until `end` s of film. It must not change afterwards."""
-        self.put(self.patch(frame, self._shown, self.table), end)
-        self._shown = frame
+        """Add `frame`, palette indices (mode L), shown until `end` s of film. The caller must not modify it later."""
+        self.put(self.encode(frame, self._previous, self.table), end)
+        self._previous = frame
 
     @classmethod
-    def patch(cls, frame: Image.Image, before: Image.Image | None, table: Table) -> Patch | None:
-        """What turns the frame `before` into `frame`, both palette indices (mode L); None where nothing has to."""
+    def encode(cls, frame: Image.Image, before: Image.Image | None, table: Table) -> DirtyRectangle | None:
+        """Encode the change from the frame `before` to `frame`, palette indices (mode L). None if they are equal."""
         if before is None:
             whole = (0, 0, *frame.size)
-            return Patch(whole, cls._compressed(frame, whole, table))
+            return DirtyRectangle(whole, cls._compress(frame, whole, table))
         changed = ImageChops.difference(frame, before).getbbox()
         if changed is None:
             return None
         left, top, right, bottom = changed
-        box = (left - left % cls.GRID, top - top % cls.GRID, right, bottom)
+        box = (left - left % cls.ALIGNMENT, top - top % cls.ALIGNMENT, right, bottom)
         new, old = np.asarray(frame.crop(box)), np.asarray(before.crop(box))
-        still = _long_runs(new == old)
-        pixels = (new & ~still) | (np.uint8(TRANSPARENT) & still)
-        return Patch(box, cls._compressed(Image.fromarray(pixels), box, table))
+        unchanged = _long_runs(new == old)
+        pixels = (new & ~unchanged) | (np.uint8(TRANSPARENT) & unchanged)
+        return DirtyRectangle(box, cls._compress(Image.fromarray(pixels), box, table))
 
-    def put(self, patch: Patch | None, end: float) -> None:
-        """Show what `patch` makes of the frame before, or the same once more, until `end` s of film."""
-        # Times are rounded, not delays: however many frames, the film is as long as it should be.
-        then = round(end * self.TICKS_PER_SECOND)
-        delay, self._now = then - self._now, then
-        if patch is None and self._delay + delay <= self.MAX_DELAY:
+    def put(self, change: DirtyRectangle | None, end: float) -> None:
+        """Add a frame as the change from the previous frame (None: no change), shown until `end` s of film."""
+        # Times are rounded, not delays, so that rounding errors do not accumulate.
+        end_ticks = round(end * self.TICKS_PER_SECOND)
+        delay, self._now = end_ticks - self._now, end_ticks
+        if change is None and self._delay + delay <= self.MAX_DELAY:
             self._delay += delay
             return
         self._flush()
-        self._waiting, self._delay = patch or self._nothing(), delay
+        self._pending, self._delay = change or self._unchanged(), delay
 
     @classmethod
     @abstractmethod
-    def _compressed(cls, pixels: Image.Image, box: Box, table: Table) -> bytes:
-        """The container's data for `pixels`, palette indices (mode L), over `box`."""
+    def _compress(cls, pixels: Image.Image, box: Box, table: Table) -> bytes:
+        """Compress `pixels`, palette indices (mode L) in `box`, to the container's data."""
 
     @abstractmethod
     def _begin(self) -> None:
-        """Write what comes before the frames."""
+        """Write the header."""
 
     @abstractmethod
-    def _write(self, patch: Patch, delay: int) -> None:
-        """Write one frame that stays for `delay` ticks."""
+    def _write(self, change: DirtyRectangle, delay: int) -> None:
+        """Write one frame with a delay in ticks."""
 
     @abstractmethod
     def _end(self) -> None:
-        """Write what comes after the frames."""
+        """Write the trailer."""
 
-    def _nothing(self) -> Patch:
-        """A patch that changes nothing, for a frame that stays longer than one delay can say."""
+    def _unchanged(self) -> DirtyRectangle:
+        """Return a rectangle without change, for a frame that is shown longer than `MAX_DELAY`."""
         box = (0, 0, 1, 1)
-        return Patch(box, self._compressed(Image.new("L", (1, 1), TRANSPARENT), box, self.table))
+        return DirtyRectangle(box, self._compress(Image.new("L", (1, 1), TRANSPARENT), box, self.table))
 
     def _flush(self) -> None:
-        """Write what waits until its whole delay is known."""
-        if self._waiting is not None:
-            self._write(self._waiting, self._delay)
-            self._waiting = None
+        """Write the pending frame, whose delay is now known."""
+        if self._pending is not None:
+            self._write(self._pending, self._delay)
+            self._pending = None
 
 
 def _long_runs(same: NDArray[np.bool_]) -> NDArray[np.uint8]:
-    """255 where a pixel of `same` is one of 2^RUN_DOUBLINGS or more true ones in a row, 0 elsewhere.
+    """Return 255 where a pixel of `same` is in a run of at least 2^RUN_DOUBLINGS true pixels, 0 elsewhere.
 
-    A row goes on in the next line. All pixels are the bits of one number, which is shifted and compared as a whole.
+    Runs continue from one line to the next. All pixels are bits of one large integer, which is shifted as a whole.
     """
     bits = np.packbits(same)
     runs = int.from_bytes(bits.tobytes())
     steps = [2**i for i in range(RUN_DOUBLINGS)]
     for step in steps:
-        # After these, a bit is set where a whole run begins.
+        # After this loop, a bit is set where a long run begins.
         runs &= runs << step
     for step in steps:
         runs |= runs >> step
-    # What was shifted out at the upper end is not of the picture.
+    # Discard the bits that were shifted beyond the picture.
     kept = (runs & ((1 << 8 * bits.size) - 1)).to_bytes(bits.size)
     return -np.unpackbits(np.frombuffer(kept, dtype=np.uint8), count=same.size).reshape(same.shape)

@@ -1,7 +1,7 @@
-"""MP4, as H.264 by the FFmpeg that imageio brings.
+"""MP4 writer: H.264 by the FFmpeg of imageio.
 
-imageio's own writer starts it and feeds it the same way, but never asks whether it could write its file: FFmpeg writes
-most of it at the very end, when a full disk would go unnoticed.
+imageio's own writer runs the same program but does not check its exit code. FFmpeg writes most of the file at the end,
+so imageio's writer does not detect a full disk.
 """
 
 from __future__ import annotations
@@ -20,15 +20,15 @@ from pymunk_dragon.extras import library
 
 __all__ = ["Mp4Stream", "ffmpeg"]
 
-# x264: a quality at which no one sees a difference between frame and film, at a speed that keeps up with the drawing
-# (8 ms a frame of 640 x 640 with 223 benches on 2 cores; the default preset takes 14 and saves a seventh). It looks 5
-# frames ahead instead of 10, and works in one thread, beside the process that draws: both keep FFmpeg below 90 MB, and
-# the file the same whatever the number of cores.
+# x264 options. CRF 18 has no visible loss. The preset "veryfast" takes 8 ms per frame of 640 x 640 pixels with 223
+# benches on 2 cores; the default preset takes 14 ms and saves a seventh. A look-ahead of 5 frames (default 10) and one
+# thread keep FFmpeg below 90 MB of memory, and make the file independent of the number of cores.
 QUALITY = ["-crf", "18", "-preset", "veryfast", "-x264-params", "rc-lookahead=5", "-threads", "1"]
-# Half the resolution in colour, as every player wants it; which numbers mean which colour is said, not guessed; the
-# index stands in front, so that a browser can play before it has all; and nothing of the machine or the hour.
+# FFmpeg filter: the colour space is BT.709 and is written to the file, so that players need not guess.
 COLOURS = "scale=out_color_matrix=bt709:out_range=tv,setparams=color_primaries=bt709:color_trc=bt709:colorspace=bt709"
-FORM = [
+# FFmpeg options: chroma at half resolution, which every player supports; the index before the data, so that a browser
+# can play an incomplete download; and no encoder version or date in the file.
+FORMAT = [
     "-pix_fmt",
     "yuv420p",
     "-vf",
@@ -43,7 +43,7 @@ FORM = [
 
 
 class Mp4Stream:
-    """Writer of an MP4: a frame every 1 / `fps` s, the same one again while it stays.
+    """Writer of an MP4 with a constant frame rate. A frame that is shown longer is repeated.
 
     Parameters
     ----------
@@ -54,24 +54,24 @@ class Mp4Stream:
     table : ndarray of uint8, shape (256, 3)
         Red, green and blue of every index.
     fps : int
-        Frames a second.
+        Frames per second.
     """
 
     def __init__(self, path: Path, size: tuple[int, int], table: NDArray[np.uint8], fps: int) -> None:
         self._palette = table.tobytes()
         self._fps = fps
         self._written = 0
-        # Colour at half the resolution takes an even number of pixels: an odd one is made even with its last row.
+        # Chroma at half resolution needs even sizes, so an odd width or height repeats its last column or row.
         width, height = size
         self._padding = ((0, height % 2), (0, width % 2), (0, 0))
         even = f"{width + width % 2}x{height + height % 2}"
-        given = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", even, "-r", str(fps), "-i", "-"]
+        source = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", even, "-r", str(fps), "-i", "-"]
         self._process: subprocess.Popen[Any] = subprocess.Popen(
-            [ffmpeg(), "-v", "error", "-y", *given, "-c:v", "libx264", *QUALITY, *FORM, str(path)],
+            [ffmpeg(), "-v", "error", "-y", *source, "-c:v", "libx264", *QUALITY, *FORMAT, str(path)],
             stdin=subprocess.PIPE,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.PIPE,
-            # Ctrl-C is for the one who asked for the film, and ends this too.
+            # Ctrl-C must not reach FFmpeg: this process handles the interrupt and then ends FFmpeg.
             start_new_session=True,
         )
 
@@ -88,7 +88,7 @@ class Mp4Stream:
             self._process.communicate()
 
     def add(self, frame: Image.Image, end: float) -> None:
-        """Show `frame`, palette indices (mode L), until `end` s of film."""
+        """Add `frame`, palette indices (mode L), shown until `end` s of film."""
         coloured = Image.frombuffer("P", frame.size, frame.tobytes())
         coloured.putpalette(self._palette)
         pixels = np.pad(np.asarray(coloured.convert("RGB")), self._padding, mode="edge").tobytes()
@@ -103,20 +103,20 @@ class Mp4Stream:
         self._written = last
 
     def _finish(self) -> None:
-        """Let it come to its end; where that was no success, tell what it complained of first."""
-        _, complaints = self._process.communicate()
+        """Wait for FFmpeg to end. If it failed, raise an error with the first line of its messages."""
+        _, messages = self._process.communicate()
         if self._process.returncode != 0:
-            lines = complaints.decode("utf-8", "replace").splitlines()
+            lines = messages.decode("utf-8", "replace").splitlines()
             raise OSError(lines[0] if lines else f"FFmpeg ended with {self._process.returncode}")
 
 
 def ffmpeg() -> str:
-    """The program.
+    """Return the path of the FFmpeg program.
 
     Raises
     ------
     MissingExtraError
-        If there is none.
+        If FFmpeg is not installed or cannot be run.
     """
     try:
         program: str = library("imageio_ffmpeg").get_ffmpeg_exe()

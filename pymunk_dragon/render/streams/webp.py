@@ -1,11 +1,11 @@
-"""WebP, lossless (WebP container specification, section "Animation").
+"""Lossless WebP writer (WebP container specification, section "Animation").
 
-Pillow compresses each patch as a picture of its own; this module puts its data into the file. Pillow's own animations
-keep all frames before the first is written, imageio's keep their compressed data. Encoding alone, 150 frames of
-640 x 640 with 223 benches (Pillow 13, imageio 2.38 with PyAV 18, 2 cores):
+Pillow compresses each dirty rectangle as a still picture; this module writes its data to the file. Pillow's animation
+writer keeps all frames in memory until it writes the first, imageio's keeps their compressed data. Time to encode
+150 frames of 640 x 640 pixels with 223 benches (Pillow 13, imageio 2.38 with PyAV 18, 2 cores):
 
 ====================================  ==========  =====  ======================================
-way                                   ms a frame  MB     memory
+encoder                               ms a frame  MB     memory
 ====================================  ==========  =====  ======================================
 this module                           9.1         3.9    two frames
 imageio.v3, pyav, libwebp_anim        13          4.8    176 MB, grows with the film
@@ -20,29 +20,33 @@ from io import BytesIO
 from PIL import Image
 
 from pymunk_dragon.render.palette import TRANSPARENT
-from pymunk_dragon.render.streams.base import Box, Patch, PatchStream, Table
+from pymunk_dragon.render.streams.base import Box, DirtyRectangle, DirtyRectangleStream, Table
 
 __all__ = ["WebpStream"]
 
-# Flags of the header: there is an animation, and there is transparency.
-ANIMATION, ALPHA = 0x02, 0x10
-# libwebp's scales of effort, 0 to 6 and, where it is lossless, 0 to 100.
-METHOD, EFFORT = 0, 0
-# Bytes of "RIFF", the length and "WEBP".
-RIFF = 12
+# VP8X flag: the file holds an animation.
+ANIMATION = 0x02
+# VP8X flag: the file uses transparency.
+ALPHA = 0x10
+# libwebp's compression method, 0 (fastest) to 6.
+METHOD = 0
+# libwebp's effort of lossless compression, 0 (fastest) to 100.
+EFFORT = 0
+# Bytes of the RIFF header: "RIFF", the length and "WEBP".
+RIFF_HEADER_LENGTH = 12
 
 
-class WebpStream(PatchStream):
-    """Writer of an animated WebP that plays for ever."""
+class WebpStream(DirtyRectangleStream):
+    """Writer of an animated WebP that repeats without end."""
 
     TICKS_PER_SECOND = 1000
     MAX_DELAY = 0xFFFFFF
-    # Places are stored as halves.
-    GRID = 2
+    # The container stores offsets divided by two.
+    ALIGNMENT = 2
 
     @classmethod
-    def _compressed(cls, pixels: Image.Image, box: Box, table: Table) -> bytes:
-        """The chunk of a still WebP that holds the pixels."""
+    def _compress(cls, pixels: Image.Image, box: Box, table: Table) -> bytes:
+        """Compress pixels to the VP8L chunk of a still WebP."""
         coloured = Image.frombuffer("P", pixels.size, pixels.tobytes())
         coloured.putpalette(table.tobytes())
         coloured.info["transparency"] = TRANSPARENT
@@ -54,23 +58,23 @@ class WebpStream(PatchStream):
         width, height = self._size
         self._file.write(b"RIFF\x00\x00\x00\x00WEBP")
         self._chunk(b"VP8X", bytes([ANIMATION | ALPHA, 0, 0, 0]) + _uint24(width - 1) + _uint24(height - 1))
-        # A transparent background, and as many rounds as the viewer likes.
+        # Transparent background; loop count 0, which repeats without end.
         self._chunk(b"ANIM", struct.pack("<IH", 0, 0))
 
-    def _write(self, patch: Patch, delay: int) -> None:
-        left, top, right, bottom = patch.box
-        place = left // self.GRID, top // self.GRID, right - left - 1, bottom - top - 1
-        # A last byte of 0 is "blend, and leave the frame in place".
-        head = b"".join(_uint24(number) for number in (*place, delay)) + b"\x00"
-        self._chunk(b"ANMF", head + patch.data)
+    def _write(self, change: DirtyRectangle, delay: int) -> None:
+        left, top, right, bottom = change.box
+        rectangle = left // self.ALIGNMENT, top // self.ALIGNMENT, right - left - 1, bottom - top - 1
+        # A last byte of 0 means alpha blending and no disposal.
+        head = b"".join(_uint24(number) for number in (*rectangle, delay)) + b"\x00"
+        self._chunk(b"ANMF", head + change.data)
 
     def _end(self) -> None:
-        length = self._file.tell() - RIFF + 4
+        length = self._file.tell() - RIFF_HEADER_LENGTH + 4
         self._file.seek(4)
         self._file.write(struct.pack("<I", length))
 
     def _chunk(self, kind: bytes, data: bytes) -> None:
-        # A chunk of an odd length is followed by a zero that the length does not count.
+        # A chunk of odd length is padded with a zero byte, which is not part of its length.
         self._file.write(kind + struct.pack("<I", len(data)) + data + b"\x00" * (len(data) % 2))
 
 
@@ -79,8 +83,8 @@ def _uint24(number: int) -> bytes:
 
 
 def _chunk_of(picture: bytes, wanted: bytes) -> bytes:
-    """One chunk of a WebP picture, its name and length included."""
-    at = RIFF
+    """Find a chunk of a WebP picture, and return it with its name and length."""
+    at = RIFF_HEADER_LENGTH
     while at < len(picture):
         kind, length = struct.unpack_from("<4sI", picture, at)
         end = at + 8 + length + length % 2

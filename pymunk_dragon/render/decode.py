@@ -1,4 +1,4 @@
-"""Pictures and films that were written, read again."""
+"""Reads pictures and films from the content of their files."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ __all__ = ["last_frame", "picture_size"]
 
 
 def picture_size(content: bytes) -> tuple[int, int]:
-    """Width and height in pixels of a picture or film, given as the content of its file."""
+    """Return width and height, pixels, of a picture or film from the content of its file."""
     with Image.open(io.BytesIO(content)) as opened:
         return opened.size
 
 
 def last_frame(content: bytes) -> bytes:
-    """The last frame of a film, given as the content of its file, as the bytes of a PNG."""
+    """Return the last frame of a film as PNG, from the content of the film's file."""
     still = io.BytesIO()
     with Image.open(io.BytesIO(content)) as film:
         *_, last = (frame.convert("RGB") for frame in ImageSequence.Iterator(film))

@@ -1,4 +1,4 @@
-"""The grid partition with its indices, and which benches are filed in which cells (the paper's figure 6)."""
+"""Figure of the grid partition: cells, their indices, and the benches in them (the paper's figure 6)."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from pymunk_dragon.render.figures.style import (
     page,
     panel,
 )
-from pymunk_dragon.render.figures.times import Stretch, ending, in_words, spirals_in
+from pymunk_dragon.render.figures.times import TimeInterval, contact_or_end, describe, spirals_in
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -31,19 +31,21 @@ __all__ = ["grid"]
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-# Between the lines of a key, as a share of the axes.
+# Distance between the lines of the key, as a fraction of the axes.
 KEY_STEP = 0.065
-# Inches between the indices of a grid's cells, and the shortest bench that has room for its number.
-INDEX_ROOM, NUMBER_ROOM = 0.28, 0.5
-# What is filed in a cell, by its shade.
+# Inches: least distance between the indices of cells.
+INDEX_SPACING = 0.28
+# Inches: length of the shortest bench that is labelled with its number.
+MIN_NUMBERED_LENGTH = 0.5
+# Colour and content of the cells.
 SHADES = ((FAINT, "one bench"), (SHARED, "neighbours only"), (CANDIDATE, "candidates"))
 
 
-def grid(march: March, look: Stretch) -> Figure:
-    """The grid partition at the first contact, and which benches are filed in which cells (the paper's figure 6)."""
+def grid(march: March, interval: TimeInterval) -> Figure:
+    """Draw the grid partition at the first contact, and the benches in its cells (the paper's figure 6)."""
     from matplotlib.colors import ListedColormap
 
-    hit = ending(march, look)
+    hit = contact_or_end(march, interval)
     dragon, cells = march.dragon, Grid.of(march)
     poses = march.at(hit.time).poses[0]
     corners = dragon.outlines(poses)
@@ -52,13 +54,13 @@ def grid(march: March, look: Stretch) -> Figure:
     touching = hit.benches or ()
     touch = " of {} and {}".format(*touching) if touching else ""
     apart = (dragon.benches - 1) * (dragon.benches - 2) // 2
-    # A title has room for so many characters.
+    # The title omits these words if the numbers are long.
     of_benches = "of benches " if apart < 10_000 else ""
     figure = page(
         8.0,
         8.3,
         f"Of {apart} pairs {of_benches}that share no hole, {len(pairs)} share a cell and are tested",
-        f"at {in_words(hit)}{touch}, {hit.time:.2f} s; cells of {cells.cell:g} m, counted from {origin} m",
+        f"at {describe(hit)}{touch}, {hit.time:.2f} s; cells of {cells.cell:g} m, counted from {origin} m",
     )
     hollow = spirals_in(march)
     axes = panel(figure, 0.75, 0.3, 6.95, 6.6) if hollow else panel(figure, 0.75, 0.75, 6.95, 6.15)
@@ -73,7 +75,7 @@ def grid(march: March, look: Stretch) -> Figure:
         hits = bench in touching
         style: dict[str, Any] = {"color": COLOURS.contact, "lw": 2.2} if hits else {"color": COLOURS.ink, "lw": 1.1}
         axes.fill(*outline.T, fill=False, gid=f"bench-{bench}", zorder=4 if hits else 3, **style)
-        if dragon.lengths[bench] * scale >= NUMBER_ROOM:
+        if dragon.lengths[bench] * scale >= MIN_NUMBERED_LENGTH:
             across, up, _ = poses[bench].tolist()
             axes.text(
                 across, up, str(bench), color=style["color"], ha="center", va="center", zorder=5, path_effects=halo()
@@ -86,9 +88,9 @@ def grid(march: March, look: Stretch) -> Figure:
 
 
 def _kinds(cells: Grid, corners: Array) -> tuple[Indices, tuple[int, int]]:
-    """What is filed in the cells around the benches, and index (i, j) of the first one.
+    """Return the content of the cells around the benches, and the index (i, j) of the first cell.
 
-    0: nothing; 1: one bench; 2: neighbours; 3: benches that are not neighbours.
+    0: empty; 1: one bench; 2: neighbours; 3: benches that are not neighbours.
     """
     filed, benches = cells.file(corners)
     first = filed.min(axis=0) - 1
@@ -102,7 +104,7 @@ def _kinds(cells: Grid, corners: Array) -> tuple[Indices, tuple[int, int]]:
 
 
 def _indices(axes: Axes, x: Array, y: Array, top: int, left: int) -> float:
-    """Frame the cells and number them; the scale in inches per m."""
+    """Set the axes' limits to the cells, label rows and columns, and return the scale in inches per m."""
     axes.set_aspect("equal")
     axes.set_xlim(x[0], x[-1])
     axes.set_ylim(y[-1], y[0])
@@ -112,7 +114,7 @@ def _indices(axes: Axes, x: Array, y: Array, top: int, left: int) -> float:
     axes.tick_params(length=0, labelbottom=False, labeltop=True)
     box = axes.get_window_extent()
     scale = float(box.width / axes.figure.dpi / (x[-1] - x[0]))
-    every = int(np.ceil(INDEX_ROOM / scale / (x[1] - x[0])))
+    every = int(np.ceil(INDEX_SPACING / scale / (x[1] - x[0])))
     for axis, edges, begin in ((axes.xaxis, x, left), (axes.yaxis, y, top)):
         numbers = np.arange(begin, begin + len(edges) - 1)
         shown = numbers % every == 0
@@ -124,7 +126,7 @@ def _indices(axes: Axes, x: Array, y: Array, top: int, left: int) -> float:
 
 
 def _shade_key(axes: Axes) -> None:
-    """What the shades of the grid mean, in the middle of the dragon."""
+    """Draw the key of the cells' colours at the centre of the spiral."""
     (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
     x, middle = (left + right) / 2 - KEY_STEP * (right - left), (bottom + top) / 2
     for row, (shade, text) in enumerate(SHADES):
@@ -136,11 +138,11 @@ def _shade_key(axes: Axes) -> None:
 
 
 def _shade_line(figure: Figure) -> None:
-    """What the shades of the grid mean, in a line below it: no other curve is sure to leave its middle free."""
+    """Draw the key of the cells' colours below the grid, for curves without free space at their centre."""
     axes = panel(figure, 0.75, 0.2, 6.95, 0.4)
     axes.set_axis_off()
     axes.set_xlim(0, len(SHADES))
     axes.set_ylim(-1, 1)
-    for place, (shade, text) in enumerate(SHADES):
-        axes.plot(place + 0.1, 0, "s", color=shade, ms=17, mec=RULE)
-        axes.annotate(text, (place + 0.1, 0), (14, 0), textcoords="offset points", va="center_baseline")
+    for column, (shade, text) in enumerate(SHADES):
+        axes.plot(column + 0.1, 0, "s", color=shade, ms=17, mec=RULE)
+        axes.annotate(text, (column + 0.1, 0), (14, 0), textcoords="offset points", va="center_baseline")

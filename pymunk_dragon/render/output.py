@@ -1,4 +1,4 @@
-"""Films and stills of a run, or of a march, or of several side by side."""
+"""Writes films and still pictures of one run or march, or of several side by side."""
 
 from __future__ import annotations
 
@@ -14,26 +14,29 @@ from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.files import check_destination, written_in_place
 from pymunk_dragon.march import March
 from pymunk_dragon.render.camera import HEAD_SPAN
+from pymunk_dragon.render.canvas import Canvas
+from pymunk_dragon.render.encode import encode_frames
 from pymunk_dragon.render.film import Film, shared_window
-from pymunk_dragon.render.filming import expose
 from pymunk_dragon.render.moments import Source, check_marks, largest_impulse, moments
 from pymunk_dragon.render.scene import Scene
-from pymunk_dragon.render.sheet import Sheet
 from pymunk_dragon.render.streams import FILM_ENDINGS, check_ending, open_stream
 from pymunk_dragon.run import Run
 
-__all__ = ["STILL_ENDINGS", "make_sheet", "render", "still", "still_png", "write_film", "write_still"]
+__all__ = ["STILL_ENDINGS", "make_canvas", "render", "still", "still_png", "write_film", "write_still"]
 
 Array = NDArray[np.float64]
 Progress = Callable[[int, int], None]
 
+# All endings of still pictures, in lower case.
 STILL_ENDINGS = (".png",)
-# Side by side; more would be too small to see.
+# Pictures side by side: more would be too small to see.
 MAX_PANELS = 4
-# Processes: more than any machine has that films a dragon.
+# Processes: more than common machines have cores.
 MAX_WORKERS = 64
-# Samples of the march from which the field in view is found, and the free border around it as a share.
-FIELD_SAMPLES, FIELD_BORDER = 64, 0.03
+# Times at which the extent of the dragon is sampled to find the field of view.
+FIELD_SAMPLES = 64
+# Free border on each side of the field of view, as a fraction of its size.
+FIELD_BORDER = 0.03
 
 
 def render(
@@ -44,7 +47,7 @@ def render(
     workers: int = 0,
     **options: Any,
 ) -> None:
-    """Write a film: `write_film` with the parameters of `Film` given one by one.
+    """Write a film: `write_film` with the parameters of `Film` as keyword arguments.
 
     Examples
     --------
@@ -60,32 +63,32 @@ def write_film(
     progress: Progress | None = None,
     workers: int = 0,
 ) -> None:
-    """Write a film, frame by frame: it takes no more memory the longer it gets.
+    """Write a film frame by frame; memory use does not depend on its length.
 
     Parameters
     ----------
     source : Run or March, or a sequence of them
-        A run is played from its frames, a march by the exact model. Several stand side by side, in step; one that is
-        over stays as it ended.
+        A run is played from its frames, a march by the exact model. Several sources are shown side by side at the same
+        time; a run that has ended keeps its last frame.
     path : path
-        File to write: .gif, .apng, .webp, or .mp4 with the extra `mp4`. An interrupted film leaves the old file or
-        none.
+        File to write: .gif, .apng, .webp, or .mp4 with the extra `mp4`. If writing is interrupted, an old file is kept
+        and no incomplete file is left.
     film : Film, optional
-        Speed, size, window, camera, marks, words and colours.
+        Speed, size, window, camera, marks, texts and colours.
     progress : callable, optional
-        Told the number of frames done, and of all frames, after each one.
+        Function called after each frame with the number of frames done and the number of all frames.
     workers : int
-        Other processes that help with films of 150 frames and more; the film is the same to the byte. As always with
-        processes in Python, a script that asks for them must guard its start with `if __name__ == "__main__":`.
+        Number of worker processes for films of 150 frames and more. The film does not depend on this number, to the
+        byte. A script that uses workers must guard its entry point with `if __name__ == "__main__":`.
 
     Raises
     ------
     ParameterError
-        If the file cannot be made, or the film does not fit the run.
+        If the file cannot be created, or the film does not fit the run.
     UnreachableError
-        If a march's dragon has no place on its curve within the film.
+        If the dragon of a march does not fit on its curve at a time of the film.
     MissingExtraError
-        If it is an MP4, and FFmpeg is not installed.
+        If the film is an MP4 and FFmpeg is not installed.
     OutputError
         If writing fails.
     """
@@ -95,25 +98,26 @@ def write_film(
     destination = check_destination(path, FILM_ENDINGS)
     check_ending(destination, film.fps)
     times = film.times(sources)
-    sheet = make_sheet(sources, film, times)
-    views = zip(*(moments(one, times, film.show) for one in sources), strict=True)
-    told = progress or (lambda done, total: None)
+    canvas = make_canvas(sources, film, times)
+    frame_moments = zip(*(moments(source, times, film.show) for source in sources), strict=True)
+    report = progress or (lambda done, total: None)
     with (
         written_in_place(destination) as draft,
-        open_stream(draft, sheet.size, film.palette.table, film.fps) as stream,
+        open_stream(draft, canvas.size, film.palette.table, film.fps) as stream,
     ):
-        expose(stream, sheet, views, film.ends(times).tolist(), workers, lambda done: told(done, len(times)))
+        ends = film.ends(times).tolist()
+        encode_frames(stream, canvas, frame_moments, ends, workers, lambda done: report(done, len(times)))
 
 
 def write_still(source: Source | Sequence[Source], time: float, path: str | Path, film: Film | None = None) -> None:
-    """Write one picture as PNG: what `film`, its window aside, shows at `time` s.
+    """Write the picture at `time`, s, as PNG, drawn as in `film`; the film's window is ignored.
 
     Raises
     ------
     ParameterError
-        If the file cannot be made, or `time` is outside the run.
+        If the file cannot be created, or `time` is outside the run.
     UnreachableError
-        If the march's dragon has no place on its curve at `time`.
+        If the dragon of a march does not fit on its curve at `time`.
     OutputError
         If writing fails.
     """
@@ -124,8 +128,8 @@ def write_still(source: Source | Sequence[Source], time: float, path: str | Path
 
 
 def still_png(source: Source | Sequence[Source], time: float, film: Film | None = None) -> bytes:
-    """What `write_still` writes."""
-    # It takes longer to load than all the rest, and films do without it.
+    """Return the content of the PNG file that `write_still` writes."""
+    # Imported here because imageio loads slowly and films do not use it.
     import imageio.v3 as iio
 
     picture: bytes = iio.imwrite("<bytes>", still(source, time, film), extension=".png")
@@ -133,33 +137,33 @@ def still_png(source: Source | Sequence[Source], time: float, film: Film | None 
 
 
 def still(source: Source | Sequence[Source], time: float, film: Film | None = None) -> NDArray[np.uint8]:
-    """One picture as red, green and blue (height, width, 3): what `film`, its window aside, shows at `time` s.
+    """Draw the picture at `time`, s, as red, green and blue (height, width, 3); the window of `film` is ignored.
 
     Raises
     ------
     ParameterError
         If `time` is outside the run.
     UnreachableError
-        If the march's dragon has no place on its curve at `time`.
+        If the dragon of a march does not fit on its curve at `time`.
     """
     film = film or Film()
     sources = _sources(source)
     begin, end = shared_window(sources)
     finite("time", time, begin, end, "s")
     times = np.array([time], dtype=float)
-    picture = make_sheet(sources, film, times).draw([next(moments(one, times, film.show)) for one in sources])
+    picture = make_canvas(sources, film, times).draw([next(moments(one, times, film.show)) for one in sources])
     colours: NDArray[np.uint8] = film.palette.table[np.asarray(picture)]
     return colours
 
 
-def make_sheet(sources: Sequence[Source], film: Film, times: Array) -> Sheet:
-    """What draws the frames of a film at `times` (F,) in s."""
+def make_canvas(sources: Sequence[Source], film: Film, times: Array) -> Canvas:
+    """Create the canvas that draws the frames of a film at `times` (F,), s."""
     for source in sources:
         check_marks(source, film.show)
     centre, span = (0.0, 0.0), HEAD_SPAN * max(float(_march(source).dragon.widths[0]) for source in sources)
     if film.camera.follow == "field":
         sample = np.linspace(times[0], times[-1], min(FIELD_SAMPLES, len(times)))
-        # All from the same distance: what stands side by side is to be compared.
+        # One scale for all scenes, because pictures side by side are compared.
         corners = np.array([_extent(source, sample) for source in sources])
         low, high = corners[:, 0].min(axis=0), corners[:, 1].max(axis=0)
         centre = (float(low[0] + high[0]) / 2, float(low[1] + high[1]) / 2)
@@ -184,7 +188,7 @@ def make_sheet(sources: Sequence[Source], film: Film, times: Array) -> Sheet:
     headings = film.headings or (tuple(map(_heading, sources)) if len(sources) > 1 else ())
     if headings and len(headings) != len(sources):
         raise ParameterError("headings", headings, f"one for each picture, so {len(sources)}")
-    return Sheet(scenes, headings, film.title, film.caption, film.font)
+    return Canvas(scenes, headings, film.title, film.caption, film.font)
 
 
 def _sources(source: Any) -> tuple[Source, ...]:
@@ -202,13 +206,13 @@ def _march(source: Source) -> March:
 
 
 def _window(source: Source, times: Array) -> tuple[float, float]:
-    """First and last time in s of a run, or of the pictures at `times` (F,) of a march."""
+    """Return the first and last time, s, of a run, or of the frame times `times` (F,) of a march."""
     known = source.times if isinstance(source, Run) else times
     return float(known[0]), float(known[-1])
 
 
 def _heading(source: Source) -> str:
-    """Who played, in a word or two."""
+    """Return a heading that names the model and its options."""
     if isinstance(source, March) or source.provenance.get("player") == "exact":
         return "exact model"
     words = ["engine"]
@@ -221,7 +225,7 @@ def _heading(source: Source) -> str:
 
 
 def _extent(source: Source, times: Array) -> tuple[Array, Array]:
-    """Lower left and upper right corner, m, of the ground that the dragon covers at `times`."""
+    """Return the lower left and upper right corner, m, of the dragon's bounding box over `times`."""
     dragon = _march(source).dragon
     corners = [dragon.outlines(moment.poses).reshape(-1, 2) for moment in moments(source, times)]
     return np.min([c.min(axis=0) for c in corners], axis=0), np.max([c.max(axis=0) for c in corners], axis=0)

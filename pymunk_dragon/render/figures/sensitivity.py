@@ -1,4 +1,4 @@
-"""Sensitivity: what a millimetre of each size does, and how far that holds."""
+"""Figure of the sensitivity study: derivatives with respect to each size, and their range of validity."""
 
 from __future__ import annotations
 
@@ -14,75 +14,81 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["slopes"]
+__all__ = ["sensitivity"]
 
-# Inches: of a row, above and below the rows of a table, and from the page's top to the first one.
-ROW, HEAD, FOOT, TOP = 0.47, 0.45, 0.8, 0.95
-# Factor by which an axis of slopes goes on beyond the least and the greatest.
-BEYOND = 3.0
+# Inches: height of a row.
+ROW_HEIGHT = 0.47
+# Inches above the rows of a table, for its heading.
+HEADING_HEIGHT = 0.45
+# Inches below the rows of a table, for its axis.
+FOOTER_HEIGHT = 0.8
+# Inches from the page's top to the first table, for title and subtitle.
+TITLE_HEIGHT = 0.95
+# Ratio of an axis limit to the largest slope, and of the smallest slope to the other limit: leaves space for labels.
+AXIS_MARGIN = 3.0
 
 
-def slopes(found: Sensitivity) -> Figure:
-    """The answer of `sensitivity`."""
+def sensitivity(found: Sensitivity) -> Figure:
+    """Draw the result of the study `sensitivity`."""
     first, second = found.benches
     parts = [(f"first contact, {found.time:.4f} s, benches {first} and {second}", "s", 1e3, found.times)]
     if found.smallest.benches is not None:
         first, second = found.smallest.benches
         name = f"smallest pitch, {found.smallest.pitch:.6f} m, benches {first} and {second}"
         parts.append((name, "mm", 1.0, found.pitches))
-    height = TOP + sum(HEAD + FOOT + ROW * len(rows) for *_, rows in parts)
+    height = TITLE_HEIGHT + sum(HEADING_HEIGHT + FOOTER_HEIGHT + ROW_HEIGHT * len(rows) for *_, rows in parts)
     figure = page(
         8.0,
         height,
         "What a millimetre does to the first contact, and to the smallest pitch",
         "exact slopes; and how far each size may change until the two touch no more, or others first",
     )
-    top = height - TOP
+    top = height - TITLE_HEIGHT
     for name, unit, per, rows in parts:
-        top -= HEAD
-        tall = ROW * len(rows)
+        top -= HEADING_HEIGHT
+        tall = ROW_HEIGHT * len(rows)
         figure.text(0.3 / 8.0, (top + 0.12) / height, name, size=11.5)
-        _slopes(panel(figure, 1.5, top - tall, 2.75, tall), unit, per, rows)
-        _reaches(panel(figure, 4.6, top - tall, 3.0, tall), rows)
-        top -= tall + FOOT
+        _draw_slopes(panel(figure, 1.5, top - tall, 2.75, tall), unit, per, rows)
+        _draw_reaches(panel(figure, 4.6, top - tall, 3.0, tall), rows)
+        top -= tall + FOOTER_HEIGHT
     return figure
 
 
-def _slopes(axes: Axes, unit: str, per: float, rows: Sequence[Slope]) -> None:
-    """How large each slope is: to the right where the answer grows, hollow where it falls."""
+def _draw_slopes(axes: Axes, unit: str, per: float, rows: Sequence[Slope]) -> None:
+    """Draw the magnitude of each slope; markers of negative slopes are hollow."""
     from matplotlib.ticker import NullLocator
 
     values = np.array([row.slope / per for row in rows])
     sizes = np.abs(values)
     axes.set_xscale("log")
-    axes.set_xlim(sizes.min() / BEYOND, sizes.max() * BEYOND)
-    _rows(axes, [row.size.replace("_", " ") for row in rows])
-    for place, (value, size) in enumerate(zip(values.tolist(), sizes.tolist(), strict=True)):
-        axes.plot([axes.get_xlim()[0], size], [place, place], color=RULE, lw=1.4, zorder=1)
+    axes.set_xlim(sizes.min() / AXIS_MARGIN, sizes.max() * AXIS_MARGIN)
+    _label_rows(axes, [row.size.replace("_", " ") for row in rows])
+    for row_index, (value, size) in enumerate(zip(values.tolist(), sizes.tolist(), strict=True)):
+        axes.plot([axes.get_xlim()[0], size], [row_index, row_index], color=RULE, lw=1.4, zorder=1)
         face = BLUE if value > 0 else COLOURS.background
-        axes.plot(size, place, "o", color=BLUE, mfc=face, ms=7, mew=1.8, gid=f"slope-{rows[place].size}")
+        axes.plot(size, row_index, "o", color=BLUE, mfc=face, ms=7, mew=1.8, gid=f"slope-{rows[row_index].size}")
         text = f"{value:+.5f}".replace("-", "\N{MINUS SIGN}")
-        axes.annotate(text, (size, place), (0, 7), textcoords="offset points", ha="center", size=10.5)
+        axes.annotate(text, (size, row_index), (0, 7), textcoords="offset points", ha="center", size=10.5)
     axes.xaxis.set_major_formatter("{x:g}")
     axes.xaxis.set_minor_locator(NullLocator())
     axes.set_xlabel(f"{unit} for each mm more; hollow: less")
 
 
-def _reaches(axes: Axes, rows: Sequence[Slope]) -> None:
-    """How far each size may change."""
-    _rows(axes, [""] * len(rows))
-    for place, row in enumerate(rows):
+def _draw_reaches(axes: Axes, rows: Sequence[Slope]) -> None:
+    """Draw the range in which each size may change without a change of the contact."""
+    _label_rows(axes, [""] * len(rows))
+    for row_index, row in enumerate(rows):
         if row.less is None or row.more is None:
             continue
         low, high = (100 * reach.unchanged / row.value for reach in (row.less, row.more))
-        axes.plot([low, high], [place, place], color=BLUE, lw=5, solid_capstyle="butt", gid=f"reach-{row.size}")
-        for end, reach, way in ((low, row.less, -1), (high, row.more, 1)):
+        axes.plot([low, high], [row_index, row_index], color=BLUE, lw=5, solid_capstyle="butt", gid=f"reach-{row.size}")
+        for end, reach, direction in ((low, row.less, -1), (high, row.more, 1)):
             axes.annotate(
-                _end(reach),
-                (end, place),
-                (5 * way, 0),
+                _describe_end(reach),
+                (end, row_index),
+                (5 * direction, 0),
                 textcoords="offset points",
-                ha="left" if way > 0 else "right",
+                ha="left" if direction > 0 else "right",
                 va="center_baseline",
                 size=10.5,
                 color=COLOURS.ink if reach.changed is not None else QUIET,
@@ -93,14 +99,14 @@ def _reaches(axes: Axes, rows: Sequence[Slope]) -> None:
     axes.set_xlabel("change of the size, %; grey: looked no further")
 
 
-def _end(reach: Reach) -> str:
+def _describe_end(reach: Reach) -> str:
     change = f"{1e3 * reach.unchanged:+.3g} mm".replace("-", "\N{MINUS SIGN}")
     if reach.by == "another pair" and reach.benches is not None:
         return change + "\nthen {} and {}".format(*reach.benches)
     return change + {"no contact": "\nthen not", "another corner": "\nother corner"}.get(reach.by, "")
 
 
-def _rows(axes: Axes, names: Sequence[str]) -> None:
+def _label_rows(axes: Axes, names: Sequence[str]) -> None:
     axes.set_ylim(len(names) - 0.5, -0.5)
     axes.set_yticks(range(len(names)), names)
     axes.tick_params(axis="y", length=0, labelcolor=COLOURS.ink)
