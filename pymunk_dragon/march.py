@@ -40,7 +40,7 @@ class States(ArrayRecord):
     ----------
     times : ndarray, shape (T,)
         s.
-    places : ndarray, shape (T, H)
+    handles_s : ndarray, shape (T, H)
         Arc-length coordinates of the handles, m.
     positions, velocities : ndarray, shape (T, H, 2)
         m and m/s.
@@ -49,18 +49,18 @@ class States(ArrayRecord):
     """
 
     times: Array
-    places: Array
+    handles_s: Array
     positions: Array
     velocities: Array
     speeds: Array
 
     def __post_init__(self) -> None:
-        for array in (self.times, self.places, self.positions, self.velocities, self.speeds):
+        for array in (self.times, self.handles_s, self.positions, self.velocities, self.speeds):
             read_only(array)
 
     def __repr__(self) -> str:
         span = f" from {self.times.min():g} s to {self.times.max():g} s" if self.times.size else ""
-        return f"States({self.places.shape[1]} handles at {self.times.size} times{span})"
+        return f"States({self.handles_s.shape[1]} handles at {self.times.size} times{span})"
 
     @cached_property
     def poses(self) -> Array:
@@ -123,7 +123,7 @@ class March(Displayed):
             raise ParameterError("pitch", self.curve.pitch, f"more than the width, {widest:g} m")
         self._check_start()
         try:
-            self.parameters(0.0)
+            self.handles_s(0.0)
         except UnreachableError as error:
             raise self._misfit(error) from error
 
@@ -144,9 +144,9 @@ class March(Displayed):
         handle = error.handle
         if self.start is None and isinstance(self.curve, Spiral):
             name = "head_spacing" if handle == 1 else "body_spacing"
-            bound = f"short enough for the curve at turn {self.turns:g}: handle {handle} has no place there"
+            bound = f"short enough for the curve at turn {self.turns:g}: handle {handle} has no coordinate there"
             return ParameterError(name, getattr(self.dragon, name), bound)
-        bound = f"a place with room for the whole dragon behind it: handle {handle} has none"
+        bound = f"a coordinate with room for the whole dragon behind it: handle {handle} has none"
         return ParameterError("start", self.head_start, bound)
 
     @cached_property
@@ -187,11 +187,11 @@ class March(Displayed):
         Raises
         ------
         ParameterError
-            As `parameters` does.
+            As `handles_s` does.
         """
         first, last = self.curve.begin, self.curve.end
         if first == -np.inf:
-            tails = self.places([since, 0.0])[:, -1]
+            tails = self.handles_s_or_nan([since, 0.0])[:, -1]
             first = float(tails[1] if np.isnan(tails[0]) else tails[0])
         if last == np.inf:
             last = self.head_start + float(self.distance(until))
@@ -215,7 +215,7 @@ class March(Displayed):
         """Times (T,) in s at which handle 0 has travelled the `distances` (T,) in m since t = 0."""
         return self.speed_profile.time(distances)
 
-    def parameters(self, times: ArrayLike, handles: int | None = None) -> Array:
+    def handles_s(self, times: ArrayLike, handles: int | None = None) -> Array:
         """Arc-length coordinates (T, H) of the first `handles` (all by default) at `times` (T,), m.
 
         Raises
@@ -226,18 +226,18 @@ class March(Displayed):
             If continuous motion has ended for a handle: the first such time, and the first such handle then.
         """
         t = self._checked(times)
-        places = self.places(t, handles)
-        if np.isnan(places).any():
-            self._raise_unreachable(t, places)
-        return places
+        coordinates = self.handles_s_or_nan(t, handles)
+        if np.isnan(coordinates).any():
+            self._raise_unreachable(t, coordinates)
+        return coordinates
 
-    def places(self, times: ArrayLike, handles: int | None = None) -> Array:
+    def handles_s_or_nan(self, times: ArrayLike, handles: int | None = None) -> Array:
         """The same, with nan for handles that have no coordinate at a time, and for all behind them.
 
         Raises
         ------
         ParameterError
-            As `parameters` does.
+            As `handles_s` does.
         """
         t = self._checked(times)
         number = self.dragon.handles
@@ -268,8 +268,8 @@ class March(Displayed):
     def _earliest(self) -> float:
         return float(self.time(-MAX_RETREAT))
 
-    def _raise_unreachable(self, times: Array, places: Array) -> None:
-        lost = np.isnan(places)
+    def _raise_unreachable(self, times: Array, coordinates: Array) -> None:
+        lost = np.isnan(coordinates)
         affected = np.flatnonzero(lost.any(axis=1))
         row = affected[np.argmin(times[affected])]
         handle = int(np.argmax(lost[row]))
@@ -278,7 +278,7 @@ class March(Displayed):
         elif handle == 0:
             reason = f"the curve ends at t = {self.end:.6g} s"
         else:
-            spacing, front = self.dragon.spacings[handle - 1], places[row, handle - 1]
+            spacing, front = self.dragon.spacings[handle - 1], coordinates[row, handle - 1]
             # The arc of a bench is at most half a circle.
             if front - self.curve.begin < np.pi / 2 * spacing and self._away_from_begin(front) < spacing:
                 reason = f"the curve begins less than a spacing of {spacing:g} m behind handle {handle - 1}"
@@ -286,9 +286,9 @@ class March(Displayed):
                 reason = f"the curve bends too tightly for a spacing of {spacing:g} m"
         raise UnreachableError(float(times[row]), handle, reason)
 
-    def _away_from_begin(self, place: float) -> float:
+    def _away_from_begin(self, coordinate: float) -> float:
         """Straight distance of a coordinate from the curve's begin, m."""
-        begin, there = point(self.curve, [self.curve.begin, place])
+        begin, there = point(self.curve, [self.curve.begin, coordinate])
         return float(np.hypot(*(there - begin)))
 
     def at(self, times: ArrayLike, handles: int | None = None) -> States:
@@ -300,19 +300,19 @@ class March(Displayed):
         Raises
         ------
         ParameterError, UnreachableError
-            As `parameters` does.
+            As `handles_s` does.
         """
         t = self._checked(times)
-        places = self.parameters(t, handles)
-        positions, tangents = frame(self.curve, places)
+        coordinates = self.handles_s(t, handles)
+        positions, tangents = frame(self.curve, coordinates)
         along = positions[:, :-1] - positions[:, 1:]
         front = np.sum(tangents[:, :-1] * along, axis=-1)
         rear = np.sum(tangents[:, 1:] * along, axis=-1)
         # Signed along the path: a head at more than a right angle to its bench pushes the rear handle back.
-        rates = np.empty(places.shape)
+        rates = np.empty(coordinates.shape)
         rates[:, 0] = self.speed_profile.at(t)
         rates[:, 1:] = rates[:, :1] * np.cumprod(front / rear, axis=1)
-        return States(t, places, positions, rates[..., None] * tangents, np.abs(rates))
+        return States(t, coordinates, positions, rates[..., None] * tangents, np.abs(rates))
 
     def speeds_by_difference(self, times: ArrayLike, step: float) -> Array:
         """Speeds (T, H) in m/s by the paper's forward difference over `step` s (eq. 15), for comparison.
@@ -329,7 +329,7 @@ class March(Displayed):
         if not isinstance(self.curve, Spiral):
             raise ParameterError("curve", type(self.curve).__name__, "a Spiral, which has polar angles")
         t = self._checked(times)
-        now, later = (self.curve.angle(self.parameters(when)) for when in (t, t + step))
+        now, later = (self.curve.angle(self.handles_s(when)) for when in (t, t + step))
         speeds: Array = self.curve.k * np.hypot(now, 1) * np.abs(later - now) / step
         return speeds
 

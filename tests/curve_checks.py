@@ -25,13 +25,13 @@ def assert_is_a_curve(
     """Check a curve between two places, both within its ends, and what it says beyond its ends.
 
     Points must have the tangent as their derivative, and tangents the curvature, but for `joints` where that jumps;
-    `sharpest` must be above all curvatures; shapes must follow those of the places; beyond the ends is nan.
+    `max_curvature` must be above all curvatures; shapes must follow those of the places; beyond the ends is nan.
     """
     assert isinstance(curve, Curve)
     assert curve.begin <= low < high <= curve.end
     s = np.linspace(low, high, PLACES)
     _check_derivatives(curve, s, joints, tolerance)
-    _check_sharpest(curve, s)
+    _check_max_curvature(curve, s)
     _check_shapes(curve, s)
     _check_ends(curve, low, high)
 
@@ -50,13 +50,13 @@ def _check_derivatives(curve, s, joints, tolerance):
     assert np.abs(turned - bends[:, None] * normals).max() < tolerance * size**1.5
 
 
-def _check_sharpest(curve, s):
+def _check_max_curvature(curve, s):
     bends = np.abs(curve.curvature(s))
     starts = np.arange(0, s.size, 7)
     for width in (0, 1, 2, 5, 40, s.size // 3, s.size):
         stops = np.minimum(starts + width, s.size - 1)
-        bound = curve.sharpest(s[starts], s[stops])
-        assert np.all(bound == curve.sharpest(s[stops], s[starts]))
+        bound = curve.max_curvature(s[starts], s[stops])
+        assert np.all(bound == curve.max_curvature(s[stops], s[starts]))
         assert np.all(bound * (1 + ROUNDING) >= [bends[a : b + 1].max() for a, b in zip(starts, stops, strict=True)])
 
 
@@ -69,9 +69,11 @@ def _check_shapes(curve, s):
         assert method(np.empty((0, 4))).shape == (0, 4, *tail)
         # One by one, in a list, and in any order: the same, to rounding.
         assert np.allclose(method(s[::-37].tolist()), np.array([method(place) for place in s[::-37]]), 0, 1e-12)
-    assert np.shape(curve.sharpest(s[0], s[1])) == ()
-    assert curve.sharpest(s[:3], s[:2, None]).shape == (2, 3)
-    assert np.allclose(curve.sharpest(s[:3], s[5]), [curve.sharpest(place, s[5]) for place in s[:3]], ROUNDING, 0)
+    assert np.shape(curve.max_curvature(s[0], s[1])) == ()
+    assert curve.max_curvature(s[:3], s[:2, None]).shape == (2, 3)
+    assert np.allclose(
+        curve.max_curvature(s[:3], s[5]), [curve.max_curvature(place, s[5]) for place in s[:3]], ROUNDING, 0
+    )
 
 
 def _check_ends(curve, low, high):
@@ -84,13 +86,13 @@ def _check_ends(curve, low, high):
     if np.isfinite(curve.begin):
         before = curve.begin - np.array([BEYOND, 1.0, 1e9, np.inf])
         outside += before.tolist()
-        assert curve.sharpest(before[0], before[2]) == 0
-        assert np.isclose(curve.sharpest(before[1], high), curve.sharpest(curve.begin, high), ROUNDING, 0)
+        assert curve.max_curvature(before[0], before[2]) == 0
+        assert np.isclose(curve.max_curvature(before[1], high), curve.max_curvature(curve.begin, high), ROUNDING, 0)
     if np.isfinite(curve.end):
         after = curve.end + np.array([BEYOND, 1.0, 1e9, np.inf])
         outside += after.tolist()
-        assert curve.sharpest(after[0], after[2]) == 0
-        assert np.isclose(curve.sharpest(low, after[1]), curve.sharpest(low, curve.end), ROUNDING, 0)
+        assert curve.max_curvature(after[0], after[2]) == 0
+        assert np.isclose(curve.max_curvature(low, after[1]), curve.max_curvature(low, curve.end), ROUNDING, 0)
     mixed = np.array([*outside, low, high])
     for method in (curve.point, curve.tangent, curve.curvature):
         answer = method(mixed)

@@ -51,7 +51,7 @@ class LogarithmicSpiral:
     def curvature(self, s):
         return 1 / self._on(s)
 
-    def sharpest(self, s, other):
+    def max_curvature(self, s, other):
         upper = np.maximum(s, other)
         return np.where(upper >= 1, 1 / np.maximum(np.minimum(s, other), 1), 0)
 
@@ -257,7 +257,7 @@ def test_at_a_joint_the_curvature_is_that_of_the_later_piece():
 
 
 def test_bound_on_the_bends_is_that_of_the_pieces_between():
-    bounds = PATH.sharpest([0, 0, 0, 21, 11, 10], [9, 11, PATH.end, 22, 12, 9])
+    bounds = PATH.max_curvature([0, 0, 0, 21, 11, 10], [9, 11, PATH.end, 22, 12, 9])
     assert bounds.tolist() == [0, 1 / 3, 1 / 2, 0, 1 / 3, 1 / 3]
 
 

@@ -128,7 +128,7 @@ def test_a_spiral_is_what_its_formula_says_to_1e_12(spiral, theta):
         assert abs(mp.mpc(*spiral.tangent(s)) - tangent) < 1e-12
         assert abs(float(spiral.curvature(s)) - bend) < 1e-12 * abs(bend)
         assert abs(float(spiral.angle(s)) - u) < 1e-12
-    assert spiral.sharpest(s, 1.01 * s) == pytest.approx(abs(float(bend)), rel=1e-12)
+    assert spiral.max_curvature(s, 1.01 * s) == pytest.approx(abs(float(bend)), rel=1e-12)
 
 
 @pytest.mark.parametrize("spiral", SPIRALS, ids=repr)
@@ -147,7 +147,7 @@ def test_out_is_the_way_in_travelled_back():
     assert np.array_equal(back.point(s), SPIRAL.point(s))
     assert back.tangent(s) == pytest.approx(SPIRAL.tangent(s), abs=1e-15)
     assert np.array_equal(back.curvature(s), SPIRAL.curvature(s))
-    assert np.array_equal(back.sharpest(s, s - 1), SPIRAL.sharpest(s, s - 1))
+    assert np.array_equal(back.max_curvature(s, s - 1), SPIRAL.max_curvature(s, s - 1))
 
 
 @given(angles, st.floats(1e-3, 1.5))

@@ -70,7 +70,7 @@ def test_path_through_points_of_a_line_is_the_line():
     s = np.linspace(0, 70, 50)
     assert path.point(s) == pytest.approx(line.point(s), abs=1e-12)
     assert path.end == pytest.approx(line.end, rel=1e-15)
-    assert path.sharpest(0, 70) < 1e-12
+    assert path.max_curvature(0, 70) < 1e-12
 
 
 headings = st.lists(st.tuples(st.floats(0.1, 3), st.floats(-1.5, 1.5)), min_size=4, max_size=12)
@@ -90,9 +90,9 @@ def test_bound_on_the_bends_is_above_all_of_them_and_not_far_above(steps, first,
     s = np.linspace(0, path.end, 1001)
     low, high = s[min(first, last)], s[max(first, last)]
     bends = np.abs(path.curvature(np.linspace(low, high, 3001)))
-    assert path.sharpest(low, high) >= bends.max()
+    assert path.max_curvature(low, high) >= bends.max()
     everywhere = np.abs(path.curvature(np.linspace(0, path.end, 60_001))).max()
-    assert path.sharpest(0, path.end) <= 1.03 * everywhere + 1e-12
+    assert path.max_curvature(0, path.end) <= 1.03 * everywhere + 1e-12
 
 
 @pytest.mark.parametrize(

@@ -211,8 +211,8 @@ def test_dragon_does_not_get_round_a_much_narrower_arc() -> None:
     for ratio, gets_round in ((2.1, True), (2.5, False)):
         turn = UTurn(ratio=ratio)
         march = March(Dragon(benches=12), turn)
-        back = np.diff(march.places(times)[:, 1]) < 0
-        assert (march.places(times)[-1, 1] > turn.joints[-1]) == gets_round
+        back = np.diff(march.handles_s_or_nan(times)[:, 1]) < 0
+        assert (march.handles_s_or_nan(times)[-1, 1] > turn.joints[-1]) == gets_round
         assert back.any() != gets_round
     assert times[back.argmax()] == pytest.approx(13.13, abs=0.01)
     assert back[back.argmax() :].all()

@@ -366,7 +366,7 @@ def test_the_dragon_is_large_in_its_pictures(written: Callable[[str, str], Path]
 def test_inward_is_when_the_tail_has_a_full_loop_to_the_head() -> None:
     march = model()
     time = closing_time(march, 0.0, CONTACT_TIME)
-    angles = march.curve.angle(march.parameters([time - 0.01, time, time + 0.01]))
+    angles = march.curve.angle(march.handles_s([time - 0.01, time, time + 0.01]))
     # The path turns as its angle does, and a little more the tighter it is.
     turning = angles + np.arctan(angles)
     before, at, after = turning[:, -1] - turning[:, 0]

@@ -312,12 +312,12 @@ def test_benches_stay_within_their_bounds(choice, share, exponent):
     assume(begin >= 0)
     times = np.linspace(begin, begin + length, 101)
     try:
-        march.parameters(times)
+        march.handles_s(times)
     except UnreachableError:
         assume(False)
     intervals = Intervals.between(march, times[[0, -1]])
     motion = MotionBounds(march, intervals)
-    gone = march.parameters(times)
+    gone = march.handles_s(times)
     assert np.all(np.abs(gone - gone[50]) <= motion.travel[0] + 1e-12)
     rows, pairs = motion.candidates(0.0, np.ones((1, march.dragon.benches), dtype=bool))
     apart, all_pairs = gaps(march, times)
@@ -339,7 +339,7 @@ def test_bounds_hold_at_the_end_of_a_way_of_many_kilometres():
     for begin, end in ((41461.258312833335, 41468.1838615804), (41468.18332751512, 41468.1838615804)):
         times = np.linspace(begin, end, 41)
         motion = MotionBounds(march, Intervals.between(march, times[[0, -1]]))
-        gone = march.parameters(times)
+        gone = march.handles_s(times)
         assert np.all(np.abs(gone - gone[20]) <= motion.travel[0] + motion.rounding)
 
 
@@ -507,5 +507,5 @@ def test_no_overlap_is_seen_before_the_first_contact_on_random_paths(seed):
         at_contact, pairs = gaps(march, [found.time])
         assert at_contact[0, (pairs == found.benches).all(axis=1)] < 1e-9
     elif found.status == "unreachable":
-        assert not np.isnan(march.places(found.time)).any()
-        assert np.isnan(march.places(found.time + 1e-9)).any()
+        assert not np.isnan(march.handles_s_or_nan(found.time)).any()
+        assert np.isnan(march.handles_s_or_nan(found.time + 1e-9)).any()

@@ -184,7 +184,7 @@ def test_benches_keep_their_length_and_both_ends_go_along_with_them(march, when)
         assume(False)
     along = states.positions[0, :-1] - states.positions[0, 1:]
     # Either hole is where its place is, to a few last digits of the place.
-    resolution = 8 * np.spacing(np.abs(states.places).max())
+    resolution = 8 * np.spacing(np.abs(states.handles_s).max())
     assert np.linalg.norm(along, axis=-1) == pytest.approx(march.dragon.spacings, rel=1e-12, abs=resolution)
     unit = along / march.dragon.spacings[:, None]
     front = np.sum(unit * states.velocities[0, :-1], axis=-1)
@@ -194,7 +194,7 @@ def test_benches_keep_their_length_and_both_ends_go_along_with_them(march, when)
 
 @given(marches())
 def test_handles_follow_each_other_outward_and_at_most_one_turn_apart(march):
-    gaps = np.diff(march.curve.angle(march.parameters(0)[0]))
+    gaps = np.diff(march.curve.angle(march.handles_s(0)[0]))
     assert np.all(gaps > 0)
     assert np.all(gaps <= 2 * np.pi + 1e-12)
 
@@ -244,7 +244,7 @@ def test_first_handles_alone_are_those_of_the_whole_dragon(seed_march):
     few, all_ = seed_march.at([0, 100], handles=5), seed_march.at([0, 100])
     assert few.positions.shape == (2, 5, 2)
     assert np.array_equal(few.velocities, all_.velocities[:, :5])
-    assert seed_march.parameters([0, 1, 2], handles=1).shape == (3, 1)
+    assert seed_march.handles_s([0, 1, 2], handles=1).shape == (3, 1)
 
 
 @pytest.mark.parametrize("handles", [0, -1, 225, 2.0, "2", True])
@@ -268,7 +268,7 @@ def test_states_cannot_be_changed_and_do_not_hold_the_callers_times(seed_march):
 
 def test_head_that_turns_square_to_its_bench_pushes_the_dragon_back_out(seed_march):
     states = seed_march.at([431.5, 432.8])
-    onward = np.sum(states.velocities * seed_march.curve.tangent(states.places), axis=-1)
+    onward = np.sum(states.velocities * seed_march.curve.tangent(states.handles_s), axis=-1)
     assert np.all(onward[0] > 0)
     assert onward[1, 0] == pytest.approx(1)
     assert np.all(onward[1, 1:] < 0)
@@ -299,9 +299,9 @@ def test_impossible_difference_step_is_refused(seed_march, step):
 
 
 def test_seed_dragon_cannot_be_placed_from_432_918_seconds_on(seed_march):
-    seed_march.parameters(LAST)
+    seed_march.handles_s(LAST)
     with pytest.raises(UnreachableError) as caught:
-        seed_march.parameters(LAST + 1e-7)
+        seed_march.handles_s(LAST + 1e-7)
     assert caught.value.handle == 1
     with pytest.raises(oracle.UnplaceableError) as independent:
         oracle.solve(LAST + 1e-7, benches=1, head_spacing=2.86, body_spacing=1.65, pitch=0.55, turns=16, speed=1)
@@ -427,7 +427,7 @@ def test_snails_pace_is_a_pace(speed):
 
 
 def test_span_of_a_spiral_goes_from_the_tail_to_the_centre(seed_march):
-    tail, early = seed_march.parameters([0.0, -50.0])[:, -1]
+    tail, early = seed_march.handles_s([0.0, -50.0])[:, -1]
     assert seed_march.span(0.0, 100.0) == pytest.approx((tail, 0.0))
     assert seed_march.span(-50.0, -40.0) == pytest.approx((early, 0.0))
 
@@ -438,4 +438,4 @@ def test_span_of_a_curve_with_two_ends_is_all_of_it():
 
 
 def test_span_of_a_curve_without_ends_is_as_far_as_the_dragon_goes():
-    assert U_TURN.span(-20.0, 30.0) == pytest.approx((U_TURN.parameters(-20.0)[0, -1], 30.0))
+    assert U_TURN.span(-20.0, 30.0) == pytest.approx((U_TURN.handles_s(-20.0)[0, -1], 30.0))

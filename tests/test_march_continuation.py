@@ -37,9 +37,9 @@ BENCH = Dragon(benches=2, head_spacing=3.0, body_spacing=0.5, overhang=0.05, wid
 def test_a_head_bench_longer_than_the_turn_is_wide_jackknifes_and_goes_on(pitch, ratio):
     march = March(Dragon(benches=2), UTurn(pitch=pitch, ratio=ratio))
     heads = np.arange(1.0, 19.0)
-    states, end = follow(march.curve, march.places(0.0)[0], heads, march.dragon.spacings, step=0.02)
+    states, end = follow(march.curve, march.handles_s_or_nan(0.0)[0], heads, march.dragon.spacings, step=0.02)
     assert end == np.inf
-    assert np.abs(march.places(heads) - states).max() < 1e-10
+    assert np.abs(march.handles_s_or_nan(heads) - states).max() < 1e-10
     assert np.any(np.diff(states[:, 1]) < 0)
     # Not where the first distance that grows all the way leads to.
     elsewhere = chain(march.curve, heads, march.dragon.spacings)
@@ -51,7 +51,7 @@ def test_speeds_in_a_jackknife_are_those_of_the_handles():
     heads = np.arange(10.0, 20.0)
     states = march.at(heads)
     step = 1e-5
-    rates = (march.places(heads + step) - march.places(heads - step)) / (2 * step)
+    rates = (march.handles_s_or_nan(heads + step) - march.handles_s_or_nan(heads - step)) / (2 * step)
     assert rates.min() < -0.5
     assert states.speeds == pytest.approx(np.abs(rates), abs=1e-8)
     positions = (march.at(heads + step).positions - march.at(heads - step).positions) / (2 * step)
@@ -63,7 +63,7 @@ def test_head_that_goes_back_beside_its_own_path_pushes_the_next_handle_back():
     march = March(BENCH, HOOK, start=4.0)
     heads = np.linspace(TOP + 1e-9, TOP + 2, 9)
     x = -(heads - TOP)
-    assert march.places(heads - 4)[:, 1] == pytest.approx(x - math.sqrt(5) + 10, abs=1e-11)
+    assert march.handles_s_or_nan(heads - 4)[:, 1] == pytest.approx(x - math.sqrt(5) + 10, abs=1e-11)
 
 
 def test_motion_ends_at_the_fold_and_is_over_at_all_later_times():
@@ -71,7 +71,7 @@ def test_motion_ends_at_the_fold_and_is_over_at_all_later_times():
     march = March(BENCH, HOOK, start=4.0)
     heights = np.linspace(2.5, 3 - 1e-9, 12)
     rear = -2.5 - np.sqrt(9 - heights**2) + 10
-    assert march.places(RISE + heights - 2.5 - 4)[:, 1] == pytest.approx(rear, abs=1e-8)
+    assert march.handles_s_or_nan(RISE + heights - 2.5 - 4)[:, 1] == pytest.approx(rear, abs=1e-8)
     fold = RISE + 0.5 - 4
     march.at(fold - 1e-10)
     for late in (1e-10, 1e-3, 0.5, march.end - fold):
@@ -95,10 +95,10 @@ def test_a_bench_behind_that_was_led_past_its_fold_does_not_come_back():
     dragon = Dragon(benches=3, head_spacing=0.7, body_spacing=[3.0, 0.5], overhang=0.05, width=0.1)
     march = March(dragon, path, start=5.0)
     heads = np.linspace(march.head_start, path.end, 100)[1:]
-    states, end = follow(path, march.places(0.0)[0], heads, dragon.spacings)
+    states, end = follow(path, march.handles_s_or_nan(0.0)[0], heads, dragon.spacings)
     assert end < path.end - 0.1
     # The head bench alone moves on.
-    ours = march.places(heads - march.head_start)
+    ours = march.handles_s_or_nan(heads - march.head_start)
     assert np.nanmax(ours[:, 1]) > RISE + 0.5 > ours[-1, 1]
     assert ours[: len(states)] == pytest.approx(states, abs=1e-9)
     assert np.isnan(ours[len(states) :, 2:]).all()
@@ -109,9 +109,9 @@ def test_a_handle_pushed_past_the_begin_of_the_curve_and_drawn_on_again_is_lost(
     path = Composite([Line(start=(-4.6, 0), stop=(0, 0)), *HOOK.pieces[1:]])
     march = March(BENCH, path, start=4.0)
     heads = np.linspace(march.head_start, RISE - 5.4 + 0.45, 100)[1:]
-    states, end = follow(path, march.places(0.0)[0], heads, BENCH.spacings)
+    states, end = follow(path, march.handles_s_or_nan(0.0)[0], heads, BENCH.spacings)
     assert end < RISE - 5.4
-    ours = march.places(heads - march.head_start)
+    ours = march.handles_s_or_nan(heads - march.head_start)
     assert ours[: len(states)] == pytest.approx(states, abs=1e-9)
     assert np.isnan(ours[len(states) :]).any(axis=1).all()
 
@@ -133,8 +133,8 @@ def _compare(seed):
     sizes = {"head_spacing": rng.uniform(0.6, 2.5), "body_spacing": rng.uniform(0.4, 1.2)}
     march = March(Dragon(benches=int(rng.integers(2, 6)), overhang=0.05, width=0.05, **sizes), path)
     heads = np.linspace(march.head_start, path.end, 80)[1:-1]
-    states, end = follow(path, march.places(0.0)[0], heads, march.dragon.spacings)
-    ours = march.places(heads - march.head_start)
+    states, end = follow(path, march.handles_s_or_nan(0.0)[0], heads, march.dragon.spacings)
+    ours = march.handles_s_or_nan(heads - march.head_start)
     assert ours[: len(states)] == pytest.approx(states, abs=1e-8)
     # Small steps may miss the end by some of them.
     assert np.isnan(ours[heads > end + 0.02]).any(axis=1).all()
@@ -143,8 +143,8 @@ def _compare(seed):
 def test_the_way_back_in_time_is_followed_as_well():
     march = March(BENCH, HOOK, start=HOOK.end)
     heads = np.linspace(march.head_start, 7.0, 60)[1:]
-    states, end = follow(HOOK, march.places(0.0)[0], heads, BENCH.spacings)
-    ours = march.places(heads - march.head_start)
+    states, end = follow(HOOK, march.handles_s_or_nan(0.0)[0], heads, BENCH.spacings)
+    ours = march.handles_s_or_nan(heads - march.head_start)
     assert len(states) > 10
     assert ours[: len(states)] == pytest.approx(states, abs=1e-9)
     assert np.isnan(ours[heads < end - 0.02]).any(axis=1).all() == (end < np.inf)
@@ -154,13 +154,13 @@ def test_the_order_of_questions_changes_nothing():
     times = np.array([1.0, 30.0, 12.0, -5.0, 14.5, 13.0, 100.0])
     dragon = Dragon(benches=30)
     one = March(dragon, UTurn(ratio=3.0))
-    forth = [one.places(time) for time in times]
+    forth = [one.handles_s_or_nan(time) for time in times]
     other = March(dragon, UTurn(ratio=3.0))
-    back = [other.places(time) for time in times[::-1]][::-1]
+    back = [other.handles_s_or_nan(time) for time in times[::-1]][::-1]
     again = pickle.loads(pickle.dumps(one))
     for first, second, time in zip(forth, back, times, strict=True):
         assert np.array_equal(first, second)
-        assert np.array_equal(first, again.places(time))
+        assert np.array_equal(first, again.handles_s_or_nan(time))
     assert one == other
 
 
@@ -170,8 +170,8 @@ def test_a_spiral_and_the_same_by_the_code_for_any_curve_are_followed_alike_clos
     head_start = spiral.at_turn(3)
     dragon = Dragon(benches=3, head_spacing=0.95, body_spacing=0.5, overhang=0.05, width=0.1)
     times = np.append(np.linspace(0, -head_start - 0.3, 40), np.linspace(-head_start - 0.3, -head_start, 60))
-    ours = March(dragon, spiral, start=head_start).places(times)
-    other = March(dragon, Reversed(Reversed(spiral)), start=head_start).places(times)
+    ours = March(dragon, spiral, start=head_start).handles_s_or_nan(times)
+    other = March(dragon, Reversed(Reversed(spiral)), start=head_start).handles_s_or_nan(times)
     assert np.allclose(ours, other, rtol=0, atol=1e-9, equal_nan=True)
     lost = np.isnan(ours[:, 1])
     assert lost[-1]
@@ -183,7 +183,7 @@ def test_a_spiral_and_the_same_by_the_code_for_any_curve_are_followed_alike_clos
 def test_a_spacing_of_one_pitch_is_lost_for_good_and_has_no_state_at_the_centre():
     """There the distance to the first turn's end is the pitch: a state that no motion leads to."""
     march = March(Dragon(benches=3, head_spacing=1.0, body_spacing=1.0, overhang=0.25), Spiral(pitch=1.0), turns=2)
-    lost = np.isnan(march.places(np.append(np.linspace(12.5, march.end, 30), march.end))[:, 1])
+    lost = np.isnan(march.handles_s_or_nan(np.append(np.linspace(12.5, march.end, 30), march.end))[:, 1])
     assert lost[-1]
     assert lost[lost.argmax() :].all()
     assert not np.isnan(chain(march.curve, [0.0], [1.0])).any()
@@ -202,6 +202,6 @@ def test_the_state_at_the_start_is_the_one_along_the_path_before_anything_else_w
         march = March(BENCH, HOOK, start=head)
         expected = chain(HOOK, [head], BENCH.spacings)
         assert head - expected[0, 1] > 3.5
-        assert march.places(0.0) == pytest.approx(expected, abs=1e-12)
-        march.places([-0.1, 0.0])
-        assert march.places(0.0) == pytest.approx(expected, abs=1e-12)
+        assert march.handles_s_or_nan(0.0) == pytest.approx(expected, abs=1e-12)
+        march.handles_s_or_nan([-0.1, 0.0])
+        assert march.handles_s_or_nan(0.0) == pytest.approx(expected, abs=1e-12)

@@ -41,7 +41,7 @@ def test_handles_in_the_u_turn_are_where_many_digits_have_them(time):
         truth = u_turn()
         states = TURN.at(time, handles=10)
         places = walked_chain(truth, time, TURN.dragon.spacings[:9])
-        for place, (x, y), ours in zip(places, states.positions[0].tolist(), states.places[0].tolist(), strict=True):
+        for place, (x, y), ours in zip(places, states.positions[0].tolist(), states.handles_s[0].tolist(), strict=True):
             u, v = truth(place)[:2]
             assert mp.hypot(u - x, v - y) < 1e-10
             assert abs(place - ours) < 1e-10
@@ -142,14 +142,14 @@ def test_the_foot_of_a_point_beside_the_path_is_where_it_was_set_off(curve):
 
 def test_a_dragon_on_a_curve_that_begins_somewhere_starts_with_its_tail_there():
     march = March(SMALL, HAIRPIN)
-    assert march.places(0.0)[0, -1] == pytest.approx(0, abs=2e-9)
-    assert not np.isnan(march.places(0.0)).any()
-    assert np.isnan(march.places(-1e-3)[0, -1])
+    assert march.handles_s_or_nan(0.0)[0, -1] == pytest.approx(0, abs=2e-9)
+    assert not np.isnan(march.handles_s_or_nan(0.0)).any()
+    assert np.isnan(march.handles_s_or_nan(-1e-3)[0, -1])
 
 
 def test_a_dragon_on_a_path_from_infinity_starts_at_its_zero():
     assert March(curve=UTurn()).head_start == 0
-    assert March(curve=Spiral(), start=-100.0).places(0.0)[0, 0] == -100
+    assert March(curve=Spiral(), start=-100.0).handles_s_or_nan(0.0)[0, 0] == -100
 
 
 @pytest.mark.parametrize(
@@ -185,7 +185,7 @@ def test_a_bench_that_does_not_fit_round_a_hairpin_is_pushed_back_out_of_it():
     march = March(Dragon(benches=2, head_spacing=2.0, body_spacing=2.0), HAIRPIN, start=8.0)
     # Both handles are on the straight lines, 1.2 m apart, and the bench keeps its direction.
     heads = 10 + 0.6 * np.pi + np.array([0.0, 1.0, 2.0])
-    assert march.places(heads - 8.0)[:, 1] == pytest.approx([8.4, 7.4, 6.4], abs=1e-12)
+    assert march.handles_s_or_nan(heads - 8.0)[:, 1] == pytest.approx([8.4, 7.4, 6.4], abs=1e-12)
     # Until the last handle is pushed off the path.
     with pytest.raises(UnreachableError) as caught:
         march.at(np.linspace(0, march.end, 401))
@@ -373,7 +373,7 @@ def test_search_for_a_contact_ends_where_motion_does(benches, width):
     march = March(Dragon(benches=benches, head_spacing=1.0, body_spacing=0.5, overhang=0.05, width=width), TIGHT)
     hit = first_contact(march)
     times = np.linspace(0, march.end, 20_001)
-    lost = np.isnan(march.places(times)).any(axis=1)
+    lost = np.isnan(march.handles_s_or_nan(times)).any(axis=1)
     assert lost[np.argmax(lost) :].all()
     if hit.status == "unreachable":
         assert times[np.argmax(lost) - 1] <= hit.time < times[np.argmax(lost)]
@@ -415,13 +415,13 @@ class Plain:
     def curvature(self, s):
         return 0
 
-    def sharpest(self, s, other):
+    def max_curvature(self, s, other):
         return 0
 
 
 def test_a_users_curve_may_answer_with_single_numbers_in_any_layout():
     march = March(SMALL, Plain())
-    places = march.places([0.0, 1.0])
+    places = march.handles_s_or_nan([0.0, 1.0])
     assert places[1] - places[0] == pytest.approx(np.ones(13), abs=1e-12)
     assert first_contact(march, until=5.0).status == "clear"
 

@@ -41,7 +41,7 @@ class Straight:
     def curvature(self, s):
         return np.zeros(np.shape(s))
 
-    def sharpest(self, s, other):
+    def max_curvature(self, s, other):
         return 0.0
 
 
@@ -92,7 +92,7 @@ def test_curve_and_speed_of_a_users_own_work():
     assert first_contact(march, until=3.0).status == "clear"
 
 
-@pytest.mark.parametrize("method", ["point", "tangent", "curvature", "sharpest"])
+@pytest.mark.parametrize("method", ["point", "tangent", "curvature", "max_curvature"])
 @wrong
 def test_curve_of_a_wrong_shape_is_refused_by_its_method(method, answer):
     curve = own(Straight, **{method: answer})
@@ -104,11 +104,11 @@ def test_curve_of_a_wrong_shape_is_refused_by_its_method(method, answer):
     ):
         with pytest.raises(ParameterError) as caught:
             take()
-        shape = {"point": "(1, 3, 2)", "tangent": "(1, 3, 2)", "curvature": "(1, 3)", "sharpest": "(1, 2)"}[method]
+        shape = {"point": "(1, 3, 2)", "tangent": "(1, 3, 2)", "curvature": "(1, 3)", "max_curvature": "(1, 2)"}[method]
         assert_says(caught.value, f"Mine.{method}(s", f"{shape} for arguments of shape ({shape[1:5]}")
 
 
-@pytest.mark.parametrize("method", ["point", "tangent", "curvature", "sharpest"])
+@pytest.mark.parametrize("method", ["point", "tangent", "curvature", "max_curvature"])
 @pytest.mark.parametrize("value", [math.nan, math.inf])
 def test_curve_that_is_not_finite_is_refused_by_its_method(method, value):
     with pytest.raises(ParameterError) as caught:

@@ -189,7 +189,7 @@ def test_joints_that_gape_have_their_handle_in_the_middle(run):
 def test_curve_is_nowhere_further_off_than_a_tenth_of_a_millimetre():
     march = March()
     drawn = LineString(curve_points(march, 0.0, 1.0))
-    tail = march.parameters(0.0)[0, -1]
+    tail = march.handles_s(0.0)[0, -1]
     curve = march.curve.point(np.linspace(tail, 0.0, 5000))
     assert drawn.distance(points(curve)).max() < 1.1e-4
     np.testing.assert_allclose(drawn.coords[0], march.at(0.0).positions[0, -1], atol=1e-9)

@@ -43,7 +43,7 @@ def walked(curve: Composite, since: float, until: float) -> float:
 def fastest(march: March, ways: np.ndarray) -> np.ndarray:
     """Highest speed of any handle over that of the head at each of the head's ways, from places a moment later."""
     moment = 1e-6
-    now, later = march.places(march.time(ways)), march.places(march.time(ways + moment))
+    now, later = march.handles_s_or_nan(march.time(ways)), march.handles_s_or_nan(march.time(ways + moment))
     return np.max(np.abs(later - now), axis=1) / moment
 
 

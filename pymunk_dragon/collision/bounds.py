@@ -40,7 +40,7 @@ from numpy.typing import NDArray
 
 from pymunk_dragon.collision.grid import MAX_CELL, MIN_CELL, Grid
 from pymunk_dragon.collision.sat import Separation, separation
-from pymunk_dragon.curves.base import Curve, frame, sharpest
+from pymunk_dragon.curves.base import Curve, frame, max_curvature
 from pymunk_dragon.curves.composite import Composite
 from pymunk_dragon.curves.spiral import Spiral
 from pymunk_dragon.dragon import bench_poses
@@ -80,7 +80,7 @@ class Intervals:
         """Intervals between consecutive `times`, up to the first time at which a handle has no coordinate."""
         all_times = np.empty(2 * times.size - 1)
         all_times[::2], all_times[1::2] = times, (times[:-1] + times[1:]) / 2
-        handles_s = march.places(all_times, handles)
+        handles_s = march.handles_s_or_nan(all_times, handles)
         # If a handle has no coordinate, the last one has none.
         lost = np.isnan(handles_s[:, -1])
         count = (int(lost.argmax()) - 1) // 2 if lost.any() else times.size - 1
@@ -93,7 +93,7 @@ class Intervals:
         first, middle, last = (part[chosen, :handles] for part in (self.first_s, self.middle_s, self.last_s))
         begins, ends = np.concatenate([begins, middles]), np.concatenate([middles, ends])
         first, last = np.concatenate([first, middle]), np.concatenate([middle, last])
-        return Intervals(begins, ends, first, march.parameters((begins + ends) / 2, handles), last)
+        return Intervals(begins, ends, first, march.handles_s((begins + ends) / 2, handles), last)
 
     @property
     def middles(self) -> Array:
@@ -188,7 +188,7 @@ class MotionBounds:
         self.lows, highs = march.continuation.ranges(intervals.first_s, intervals.last_s)
         # Rounding may put the midpoint outside its range.
         self.travel = np.maximum(np.maximum(intervals.middle_s - self.lows, highs - intervals.middle_s), 0)
-        self._curvature = sharpest(march.curve, self.lows[:, 1:] - errors[:, 1:], highs[:, :-1] + errors[:, :-1])
+        self._curvature = max_curvature(march.curve, self.lows[:, 1:] - errors[:, 1:], highs[:, :-1] + errors[:, :-1])
         worst = errors.max(axis=1)
         change = 1.5 * (2 / self._spacings.min() + self._curvature.max(axis=1)) * worst
         rounding = 6 * (1 + 2 * float(np.max(arms / self._spacings))) * worst
@@ -372,7 +372,7 @@ def handles_in_reach(march: March, first: float, last: float, near: float) -> in
     dragon, curve = march.dragon, march.curve
     if not isinstance(curve, Spiral) or curve.outward or not dragon.alike:
         return dragon.handles
-    ends = march.places([first, last], 3)
+    ends = march.handles_s_or_nan([first, last], 3)
     if np.isnan(ends).any():
         return dragon.handles
     lows, _ = march.continuation.ranges(ends[:1], ends[1:])
@@ -383,7 +383,7 @@ def handles_in_reach(march: March, first: float, last: float, near: float) -> in
     halves = np.maximum(dragon.spacings / 2, dragon.overhangs)
     inner = np.sqrt(np.maximum(radii**2 - halves**2, 0.0)) - widest / 2
     # Where the path second less than a circle with the bench as its diameter, each handle behind goes forward as well.
-    needed = (inner <= outer) | (sharpest(curve, highest[:-1], highest[:-1]) * dragon.spacings >= 2)
+    needed = (inner <= outer) | (max_curvature(curve, highest[:-1], highest[:-1]) * dragon.spacings >= 2)
     needed[:3] = True
     return min(int(np.flatnonzero(needed)[-1]) + 2, dragon.handles)
 

@@ -266,7 +266,7 @@ class _Search:
     def run(self, start: float, until: float, progress: Progress) -> FirstContact:
         """Result of the search between two times."""
         march = self._march
-        start_s = march.parameters(start)
+        start_s = march.handles_s(start)
         if (pair := _overlapping(march, start_s)) is not None:
             return self._result("overlapping", start, start, pair)
         last = start
@@ -308,7 +308,7 @@ class _Search:
         # A little longer than at the head's speed; where that is not enough, a little more.
         wait = 1.05 * float(march.dragon.spacings[-1])
         while start + wait < end:
-            if np.all(march.places(start + wait)[0, 2:-1] >= start_s[1:-2]):
+            if np.all(march.handles_s_or_nan(start + wait)[0, 2:-1] >= start_s[1:-2]):
                 return start + wait
             wait *= 1.05
         return end
@@ -445,7 +445,7 @@ def _last_reachable(march: March, reachable: float, later: float) -> float:
     """Last time at which the chain has a state, between one at which it has and one at which it has not."""
     while later - reachable > RESOLUTION and reachable < (reachable + later) / 2 < later:
         times = np.linspace(reachable, later, LAST_POINTS)
-        lost: Flags = np.isnan(march.places(times)[:, -1])
+        lost: Flags = np.isnan(march.handles_s_or_nan(times)[:, -1])
         lost[-1] = True
         first = max(1, int(lost.argmax()))
         reachable, later = float(times[first - 1]), float(times[first])

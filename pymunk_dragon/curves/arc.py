@@ -83,7 +83,7 @@ class Arc:
         """Curvature (...) in 1/m, positive for an arc to the left."""
         return self._side / self.radius + 0 * within(s, self.begin, self.end)
 
-    def sharpest(self, s: ArrayLike, other: ArrayLike) -> Array:
+    def max_curvature(self, s: ArrayLike, other: ArrayLike) -> Array:
         """1 / radius (...) between coordinates of the arc."""
         lower, upper = overlap(s, other, self.begin, self.end)
         return np.where(lower <= upper, 1 / self.radius, 0.0)

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from pymunk_dragon.checks import answer, number
 from pymunk_dragon.errors import ParameterError
 
-__all__ = ["Array", "Curve", "check_curve", "curvature", "frame", "point", "sharpest", "tangent"]
+__all__ = ["Array", "Curve", "check_curve", "curvature", "frame", "max_curvature", "point", "tangent"]
 
 Array = NDArray[np.float64]
 
@@ -42,7 +42,7 @@ class Curve(Protocol):
     ...     def curvature(self, s):
     ...         return 2 / (np.square(s) + 4)
     ...
-    ...     def sharpest(self, s, other):
+    ...     def max_curvature(self, s, other):
     ...         # The curvature is largest at the lowest point.
     ...         return self.curvature(np.clip(0, np.minimum(s, other), np.maximum(s, other)))
     >>> from pymunk_dragon.curves import Composite, Line, Section
@@ -78,7 +78,7 @@ class Curve(Protocol):
         """Curvature (...) in 1/m, positive for a curve to the left."""
         ...
 
-    def sharpest(self, s: ArrayLike, other: ArrayLike) -> Array:
+    def max_curvature(self, s: ArrayLike, other: ArrayLike) -> Array:
         """Upper bound (...) on the absolute curvature between two coordinates in any order, 1/m.
 
         The certificate of a first contact depends on this bound. It is 0 beyond the ends.
@@ -109,7 +109,7 @@ def check_curve(name: str, value: object) -> None:
     coordinates = begin + min(end - begin, 1.0) * np.array([[0.25, 0.5, 0.75]])
     frame(value, coordinates)
     curvature(value, coordinates)
-    sharpest(value, coordinates[:, :-1], coordinates[:, 1:])
+    max_curvature(value, coordinates[:, :-1], coordinates[:, 1:])
 
 
 def point(curve: Curve, s: ArrayLike) -> Array:
@@ -136,12 +136,12 @@ def frame(curve: Curve, s: ArrayLike) -> tuple[Array, Array]:
     return np.ascontiguousarray(points, dtype=float), np.ascontiguousarray(tangents, dtype=float)
 
 
-def sharpest(curve: Curve, s: ArrayLike, other: ArrayLike) -> Array:
+def max_curvature(curve: Curve, s: ArrayLike, other: ArrayLike) -> Array:
     """A curve's bound on its curvature between coordinates, as a new array of their shape."""
     shape = np.broadcast_shapes(np.shape(s), np.shape(other))
-    bounds = curve.sharpest(s, other)
+    bounds = curve.max_curvature(s, other)
     if not _is_of_package(curve):
-        method = f"{type(curve).__name__}.sharpest(s, other)"
+        method = f"{type(curve).__name__}.max_curvature(s, other)"
         bounds = answer(method, bounds, shape)
         bad = ~(np.isfinite(bounds) & (bounds >= 0) | np.isnan(np.add(s, other)))
         if bad.any():

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from pymunk_dragon.curves.base import Array, Curve, frame, point, sharpest
+from pymunk_dragon.curves.base import Array, Curve, frame, max_curvature, point
 from pymunk_dragon.curves.composite import Composite
 from pymunk_dragon.curves.section import Section
 from pymunk_dragon.curves.spiral import Spiral
@@ -143,7 +143,7 @@ def gentle_offsets(curve: Curve, s: Array, chord: float) -> tuple[Array, Array, 
     Where the path is no more curved than a circle with the chord as its diameter, the straight distance grows over half
     that circle's circumference, and the arc to the handle is no longer than the circle's arc.
     """
-    sine = sharpest(curve, s - np.pi / 2 * chord, s) * chord / 2
+    sine = max_curvature(curve, s - np.pi / 2 * chord, s) * chord / 2
     gentle = sine < 1
     # Longer by at least one last digit, so that the bracket on a straight line is not empty.
     longest = np.where(gentle, np.arcsin(np.where(gentle, sine, 0.0)) / np.where(sine > 0, sine, 1.0), 1.0)
@@ -201,7 +201,7 @@ def _bracket(curve: Curve, s: Array, fronts: Array, chord: float) -> tuple[Array
     rows, ahead = np.arange(s.size), np.full(s.shape, LOOKAHEAD * chord)
     for _ in range(MAX_STEPS):
         here, reach = offset[rows], ahead[rows]
-        curvature = sharpest(curve, s[rows] - here, s[rows] - here - reach)
+        curvature = max_curvature(curve, s[rows] - here, s[rows] - here - reach)
         curvature = np.maximum(curvature, SMALLEST_STEP / chord)
         slope = 1 - curvature * distance[rows]
         # The positive root, without cancellation.

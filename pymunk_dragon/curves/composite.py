@@ -10,7 +10,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pymunk_dragon.curves.base import Array, Curve, check_curve, curvature, frame, point, sharpest, tangent
+from pymunk_dragon.curves.base import Array, Curve, check_curve, curvature, frame, max_curvature, point, tangent
 from pymunk_dragon.curves.coordinates import overlap, within
 from pymunk_dragon.errors import ParameterError
 
@@ -100,7 +100,7 @@ class Composite:
         [curvatures] = self._by_piece(s, lambda piece, coordinates: [curvature(piece, coordinates)], ())
         return curvatures
 
-    def sharpest(self, s: ArrayLike, other: ArrayLike) -> Array:
+    def max_curvature(self, s: ArrayLike, other: ArrayLike) -> Array:
         """Upper bound (...) on the absolute curvature between two coordinates, 1/m."""
         lower, upper = overlap(s, other, self.begin, self.end)
         curvatures = np.zeros(lower.shape)
@@ -109,7 +109,7 @@ class Composite:
             shared = (lower <= edges[k + 1]) & (upper >= edges[k]) & (lower <= upper)
             if shared.any():
                 first, last = self._on_piece(k, lower[shared]), self._on_piece(k, upper[shared])
-                curvatures[shared] = np.maximum(curvatures[shared], sharpest(piece, first, last))
+                curvatures[shared] = np.maximum(curvatures[shared], max_curvature(piece, first, last))
         return curvatures
 
     def _by_piece(

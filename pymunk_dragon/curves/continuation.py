@@ -31,7 +31,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from pymunk_dragon.curves.base import Array, Curve, frame, sharpest
+from pymunk_dragon.curves.base import Array, Curve, frame, max_curvature
 from pymunk_dragon.curves.chain import chain, gentle_offsets, reached
 from pymunk_dragon.curves.spiral import Spiral
 
@@ -139,7 +139,7 @@ class Continuation:
             return np.ones(lows.shape, dtype=bool)
         if benches.start == 0 and _is_regular_on(curve, spacings):
             return np.ones(lows.shape, dtype=bool)
-        curvature = sharpest(curve, lows - np.pi / 2 * spacings.sum(), highs)
+        curvature = max_curvature(curve, lows - np.pi / 2 * spacings.sum(), highs)
         usual: Flags = ~(curvature * spacings.max() >= 2)
         return usual
 
@@ -338,7 +338,7 @@ class _Branch:
         count = int(min(GRID_CELLS, np.ceil(abs(aim - front) / cell) + 1))
         edges = (first + direction * np.arange(count + 1)) * cell
         lows, highs = np.minimum(edges[:-1], edges[1:]), np.maximum(edges[:-1], edges[1:])
-        gentle = sharpest(curve, lows - np.pi / 2 * chord, highs) * chord < 2
+        gentle = max_curvature(curve, lows - np.pi / 2 * chord, highs) * chord < 2
         number = count if gentle.all() else int(np.argmin(gentle))
         # On another branch the rear handle is further away.
         if number == 0 or front - rear > gentle_offsets(curve, np.array([front]), chord)[1][0]:
@@ -368,7 +368,7 @@ class _Branch:
         ahead, behind = float(growth[0][0]), float(growth[1][0])
         window = WINDOW * self._chord
         others = np.array([front + direction * window, rear + window])
-        curvature = sharpest(self._curve, np.array([front, rear - window]), others)
+        curvature = max_curvature(self._curve, np.array([front, rear - window]), others)
         own, other = (1 + curvature * (self._chord + 2 * window)).tolist()
         if behind <= 0:
             return 0.0, 0.0, ahead, 0.0

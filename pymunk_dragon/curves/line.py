@@ -65,7 +65,7 @@ class Line:
         """0 (...) on the line."""
         return np.asarray(0 * within(s, self.begin, self.end))
 
-    def sharpest(self, s: ArrayLike, other: ArrayLike) -> Array:
+    def max_curvature(self, s: ArrayLike, other: ArrayLike) -> Array:
         """0 (...)."""
         return np.zeros(np.broadcast_shapes(np.shape(s), np.shape(other)))
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pymunk_dragon.curves.base import Array, Curve, check_curve, curvature, frame, point, sharpest, tangent
+from pymunk_dragon.curves.base import Array, Curve, check_curve, curvature, frame, max_curvature, point, tangent
 
 __all__ = ["Reversed"]
 
@@ -59,6 +59,6 @@ class Reversed:
         """Curvature (...) in 1/m, positive for a curve to the left."""
         return -curvature(self.curve, -np.asarray(s, dtype=float))
 
-    def sharpest(self, s: ArrayLike, other: ArrayLike) -> Array:
+    def max_curvature(self, s: ArrayLike, other: ArrayLike) -> Array:
         """Upper bound (...) on the absolute curvature between two coordinates, 1/m."""
-        return sharpest(self.curve, -np.asarray(s, dtype=float), -np.asarray(other, dtype=float))
+        return max_curvature(self.curve, -np.asarray(s, dtype=float), -np.asarray(other, dtype=float))

@@ -126,7 +126,7 @@ class Sampled:
         """Curvature (...) in 1/m, positive to the left."""
         return self._evaluated(s, cubic_curvature, ())
 
-    def sharpest(self, s: ArrayLike, other: ArrayLike) -> Array:
+    def max_curvature(self, s: ArrayLike, other: ArrayLike) -> Array:
         """Upper bound (...) on the absolute curvature between two coordinates, 1/m."""
         lower, upper = overlap(s, other, self.begin, self.end)
         shared = lower <= upper

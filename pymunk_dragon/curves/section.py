@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pymunk_dragon.checks import number
-from pymunk_dragon.curves.base import Array, Curve, check_curve, curvature, frame, point, sharpest, tangent
+from pymunk_dragon.curves.base import Array, Curve, check_curve, curvature, frame, max_curvature, point, tangent
 from pymunk_dragon.curves.coordinates import overlap, within
 from pymunk_dragon.errors import ParameterError
 
@@ -64,8 +64,8 @@ class Section:
         """Curvature (...) in 1/m, positive to the left."""
         return curvature(self.curve, within(s, self.begin, self.end))
 
-    def sharpest(self, s: ArrayLike, other: ArrayLike) -> Array:
+    def max_curvature(self, s: ArrayLike, other: ArrayLike) -> Array:
         """Upper bound (...) on the absolute curvature between two coordinates, 1/m."""
         lower, upper = overlap(s, other, self.begin, self.end)
         shared = lower <= upper
-        return np.where(shared, sharpest(self.curve, np.where(shared, lower, np.nan), upper), 0.0)
+        return np.where(shared, max_curvature(self.curve, np.where(shared, lower, np.nan), upper), 0.0)

@@ -141,7 +141,7 @@ class Spiral:
         """Curvature (...) in 1/m, positive to the left: the paper's spiral curves to the right."""
         return np.asarray(self._curvature_at(self.angle(s)) * (1 if self.outward != self.mirrored else -1))
 
-    def sharpest(self, s: ArrayLike, other: ArrayLike) -> Array:
+    def max_curvature(self, s: ArrayLike, other: ArrayLike) -> Array:
         """Curvature at the inner one of two coordinates, 1/m: it decreases outward."""
         length, other_length = self._length(s), self._length(other)
         nearest = np.maximum(np.minimum(length, other_length), 0.0)

@@ -74,7 +74,7 @@ class Rails:
         state = march.at(start)
         # Coordinates of the rear holes, only to identify the turn of the curve on which each hole is, and their speeds
         # along the path, negative where a jackknifed bench pushes them back.
-        self._rear_s = state.places[0, 2:].copy()
+        self._rear_s = state.handles_s[0, 2:].copy()
         self._rear_speeds = np.sum(state.velocities[0, 2:] * march.curve.tangent(self._rear_s), axis=-1)
         sizes = list(zip(dragon.lengths[1:].tolist(), dragon.widths[1:].tolist(), strict=True))
         masses = [bench_mass(*size) for size in sizes]

@@ -139,7 +139,7 @@ def curve_points(march: March, start: float, end: float) -> Array:
     # A chord c of a curve with the curvature k has an error of k c^2 / 8; this is the number of chords between samples.
     # On straight parts they are three times as long as the shortest: the page leaves out points when it is far away,
     # and a chord across a joint must not be much further off than others.
-    curvature = curve.sharpest(positions[:-1], positions[1:])
+    curvature = curve.max_curvature(positions[:-1], positions[1:])
     curvature = np.where(curvature > 0, curvature, curvature.max() / 9)
     chords = np.sqrt(curvature / (8 * CURVE_ERROR * float(march.dragon.widths.min()))) * np.diff(positions)
     passed = np.concatenate([[0.0], np.cumsum(chords)])

@@ -95,7 +95,7 @@ def gaps_of(march: March, travelled: ArrayLike, pairs: ArrayLike) -> Gaps:
     moments, row = np.unique(at, return_inverse=True)
     states = march.at(moments, int(selected.max()) + 2)
     holes = states.positions.view(complex)[..., 0]
-    tangents = march.curve.tangent(states.places).view(complex)[..., 0]
+    tangents = march.curve.tangent(states.handles_s).view(complex)[..., 0]
     changes = _hole_slopes(march, moments, holes, tangents)
     corners = march.dragon.outlines(states.poses)
     first, second = selected.T

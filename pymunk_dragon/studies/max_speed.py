@@ -285,7 +285,7 @@ def _exit_distance(march: March, handle: int, step: float) -> float:
     exit_s = march.curve.joints[-1]
     travelled, s = exit_s - march.head_start + step, -np.inf
     while True:
-        before, s = s, float(march.parameters(march.time(travelled), handle + 1)[0, -1])
+        before, s = s, float(march.handles_s(march.time(travelled), handle + 1)[0, -1])
         if s >= exit_s:
             return travelled
         if s <= before:
@@ -312,10 +312,10 @@ class _Search:
     def enclose(self, begins: Array, ends: Array) -> None:
         """Enclose the largest ratio on intervals of the head's distance."""
         # The handles further back are on the inward spiral, and no faster than the last of these handles.
-        ahead = int(np.count_nonzero(self.march.parameters(self.march.time(ends.max()))[0] > 0))
+        ahead = int(np.count_nonzero(self.march.handles_s(self.march.time(ends.max()))[0] > 0))
         handles = min(max(2, ahead + 1), self.march.dragon.handles)
         middles, halves = (begins + ends) / 2, (ends - begins) / 2
-        parts = [self.march.parameters(travelled, handles) for travelled in (begins, middles, ends)]
+        parts = [self.march.handles_s(travelled, handles) for travelled in (begins, middles, ends)]
         while middles.size:
             first, middle, last = parts
             self.evaluations += middles.size
@@ -329,7 +329,7 @@ class _Search:
             halves = np.tile(halves[left] / 2, 2)
             middles = np.concatenate([middles[left], middles[left]]) + np.repeat([-1, 1], left.size) * halves
             joined = np.concatenate([first, middle]), np.concatenate([middle, last])
-            parts = [joined[0], self.march.parameters(middles, handles), joined[1]]
+            parts = [joined[0], self.march.handles_s(middles, handles), joined[1]]
 
     def _update(self, middles: Array, ratios: Array) -> None:
         """Replace the largest ratio if one of `ratios` is larger."""
@@ -354,7 +354,7 @@ class _Search:
         # While both holes move forward, they remain between their coordinates at the ends of the interval. No bench
         # rotates by more than the sum of the two distances, over its spacing.
         moved = np.maximum(middle - first, last - middle)
-        swept = moved * self.curve.sharpest(first, last)
+        swept = moved * self.curve.max_curvature(first, last)
         turned = (moved[:, :-1] + moved[:, 1:]) / spacings
         fronts = _interval(front, swept[:, :-1] + turned)
         rears = _interval(rear, swept[:, 1:] + turned)

@@ -93,7 +93,7 @@ def trajectories(march: March, interval: TimeInterval) -> Figure:
     """Draw the trajectories of the paper's seven handles until the first contact (its figure 7)."""
     hit = contact_or_end(march, interval)
     handles = march.dragon.representatives
-    begin, end = march.parameters([interval[0], hit.time])
+    begin, end = march.handles_s([interval[0], hit.time])
     # Four panels per row, including the key.
     height = 1.0 + 2.3 * np.ceil((len(handles) + 1) / 4)
     figure = page(
@@ -136,7 +136,7 @@ def velocities(march: March, interval: TimeInterval) -> Figure:
     )
     axes = panel(figure, 0.8, 0.65, 6.9, 6.9)
     centre, reach = _extent(march, positions)
-    first, last = states.places[0, [-1, 0]]
+    first, last = states.handles_s[0, [-1, 0]]
     axes.plot(*_path(march, first, last, PATH_POINTS).T, color=RULE, lw=1.4)
     arrows = ARROW_FRACTION * reach / states.speeds[0, 0] * states.velocities[0, handles]
     axes.quiver(

@@ -107,6 +107,6 @@ def closing_time(march: March, begin: float, end: float) -> float:
 
 def _turn_angle(march: March, time: float) -> float:
     """Return the angle, rad, by which the path turns between the tail and the head."""
-    tangents = march.curve.tangent(march.parameters(time)[0])
+    tangents = march.curve.tangent(march.handles_s(time)[0])
     angles = np.unwrap(np.arctan2(tangents[:, 1], tangents[:, 0]))
     return float(abs(angles[0] - angles[-1]))
