@@ -236,7 +236,7 @@ def test_many_times_at_once_are_the_same_as_one_by_one(seed_march):
     together = seed_march.at(times)
     for row, time in enumerate(times):
         alone = seed_march.at(time)
-        for name in ("times", "places", "positions", "velocities", "speeds", "poses", "pose_velocities"):
+        for name in ("times", "handles_s", "positions", "velocities", "speeds", "poses", "pose_velocities"):
             assert getattr(alone, name)[0] == pytest.approx(getattr(together, name)[row], rel=1e-12, abs=1e-12)
 
 

@@ -189,6 +189,16 @@ def test_a_spacing_of_one_pitch_is_lost_for_good_and_has_no_state_at_the_centre(
     assert not np.isnan(chain(march.curve, [0.0], [1.0])).any()
 
 
+def test_ranges_near_the_centre_of_a_spiral_contain_a_handle_that_reverses_there():
+    march = March(Dragon(benches=3, head_spacing=2.0, body_spacing=1.0), Spiral(pitch=2.5), turns=2)
+    between = march.handles_s(np.linspace(march.end - 3, march.end, 3001))
+    assert np.diff(between[:, 1]).min() < -1e-3
+    assert between[:, 1].max() > between[[0, -1], 1].max() + 0.1
+    lows, highs = march.continuation.ranges(between[:1], between[-1:])
+    assert np.all(lows <= between + 1e-12)
+    assert np.all(highs >= between - 1e-12)
+
+
 def test_a_start_in_the_middle_of_a_jackknife_is_refused_as_before():
     with pytest.raises(ParameterError) as caught:
         March(BENCH, HOOK, start=TOP + 1)

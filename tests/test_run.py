@@ -730,7 +730,9 @@ def test_states_are_equal_to_those_with_the_same_numbers_and_to_no_other():
     assert states != replace(states, speeds=changed(states.speeds))
 
 
-@pytest.mark.parametrize("name", ["times", "places", "positions", "velocities", "speeds", "poses", "pose_velocities"])
+@pytest.mark.parametrize(
+    "name", ["times", "handles_s", "positions", "velocities", "speeds", "poses", "pose_velocities"]
+)
 def test_states_cannot_be_changed(name):
     states = MARCH.at([0, 1.5])
     with pytest.raises(ValueError, match="read-only"):

@@ -12,7 +12,8 @@ Three facts make g certain:
 - Where the path is less curved than a circle with the bench as its diameter, over half that circle's circumference back
   (pi / 2 d from s), A and B are positive, and the rear handle is the only one within that length: the "gentle"
   case, in which `curves.chain` finds it. This is checked with the curve's own bound on its curvature.
-- On an inward spiral r = k theta, `curves.chain` finds g wherever it exists; see `_is_regular_on`.
+- On an inward spiral r = k theta, `curves.chain` finds g wherever it exists, but A may be negative near the centre; see
+  `_is_regular_on`.
 - Elsewhere g is followed in cells. From a root (s0, r0), and with bounds K_s and K_r on the curvature near both
   handles, |F(s, r0)| <= |A| h + M_s h^2 / 2 for |s - s0| <= h, and B decreases by no more than h + M_r p for
   |r - r0| <= p, where M = 1 + K times the longest distance in the cell. If |A| h + M_s h^2 / 2 < p (B - h - M_r p),
@@ -92,27 +93,27 @@ class Continuation:
         They are nan for a handle that motion from the start does not bring there, and for all behind it.
         """
         spacings = self._spacings[: handles - 1]
-        usual = self._usual(np.minimum(heads, self._head), np.maximum(heads, self._head), range(handles - 1))
-        if usual.all():
+        direct = self._direct(np.minimum(heads, self._head), np.maximum(heads, self._head), handles)
+        if direct.all():
             return chain(self._curve, heads, spacings)
         handles_s = np.empty((heads.size, handles))
-        handles_s[usual] = chain(self._curve, heads[usual], spacings)
-        handles_s[~usual] = self._followed(heads[~usual], handles)
+        handles_s[direct] = chain(self._curve, heads[direct], spacings)
+        handles_s[~direct] = self._followed(heads[~direct], handles)
         return handles_s
 
     def ranges(self, first: Array, last: Array) -> tuple[Array, Array]:
         """Lowest and highest coordinates (T, H) of handles while the chain moves between two states (T, H)."""
         lows, highs = np.minimum(first, last), np.maximum(first, last)
         handles = first.shape[1]
-        rows = np.flatnonzero(~self._usual(lows[:, 0], highs[:, 0], range(handles - 1)))
+        rows = np.flatnonzero(~self._gentle(lows[:, 0], highs[:, 0], range(handles - 1)))
         if rows.size:
             reversing = np.zeros(rows.size, dtype=bool)
             for i, branch in enumerate(self._branches(handles - 1)):
                 reversing |= branch.may_reverse(lows[rows, i], highs[rows, i])
             rows = rows[reversing]
         for i, branch in enumerate(self._branches(handles - 1) if rows.size else []):
-            usual = self._usual(lows[rows, i], highs[rows, i], range(i, handles - 1))
-            rest, rows = rows[usual], rows[~usual]
+            gentle = self._gentle(lows[rows, i], highs[rows, i], range(i, handles - 1))
+            rest, rows = rows[gentle], rows[~gentle]
             lows[rest, i:] = chain(self._curve, lows[rest, i], self._spacings[i : handles - 1])
             highs[rest, i:] = chain(self._curve, highs[rest, i], self._spacings[i : handles - 1])
             if not rows.size:
@@ -128,20 +129,24 @@ class Continuation:
         if self._spacings[1:].size and np.ptp(self._spacings[1:]) > 0:
             return False
         extremes = np.array([min(low, self._head)]), np.array([max(high, self._head)])
-        if self._usual(*extremes, range(self._spacings.size)).all():
+        if self._direct(*extremes, self._spacings.size + 1).all():
             return True
         return len({id(branch) for branch in self._branches(self._spacings.size)[1:]}) <= 1
 
-    def _usual(self, lows: Array, highs: Array, benches: range) -> Flags:
-        """Whether `curves.chain` gives the states of these benches for any first front from `lows` to `highs` (T,)."""
-        spacings, curve = self._spacings[benches.start : benches.stop], self._curve
+    def _direct(self, lows: Array, highs: Array, handles: int) -> Flags:
+        """Whether `curves.chain` gives the states of the first handles for any head from `lows` to `highs` (T,)."""
+        if _is_regular_on(self._curve, self._spacings[: handles - 1]):
+            return np.ones(lows.shape, dtype=bool)
+        return self._gentle(lows, highs, range(handles - 1))
+
+    def _gentle(self, lows: Array, highs: Array, benches: range) -> Flags:
+        """Whether A and B are positive for these benches for any first front from `lows` to `highs` (T,)."""
+        spacings = self._spacings[benches.start : benches.stop]
         if not spacings.size:
             return np.ones(lows.shape, dtype=bool)
-        if benches.start == 0 and _is_regular_on(curve, spacings):
-            return np.ones(lows.shape, dtype=bool)
-        curvature = max_curvature(curve, lows - np.pi / 2 * spacings.sum(), highs)
-        usual: Flags = ~(curvature * spacings.max() >= 2)
-        return usual
+        curvature = max_curvature(self._curve, lows - np.pi / 2 * spacings.sum(), highs)
+        gentle: Flags = ~(curvature * spacings.max() >= 2)
+        return gentle
 
     def _branches(self, benches: int) -> list[_Branch]:
         """The functions of the foremost `benches`, or of fewer if others have no state at the start."""
@@ -171,10 +176,10 @@ class Continuation:
         done = np.zeros(heads.size, dtype=bool)
         for i, branch in enumerate(self._branches(handles - 1)):
             rows = np.flatnonzero(~done & ~np.isnan(handles_s[:, i]))
-            usual = self._usual(lows[rows], highs[rows], range(i, handles - 1))
-            self._place_rest(handles_s, rows[usual], i, lows)
-            done[rows[usual]] = True
-            rows = rows[~usual]
+            gentle = self._gentle(lows[rows], highs[rows], range(i, handles - 1))
+            self._place_rest(handles_s, rows[gentle], i, lows)
+            done[rows[gentle]] = True
+            rows = rows[~gentle]
             if not rows.size:
                 break
             branch.cover(lows[rows].min(), highs[rows].max())
