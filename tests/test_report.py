@@ -669,14 +669,14 @@ def test_line_with_fewer_points_keeps_the_peak():
     values = np.zeros(10_000).tolist()
     values[7777] = 2.0
     values[5] = None
-    thinned = charts._thinned(times, values)
+    thinned = charts._downsampled(times, values)
     assert len(thinned) <= charts.MAX_POINTS
     assert (7777.0, 2.0) in thinned
     assert None not in [value for _, value in thinned]
 
 
 def test_line_is_broken_where_drift_is_not_known():
-    assert charts._stretches([0, 1, 2, 3], [0.0, None, 1.0, 0.5], 1.0) == ("0.0,1000.0", "666.7,0.0 1000.0,500.0")
+    assert charts._segments([0, 1, 2, 3], [0.0, None, 1.0, 0.5], 1.0) == ("0.0,1000.0", "666.7,0.0 1000.0,500.0")
 
 
 def test_timeline_shows_each_pair_on_a_row_of_its_own_from_the_first_contact_on(played):
