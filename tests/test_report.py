@@ -568,7 +568,7 @@ def test_workbook_holds_every_event_as_numbers_in_the_unit_of_its_head(played, t
 @pytest.mark.parametrize("ending", [".html", ".md"])
 def test_long_table_is_cut_and_the_document_says_where_the_rest_is(ending, played, tmp_path, monkeypatch):
     assert "rows; all are in" not in written(played, ending, tmp_path).decode()
-    monkeypatch.setattr(tables, "SHOWN_ROWS", 100)
+    monkeypatch.setattr(tables, "MAX_SHOWN_ROWS", 100)
     content = written(played, ending, tmp_path).decode()
     count = len(played.events)
     assert f"These are the first 100 of {count} rows; all are in the JSON and XLSX reports." in content
@@ -708,9 +708,9 @@ def test_timeline_of_thousands_of_windows_stays_small(played):
 
 
 def test_numbers_are_never_minus_zero_and_huge_ones_stay_short():
-    assert tables.number(-1e-9, 3) == "0.000"
-    assert tables.number(None, 3) == "–"
-    assert len(tables.number(-1e300, 3)) < 12
+    assert tables.format_number(-1e-9, 3) == "0.000"
+    assert tables.format_number(None, 3) == "–"
+    assert len(tables.format_number(-1e300, 3)) < 12
 
 
 # Files

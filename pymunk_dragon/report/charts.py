@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from pymunk_dragon.report.tables import pair
+from pymunk_dragon.report.tables import format_pair
 
 __all__ = ["Bar", "DriftChart", "Line", "Row", "Tick", "Timeline", "drift_chart", "ticks", "timeline"]
 
@@ -172,7 +172,9 @@ def _bar(windows: Sequence[Contents], low: float, high: float) -> Bar:
     if len(windows) > 1:
         label = f"{len(windows)} contacts from {label}"
     at = _percent(begin, low, high)
-    return Bar(at, round(_percent(end, low, high) - at, 3), unfinished, f"benches {pair(first['benches'])}: {label}")
+    return Bar(
+        at, round(_percent(end, low, high) - at, 3), unfinished, f"benches {format_pair(first['benches'])}: {label}"
+    )
 
 
 def _end(window: Contents, high: float) -> float:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from pymunk_dragon.report import tables
-from pymunk_dragon.report.tables import NOTHING, Table, number, pair, vector
+from pymunk_dragon.report.tables import MISSING, Table, format_number, format_pair, format_vector
 
 __all__ = ["Section", "headline", "key_figures", "sections", "subtitle"]
 
@@ -70,8 +70,8 @@ def headline(contents: Contents) -> str:
     """What happened, in one line."""
     first, outcome, exact = contents["first_contact"], contents["outcome"], contents["exact"]
     if first is not None:
-        return f"Benches {pair(first['benches'])} touch at {number(first['time'], 6)} s"
-    begin, end = (f"{number(outcome[name], 3)} s" for name in ("from", "until"))
+        return f"Benches {format_pair(first['benches'])} touch at {format_number(first['time'], 6)} s"
+    begin, end = (f"{format_number(outcome[name], 3)} s" for name in ("from", "until"))
     if outcome["status"] == "unreachable":
         return f"No contact until {end}, where the curve leaves the head no place"
     if contents["player"] == "exact" and (exact is None or exact["status"] != "clear"):
@@ -98,14 +98,14 @@ def subtitle(contents: Contents) -> str:
 def key_figures(contents: Contents) -> Facts:
     """The few numbers to see first."""
     outcome, drift = contents["outcome"], contents["drift"]
-    figures = [("simulated", f"{number(outcome['from'], 2)} to {number(outcome['until'], 2)} s")]
+    figures = [("simulated", f"{format_number(outcome['from'], 2)} to {format_number(outcome['until'], 2)} s")]
     late = _lateness(contents)
     if late is not None:
         figures.append(("against the exact first contact", late))
     gaps = [near for near in contents["near_misses"] or () if near["gap"] is not None]
     if gaps:
         nearest = min(gaps, key=lambda near: float(near["gap"]))
-        figures.append((f"nearest miss, benches {pair(nearest['benches'])}", _length(nearest["gap"])))
+        figures.append((f"nearest miss, benches {format_pair(nearest['benches'])}", _length(nearest["gap"])))
     if contents["player"] != "exact":
         figures += [
             (f"largest drift, first {drift['head_benches']} benches", _length(drift["head"])),
@@ -132,22 +132,22 @@ def _first_contact(contents: Contents) -> Section:
     facts: dict[str, Facts] = {}
     if first is not None:
         facts["In this run"] = [
-            ("Benches", pair(first["benches"])),
-            ("Time", f"{number(first['time'], 6)} s"),
-            ("Point", f"{vector(first['point'], 6)} m"),
-            ("Normal, from the first to the second", vector(first["normal"], 6)),
+            ("Benches", format_pair(first["benches"])),
+            ("Time", f"{format_number(first['time'], 6)} s"),
+            ("Point", f"{format_vector(first['point'], 6)} m"),
+            ("Normal, from the first to the second", format_vector(first["normal"], 6)),
         ]
         if player != "exact":
             facts["In this run"] += [
-                ("Noticed at the end of a substep", f"{number(first['raw_time'], 6)} s"),
+                ("Noticed at the end of a substep", f"{format_number(first['raw_time'], 6)} s"),
                 ("Depth when noticed", _length(first["depth"])),
             ]
     if player != "exact" and exact is not None and exact["status"] == "contact":
         facts["In the exact model"] = [
-            ("Benches", pair(exact["benches"])),
-            ("Time", f"{number(exact['time'], 9)} s"),
-            ("Point", f"{vector(exact['point'], 6)} m"),
-            ("Normal, from the first to the second", vector(exact["normal"], 6)),
+            ("Benches", format_pair(exact["benches"])),
+            ("Time", f"{format_number(exact['time'], 9)} s"),
+            ("Point", f"{format_vector(exact['point'], 6)} m"),
+            ("Normal, from the first to the second", format_vector(exact["normal"], 6)),
         ]
     return Section(key="first-contact", title="First contact", notes=_verdict(contents), facts=facts)
 
@@ -172,7 +172,7 @@ def _verdict(contents: Contents) -> tuple[str, ...]:
 
 
 def _exact_in_words(exact: Mapping[str, Any]) -> str:
-    time, benches = f"{number(exact['time'], 6)} s", pair(exact["benches"])
+    time, benches = f"{format_number(exact['time'], 6)} s", format_pair(exact["benches"])
     return {
         "contact": f"benches {benches} touch at {time}.",
         "clear": f"no bench touches another one until {time}.",
@@ -191,7 +191,7 @@ def _lateness(contents: Contents) -> str | None:
     if first["time"] is None:
         return None
     late = 1e3 * (first["time"] - exact["time"])
-    return f"{number(abs(late), 3)} ms {'early' if late < 0 else 'late'}"
+    return f"{format_number(abs(late), 3)} ms {'early' if late < 0 else 'late'}"
 
 
 def _near_misses(contents: Contents) -> Section:
@@ -246,7 +246,7 @@ def _events(contents: Contents) -> Section:
     if count:
         callbacks = "collision callback" if count == 1 else "collision callbacks"
         note = f"{count} {callbacks} of the engine, in the order in which they came."
-    return Section(key="events", title="Events", notes=(note,), tables={"": tables.events_in_words(contents)})
+    return Section(key="events", title="Events", notes=(note,), tables={"": tables.events_as_text(contents)})
 
 
 def _origin(contents: Contents) -> Section:
@@ -280,12 +280,12 @@ def _size(value: Any) -> str:
 
 def _placed(drift: float | None, where: Mapping[str, Any] | None) -> str:
     if where is None:
-        return NOTHING
-    return f"{_length(drift)} (bench {where['bench']} at {number(where['time'], 3)} s)"
+        return MISSING
+    return f"{_length(drift)} (bench {where['bench']} at {format_number(where['time'], 3)} s)"
 
 
 def _length(value: float | None) -> str:
     """A length in m, or in mm where it is less than one."""
     if value is None:
-        return NOTHING
-    return f"{number(value, 3)} m" if abs(value) >= 1 else f"{number(1e3 * value, 3)} mm"
+        return MISSING
+    return f"{format_number(value, 3)} m" if abs(value) >= 1 else f"{format_number(1e3 * value, 3)} mm"

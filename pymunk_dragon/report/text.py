@@ -29,7 +29,7 @@ def as_json(contents: Contents) -> str:
 
 def as_csv(contents: Contents) -> str:
     """What happened, by time, as RFC 4180 has it: a line of heads, lines ended by CR LF, SI units."""
-    table = tables.happenings(contents)
+    table = tables.all_events(contents)
     text = io.StringIO(newline="")
     writer = csv.writer(text)
     writer.writerow([column.key for column in table.columns])
@@ -59,7 +59,7 @@ def _section(section: Section) -> list[str]:
         parts += [heading and f"### {heading}", _facts(facts)]
     for heading, table in section.tables.items():
         if table.rows:
-            parts += [heading and f"### {heading}", _table(table), table.cut_note]
+            parts += [heading and f"### {heading}", _table(table), table.truncation_note]
     return parts
 
 
@@ -70,8 +70,8 @@ def _facts(facts: Iterable[tuple[str, str]]) -> str:
 
 def _table(table: Table) -> str:
     rules = ["---" if column.text else "---:" for column in table.columns]
-    lines = [_row(column.head for column in table.columns), "| " + " | ".join(rules) + " |"]
-    return "\n".join(lines + [_row(row) for row in table.texts])
+    lines = [_row(column.label for column in table.columns), "| " + " | ".join(rules) + " |"]
+    return "\n".join(lines + [_row(row) for row in table.text_rows])
 
 
 def _row(cells: Iterable[str]) -> str:

@@ -95,7 +95,7 @@ def _write_table(book: Workbook, name: str, table: Table) -> Worksheet:
     sheet.set_column(0, len(table.columns) - 1, VALUE_WIDTH)
     sheet.freeze_panes(1, 0)
     for place, column in enumerate(table.columns):
-        sheet.write_string(0, place, column.head, head)
+        sheet.write_string(0, place, column.label, head)
     if len(table.rows) >= MAX_ROWS:
         rest = f"the first {MAX_ROWS - 1} of {len(table.rows)} rows; all are in the JSON report"
         sheet.write_string(0, len(table.columns), rest, head)
@@ -131,7 +131,7 @@ def _draw_drift(book: Workbook, sheet: Worksheet, table: Table) -> None:
             }
         )
     times = [row[0] for row in table.rows]
-    chart.set_x_axis({"name": table.columns[0].head, "min": times[0], "max": times[-1]})
+    chart.set_x_axis({"name": table.columns[0].label, "min": times[0], "max": times[-1]})
     chart.set_y_axis({"name": "drift (mm)", "min": 0})
     chart.set_legend({"position": "bottom"})
     chart.set_size(CHART_SIZE)
