@@ -498,7 +498,7 @@ def test_exact_run_is_told_with_the_exact_contact_as_its_own(tmp_path):
 )
 def test_other_answers_of_the_exact_model_are_told(answer, words, played, monkeypatch):
     nowhere = {"benches": None, "point": None, "normal": None, "near_misses": ()}
-    impact = replace(exact.exact_impact(played), **nowhere | answer)
+    impact = replace(exact.exact_first_contact(played), **nowhere | answer)
     monkeypatch.setattr(exact, "first_contact", lambda march, start, until: impact)
     assert words in first_said(played)
     assert "None on the way." in text.as_markdown(contents(played))
