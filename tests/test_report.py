@@ -734,7 +734,7 @@ def test_interrupted_report_leaves_the_old_file_and_no_litter(ending, interrupti
         raise interruption
 
     if ending == ".xlsx":
-        monkeypatch.setattr(workbook, "_draw_drift", fail)
+        monkeypatch.setattr(workbook, "_add_drift_chart", fail)
     else:
         monkeypatch.setattr("pathlib.Path.write_bytes", fail)
     with pytest.raises((KeyboardInterrupt, DragonError)) as caught:

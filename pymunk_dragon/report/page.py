@@ -1,4 +1,4 @@
-"""A report as one HTML file: no network, no script, every value escaped."""
+"""Report as one HTML file without network access or scripts; all values are escaped."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ __all__ = ["as_html"]
 
 Contents = Mapping[str, Any]
 
-# Rows of a table on paper, which nobody scrolls through: a page of them.
+# Rows of a table in print, where tables do not scroll: about a page.
 PAPER_ROWS = 60
 
 
 def as_html(contents: Contents, pictures: Iterable[Picture] = ()) -> str:
-    """The whole page.
+    """Report as one HTML document.
 
     Raises
     ------
