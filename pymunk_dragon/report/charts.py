@@ -93,7 +93,7 @@ class Line:
 
 @dataclass(frozen=True)
 class DriftChart:
-    """Drift over time."""
+    """Drift over time: lines, ticks of the time axis, and levels of drift in `unit`."""
 
     lines: tuple[Line, ...]
     ticks: tuple[Tick, ...]

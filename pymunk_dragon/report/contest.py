@@ -29,10 +29,15 @@ DECIMALS = 6
 # XLSX number format of the values.
 NUMBER_FORMAT = "0." + "0" * DECIMALS
 
-# Worksheet names of the templates.
-POSITIONS, SPEEDS, CONTACT = "位置", "速度", "Sheet1"
-# Names of handles in the templates.
-HEAD, BODY, TAIL, LAST = "龙头", "第{}节龙身", "龙尾", "龙尾（后）"  # noqa: RUF001  # The template's own brackets.
+# Worksheet names of the templates: positions, speeds, and the only worksheet of result2.xlsx.
+POSITIONS = "位置"
+SPEEDS = "速度"
+CONTACT = "Sheet1"
+# Names of handles in the templates: head, n-th body bench, tail, rear of the tail.
+HEAD = "龙头"
+BODY = "第{}节龙身"
+TAIL = "龙尾"
+LAST = "龙尾（后）"  # noqa: RUF001  # The template's own brackets.
 # Column labels of result2.xlsx.
 CONTACT_LABELS = ("横坐标x (m)", "纵坐标y (m)", "速度 (m/s)")
 # Characters: width of the column of names, enough for the longest name.

@@ -15,7 +15,7 @@ __all__ = ["as_html"]
 Contents = Mapping[str, Any]
 
 # Rows of a table in print, where tables do not scroll: about a page.
-PAPER_ROWS = 60
+PRINT_ROWS = 60
 
 
 def as_html(contents: Contents, pictures: Iterable[Picture] = ()) -> str:
@@ -36,5 +36,5 @@ def as_html(contents: Contents, pictures: Iterable[Picture] = ()) -> str:
         sections=sections.sections(contents),
         timeline=charts.timeline(contents),
         drift_chart=charts.drift_chart(contents),
-        paper_rows=PAPER_ROWS,
+        print_rows=PRINT_ROWS,
     )

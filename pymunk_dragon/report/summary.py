@@ -29,8 +29,10 @@ __all__ = ["SCHEMA", "VERSION", "contents", "json_schema", "summarize"]
 Array = NDArray[np.float64]
 Contents = dict[str, Any]
 
-# Name and version of the JSON format; both are constants in `schema.json`.
-SCHEMA, VERSION = "pymunk_dragon report", 1
+# Name of the JSON format, as in `schema.json`.
+SCHEMA = "pymunk_dragon report"
+# Version of the JSON format, as in `schema.json`.
+VERSION = 1
 # s: times of the paper's tables 1 and 2.
 TABLE_TIMES = (0.0, 60.0, 120.0, 180.0, 240.0, 300.0)
 # Times in the tables of curves other than the spiral: the contest's problem 4 has five, from -100 s to 100 s.

@@ -29,8 +29,10 @@ NAME_WIDTH = 36
 FACT_WIDTH = 46
 # Points: height of a line of text. Rows with merged cells need an explicit height.
 LINE_HEIGHT = 15
-# Zero-based row and column of the first picture: below the title, beside the text.
-PICTURE_ROW, PICTURE_COLUMN = 3, 3
+# Zero-based row of the first picture: below the title.
+PICTURE_ROW = 3
+# Zero-based column of the pictures: beside the text.
+PICTURE_COLUMN = 3
 # Pixels: displayed width and height of a picture.
 PICTURE_SIZE = 440
 # Rows from one picture to the next: the height of a picture and a margin.
@@ -112,9 +114,8 @@ def _add_table(book: Workbook, name: str, table: Table) -> Worksheet:
             if isinstance(value, str):
                 worksheet.write_string(row, index, value)
             elif value is not None:
-                worksheet.write_number(
-                    row, index, value * column.scale if column.decimals is not None else value, cell_format
-                )
+                scale = 1 if column.decimals is None else column.scale
+                worksheet.write_number(row, index, value * scale, cell_format)
     return worksheet
 
 
