@@ -24,7 +24,7 @@ from pymunk_dragon.curves import Arc, Composite, Line, Spiral
 from pymunk_dragon.dragon import Dragon, outlines
 from pymunk_dragon.errors import DragonError, ParameterError, UnreachableError
 from pymunk_dragon.march import March
-from pymunk_dragon.report.paper import cut
+from pymunk_dragon.report.paper import truncate
 
 DATA = Path(__file__).parent / "data"
 SIXTEEN = March(Dragon(benches=16), turns=8)
@@ -91,7 +91,7 @@ def test_table_3_matches_to_the_digit(seed_march, seed_impact):
     for row in rows:
         handle = int(row["handle"])
         ours = (*states.positions[0, handle], states.speeds[0, handle])
-        assert [cut(float(value)) for value in ours] == [row["x"], row["y"], row["speed"]]
+        assert [truncate(float(value)) for value in ours] == [row["x"], row["y"], row["speed"]]
     assert 3 * len(rows) == 21
 
 

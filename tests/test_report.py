@@ -498,7 +498,7 @@ def test_exact_run_is_told_with_the_exact_contact_as_its_own(tmp_path):
 )
 def test_other_answers_of_the_exact_model_are_told(answer, words, played, monkeypatch):
     nowhere = {"benches": None, "point": None, "normal": None, "near_misses": ()}
-    impact = replace(exact.exact_impact(played), **nowhere | answer)
+    impact = replace(exact.exact_first_contact(played), **nowhere | answer)
     monkeypatch.setattr(exact, "first_contact", lambda march, start, until: impact)
     assert words in first_said(played)
     assert "None on the way." in text.as_markdown(contents(played))
@@ -568,7 +568,7 @@ def test_workbook_holds_every_event_as_numbers_in_the_unit_of_its_head(played, t
 @pytest.mark.parametrize("ending", [".html", ".md"])
 def test_long_table_is_cut_and_the_document_says_where_the_rest_is(ending, played, tmp_path, monkeypatch):
     assert "rows; all are in" not in written(played, ending, tmp_path).decode()
-    monkeypatch.setattr(tables, "SHOWN_ROWS", 100)
+    monkeypatch.setattr(tables, "MAX_SHOWN_ROWS", 100)
     content = written(played, ending, tmp_path).decode()
     count = len(played.events)
     assert f"These are the first 100 of {count} rows; all are in the JSON and XLSX reports." in content
@@ -669,14 +669,14 @@ def test_line_with_fewer_points_keeps_the_peak():
     values = np.zeros(10_000).tolist()
     values[7777] = 2.0
     values[5] = None
-    thinned = charts._thinned(times, values)
+    thinned = charts._downsampled(times, values)
     assert len(thinned) <= charts.MAX_POINTS
     assert (7777.0, 2.0) in thinned
     assert None not in [value for _, value in thinned]
 
 
 def test_line_is_broken_where_drift_is_not_known():
-    assert charts._stretches([0, 1, 2, 3], [0.0, None, 1.0, 0.5], 1.0) == ("0.0,1000.0", "666.7,0.0 1000.0,500.0")
+    assert charts._segments([0, 1, 2, 3], [0.0, None, 1.0, 0.5], 1.0) == ("0.0,1000.0", "666.7,0.0 1000.0,500.0")
 
 
 def test_timeline_shows_each_pair_on_a_row_of_its_own_from_the_first_contact_on(played):
@@ -708,9 +708,9 @@ def test_timeline_of_thousands_of_windows_stays_small(played):
 
 
 def test_numbers_are_never_minus_zero_and_huge_ones_stay_short():
-    assert tables.number(-1e-9, 3) == "0.000"
-    assert tables.number(None, 3) == "–"
-    assert len(tables.number(-1e300, 3)) < 12
+    assert tables.format_number(-1e-9, 3) == "0.000"
+    assert tables.format_number(None, 3) == "–"
+    assert len(tables.format_number(-1e300, 3)) < 12
 
 
 # Files
@@ -734,7 +734,7 @@ def test_interrupted_report_leaves_the_old_file_and_no_litter(ending, interrupti
         raise interruption
 
     if ending == ".xlsx":
-        monkeypatch.setattr(workbook, "_draw_drift", fail)
+        monkeypatch.setattr(workbook, "_add_drift_chart", fail)
     else:
         monkeypatch.setattr("pathlib.Path.write_bytes", fail)
     with pytest.raises((KeyboardInterrupt, DragonError)) as caught:

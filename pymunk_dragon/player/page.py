@@ -14,9 +14,9 @@ from pymunk_dragon.files import check_destination, written_in_place
 from pymunk_dragon.pages import asset, policy
 from pymunk_dragon.player.colours import variables
 from pymunk_dragon.player.contents import player_data
-from pymunk_dragon.report.exact import exact_impact, with_exact_contact
+from pymunk_dragon.report.exact import exact_first_contact, with_exact_contact
 from pymunk_dragon.report.sections import headline, sections, subtitle
-from pymunk_dragon.report.summary import told
+from pymunk_dragon.report.summary import summarize
 from pymunk_dragon.run import Run
 
 __all__ = ["PLAYER_ENDINGS", "player_page", "write_player"]
@@ -85,9 +85,9 @@ def player_page(run: Run, *, title: str | None = None) -> str:
     """
     if not (title is None or isinstance(title, str)):
         raise ParameterError("title", title, "a text")
-    impact = exact_impact(run)
+    impact = exact_first_contact(run)
     run = with_exact_contact(run, impact)
-    found = told(run, impact)
+    found = summarize(run, impact)
     data = player_data(run, impact)
     # Halves of surrogate pairs are no text that a file could hold.
     heading = (title or headline(found)).encode("utf-8", "replace").decode("utf-8")

@@ -1,4 +1,4 @@
-"""A run as tables and documents."""
+"""Reports on runs: JSON, CSV, Markdown, HTML and XLSX files, and the contest's tables."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from typing import Any
 from pymunk_dragon.extras import library
 from pymunk_dragon.files import check_destination, written_in_place
 from pymunk_dragon.report.contest import TABLE_ENDINGS, write_contact_table, write_tables
-from pymunk_dragon.report.exact import exact_impact, with_exact_contact
+from pymunk_dragon.report.exact import exact_first_contact, with_exact_contact
 from pymunk_dragon.report.page import as_html
 from pymunk_dragon.report.paper import paper_tables
 from pymunk_dragon.report.picture import Picture, pictures
-from pymunk_dragon.report.summary import contents, json_schema, told
+from pymunk_dragon.report.summary import contents, json_schema, summarize
 from pymunk_dragon.report.text import as_csv, as_json, as_markdown
 from pymunk_dragon.report.workbook import write_workbook
 from pymunk_dragon.run import Run
@@ -32,9 +32,14 @@ __all__ = [
 Progress = Callable[[int, int], None]
 
 REPORT_ENDINGS = (".json", ".csv", ".md", ".html", ".xlsx")
-# The ones that are nothing but text: no picture is drawn for them, and nothing but the core is needed.
-PLAIN: Mapping[str, Callable[[Mapping[str, Any]], str]] = {".json": as_json, ".csv": as_csv, ".md": as_markdown}
-LIBRARIES = {".html": "jinja2", ".xlsx": "xlsxwriter"}
+# Formatters of the text formats, which have no pictures and need no optional library.
+TEXT_FORMATTERS: Mapping[str, Callable[[Mapping[str, Any]], str]] = {
+    ".json": as_json,
+    ".csv": as_csv,
+    ".md": as_markdown,
+}
+# Optional libraries that the other formats need.
+REQUIRED_LIBRARIES = {".html": "jinja2", ".xlsx": "xlsxwriter"}
 
 
 def report(run: Run, path: str | Path, progress: Progress | None = None) -> None:
@@ -43,20 +48,20 @@ def report(run: Run, path: str | Path, progress: Progress | None = None) -> None
     Parameters
     ----------
     run : Run
-        What is reported on.
+        Run to report on.
     path : path
-        File to write; its ending chooses the format: .json (all there is; see `json_schema`), .csv (near misses,
-        contacts and callbacks, by time), .md, .html (one file with everything in it) or .xlsx. HTML and XLSX have
-        pictures. An interrupted report leaves the old file or none.
+        File to write; the ending selects the format: .json (all contents; see `json_schema`), .csv (near misses,
+        contacts and callbacks, by time), .md, .html (one self-contained file) or .xlsx. HTML and XLSX have pictures.
+        An interrupted report leaves the old file or none.
     progress : callable, optional
-        Told the number of steps done, and of all steps, after each one.
+        Called after each step with the number of completed steps and the total number of steps.
 
     Raises
     ------
     ParameterError
-        If the file cannot be made.
+        If the file cannot be created.
     MissingExtraError
-        If HTML or XLSX is wanted and its library is not installed.
+        If the library for HTML or XLSX is not installed.
     OutputError
         If writing fails.
 
@@ -66,24 +71,24 @@ def report(run: Run, path: str | Path, progress: Progress | None = None) -> None
     """
     destination = check_destination(path, REPORT_ENDINGS)
     ending = destination.suffix.lower()
-    if ending in LIBRARIES:
-        # Before the work, not after it.
-        library(LIBRARIES[ending])
-    steps = 2 if ending in PLAIN else 3
-    tell = progress or (lambda done, total: None)
-    impact = exact_impact(run)
-    run = with_exact_contact(run, impact)
-    found = told(run, impact)
-    tell(1, steps)
-    drawn: list[Picture] = []
-    if ending not in PLAIN:
-        drawn = pictures(run)
-        tell(2, steps)
+    if ending in REQUIRED_LIBRARIES:
+        # A missing library is reported before the computation.
+        library(REQUIRED_LIBRARIES[ending])
+    steps = 2 if ending in TEXT_FORMATTERS else 3
+    notify = progress or (lambda done, total: None)
+    exact = exact_first_contact(run)
+    run = with_exact_contact(run, exact)
+    summary = summarize(run, exact)
+    notify(1, steps)
+    images: list[Picture] = []
+    if ending not in TEXT_FORMATTERS:
+        images = pictures(run)
+        notify(2, steps)
     if ending == ".xlsx":
-        write_workbook(found, drawn, destination)
+        write_workbook(summary, images, destination)
     else:
-        text = PLAIN[ending](found) if ending in PLAIN else as_html(found, drawn)
+        text = TEXT_FORMATTERS[ending](summary) if ending in TEXT_FORMATTERS else as_html(summary, images)
         with written_in_place(destination) as draft:
-            # As bytes: a text file would get the line ends of the machine, and CSV has its own.
+            # Bytes, since text mode would convert line ends, and CSV requires CR LF.
             draft.write_bytes(text.encode("utf-8"))
-    tell(steps, steps)
+    notify(steps, steps)

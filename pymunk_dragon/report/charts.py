@@ -1,7 +1,6 @@
-"""Where the lines and bars of a report's charts go.
+"""Geometry of a report's charts: the timeline of contact windows, and drift over time.
 
-Along a chart everything is measured in hundredths of its width, so that a page draws it as wide as there is room,
-with type that keeps its size.
+Horizontal coordinates are percentages of the chart's width. Charts then scale with the page, while text keeps its size.
 """
 
 from __future__ import annotations
@@ -11,31 +10,31 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from pymunk_dragon.report.tables import pair
+from pymunk_dragon.report.tables import format_pair
 
 __all__ = ["Bar", "DriftChart", "Line", "Row", "Tick", "Timeline", "drift_chart", "ticks", "timeline"]
 
 Contents = Mapping[str, Any]
 
-# Ticks along a chart: as many labels of ten characters as a phone has room for.
-MOST_TICKS = 5
-# Pairs in a timeline: as many lines as one can still follow. The table and the other formats have all of them.
+# Ticks of an axis: labels of ten characters that fit side by side on a phone.
+MAX_TICKS = 5
+# Pairs in a timeline: more rows are hard to read in a chart. The table and the other formats have all pairs.
 MAX_ROWS = 40
-# Hundredths of the width under which two windows of a pair run into each other anyway.
-MIN_BREAK = 0.05
-# Share of the time that a timeline shows before the first window.
-LEAD = 0.03
-# Points of a line: more than twice as many as there are pixels on a phone, and still a short file.
+# Percent of the chart's width: windows of a pair with a smaller gap are drawn as one bar, since the gap is not visible.
+MIN_GAP = 0.05
+# Fraction of the time range that a timeline shows before the first window.
+LEADING_MARGIN = 0.03
+# Points of a line: more than twice the number of pixels on a phone, in a file that is still short.
 MAX_POINTS = 800
-# The side of the square that a line is drawn in; it has no unit, and is stretched to the chart.
-SQUARE = 1000.0
-# Metres of drift from which on a unit of so many in a metre is used: 0.01 mm is better read than 10 micrometres.
+# Side of the SVG view box of a line, in user units; the page scales the view box to the chart.
+VIEW_BOX = 1000.0
+# (smallest drift in m, units per metre, unit): mm from 0.01 mm on, since 0.01 mm is easier to read than 10 micrometres.
 UNITS = ((1.0, 1.0, "m"), (1e-5, 1e3, "mm"), (0.0, 1e6, "\N{MICRO SIGN}m"))
 
 
 @dataclass(frozen=True)
 class Tick:
-    """A mark: `at` hundredths of the way along an axis."""
+    """A tick at `at` percent of an axis."""
 
     at: float
     label: str
@@ -43,7 +42,7 @@ class Tick:
 
 @dataclass(frozen=True)
 class Bar:
-    """A window: `at` and `width` in hundredths; `open` where it had not ended."""
+    """A contact window: `at` and `width` in percent; `open` if the window had not ended with the run."""
 
     at: float
     width: float
@@ -53,7 +52,7 @@ class Bar:
 
 @dataclass(frozen=True)
 class Row:
-    """The windows of a pair of benches."""
+    """Contact windows of a pair of benches."""
 
     label: str
     bars: tuple[Bar, ...]
@@ -61,16 +60,16 @@ class Row:
 
 @dataclass(frozen=True)
 class Timeline:
-    """Windows over time.
+    """Contact windows over time.
 
     Attributes
     ----------
     rows : tuple of Row
-        A line for each pair.
+        One for each pair.
     ticks : tuple of Tick
-        Times.
+        Ticks of the time axis.
     hidden : int
-        Number of pairs that are left out.
+        Number of pairs that are omitted.
     """
 
     rows: tuple[Row, ...]
@@ -79,22 +78,22 @@ class Timeline:
 
     @property
     def unfinished(self) -> bool:
-        """Whether two benches still touched when the run ended."""
+        """Whether two benches were still in contact when the run ended."""
         return any(bar.open for row in self.rows for bar in row.bars)
 
 
 @dataclass(frozen=True)
 class Line:
-    """A line as the points of SVG polylines in a square of `SQUARE`, one for every stretch without a hole."""
+    """A line as points of SVG polylines in a view box of `VIEW_BOX`, a polyline for each segment of known values."""
 
     name: str
     kind: str
-    stretches: tuple[str, ...]
+    segments: tuple[str, ...]
 
 
 @dataclass(frozen=True)
 class DriftChart:
-    """Drift over time."""
+    """Drift over time: lines, ticks of the time axis, and levels of drift in `unit`."""
 
     lines: tuple[Line, ...]
     ticks: tuple[Tick, ...]
@@ -102,8 +101,8 @@ class DriftChart:
     unit: str
 
 
-def ticks(low: float, high: float, most: int = MOST_TICKS) -> tuple[float, ...]:
-    """At most `most` round numbers from `low` to `high`, evenly apart."""
+def ticks(low: float, high: float, most: int = MAX_TICKS) -> tuple[float, ...]:
+    """At most `most` evenly spaced round numbers from `low` to `high`."""
     if not high > low:
         return (low,)
     rough = (high - low) / most
@@ -116,7 +115,7 @@ def ticks(low: float, high: float, most: int = MOST_TICKS) -> tuple[float, ...]:
 
 
 def timeline(contents: Contents) -> Timeline | None:
-    """When which pair touched; None where no window is known to have lasted, as in a run that a contact ended."""
+    """Timeline of the contact windows; None if no window has a known duration, as in a run that ended at a contact."""
     windows = [window for window in contents["windows"] if window["begin"] is not None]
     if not windows:
         return None
@@ -124,7 +123,7 @@ def timeline(contents: Contents) -> Timeline | None:
     high = max([contents["outcome"]["until"], *(w["end"] for w in windows if w["end"] is not None)])
     if not high > begin:
         return None
-    low = begin - LEAD * (high - begin)
+    low = begin - LEADING_MARGIN * (high - begin)
     pairs: dict[tuple[int, ...], list[Contents]] = {}
     for window in windows:
         pairs.setdefault(tuple(window["benches"]), []).append(window)
@@ -133,19 +132,19 @@ def timeline(contents: Contents) -> Timeline | None:
 
 
 def drift_chart(contents: Contents) -> DriftChart | None:
-    """The worst drift over time; None where there is nothing to draw."""
+    """Largest drift over time; None if there is no drift, or only one time."""
     drift = contents["drift"]
     times, largest = drift["times"], drift["max"]
     if not largest or not times[-1] > times[0]:
         return None
     scale, unit = next((scale, unit) for least, scale, unit in UNITS if largest >= least)
     levels = ticks(0.0, largest * scale)
-    # The line ends within the chart, and the topmost level is not above it.
+    # A margin of 5 % keeps the line and the topmost level within the chart.
     top = largest * scale * 1.05
     series = [("any bench", "any", drift["max_over_time"])]
     if drift["head_benches"] < contents["scenario"]["benches"]:
         series.append((f"first {drift['head_benches']} benches", "head", drift["head_over_time"]))
-    lines = [Line(name, kind, _stretches(times, values, top / scale)) for name, kind, values in series]
+    lines = [Line(name, kind, _segments(times, values, top / scale)) for name, kind, values in series]
     return DriftChart(
         tuple(lines),
         _ticks(times[0], times[-1]),
@@ -155,10 +154,10 @@ def drift_chart(contents: Contents) -> DriftChart | None:
 
 
 def _bars(windows: Sequence[Contents], low: float, high: float) -> tuple[Bar, ...]:
-    """Bars of a pair's windows, one for all between which no eye could see a break."""
+    """Bars of a pair's windows; windows with gaps below `MIN_GAP` are merged."""
     bars: list[list[Contents]] = []
     for window in windows:
-        if bars and _share(window["begin"] - _end(bars[-1][-1], high), 0, high - low) < MIN_BREAK:
+        if bars and _percent(window["begin"] - _end(bars[-1][-1], high), 0, high - low) < MIN_GAP:
             bars[-1].append(window)
         else:
             bars.append([window])
@@ -168,12 +167,14 @@ def _bars(windows: Sequence[Contents], low: float, high: float) -> tuple[Bar, ..
 def _bar(windows: Sequence[Contents], low: float, high: float) -> Bar:
     first, last = windows[0], windows[-1]
     begin, end = first["begin"], max(_end(last, high), first["begin"])
-    still = last["end"] is None
-    label = f"{begin:.4f} s to {'the end' if still else f'{end:.4f} s'}"
+    unfinished = last["end"] is None
+    label = f"{begin:.4f} s to {'the end' if unfinished else f'{end:.4f} s'}"
     if len(windows) > 1:
         label = f"{len(windows)} contacts from {label}"
-    at = _share(begin, low, high)
-    return Bar(at, round(_share(end, low, high) - at, 3), still, f"benches {pair(first['benches'])}: {label}")
+    at = _percent(begin, low, high)
+    return Bar(
+        at, round(_percent(end, low, high) - at, 3), unfinished, f"benches {format_pair(first['benches'])}: {label}"
+    )
 
 
 def _end(window: Contents, high: float) -> float:
@@ -181,33 +182,34 @@ def _end(window: Contents, high: float) -> float:
     return high if end is None else end
 
 
-def _stretches(times: Sequence[float], values: Sequence[float | None], top: float) -> tuple[str, ...]:
-    """Points of polylines, broken where a value is not known."""
-    stretches: list[list[str]] = [[]]
-    for time, value in _thinned(times, values):
+def _segments(times: Sequence[float], values: Sequence[float | None], top: float) -> tuple[str, ...]:
+    """Points of polylines, interrupted at unknown values."""
+    segments: list[list[str]] = [[]]
+    for time, value in _downsampled(times, values):
         if value is None:
-            stretches.append([])
+            segments.append([])
         else:
-            x = _share(time, times[0], times[-1]) * SQUARE / 100
-            stretches[-1].append(f"{x:.1f},{SQUARE * (1 - value / top):.1f}")
-    return tuple(" ".join(points) for points in stretches if points)
+            x = _percent(time, times[0], times[-1]) * VIEW_BOX / 100
+            segments[-1].append(f"{x:.1f},{VIEW_BOX * (1 - value / top):.1f}")
+    return tuple(" ".join(points) for points in segments if points)
 
 
-def _thinned(times: Sequence[float], values: Sequence[float | None]) -> list[tuple[float, float | None]]:
-    """At most `MAX_POINTS` points, of each stretch of time the one with the largest value: no peak is lost."""
+def _downsampled(times: Sequence[float], values: Sequence[float | None]) -> list[tuple[float, float | None]]:
+    """At most `MAX_POINTS` points: the largest value of each time interval, so that peaks are kept."""
     size = math.ceil(len(times) / MAX_POINTS)
-    thinned = []
+    samples = []
     for begin in range(0, len(times), size):
         chunk = range(begin, min(begin + size, len(times)))
         known = [i for i in chunk if values[i] is not None]
-        most = max(known, key=lambda i: values[i] or 0.0) if known else begin
-        thinned.append((times[most], values[most]))
-    return thinned
+        largest = max(known, key=lambda i: values[i] or 0.0) if known else begin
+        samples.append((times[largest], values[largest]))
+    return samples
 
 
 def _ticks(low: float, high: float) -> tuple[Tick, ...]:
-    return tuple(Tick(_share(time, low, high), f"{time:.9g}") for time in ticks(low, high))
+    return tuple(Tick(_percent(time, low, high), f"{time:.9g}") for time in ticks(low, high))
 
 
-def _share(value: float, low: float, high: float) -> float:
+def _percent(value: float, low: float, high: float) -> float:
+    """Position of `value` between `low` and `high`, percent."""
     return round(100 * (value - low) / (high - low), 3)

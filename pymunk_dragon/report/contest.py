@@ -1,4 +1,4 @@
-"""The contest's own sheets, result1.xlsx and result2.xlsx, as in its templates."""
+"""Tables of the contest in the layout of its templates: result1.xlsx, result2.xlsx and result4.xlsx."""
 
 from __future__ import annotations
 
@@ -24,19 +24,30 @@ Array = NDArray[np.float64]
 Progress = Callable[[int, int], None]
 
 TABLE_ENDINGS = (".xlsx",)
-# Digits after the point, as the contest wants them.
+# Digits after the decimal point, as the contest requires.
 DECIMALS = 6
+# XLSX number format of the values.
 NUMBER_FORMAT = "0." + "0" * DECIMALS
 
-POSITIONS, SPEEDS, CONTACT = "位置", "速度", "Sheet1"
-HEAD, BODY, TAIL, LAST = "龙头", "第{}节龙身", "龙尾", "龙尾（后）"  # noqa: RUF001  # The template's own brackets.
-CONTACT_HEADS = ("横坐标x (m)", "纵坐标y (m)", "速度 (m/s)")
-# Width of the column of names and of the others, in characters.
-NAME_WIDTH, VALUE_WIDTH = 18, 11
+# Worksheet names of the templates: positions, speeds, and the only worksheet of result2.xlsx.
+POSITIONS = "位置"
+SPEEDS = "速度"
+CONTACT = "Sheet1"
+# Names of handles in the templates: head, n-th body bench, tail, rear of the tail.
+HEAD = "龙头"
+BODY = "第{}节龙身"
+TAIL = "龙尾"
+LAST = "龙尾（后）"  # noqa: RUF001  # The template's own brackets.
+# Column labels of result2.xlsx.
+CONTACT_LABELS = ("横坐标x (m)", "纵坐标y (m)", "速度 (m/s)")
+# Characters: width of the column of names, enough for the longest name.
+NAME_WIDTH = 18
+# Characters: width of a column of values with six decimals.
+VALUE_WIDTH = 11
 
 
 def handle_names(handles: int) -> list[str]:
-    """What the templates call the handles: head, so-many-th body bench, tail, rear of the tail."""
+    """Names of the handles in the templates: head, n-th body bench, tail, rear of the tail."""
     return [HEAD, *(BODY.format(i) for i in range(1, handles - 2)), TAIL, LAST]
 
 
@@ -46,20 +57,20 @@ def write_tables(march: March, times: ArrayLike, path: str | Path, progress: Pro
     Parameters
     ----------
     march : March
-        Whose handles.
+        March with the handles.
     times : array_like, shape (T,)
-        s, a column each.
+        Times in s; one column each.
     path : path
-        File to write, ending in .xlsx. An interrupted table leaves the old file or none.
+        File to write, ending in .xlsx. An interruption leaves the old file or none.
     progress : callable, optional
-        Told the number of rows done, and of all rows, after each one.
+        Called after each row with the number of completed rows and the total number of rows.
 
     Raises
     ------
     ParameterError
-        If there is no time or too many for a sheet, or the file cannot be made.
+        If there is no time, there are too many for a worksheet, or the file cannot be created.
     UnreachableError
-        If a handle has no place on the curve.
+        If a handle would be beyond the end of the curve.
     MissingExtraError
         If XlsxWriter is not installed.
     OutputError
@@ -67,7 +78,7 @@ def write_tables(march: March, times: ArrayLike, path: str | Path, progress: Pro
 
     Notes
     -----
-    Values are rounded to six decimals. The paper cuts its tables instead; here the last digit is the nearest.
+    Values are rounded to six decimals, whereas the paper's tables are truncated.
     """
     destination = check_destination(path, TABLE_ENDINGS)
     t = np.array(times, dtype=float).ravel()
@@ -75,19 +86,19 @@ def write_tables(march: March, times: ArrayLike, path: str | Path, progress: Pro
         raise ParameterError("times", t.size, f"1 to {MAX_COLUMNS - 1} of them, as many as a sheet has columns")
     states = march.at(t)
     names = handle_names(march.dragon.handles)
-    heads = [f"{time + 0.0:.12g} s" for time in t.tolist()]
-    place_names = [f"{name}{axis} (m)" for name in names for axis in "xy"]
-    # Positions (T, H, 2) as rows: x and y of a handle below each other, a column for each time.
-    places = states.positions.reshape(t.size, -1).T
-    done, total = itertools.count(1), len(place_names) + len(names)
+    labels = [f"{time + 0.0:.12g} s" for time in t.tolist()]
+    position_names = [f"{name}{axis} (m)" for name in names for axis in "xy"]
+    # Positions (T, H, 2) as rows x, y of each handle, (2 H, T).
+    positions = states.positions.reshape(t.size, -1).T
+    done, total = itertools.count(1), len(position_names) + len(names)
 
-    def tell() -> None:
+    def notify() -> None:
         if progress is not None:
             progress(next(done), total)
 
     with workbook(destination, constant_memory=True) as book:
-        _write_sheet(book, POSITIONS, heads, place_names, places, tell)
-        _write_sheet(book, SPEEDS, heads, _speed_names(names), states.speeds.T, tell)
+        _add_worksheet(book, POSITIONS, labels, position_names, positions, notify)
+        _add_worksheet(book, SPEEDS, labels, _speed_names(names), states.speeds.T, notify)
 
 
 def write_contact_table(march: March, impact_time: float, path: str | Path) -> None:
@@ -96,51 +107,51 @@ def write_contact_table(march: March, impact_time: float, path: str | Path) -> N
     Parameters
     ----------
     march : March
-        Whose handles.
+        March with the handles.
     impact_time : float
-        s.
+        Time of the first contact, s.
     path : path
         File to write, ending in .xlsx.
 
     Raises
     ------
     ParameterError, UnreachableError, MissingExtraError, OutputError
-        As `write_tables` does.
+        As in `write_tables`.
     """
     destination = check_destination(path, TABLE_ENDINGS)
     states = march.at([impact_time])
     values = np.column_stack([states.positions[0], states.speeds[0]])
     names = handle_names(march.dragon.handles)
     with workbook(destination, constant_memory=True) as book:
-        _write_sheet(book, CONTACT, CONTACT_HEADS, names, values)
+        _add_worksheet(book, CONTACT, CONTACT_LABELS, names, values)
 
 
 def _speed_names(names: Sequence[str]) -> list[str]:
-    """Row heads of the speeds: the templates put two spaces before the unit in all but the first and the last."""
+    """Row labels of the speeds; in the templates two spaces precede the unit in all but the first and the last."""
     first, *between, last = names
     return [f"{first} (m/s)", *(f"{name}  (m/s)" for name in between), f"{last} (m/s)"]
 
 
-def _write_sheet(
+def _add_worksheet(
     book: Workbook,
     title: str,
-    heads: Sequence[str],
+    labels: Sequence[str],
     names: Iterable[str],
     values: Array,
-    row_is_done: Callable[[], None] = lambda: None,
+    after_row: Callable[[], None] = lambda: None,
 ) -> None:
-    """One sheet: `heads` in the first row from the second column on, and below them `names` and `values` (R, C)."""
-    sheet = book.add_worksheet(title)
+    """Add a worksheet with `labels` in the first row, `names` in the first column and `values` of shape (R, C)."""
+    worksheet = book.add_worksheet(title)
     number = book.add_format({"num_format": NUMBER_FORMAT})
-    sheet.set_column(0, 0, NAME_WIDTH)
-    sheet.set_column(1, len(heads), VALUE_WIDTH)
-    sheet.freeze_panes(1, 1)
-    for column, head in enumerate(heads, start=1):
-        sheet.write_string(0, column, head)
+    worksheet.set_column(0, 0, NAME_WIDTH)
+    worksheet.set_column(1, len(labels), VALUE_WIDTH)
+    worksheet.freeze_panes(1, 1)
+    for column, label in enumerate(labels, start=1):
+        worksheet.write_string(0, column, label)
     # Adding 0 turns the -0.0 of a rounded tiny number into 0.0.
     rounded = np.round(values, DECIMALS) + 0.0
     for row, (name, cells) in enumerate(zip(names, rounded, strict=True), start=1):
-        sheet.write_string(row, 0, name)
+        worksheet.write_string(row, 0, name)
         for column, value in enumerate(cells.tolist(), start=1):
-            sheet.write_number(row, column, value, number)
-        row_is_done()
+            worksheet.write_number(row, column, value, number)
+        after_row()

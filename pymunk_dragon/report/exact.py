@@ -1,4 +1,4 @@
-"""What the exact model says about a run: the first contact, and the near misses on the way."""
+"""First contact and near misses of the exact model, over the time of a run."""
 
 from __future__ import annotations
 
@@ -10,15 +10,14 @@ from pymunk_dragon.collision import FirstContact, first_contact
 from pymunk_dragon.errors import ParameterError, UnreachableError
 from pymunk_dragon.run import Run
 
-__all__ = ["exact_impact", "with_exact_contact"]
+__all__ = ["exact_first_contact", "with_exact_contact"]
 
 
-def exact_impact(run: Run) -> FirstContact | None:
-    """The exact model's first contact and near misses over the time of `run`; None where there is no time to look over.
+def exact_first_contact(run: Run) -> FirstContact | None:
+    """First contact and near misses of the exact model over the time of `run`; None if the search is not possible.
 
-    A contact of a dragon that is kept on its path is the exact model's own, a little early or late: there the exact
-    model looks until it finds one, or for as long again where the curve has no end. Any other run is looked at until
-    its end.
+    The contact of a guided run may be slightly before or after the exact one. If a guided run has a contact, the search
+    continues after its end, for at most the duration of the run. All other searches stop at the end of the run.
     """
     if not isinstance(run, Run):
         raise ParameterError("run", run, "a Run")
@@ -29,27 +28,27 @@ def exact_impact(run: Run) -> FirstContact | None:
     try:
         return first_contact(run.march, start=start, until=until)
     except (ParameterError, UnreachableError):
-        # A single moment, or times at which the dragon has no place, as a file that was changed by hand may hold.
+        # A run of a single frame, or times beyond the end of the curve, as in an edited file.
         return None
 
 
-def with_exact_contact(run: Run, impact: FirstContact | None) -> Run:
-    """`run` as it is; but one of the exact player, who places benches and looks for nothing, with the exact contact.
+def with_exact_contact(run: Run, result: FirstContact | None) -> Run:
+    """A run of the exact player with the first contact and a frame at its time; any other run unchanged.
 
-    The moment of the contact is a frame of it.
+    The exact player only computes poses and does not detect contacts.
     """
-    contact = impact.contact if impact is not None else None
+    contact = result.contact if result is not None else None
     if run.provenance.get("player") != "exact" or contact is None:
         return run
-    place = int(np.searchsorted(run.times, contact.time))
+    index = int(np.searchsorted(run.times, contact.time))
     state = run.march.at([contact.time])
     velocities = run.pose_velocities
     return replace(
         run,
-        times=np.insert(run.times, place, contact.time),
-        poses=np.insert(run.poses, place, state.poses[0], axis=0),
-        pose_velocities=None if velocities is None else np.insert(velocities, place, state.pose_velocities[0], axis=0),
-        drift=np.insert(run.drift, place, 0.0, axis=0),
+        times=np.insert(run.times, index, contact.time),
+        poses=np.insert(run.poses, index, state.poses[0], axis=0),
+        pose_velocities=None if velocities is None else np.insert(velocities, index, state.pose_velocities[0], axis=0),
+        drift=np.insert(run.drift, index, 0.0, axis=0),
         first_contact=contact,
         outcome="contact",
     )

@@ -1,4 +1,4 @@
-"""A report as one HTML file: no network, no script, every value escaped."""
+"""Report as one HTML file without network access or scripts; all values are escaped."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ __all__ = ["as_html"]
 
 Contents = Mapping[str, Any]
 
-# Rows of a table on paper, which nobody scrolls through: a page of them.
-PAPER_ROWS = 60
+# Rows of a table in print, where tables do not scroll: about a page.
+PRINT_ROWS = 60
 
 
 def as_html(contents: Contents, pictures: Iterable[Picture] = ()) -> str:
-    """The whole page.
+    """Report as one HTML document.
 
     Raises
     ------
@@ -36,5 +36,5 @@ def as_html(contents: Contents, pictures: Iterable[Picture] = ()) -> str:
         sections=sections.sections(contents),
         timeline=charts.timeline(contents),
         drift_chart=charts.drift_chart(contents),
-        paper_rows=PAPER_ROWS,
+        print_rows=PRINT_ROWS,
     )

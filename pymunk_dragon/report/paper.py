@@ -1,4 +1,4 @@
-"""The paper's tables 1 to 3, for any march."""
+"""Tables 1 to 3 of the paper, for any march."""
 
 from __future__ import annotations
 
@@ -11,29 +11,30 @@ import numpy as np
 from pymunk_dragon.march import March
 from pymunk_dragon.report.summary import TABLE_TIMES
 
-__all__ = ["cut", "paper_tables"]
+__all__ = ["paper_tables", "truncate"]
 
-# What is this close below a decimal number is that number: the error of 8.8 m, 1 m/s or 0 m as the model has them.
-HAIR = 1e-11
+# m or m/s: added to magnitudes before truncation, so that 8.8 m or 1 m/s with a rounding error keep their digits.
+ROUNDING_TOLERANCE = 1e-11
+# Last decimal of the tables, mm or mm/s.
 THOUSANDTH = Decimal("0.001")
 
 
 def paper_tables(march: March, impact_time: float | None) -> str:
     """Positions and speeds of seven handles at six times, and at the first contact if there is one.
 
-    Every value is cut after its third decimal, not rounded, as in the paper's tables.
+    Values are truncated to three decimals, not rounded, as in the paper.
 
     Parameters
     ----------
     march : March
-        Whose handles.
+        March with the handles.
     impact_time : float or None
-        s.
+        Time of the first contact, s; None for no contact.
 
     Raises
     ------
     UnreachableError
-        If a handle has no place at one of the times.
+        If a handle would be beyond the end of the curve at one of the times.
     """
     handles = march.dragon.representatives
     states = march.at(TABLE_TIMES)
@@ -50,12 +51,15 @@ def paper_tables(march: March, impact_time: float | None) -> str:
     return "\n".join(lines[:-1])
 
 
-def cut(value: float) -> str:
-    """A number without what follows its third decimal."""
-    short = Decimal(value + math.copysign(HAIR, value)).quantize(THOUSANDTH, ROUND_DOWN)
-    return str(abs(short) if short == 0 else short)
+def truncate(value: float) -> str:
+    """`value` truncated to three decimals."""
+    truncated = Decimal(value + math.copysign(ROUNDING_TOLERANCE, value)).quantize(THOUSANDTH, ROUND_DOWN)
+    return str(abs(truncated) if truncated == 0 else truncated)
 
 
-def _table(title: str, heads: Sequence[str], names: Sequence[object], rows: np.ndarray) -> list[str]:
-    cells = [["handle", *heads], *([str(name), *map(cut, row)] for name, row in zip(names, rows.tolist(), strict=True))]
+def _table(title: str, labels: Sequence[str], names: Sequence[object], rows: np.ndarray) -> list[str]:
+    cells = [
+        ["handle", *labels],
+        *([str(name), *map(truncate, row)] for name, row in zip(names, rows.tolist(), strict=True)),
+    ]
     return [title, *("".join(f"{cell:>12}" for cell in row) for row in cells), ""]

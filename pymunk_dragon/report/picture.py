@@ -1,4 +1,4 @@
-"""Pictures for a report, as the bytes of PNG files."""
+"""Pictures of a report as PNG data."""
 
 from __future__ import annotations
 
@@ -11,25 +11,27 @@ from pymunk_dragon.run import Run
 
 __all__ = ["Picture", "pictures"]
 
-# Pixels a side: twice the width at which a page shows it, for screens with two pixels to the point.
+# Pixels: width and height, twice the displayed size for screens with a pixel ratio of two.
 SIZE = 880
-# Metres of ground around the head, and how much further away than half of that the contact may be: pictures of 16
-# benches that nobody guides shall still have their contact in view.
-CLOSE_SPAN, CLOSE_BORDER = 6.0, 1.5
+# m: least width of the close-up around the head.
+CLOSE_SPAN = 6.0
+# Ratio of the close-up's half width to the distance of the contact from the head: keeps the contact of an unguided run,
+# which may be far from the head, within the picture.
+CLOSE_MARGIN = 1.5
 
 
 @dataclass(frozen=True)
 class Picture:
-    """One picture.
+    """A picture of a report.
 
     Attributes
     ----------
     name : str
-        What it may be called as a file, without an ending.
+        File name without an ending.
     caption : str
-        What it shows.
+        Caption.
     png : bytes
-        The file.
+        Content of the PNG file.
     """
 
     name: str
@@ -38,14 +40,14 @@ class Picture:
 
 
 def pictures(run: Run) -> list[Picture]:
-    """The first contact from close by, where there was one, and the whole dragon then or at the end of the run."""
+    """A close-up of the first contact, if any, and the whole dragon at the contact or at the end of the run."""
     first = run.first_contact
     if first is None:
         end = float(run.times[-1])
         return [Picture("dragon", f"The whole dragon at {end:.2f} s", _still(run, end, Camera()))]
     time = float(np.clip(first.time, run.times[0], run.times[-1]))
-    away = float(np.max(np.abs(np.array(first.point) - run.poses_at(time)[0, 0, :2])))
-    close = Camera(follow="head", span=max(CLOSE_SPAN, 2 * CLOSE_BORDER * away))
+    distance = float(np.max(np.abs(np.array(first.point) - run.poses_at(time)[0, 0, :2])))
+    close = Camera(follow="head", span=max(CLOSE_SPAN, 2 * CLOSE_MARGIN * distance))
     i, j = first.benches
     return [
         Picture("first_contact", f"Benches {i} and {j} touch", _still(run, time, close)),

@@ -1,4 +1,4 @@
-"""A report as people read it, whatever the format: a headline, the key figures, and one section after the other."""
+"""Text of a report, independent of the format: headline, subtitle, key figures and sections."""
 
 from __future__ import annotations
 
@@ -7,16 +7,16 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from pymunk_dragon.report import tables
-from pymunk_dragon.report.tables import NOTHING, Table, number, pair, vector
+from pymunk_dragon.report.tables import MISSING, Table, format_number, format_pair, format_vector
 
 __all__ = ["Section", "headline", "key_figures", "sections", "subtitle"]
 
 Contents = Mapping[str, Any]
-# Names and values.
+# Pairs of a name and a value.
 Facts = list[tuple[str, str]]
 
-# Name and unit of what a scenario is made of.
-SCENARIO_WORDS = {
+# Label and unit of each key of a scenario.
+SCENARIO_LABELS = {
     "benches": ("Benches", ""),
     "head_spacing": ("Head bench, hole to hole", "m"),
     "body_spacing": ("Other benches, hole to hole", "m"),
@@ -31,8 +31,8 @@ SCENARIO_WORDS = {
     "length": ("Length of the curve", "m"),
     "start": ("Start of the head, along the curve", "m"),
 }
-# The package's curves as people call them; others are called by the name of their class.
-CURVE_WORDS = {
+# Names of curve classes in sentences; other classes appear under the class name.
+CURVE_NAMES = {
     "UTurn": "U-turn",
     "Sampled": "smooth path",
     "Composite": "path of several pieces",
@@ -43,20 +43,20 @@ CURVE_WORDS = {
 
 @dataclass(frozen=True, kw_only=True)
 class Section:
-    """A part of a report.
+    """A section of a report.
 
     Attributes
     ----------
     key : str
-        Its name in links.
+        Identifier in links.
     title : str
-        Its heading.
+        Heading.
     notes : tuple of str
-        Sentences.
+        Sentences below the heading.
     facts : mapping of str to list of (str, str)
-        Names and values under their headings; a heading may be empty.
+        Names and values by subheading; a subheading may be empty.
     tables : mapping of str to Table
-        Tables under their headings.
+        Tables by subheading; a subheading may be empty.
     """
 
     key: str
@@ -67,23 +67,23 @@ class Section:
 
 
 def headline(contents: Contents) -> str:
-    """What happened, in one line."""
+    """Result of the run in one line."""
     first, outcome, exact = contents["first_contact"], contents["outcome"], contents["exact"]
     if first is not None:
-        return f"Benches {pair(first['benches'])} touch at {number(first['time'], 6)} s"
-    begin, end = (f"{number(outcome[name], 3)} s" for name in ("from", "until"))
+        return f"Benches {format_pair(first['benches'])} touch at {format_number(first['time'], 6)} s"
+    begin, end = (f"{format_number(outcome[name], 3)} s" for name in ("from", "until"))
     if outcome["status"] == "unreachable":
         return f"No contact until {end}, where the curve leaves the head no place"
     if contents["player"] == "exact" and (exact is None or exact["status"] != "clear"):
-        # Its player looks for no contacts, and nobody else could.
+        # The exact player does not detect contacts, and the exact model does not exclude one.
         return f"The dragon at {end}" if begin == end else f"The dragon from {begin} to {end}"
     return f"No contact from {begin} to {end}"
 
 
 def subtitle(contents: Contents) -> str:
-    """Who played what."""
+    """Dragon, speed, curve and player of the run in one line."""
     scenario, player = contents["scenario"], contents["player"]
-    curve = CURVE_WORDS.get(scenario["curve"], scenario["curve"].lower())
+    curve = CURVE_NAMES.get(scenario["curve"], scenario["curve"].lower())
     if scenario["pitch"] is not None:
         curve += f", pitch {scenario['pitch']:g} m"
     if "radius" in scenario:
@@ -91,31 +91,31 @@ def subtitle(contents: Contents) -> str:
     if "length" in scenario:
         curve += f" of {scenario['length']:.4g} m"
     known = {"pymunk": "played by Pymunk", "exact": "placed by the exact model", None: "of an unknown player"}
-    who = known.get(player, f"played by {player}")
-    return f"A dragon of {scenario['benches']} benches at {_pace(scenario['speed'])} on a {curve}, {who}"
+    player_text = known.get(player, f"played by {player}")
+    return f"A dragon of {scenario['benches']} benches at {_speed_text(scenario['speed'])} on a {curve}, {player_text}"
 
 
 def key_figures(contents: Contents) -> Facts:
-    """The few numbers to see first."""
+    """The most important numbers of the run."""
     outcome, drift = contents["outcome"], contents["drift"]
-    figures = [("simulated", f"{number(outcome['from'], 2)} to {number(outcome['until'], 2)} s")]
-    late = _lateness(contents)
-    if late is not None:
-        figures.append(("against the exact first contact", late))
-    gaps = [near for near in contents["near_misses"] or () if near["gap"] is not None]
-    if gaps:
-        nearest = min(gaps, key=lambda near: float(near["gap"]))
-        figures.append((f"nearest miss, benches {pair(nearest['benches'])}", _length(nearest["gap"])))
+    figures = [("simulated", f"{format_number(outcome['from'], 2)} to {format_number(outcome['until'], 2)} s")]
+    time_error = _time_error_text(contents)
+    if time_error is not None:
+        figures.append(("against the exact first contact", time_error))
+    near_misses = [item for item in contents["near_misses"] or () if item["gap"] is not None]
+    if near_misses:
+        closest = min(near_misses, key=lambda item: float(item["gap"]))
+        figures.append((f"nearest miss, benches {format_pair(closest['benches'])}", _length_text(closest["gap"])))
     if contents["player"] != "exact":
         figures += [
-            (f"largest drift, first {drift['head_benches']} benches", _length(drift["head"])),
-            ("largest drift, any bench", _length(drift["max"])),
+            (f"largest drift, first {drift['head_benches']} benches", _length_text(drift["head"])),
+            ("largest drift, any bench", _length_text(drift["max"])),
         ]
     return figures
 
 
 def sections(contents: Contents) -> list[Section]:
-    """All that a report says below its key figures."""
+    """Sections of a report, in order."""
     return [
         _first_contact(contents),
         _near_misses(contents),
@@ -123,7 +123,7 @@ def sections(contents: Contents) -> list[Section]:
         _drift(contents),
         _handles(contents),
         _events(contents),
-        _origin(contents),
+        _provenance(contents),
     ]
 
 
@@ -132,47 +132,50 @@ def _first_contact(contents: Contents) -> Section:
     facts: dict[str, Facts] = {}
     if first is not None:
         facts["In this run"] = [
-            ("Benches", pair(first["benches"])),
-            ("Time", f"{number(first['time'], 6)} s"),
-            ("Point", f"{vector(first['point'], 6)} m"),
-            ("Normal, from the first to the second", vector(first["normal"], 6)),
+            ("Benches", format_pair(first["benches"])),
+            ("Time", f"{format_number(first['time'], 6)} s"),
+            ("Point", f"{format_vector(first['point'], 6)} m"),
+            ("Normal, from the first to the second", format_vector(first["normal"], 6)),
         ]
         if player != "exact":
             facts["In this run"] += [
-                ("Noticed at the end of a substep", f"{number(first['raw_time'], 6)} s"),
-                ("Depth when noticed", _length(first["depth"])),
+                ("Noticed at the end of a substep", f"{format_number(first['raw_time'], 6)} s"),
+                ("Depth when noticed", _length_text(first["depth"])),
             ]
     if player != "exact" and exact is not None and exact["status"] == "contact":
         facts["In the exact model"] = [
-            ("Benches", pair(exact["benches"])),
-            ("Time", f"{number(exact['time'], 9)} s"),
-            ("Point", f"{vector(exact['point'], 6)} m"),
-            ("Normal, from the first to the second", vector(exact["normal"], 6)),
+            ("Benches", format_pair(exact["benches"])),
+            ("Time", f"{format_number(exact['time'], 9)} s"),
+            ("Point", f"{format_vector(exact['point'], 6)} m"),
+            ("Normal, from the first to the second", format_vector(exact["normal"], 6)),
         ]
-    return Section(key="first-contact", title="First contact", notes=_verdict(contents), facts=facts)
+    return Section(key="first-contact", title="First contact", notes=_comparison(contents), facts=facts)
 
 
-def _verdict(contents: Contents) -> tuple[str, ...]:
-    """What the exact model makes of the run's first contact, or of there being none."""
+def _comparison(contents: Contents) -> tuple[str, ...]:
+    """Comparison of the run's first contact, or its absence, with the exact model."""
     first, exact = contents["first_contact"], contents["exact"]
-    found = "None in this run." if first is None else ""
+    result = "None in this run." if first is None else ""
     if exact is None:
-        told = "The exact model was not asked: the run has no stretch of time over which the dragon has its place."
+        text = "The exact model was not asked: the run has no stretch of time over which the dragon has its place."
     elif contents["player"] == "exact":
-        told = "" if first is not None else _exact_in_words(exact)
+        text = "" if first is not None else _exact_text(exact)
     elif contents["settings"].get("guide") == "none":
-        told = f"Nobody kept this dragon on its path. On the path: {_exact_in_words(exact)}"
+        text = f"Nobody kept this dragon on its path. On the path: {_exact_text(exact)}"
     elif first is None or exact["status"] != "contact":
-        told = f"The exact model: {_exact_in_words(exact)}"
+        text = f"The exact model: {_exact_text(exact)}"
     elif first["benches"] != exact["benches"]:
-        told = f"The exact model has another first contact: {_exact_in_words(exact)}"
+        text = f"The exact model has another first contact: {_exact_text(exact)}"
     else:
-        told = f"The exact model has the same benches touch; the run is {_lateness(contents) or 'of unknown time'}."
-    return tuple(note for note in (found, told) if note)
+        text = (
+            f"The exact model has the same benches touch; the run is {_time_error_text(contents) or 'of unknown time'}."
+        )
+    return tuple(note for note in (result, text) if note)
 
 
-def _exact_in_words(exact: Mapping[str, Any]) -> str:
-    time, benches = f"{number(exact['time'], 6)} s", pair(exact["benches"])
+def _exact_text(exact: Mapping[str, Any]) -> str:
+    """Result of the exact model as a sentence."""
+    time, benches = f"{format_number(exact['time'], 6)} s", format_pair(exact["benches"])
     return {
         "contact": f"benches {benches} touch at {time}.",
         "clear": f"no bench touches another one until {time}.",
@@ -181,8 +184,8 @@ def _exact_in_words(exact: Mapping[str, Any]) -> str:
     }[exact["status"]]
 
 
-def _lateness(contents: Contents) -> str | None:
-    """How far the run's first contact is from the exact one, where both are the same event."""
+def _time_error_text(contents: Contents) -> str | None:
+    """Time of the run's first contact relative to the exact one; None if the benches differ or a time is unknown."""
     first, exact = contents["first_contact"], contents["exact"]
     if contents["player"] == "exact" or contents["settings"].get("guide") == "none":
         return None
@@ -190,15 +193,15 @@ def _lateness(contents: Contents) -> str | None:
         return None
     if first["time"] is None:
         return None
-    late = 1e3 * (first["time"] - exact["time"])
-    return f"{number(abs(late), 3)} ms {'early' if late < 0 else 'late'}"
+    error_ms = 1e3 * (first["time"] - exact["time"])
+    return f"{format_number(abs(error_ms), 3)} ms {'early' if error_ms < 0 else 'late'}"
 
 
 def _near_misses(contents: Contents) -> Section:
-    near = contents["near_misses"]
-    if near is None:
+    found = contents["near_misses"]
+    if found is None:
         notes: tuple[str, ...] = ("Not looked for.",)
-    elif not near:
+    elif not found:
         notes = ("None on the way.",)
     else:
         notes = ("How near benches that are not neighbours come without touching, in the exact model.",)
@@ -223,8 +226,8 @@ def _drift(contents: Contents) -> Section:
     if contents["player"] == "exact":
         return Section(key="drift", title="Drift from the exact model", notes=("The exact model itself was playing.",))
     facts = [
-        (f"Largest of the first {drift['head_benches']} benches", _placed(drift["head"], drift["head_at"])),
-        ("Largest of any bench", _placed(drift["max"], drift["max_at"])),
+        (f"Largest of the first {drift['head_benches']} benches", _drift_text(drift["head"], drift["head_at"])),
+        ("Largest of any bench", _drift_text(drift["max"], drift["max_at"])),
     ]
     notes = ("How far the worse hole of a bench is from where the exact model has it.",)
     return Section(key="drift", title="Drift from the exact model", notes=notes, facts={"": facts})
@@ -234,10 +237,10 @@ def _handles(contents: Contents) -> Section:
     notes = ["Where the exact model has the handles of the paper's tables."]
     contact = contents["handles"]["contact"]
     if contact is not None:
-        whose = {"exact": "the exact first contact", "run": "the run's first contact"}[contact]
-        notes.append(f"The last column is the moment of {whose}.")
-    found = {"Positions": tables.positions_by_time(contents), "Speeds": tables.speeds_by_time(contents)}
-    return Section(key="handles", title="Handles", notes=tuple(notes), tables=found)
+        source = {"exact": "the exact first contact", "run": "the run's first contact"}[contact]
+        notes.append(f"The last column is the moment of {source}.")
+    by_time = {"Positions": tables.positions_by_time(contents), "Speeds": tables.speeds_by_time(contents)}
+    return Section(key="handles", title="Handles", notes=tuple(notes), tables=by_time)
 
 
 def _events(contents: Contents) -> Section:
@@ -246,46 +249,47 @@ def _events(contents: Contents) -> Section:
     if count:
         callbacks = "collision callback" if count == 1 else "collision callbacks"
         note = f"{count} {callbacks} of the engine, in the order in which they came."
-    return Section(key="events", title="Events", notes=(note,), tables={"": tables.events_in_words(contents)})
+    return Section(key="events", title="Events", notes=(note,), tables={"": tables.events_as_text(contents)})
 
 
-def _origin(contents: Contents) -> Section:
+def _provenance(contents: Contents) -> Section:
     scenario = []
     for name, value in contents["scenario"].items():
-        label, unit = SCENARIO_WORDS[name]
+        label, unit = SCENARIO_LABELS[name]
         if value is not None:
-            scenario.append((label, _pace(value) if name == "speed" else f"{_size(value)} {unit}".rstrip()))
+            scenario.append((label, _speed_text(value) if name == "speed" else f"{_value_text(value)} {unit}".rstrip()))
     versions = [*tables.settings(contents["versions"]), ("report format", str(contents["version"]))]
     facts = {"Scenario": scenario, "Settings": tables.settings(contents["settings"]), "Versions": versions}
-    told = {heading: found for heading, found in facts.items() if found}
-    return Section(key="origin", title="Where it comes from", facts=told)
+    given = {heading: pairs for heading, pairs in facts.items() if pairs}
+    return Section(key="origin", title="Where it comes from", facts=given)
 
 
-def _pace(speed: float | Sequence[Sequence[float]] | None) -> str:
-    """The head's speed, or between which it is."""
+def _speed_text(speed: float | Sequence[Sequence[float]] | None) -> str:
+    """Speed of the head, or its range."""
     if speed is None:
         return "a changing speed"
     if isinstance(speed, Sequence):
-        least, most = (pick(entry[1] for entry in speed) for pick in (min, max))
+        least, most = (bound(entry[1] for entry in speed) for bound in (min, max))
         return f"{least:g} to {most:g} m/s" if least < most else f"{most:g} m/s"
     return f"{speed:g} m/s"
 
 
-def _size(value: Any) -> str:
-    """A number, or one for each bench."""
+def _value_text(value: Any) -> str:
+    """A number, or the numbers of all benches."""
     if isinstance(value, Sequence) and not isinstance(value, str):
-        return ", ".join(map(_size, value))
+        return ", ".join(map(_value_text, value))
     return f"{value:g}" if isinstance(value, float) else str(value)
 
 
-def _placed(drift: float | None, where: Mapping[str, Any] | None) -> str:
-    if where is None:
-        return NOTHING
-    return f"{_length(drift)} (bench {where['bench']} at {number(where['time'], 3)} s)"
+def _drift_text(drift: float | None, location: Mapping[str, Any] | None) -> str:
+    """Drift with its bench and time."""
+    if location is None:
+        return MISSING
+    return f"{_length_text(drift)} (bench {location['bench']} at {format_number(location['time'], 3)} s)"
 
 
-def _length(value: float | None) -> str:
-    """A length in m, or in mm where it is less than one."""
+def _length_text(value: float | None) -> str:
+    """A length in m, or in mm below 1 m."""
     if value is None:
-        return NOTHING
-    return f"{number(value, 3)} m" if abs(value) >= 1 else f"{number(1e3 * value, 3)} mm"
+        return MISSING
+    return f"{format_number(value, 3)} m" if abs(value) >= 1 else f"{format_number(1e3 * value, 3)} mm"

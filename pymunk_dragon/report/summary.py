@@ -1,6 +1,6 @@
-"""What a report says, as plain JSON values; every format is made from it.
+"""Contents of a report as JSON values. All formats are made from these contents.
 
-`schema.json` beside this file describes it key by key.
+`schema.json` in this directory describes each key.
 """
 
 from __future__ import annotations
@@ -20,29 +20,30 @@ from pymunk_dragon.collision import FirstContact
 from pymunk_dragon.curves import Spiral, UTurn
 from pymunk_dragon.errors import UnreachableError
 from pymunk_dragon.march import March
-from pymunk_dragon.report.exact import exact_impact, with_exact_contact
+from pymunk_dragon.report.exact import exact_first_contact, with_exact_contact
 from pymunk_dragon.run import HEAD_BENCHES, Run
 from pymunk_dragon.speed import ConstantSpeed, SpeedTable
 
-__all__ = ["SCHEMA", "VERSION", "contents", "json_schema", "told"]
+__all__ = ["SCHEMA", "VERSION", "contents", "json_schema", "summarize"]
 
 Array = NDArray[np.float64]
 Contents = dict[str, Any]
 
-SCHEMA, VERSION = "pymunk_dragon report", 1
-
-# What the paper's tables 1 and 2 show, beside the last handle: handles, and times in s.
+# Name of the JSON format, as in `schema.json`.
+SCHEMA = "pymunk_dragon report"
+# Version of the JSON format, as in `schema.json`.
+VERSION = 1
+# s: times of the paper's tables 1 and 2.
 TABLE_TIMES = (0.0, 60.0, 120.0, 180.0, 240.0, 300.0)
-# Times of a table on a curve that the paper does not have: as the contest asks for, from -100 s to 100 s.
+# Times in the tables of curves other than the spiral: the contest's problem 4 has five, from -100 s to 100 s.
 OTHER_TIMES = 5
-
-# What of an `FirstContact` is reported as the exact model's answer; its near misses stand on their own.
-EXACT = ("status", "time", "benches", "point", "normal")
-
-# How deep provenance may be nested. What the players write is two deep; a file made to harm is not followed further.
+# Fields of a `FirstContact` under the key `exact`; near misses have a key of their own.
+EXACT_FIELDS = ("status", "time", "benches", "point", "normal")
+# Levels of nesting of provenance: the players write two; deeper values, as in a malicious file, are replaced.
 MAX_DEPTH = 16
+# Replacement text for values nested more deeply than `MAX_DEPTH`.
 TOO_DEEP = "(nested too deeply)"
-# Characters that some format cannot hold: controls but tab and line end, halves of surrogate pairs, non-characters.
+# Characters that some format cannot represent: controls except tab and newline, surrogates, noncharacters.
 UNPRINTABLE = {
     code: "\N{REPLACEMENT CHARACTER}"
     for code in (*range(0x20), *range(0x7F, 0xA0), *range(0xD800, 0xE000), 0xFFFE, 0xFFFF)
@@ -51,20 +52,20 @@ UNPRINTABLE = {
 
 
 def contents(run: Run) -> Contents:
-    """Everything that a report on `run` says, as JSON values without nan: None stands for what is not known.
+    """Contents of a report on `run` as JSON values. None stands for unknown values and nan.
 
-    The same run gives the same contents: there is no time of day in them, and no time that anything took.
+    Contents are deterministic: they hold neither the date nor wall-clock times.
     """
-    impact = exact_impact(run)
-    return told(with_exact_contact(run, impact), impact)
+    exact = exact_first_contact(run)
+    return summarize(with_exact_contact(run, exact), exact)
 
 
-def told(run: Run, impact: FirstContact | None) -> Contents:
-    """The contents of a report on `run`, of which the exact model says `impact`."""
+def summarize(run: Run, exact: FirstContact | None) -> Contents:
+    """Contents of a report on `run`, given the result of the exact model."""
     provenance = dict(run.provenance)
     player, found_versions = provenance.pop("player", None), provenance.pop("versions", {})
     first = run.first_contact
-    near = None if impact is None else impact.near_misses
+    near_misses = None if exact is None else exact.near_misses
     whole: Contents = {
         "schema": SCHEMA,
         "version": VERSION,
@@ -80,11 +81,11 @@ def told(run: Run, impact: FirstContact | None) -> Contents:
             "events": len(run.events),
         },
         "first_contact": None if first is None else asdict(first),
-        "exact": None if impact is None else {name: getattr(impact, name) for name in EXACT},
-        "near_misses": None if near is None else [asdict(miss) for miss in near],
+        "exact": None if exact is None else {name: getattr(exact, name) for name in EXACT_FIELDS},
+        "near_misses": None if near_misses is None else [asdict(near_miss) for near_miss in near_misses],
         "events": [asdict(event) for event in run.events],
         "windows": [asdict(window) for window in run.events.windows()],
-        "handles": _handles(run, impact),
+        "handles": _handles(run, exact),
         "drift": _drift(run),
     }
     plain: Contents = _plain(whole)
@@ -92,84 +93,84 @@ def told(run: Run, impact: FirstContact | None) -> Contents:
 
 
 def json_schema() -> dict[str, Any]:
-    """The JSON Schema (draft 2020-12) that `contents` and the JSON report keep to."""
+    """JSON Schema (draft 2020-12) of `contents` and of the JSON report."""
     schema: dict[str, Any] = json.loads(files(__package__).joinpath("schema.json").read_text(encoding="utf-8"))
     return schema
 
 
 def _scenario(march: March) -> dict[str, Any]:
-    """The march as plain values. Not a `Scenario`, which does not know every curve; a report takes any."""
+    """Parameters of the march. Unlike a `Scenario`, these may describe any curve."""
     curve = march.curve
-    told = asdict(march.dragon) | {
+    parameters = asdict(march.dragon) | {
         "curve": type(curve).__name__,
         "pitch": curve.pitch if isinstance(curve, Spiral | UTurn) else None,
         "turns": march.turns,
         "speed": _speed(march),
     }
     if isinstance(curve, UTurn):
-        told |= {"radius": curve.radius, "ratio": curve.ratio}
+        parameters |= {"radius": curve.radius, "ratio": curve.ratio}
     if math.isfinite(length := curve.end - curve.begin):
-        told["length"] = length
+        parameters["length"] = length
     if march.start is not None:
-        told["start"] = march.start
-    return told
+        parameters["start"] = march.start
+    return parameters
 
 
 def _speed(march: March) -> float | list[tuple[float, float]] | None:
-    """A number, or entries of a table; None for a function."""
-    pace = march.speed_profile
-    if isinstance(pace, SpeedTable):
-        return list(zip(pace.times, pace.speeds, strict=True))
-    return pace.value if isinstance(pace, ConstantSpeed) else None
+    """A constant speed, or (time, speed) entries of a table; None for any other profile."""
+    profile = march.speed_profile
+    if isinstance(profile, SpeedTable):
+        return list(zip(profile.times, profile.speeds, strict=True))
+    return profile.value if isinstance(profile, ConstantSpeed) else None
 
 
-def _handles(run: Run, impact: FirstContact | None) -> dict[str, Any]:
-    """Where the tables' handles are, and how fast, in the exact model, as far as it has a place for them.
+def _handles(run: Run, exact: FirstContact | None) -> dict[str, Any]:
+    """Positions and speeds of the reported handles in the exact model, at all times that are reachable.
 
-    On a spiral the times are the paper's, whatever the run's; on other curves they are spread over the run.
+    On a spiral the times are those of the paper; on other curves they are evenly spaced over the run.
     """
     chosen = run.march.dragon.representatives
     times = TABLE_TIMES
     if not isinstance(run.march.curve, Spiral):
         times = tuple(np.unique(np.linspace(run.times[0], run.times[-1], OTHER_TIMES)).tolist())
-    moments: list[tuple[float, str | None]] = [(time, None) for time in times]
-    if impact is not None and impact.status == "contact":
-        moments.append((impact.time, "exact"))
+    entries: list[tuple[float, str | None]] = [(time, None) for time in times]
+    if exact is not None and exact.status == "contact":
+        entries.append((exact.time, "exact"))
     elif run.first_contact is not None:
-        moments.append((run.first_contact.time, "run"))
-    placed = []
-    for time, contact in moments:
+        entries.append((run.first_contact.time, "run"))
+    reached = []
+    for time, contact in entries:
         try:
             states = run.march.at([time])
         except UnreachableError:
             continue
-        placed.append((time, contact, states.positions[0, chosen], states.speeds[0, chosen]))
+        reached.append((time, contact, states.positions[0, chosen], states.speeds[0, chosen]))
     return {
         "numbers": chosen,
-        "times": [time for time, *_ in placed],
-        "contact": placed[-1][1],
-        "positions": [positions for *_, positions, _ in placed],
-        "speeds": [speeds for *_, speeds in placed],
+        "times": [time for time, *_ in reached],
+        "contact": reached[-1][1],
+        "positions": [positions for *_, positions, _ in reached],
+        "speeds": [speeds for *_, speeds in reached],
     }
 
 
 def _drift(run: Run) -> dict[str, Any]:
-    """How far the run is from the exact model: its extremes, and the worst bench of every frame."""
+    """Drift of the run from the exact model: its maxima, and the largest drift of each frame."""
     head = run.drift[:, :HEAD_BENCHES]
     return {
         "head_benches": head.shape[1],
         "head": run.head_drift,
         "max": run.max_drift,
-        "head_at": _worst(run.times, head),
-        "max_at": _worst(run.times, run.drift),
+        "head_at": _location_of_largest(run.times, head),
+        "max_at": _location_of_largest(run.times, run.drift),
         "times": run.times,
-        "head_over_time": _over_time(head),
-        "max_over_time": _over_time(run.drift),
+        "head_over_time": _largest_by_frame(head),
+        "max_over_time": _largest_by_frame(run.drift),
     }
 
 
-def _worst(times: Array, drift: Array) -> dict[str, Any] | None:
-    """When and where the largest drift was; None where no drift is known."""
+def _location_of_largest(times: Array, drift: Array) -> dict[str, Any] | None:
+    """Time and bench of the largest drift; None if no drift is known."""
     known = np.where(np.isfinite(drift), drift, -np.inf)
     frame, bench = np.unravel_index(int(np.argmax(known)), known.shape)
     if known[frame, bench] == -np.inf:
@@ -177,14 +178,14 @@ def _worst(times: Array, drift: Array) -> dict[str, Any] | None:
     return {"time": times[frame], "bench": bench}
 
 
-def _over_time(drift: Array) -> Array:
-    """Largest known drift of every frame, (F,), m; nan where none is known."""
+def _largest_by_frame(drift: Array) -> Array:
+    """Largest known drift of each frame, (F,), m; nan if none is known."""
     known = np.where(np.isfinite(drift), drift, -np.inf).max(axis=1)
     return np.where(np.isfinite(known), known, np.nan)
 
 
 def _plain(value: Any, depth: int = 0) -> Any:
-    """`value` as JSON has it: NumPy's scalars and arrays as Python's, nan and infinity as None, no unprintable text."""
+    """`value` as JSON values: NumPy types as Python types, nan and infinity as None, text without `UNPRINTABLE`."""
     if depth > MAX_DEPTH:
         return TOO_DEEP
     if value is None or isinstance(value, bool):

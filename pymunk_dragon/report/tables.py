@@ -1,4 +1,4 @@
-"""The contents of a report as tables of bare values, for machines, and of short texts, for people."""
+"""Tables of a report: SI values for data files, formatted text for documents."""
 
 from __future__ import annotations
 
@@ -8,34 +8,34 @@ from dataclasses import dataclass
 from typing import Any
 
 __all__ = [
-    "NOTHING",
+    "MISSING",
     "Column",
     "Table",
+    "all_events",
     "drift",
     "events",
-    "events_in_words",
+    "events_as_text",
+    "format_number",
+    "format_pair",
+    "format_vector",
     "handles",
-    "happenings",
     "near_misses",
-    "number",
-    "pair",
     "positions_by_time",
     "settings",
     "speeds_by_time",
-    "vector",
     "windows",
 ]
 
 Contents = Mapping[str, Any]
 
-# What stands where there is no value.
-NOTHING = "\N{EN DASH}"
-# From here on a number is written with an exponent: no run is that long or large, but a damaged file can be.
-HUGE = 1e9
-# The engine reports at most two points for two benches; files of others may hold more.
-USUAL_POINTS = 2
-# Rows of a table that documents show: more than one looks through, and a page of half a megabyte.
-SHOWN_ROWS = 1000
+# Text of a missing value.
+MISSING = "\N{EN DASH}"
+# Magnitude from which numbers are written with an exponent: beyond any simulated run, but possible in a damaged file.
+EXPONENT_THRESHOLD = 1e9
+# Least number of contact points with columns of their own: the engine reports at most two for a pair of benches.
+MIN_POINTS = 2
+# Rows of a table in a document: more would not be read, and 1000 rows already are half a megabyte of HTML.
+MAX_SHOWN_ROWS = 1000
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,19 +45,19 @@ class Column:
     Attributes
     ----------
     key : str
-        Its name in a file, with the SI unit at the end.
-    head : str
-        Its name for people, with the unit of `scale`.
+        Name of the column in data files; ends in the SI unit.
+    label : str
+        Heading of the column in documents, with the unit after scaling.
     decimals : int or None
-        Digits after the point for people; None for text and whole numbers.
+        Digits after the decimal point in documents; None for text and integers.
     scale : float
-        What people see is the value times this: 1000 for mm.
+        Factor from the SI value to the displayed value: 1000 for mm.
     text : bool
-        Whether it holds words, which start on the left.
+        Whether the column holds text, which is aligned to the left.
     """
 
     key: str
-    head: str
+    label: str
     decimals: int | None = None
     scale: float = 1.0
     text: bool = False
@@ -65,110 +65,112 @@ class Column:
 
 @dataclass(frozen=True)
 class Table:
-    """Rows of SI values, None where there is none."""
+    """Rows of SI values; None for a missing value."""
 
     columns: tuple[Column, ...]
     rows: tuple[tuple[Any, ...], ...]
 
     @property
-    def texts(self) -> list[list[str]]:
-        """The first `SHOWN_ROWS` rows as people read them."""
+    def text_rows(self) -> list[list[str]]:
+        """The first `MAX_SHOWN_ROWS` rows, formatted for documents."""
         return [
-            [_shown(column, value) for column, value in zip(self.columns, row, strict=True)]
-            for row in self.rows[:SHOWN_ROWS]
+            [_cell_text(column, value) for column, value in zip(self.columns, row, strict=True)]
+            for row in self.rows[:MAX_SHOWN_ROWS]
         ]
 
     @property
-    def cut_note(self) -> str:
-        """A sentence on the rows that `texts` leaves out; empty where it leaves none."""
-        if len(self.rows) <= SHOWN_ROWS:
+    def truncation_note(self) -> str:
+        """A sentence on the rows that `text_rows` omits; empty if all rows are shown."""
+        if len(self.rows) <= MAX_SHOWN_ROWS:
             return ""
-        return f"These are the first {SHOWN_ROWS} of {len(self.rows)} rows; all are in the JSON and XLSX reports."
+        return f"These are the first {MAX_SHOWN_ROWS} of {len(self.rows)} rows; all are in the JSON and XLSX reports."
 
 
-def number(value: float | None, decimals: int) -> str:
-    """A number with so many digits after the point; never `-0`."""
+def format_number(value: float | None, decimals: int) -> str:
+    """`value` with `decimals` digits after the decimal point; never `-0`."""
     if value is None:
-        return NOTHING
+        return MISSING
+    if abs(value) >= EXPONENT_THRESHOLD:
+        return f"{value:.{decimals}e}"
     # Adding 0 turns the -0.0 of a rounded tiny number into 0.0.
-    return f"{value:.{decimals}e}" if abs(value) >= HUGE else f"{round(value, decimals) + 0.0:.{decimals}f}"
+    return f"{round(value, decimals) + 0.0:.{decimals}f}"
 
 
-def vector(value: Sequence[float | None] | None, decimals: int) -> str:
-    """A point or a direction, `(x, y)`."""
-    return NOTHING if value is None else "(" + ", ".join(number(part, decimals) for part in value) + ")"
+def format_vector(value: Sequence[float | None] | None, decimals: int) -> str:
+    """A point or a direction as `(x, y)`."""
+    return MISSING if value is None else "(" + ", ".join(format_number(part, decimals) for part in value) + ")"
 
 
-def pair(benches: Sequence[int] | None) -> str:
-    """Two benches, `0 and 8`."""
-    return NOTHING if benches is None else " and ".join(str(bench) for bench in benches)
+def format_pair(benches: Sequence[int] | None) -> str:
+    """Two benches as `0 and 8`."""
+    return MISSING if benches is None else " and ".join(str(bench) for bench in benches)
 
 
 def settings(values: Mapping[str, Any], prefix: str = "") -> list[tuple[str, str]]:
-    """Names and values as text; names within names are joined by dots."""
-    told: list[tuple[str, str]] = []
+    """Names and values as text; nested names are joined by dots."""
+    entries: list[tuple[str, str]] = []
     for name, value in values.items():
         if isinstance(value, Mapping) and value:
-            told += settings(value, f"{prefix}{name}.")
+            entries += settings(value, f"{prefix}{name}.")
         else:
-            told.append((prefix + name, _setting(value)))
-    return told
+            entries.append((prefix + name, _setting_text(value)))
+    return entries
 
 
 def near_misses(contents: Contents) -> Table:
-    """The exact model's near misses, in the order of time."""
+    """Near misses of the exact model, sorted by time."""
     columns = (
-        Column(key="time_s", head="time (s)", decimals=4),
+        Column(key="time_s", label="time (s)", decimals=4),
         *_BENCHES,
-        Column(key="gap_m", head="gap (mm)", decimals=3, scale=1e3),
+        Column(key="gap_m", label="gap (mm)", decimals=3, scale=1e3),
     )
     found = contents["near_misses"] or ()
-    return Table(columns, tuple((near["time"], *near["benches"], near["gap"]) for near in found))
+    return Table(columns, tuple((near_miss["time"], *near_miss["benches"], near_miss["gap"]) for near_miss in found))
 
 
 def events(contents: Contents) -> Table:
-    """Every callback, one row each, every coordinate in a column of its own."""
-    return _moments(contents["events"], Column(key="phase", head="phase", text=True))
+    """Collision callbacks, a row each, with a column for each coordinate."""
+    return _event_table(contents["events"], Column(key="phase", label="phase", text=True))
 
 
-def happenings(contents: Contents) -> Table:
-    """Near misses, the exact contact, the run's first one and every callback, by time; `what` says which it is."""
-    found = [{"phase": "near_miss", **near} for near in contents["near_misses"] or ()]
+def all_events(contents: Contents) -> Table:
+    """Near misses, first contacts (exact model and run) and callbacks, by time; `what` is their type."""
+    found = [{"phase": "near_miss", **near_miss} for near_miss in contents["near_misses"] or ()]
     exact, first = contents["exact"], contents["first_contact"]
     if exact is not None and exact["status"] == "contact":
         found.append({"phase": "exact_contact", **exact, "points": [exact["point"]]})
     if first is not None:
         found.append({"phase": "first_contact", **first, "points": [first["point"]]})
     found += contents["events"]
-    # What has no time, as in a damaged file, comes last.
-    found.sort(key=lambda moment: math.inf if moment["time"] is None else moment["time"])
-    table = _moments(found, Column(key="what", head="what", text=True))
-    rows = ((*row, moment.get("gap")) for row, moment in zip(table.rows, found, strict=True))
-    return Table((*table.columns, Column(key="gap_m", head="gap (mm)", decimals=3, scale=1e3)), tuple(rows))
+    # Events without a time, as in a damaged file, come last.
+    found.sort(key=lambda event: math.inf if event["time"] is None else event["time"])
+    table = _event_table(found, Column(key="what", label="what", text=True))
+    rows = ((*row, event.get("gap")) for row, event in zip(table.rows, found, strict=True))
+    return Table((*table.columns, Column(key="gap_m", label="gap (mm)", decimals=3, scale=1e3)), tuple(rows))
 
 
-def events_in_words(contents: Contents) -> Table:
-    """Every callback with a point, a direction or a pair in one column each, as texts."""
+def events_as_text(contents: Contents) -> Table:
+    """Collision callbacks as text, with points, vectors and pairs in one column each."""
     columns = (
-        Column(key="time", head="time (s)"),
-        Column(key="phase", head="phase", text=True),
-        Column(key="benches", head="benches", text=True),
-        Column(key="points", head="points (m)"),
-        Column(key="normal", head="normal"),
-        Column(key="depth", head="depth (mm)"),
-        Column(key="relative_velocity", head="relative velocity (m/s)"),
-        Column(key="impulse", head="impulse (N s)"),
+        Column(key="time", label="time (s)"),
+        Column(key="phase", label="phase", text=True),
+        Column(key="benches", label="benches", text=True),
+        Column(key="points", label="points (m)"),
+        Column(key="normal", label="normal"),
+        Column(key="depth", label="depth (mm)"),
+        Column(key="relative_velocity", label="relative velocity (m/s)"),
+        Column(key="impulse", label="impulse (N s)"),
     )
     rows = tuple(
         (
-            number(event["time"], 4),
+            format_number(event["time"], 4),
             event["phase"],
-            pair(event["benches"]),
-            " ".join(vector(point, 3) for point in event["points"]) or NOTHING,
-            vector(event["normal"], 3),
-            number(_scaled(event["depth"], 1e3), 3),
-            vector(event["relative_velocity"], 3),
-            vector(event["impulse"], 4),
+            format_pair(event["benches"]),
+            " ".join(format_vector(point, 3) for point in event["points"]) or MISSING,
+            format_vector(event["normal"], 3),
+            format_number(_scaled(event["depth"], 1e3), 3),
+            format_vector(event["relative_velocity"], 3),
+            format_vector(event["impulse"], 4),
         )
         for event in contents["events"]
     )
@@ -176,12 +178,12 @@ def events_in_words(contents: Contents) -> Table:
 
 
 def windows(contents: Contents) -> Table:
-    """When each pair touched; without an end where it still did when the run ended."""
+    """Contact windows of pairs; a window has no end if the benches were in contact when the run ended."""
     columns = (
         *_BENCHES,
-        Column(key="begin_s", head="from (s)", decimals=4),
-        Column(key="end_s", head="to (s)", decimals=4),
-        Column(key="length_s", head="for (s)", decimals=4),
+        Column(key="begin_s", label="from (s)", decimals=4),
+        Column(key="end_s", label="to (s)", decimals=4),
+        Column(key="length_s", label="for (s)", decimals=4),
     )
     rows = []
     for window in contents["windows"]:
@@ -191,117 +193,120 @@ def windows(contents: Contents) -> Table:
 
 
 def handles(contents: Contents) -> Table:
-    """The tables' handles, one row for each at each time."""
+    """Positions and speeds of the reported handles, a row for each handle and time."""
     columns = (
-        Column(key="time_s", head="time (s)", decimals=6),
-        Column(key="handle", head="handle"),
-        Column(key="x_m", head="x (m)", decimals=6),
-        Column(key="y_m", head="y (m)", decimals=6),
-        Column(key="speed_m_s", head="speed (m/s)", decimals=6),
+        Column(key="time_s", label="time (s)", decimals=6),
+        Column(key="handle", label="handle"),
+        Column(key="x_m", label="x (m)", decimals=6),
+        Column(key="y_m", label="y (m)", decimals=6),
+        Column(key="speed_m_s", label="speed (m/s)", decimals=6),
     )
     found = contents["handles"]
     rows = (
-        (time, handle, *place, speed)
-        for time, places, speeds in zip(found["times"], found["positions"], found["speeds"], strict=True)
-        for handle, place, speed in zip(found["numbers"], places, speeds, strict=True)
+        (time, handle, *position, speed)
+        for time, positions, speeds in zip(found["times"], found["positions"], found["speeds"], strict=True)
+        for handle, position, speed in zip(found["numbers"], positions, speeds, strict=True)
     )
     return Table(columns, tuple(rows))
 
 
 def positions_by_time(contents: Contents) -> Table:
-    """The paper's table 1: x and y of each handle, a column for each time."""
+    """Table 1 of the paper: x and y of each handle, a column for each time."""
     found = contents["handles"]
     rows = tuple(
-        (f"{handle} {axis}", *(places[row][coordinate] for places in found["positions"]))
+        (f"{handle} {axis}", *(positions[row][coordinate] for positions in found["positions"]))
         for row, handle in enumerate(found["numbers"])
         for coordinate, axis in enumerate(("x (m)", "y (m)"))
     )
-    return Table(_by_time(contents), rows)
+    return Table(_time_columns(contents), rows)
 
 
 def speeds_by_time(contents: Contents) -> Table:
-    """The paper's table 2: the speed of each handle, a column for each time."""
+    """Table 2 of the paper: the speed of each handle, a column for each time."""
     found = contents["handles"]
     rows = tuple(
         (f"{handle} (m/s)", *(speeds[row] for speeds in found["speeds"])) for row, handle in enumerate(found["numbers"])
     )
-    return Table(_by_time(contents), rows)
+    return Table(_time_columns(contents), rows)
 
 
 def drift(contents: Contents) -> Table:
-    """The worst drift of every frame."""
+    """Largest drift of each frame."""
     found = contents["drift"]
     columns = (
-        Column(key="time_s", head="time (s)", decimals=3),
-        Column(key="head_drift_m", head=f"first {found['head_benches']} benches (mm)", decimals=4, scale=1e3),
-        Column(key="max_drift_m", head="any bench (mm)", decimals=4, scale=1e3),
+        Column(key="time_s", label="time (s)", decimals=3),
+        Column(key="head_drift_m", label=f"first {found['head_benches']} benches (mm)", decimals=4, scale=1e3),
+        Column(key="max_drift_m", label="any bench (mm)", decimals=4, scale=1e3),
     )
     return Table(columns, tuple(zip(found["times"], found["head_over_time"], found["max_over_time"], strict=True)))
 
 
-def _moments(found: Sequence[Mapping[str, Any]], phase: Column) -> Table:
-    """A row for each of `found`, whose keys are those of an event as far as they are there."""
-    most = max([USUAL_POINTS, *(len(moment.get("points", ())) for moment in found)])
-    columns = [Column(key="time_s", head="time (s)", decimals=6), phase, *_BENCHES]
-    for which in range(1, most + 1):
-        columns += _coordinates(f"point{which}", "m", f"point {which}")
+def _event_table(found: Sequence[Mapping[str, Any]], phase: Column) -> Table:
+    """A row for each event in `found`; keys of an event may be missing."""
+    point_count = max([MIN_POINTS, *(len(event.get("points", ())) for event in found)])
+    columns = [Column(key="time_s", label="time (s)", decimals=6), phase, *_BENCHES]
+    for number in range(1, point_count + 1):
+        columns += _coordinate_columns(f"point{number}", "m", f"point {number}")
     columns += [
-        *_coordinates("normal", "", "normal"),
-        Column(key="depth_m", head="depth (mm)", decimals=4, scale=1e3),
-        *_coordinates("relative_velocity", "m_s", "relative velocity"),
-        *_coordinates("impulse", "N_s", "impulse"),
+        *_coordinate_columns("normal", "", "normal"),
+        Column(key="depth_m", label="depth (mm)", decimals=4, scale=1e3),
+        *_coordinate_columns("relative_velocity", "m_s", "relative velocity"),
+        *_coordinate_columns("impulse", "N_s", "impulse"),
     ]
     rows = []
-    for moment in found:
-        points = [*moment.get("points", ()), *[_NOWHERE] * most][:most]
-        normal, velocity, impulse = (moment.get(name) or _NOWHERE for name in _VECTORS)
-        places = (coordinate for point in points for coordinate in point)
-        depth = moment.get("depth")
-        rows.append((moment["time"], moment["phase"], *moment["benches"], *places, *normal, depth, *velocity, *impulse))
+    for event in found:
+        points = [*event.get("points", ()), *[_NO_VECTOR] * point_count][:point_count]
+        normal, velocity, impulse = (event.get(name) or _NO_VECTOR for name in _VECTORS)
+        coordinates = (coordinate for point in points for coordinate in point)
+        depth = event.get("depth")
+        common = (event["time"], event["phase"], *event["benches"])
+        rows.append((*common, *coordinates, *normal, depth, *velocity, *impulse))
     return Table(tuple(columns), tuple(rows))
 
 
 _VECTORS = ("normal", "relative_velocity", "impulse")
-_NOWHERE = (None, None)
-_BENCHES = (Column(key="bench_i", head="bench i"), Column(key="bench_j", head="bench j"))
+_NO_VECTOR = (None, None)
+_BENCHES = (Column(key="bench_i", label="bench i"), Column(key="bench_j", label="bench j"))
 
 
-def _coordinates(key: str, unit: str, head: str) -> Iterable[Column]:
-    ending = f"_{unit}" if unit else ""
-    shown = f" ({unit.replace('m_s', 'm/s').replace('_', ' ')})" if unit else ""
-    return [Column(key=f"{key}_{axis}{ending}", head=f"{head} {axis}{shown}", decimals=6) for axis in ("x", "y")]
+def _coordinate_columns(key: str, unit: str, label: str) -> Iterable[Column]:
+    """Columns of the x and y coordinates of a vector."""
+    suffix = f"_{unit}" if unit else ""
+    shown_unit = f" ({unit.replace('m_s', 'm/s').replace('_', ' ')})" if unit else ""
+    return [Column(key=f"{key}_{axis}{suffix}", label=f"{label} {axis}{shown_unit}", decimals=6) for axis in ("x", "y")]
 
 
-def _by_time(contents: Contents) -> tuple[Column, ...]:
+def _time_columns(contents: Contents) -> tuple[Column, ...]:
+    """A column of handles and a column for each time; a contact time is last and has six decimals."""
     found = contents["handles"]
-    heads = [f"{time:g} s" for time in found["times"]]
+    labels = [f"{time:g} s" for time in found["times"]]
     if found["contact"] is not None:
-        heads[-1] = f"{number(found['times'][-1], 6)} s"
+        labels[-1] = f"{format_number(found['times'][-1], 6)} s"
     return (
-        Column(key="handle", head="handle", text=True),
-        *(Column(key=head, head=head, decimals=6) for head in heads),
+        Column(key="handle", label="handle", text=True),
+        *(Column(key=label, label=label, decimals=6) for label in labels),
     )
 
 
-def _shown(column: Column, value: Any) -> str:
+def _cell_text(column: Column, value: Any) -> str:
     if value is None:
-        return NOTHING
+        return MISSING
     if column.decimals is None:
         return str(value)
-    return number(_scaled(value, column.scale), column.decimals)
+    return format_number(_scaled(value, column.scale), column.decimals)
 
 
 def _scaled(value: float | None, scale: float) -> float | None:
     return None if value is None else value * scale
 
 
-def _setting(value: Any) -> str:
+def _setting_text(value: Any) -> str:
     if value is None:
-        return NOTHING
+        return MISSING
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, float):
         return f"{value:.10g}"
     if isinstance(value, list):
-        return ", ".join(_setting(item) for item in value) or NOTHING
+        return ", ".join(_setting_text(item) for item in value) or MISSING
     return "none" if value == {} else str(value)

@@ -1,4 +1,4 @@
-"""Reports as text: JSON, CSV and Markdown, with nothing but the standard library."""
+"""Reports as JSON, CSV and Markdown, with the standard library only."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ __all__ = ["as_csv", "as_json", "as_markdown"]
 
 Contents = Mapping[str, Any]
 
-# What Markdown, HTML within it, or GitHub's dialect would make something of.
+# Characters with a meaning in Markdown, embedded HTML or GitHub's dialect.
 MARKUP = re.compile(r"[\\`*_{}\[\]<>|&~$#@!]")
 
 
 def as_json(contents: Contents) -> str:
-    """The contents themselves; `schema.json` says what is in them."""
+    """Contents as JSON; `schema.json` describes the keys."""
     parts = [f"{json.dumps(name)}: {_lines(value)}" for name, value in contents.items()]
     return "{\n" + ",\n".join(parts) + "\n}\n"
 
 
 def as_csv(contents: Contents) -> str:
-    """What happened, by time, as RFC 4180 has it: a line of heads, lines ended by CR LF, SI units."""
-    table = tables.happenings(contents)
+    """All events by time as CSV (RFC 4180): a header line, CR LF line ends, SI units."""
+    table = tables.all_events(contents)
     text = io.StringIO(newline="")
     writer = csv.writer(text)
     writer.writerow([column.key for column in table.columns])
@@ -38,7 +38,7 @@ def as_csv(contents: Contents) -> str:
 
 
 def as_markdown(contents: Contents) -> str:
-    """A report to read as text, or to put where Markdown is shown."""
+    """Report as Markdown."""
     parts = [f"# {_escaped(sections.headline(contents))}", _escaped(sections.subtitle(contents)) + "."]
     parts.append(_facts(sections.key_figures(contents)))
     for section in sections.sections(contents):
@@ -47,7 +47,7 @@ def as_markdown(contents: Contents) -> str:
 
 
 def _lines(value: Any) -> str:
-    """JSON with one line for each entry of a list of objects, so that a long list can be looked through."""
+    """JSON with one line for each entry of a list of objects, for readability."""
     if isinstance(value, list) and value and isinstance(value[0], Mapping):
         return "[\n" + ",\n".join(json.dumps(item, allow_nan=False) for item in value) + "\n]"
     return json.dumps(value, allow_nan=False)
@@ -59,19 +59,19 @@ def _section(section: Section) -> list[str]:
         parts += [heading and f"### {heading}", _facts(facts)]
     for heading, table in section.tables.items():
         if table.rows:
-            parts += [heading and f"### {heading}", _table(table), table.cut_note]
+            parts += [heading and f"### {heading}", _table(table), table.truncation_note]
     return parts
 
 
 def _facts(facts: Iterable[tuple[str, str]]) -> str:
-    # Markdown's tables have to have heads; empty ones are the least that can be said.
+    # Markdown requires a header row; this one is empty.
     return "\n".join(["|  |  |", "| --- | --- |", *(_row(fact) for fact in facts)])
 
 
 def _table(table: Table) -> str:
-    rules = ["---" if column.text else "---:" for column in table.columns]
-    lines = [_row(column.head for column in table.columns), "| " + " | ".join(rules) + " |"]
-    return "\n".join(lines + [_row(row) for row in table.texts])
+    alignments = ["---" if column.text else "---:" for column in table.columns]
+    lines = [_row(column.label for column in table.columns), "| " + " | ".join(alignments) + " |"]
+    return "\n".join(lines + [_row(row) for row in table.text_rows])
 
 
 def _row(cells: Iterable[str]) -> str:
@@ -79,5 +79,5 @@ def _row(cells: Iterable[str]) -> str:
 
 
 def _escaped(text: str) -> str:
-    """`text` on one line, with a backslash before all that Markdown would act on."""
+    """`text` on one line, with Markdown characters escaped by backslashes."""
     return MARKUP.sub(r"\\\g<0>", " ".join(text.split()))

@@ -1,4 +1,4 @@
-"""A report as an XLSX workbook: what happened on the first sheet, all the numbers on the others."""
+"""Report as an XLSX workbook: a summary on the first worksheet, tables on the others."""
 
 from __future__ import annotations
 
@@ -21,18 +21,28 @@ __all__ = ["write_workbook"]
 
 Contents = Mapping[str, Any]
 
-# Width of a column of values and of the summary's two, in characters.
-VALUE_WIDTH, NAME_WIDTH, FACT_WIDTH = 14, 36, 46
-# Points: the height of a row, which does not grow with a text over two columns.
+# Characters: width of a column of values in a table.
+VALUE_WIDTH = 14
+# Characters: width of the summary's column of names, enough for the longest name.
+NAME_WIDTH = 36
+# Characters: width of the summary's column of values.
+FACT_WIDTH = 46
+# Points: height of a line of text. Rows with merged cells need an explicit height.
 LINE_HEIGHT = 15
-# Where the first picture stands on the summary, and pixels a side and rows from one picture to the next.
-PICTURE_ROW, PICTURE_COLUMN = 3, 3
-PICTURE_SIZE, PICTURE_ROWS = 440, 24
+# Zero-based row of the first picture: below the title.
+PICTURE_ROW = 3
+# Zero-based column of the pictures: beside the text.
+PICTURE_COLUMN = 3
+# Pixels: displayed width and height of a picture.
+PICTURE_SIZE = 440
+# Rows from one picture to the next: the height of a picture and a margin.
+PICTURE_ROWS = 24
+# Pixels: size of the drift chart.
 CHART_SIZE = {"width": 760, "height": 380}
 
 
 def write_workbook(contents: Contents, pictures: Iterable[Picture], path: Path) -> None:
-    """Write the sheets Summary, Near misses, Events, Windows, Handles and Drift.
+    """Write the worksheets Summary, Near misses, Events, Windows, Handles and Drift.
 
     Raises
     ------
@@ -42,97 +52,99 @@ def write_workbook(contents: Contents, pictures: Iterable[Picture], path: Path) 
         If writing fails.
     """
     with workbook(path) as book:
-        _write_summary(book, contents, pictures)
-        _write_table(book, "Near misses", tables.near_misses(contents))
-        _write_table(book, "Events", tables.events(contents))
-        _write_table(book, "Windows", tables.windows(contents))
-        _write_table(book, "Handles", tables.handles(contents))
+        _add_summary(book, contents, pictures)
+        _add_table(book, "Near misses", tables.near_misses(contents))
+        _add_table(book, "Events", tables.events(contents))
+        _add_table(book, "Windows", tables.windows(contents))
+        _add_table(book, "Handles", tables.handles(contents))
         drift = tables.drift(contents)
-        _draw_drift(book, _write_table(book, "Drift", drift), drift)
+        _add_drift_chart(book, _add_table(book, "Drift", drift), drift)
 
 
-def _write_summary(book: Workbook, contents: Contents, pictures: Iterable[Picture]) -> None:
-    """Everything but the long tables, as pairs of a name and a text."""
-    sheet = book.add_worksheet("Summary")
-    sheet.set_column(0, 0, NAME_WIDTH)
-    sheet.set_column(1, 1, FACT_WIDTH)
+def _add_summary(book: Workbook, contents: Contents, pictures: Iterable[Picture]) -> None:
+    """Add the headline, notes, facts and pictures."""
+    worksheet = book.add_worksheet("Summary")
+    worksheet.set_column(0, 0, NAME_WIDTH)
+    worksheet.set_column(1, 1, FACT_WIDTH)
     title, heading = book.add_format({"bold": True, "font_size": 16}), book.add_format({"bold": True})
     wrapped = book.add_format({"text_wrap": True, "valign": "top"})
-    sheet.write_string(0, 0, sections.headline(contents), title)
-    sheet.write_string(1, 0, sections.subtitle(contents))
+    worksheet.write_string(0, 0, sections.headline(contents), title)
+    worksheet.write_string(1, 0, sections.subtitle(contents))
     row = 3
     for section in sections.sections(contents):
-        sheet.write_string(row, 0, section.title, heading)
+        worksheet.write_string(row, 0, section.title, heading)
         for note in section.notes:
             row += 1
-            sheet.merge_range(row, 0, row, 1, "", wrapped)
-            sheet.write_string(row, 0, note, wrapped)
-            sheet.set_row(row, LINE_HEIGHT * (1 + len(note) // (NAME_WIDTH + FACT_WIDTH)))
+            worksheet.merge_range(row, 0, row, 1, "", wrapped)
+            worksheet.write_string(row, 0, note, wrapped)
+            worksheet.set_row(row, LINE_HEIGHT * (1 + len(note) // (NAME_WIDTH + FACT_WIDTH)))
         for name, facts in section.facts.items():
             if name:
                 row += 1
-                sheet.write_string(row, 0, name)
+                worksheet.write_string(row, 0, name)
             for fact in facts:
                 row += 1
                 for column, text in enumerate(fact):
-                    sheet.write_string(row, column, text[:MAX_TEXT])
+                    worksheet.write_string(row, column, text[:MAX_TEXT])
         row += 2
     scale = PICTURE_SIZE / SIZE
-    for which, picture in enumerate(pictures):
-        sheet.insert_image(
-            PICTURE_ROW + which * PICTURE_ROWS,
+    for index, picture in enumerate(pictures):
+        worksheet.insert_image(
+            PICTURE_ROW + index * PICTURE_ROWS,
             PICTURE_COLUMN,
             f"{picture.name}.png",
             {"image_data": BytesIO(picture.png), "x_scale": scale, "y_scale": scale, "description": picture.caption},
         )
 
 
-def _write_table(book: Workbook, name: str, table: Table) -> Worksheet:
-    """A sheet with a table from its first cell on, in the units that people read."""
-    sheet = book.add_worksheet(name)
-    head = book.add_format({"bold": True, "text_wrap": True, "bottom": 1})
+def _add_table(book: Workbook, name: str, table: Table) -> Worksheet:
+    """Add a worksheet with a table in display units."""
+    worksheet = book.add_worksheet(name)
+    header = book.add_format({"bold": True, "text_wrap": True, "bottom": 1})
     formats = [_format(book, column) for column in table.columns]
-    sheet.set_column(0, len(table.columns) - 1, VALUE_WIDTH)
-    sheet.freeze_panes(1, 0)
-    for place, column in enumerate(table.columns):
-        sheet.write_string(0, place, column.head, head)
+    worksheet.set_column(0, len(table.columns) - 1, VALUE_WIDTH)
+    worksheet.freeze_panes(1, 0)
+    for index, column in enumerate(table.columns):
+        worksheet.write_string(0, index, column.label, header)
     if len(table.rows) >= MAX_ROWS:
-        rest = f"the first {MAX_ROWS - 1} of {len(table.rows)} rows; all are in the JSON report"
-        sheet.write_string(0, len(table.columns), rest, head)
+        note = f"the first {MAX_ROWS - 1} of {len(table.rows)} rows; all are in the JSON report"
+        worksheet.write_string(0, len(table.columns), note, header)
     for row, values in enumerate(table.rows[: MAX_ROWS - 1], start=1):
-        for place, (column, value, look) in enumerate(zip(table.columns, values, formats, strict=True)):
+        for index, (column, value, cell_format) in enumerate(zip(table.columns, values, formats, strict=True)):
             if isinstance(value, str):
-                sheet.write_string(row, place, value)
+                worksheet.write_string(row, index, value)
             elif value is not None:
-                sheet.write_number(row, place, value * column.scale if column.decimals is not None else value, look)
-    return sheet
+                scale = 1 if column.decimals is None else column.scale
+                worksheet.write_number(row, index, value * scale, cell_format)
+    return worksheet
 
 
 def _format(book: Workbook, column: Column) -> Format | None:
+    """Number format of a column; None for text and integers."""
     if column.decimals is None:
         return None
-    look: Format = book.add_format({"num_format": "0." + "0" * column.decimals})
-    return look
+    cell_format: Format = book.add_format({"num_format": "0." + "0" * column.decimals})
+    return cell_format
 
 
-def _draw_drift(book: Workbook, sheet: Worksheet, table: Table) -> None:
-    """A chart beside the table of drift, where there is any to draw."""
+def _add_drift_chart(book: Workbook, worksheet: Worksheet, table: Table) -> None:
+    """Add a chart beside the table of drift, if any drift is known."""
     last = len(table.rows)
     known = any(value for _, *drifts in table.rows for value in drifts)
     if last < 2 or not known:
         return
     chart = book.add_chart({"type": "scatter", "subtype": "straight"})
-    for place in range(1, len(table.columns)):
+    for index in range(1, len(table.columns)):
         chart.add_series(
             {
-                "name": [sheet.name, 0, place],
-                "categories": [sheet.name, 1, 0, last, 0],
-                "values": [sheet.name, 1, place, last, place],
+                "name": [worksheet.name, 0, index],
+                "categories": [worksheet.name, 1, 0, last, 0],
+                "values": [worksheet.name, 1, index, last, index],
             }
         )
     times = [row[0] for row in table.rows]
-    chart.set_x_axis({"name": table.columns[0].head, "min": times[0], "max": times[-1]})
+    chart.set_x_axis({"name": table.columns[0].label, "min": times[0], "max": times[-1]})
     chart.set_y_axis({"name": "drift (mm)", "min": 0})
     chart.set_legend({"position": "bottom"})
     chart.set_size(CHART_SIZE)
-    sheet.insert_chart(1, len(table.columns) + 1, chart)
+    worksheet.insert_chart(1, len(table.columns) + 1, chart)

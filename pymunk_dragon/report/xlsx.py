@@ -1,4 +1,4 @@
-"""An XLSX file through XlsxWriter: written in place, the same bytes every time, text never a formula."""
+"""XLSX files written with XlsxWriter: atomically, with reproducible bytes, and without text becoming formulas."""
 
 from __future__ import annotations
 
@@ -17,23 +17,26 @@ if TYPE_CHECKING:
 
 __all__ = ["MAX_COLUMNS", "MAX_ROWS", "MAX_TEXT", "workbook"]
 
-# What a sheet of this format holds, and how many characters a cell.
-MAX_ROWS, MAX_COLUMNS, MAX_TEXT = 1_048_576, 16_384, 32_767
-
-# An XLSX file says when it was made. The contest's year stands there, so that the same numbers give the same bytes.
+# Rows of a worksheet: limit of the format.
+MAX_ROWS = 1_048_576
+# Columns of a worksheet: limit of the format.
+MAX_COLUMNS = 16_384
+# Characters of a cell: limit of the format.
+MAX_TEXT = 32_767
+# Creation date in the file's properties: constant, in the year of the contest, so that equal contents give equal bytes.
 CREATED = datetime(2024, 9, 5)
 
 
 @contextmanager
 def workbook(path: Path, *, constant_memory: bool = False) -> Iterator[Workbook]:
-    """Give a workbook that is saved as `path` at the end, and nowhere on an error.
+    """Context manager of a workbook that is saved as `path` on exit, and discarded on an error.
 
     Parameters
     ----------
     path : Path
-        The file.
+        File to write.
     constant_memory : bool
-        Whether rows go to a file as they come. Then every row has to be finished before the next one begins.
+        Whether rows are flushed to a temporary file. Each row then has to be complete before the next row begins.
 
     Raises
     ------
@@ -58,7 +61,7 @@ def workbook(path: Path, *, constant_memory: bool = False) -> Iterator[Workbook]
             yield book
         finally:
             try:
-                # After an error too: it closes the sheets' temporary files, and the draft is thrown away.
+                # Also after an error, to close the worksheets' temporary files; the draft is then discarded.
                 book.close()
             except xlsxwriter.exceptions.FileCreateError as error:
                 raise error.args[0] from error
