@@ -122,7 +122,7 @@ KIND ?= lines or files
 fuzz: $(VENV)/tools ## run CASES random cases of each kind: command lines, scenario, CSV and run files  [5000]
 	FUZZ_CASES=$(CASES) $(BIN)/python -m pytest -q -s tests/fuzz -k 'no_case_fails and ($(KIND))'
 
-lint: $(VENV)/tools ## style, types, and which room imports which
+lint: $(VENV)/tools ## style, types, and which package imports which
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
 	$(BIN)/mypy

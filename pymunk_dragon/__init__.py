@@ -5,7 +5,7 @@ from __future__ import annotations
 __version__ = "0.1.0"
 
 # Nothing is imported here: `pymunk-dragon` handles Ctrl-C in its first lines, and they come after these. Type checkers
-# know the name.
+# know this name, which `typing` has as well.
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
@@ -14,12 +14,13 @@ if TYPE_CHECKING:
     from pymunk_dragon.contact import Contact, ContactEvent, ContactLog
     from pymunk_dragon.curves import Arc, Composite, Curve, Line, Reversed, Sampled, Section, Spiral, UTurn
     from pymunk_dragon.dragon import Dragon, outlines
+    from pymunk_dragon.drawing import Camera, Palette, Scene, render, write_film
+    from pymunk_dragon.drawing.debug_draw import PillowDrawOptions
     from pymunk_dragon.errors import DragonError, MissingExtraError, ParameterError, UnreachableError
     from pymunk_dragon.march import March, States
     from pymunk_dragon.physics import World, simulate
     from pymunk_dragon.player import player_page, write_player
-    from pymunk_dragon.render import Camera, Palette, Scene, write_film
-    from pymunk_dragon.render.debug_draw import PillowDrawOptions
+    from pymunk_dragon.reports import report
     from pymunk_dragon.run import Run, check_saveable
     from pymunk_dragon.scenario import Scenario
     from pymunk_dragon.speed import Speed, SpeedTable
@@ -63,6 +64,8 @@ __all__ = [
     "min_pitch",
     "outlines",
     "player_page",
+    "render",
+    "report",
     "scan",
     "sensitivity",
     "separation",
@@ -71,12 +74,9 @@ __all__ = [
     "write_player",
 ]
 
-# `render` and `report` are not among them: they are rooms as well, and a name should mean one thing. Take the functions
-# from there: `from pymunk_dragon.render import render`, `from pymunk_dragon.report import report`.
-
 # Names are loaded when they are first used: NumPy, Pymunk and Pillow together take longer to import than
 # `pymunk-dragon --help` may take to answer.
-_ROOMS = {
+_MODULES = {
     "collision": ("Grid", "FirstContact", "NearMiss", "Separation", "first_contact", "scan", "separation"),
     "contact": ("Contact", "ContactEvent", "ContactLog"),
     "curves": ("Arc", "Composite", "Curve", "Line", "Reversed", "Sampled", "Section", "Spiral", "UTurn"),
@@ -85,9 +85,10 @@ _ROOMS = {
     "march": ("March", "States"),
     "physics": ("World", "simulate"),
     "player": ("player_page", "write_player"),
-    "render": ("Camera", "Palette", "Scene", "write_film"),
-    # Apart from its room, which does without Pymunk.
-    "render.debug_draw": ("PillowDrawOptions",),
+    "drawing": ("Camera", "Palette", "Scene", "render", "write_film"),
+    # Not imported by its package, which does not need Pymunk.
+    "drawing.debug_draw": ("PillowDrawOptions",),
+    "reports": ("report",),
     "run": ("Run", "check_saveable"),
     "scenario": ("Scenario",),
     "speed": ("Speed", "SpeedTable"),
@@ -98,9 +99,9 @@ _ROOMS = {
 def __getattr__(name: str) -> Any:
     from importlib import import_module
 
-    for room, names in _ROOMS.items():
+    for module, names in _MODULES.items():
         if name in names:
-            return getattr(import_module(f"pymunk_dragon.{room}"), name)
+            return getattr(import_module(f"pymunk_dragon.{module}"), name)
     raise AttributeError(f"module 'pymunk_dragon' has no attribute '{name}'")
 
 

@@ -1,4 +1,4 @@
-"""Things that show themselves in a notebook."""
+"""Base class of objects that notebooks display."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ __all__ = ["Displayed"]
 class Displayed:
     """Base class of objects with a representation in Jupyter.
 
-    How things look is known to the room `notebook`, far above the rooms of the things themselves. They know it by name
-    only, so that no calculation loads what draws.
+    The representations are made by `notebook.py`, which imports the classes that it displays. Its name is resolved only
+    when it is needed, so that no calculation imports the drawing libraries.
     """
 
     def _repr_html_(self) -> str | None:

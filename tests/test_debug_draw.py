@@ -23,10 +23,10 @@ from PIL import Image
 from pymunk import BB, SpaceDebugDrawOptions, Transform, Vec2d
 
 import pymunk_dragon
+from pymunk_dragon.drawing import compositing, convex, debug_draw, deferred_calls
+from pymunk_dragon.drawing.convex import offset_polygon
+from pymunk_dragon.drawing.debug_draw import CALLBACKS, PillowDrawOptions
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.render import compositing, convex, debug_draw, deferred_calls
-from pymunk_dragon.render.convex import offset_polygon
-from pymunk_dragon.render.debug_draw import CALLBACKS, PillowDrawOptions
 
 BLACK, RED, GREEN = (0, 0, 0, 255), (255, 0, 0, 255), (0, 255, 0, 255)
 DYNAMIC, STATIC, KINEMATIC, SLEEPING = (52, 152, 219), (149, 165, 166), (39, 174, 96), (114, 148, 168)
@@ -852,7 +852,7 @@ def test_no_private_name_of_pymunk_is_used() -> None:
 
 def test_it_is_offered_at_the_top_and_pymunk_does_not_come_with_every_picture() -> None:
     assert pymunk_dragon.PillowDrawOptions is PillowDrawOptions
-    code = "import sys, pymunk_dragon.render; assert 'pymunk' not in sys.modules"
+    code = "import sys, pymunk_dragon.drawing; assert 'pymunk' not in sys.modules"
     subprocess.run([sys.executable, "-c", code], check=True)
 
 

@@ -19,8 +19,8 @@ from PIL import Image, ImageSequence
 
 from pymunk_dragon.curves import UTurn
 from pymunk_dragon.dragon import Dragon
+from pymunk_dragon.drawing.figures.style import COLOURS
 from pymunk_dragon.march import March
-from pymunk_dragon.render.figures.style import COLOURS
 
 DATA = Path(__file__).parent / "data"
 K = 0.55 / (2 * math.pi)

@@ -28,13 +28,13 @@ from PIL import Image, ImageFont
 from pymunk_dragon.collision import Grid, first_contact
 from pymunk_dragon.curves import Spiral
 from pymunk_dragon.dragon import Dragon
+from pymunk_dragon.drawing import Palette
+from pymunk_dragon.drawing.figures import FIGURES, figure, style, write_figure
+from pymunk_dragon.drawing.figures.lines import FIRST_COLOUR, spread
+from pymunk_dragon.drawing.figures.times import closing_time, model
 from pymunk_dragon.errors import MissingExtraError, OutputError, ParameterError
 from pymunk_dragon.march import March
 from pymunk_dragon.physics import simulate
-from pymunk_dragon.render import Palette
-from pymunk_dragon.render.figures import FIGURES, figure, style, write_figure
-from pymunk_dragon.render.figures.lines import FIRST_COLOUR, spread
-from pymunk_dragon.render.figures.times import closing_time, model
 from pymunk_dragon.run import Run
 
 matplotlib = pytest.importorskip("matplotlib")
@@ -119,7 +119,7 @@ def test_another_process_writes_the_same_bytes(tmp_path: Path, written: Callable
     digests = set()
     for seed in ("1", "2"):
         file = tmp_path / f"{seed}.svg"
-        program = f"from pymunk_dragon.render.figures import write_figure; write_figure('grid', {str(file)!r})"
+        program = f"from pymunk_dragon.drawing.figures import write_figure; write_figure('grid', {str(file)!r})"
         subprocess.run(
             [sys.executable, "-W", "error", "-c", program], check=True, env=os.environ | {"PYTHONHASHSEED": seed}
         )
@@ -527,7 +527,7 @@ def test_a_users_settings_change_nothing(tmp_path: Path) -> None:
 def test_nothing_imports_pyplot_and_nothing_imports_matplotlib_before_a_figure_is_drawn() -> None:
     program = """
 import sys
-from pymunk_dragon.render.figures import FIGURES, figure
+from pymunk_dragon.drawing.figures import FIGURES, figure
 assert "matplotlib" not in sys.modules
 figure("speeds")
 assert "matplotlib" in sys.modules and "matplotlib.pyplot" not in sys.modules

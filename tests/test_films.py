@@ -21,12 +21,12 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from pymunk_dragon.dragon import Dragon
+from pymunk_dragon.drawing import FILM_ENDINGS, Camera, Film, render, still, write_film
+from pymunk_dragon.drawing.moments import moments
+from pymunk_dragon.drawing.output import make_canvas
+from pymunk_dragon.drawing.streams import open_stream
 from pymunk_dragon.errors import MissingExtraError, OutputError, ParameterError
 from pymunk_dragon.march import March
-from pymunk_dragon.render import FILM_ENDINGS, Camera, Film, render, still, write_film
-from pymunk_dragon.render.moments import moments
-from pymunk_dragon.render.output import make_canvas
-from pymunk_dragon.render.streams import open_stream
 from pymunk_dragon.run import Run
 
 Picture = NDArray[np.uint8]
@@ -216,7 +216,7 @@ def test_a_full_disk_is_one_line(run: Run, tmp_path: Path, ending: str, monkeypa
     def full(*_: Any) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("pymunk_dragon.render.streams.base.DirtyRectangleStream.add", full)
+    monkeypatch.setattr("pymunk_dragon.drawing.streams.base.DirtyRectangleStream.add", full)
     with pytest.raises(OutputError, match="No space left"):
         render(run, tmp_path / f"film{ending}", size=64)
     assert list(tmp_path.iterdir()) == []
@@ -292,7 +292,7 @@ def test_a_run_beside_its_exact_model_ends_when_the_run_does(run: Run) -> None:
 
 
 def test_headings_say_who_played(run: Run) -> None:
-    from pymunk_dragon.render.output import _heading
+    from pymunk_dragon.drawing.output import _heading
 
     engine = replace(run, provenance={"player": "pymunk", "guide": "rails"})
     unguided = replace(run, provenance={"player": "pymunk", "guide": "none"})

@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 
 from pymunk_dragon.contact import Contact, ContactEvent, ContactLog
 from pymunk_dragon.dragon import Dragon
+from pymunk_dragon.drawing import Camera, Film, Moment, Palette, still
+from pymunk_dragon.drawing.moments import moments
+from pymunk_dragon.drawing.output import make_canvas
+from pymunk_dragon.drawing.palette import BLOCK, CODES, STRENGTHS, TRANSPARENT, TYPE_RAMP, blends, index_of
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.march import March
 from pymunk_dragon.physics import simulate
-from pymunk_dragon.render import Camera, Film, Moment, Palette, still
-from pymunk_dragon.render.moments import moments
-from pymunk_dragon.render.output import make_canvas
-from pymunk_dragon.render.palette import BLOCK, CODES, STRENGTHS, TRANSPARENT, TYPE_RAMP, blends, index_of
 from pymunk_dragon.run import Run
 
 MARCH = March(Dragon(benches=16), turns=4)

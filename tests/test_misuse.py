@@ -12,13 +12,13 @@ from pymunk_dragon.collision import Grid, first_contact, scan
 from pymunk_dragon.curves import Composite, Reversed, Section
 from pymunk_dragon.demos.telling import check_language
 from pymunk_dragon.dragon import Dragon
+from pymunk_dragon.drawing import Camera, render
+from pymunk_dragon.drawing.figures import figure
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.march import March
 from pymunk_dragon.physics import World, simulate
 from pymunk_dragon.player import player_page
-from pymunk_dragon.render import Camera, render
-from pymunk_dragon.render.figures import figure
-from pymunk_dragon.report import report
+from pymunk_dragon.reports import report
 from pymunk_dragon.run import Run
 from pymunk_dragon.scenario import Scenario
 from pymunk_dragon.speed import speed_of

@@ -12,10 +12,10 @@ from PIL import Image
 
 from pymunk_dragon.contact import Contact
 from pymunk_dragon.dragon import Dragon
+from pymunk_dragon.drawing import Palette
+from pymunk_dragon.drawing.figures import figure
 from pymunk_dragon.march import March
 from pymunk_dragon.player import player_page
-from pymunk_dragon.render import Palette
-from pymunk_dragon.render.figures import figure
 from pymunk_dragon.run import Run
 
 MARCH = March(Dragon(benches=16), turns=8)

@@ -17,14 +17,14 @@ from shapely import affinity, box
 
 from pymunk_dragon.contact import Contact
 from pymunk_dragon.dragon import Dragon
+from pymunk_dragon.drawing import Camera, Film, Palette, render, write_film, write_still
+from pymunk_dragon.drawing.gaps import smallest_gap
+from pymunk_dragon.drawing.moments import moments
+from pymunk_dragon.drawing.output import make_canvas
+from pymunk_dragon.drawing.palette import BLOCK, CODES, TRANSPARENT, TYPE_RAMP, index_of, occurs
+from pymunk_dragon.drawing.scene import hole_diameter
 from pymunk_dragon.errors import DragonError, ParameterError
 from pymunk_dragon.march import March
-from pymunk_dragon.render import Camera, Film, Palette, render, write_film, write_still
-from pymunk_dragon.render.gaps import smallest_gap
-from pymunk_dragon.render.moments import moments
-from pymunk_dragon.render.output import make_canvas
-from pymunk_dragon.render.palette import BLOCK, CODES, TRANSPARENT, TYPE_RAMP, index_of, occurs
-from pymunk_dragon.render.scene import hole_diameter
 from pymunk_dragon.run import Run
 
 SMALL = Dragon(benches=16)
@@ -393,7 +393,7 @@ def test_holes_lie_within_their_benches() -> None:
 @pytest.mark.parametrize(("metres", "words"), [(0.0009, "0.9 mm"), (0.0512, "51 mm"), (2.698, "2.70 m")])
 def test_a_gap_is_told_in_a_unit_that_suits_it(metres: float, words: str, monkeypatch: pytest.MonkeyPatch) -> None:
     told: list[str] = []
-    monkeypatch.setattr("pymunk_dragon.render.scene.smallest_gap", lambda *_: (5, metres))
-    monkeypatch.setattr("pymunk_dragon.render.scene.Lettering.put", lambda self, _, *words, **__: told.extend(words))
+    monkeypatch.setattr("pymunk_dragon.drawing.scene.smallest_gap", lambda *_: (5, metres))
+    monkeypatch.setattr("pymunk_dragon.drawing.scene.Lettering.put", lambda self, _, *words, **__: told.extend(words))
     drawn(March(SMALL, turns=4), Film(until=1.0, gap=True), 0.0)
     assert f"gap {words} to bench 5" in told

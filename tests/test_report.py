@@ -29,7 +29,7 @@ from pymunk_dragon.dragon import Dragon
 from pymunk_dragon.errors import DragonError, MissingExtraError, ParameterError, UnreachableError
 from pymunk_dragon.march import March
 from pymunk_dragon.physics import simulate
-from pymunk_dragon.report import (
+from pymunk_dragon.reports import (
     REPORT_ENDINGS,
     charts,
     contents,
@@ -755,7 +755,7 @@ def test_report_to_an_impossible_place_is_refused(name, played, tmp_path):
 @pytest.mark.parametrize(("ending", "library"), [(".html", "jinja2"), (".xlsx", "xlsxwriter")])
 def test_missing_library_is_named_in_one_line_before_the_work(ending, library, played, tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, library, None)
-    monkeypatch.setattr("pymunk_dragon.report.contents", None)
+    monkeypatch.setattr("pymunk_dragon.reports.contents", None)
     with pytest.raises(MissingExtraError, match=r"pip install 'pymunk-dragon\[report\]'") as caught:
         report(played, tmp_path / f"report{ending}")
     assert_says(caught.value, {".html": "HTML", ".xlsx": "XLSX"}[ending])
@@ -766,7 +766,7 @@ def test_missing_library_is_named_in_one_line_before_the_work(ending, library, p
 def test_text_needs_neither_library_nor_pictures(ending, played, tmp_path, monkeypatch):
     for library in ("jinja2", "xlsxwriter"):
         monkeypatch.setitem(sys.modules, library, None)
-    monkeypatch.setattr("pymunk_dragon.report.pictures", None)
+    monkeypatch.setattr("pymunk_dragon.reports.pictures", None)
     assert written(played, ending, tmp_path)
 
 

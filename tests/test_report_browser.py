@@ -10,7 +10,7 @@ from browser import needs_browser, opened
 from pymunk_dragon.dragon import Dragon
 from pymunk_dragon.march import March
 from pymunk_dragon.physics import simulate
-from pymunk_dragon.report import report
+from pymunk_dragon.reports import report
 
 pytestmark = [pytest.mark.thorough, needs_browser]
 

@@ -15,9 +15,9 @@ from PIL import Image
 from pymunk_dragon.cli import main
 from pymunk_dragon.curves import UTurn
 from pymunk_dragon.dragon import Dragon
+from pymunk_dragon.drawing.figures import write_answer
 from pymunk_dragon.errors import ParameterError, UnreachableError
 from pymunk_dragon.march import March
-from pymunk_dragon.render.figures import write_answer
 from pymunk_dragon.studies import MaxSpeed, max_speed
 
 

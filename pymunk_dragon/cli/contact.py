@@ -116,7 +116,7 @@ def _check_xlsx() -> None:
 
 
 def _write_contact_sheet(march: March, answer: dict[str, Any], path: Path) -> None:
-    from pymunk_dragon.report import write_contact_table
+    from pymunk_dragon.reports import write_contact_table
 
     if answer["time"] is None:
         raise DragonError(f"no contact until t = {answer['until']:.6g} s, so {path} was not written")

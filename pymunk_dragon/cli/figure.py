@@ -18,7 +18,7 @@ from pymunk_dragon.cli.options import (
 from pymunk_dragon.cli.output import print_json
 
 if TYPE_CHECKING:
-    from pymunk_dragon.render.moments import Source
+    from pymunk_dragon.drawing.moments import Source
 
 __all__ = ["figure"]
 
@@ -36,7 +36,7 @@ def figure(
 
     Drift and impulses are drawn from a run of the engine, the others from a run's march or from the options.
     """
-    from pymunk_dragon.render.figures import FIGURES, write_figure
+    from pymunk_dragon.drawing.figures import FIGURES, write_figure
 
     if name is None:
         shown = {known: kind.shows for known, kind in FIGURES.items()}

@@ -80,7 +80,7 @@ def _handles(text: str, last: int) -> list[int]:
 
 def _paper_tables(march: March) -> str:
     from pymunk_dragon.collision import first_contact
-    from pymunk_dragon.report import paper_tables
+    from pymunk_dragon.reports import paper_tables
 
     # On a curve without end there is no last time for the search.
     impact = first_contact(march) if isfinite(march.end) else None
@@ -88,7 +88,7 @@ def _paper_tables(march: March) -> str:
 
 
 def _write_contest_tables(march: March, times: list[float], path: Path) -> None:
-    from pymunk_dragon.report import write_tables
+    from pymunk_dragon.reports import write_tables
 
     with progress("row") as show:
         write_tables(march, times, path, lambda done, total: show(done, total, f"row {done}"))

@@ -98,9 +98,9 @@ def render(
     **choices: Any,
 ) -> None:
     """Film a run, several side by side, or the exact march where no run is named; or write a page that plays it."""
+    from pymunk_dragon.drawing import FILM_ENDINGS, STILL_ENDINGS, Camera, Film, write_film, write_still
     from pymunk_dragon.march import March
     from pymunk_dragon.player import PLAYER_ENDINGS
-    from pymunk_dragon.render import FILM_ENDINGS, STILL_ENDINGS, Camera, Film, write_film, write_still
 
     destination = destination_of(output, (*FILM_ENDINGS, *STILL_ENDINGS, *PLAYER_ENDINGS))
     assert destination is not None

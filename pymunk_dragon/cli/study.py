@@ -100,10 +100,10 @@ def _write(found: Any, answer: dict[str, Any], destination: Path) -> None:
     if destination.suffix.lower() == ".json":
         write_json(destination, answer)
     elif destination.suffix.lower() == ".xlsx":
-        from pymunk_dragon.report import write_tables
+        from pymunk_dragon.reports import write_tables
 
         write_tables(found.march, found.times, destination)
     else:
-        from pymunk_dragon.render.figures import write_answer
+        from pymunk_dragon.drawing.figures import write_answer
 
         write_answer(found, destination)

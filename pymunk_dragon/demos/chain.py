@@ -4,7 +4,7 @@ import numpy as np
 
 from pymunk_dragon import Dragon, March, Spiral
 from pymunk_dragon.demos import Lesson
-from pymunk_dragon.render.figures.style import AMBER, BLUE, RULE, halo
+from pymunk_dragon.drawing.figures.style import AMBER, BLUE, RULE, halo
 
 lesson = Lesson("chain", "Where does the next handle go?")
 

@@ -4,7 +4,7 @@ import pymunk
 
 from pymunk_dragon import Dragon, March, simulate
 from pymunk_dragon.demos import Lesson
-from pymunk_dragon.render.figures.style import AMBER, BLUE
+from pymunk_dragon.drawing.figures.style import AMBER, BLUE
 
 lesson = Lesson("engine", "What makes an engine exact?")
 

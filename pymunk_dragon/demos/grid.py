@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from pymunk_dragon import Dragon, Grid, March, first_contact, separation
 from pymunk_dragon.demos import Lesson
-from pymunk_dragon.render.figures.style import BLUE, CANDIDATE, COLOURS, QUIET, RULE, halo
+from pymunk_dragon.drawing.figures.style import BLUE, CANDIDATE, COLOURS, QUIET, RULE, halo
 
 lesson = Lesson("grid", "Ask only the neighbours")
 

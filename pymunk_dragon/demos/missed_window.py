@@ -5,7 +5,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from pymunk_dragon import Dragon, March, first_contact, scan, separation
 from pymunk_dragon.demos import Lesson
-from pymunk_dragon.render.figures.style import BLUE, CANDIDATE, COLOURS
+from pymunk_dragon.drawing.figures.style import BLUE, CANDIDATE, COLOURS
 
 lesson = Lesson("missed-window", "The contact that nobody saw")
 

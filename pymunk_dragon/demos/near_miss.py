@@ -2,10 +2,9 @@
 
 import numpy as np
 
-from pymunk_dragon import Dragon, March, Spiral, first_contact, scan, separation, simulate
+from pymunk_dragon import Camera, Dragon, March, Spiral, first_contact, render, scan, separation, simulate
 from pymunk_dragon.demos import Lesson
 from pymunk_dragon.dragon import bench_poses
-from pymunk_dragon.render import Camera, render
 
 lesson = Lesson("near-miss", "Nearly is not hit")
 

@@ -4,7 +4,7 @@ import numpy as np
 
 from pymunk_dragon import Dragon, March, Spiral, min_pitch, separation
 from pymunk_dragon.demos import Lesson
-from pymunk_dragon.render.figures.style import AMBER, BLUE, COLOURS, QUIET
+from pymunk_dragon.drawing.figures.style import AMBER, BLUE, COLOURS, QUIET
 
 lesson = Lesson("pitch", "How tight can it coil?")
 

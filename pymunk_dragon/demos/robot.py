@@ -2,10 +2,9 @@
 
 import numpy as np
 
-from pymunk_dragon import Dragon, March, first_contact, simulate
+from pymunk_dragon import Dragon, March, first_contact, render, simulate
 from pymunk_dragon.curves import Sampled
 from pymunk_dragon.demos import Lesson
-from pymunk_dragon.render import render
 
 lesson = Lesson("robot", "A dragon in the machine")
 

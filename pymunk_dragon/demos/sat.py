@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 
 from pymunk_dragon import outlines, separation
 from pymunk_dragon.demos import Lesson
-from pymunk_dragon.render.figures.style import AMBER, BLUE, COLOURS
+from pymunk_dragon.drawing.figures.style import AMBER, BLUE, COLOURS
 
 lesson = Lesson("sat", "Four shadows decide")
 

@@ -4,7 +4,7 @@ import numpy as np
 
 from pymunk_dragon import March
 from pymunk_dragon.demos import Lesson
-from pymunk_dragon.render.figures.style import AMBER, BLUE, COLOURS, RULE
+from pymunk_dragon.drawing.figures.style import AMBER, BLUE, COLOURS, RULE
 from pymunk_dragon.studies import max_speed
 
 lesson = Lesson("speed-limit", "The head sets the pace, and others have to run")

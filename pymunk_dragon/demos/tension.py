@@ -5,7 +5,7 @@ from itertools import pairwise
 import pymunk
 
 from pymunk_dragon.demos import Lesson
-from pymunk_dragon.render.figures.style import AMBER, BLUE, QUIET
+from pymunk_dragon.drawing.figures.style import AMBER, BLUE, QUIET
 
 lesson = Lesson("tension", "Which joint breaks first?")
 

@@ -2,9 +2,8 @@
 
 import numpy as np
 
-from pymunk_dragon import March, UTurn
+from pymunk_dragon import Camera, March, UTurn, render
 from pymunk_dragon.demos import Lesson
-from pymunk_dragon.render import Camera, render
 
 lesson = Lesson("u-turn", "Two dragons race through the turn")
 

@@ -2,9 +2,8 @@
 
 import numpy as np
 
-from pymunk_dragon import Dragon, March, simulate
+from pymunk_dragon import Dragon, March, render, simulate
 from pymunk_dragon.demos import Lesson
-from pymunk_dragon.render import render
 
 lesson = Lesson("unguided", "What do the dancers do?")
 

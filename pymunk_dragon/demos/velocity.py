@@ -4,7 +4,7 @@ import numpy as np
 
 from pymunk_dragon import March
 from pymunk_dragon.demos import Lesson
-from pymunk_dragon.render.figures.style import AMBER, BLUE
+from pymunk_dragon.drawing.figures.style import AMBER, BLUE
 
 lesson = Lesson("velocity", "Slower towards the tail")
 

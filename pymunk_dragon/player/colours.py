@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import asdict
 
-from pymunk_dragon.render import Palette
+from pymunk_dragon.drawing import Palette
 
 __all__ = ["DARK", "LIGHT", "variables"]
 

@@ -9,7 +9,7 @@ import shapely
 from measure import sized
 
 from pymunk_dragon.march import March
-from pymunk_dragon.physics import rails, simulate, world
+from pymunk_dragon.physics import guides, simulate, world
 
 START = sized(400.0, 412.0)
 DEFAULT = (1 / 100, 60)
@@ -58,7 +58,7 @@ def main() -> None:
     print("\n| drag, 1/s | drift of the first twelve, µm | of any, µm | error of the contact time, ms |")
     print("| --- | --- | --- | --- |")
     for drag in DRAGS:
-        for module in (rails, world):
+        for module in (guides, world):
             vars(module)["DRAG"] = drag
         print(f"| {drag:g} | {row(march, exact, *DEFAULT)} |", flush=True)
 

@@ -22,10 +22,10 @@ from statistics import median
 import numpy as np
 from measure import arguments, sized
 
+from pymunk_dragon.drawing import Film, write_film
+from pymunk_dragon.drawing.moments import moments
+from pymunk_dragon.drawing.output import make_canvas
 from pymunk_dragon.march import March
-from pymunk_dragon.render import Film, write_film
-from pymunk_dragon.render.moments import moments
-from pymunk_dragon.render.output import make_canvas
 from pymunk_dragon.run import Run
 
 FRAMES, ROUNDS = sized((300, 5), (4, 1))

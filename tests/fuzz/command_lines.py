@@ -7,7 +7,7 @@ from harness import Case
 from hypothesis import strategies as st
 from run_files import whole_runs
 
-from pymunk_dragon.render.figures import FIGURES
+from pymunk_dragon.drawing.figures import FIGURES
 from pymunk_dragon.studies import STUDIES
 
 __all__ = ["cases"]

@@ -84,7 +84,7 @@ class Lesson:
         MissingExtraError
             If matplotlib is not installed.
         """
-        from pymunk_dragon.render.figures.style import chart, styled
+        from pymunk_dragon.drawing.figures.style import chart, styled
 
         self._style.enter_context(styled())
         # The house's face has no minus sign for powers of ten, which a student's axes may well have.

@@ -9,9 +9,9 @@ from pymunk_dragon.demos.telling.catalogue import LANGUAGES, PARTS, unbroken, wi
 from pymunk_dragon.demos.telling.demo import CODE, Demo
 from pymunk_dragon.demos.telling.notebook import notebook
 from pymunk_dragon.demos.telling.performance import Performance
+from pymunk_dragon.drawing.decode import last_frame, picture_size
 from pymunk_dragon.extras import library
 from pymunk_dragon.pages import asset, data_address, filled, policy
-from pymunk_dragon.render.decode import last_frame, picture_size
 
 __all__ = ["check_libraries", "page"]
 

@@ -1,0 +1,156 @@
+"""Draws marks over a picture: velocities, joint impulses, contacts, normals and the grid of the broad phase."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import get_args
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image, ImageDraw
+
+from pymunk_dragon.collision import Grid
+from pymunk_dragon.drawing.camera import View
+from pymunk_dragon.drawing.moments import Mark, Moment
+from pymunk_dragon.drawing.palette import BLOCK, Accent, blends
+from pymunk_dragon.march import March
+
+__all__ = ["Overlay"]
+
+Array = NDArray[np.float64]
+
+# s: an arrow ends where its handle would be after this time, so its length is proportional to the speed.
+ARROW_TIME = 0.5
+# Drawn pixels: width of an arrow's shaft.
+SHAFT_WIDTH = 4
+# Drawn pixels: length of an arrowhead.
+ARROWHEAD_LENGTH = 13.0
+# Drawn pixels: half the width of an arrowhead.
+ARROWHEAD_HALF_WIDTH = 5.0
+# Drawn pixels: a shorter arrow has no visible direction.
+MIN_ARROW_LENGTH = 2.0
+# Drawn pixels: largest radius of the disc of the largest impulse.
+MAX_DISC_RADIUS = 36.0
+# Largest radius of that disc as a fraction of a bench's width, so that the disc does not hide small benches.
+MAX_DISC_FRACTION = 0.7
+# Drawn pixels: radius of a contact point.
+CONTACT_RADIUS = 8.0
+# Drawn pixels: length of a normal.
+NORMAL_LENGTH = 72.0
+# Drawn pixels: width of a normal's shaft.
+NORMAL_WIDTH = 6
+# Drawn pixels: the lines of smaller cells would cover the ground.
+MIN_CELL_SIZE = 8.0
+# Quarters of a pixel that a mark covers, for every grey level of the averaged mask.
+COVERAGES = [round(4 * grey / 255) for grey in range(256)]
+# Palette index (strength level, index before) after blending with each accent.
+BLENDS: dict[Accent, NDArray[np.uint8]] = {accent: blends(accent) for accent in get_args(Accent)}
+
+
+class Overlay:
+    """Renderer of marks over the pictures of a scene.
+
+    Parameters
+    ----------
+    march : March
+        March that the scene shows.
+    marks : tuple of Mark
+        Marks to draw.
+    largest_impulse : float
+        Impulse that is drawn with the largest disc, N s.
+    """
+
+    def __init__(self, march: March, marks: tuple[Mark, ...], largest_impulse: float) -> None:
+        self._march = march
+        self._marks = marks
+        self._largest = largest_impulse
+        self._grid = Grid.of(march)
+
+    def over(self, picture: Image.Image, view: View, moment: Moment) -> Image.Image:
+        """Return `picture` of `moment` with the marks drawn over it; `view` is in drawn pixels."""
+        if {"impulses", "contacts", "normals"} & set(self._marks):
+            picture = self._draw_in_accent(picture, "force", lambda draw: self._draw_forces(draw, view, moment))
+        if "velocities" in self._marks:
+            picture = self._draw_in_accent(picture, "motion", lambda draw: self._draw_velocities(draw, view, moment))
+        # The grid is drawn last, because it tints only uncovered ground.
+        return self._draw_grid(picture, view, moment.poses) if "grid" in self._marks else picture
+
+    def _draw_grid(self, picture: Image.Image, view: View, poses: Array) -> Image.Image:
+        """Draw the cells of the grid, darker if they contain a bench."""
+        scale = view.scale / BLOCK
+        cell = self._grid.cell * scale
+        if cell * BLOCK < MIN_CELL_SIZE:
+            return picture
+        width, height = picture.size
+        left, top = view.pixels(self._grid.origin) / BLOCK
+        # Row and column of every pixel, computed from the grid's origin so that rounding errors do not accumulate.
+        columns = np.floor((np.arange(width) + 0.5 - left) / cell).astype(int)
+        rows = np.floor((np.arange(height) + 0.5 - top) / cell).astype(int)
+        cells, _ = self._grid.file(self._march.dragon.outlines(poses))
+        i, j = cells[:, 0] - rows[0], cells[:, 1] - columns[0]
+        seen = (i >= 0) & (i <= rows[-1] - rows[0]) & (j >= 0) & (j <= columns[-1] - columns[0])
+        filed = np.zeros((rows[-1] - rows[0] + 1, columns[-1] - columns[0] + 1), dtype=np.uint8)
+        filed[i[seen], j[seen]] = 1
+        levels = filed[np.ix_(rows - rows[0], columns - columns[0])]
+        levels[np.flatnonzero(np.diff(rows)) + 1] = 2
+        levels[:, np.flatnonzero(np.diff(columns)) + 1] = 2
+        return _blend(picture, "grid", levels)
+
+    def _draw_in_accent(
+        self, picture: Image.Image, accent: Accent, draw: Callable[[ImageDraw.ImageDraw], None]
+    ) -> Image.Image:
+        """Return `picture` blended with an accent; `draw` draws the mask in white on black, in drawn pixels."""
+        mask = Image.new("L", (picture.width * BLOCK, picture.height * BLOCK))
+        draw(ImageDraw.Draw(mask))
+        return _blend(picture, accent, np.asarray(mask.reduce(BLOCK).point(COVERAGES)))
+
+    def _draw_velocities(self, draw: ImageDraw.ImageDraw, view: View, moment: Moment) -> None:
+        assert moment.velocities is not None
+        front, rear = self._march.dragon.holes(moment.poses)
+        handles = np.concatenate([front, rear[-1:]])
+        seen = view.holds(handles, float(ARROW_TIME * np.linalg.norm(moment.velocities, axis=-1).max()))
+        begins = view.pixels(handles[seen])
+        ends = view.pixels(handles[seen] + ARROW_TIME * moment.velocities[seen])
+        for begin, end in zip(begins.tolist(), ends.tolist(), strict=True):
+            _draw_arrow(draw, begin, end)
+
+    def _draw_forces(self, draw: ImageDraw.ImageDraw, view: View, moment: Moment) -> None:
+        if "impulses" in self._marks and moment.impulses is not None and self._largest > 0:
+            largest = min(MAX_DISC_RADIUS, MAX_DISC_FRACTION * float(self._march.dragon.widths.min()) * view.scale)
+            # The disc's area is proportional to the impulse.
+            radii = largest * np.sqrt(moment.impulses / self._largest)
+            _, rear = self._march.dragon.holes(moment.poses)
+            for (x, y), radius in zip(view.pixels(rear[:-1]).tolist(), radii.tolist(), strict=True):
+                draw.ellipse((x - radius, y - radius, x + radius, y + radius), fill=255)
+        for touch in moment.touches:
+            points = view.pixels(touch.points)
+            if "contacts" in self._marks:
+                for x, y in points.tolist():
+                    draw.ellipse(
+                        (x - CONTACT_RADIUS, y - CONTACT_RADIUS, x + CONTACT_RADIUS, y + CONTACT_RADIUS), fill=255
+                    )
+            if "normals" in self._marks:
+                begin = points.mean(axis=0)
+                # y points downwards in a picture.
+                end = begin + NORMAL_LENGTH * np.array(touch.normal) * (1, -1)
+                _draw_arrow(draw, begin.tolist(), end.tolist(), NORMAL_WIDTH)
+
+
+def _blend(picture: Image.Image, accent: Accent, levels: NDArray[np.uint8]) -> Image.Image:
+    """Blend `picture` with an accent at each pixel's strength level; level 0 leaves the pixel unchanged."""
+    indices = levels.astype(np.intp) * 256 + np.asarray(picture)
+    return Image.fromarray(BLENDS[accent].ravel().take(indices))
+
+
+def _draw_arrow(draw: ImageDraw.ImageDraw, begin: list[float], end: list[float], width: int = SHAFT_WIDTH) -> None:
+    (x0, y0), (x1, y1) = begin, end
+    length = math.hypot(x1 - x0, y1 - y0)
+    if length < MIN_ARROW_LENGTH:
+        return
+    along_x, along_y = (x1 - x0) / length, (y1 - y0) / length
+    head = min(ARROWHEAD_LENGTH, length)
+    neck_x, neck_y = x1 - head * along_x, y1 - head * along_y
+    across_x, across_y = -ARROWHEAD_HALF_WIDTH * along_y, ARROWHEAD_HALF_WIDTH * along_x
+    draw.line((x0, y0, neck_x, neck_y), fill=255, width=width)
+    draw.polygon([(x1, y1), (neck_x + across_x, neck_y + across_y), (neck_x - across_x, neck_y - across_y)], fill=255)

@@ -1,0 +1,198 @@
+"""Draws the state of a dragon as a picture of palette indices."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image, ImageDraw
+
+from pymunk_dragon.contact import Contact
+from pymunk_dragon.dragon import Dragon, outlines
+from pymunk_dragon.drawing.camera import Camera, View
+from pymunk_dragon.drawing.gaps import smallest_gap
+from pymunk_dragon.drawing.lettering import Lettering
+from pymunk_dragon.drawing.moments import Mark, Moment
+from pymunk_dragon.drawing.overlay import Overlay
+from pymunk_dragon.drawing.palette import BLOCK, CODES
+from pymunk_dragon.march import March
+
+__all__ = ["Scene", "hole_diameter"]
+
+Array = NDArray[np.float64]
+
+# Metres: diameter of a hole in the paper. Only pictures depend on it.
+HOLE_DIAMETER = 0.055
+# Largest diameter of a hole as a fraction of a bench's width and twice its overhang, so that the holes of a small bench
+# stay inside its outline.
+MAX_HOLE_FRACTION = 0.4
+# Drawn pixels: a smaller hole is not recognisable. Films of the reference scenario's whole field show holes from 850
+# pixels on.
+MIN_HOLE_DIAMETER = 4.0
+# Drawn pixels between points of the curve: long enough to be smooth in whole pixels, short enough to appear round.
+CURVE_STEP = 6.0
+# Points of the curve: limits memory if the curve is much longer than the view.
+MAX_CURVE_POINTS = 200_000
+# Width of the curve as a fraction of a bench's width; it is at least one drawn pixel.
+CURVE_WIDTH = 0.04
+# Pixels: radius of the ring around a contact.
+RING_RADIUS = 9
+# Pixels: width of a bench from which the ring is drawn. It would hide smaller benches.
+RING_BENCH_WIDTH = 16
+# Metres: smaller gaps are displayed with tenths of a millimetre.
+SMALL_GAP = 0.01
+# Metres: larger gaps are displayed in metres.
+LARGE_GAP = 1.0
+
+
+class Scene:
+    """Renderer of the states of a march at a constant scale.
+
+    Parameters
+    ----------
+    march : March
+        March whose bench sizes, curve and speed are drawn.
+    camera : Camera
+        What the view follows.
+    centre : tuple of float
+        Centre of the view of a fixed camera, m.
+    span : float
+        Width of the view, m.
+    size : tuple of int
+        Width and height of the pictures, pixels.
+    times : tuple of float
+        First and last time of the pictures, s. An unbounded curve is drawn for this time interval.
+    contact : Contact, optional
+        Contact whose benches are drawn in the contact colour from its time on.
+    gap : bool
+        Whether to display the gap between the head and the closest bench that is not its neighbour.
+    marks : tuple of Mark
+        Marks drawn over the benches.
+    largest_impulse : float
+        Joint impulse that is drawn with the largest disc, N s.
+
+    Attributes
+    ----------
+    size : tuple of int
+        As given.
+    """
+
+    def __init__(
+        self,
+        march: March,
+        camera: Camera,
+        *,
+        centre: tuple[float, float],
+        span: float,
+        size: tuple[int, int],
+        times: tuple[float, float] = (0.0, 0.0),
+        contact: Contact | None = None,
+        gap: bool = False,
+        marks: tuple[Mark, ...] = (),
+        largest_impulse: float = 0.0,
+    ) -> None:
+        self.march = march
+        self.camera = camera
+        self.contact = contact
+        self.gap = gap
+        self.size = size
+        self._drawn_size = (size[0] * BLOCK, size[1] * BLOCK)
+        self._scale = self._drawn_size[0] / span
+        self._text = Lettering(size)
+        self._overlay = Overlay(march, marks, largest_impulse)
+        self._colours = [CODES["head"], *[CODES["body"]] * (march.dragon.benches - 2), CODES["tail"]]
+        self._curve = self._sample_curve(*times)
+        self._fixed_view = View(centre, self._scale, self._drawn_size)
+        self._background = self._draw_background(self._fixed_view) if camera.follow == "field" else None
+
+    def draw(self, moment: Moment) -> Image.Image:
+        """Draw a moment (mode L, palette indices)."""
+        touching = self.contact if self.contact and moment.time >= self.contact.time else None
+        view = self.view(moment.poses)
+        image = self._background.copy() if self._background else self._draw_background(view)
+        self._draw_benches(image, view, moment.poses, touching)
+        picture = self._overlay.over(image.reduce(BLOCK), view, moment)
+        self._write_text(picture, moment, touching)
+        return picture
+
+    def view(self, poses: Array) -> View:
+        """Return the view of a picture of the benches at `poses` (N, 3), in drawn pixels."""
+        if self.camera.follow == "field":
+            return self._fixed_view
+        return View((float(poses[0, 0]), float(poses[0, 1])), self._scale, self._drawn_size)
+
+    def _sample_curve(self, since: float, until: float) -> Array:
+        """Sample the curve: points (P, 2), m. The interval always includes the dragon's position at 0 s."""
+        first, last = self.march.span(min(since, 0.0), max(until, 0.0))
+        points = min(int((last - first) * self._scale / CURVE_STEP) + 2, MAX_CURVE_POINTS)
+        return self.march.curve.point(np.linspace(first, last, points))
+
+    def _draw_background(self, view: View) -> Image.Image:
+        image = Image.new("L", self._drawn_size, CODES["background"])
+        draw = ImageDraw.Draw(image)
+        seen = view.holds(self._curve, 2 * CURVE_STEP / self._scale)
+        # One polyline for every visible part of the curve.
+        borders = np.flatnonzero(np.diff(np.concatenate([[False], seen, [False]]).astype(np.int8)))
+        points = np.floor(view.pixels(self._curve[seen]))
+        width = max(1, round(CURVE_WIDTH * self.march.dragon.widths.min() * self._scale))
+        begin = 0
+        for first, last in borders.reshape(-1, 2).tolist():
+            draw.line(points[begin : begin + last - first].ravel().tolist(), fill=CODES["curve"], width=width)
+            begin += last - first
+        return image
+
+    def _draw_benches(self, image: Image.Image, view: View, poses: Array, touching: Contact | None) -> None:
+        dragon = self.march.dragon
+        # ImageDraw also fills the pixels on a polygon's edge, so every side is inset by half a pixel.
+        pixel = 1 / self._scale
+        corners = outlines(poses, dragon.lengths - pixel, dragon.widths - pixel)
+        seen = np.flatnonzero(view.holds(poses[:, :2], float(dragon.lengths.max())))
+        polygons = np.floor(view.pixels(corners[seen])).astype(int).reshape(-1, 8).tolist()
+        draw = ImageDraw.Draw(image)
+        ink = CODES["ink"]
+        # From tail to head, so that the head is drawn on top.
+        for bench, polygon in zip(seen[::-1].tolist(), polygons[::-1], strict=True):
+            colour = CODES["contact"] if touching and bench in touching.benches else self._colours[bench]
+            draw.polygon(polygon, fill=colour, outline=ink)
+        diameter = hole_diameter(dragon) * self._scale
+        if diameter >= MIN_HOLE_DIAMETER:
+            front, rear = dragon.holes(poses)
+            holes = np.concatenate([front[seen], rear[seen]])
+            corner = np.rint(view.pixels(holes) - diameter / 2)
+            boxes = np.concatenate([corner, corner + round(diameter) - 1], axis=1)
+            for box in boxes.tolist():
+                draw.ellipse(box, fill=ink)
+        if touching and dragon.widths.min() * self._scale >= RING_BENCH_WIDTH * BLOCK:
+            x, y = view.pixels(touching.point).tolist()
+            radius = RING_RADIUS * BLOCK
+            draw.ellipse((x - radius, y - radius, x + radius, y + radius), outline=ink, width=BLOCK)
+
+    def _write_text(self, picture: Image.Image, moment: Moment, touching: Contact | None) -> None:
+        left = right = ""
+        if touching:
+            # Short, to fit into a corner beside the spiral.
+            left = "bench {} hits {}".format(*touching.benches)
+        elif self.gap and (nearest := smallest_gap(self.march.dragon, moment.poses)):
+            bench, gap = nearest
+            left = f"gap {_length(gap)} to bench {bench}"
+        if moment.impulses is not None:
+            right = f"joints up to {_impulse(float(moment.impulses.max()))} N s"
+        self._text.put(
+            picture, f"t = {moment.time:.2f} s", f"{float(self.march.speed_profile.at(moment.time)):.2f} m/s"
+        )
+        self._text.put(picture, left, right, bottom=True)
+
+
+def hole_diameter(dragon: Dragon) -> float:
+    """Return the diameter of a dragon's holes in pictures, m."""
+    return min(HOLE_DIAMETER, MAX_HOLE_FRACTION * float(np.minimum(dragon.widths, 2 * dragon.overhangs).min()))
+
+
+def _length(gap: float) -> str:
+    if gap >= LARGE_GAP:
+        return f"{gap:.2f} m"
+    return f"{1000 * gap:.{1 if gap < SMALL_GAP else 0}f} mm"
+
+
+def _impulse(size: float) -> str:
+    """Format an impulse with two significant digits, or as a whole number from 10 on."""
+    return f"{size:.0f}" if size >= 10 else f"{size:.2g}"
