@@ -15,7 +15,7 @@ __all__ = [
     "one_line",
 ]
 
-# Characters of a value that a message shows; what is longer was not meant as a parameter, and would bury the rest.
+# Characters of a value that a message shows. Longer values lose their middle: the name of a file is at the end.
 MAX_SHOWN = 80
 
 
@@ -117,4 +117,5 @@ def _shown(value: object) -> str:
         text = repr(value)
     except (ValueError, RecursionError):  # An integer of more than 4300 digits, or lists in hundreds of lists.
         return f"a {type(value).__name__} that cannot be shown"
-    return text if len(text) <= MAX_SHOWN else text[: MAX_SHOWN - 3] + "..."
+    half = (MAX_SHOWN - 3) // 2
+    return text if len(text) <= MAX_SHOWN else f"{text[:half]}...{text[-half:]}"

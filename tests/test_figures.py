@@ -580,10 +580,12 @@ def test_pictures_of_the_dragon_need_no_matplotlib(tmp_path: Path, monkeypatch: 
 def test_what_cannot_be_drawn_is_told_in_one_line(
     name: str, file: str, source: Any, words: list[str], tmp_path: Path
 ) -> None:
+    folder = tmp_path / ("long" * 20)
+    folder.mkdir()
     with pytest.raises(ParameterError) as error:
-        write_figure(name, tmp_path / file, source)
+        write_figure(name, folder / file, source)
     assert_says(error.value, *words)
-    assert list(tmp_path.iterdir()) == []
+    assert list(folder.iterdir()) == []
 
 
 @pytest.mark.parametrize("name", STILLS)
