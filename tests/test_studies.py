@@ -496,3 +496,12 @@ def test_a_study_shows_its_progress_on_a_terminal(monkeypatch: pytest.MonkeyPatc
         main(["study", "max-speed"])
     assert "max-speed" in screen.getvalue()
     assert "100%" in screen.getvalue()
+
+
+def test_benches_whose_ends_are_close_on_a_straight_line_have_a_smallest_pitch() -> None:
+    """Benches 0 and 2 are 0.15 m apart on a line, half the width: no pitch makes their gap larger."""
+    found = min_pitch(Dragon(benches=60, body_spacing=0.7))
+    assert first_contact(found.march, until=found.way_in).status == "clear"
+    assert 0 < found.map.gaps[-1] < 0.15
+    with pytest.raises(ParameterError, match="run into itself"):
+        min_pitch(Dragon(benches=3, body_spacing=0.7))

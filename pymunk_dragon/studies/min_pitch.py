@@ -47,7 +47,8 @@ MAX_TURNS = 900.0
 CERTIFIED = 1e-9
 # Ratio of successive pitches of the map.
 PITCH_RATIO = 1.04
-# Smallest gap at which the map ends, as a share of the width: beyond it no gap is close to zero.
+# Smallest gap at which the map ends, as a share of the width, or of the smallest gap at wide pitches if that is less:
+# beyond it no gap is close to zero.
 MAP_END = 0.5
 # Size up to which a gap counts as close to zero, as a share of the width: 1 cm at the contest's 0.3 m.
 CLOSE_TO_ZERO = 1 / 30
@@ -281,7 +282,10 @@ class _Search:
     def _map(self) -> PitchMap:
         """Smallest gaps from the least pitch to a pitch at which all gaps are wide."""
         widest, close = float(self._dragon.widths.max()), CLOSE_TO_ZERO * float(self._dragon.widths.min())
-        least, wide = max(widest * MIN_PITCH_RATIO, self._radius / self._turns), MAP_END * widest
+        least, wide = (
+            max(widest * MIN_PITCH_RATIO, self._radius / self._turns),
+            MAP_END * self._gap_between_turns_apart(),
+        )
         pitches, rows, slopes = [least], [], [np.empty(0)]
         while True:
             sampled = self._sampled(pitches[-1], PITCH_RATIO)
@@ -296,6 +300,25 @@ class _Search:
         bounds = (float(growth.min()), float(growth.max())) if growth.size else None
         gaps, further_out = np.array(rows).T
         return PitchMap(np.array(pitches), gaps, further_out, bounds, close, growth.size)
+
+    def _gap_between_turns_apart(self) -> float:
+        """The largest width or, if smaller, the smallest gap of the dragon where adjacent turns are out of reach, m.
+
+        Raises
+        ------
+        ParameterError
+            If benches touch there, which they then do at any pitch.
+        """
+        dragon, widest = self._dragon, float(self._dragon.widths.max())
+        straight = dragon.spacings[1:-1] - dragon.overhangs[:-2] - dragon.overhangs[2:]
+        if straight.min(initial=np.inf) >= 2 * widest:
+            return widest
+        gap = min(_smallest_gaps(self._sampled(2 * float(dragon.lengths.max()) + widest)))
+        if gap <= 0:
+            raise ParameterError(
+                "body_spacing", dragon.body_spacing, "long enough for benches not to touch on the circle"
+            )
+        return min(widest, gap)
 
     def _zero(self, blocked: float, free: float) -> float:
         """Zero of the smallest gap between two pitches, by Newton's method within the bracket."""
