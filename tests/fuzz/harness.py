@@ -18,6 +18,7 @@ from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from importlib import import_module
+from itertools import pairwise
 from multiprocessing.connection import Connection
 from pathlib import Path
 
@@ -138,7 +139,9 @@ def faults(case: Case, outcome: Outcome) -> list[str]:
         found.append(f"stderr is for the developer: {outcome.err[:300]}")
     if outcome.code == 2 and outcome.out:
         found.append("bad input, but something on stdout")
-    if outcome.code == 0 and "--json" in case.arguments and not {"-h", "--help", "--version"} & {*case.arguments}:
+    # After -o it is the name of a file.
+    wants_json = any(pair[1] == "--json" and pair[0] != "-o" for pair in pairwise(["", *case.arguments]))
+    if outcome.code == 0 and wants_json and not {"-h", "--help", "--version"} & {*case.arguments}:
         try:
             if not isinstance(json.loads(outcome.out), dict):
                 found.append("--json gave JSON that is no object")
