@@ -85,7 +85,7 @@ renders/first_contact.gif renders/exact.gif renders/marks.png: renders/first_con
 renders/guides.gif: renders/unguided.npz
 renders/u-turn.gif: renders/u-turn.npz
 renders/report.html: renders/report.npz
-renders/lessons.html: $(wildcard pymunk_dragon/demos/*.py)
+renders/lessons.html: $(wildcard pymunk_dragon/lessons/*.py)
 $(FIGURES:%=renders/%) renders/report.html renders/lessons.html: | $(VENV)/extras
 -include $(FILES:%=$(COMMANDS)/%.d)
 

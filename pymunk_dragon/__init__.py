@@ -11,19 +11,19 @@ if TYPE_CHECKING:
     from typing import Any
 
     from pymunk_dragon.collision import FirstContact, Grid, NearMiss, Separation, first_contact, scan, separation
-    from pymunk_dragon.contact import Contact, ContactEvent, ContactLog
-    from pymunk_dragon.curves import Arc, Composite, Curve, Line, Reversed, Sampled, Section, Spiral, UTurn
-    from pymunk_dragon.dragon import Dragon, outlines
     from pymunk_dragon.drawing import Camera, Palette, Scene, render, write_film
     from pymunk_dragon.drawing.debug_draw import PillowDrawOptions
     from pymunk_dragon.errors import DragonError, MissingExtraError, ParameterError, UnreachableError
-    from pymunk_dragon.march import March, States
+    from pymunk_dragon.model.contact import Contact, ContactEvent, ContactLog
+    from pymunk_dragon.model.curves import Arc, Composite, Curve, Line, Reversed, Sampled, Section, Spiral, UTurn
+    from pymunk_dragon.model.dragon import Dragon, outlines
+    from pymunk_dragon.model.march import March, States
+    from pymunk_dragon.model.run import Run, check_saveable
+    from pymunk_dragon.model.scenario import Scenario
+    from pymunk_dragon.model.speed import Speed, SpeedTable
     from pymunk_dragon.physics import World, simulate
     from pymunk_dragon.player import player_page, write_player
     from pymunk_dragon.reports import report
-    from pymunk_dragon.run import Run, check_saveable
-    from pymunk_dragon.scenario import Scenario
-    from pymunk_dragon.speed import Speed, SpeedTable
     from pymunk_dragon.studies import min_pitch, sensitivity
 
 __all__ = [
@@ -78,20 +78,20 @@ __all__ = [
 # `pymunk-dragon --help` may take to answer.
 _MODULES = {
     "collision": ("Grid", "FirstContact", "NearMiss", "Separation", "first_contact", "scan", "separation"),
-    "contact": ("Contact", "ContactEvent", "ContactLog"),
-    "curves": ("Arc", "Composite", "Curve", "Line", "Reversed", "Sampled", "Section", "Spiral", "UTurn"),
-    "dragon": ("Dragon", "outlines"),
+    "model.contact": ("Contact", "ContactEvent", "ContactLog"),
+    "model.curves": ("Arc", "Composite", "Curve", "Line", "Reversed", "Sampled", "Section", "Spiral", "UTurn"),
+    "model.dragon": ("Dragon", "outlines"),
     "errors": ("DragonError", "MissingExtraError", "ParameterError", "UnreachableError"),
-    "march": ("March", "States"),
+    "model.march": ("March", "States"),
     "physics": ("World", "simulate"),
     "player": ("player_page", "write_player"),
     "drawing": ("Camera", "Palette", "Scene", "render", "write_film"),
     # Not imported by its package, which does not need Pymunk.
     "drawing.debug_draw": ("PillowDrawOptions",),
     "reports": ("report",),
-    "run": ("Run", "check_saveable"),
-    "scenario": ("Scenario",),
-    "speed": ("Speed", "SpeedTable"),
+    "model.run": ("Run", "check_saveable"),
+    "model.scenario": ("Scenario",),
+    "model.speed": ("Speed", "SpeedTable"),
     "studies": ("min_pitch", "sensitivity"),
 }
 

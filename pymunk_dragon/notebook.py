@@ -5,9 +5,9 @@ from __future__ import annotations
 from html import escape
 
 from pymunk_dragon.drawing import Film, still_png
-from pymunk_dragon.march import March
+from pymunk_dragon.model.march import March
+from pymunk_dragon.model.run import Run
 from pymunk_dragon.player import player_page
-from pymunk_dragon.run import Run
 
 __all__ = ["as_html", "as_png"]
 

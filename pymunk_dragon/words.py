@@ -7,8 +7,8 @@ from dataclasses import asdict
 from typing import Any
 
 from pymunk_dragon.collision import FirstContact
-from pymunk_dragon.contact import Contact
-from pymunk_dragon.run import Run
+from pymunk_dragon.model.contact import Contact
+from pymunk_dragon.model.run import Run
 
 __all__ = [
     "POSITIONS",
@@ -129,7 +129,7 @@ def summary(run: Run) -> dict[str, Any]:
         "status": run.outcome,
         "first_contact": asdict(run.first_contact) if run.first_contact else None,
         "drift": {"head": _known(run.head_drift), "max": _known(run.max_drift)},
-        "from": run.provenance["start"],
+        "start": run.provenance["start"],
         "until": float(run.times[-1]),
         "substep": run.provenance["substep"],
         "substeps": run.provenance["substeps"],

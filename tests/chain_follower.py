@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pymunk_dragon.curves import Arc, Composite, Line
+from pymunk_dragon.model.curves import Arc, Composite, Line
 
 # m. The head's step, and what a rear handle may move in it at most.
 STEP, JUMP = 5e-3, 0.3
@@ -33,13 +33,13 @@ def follow(curve, start, heads, spacings, step=STEP):
 def _rear(curve, front, before, spacing):
     point, rear = curve.point(front), before
     for _ in range(40):
-        if not curve.begin <= rear < front or abs(rear - before) > JUMP:
+        if not curve.begin_s <= rear < front or abs(rear - before) > JUMP:
             return None
         between = point - curve.point(rear)
         step = (between @ between - spacing**2) / 2 / (between @ curve.tangent(rear))
         rear += step
         if abs(step) < 1e-12:
-            return rear if rear >= curve.begin else None
+            return rear if rear >= curve.begin_s else None
     return None
 
 

@@ -18,7 +18,7 @@ from PIL import Image
 from playwright.sync_api import Browser
 
 from pymunk_dragon.cli import main
-from pymunk_dragon.march import March
+from pymunk_dragon.model.march import March
 
 # Examples share the machine with whatever else runs there, so none has a time limit of its own. They are the same every
 # time, so that a failure comes from a change; `--hypothesis-profile=explore` throws the dice.

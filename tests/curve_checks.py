@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pymunk_dragon.curves import Curve
+from pymunk_dragon.model.curves import Curve
 
 # m. Central differences over it are off by its square, and rounding by a double's last digit over it.
 STEP = 1e-4
@@ -28,7 +28,7 @@ def assert_is_a_curve(
     `max_curvature` must be above all curvatures; shapes must follow those of the places; beyond the ends is nan.
     """
     assert isinstance(curve, Curve)
-    assert curve.begin <= low < high <= curve.end
+    assert curve.begin_s <= low < high <= curve.end_s
     s = np.linspace(low, high, PLACES)
     _check_derivatives(curve, s, joints, tolerance)
     _check_max_curvature(curve, s)
@@ -37,7 +37,7 @@ def assert_is_a_curve(
 
 
 def _check_derivatives(curve, s, joints, tolerance):
-    inner = s[(s - STEP >= curve.begin) & (s + STEP <= curve.end)]
+    inner = s[(s - STEP >= curve.begin_s) & (s + STEP <= curve.end_s)]
     for joint in joints:
         inner = inner[np.abs(inner - joint) > 2 * STEP]
     tangents, bends = curve.tangent(inner), curve.curvature(inner)
@@ -77,22 +77,22 @@ def _check_shapes(curve, s):
 
 
 def _check_ends(curve, low, high):
-    for place in (curve.begin, curve.end):
+    for place in (curve.begin_s, curve.end_s):
         if np.isfinite(place):
             assert np.isfinite(curve.point(place)).all()
             assert np.isfinite(curve.tangent(place)).all()
             assert np.isfinite(curve.curvature(place))
     outside = [np.nan]
-    if np.isfinite(curve.begin):
-        before = curve.begin - np.array([BEYOND, 1.0, 1e9, np.inf])
+    if np.isfinite(curve.begin_s):
+        before = curve.begin_s - np.array([BEYOND, 1.0, 1e9, np.inf])
         outside += before.tolist()
         assert curve.max_curvature(before[0], before[2]) == 0
-        assert np.isclose(curve.max_curvature(before[1], high), curve.max_curvature(curve.begin, high), ROUNDING, 0)
-    if np.isfinite(curve.end):
-        after = curve.end + np.array([BEYOND, 1.0, 1e9, np.inf])
+        assert np.isclose(curve.max_curvature(before[1], high), curve.max_curvature(curve.begin_s, high), ROUNDING, 0)
+    if np.isfinite(curve.end_s):
+        after = curve.end_s + np.array([BEYOND, 1.0, 1e9, np.inf])
         outside += after.tolist()
         assert curve.max_curvature(after[0], after[2]) == 0
-        assert np.isclose(curve.max_curvature(low, after[1]), curve.max_curvature(low, curve.end), ROUNDING, 0)
+        assert np.isclose(curve.max_curvature(low, after[1]), curve.max_curvature(low, curve.end_s), ROUNDING, 0)
     mixed = np.array([*outside, low, high])
     for method in (curve.point, curve.tangent, curve.curvature):
         answer = method(mixed)

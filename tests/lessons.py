@@ -8,8 +8,8 @@ import re
 from functools import cache
 from pathlib import Path
 
-from pymunk_dragon.demos import DEMOS
-from pymunk_dragon.demos.telling import Performance, perform
+from pymunk_dragon.lessons import DEMOS
+from pymunk_dragon.lessons._framework import Performance, perform
 
 # Environment variable that names a folder in which parallel test processes share what they have played.
 SHARED = "PYMUNK_DRAGON_TESTS_SHARED"

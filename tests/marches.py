@@ -6,10 +6,10 @@ import math
 
 import numpy as np
 
-from pymunk_dragon.curves import Arc, Composite, Line, Sampled, UTurn
-from pymunk_dragon.dragon import Dragon
-from pymunk_dragon.march import March
-from pymunk_dragon.speed import SpeedTable
+from pymunk_dragon.model.curves import Arc, Composite, Line, Sampled, UTurn
+from pymunk_dragon.model.dragon import Dragon
+from pymunk_dragon.model.march import March
+from pymunk_dragon.model.speed import SpeedTable
 
 __all__ = ["ARM", "TRACTOR", "U_TURN"]
 

@@ -12,10 +12,10 @@ import pytest
 from browser import needs_browser
 from PIL import Image
 
-from pymunk_dragon.dragon import Dragon
-from pymunk_dragon.march import March
+from pymunk_dragon.model.dragon import Dragon
+from pymunk_dragon.model.march import March
+from pymunk_dragon.model.run import Run
 from pymunk_dragon.player import write_player
-from pymunk_dragon.run import Run
 
 ROOT = Path(__file__).parent.parent
 BENCHMARKS = sorted((ROOT / "tests" / "bench").glob("bench_*.py"))

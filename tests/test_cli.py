@@ -22,11 +22,11 @@ from conftest import assert_says, not_under_coverage
 from PIL import Image
 
 from pymunk_dragon.cli.options import SCENARIO_OPTIONS
-from pymunk_dragon.curves import UTurn
-from pymunk_dragon.dragon import Dragon
-from pymunk_dragon.march import March
-from pymunk_dragon.run import Run
-from pymunk_dragon.scenario import Scenario
+from pymunk_dragon.model.curves import UTurn
+from pymunk_dragon.model.dragon import Dragon
+from pymunk_dragon.model.march import March
+from pymunk_dragon.model.run import Run
+from pymunk_dragon.model.scenario import Scenario
 
 PROGRAM = [sys.executable, "-m", "pymunk_dragon"]
 SHORT = ["--from", "412.3"]

@@ -15,10 +15,10 @@ from hypothesis import strategies as st
 
 from pymunk_dragon.collision import grid as module
 from pymunk_dragon.collision.grid import Grid
-from pymunk_dragon.curves import Spiral
-from pymunk_dragon.dragon import Dragon
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.march import March
+from pymunk_dragon.model.curves import Spiral
+from pymunk_dragon.model.dragon import Dragon
+from pymunk_dragon.model.march import March
 
 # A grid whose lines are the whole numbers, x to the right and y downward from (0, 0).
 UNIT = Grid(cell=1.0, origin=(0.0, 0.0))

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pymunk_dragon.contact import PHASES, Contact, ContactEvent, ContactLog, ContactWindow
+from pymunk_dragon.model.contact import PHASES, Contact, ContactEvent, ContactLog, ContactWindow
 
 
 def event(time, phase, pair=(0, 8)):

@@ -15,8 +15,8 @@ from exact_curves import DIGITS, arc, line, s_turn, spiral, u_turn, worst_errors
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pymunk_dragon.curves import Arc, Composite, Line, Reversed, Section, Spiral, UTurn, base
 from pymunk_dragon.errors import ParameterError
+from pymunk_dragon.model.curves import Arc, Composite, Line, Reversed, Section, Spiral, UTurn, base
 
 LINE = Line(start=(-3.5, 2.25), stop=(40.0, -7.0))
 ARC = Arc(centre=(1.5, -20.0), radius=7.3, begin_angle=0.4, sweep=-9.1)
@@ -34,8 +34,8 @@ PATH = Composite(
 class LogarithmicSpiral:
     """A user's own: r = s / sqrt(2), from a metre of arc length from its centre on, travelled outward."""
 
-    begin = 1.0
-    end = np.inf
+    begin_s = 1.0
+    end_s = np.inf
 
     def __repr__(self):
         return "LogarithmicSpiral()"
@@ -68,17 +68,17 @@ def logarithmic(s):
 
 LONGER = Composite([PATH, Line(start=(2, 8), stop=(2, 9))])
 KINDS = {
-    "line": (LINE, 0, LINE.end),
-    "arc": (ARC, 0, ARC.end),
+    "line": (LINE, 0, LINE.end_s),
+    "arc": (ARC, 0, ARC.end_s),
     "spiral": (Spiral(), -500, -1),
     "spiral outward": (Spiral(pitch=1.7, rotation=2, outward=True), 1, 500),
     "section": (Section(Spiral(), -400, -20), -400, -20),
     "section from infinity": (Section(Spiral(), -math.inf, -20), -400, -20),
-    "reversed line": (Reversed(LINE), -LINE.end, 0),
+    "reversed line": (Reversed(LINE), -LINE.end_s, 0),
     "reversed spiral": (Reversed(Spiral()), 1, 300),
-    "composite": (PATH, 0, PATH.end, PATH.joints),
-    "composite of one": (Composite([ARC]), 0, ARC.end),
-    "composite of composites": (LONGER, 0, LONGER.end, [*PATH.joints, PATH.end]),
+    "composite": (PATH, 0, PATH.end_s, PATH.joints),
+    "composite of one": (Composite([ARC]), 0, ARC.end_s),
+    "composite of composites": (LONGER, 0, LONGER.end_s, [*PATH.joints, PATH.end_s]),
     "u-turn": (UTurn(), -100, 100, UTurn().joints),
     "reversed u-turn": (Reversed(UTurn(ratio=0.7)), -100, 100, [-joint for joint in UTurn(ratio=0.7).joints]),
     "a user's own": (LogarithmicSpiral(), 1, 200),
@@ -101,13 +101,13 @@ def test_example_of_an_own_curve_works_as_written():
     [
         (LINE, line((-3.5, 2.25), (40.0, -7.0))),
         (ARC, arc((1.5, -20.0), 7.3, 0.4, -9.1)),
-        (Section(Reversed(ARC), -ARC.end, -1.0), lambda s: turned_back(arc((1.5, -20.0), 7.3, 0.4, -9.1), s)),
+        (Section(Reversed(ARC), -ARC.end_s, -1.0), lambda s: turned_back(arc((1.5, -20.0), 7.3, 0.4, -9.1), s)),
         (Section(LogarithmicSpiral(), 1.0, 300.0), logarithmic),
     ],
     ids=["line", "arc", "reversed arc", "logarithmic spiral"],
 )
 def test_curve_is_exact(curve, truth):
-    places = np.linspace(curve.begin, curve.end, 41)
+    places = np.linspace(curve.begin_s, curve.end_s, 41)
     assert max(worst_errors(curve, truth, places)) < 1e-12
 
 
@@ -132,9 +132,9 @@ def _u_turn(*sizes):
 def test_points_are_right_to_8_last_digits_of_the_largest_coordinate(curve, truth):
     """The certificate of a first contact rests on this (`collision/bounds.py`)."""
     rng = np.random.default_rng(0)
-    ends = [end for piece in getattr(curve, "pieces", []) for end in (piece.begin, piece.end) if np.isfinite(end)]
+    ends = [end for piece in getattr(curve, "pieces", []) for end in (piece.begin_s, piece.end_s) if np.isfinite(end)]
     places = np.concatenate([rng.uniform(-1, 1, 60) * reach for reach in (3, 30, 300, 3000)])
-    places = places[(places > curve.begin) & (places < curve.end)]
+    places = places[(places > curve.begin_s) & (places < curve.end_s)]
     with mp.workdps(DIGITS):
         for place, found in zip(places.tolist(), curve.point(places).tolist(), strict=True):
             x, y = truth(mp.mpf(place))[:2]
@@ -158,7 +158,7 @@ def test_composite_is_exact():
     def truth(s):
         return pieces[sum(s >= joint for joint in (10, 10 + 3 * mp.pi, 16 + 3 * mp.pi))](s)
 
-    assert max(worst_errors(PATH, truth, np.linspace(0, PATH.end, 50))) < 1e-12
+    assert max(worst_errors(PATH, truth, np.linspace(0, PATH.end_s, 50))) < 1e-12
 
 
 @pytest.mark.parametrize(
@@ -204,15 +204,15 @@ def test_arc_goes_round_more_than_once():
 @pytest.mark.parametrize(
     ("begin", "end", "name"),
     [
-        (-1, 5, "begin"),
-        (3, 3, "end"),
-        (3, 2, "end"),
-        (0, 100, "end"),
-        (-math.inf, 5, "begin"),
-        (0, math.inf, "end"),
-        (math.nan, 5, "begin"),
-        (0, math.nan, "end"),
-        ("0", 5, "begin"),
+        (-1, 5, "begin_s"),
+        (3, 3, "end_s"),
+        (3, 2, "end_s"),
+        (0, 100, "end_s"),
+        (-math.inf, 5, "begin_s"),
+        (0, math.inf, "end_s"),
+        (math.nan, 5, "begin_s"),
+        (0, math.nan, "end_s"),
+        ("0", 5, "begin_s"),
     ],
 )
 def test_section_lies_on_its_curve(begin, end, name):
@@ -235,20 +235,20 @@ def test_section_keeps_the_places_of_its_curve():
 
 
 def test_reversed_twice_is_the_curve_itself():
-    s = np.linspace(0, ARC.end, 20)
+    s = np.linspace(0, ARC.end_s, 20)
     again = Reversed(Reversed(ARC))
-    assert (again.begin, again.end) == (0, ARC.end)
+    assert (again.begin_s, again.end_s) == (0, ARC.end_s)
     assert again.tangent(s).tolist() == ARC.tangent(s).tolist()
     assert again.curvature(s).tolist() == ARC.curvature(s).tolist()
 
 
 def test_composite_begins_at_0_or_where_the_piece_from_infinity_ends():
-    assert (PATH.begin, PATH.joints) == (0, (10, 10 + 3 * math.pi, 16 + 3 * math.pi))
+    assert (PATH.begin_s, PATH.joints) == (0, (10, 10 + 3 * math.pi, 16 + 3 * math.pi))
     turn = UTurn()
-    assert turn.begin == -math.inf
+    assert turn.begin_s == -math.inf
     assert turn.joints[0] == 0
     shifted = Composite([Section(LINE, 5, 8)])
-    assert (shifted.begin, shifted.end) == (0, 3)
+    assert (shifted.begin_s, shifted.end_s) == (0, 3)
     assert shifted.point(0).tolist() == LINE.point(5).tolist()
 
 
@@ -257,7 +257,7 @@ def test_at_a_joint_the_curvature_is_that_of_the_later_piece():
 
 
 def test_bound_on_the_bends_is_that_of_the_pieces_between():
-    bounds = PATH.max_curvature([0, 0, 0, 21, 11, 10], [9, 11, PATH.end, 22, 12, 9])
+    bounds = PATH.max_curvature([0, 0, 0, 21, 11, 10], [9, 11, PATH.end_s, 22, 12, 9])
     assert bounds.tolist() == [0, 1 / 3, 1 / 2, 0, 1 / 3, 1 / 3]
 
 
@@ -286,7 +286,7 @@ def test_composite_needs_curves(pieces):
 
 
 @pytest.mark.parametrize(
-    "pieces", [[Spiral(outward=True), LINE], [LINE, Spiral()], [UTurn(), UTurn()]], ids=["end", "begin", "both"]
+    "pieces", [[Spiral(outward=True), LINE], [LINE, Spiral()], [UTurn(), UTurn()]], ids=["end_s", "begin_s", "both"]
 )
 def test_inner_ends_of_a_composite_are_finite(pieces):
     with pytest.raises(ParameterError) as caught:

@@ -11,8 +11,8 @@ from conftest import NO_NUMBERS, assert_says, examples
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from pymunk_dragon.curves import Curve, Reversed, Spiral, chain, foot
 from pymunk_dragon.errors import ParameterError
+from pymunk_dragon.model.curves import Curve, Reversed, Spiral, chain, foot
 
 PITCH = 0.55
 SPIRAL = Spiral(pitch=PITCH)
@@ -142,8 +142,8 @@ def test_nothing_lies_beyond_the_centre(spiral):
 def test_out_is_the_way_in_travelled_back():
     back = Reversed(Spiral(outward=True))
     s = np.linspace(-400, 0, 50)
-    assert back.end == 0
-    assert back.begin == -np.inf
+    assert back.end_s == 0
+    assert back.begin_s == -np.inf
     assert np.array_equal(back.point(s), SPIRAL.point(s))
     assert back.tangent(s) == pytest.approx(SPIRAL.tangent(s), abs=1e-15)
     assert np.array_equal(back.curvature(s), SPIRAL.curvature(s))

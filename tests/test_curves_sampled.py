@@ -13,8 +13,8 @@ from exact_curves import DIGITS, spline, worst_errors
 from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
-from pymunk_dragon.curves import Line, Sampled
 from pymunk_dragon.errors import FileFormatError, MissingExtraError, ParameterError
+from pymunk_dragon.model.curves import Line, Sampled
 
 WAVE = np.stack([np.linspace(0, 20, 60), 3 * np.sin(np.linspace(0, 20, 60))], axis=-1)
 CORNERS = [(0, 0), (1, 0.2), (3.5, -1), (4, 2), (3.2, 2.1), (3, 7), (9, 7.5), (8, 3), (20, 1), (21, 1.1), (21.5, -3)]
@@ -32,7 +32,7 @@ def zigzag(points: int, seed: int) -> np.ndarray:
 def test_path_is_consistent_in_itself(points):
     path = Sampled(points)
     # At the points the third derivative jumps, so there a difference is off by a share of its step, not by its square.
-    assert_is_a_curve(path, 0, path.end, tolerance=1e-5)
+    assert_is_a_curve(path, 0, path.end_s, tolerance=1e-5)
 
 
 @pytest.mark.thorough
@@ -41,17 +41,17 @@ def test_path_is_the_spline_to_the_last_digits(points):
     path = Sampled(points)
     truth, length = spline(points)
     with mp.workdps(DIGITS):
-        assert abs(float(mp.mpf(path.end) / length - 1)) < 1e-13
-    assert max(worst_errors(path, truth, np.linspace(0, path.end, 23)[:-1])) < 1e-12
+        assert abs(float(mp.mpf(path.end_s) / length - 1)) < 1e-13
+    assert max(worst_errors(path, truth, np.linspace(0, path.end_s, 23)[:-1])) < 1e-12
 
 
 def test_path_goes_through_its_points_in_their_order():
     path = Sampled(CORNERS)
-    places = np.linspace(0, path.end, 200_001)
+    places = np.linspace(0, path.end_s, 200_001)
     found = [int(np.argmin(np.hypot(*(path.point(places) - point).T))) for point in CORNERS]
     assert found == sorted(found)
     assert np.hypot(*(path.point(places[found]) - CORNERS).T).max() < 2e-4
-    assert path.point([0, path.end]) == pytest.approx(np.array([CORNERS[0], CORNERS[-1]]), abs=1e-13)
+    assert path.point([0, path.end_s]) == pytest.approx(np.array([CORNERS[0], CORNERS[-1]]), abs=1e-13)
 
 
 def test_path_through_points_of_a_circle_is_nearly_the_circle():
@@ -59,17 +59,17 @@ def test_path_through_points_of_a_circle_is_nearly_the_circle():
     path = Sampled(7 * np.stack([np.cos(angles), np.sin(angles)], axis=-1))
     # The error of a cubic spline falls with the fourth power of the distance between points, that of its curvature
     # with the second.
-    assert path.end == pytest.approx(35, abs=1e-10)
+    assert path.end_s == pytest.approx(35, abs=1e-10)
     assert np.hypot(*path.point(np.linspace(0, 35 - 1e-9, 999)).T) == pytest.approx(np.full(999, 7.0), abs=1e-10)
     assert path.curvature(np.linspace(0, 34, 999)) == pytest.approx(np.full(999, 1 / 7), abs=1e-6)
 
 
 def test_path_through_points_of_a_line_is_the_line():
     line = Line(start=(3, 4), stop=(-50, 60))
-    path = Sampled(line.point(line.end * np.array([0, 0.1, 0.15, 0.5, 0.8, 1])))
+    path = Sampled(line.point(line.end_s * np.array([0, 0.1, 0.15, 0.5, 0.8, 1])))
     s = np.linspace(0, 70, 50)
     assert path.point(s) == pytest.approx(line.point(s), abs=1e-12)
-    assert path.end == pytest.approx(line.end, rel=1e-15)
+    assert path.end_s == pytest.approx(line.end_s, rel=1e-15)
     assert path.max_curvature(0, 70) < 1e-12
 
 
@@ -87,12 +87,12 @@ def test_bound_on_the_bends_is_above_all_of_them_and_not_far_above(steps, first,
     except ParameterError as error:
         assume("nearly stops" not in str(error))
         raise
-    s = np.linspace(0, path.end, 1001)
+    s = np.linspace(0, path.end_s, 1001)
     low, high = s[min(first, last)], s[max(first, last)]
     bends = np.abs(path.curvature(np.linspace(low, high, 3001)))
     assert path.max_curvature(low, high) >= bends.max()
-    everywhere = np.abs(path.curvature(np.linspace(0, path.end, 60_001))).max()
-    assert path.max_curvature(0, path.end) <= 1.03 * everywhere + 1e-12
+    everywhere = np.abs(path.curvature(np.linspace(0, path.end_s, 60_001))).max()
+    assert path.max_curvature(0, path.end_s) <= 1.03 * everywhere + 1e-12
 
 
 @pytest.mark.parametrize(

@@ -28,12 +28,12 @@ from hypothesis import strategies as st
 from lessons import played
 from PIL import Image
 
-from pymunk_dragon import demos
-from pymunk_dragon.demos import DEMOS, LANGUAGES, Demo, Terminal, write_lessons
-from pymunk_dragon.demos.telling import PARTS, notebook, perform, stage, terminal
+from pymunk_dragon import lessons as demos
 from pymunk_dragon.errors import MissingExtraError, ParameterError
+from pymunk_dragon.lessons import DEMOS, LANGUAGES, Demo, Terminal, write_lessons
+from pymunk_dragon.lessons._framework import PARTS, notebook, perform, stage, terminal
 
-TELLING = Path(demos.__file__).parent / "telling"
+TELLING = Path(demos.__file__).parent / "_framework"
 CATALOGUES = {each: tomllib.loads((TELLING / f"{each}.toml").read_text(encoding="utf-8")) for each in LANGUAGES}
 # In the order in which a class hears them; the picture's words stand between the guess and the answer.
 ORDER = ["question", "predict", "code", "answer", "check", "change"]
@@ -432,7 +432,7 @@ def test_terminal_text_fits_its_width(name, language, monkeypatch, capsys):
 def test_a_students_own_lesson_speaks_english_and_needs_no_catalogue(tmp_path, capsys):
     own = tmp_path / "own.py"
     own.write_text(
-        'from pymunk_dragon.demos import Lesson\nlesson = Lesson("own", "My own")\nlesson.question("Why?")\n'
+        'from pymunk_dragon.lessons import Lesson\nlesson = Lesson("own", "My own")\nlesson.question("Why?")\n'
         'lesson.predict("So?")\nprint(6 * 7)\n'
         "from unittest.mock import Mock as Window\nwindow = Window()\nwindow.show()\n"
         'lesson.answer("Because.")\nlesson.check("42")\nlesson.change("6")\n',

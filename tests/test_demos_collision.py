@@ -16,8 +16,8 @@ import shapely
 from lessons import numbers, played
 
 from pymunk_dragon import Dragon, March, min_pitch, scan, simulate
-from pymunk_dragon.demos import DEMOS, Demo
-from pymunk_dragon.demos.telling import perform
+from pymunk_dragon.lessons import DEMOS, Demo
+from pymunk_dragon.lessons._framework import perform
 
 SIZES = {"width": "0.3", "overhang": "0.275", "head_spacing": "2.86", "body_spacing": "1.65", "pitch": "0.55"}
 

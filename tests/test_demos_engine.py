@@ -15,8 +15,8 @@ from lessons import numbers, played
 from scipy.interpolate import CubicSpline
 
 from pymunk_dragon import Dragon, March, simulate
-from pymunk_dragon.demos import DEMOS
-from pymunk_dragon.demos.telling import Demo, perform
+from pymunk_dragon.lessons import DEMOS
+from pymunk_dragon.lessons._framework import Demo, perform
 
 
 def printed(name):

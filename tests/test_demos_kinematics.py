@@ -17,10 +17,10 @@ from exact_curves import DIGITS, s_turn, u_turn, walked_chain
 from lessons import numbers, played
 from PIL import Image, ImageSequence
 
-from pymunk_dragon.curves import UTurn
-from pymunk_dragon.dragon import Dragon
 from pymunk_dragon.drawing.figures.style import COLOURS
-from pymunk_dragon.march import March
+from pymunk_dragon.model.curves import UTurn
+from pymunk_dragon.model.dragon import Dragon
+from pymunk_dragon.model.march import March
 
 DATA = Path(__file__).parent / "data"
 K = 0.55 / (2 * math.pi)

@@ -14,8 +14,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pymunk_dragon import errors
-from pymunk_dragon.dragon import Dragon, bench_poses, interpolated, outlines
 from pymunk_dragon.errors import ParameterError
+from pymunk_dragon.model.dragon import Dragon, bench_poses, interpolated, outlines
 
 LENGTHS = ("head_spacing", "body_spacing", "overhang", "width")
 coordinates = st.floats(-100, 100)

@@ -23,9 +23,9 @@ from conftest import assert_says, not_under_coverage
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
-from pymunk_dragon.dragon import Dragon
-from pymunk_dragon.march import March
-from pymunk_dragon.run import Run
+from pymunk_dragon.model.dragon import Dragon
+from pymunk_dragon.model.march import March
+from pymunk_dragon.model.run import Run
 
 PROGRAM = [sys.executable, "-m", "pymunk_dragon"]
 SMALL = ["--benches", "4", "--turns", "8"]
@@ -254,7 +254,7 @@ def test_signal_at_any_moment_leaves_whole_files_and_one_line(tmp_path_factory, 
 
 WRITER = (
     "import sys, time\n"
-    "from pymunk_dragon.files import written_in_place\n"
+    "from pymunk_dragon._files import written_in_place\n"
     "with written_in_place(sys.argv[1]) as draft:\n"
     "    draft.write_text('half')\n"
     "    print('writing', flush=True)\n"

@@ -26,16 +26,16 @@ from marches import ARM, TRACTOR, U_TURN
 from PIL import Image, ImageFont
 
 from pymunk_dragon.collision import Grid, first_contact
-from pymunk_dragon.curves import Spiral
-from pymunk_dragon.dragon import Dragon
 from pymunk_dragon.drawing import Palette
 from pymunk_dragon.drawing.figures import FIGURES, figure, style, write_figure
 from pymunk_dragon.drawing.figures.lines import FIRST_COLOUR, spread
 from pymunk_dragon.drawing.figures.times import closing_time, model
 from pymunk_dragon.errors import MissingExtraError, OutputError, ParameterError
-from pymunk_dragon.march import March
+from pymunk_dragon.model.curves import Spiral
+from pymunk_dragon.model.dragon import Dragon
+from pymunk_dragon.model.march import March
+from pymunk_dragon.model.run import Run
 from pymunk_dragon.physics import simulate
-from pymunk_dragon.run import Run
 
 matplotlib = pytest.importorskip("matplotlib")
 pytest.importorskip("matplotlib.text")

@@ -14,8 +14,8 @@ import pytest
 from conftest import assert_says
 
 import pymunk_dragon
+from pymunk_dragon._files import check_destination, number_rows, written_in_place
 from pymunk_dragon.errors import FileFormatError, OutputError, ParameterError
-from pymunk_dragon.files import check_destination, number_rows, written_in_place
 
 
 @pytest.fixture
@@ -76,7 +76,7 @@ def test_failure_that_is_named_already_is_not_named_twice(old_file):
 def test_ctrl_c_in_a_running_program_leaves_the_old_file_and_no_litter(old_file):
     program = (
         "import sys, time\n"
-        "from pymunk_dragon.files import written_in_place\n"
+        "from pymunk_dragon._files import written_in_place\n"
         "with written_in_place(sys.argv[1]) as draft:\n"
         "    draft.write_text('half')\n"
         "    sys.stdout.write('writing\\n')\n"

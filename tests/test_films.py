@@ -20,14 +20,14 @@ from conftest import assert_says
 from numpy.typing import NDArray
 from PIL import Image
 
-from pymunk_dragon.dragon import Dragon
 from pymunk_dragon.drawing import FILM_ENDINGS, Camera, Film, render, still, write_film
 from pymunk_dragon.drawing.moments import moments
 from pymunk_dragon.drawing.output import make_canvas
 from pymunk_dragon.drawing.streams import open_stream
 from pymunk_dragon.errors import MissingExtraError, OutputError, ParameterError
-from pymunk_dragon.march import March
-from pymunk_dragon.run import Run
+from pymunk_dragon.model.dragon import Dragon
+from pymunk_dragon.model.march import March
+from pymunk_dragon.model.run import Run
 
 Picture = NDArray[np.uint8]
 

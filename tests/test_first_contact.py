@@ -20,10 +20,10 @@ from scipy.optimize import brentq
 from pymunk_dragon.collision import first_contact, scan
 from pymunk_dragon.collision.bounds import Intervals, MotionBounds
 from pymunk_dragon.collision.sat import separation
-from pymunk_dragon.curves import Arc, Composite, Line, Spiral
-from pymunk_dragon.dragon import Dragon, outlines
 from pymunk_dragon.errors import DragonError, ParameterError, UnreachableError
-from pymunk_dragon.march import March
+from pymunk_dragon.model.curves import Arc, Composite, Line, Spiral
+from pymunk_dragon.model.dragon import Dragon, outlines
+from pymunk_dragon.model.march import March
 from pymunk_dragon.reports.paper import truncate
 
 DATA = Path(__file__).parent / "data"
@@ -470,7 +470,7 @@ def pushed_back(width=0.1):
         ]
     )
     dragon = Dragon(benches=60, head_spacing=10, body_spacing=0.6, overhang=0.05, width=width)
-    return March(dragon, path, start=56.243)
+    return March(dragon, path, start_s=56.243)
 
 
 def test_benches_that_are_pushed_back_behind_their_start_are_found_to_touch():
@@ -495,7 +495,7 @@ def test_no_overlap_is_seen_before_the_first_contact_on_random_paths(seed):
         sizes = {"head_spacing": rng.uniform(1.5, 5), "body_spacing": rng.uniform(0.3, 0.6)}
         dragon = Dragon(benches=int(rng.integers(8, 25)), overhang=0.05, width=rng.uniform(0.05, 0.2), **sizes)
         try:
-            march = March(dragon, path, start=rng.uniform(0.5, 1) * path.end)
+            march = March(dragon, path, start_s=rng.uniform(0.5, 1) * path.end_s)
             found = first_contact(march)
         except ParameterError:
             march = None

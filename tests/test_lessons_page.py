@@ -9,8 +9,8 @@ from browser import needs_browser, opened, wait_until
 from lessons import played
 
 from pymunk_dragon.cli import main
-from pymunk_dragon.demos import DEMOS, LANGUAGES, write_lessons
-from pymunk_dragon.demos.telling import PARTS, notebook, page, writing
+from pymunk_dragon.lessons import DEMOS, LANGUAGES, write_lessons
+from pymunk_dragon.lessons._framework import PARTS, notebook, page, writing
 
 ALL = list(DEMOS.values())
 FILMS = [name for name, demo in DEMOS.items() if '.file(".gif")' in demo.source]

@@ -17,10 +17,10 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from marches import ARM, TRACTOR, U_TURN
 
-from pymunk_dragon.curves import Spiral
-from pymunk_dragon.dragon import Dragon
 from pymunk_dragon.errors import ParameterError, UnreachableError
-from pymunk_dragon.march import March
+from pymunk_dragon.model.curves import Spiral
+from pymunk_dragon.model.dragon import Dragon
+from pymunk_dragon.model.march import March
 
 DATA = Path(__file__).parent / "data"
 # s. The last time at which the paper's dragon can be placed, to 1e-7 s; see the test that finds it.
@@ -434,7 +434,7 @@ def test_span_of_a_spiral_goes_from_the_tail_to_the_centre(seed_march):
 
 def test_span_of_a_curve_with_two_ends_is_all_of_it():
     for march in (TRACTOR, ARM):
-        assert march.span(3.0, 5.0) == (march.curve.begin, march.curve.end)
+        assert march.span(3.0, 5.0) == (march.curve.begin_s, march.curve.end_s)
 
 
 def test_span_of_a_curve_without_ends_is_as_far_as_the_dragon_goes():

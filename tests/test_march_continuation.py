@@ -10,10 +10,10 @@ import pytest
 from chain_follower import follow, random_path
 from conftest import assert_says
 
-from pymunk_dragon.curves import Arc, Composite, Line, Reversed, Spiral, UTurn, chain
-from pymunk_dragon.dragon import Dragon
 from pymunk_dragon.errors import ParameterError, UnreachableError
-from pymunk_dragon.march import March
+from pymunk_dragon.model.curves import Arc, Composite, Line, Reversed, Spiral, UTurn, chain
+from pymunk_dragon.model.dragon import Dragon
+from pymunk_dragon.model.march import March
 
 # Along the x axis, round and back above it at a height of 2 m, and up: a bench of 3 m stands on three of the lines.
 HOOK = Composite(
@@ -60,7 +60,7 @@ def test_speeds_in_a_jackknife_are_those_of_the_handles():
 
 def test_head_that_goes_back_beside_its_own_path_pushes_the_next_handle_back():
     """The closed form: on two parallel lines 2 m apart the bench keeps its direction."""
-    march = March(BENCH, HOOK, start=4.0)
+    march = March(BENCH, HOOK, start_s=4.0)
     heads = np.linspace(TOP + 1e-9, TOP + 2, 9)
     x = -(heads - TOP)
     assert march.handles_s_or_nan(heads - 4)[:, 1] == pytest.approx(x - math.sqrt(5) + 10, abs=1e-11)
@@ -68,7 +68,7 @@ def test_head_that_goes_back_beside_its_own_path_pushes_the_next_handle_back():
 
 def test_motion_ends_at_the_fold_and_is_over_at_all_later_times():
     """The closed form: with the head h above the first line, its rear handle is sqrt(9 - h^2) behind it there."""
-    march = March(BENCH, HOOK, start=4.0)
+    march = March(BENCH, HOOK, start_s=4.0)
     heights = np.linspace(2.5, 3 - 1e-9, 12)
     rear = -2.5 - np.sqrt(9 - heights**2) + 10
     assert march.handles_s_or_nan(RISE + heights - 2.5 - 4)[:, 1] == pytest.approx(rear, abs=1e-8)
@@ -79,7 +79,7 @@ def test_motion_ends_at_the_fold_and_is_over_at_all_later_times():
             march.at([fold - 1, fold + late])
         assert (caught.value.time, caught.value.handle) == (fold + late, 1)
     # Although other states exist there.
-    assert not np.isnan(chain(HOOK, [HOOK.end], [3.0])).any()
+    assert not np.isnan(chain(HOOK, [HOOK.end_s], [3.0])).any()
 
 
 def test_a_bench_behind_that_was_led_past_its_fold_does_not_come_back():
@@ -93,10 +93,10 @@ def test_a_bench_behind_that_was_led_past_its_fold_does_not_come_back():
         ]
     )
     dragon = Dragon(benches=3, head_spacing=0.7, body_spacing=[3.0, 0.5], overhang=0.05, width=0.1)
-    march = March(dragon, path, start=5.0)
-    heads = np.linspace(march.head_start, path.end, 100)[1:]
+    march = March(dragon, path, start_s=5.0)
+    heads = np.linspace(march.head_start, path.end_s, 100)[1:]
     states, end = follow(path, march.handles_s_or_nan(0.0)[0], heads, dragon.spacings)
-    assert end < path.end - 0.1
+    assert end < path.end_s - 0.1
     # The head bench alone moves on.
     ours = march.handles_s_or_nan(heads - march.head_start)
     assert np.nanmax(ours[:, 1]) > RISE + 0.5 > ours[-1, 1]
@@ -107,7 +107,7 @@ def test_a_bench_behind_that_was_led_past_its_fold_does_not_come_back():
 def test_a_handle_pushed_past_the_begin_of_the_curve_and_drawn_on_again_is_lost():
     # It begins 5.4 m further on.
     path = Composite([Line(start=(-4.6, 0), stop=(0, 0)), *HOOK.pieces[1:]])
-    march = March(BENCH, path, start=4.0)
+    march = March(BENCH, path, start_s=4.0)
     heads = np.linspace(march.head_start, RISE - 5.4 + 0.45, 100)[1:]
     states, end = follow(path, march.handles_s_or_nan(0.0)[0], heads, BENCH.spacings)
     assert end < RISE - 5.4
@@ -132,7 +132,7 @@ def _compare(seed):
     path = random_path(rng)
     sizes = {"head_spacing": rng.uniform(0.6, 2.5), "body_spacing": rng.uniform(0.4, 1.2)}
     march = March(Dragon(benches=int(rng.integers(2, 6)), overhang=0.05, width=0.05, **sizes), path)
-    heads = np.linspace(march.head_start, path.end, 80)[1:-1]
+    heads = np.linspace(march.head_start, path.end_s, 80)[1:-1]
     states, end = follow(path, march.handles_s_or_nan(0.0)[0], heads, march.dragon.spacings)
     ours = march.handles_s_or_nan(heads - march.head_start)
     assert ours[: len(states)] == pytest.approx(states, abs=1e-8)
@@ -141,7 +141,7 @@ def _compare(seed):
 
 
 def test_the_way_back_in_time_is_followed_as_well():
-    march = March(BENCH, HOOK, start=HOOK.end)
+    march = March(BENCH, HOOK, start_s=HOOK.end_s)
     heads = np.linspace(march.head_start, 7.0, 60)[1:]
     states, end = follow(HOOK, march.handles_s_or_nan(0.0)[0], heads, BENCH.spacings)
     ours = march.handles_s_or_nan(heads - march.head_start)
@@ -170,8 +170,8 @@ def test_a_spiral_and_the_same_by_the_code_for_any_curve_are_followed_alike_clos
     head_start = spiral.at_turn(3)
     dragon = Dragon(benches=3, head_spacing=0.95, body_spacing=0.5, overhang=0.05, width=0.1)
     times = np.append(np.linspace(0, -head_start - 0.3, 40), np.linspace(-head_start - 0.3, -head_start, 60))
-    ours = March(dragon, spiral, start=head_start).handles_s_or_nan(times)
-    other = March(dragon, Reversed(Reversed(spiral)), start=head_start).handles_s_or_nan(times)
+    ours = March(dragon, spiral, start_s=head_start).handles_s_or_nan(times)
+    other = March(dragon, Reversed(Reversed(spiral)), start_s=head_start).handles_s_or_nan(times)
     assert np.allclose(ours, other, rtol=0, atol=1e-9, equal_nan=True)
     lost = np.isnan(ours[:, 1])
     assert lost[-1]
@@ -201,7 +201,7 @@ def test_ranges_near_the_centre_of_a_spiral_contain_a_handle_that_reverses_there
 
 def test_a_start_in_the_middle_of_a_jackknife_is_refused_as_before():
     with pytest.raises(ParameterError) as caught:
-        March(BENCH, HOOK, start=TOP + 1)
+        March(BENCH, HOOK, start_s=TOP + 1)
     assert_says(caught.value, "room for the whole dragon behind it")
 
 
@@ -209,7 +209,7 @@ def test_the_state_at_the_start_is_the_one_along_the_path_before_anything_else_w
     """Also where the path between the handles bends more sharply than a circle with the bench as its diameter."""
     heads = np.array([RISE + 2, RISE + 2.1])
     for head in heads:
-        march = March(BENCH, HOOK, start=head)
+        march = March(BENCH, HOOK, start_s=head)
         expected = chain(HOOK, [head], BENCH.spacings)
         assert head - expected[0, 1] > 3.5
         assert march.handles_s_or_nan(0.0) == pytest.approx(expected, abs=1e-12)

@@ -11,13 +11,13 @@ from exact_curves import DIGITS, u_turn, walked_chain
 from test_curve_kinds import LogarithmicSpiral, logarithmic
 
 from pymunk_dragon.collision import first_contact
-from pymunk_dragon.curves import Arc, Composite, Line, Reversed, Sampled, Section, Spiral, UTurn, chain, foot
-from pymunk_dragon.curves import frame as frame_of
-from pymunk_dragon.dragon import Dragon
 from pymunk_dragon.errors import ParameterError, UnreachableError
-from pymunk_dragon.march import March
+from pymunk_dragon.model.curves import Arc, Composite, Line, Reversed, Sampled, Section, Spiral, UTurn, chain, foot
+from pymunk_dragon.model.curves import frame as frame_of
+from pymunk_dragon.model.dragon import Dragon
+from pymunk_dragon.model.march import March
+from pymunk_dragon.model.speed import SpeedTable
 from pymunk_dragon.physics import simulate
-from pymunk_dragon.speed import SpeedTable
 
 TURN = March(curve=UTurn())
 SMALL = Dragon(benches=12, head_spacing=0.5, body_spacing=0.3, overhang=0.05, width=0.1)
@@ -52,7 +52,7 @@ def test_handles_in_the_u_turn_are_where_many_digits_have_them(time):
 
 
 def test_handles_on_a_users_own_curve_are_where_many_digits_have_them():
-    march = March(SMALL, LogarithmicSpiral(), start=30.0)
+    march = March(SMALL, LogarithmicSpiral(), start_s=30.0)
     with mp.workdps(DIGITS):
         places = walked_chain(logarithmic, 30.0, SMALL.spacings)
         for place, (x, y) in zip(places, march.at(0.0).positions[0].tolist(), strict=True):
@@ -76,7 +76,7 @@ def test_the_next_handle_is_the_nearest_along_the_path_where_the_path_comes_back
 
 
 def test_handles_on_a_path_through_points_are_the_first_that_a_scan_sees():
-    s = np.linspace(12, DRAWN.end, 25)
+    s = np.linspace(12, DRAWN.end_s, 25)
     for place, found in zip(s, chain(DRAWN, s, [1.1])[:, 1], strict=True):
         ways = np.linspace(0, 3, 30_001)
         away = np.linalg.norm(DRAWN.point(place - ways) - DRAWN.point(place), axis=-1)
@@ -85,7 +85,7 @@ def test_handles_on_a_path_through_points_are_the_first_that_a_scan_sees():
 
 
 def test_a_bench_that_fits_round_a_hairpin_stays_on_its_way_round():
-    s = np.linspace(1.2, HAIRPIN.end, 2000)
+    s = np.linspace(1.2, HAIRPIN.end_s, 2000)
     places = chain(HAIRPIN, s, [1.1])
     assert not np.isnan(places).any()
     assert np.all(np.diff(places[:, 1]) > 0)
@@ -95,7 +95,7 @@ def test_a_bench_that_fits_round_a_hairpin_stays_on_its_way_round():
 
 @pytest.mark.parametrize("curve", [UTurn(), Reversed(UTurn(ratio=0.7)), HAIRPIN, LogarithmicSpiral()], ids=repr)
 def test_many_places_at_once_are_those_of_each(curve):
-    s = np.linspace(max(curve.begin, -20), min(curve.end, 30), 41)
+    s = np.linspace(max(curve.begin_s, -20), min(curve.end_s, 30), 41)
     together = chain(curve, s, [0.5, 0.3])
     alone = np.concatenate([chain(curve, [place], [0.5, 0.3]) for place in s])
     assert np.allclose(together, alone, rtol=0, atol=1e-12, equal_nan=True)
@@ -117,7 +117,7 @@ def test_a_way_in_that_begins_somewhere_has_no_places_before():
     place = spiral.at_radius(4.5)
     point, tangent = frame_of(spiral, place)
     path = Composite([Section(spiral, place - 10, place), Line(start=point, stop=point + 5 * tangent)])
-    s = np.linspace(0.0, path.end, 31)
+    s = np.linspace(0.0, path.end_s, 31)
     places, same = chain(path, s, [1.2] * 6), chain(Reversed(Reversed(path)), s, [1.2] * 6)
     assert np.array_equal(np.isnan(places), np.isnan(same))
     assert np.isnan(places).any()
@@ -127,7 +127,7 @@ def test_a_way_in_that_begins_somewhere_has_no_places_before():
 
 @pytest.mark.parametrize("curve", [UTurn(), HAIRPIN, Section(Spiral(), -300, -10), LogarithmicSpiral()], ids=repr)
 def test_the_foot_of_a_point_beside_the_path_is_where_it_was_set_off(curve):
-    s = np.linspace(max(curve.begin + 0.1, -290.0), min(curve.end - 0.1, 40.0), 60)
+    s = np.linspace(max(curve.begin_s + 0.1, -290.0), min(curve.end_s - 0.1, 40.0), 60)
     points, tangents = frame_of(curve, s)
     left = np.stack([-tangents[:, 1], tangents[:, 0]], axis=-1)
     for aside, off in ((1e-3, 0.05), (-1e-4, 0.01), (0, 1e-3)):
@@ -149,7 +149,7 @@ def test_a_dragon_on_a_curve_that_begins_somewhere_starts_with_its_tail_there():
 
 def test_a_dragon_on_a_path_from_infinity_starts_at_its_zero():
     assert March(curve=UTurn()).head_start == 0
-    assert March(curve=Spiral(), start=-100.0).handles_s_or_nan(0.0)[0, 0] == -100
+    assert March(curve=Spiral(), start_s=-100.0).handles_s_or_nan(0.0)[0, 0] == -100
 
 
 @pytest.mark.parametrize(
@@ -157,12 +157,15 @@ def test_a_dragon_on_a_path_from_infinity_starts_at_its_zero():
     [
         ({"curve": Line(stop=(100, 0))}, "curve is 'Line', but must be one that takes the whole dragon: 100 m"),
         ({"curve": UTurn(), "turns": 16}, "turns is 16, but must be absent: only a Spiral has turns"),
-        ({"start": -400.0, "turns": 16}, "turns is 16, but must be absent where a start is given"),
-        ({"curve": HAIRPIN, "dragon": SMALL, "start": 40.0}, "start is 40.0, but must be a number from 0 to 21.885 m"),
-        ({"curve": HAIRPIN, "dragon": SMALL, "start": 1.0}, "room for the whole dragon behind it: handle 3 has none"),
+        ({"start_s": -400.0, "turns": 16}, "turns is 16, but must be absent where start_s is given"),
+        (
+            {"curve": HAIRPIN, "dragon": SMALL, "start_s": 40.0},
+            "start_s is 40.0, but must be a number from 0 to 21.885",
+        ),
+        ({"curve": HAIRPIN, "dragon": SMALL, "start_s": 1.0}, "room for the whole dragon behind it: handle 3 has none"),
         ({"curve": HAIRPIN, "dragon": Dragon(benches=7)}, "it turns back within a bench"),
-        ({"start": 3.0}, "start is 3.0, but must be a number from -inf to 0 m"),
-        ({"start": "here"}, "start is 'here'"),
+        ({"start_s": 3.0}, "start_s is 3.0, but must be a number from -inf to 0 m"),
+        ({"start_s": "here"}, "start_s is 'here'"),
     ],
     ids=str,
 )
@@ -182,7 +185,7 @@ def test_a_handle_before_the_begin_is_told_from_one_in_a_bend():
 
 
 def test_a_bench_that_does_not_fit_round_a_hairpin_is_pushed_back_out_of_it():
-    march = March(Dragon(benches=2, head_spacing=2.0, body_spacing=2.0), HAIRPIN, start=8.0)
+    march = March(Dragon(benches=2, head_spacing=2.0, body_spacing=2.0), HAIRPIN, start_s=8.0)
     # Both handles are on the straight lines, 1.2 m apart, and the bench keeps its direction.
     heads = 10 + 0.6 * np.pi + np.array([0.0, 1.0, 2.0])
     assert march.handles_s_or_nan(heads - 8.0)[:, 1] == pytest.approx([8.4, 7.4, 6.4], abs=1e-12)
@@ -278,7 +281,7 @@ def first_overlap(march, times):
         March(LONG, loop(2), speed=0.5),
         March(UNLIKE, loop(1.5)),
         March(UNLIKE, DRAWN, speed=SpeedTable([0, 4, 9], [0.5, 2, 1])),
-        March(Dragon(benches=30, width=1.2), UTurn(), start=-5.0),
+        March(Dragon(benches=30, width=1.2), UTurn(), start_s=-5.0),
     ],
     ids=["loop", "loop, slowly", "unlike benches", "drawn by hand", "too wide for the turn"],
 )
@@ -323,7 +326,7 @@ def test_a_bench_that_is_wider_than_those_before_it_is_watched_to_the_end():
 @pytest.mark.parametrize(
     ("march", "until"),
     [
-        (March(Dragon(benches=60), UTurn(), start=-4.0), 30.0),
+        (March(Dragon(benches=60), UTurn(), start_s=-4.0), 30.0),
         (
             March(Dragon(benches=9, head_spacing=1.4, body_spacing=1), DRAWN, speed=SpeedTable([0, 4, 9], [0.5, 2, 1])),
             9.0,
@@ -404,7 +407,7 @@ def test_a_path_that_soon_becomes_too_tight_is_not_searched_for_minutes():
 class Plain:
     """A straight line by somebody who makes short work of it."""
 
-    begin, end = 0, 20
+    begin_s, end_s = 0, 20
 
     def point(self, s):
         return np.moveaxis(np.array([s, np.zeros_like(s)]), 0, -1)
@@ -427,7 +430,7 @@ def test_a_users_curve_may_answer_with_single_numbers_in_any_layout():
 
 
 def test_times_before_and_after_a_curve_are_told_apart():
-    march = March(Dragon(benches=4, head_spacing=1.0, body_spacing=1.0), Line(stop=(10, 0)), start=5.0)
+    march = March(Dragon(benches=4, head_spacing=1.0, body_spacing=1.0), Line(stop=(10, 0)), start_s=5.0)
     for time, words in (
         (-2.5, "the curve begins less than"),
         (-6, "the curve begins at t = -5 s"),

@@ -10,16 +10,16 @@ import pytest
 import shapely
 from numpy.typing import NDArray
 
-from pymunk_dragon.contact import Contact, ContactEvent, ContactLog
-from pymunk_dragon.dragon import Dragon
 from pymunk_dragon.drawing import Camera, Film, Moment, Palette, still
 from pymunk_dragon.drawing.moments import moments
 from pymunk_dragon.drawing.output import make_canvas
 from pymunk_dragon.drawing.palette import BLOCK, CODES, STRENGTHS, TRANSPARENT, TYPE_RAMP, blends, index_of
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.march import March
+from pymunk_dragon.model.contact import Contact, ContactEvent, ContactLog
+from pymunk_dragon.model.dragon import Dragon
+from pymunk_dragon.model.march import March
+from pymunk_dragon.model.run import Run
 from pymunk_dragon.physics import simulate
-from pymunk_dragon.run import Run
 
 MARCH = March(Dragon(benches=16), turns=4)
 HEAD = Camera(follow="head", span=4.0)

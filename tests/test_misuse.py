@@ -9,19 +9,19 @@ import pytest
 from conftest import assert_says
 
 from pymunk_dragon.collision import Grid, first_contact, scan
-from pymunk_dragon.curves import Composite, Reversed, Section
-from pymunk_dragon.demos.telling import check_language
-from pymunk_dragon.dragon import Dragon
 from pymunk_dragon.drawing import Camera, render
 from pymunk_dragon.drawing.figures import figure
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.march import March
+from pymunk_dragon.lessons._framework import check_language
+from pymunk_dragon.model.curves import Composite, Reversed, Section
+from pymunk_dragon.model.dragon import Dragon
+from pymunk_dragon.model.march import March
+from pymunk_dragon.model.run import Run
+from pymunk_dragon.model.scenario import Scenario
+from pymunk_dragon.model.speed import speed_of
 from pymunk_dragon.physics import World, simulate
 from pymunk_dragon.player import player_page
 from pymunk_dragon.reports import report
-from pymunk_dragon.run import Run
-from pymunk_dragon.scenario import Scenario
-from pymunk_dragon.speed import speed_of
 from pymunk_dragon.studies import study
 
 SMALL = Dragon(benches=4)
@@ -30,7 +30,7 @@ SMALL = Dragon(benches=4)
 class Straight:
     """A user's own curve: the x axis, from 0 to 500 m."""
 
-    begin, end = 0.0, 500.0
+    begin_s, end_s = 0.0, 500.0
 
     def point(self, s):
         return np.stack([np.asarray(s), np.zeros(np.shape(s))], axis=-1)
@@ -128,14 +128,14 @@ def test_place_where_a_curve_is_not_finite_is_named_when_it_is_reached(method, w
     march = March(SMALL, wrap(own(Straight, **{method: broken})))
     with pytest.raises(ParameterError) as caught:
         march.at(np.arange(0.0, 400.0, 5.0))
-    assert_says(caught.value, f"Mine.{method}(25", "must be finite from begin = 0 m to end = 500 m")
+    assert_says(caught.value, f"Mine.{method}(25", "must be finite from begin_s = 0 m to end_s = 500 m")
 
 
 @pytest.mark.parametrize("ends", [(None, 1.0), (math.nan, 1.0), ("0", 1.0), (2.0, 1.0), (0.0, np.zeros(2))], ids=repr)
 def test_curve_whose_ends_are_no_numbers_is_refused(ends):
     with pytest.raises(ParameterError) as caught:
-        March(SMALL, own(Straight, begin=ends[0], end=ends[1]))
-    assert_says(caught.value, "Mine.begin and end", "two numbers")
+        March(SMALL, own(Straight, begin_s=ends[0], end_s=ends[1]))
+    assert_says(caught.value, "Mine.begin_s and end_s", "two numbers")
 
 
 @pytest.mark.parametrize("ends", [(-math.inf, math.inf), (-math.inf, 3.0), (3.0, math.inf), (3.0, 3.001)])
@@ -145,7 +145,7 @@ def test_curve_is_tried_only_between_its_ends(ends):
         assert (np.asarray(s) <= ends[1]).all()
         return Straight.point(self, s)
 
-    Reversed(own(Straight, begin=ends[0], end=ends[1], point=point))
+    Reversed(own(Straight, begin_s=ends[0], end_s=ends[1], point=point))
 
 
 def test_class_is_no_curve_and_no_speed():

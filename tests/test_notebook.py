@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from pymunk_dragon.contact import Contact
-from pymunk_dragon.dragon import Dragon
 from pymunk_dragon.drawing import Palette
 from pymunk_dragon.drawing.figures import figure
-from pymunk_dragon.march import March
+from pymunk_dragon.model.contact import Contact
+from pymunk_dragon.model.dragon import Dragon
+from pymunk_dragon.model.march import March
+from pymunk_dragon.model.run import Run
 from pymunk_dragon.player import player_page
-from pymunk_dragon.run import Run
 
 MARCH = March(Dragon(benches=16), turns=8)
 

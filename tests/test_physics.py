@@ -13,15 +13,15 @@ import pytest
 import shapely
 from conftest import NO_NUMBERS, assert_says
 
-from pymunk_dragon.dragon import Dragon
 from pymunk_dragon.errors import DragonError, ParameterError, UnreachableError
-from pymunk_dragon.march import March
+from pymunk_dragon.model.dragon import Dragon
+from pymunk_dragon.model.march import March
+from pymunk_dragon.model.run import Run
 from pymunk_dragon.physics import simulate
 from pymunk_dragon.physics.callbacks import Recorder
 from pymunk_dragon.physics.guides import Free, Rails
 from pymunk_dragon.physics.simulation import FINE_ITERATIONS, FINE_STRIDE
 from pymunk_dragon.physics.world import World
-from pymunk_dragon.run import Run
 
 # m
 HEAD_DRIFT, MAX_DRIFT = 0.5e-3, 2e-3

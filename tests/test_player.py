@@ -20,15 +20,15 @@ from marches import ARM, TRACTOR, U_TURN
 from shapely import LineString, points
 
 import pymunk_dragon
-from pymunk_dragon.contact import Contact, ContactEvent, ContactLog
-from pymunk_dragon.dragon import Dragon
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.march import March
+from pymunk_dragon.model.contact import Contact, ContactEvent, ContactLog
+from pymunk_dragon.model.dragon import Dragon
+from pymunk_dragon.model.march import March
+from pymunk_dragon.model.run import Run
 from pymunk_dragon.player import player_page, write_player
 from pymunk_dragon.player.colours import DARK, LIGHT
 from pymunk_dragon.player.contents import contact_windows, curve_points, handles
 from pymunk_dragon.player.packing import packed
-from pymunk_dragon.run import Run
 
 SMALL = March(Dragon(benches=16), turns=4)
 MARKUP = "</script><img src=http://127.0.0.1:9/x onerror=alert(1)><!--<script>{{style}}&amp;"

@@ -14,12 +14,12 @@ from marches import ARM, TRACTOR, U_TURN
 from shapely import Polygon
 
 from pymunk_dragon.collision import Grid
-from pymunk_dragon.dragon import Dragon, bench_poses
-from pymunk_dragon.march import March
+from pymunk_dragon.model.dragon import Dragon, bench_poses
+from pymunk_dragon.model.march import March
+from pymunk_dragon.model.run import Run
 from pymunk_dragon.physics import simulate
 from pymunk_dragon.player import player_page, write_player
 from pymunk_dragon.player.colours import DARK, LIGHT
-from pymunk_dragon.run import Run
 
 pytestmark = [pytest.mark.thorough, needs_browser]
 

@@ -15,8 +15,6 @@ from numpy.typing import NDArray
 from PIL import Image
 from shapely import affinity, box
 
-from pymunk_dragon.contact import Contact
-from pymunk_dragon.dragon import Dragon
 from pymunk_dragon.drawing import Camera, Film, Palette, render, write_film, write_still
 from pymunk_dragon.drawing.gaps import smallest_gap
 from pymunk_dragon.drawing.moments import moments
@@ -24,8 +22,10 @@ from pymunk_dragon.drawing.output import make_canvas
 from pymunk_dragon.drawing.palette import BLOCK, CODES, TRANSPARENT, TYPE_RAMP, index_of, occurs
 from pymunk_dragon.drawing.scene import hole_diameter
 from pymunk_dragon.errors import DragonError, ParameterError
-from pymunk_dragon.march import March
-from pymunk_dragon.run import Run
+from pymunk_dragon.model.contact import Contact
+from pymunk_dragon.model.dragon import Dragon
+from pymunk_dragon.model.march import March
+from pymunk_dragon.model.run import Run
 
 SMALL = Dragon(benches=16)
 # The seed's first contact, as every solver of the project finds it.
@@ -79,7 +79,7 @@ def test_the_last_frame_is_the_end_of_the_run(run: Run) -> None:
 
 
 def test_a_window_shows_only_that_part(run: Run) -> None:
-    times = Film(fps=10, speedup=10, since=3, until=6).times([run])
+    times = Film(fps=10, speedup=10, start=3, until=6).times([run])
     np.testing.assert_allclose(times, [3, 4, 5, 6])
 
 
@@ -230,7 +230,7 @@ def test_a_dragon_of_head_and_tail_can_be_filmed(tmp_path: Path) -> None:
 
 
 def test_a_march_gives_the_same_film_as_its_exact_run(march: March, tmp_path: Path) -> None:
-    film = Film(size=96, since=0, until=6, speedup=10)
+    film = Film(size=96, start=0, until=6, speedup=10)
     write_film(march, tmp_path / "march.gif", film)
     write_film(Run.exact(march, film.times([march])), tmp_path / "run.gif", film)
     assert (tmp_path / "march.gif").read_bytes() == (tmp_path / "run.gif").read_bytes()
@@ -260,10 +260,10 @@ def test_progress_is_told_after_every_frame(run: Run, tmp_path: Path) -> None:
         ("size", {"size": 640.5}),
         ("hold", {"hold": -1}),
         ("hold", {"hold": float("inf")}),
-        ("since", {"since": -1}),
-        ("since", {"since": float("nan")}),
+        ("start", {"start": -1}),
+        ("start", {"start": float("nan")}),
         ("until", {"until": 11}),
-        ("until", {"since": 5, "until": 4}),
+        ("until", {"start": 5, "until": 4}),
     ],
 )
 def test_bad_options_get_one_line_that_names_them(run: Run, tmp_path: Path, name: str, options: dict[str, Any]) -> None:
@@ -368,7 +368,7 @@ def test_a_curve_without_ends_is_drawn_as_far_as_the_run_goes() -> None:
 
 @pytest.mark.parametrize(("march", "time"), [(TRACTOR, 20.0), (ARM, 8.0)], ids=["tractor", "arm"])
 def test_a_curve_with_two_ends_is_drawn_whole(march: March, time: float) -> None:
-    points = march.curve.point(np.linspace(0, march.curve.end, 400)[1:-1])
+    points = march.curve.point(np.linspace(0, march.curve.end_s, 400)[1:-1])
     span = 1.2 * float(np.ptp(points, axis=0).max())
     film = Film(size=800, gap=False, camera=Camera(span=span))
     run = Run.exact(march, np.linspace(0, march.end, 50))

@@ -23,11 +23,12 @@ from jsonschema import Draft202012Validator, ValidationError
 from marches import ARM, TRACTOR, U_TURN
 from markdown_it import MarkdownIt
 
-from pymunk_dragon.contact import ContactEvent, ContactLog
-from pymunk_dragon.curves import Spiral, UTurn
-from pymunk_dragon.dragon import Dragon
 from pymunk_dragon.errors import DragonError, MissingExtraError, ParameterError, UnreachableError
-from pymunk_dragon.march import March
+from pymunk_dragon.model.contact import ContactEvent, ContactLog
+from pymunk_dragon.model.curves import Spiral, UTurn
+from pymunk_dragon.model.dragon import Dragon
+from pymunk_dragon.model.march import March
+from pymunk_dragon.model.run import Run
 from pymunk_dragon.physics import simulate
 from pymunk_dragon.reports import (
     REPORT_ENDINGS,
@@ -45,7 +46,6 @@ from pymunk_dragon.reports import (
     write_contact_table,
     write_tables,
 )
-from pymunk_dragon.run import Run
 
 every_format = pytest.mark.parametrize("ending", REPORT_ENDINGS)
 
@@ -293,7 +293,7 @@ def objects(schema):
 
 
 # What the scenario of a spiral has no place for.
-OF_OTHER_CURVES = ("radius", "ratio", "length", "start")
+OF_OTHER_CURVES = ("radius", "ratio", "length", "start_s")
 
 
 def test_schema_knows_every_key_and_wants_all_of_them():
@@ -342,7 +342,7 @@ def test_contents_tell_the_run(played):
     assert found["settings"]["guide"] == "rails"
     assert found["versions"] == played.provenance["versions"]
     frames, events = len(played.times), len(played.events)
-    assert found["outcome"] == {"status": "contact", "from": 77.5, "until": 84.5, "frames": frames, "events": events}
+    assert found["outcome"] == {"status": "contact", "start": 77.5, "until": 84.5, "frames": frames, "events": events}
     assert found["first_contact"] == json.loads(json.dumps(asdict(played.first_contact)))
     assert found["events"] == json.loads(json.dumps([asdict(event) for event in played.events]))
     assert [window["benches"] for window in found["windows"]] == [[0, 8], [0, 10]]
@@ -407,8 +407,8 @@ def test_curve_of_another_kind_is_named():
             "4 benches at 0.5 to 2 m/s on a path of several pieces of 113.4 m, ",
             {"width": [1.8, 2.2, 1.6, 2.4], "pitch": None, "turns": None, "speed": [[0, 0.5], [5, 2], [20, 1.5]]},
         ),
-        (ARM, "5 benches at 0.1 m/s on a smooth path of 2.542 m, ", {"length": pytest.approx(ARM.curve.end)}),
-        (replace(TRACTOR, speed=1.0, start=20.0), "4 benches at 1 m/s on a path", {"start": 20.0}),
+        (ARM, "5 benches at 0.1 m/s on a smooth path of 2.542 m, ", {"length": pytest.approx(ARM.curve.end_s)}),
+        (replace(TRACTOR, speed=1.0, start_s=20.0), "4 benches at 1 m/s on a path", {"start_s": 20.0}),
         (
             March(speed=lambda t: 1 + np.sin(t) / 2),
             "223 benches at a changing speed on a spiral",
@@ -480,7 +480,7 @@ def test_dragon_off_its_path_is_not_said_to_be_late():
 
 def test_exact_run_is_told_with_the_exact_contact_as_its_own(tmp_path):
     found = contents(Run.exact(SMALL, [79, 82]))
-    assert found["outcome"] == {"status": "contact", "from": 79, "until": 82, "frames": 3, "events": 0}
+    assert found["outcome"] == {"status": "contact", "start": 79, "until": 82, "frames": 3, "events": 0}
     assert found["first_contact"]["time"] == found["exact"]["time"] == found["drift"]["times"][1]
     content = text.as_markdown(found)
     assert content.startswith("# Benches 0 and 8 touch at 80.691318 s\n")

@@ -7,8 +7,8 @@ from dataclasses import replace
 import pytest
 from browser import needs_browser, opened
 
-from pymunk_dragon.dragon import Dragon
-from pymunk_dragon.march import March
+from pymunk_dragon.model.dragon import Dragon
+from pymunk_dragon.model.march import March
 from pymunk_dragon.physics import simulate
 from pymunk_dragon.reports import report
 

@@ -23,12 +23,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from shapely import Polygon
 
-from pymunk_dragon.contact import Contact, ContactEvent, ContactLog
-from pymunk_dragon.curves import Spiral
-from pymunk_dragon.dragon import Dragon
 from pymunk_dragon.errors import DragonError, FileFormatError, OutputError, ParameterError
-from pymunk_dragon.march import March
-from pymunk_dragon.run import Run, versions
+from pymunk_dragon.model.contact import Contact, ContactEvent, ContactLog
+from pymunk_dragon.model.curves import Spiral
+from pymunk_dragon.model.dragon import Dragon
+from pymunk_dragon.model.march import March
+from pymunk_dragon.model.run import Run, versions
 
 MARCH = March(Dragon(benches=4, width=0.29), Spiral(pitch=0.6), turns=9.5, speed=1.25)
 EVENTS = ContactLog(

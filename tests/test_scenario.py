@@ -14,7 +14,8 @@ from conftest import NO_NUMBERS, assert_says
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pymunk_dragon.curves import (
+from pymunk_dragon.errors import FileFormatError, ParameterError
+from pymunk_dragon.model.curves import (
     KINDS,
     Arc,
     Composite,
@@ -29,11 +30,10 @@ from pymunk_dragon.curves import (
     tables,
     to_table,
 )
-from pymunk_dragon.dragon import Dragon
-from pymunk_dragon.errors import FileFormatError, ParameterError
-from pymunk_dragon.march import March
-from pymunk_dragon.run import Run, check_saveable
-from pymunk_dragon.scenario import Scenario
+from pymunk_dragon.model.dragon import Dragon
+from pymunk_dragon.model.march import March
+from pymunk_dragon.model.run import Run, check_saveable
+from pymunk_dragon.model.scenario import Scenario
 
 NAMES = [f.name for f in fields(Scenario)]
 NUMBERS = ["benches", "head_spacing", "body_spacing", "overhang", "width", "pitch", "turns", "speed"]
@@ -61,14 +61,14 @@ MARCHES = {
     "the paper's": {},
     "an outward spiral": {"outward": True, "turns": 20, "benches": 20},
     "a mirrored spiral": {"mirrored": True, "rotation": 0.7},
-    "a start on a spiral": {"start": -400.0},
+    "a start on a spiral": {"start_s": -400.0},
     "the u-turn": {"curve": "u-turn"},
-    "another u-turn": {"curve": "u-turn", "pitch": 2.0, "radius": 5.0, "ratio": 1.0, "start": -3.0, "benches": 20},
+    "another u-turn": {"curve": "u-turn", "pitch": 2.0, "radius": 5.0, "ratio": 1.0, "start_s": -3.0, "benches": 20},
     "a path": {"curve": "sampled", "points": POINTS, "benches": 5},
-    "a path without its name": {"points": POINTS, "benches": 5, "start": 20.0},
+    "a path without its name": {"points": POINTS, "benches": 5, "start_s": 20.0},
     "a table of speeds": {"speed": TABLE},
     **{name: {"curve": curve, "benches": 5} for name, curve in CURVES.items()},
-    "a part of a spiral": {"curve": CURVES["a part of a spiral"], "benches": 5, "start": -60.0},
+    "a part of a spiral": {"curve": CURVES["a part of a spiral"], "benches": 5, "start_s": -60.0},
     "lists": {"body_spacing": (3.0, 2.0), "overhang": (0.5, 0.3, 0.2), "width": (0.4, 0.5, 0.3)},
 }
 
@@ -135,7 +135,7 @@ def test_impossible_value_of_a_u_turn_is_refused(name, value):
         ({"curve": "sampled"}, "points"),
         ({"curve": "u-turn", "turns": 16}, "turns"),
         ({"curve": "u-turn", "outward": True}, "outward"),
-        ({"turns": 16, "start": -400.0}, "turns"),
+        ({"turns": 16, "start_s": -400.0}, "turns"),
         ({"curve": "u-turn", "pitch": 0.0}, "pitch"),
         ({"curve": "circle"}, "curve"),
         ({"curve": ""}, "curve"),
@@ -353,7 +353,7 @@ class Other:
     ],
 )
 def test_curve_of_a_users_own_class_is_refused_before_a_run_is_made(curve, where, kind):
-    march = March(Dragon(benches=3), curve, start=max(curve.begin, -450) + 50)
+    march = March(Dragon(benches=3), curve, start_s=max(curve.begin_s, -450) + 50)
     with pytest.raises(ParameterError) as caught:
         check_saveable(march)
     assert (caught.value.name, caught.value.value) == (where, kind)
@@ -364,7 +364,7 @@ def test_curve_of_a_users_own_class_is_refused_before_a_run_is_made(curve, where
 
 
 def test_every_curve_of_the_package_has_a_table():
-    from pymunk_dragon import curves
+    from pymunk_dragon.model import curves
 
     own = {made for made in vars(curves).values() if isinstance(made, type) and made is not Curve}
     assert set(KINDS.values()) == own
@@ -379,8 +379,8 @@ def test_examples_of_tables_work_as_written():
 def test_curve_comes_back_from_its_table_to_the_last_bit(curve):
     again = from_table(json.loads(json.dumps(to_table(curve))))
     assert type(again) is type(curve)
-    assert (again.begin, again.end) == (curve.begin, curve.end)
-    middle = max(curve.begin, -40.0) / 2 + min(curve.end, 40.0) / 2
+    assert (again.begin_s, again.end_s) == (curve.begin_s, curve.end_s)
+    middle = max(curve.begin_s, -40.0) / 2 + min(curve.end_s, 40.0) / 2
     places = middle + np.array([[-5.0, -0.3], [0.0, 4.0]])
     for method in ("point", "tangent", "curvature"):
         np.testing.assert_array_equal(getattr(again, method)(places), getattr(curve, method)(places))
@@ -389,7 +389,7 @@ def test_curve_comes_back_from_its_table_to_the_last_bit(curve):
 def test_tables_of_a_curve_stand_in_a_toml_file(tmp_path):
     (tmp_path / "s.toml").write_text("""
         benches = 4
-        start = 30
+        start_s = 30
         [curve]
         kind = "composite"
         pieces = [
@@ -399,7 +399,7 @@ def test_tables_of_a_curve_stand_in_a_toml_file(tmp_path):
         ]
         """)
     scenario = Scenario.from_mapping(Scenario.read(tmp_path / "s.toml"))
-    assert scenario == Scenario(benches=4, start=30, curve=HAIRPIN)
+    assert scenario == Scenario(benches=4, start_s=30, curve=HAIRPIN)
 
 
 def test_table_of_a_curve_with_a_short_form_is_the_short_form():

@@ -14,7 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pymunk_dragon.errors import FileFormatError, ParameterError
-from pymunk_dragon.speed import ConstantSpeed, Speed, SpeedFunction, SpeedTable, speed_of
+from pymunk_dragon.model.speed import ConstantSpeed, Speed, SpeedFunction, SpeedTable, speed_of
 
 TABLE = SpeedTable((-50.0, 10.0, 20.0, 20.5, 300.0), (0.5, 1.0, 3.0, 0.2, 1.5))
 
@@ -271,7 +271,7 @@ def test_what_is_no_function_of_time_is_refused(function):
 def test_times_and_distances_out_of_reach_are_refused(monkeypatch):
     with pytest.raises(ParameterError, match="time is 1000000"):
         speed_of(WAVE[0]).distance(1e6)
-    monkeypatch.setattr("pymunk_dragon.speed.function.MAX_TIME", 1e3)
+    monkeypatch.setattr("pymunk_dragon.model.speed.function.MAX_TIME", 1e3)
     with pytest.raises(ParameterError, match=r"distance is -2001\.0, .*within the 2000 m that are travelled"):
         speed_of(lambda t: 2.0 + 0 * t).time(-2001.0)
 

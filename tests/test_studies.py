@@ -19,11 +19,11 @@ from PIL import Image
 
 from pymunk_dragon.cli import main
 from pymunk_dragon.collision import first_contact, scan
-from pymunk_dragon.curves import Spiral
-from pymunk_dragon.dragon import Dragon
 from pymunk_dragon.drawing.figures import answer_figure, write_answer
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.march import March
+from pymunk_dragon.model.curves import Spiral
+from pymunk_dragon.model.dragon import Dragon
+from pymunk_dragon.model.march import March
 from pymunk_dragon.studies import STUDIES, MinPitch, Sensitivity, min_pitch, sensitivity, study
 from pymunk_dragon.studies.branches import perturbed
 from pymunk_dragon.studies.gaps import SIZES, gaps_of

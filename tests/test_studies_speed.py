@@ -13,11 +13,11 @@ from exact_curves import DIGITS, u_turn, walked_chain
 from PIL import Image
 
 from pymunk_dragon.cli import main
-from pymunk_dragon.curves import UTurn
-from pymunk_dragon.dragon import Dragon
 from pymunk_dragon.drawing.figures import write_answer
 from pymunk_dragon.errors import ParameterError, UnreachableError
-from pymunk_dragon.march import March
+from pymunk_dragon.model.curves import UTurn
+from pymunk_dragon.model.dragon import Dragon
+from pymunk_dragon.model.march import March
 from pymunk_dragon.studies import MaxSpeed, max_speed
 
 

@@ -16,11 +16,11 @@ from conftest import NO_NUMBERS, assert_says
 from exact_curves import DIGITS, s_turn
 
 from pymunk_dragon.cli import main
-from pymunk_dragon.curves import Composite, UTurn
-from pymunk_dragon.dragon import Dragon
 from pymunk_dragon.drawing.figures import answer_figure
 from pymunk_dragon.errors import MissingExtraError, ParameterError
-from pymunk_dragon.march import March
+from pymunk_dragon.model.curves import Composite, UTurn
+from pymunk_dragon.model.dragon import Dragon
+from pymunk_dragon.model.march import March
 from pymunk_dragon.studies import TurnAnswer, max_speed, u_turn
 from pymunk_dragon.studies.shortest import shortest_turn
 from pymunk_dragon.studies.turns import ArcPath, Turn

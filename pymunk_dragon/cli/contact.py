@@ -20,7 +20,7 @@ from pymunk_dragon.cli.simulate import played
 from pymunk_dragon.errors import DragonError
 
 if TYPE_CHECKING:
-    from pymunk_dragon.march import March
+    from pymunk_dragon.model.march import March
 
 __all__ = ["contact"]
 
@@ -110,7 +110,7 @@ def _answer(
 
 
 def _check_xlsx() -> None:
-    from pymunk_dragon.extras import library
+    from pymunk_dragon._extras import library
 
     library("xlsxwriter")
 

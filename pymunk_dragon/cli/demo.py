@@ -25,8 +25,8 @@ def demo(name: str | None, save: str | None, language: str, pause: bool, as_json
 
     Each has a question, a prediction, a run, the answer, a number to check and something to try.
     """
-    from pymunk_dragon.demos import DEMOS, Terminal, write_lessons
-    from pymunk_dragon.demos.telling import check_language, endings
+    from pymunk_dragon.lessons import DEMOS, Terminal, write_lessons
+    from pymunk_dragon.lessons._framework import check_language, endings
 
     check_language(language)
     if name is not None and name not in DEMOS:
@@ -54,8 +54,8 @@ def demo(name: str | None, save: str | None, language: str, pause: bool, as_json
 
 
 def _list(language: str, as_json: bool) -> None:
-    from pymunk_dragon.demos import DEMOS
-    from pymunk_dragon.demos.telling import check_output
+    from pymunk_dragon.lessons import DEMOS
+    from pymunk_dragon.lessons._framework import check_output
 
     titles = {name: one.said("title", language) for name, one in DEMOS.items()}
     if as_json:
@@ -68,8 +68,8 @@ def _list(language: str, as_json: bool) -> None:
 
 def _played(name: str, save: str | None, language: str) -> dict[str, Any]:
     """What a lesson says, what it printed, and where its picture is, if it was kept."""
-    from pymunk_dragon.demos import DEMOS, perform
-    from pymunk_dragon.demos.telling import PARTS
+    from pymunk_dragon.lessons import DEMOS, perform
+    from pymunk_dragon.lessons._framework import PARTS
 
     found = perform(DEMOS[name], save)
     said = {part: found.demo.said(part, language) for part in PARTS}

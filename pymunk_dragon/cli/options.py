@@ -12,8 +12,8 @@ import click
 from pymunk_dragon.errors import FileFormatError, ParameterError
 
 if TYPE_CHECKING:
-    from pymunk_dragon.march import March
-    from pymunk_dragon.run import Run
+    from pymunk_dragon.model.march import March
+    from pymunk_dragon.model.run import Run
 
 __all__ = [
     "PROGRAM",
@@ -139,7 +139,7 @@ def _named_by_value(error: ParameterError) -> ParameterError:
 
 def march_of(scenario_file: str | None) -> March:
     """The march of a scenario file with the flags laid over it."""
-    from pymunk_dragon.scenario import Scenario
+    from pymunk_dragon.model.scenario import Scenario
 
     values = Scenario.read(scenario_file) if scenario_file is not None else {}
     return Scenario.from_mapping({**values, **chosen()}).march()
@@ -147,7 +147,7 @@ def march_of(scenario_file: str | None) -> March:
 
 def run_of(run_file: str, scenario_file: str | None) -> Run:
     """A run that was saved, which brings its own scenario."""
-    from pymunk_dragon.run import Run
+    from pymunk_dragon.model.run import Run
 
     if chosen() or scenario_file:
         raise click.UsageError("a run brings its own scenario: leave out the options of the dragon and its curve")
@@ -158,7 +158,7 @@ def destination_of(output: str | None, endings: tuple[str, ...]) -> Path | None:
     """Check where to write before the long work that makes what is written."""
     if output is None:
         return None
-    from pymunk_dragon.files import check_destination
+    from pymunk_dragon._files import check_destination
 
     return check_destination(output, endings)
 

@@ -31,7 +31,7 @@ def progress(label: str) -> Iterator[Callable[[float, float, str], None]]:
 
 def write_json(path: Path, result: dict[str, Any]) -> None:
     """One JSON object as a file."""
-    from pymunk_dragon.files import written_in_place
+    from pymunk_dragon._files import written_in_place
 
     with written_in_place(path) as draft:
         draft.write_text(json.dumps(result) + "\n", encoding="utf-8")

@@ -20,7 +20,7 @@ from pymunk_dragon.cli.output import print_json, progress, write_json
 from pymunk_dragon.errors import ParameterError
 
 if TYPE_CHECKING:
-    from pymunk_dragon.march import March
+    from pymunk_dragon.model.march import March
 
 __all__ = ["positions"]
 
@@ -97,7 +97,7 @@ def _write_contest_tables(march: March, times: list[float], path: Path) -> None:
 def _write_table(path: Path, heads: tuple[str, ...], rows: list[tuple[float, ...]], result: dict[str, Any]) -> None:
     import csv
 
-    from pymunk_dragon.files import written_in_place
+    from pymunk_dragon._files import written_in_place
 
     if path.suffix.lower() == ".json":
         write_json(path, result)

@@ -21,8 +21,8 @@ from pymunk_dragon.cli.output import print_json, progress
 from pymunk_dragon.errors import ParameterError
 
 if TYPE_CHECKING:
-    from pymunk_dragon.march import March
-    from pymunk_dragon.run import Run
+    from pymunk_dragon.model.march import March
+    from pymunk_dragon.model.run import Run
 
 __all__ = ["render"]
 
@@ -66,7 +66,7 @@ def marks() -> tuple[Any, ...]:
 @click.argument("run_files", metavar="[RUN.npz]...", nargs=-1)
 @scenario_options
 @click.option("--exact", is_flag=True, help="Show the exact model beside the run.")
-@click.option("--from", "since", type=float, metavar="T", help="First time, s.  [the run's, or 0]")
+@click.option("--from", "start", type=float, metavar="T", help="First time, s.  [the run's, or 0]")
 @click.option("--until", type=float, metavar="T", help=f"Last time, s.  [the run's, or {MARCH_FILM:g} s of a march]")
 @click.option("--speedup", type=float, metavar="X", help="Simulated seconds in a second of film.  [20]")
 @click.option("--fps", type=int, metavar="N", help="Frames in a second, at most 60, and 50 in a GIF.  [10]")
@@ -99,7 +99,7 @@ def render(
 ) -> None:
     """Film a run, several side by side, or the exact march where no run is named; or write a page that plays it."""
     from pymunk_dragon.drawing import FILM_ENDINGS, STILL_ENDINGS, Camera, Film, write_film, write_still
-    from pymunk_dragon.march import March
+    from pymunk_dragon.model.march import March
     from pymunk_dragon.player import PLAYER_ENDINGS
 
     destination = destination_of(output, (*FILM_ENDINGS, *STILL_ENDINGS, *PLAYER_ENDINGS))
@@ -110,14 +110,14 @@ def render(
         given["size"] = _size(size)
     sources = _sources(run_files, scenario_file, exact)
     if isinstance(sources[0], March):
-        given.setdefault("until", min(given.get("since", 0.0) + MARCH_FILM, sources[0].end))
+        given.setdefault("until", min(given.get("start", 0.0) + MARCH_FILM, sources[0].end))
     view = Camera(follow=follow, span=span)  # type: ignore[arg-type]  # Camera checks the word.
     film = Film(camera=view, show=marks(), **given)
     if ending in PLAYER_ENDINGS:
         _refuse("a page", *OF_FILMS, *OF_PICTURES)
         _write_player(sources, destination, given)
     elif ending in STILL_ENDINGS:
-        _refuse("a picture", "since", *OF_FILMS)
+        _refuse("a picture", "start", *OF_FILMS)
         write_still(sources, float(film.times(sources)[-1]), destination, film)
     else:
         with progress("frame") as show:
@@ -134,18 +134,18 @@ def _write_player(sources: list[Run | March], path: Path, given: dict[str, Any])
     """A page that plays the run, or an exact one of the march."""
     import numpy as np
 
+    from pymunk_dragon.model.run import Run
     from pymunk_dragon.player import write_player
-    from pymunk_dragon.run import Run
 
     if len(sources) > 1:
         raise click.UsageError("a page plays one run: name one, or write a film")
     [source] = sources
     if isinstance(source, Run):
-        _refuse("a page that plays a whole run", "since", "until")
+        _refuse("a page that plays a whole run", "start", "until")
         run = source
     else:
-        since, until = given.get("since", 0.0), given["until"]
-        times = np.arange(since, until, PLAYER_STRIDE / float(source.speed_profile.fastest(since, until)))
+        start, until = given.get("start", 0.0), given["until"]
+        times = np.arange(start, until, PLAYER_STRIDE / float(source.speed_profile.fastest(start, until)))
         run = Run.exact(source, np.append(times, until))
     with progress("page") as show:
         write_player(run, path, title=given.get("title"), progress=lambda done, total: show(done, total, "page"))

@@ -16,9 +16,9 @@ __all__ = ["report"]
 @output_option(".html, .md, .xlsx, .csv or .json", required=True)
 def report(run_file: str, as_json: bool, output: str) -> None:
     """Report on a run, as a document or a table."""
+    from pymunk_dragon.model.run import Run
     from pymunk_dragon.reports import REPORT_ENDINGS
     from pymunk_dragon.reports import report as write_report
-    from pymunk_dragon.run import Run
 
     destination = destination_of(output, REPORT_ENDINGS)
     assert destination is not None

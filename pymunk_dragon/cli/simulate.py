@@ -17,8 +17,8 @@ from pymunk_dragon.cli.options import (
 from pymunk_dragon.cli.output import print_json, progress
 
 if TYPE_CHECKING:
-    from pymunk_dragon.march import March
-    from pymunk_dragon.run import Run
+    from pymunk_dragon.model.march import March
+    from pymunk_dragon.model.run import Run
 
 __all__ = ["played", "simulate"]
 

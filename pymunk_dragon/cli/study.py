@@ -73,7 +73,7 @@ def _of_file(scenario_file: str | None, takes: tuple[str, ...]) -> dict[str, Any
     """What a scenario's file says of the numbers that a study takes."""
     if scenario_file is None:
         return {}
-    from pymunk_dragon.scenario import Scenario
+    from pymunk_dragon.model.scenario import Scenario
 
     # Checked as a whole: a slip in what is left aside is a slip all the same.
     scenario = Scenario.from_mapping(Scenario.read(scenario_file))
@@ -82,14 +82,14 @@ def _of_file(scenario_file: str | None, takes: tuple[str, ...]) -> dict[str, Any
 
 def _speed(table: Any) -> Any:
     """A speed that is a table of numbers or a file, as studies take it."""
-    from pymunk_dragon.scenario import Scenario
+    from pymunk_dragon.model.scenario import Scenario
 
     return Scenario(speed=table).march().speed
 
 
 def _check_libraries(destination: Path) -> None:
     """Refuse what cannot be written before the study runs."""
-    from pymunk_dragon.extras import library
+    from pymunk_dragon._extras import library
 
     needed = {".png": "matplotlib", ".svg": "matplotlib", ".xlsx": "xlsxwriter"}
     if (name := needed.get(destination.suffix.lower())) is not None:

@@ -40,11 +40,11 @@ from numpy.typing import NDArray
 
 from pymunk_dragon.collision.grid import MAX_CELL, MIN_CELL, Grid
 from pymunk_dragon.collision.sat import Separation, separation
-from pymunk_dragon.curves.base import Curve, frame, max_curvature
-from pymunk_dragon.curves.composite import Composite
-from pymunk_dragon.curves.spiral import Spiral
-from pymunk_dragon.dragon import bench_poses
-from pymunk_dragon.march import March
+from pymunk_dragon.model.curves.base import Curve, frame, max_curvature
+from pymunk_dragon.model.curves.composite import Composite
+from pymunk_dragon.model.curves.spiral import Spiral
+from pymunk_dragon.model.dragon import bench_poses
+from pymunk_dragon.model.march import March
 
 __all__ = ["Intervals", "MotionBounds", "handles_in_reach", "near_pairs"]
 
@@ -358,7 +358,7 @@ class MotionBounds:
 def _of_pieces(curve: Curve) -> list[float]:
     """Coordinates of the ends of a curve's pieces, along each piece, m, and 0."""
     pieces = curve.pieces if isinstance(curve, Composite) else []
-    return [0.0, *(end for piece in pieces for end in (piece.begin, piece.end) if np.isfinite(end))]
+    return [0.0, *(end for piece in pieces for end in (piece.begin_s, piece.end_s) if np.isfinite(end))]
 
 
 def handles_in_reach(march: March, first: float, last: float, near: float) -> int:

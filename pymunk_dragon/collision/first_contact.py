@@ -32,14 +32,14 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from pymunk_dragon.checks import finite
+from pymunk_dragon._checks import finite
 from pymunk_dragon.collision.bounds import Intervals, MotionBounds, handles_in_reach, near_pairs
 from pymunk_dragon.collision.sat import separation
-from pymunk_dragon.contact import Contact
-from pymunk_dragon.curves.base import point
-from pymunk_dragon.dragon import bench_poses
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.march import March, check_march, last_time
+from pymunk_dragon.model.contact import Contact
+from pymunk_dragon.model.curves.base import point
+from pymunk_dragon.model.dragon import bench_poses
+from pymunk_dragon.model.march import March, check_march, last_time
 
 __all__ = ["FirstContact", "NearMiss", "Status", "first_contact"]
 
@@ -213,7 +213,7 @@ def first_contact(
     ('contact', (0, 8))
     """
     start, until = checked_times(march, start, until)
-    steady = March(march.dragon, march.curve, start=march.head_start)
+    steady = March(march.dragon, march.curve, start_s=march.head_start)
     begin, end = march.distance([start, until]).tolist()
     if until == march.end:
         # Not beyond it by rounding.

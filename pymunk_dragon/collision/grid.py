@@ -19,11 +19,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from pymunk_dragon.checks import finite, whole
+from pymunk_dragon._checks import finite, whole
 from pymunk_dragon.collision.outlines import MAX_COORDINATE, checked_outlines, numbers
-from pymunk_dragon.curves import Spiral
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.march import March, check_march
+from pymunk_dragon.model.curves import Spiral
+from pymunk_dragon.model.march import March, check_march
 
 __all__ = ["Grid"]
 

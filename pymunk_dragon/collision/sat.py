@@ -22,9 +22,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from pymunk_dragon._frozen import ArrayRecord, read_only
 from pymunk_dragon.collision.outlines import checked_outlines
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.frozen import ArrayRecord, read_only
 
 __all__ = ["Separation", "axis_gaps", "overlap", "separation"]
 

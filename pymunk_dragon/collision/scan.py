@@ -10,12 +10,12 @@ from collections.abc import Callable, Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from pymunk_dragon.checks import positive
+from pymunk_dragon._checks import positive
 from pymunk_dragon.collision.first_contact import FirstContact, Status, checked_times
 from pymunk_dragon.collision.grid import Grid
 from pymunk_dragon.collision.sat import separation
 from pymunk_dragon.errors import ParameterError, UnreachableError
-from pymunk_dragon.march import March
+from pymunk_dragon.model.march import March
 
 __all__ = ["STEP", "TOLERANCE", "scan"]
 

@@ -8,7 +8,7 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from pymunk_dragon.checks import finite, word
+from pymunk_dragon._checks import finite, word
 
 __all__ = ["Camera", "Subject", "View"]
 

@@ -16,12 +16,12 @@ from multiprocessing import get_context, parent_process, resource_tracker
 from multiprocessing.connection import wait
 from multiprocessing.reduction import ForkingPickler
 
+from pymunk_dragon._signals import ENDING, signals_held
 from pymunk_dragon.drawing.canvas import Canvas
 from pymunk_dragon.drawing.moments import Moment
 from pymunk_dragon.drawing.streams import Stream
 from pymunk_dragon.drawing.streams.base import DirtyRectangle, DirtyRectangleStream, Table
 from pymunk_dragon.errors import DragonError
-from pymunk_dragon.signals import ENDING, signals_held
 
 __all__ = ["encode_frames"]
 

@@ -10,13 +10,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from pymunk_dragon.checks import finite, positive, whole
+from pymunk_dragon._checks import finite, positive, whole
 from pymunk_dragon.drawing.camera import Camera
 from pymunk_dragon.drawing.moments import Mark, Source, window
 from pymunk_dragon.drawing.palette import Palette
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.march import March
-from pymunk_dragon.run import Run
+from pymunk_dragon.model.march import March
+from pymunk_dragon.model.run import Run
 
 __all__ = ["Film", "shared_window"]
 
@@ -54,7 +54,7 @@ class Film:
         Simulated seconds per second of film.
     size : int or tuple of int
         Width and height, pixels; one number for a square.
-    since, until : float, optional
+    start, until : float, optional
         Simulated time of the first and the last frame, s. The default is the whole run. A march begins at 0 and
         requires `until`.
     hold : float
@@ -92,7 +92,7 @@ class Film:
     fps: int = 10
     speedup: float = 20.0
     size: int | tuple[int, int] = 440
-    since: float | None = None
+    start: float | None = None
     until: float | None = None
     hold: float = 1.0
     camera: Camera = field(default_factory=Camera)
@@ -111,7 +111,7 @@ class Film:
             raise ParameterError("size", self.size, "one number, or a width and a height")
         for length in self.shape:
             whole("size", length, MIN_SIZE, MAX_SIZE)
-        for name in ("since", "until"):
+        for name in ("start", "until"):
             if getattr(self, name) is not None:
                 finite(name, getattr(self, name), -math.inf, math.inf, "s")
         finite("hold", self.hold, 0.0, MAX_HOLD, "s")
@@ -144,13 +144,13 @@ class Film:
         ParameterError
             If the window is empty, extends beyond the run, or requires too many frames.
         """
-        since, until = self._window(sources)
+        start, until = self._window(sources)
         step = self.speedup / self.fps
-        frames = (until - since) / step
+        frames = (until - start) / step
         if frames > MAX_FRAMES:
             raise ParameterError("speedup", self.speedup, f"such that the film has at most {MAX_FRAMES} frames")
         count = math.ceil(frames - ROUNDING)
-        times: Array = np.minimum(since + step * np.arange(count + 1), until)
+        times: Array = np.minimum(start + step * np.arange(count + 1), until)
         return times
 
     def ends(self, times: Array) -> Array:
@@ -165,19 +165,19 @@ class Film:
 
     def _window(self, sources: Sequence[Source]) -> tuple[float, float]:
         begin, end = shared_window(sources)
-        since, until = self.since, self.until
-        if since is None:
-            since = begin if math.isfinite(begin) else 0.0
+        start, until = self.start, self.until
+        if start is None:
+            start = begin if math.isfinite(begin) else 0.0
         if until is None:
             ends = [float(source.times[-1]) for source in sources if isinstance(source, Run)]
             if not ends:
                 raise ParameterError("until", None, f"given for a march, at most {end:.6g} s")
             until = min(max(ends), end)
-        finite("since", since, begin, end, "s")
+        finite("start", start, begin, end, "s")
         finite("until", until, begin, end, "s")
-        if until < since:
-            raise ParameterError("until", until, f"no earlier than the first time, {since:g} s")
-        return since, until
+        if until < start:
+            raise ParameterError("until", until, f"no earlier than the first time, {start:g} s")
+        return start, until
 
 
 def shared_window(sources: Sequence[Source]) -> tuple[float, float]:

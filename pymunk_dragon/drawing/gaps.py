@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from pymunk_dragon.dragon import Dragon
+from pymunk_dragon.model.dragon import Dragon
 
 __all__ = ["smallest_gap"]
 

@@ -11,10 +11,10 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from pymunk_dragon.checks import word
+from pymunk_dragon._checks import word
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.march import March
-from pymunk_dragon.run import Run
+from pymunk_dragon.model.march import March
+from pymunk_dragon.model.run import Run
 
 __all__ = ["Mark", "Moment", "Source", "Touch", "check_marks", "largest_impulse", "moments", "window"]
 

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pymunk_dragon.checks import finite, whole
+from pymunk_dragon._checks import finite, whole
+from pymunk_dragon._files import check_destination, written_in_place
 from pymunk_dragon.drawing.camera import HEAD_SPAN
 from pymunk_dragon.drawing.canvas import Canvas
 from pymunk_dragon.drawing.encode import encode_frames
@@ -18,9 +19,8 @@ from pymunk_dragon.drawing.moments import Source, check_marks, largest_impulse, 
 from pymunk_dragon.drawing.scene import Scene
 from pymunk_dragon.drawing.streams import FILM_ENDINGS, check_ending, open_stream
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.files import check_destination, written_in_place
-from pymunk_dragon.march import March
-from pymunk_dragon.run import Run
+from pymunk_dragon.model.march import March
+from pymunk_dragon.model.run import Run
 
 __all__ = ["STILL_ENDINGS", "make_canvas", "render", "still", "still_png", "write_film", "write_still"]
 

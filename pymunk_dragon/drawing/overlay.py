@@ -14,7 +14,7 @@ from pymunk_dragon.collision import Grid
 from pymunk_dragon.drawing.camera import View
 from pymunk_dragon.drawing.moments import Mark, Moment
 from pymunk_dragon.drawing.palette import BLOCK, Accent, blends
-from pymunk_dragon.march import March
+from pymunk_dragon.model.march import March
 
 __all__ = ["Overlay"]
 

@@ -6,15 +6,15 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
-from pymunk_dragon.contact import Contact
-from pymunk_dragon.dragon import Dragon, outlines
 from pymunk_dragon.drawing.camera import Camera, View
 from pymunk_dragon.drawing.gaps import smallest_gap
 from pymunk_dragon.drawing.lettering import Lettering
 from pymunk_dragon.drawing.moments import Mark, Moment
 from pymunk_dragon.drawing.overlay import Overlay
 from pymunk_dragon.drawing.palette import BLOCK, CODES
-from pymunk_dragon.march import March
+from pymunk_dragon.model.contact import Contact
+from pymunk_dragon.model.dragon import Dragon, outlines
+from pymunk_dragon.model.march import March
 
 __all__ = ["Scene", "hole_diameter"]
 

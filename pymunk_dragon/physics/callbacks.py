@@ -8,8 +8,8 @@ from typing import Any, Literal
 
 import pymunk
 
-from pymunk_dragon.contact import ContactEvent, Phase
-from pymunk_dragon.signals import signals_held
+from pymunk_dragon._signals import signals_held
+from pymunk_dragon.model.contact import ContactEvent, Phase
 
 __all__ = ["Contacts", "Recorder", "manifold"]
 

@@ -8,9 +8,9 @@ import numpy as np
 import pymunk
 from numpy.typing import NDArray
 
-from pymunk_dragon.checks import word
-from pymunk_dragon.curves import foot
-from pymunk_dragon.march import March
+from pymunk_dragon._checks import word
+from pymunk_dragon.model.curves import foot
+from pymunk_dragon.model.march import March
 from pymunk_dragon.physics.world import DRAG, PathGuide, bench_mass
 
 __all__ = ["Free", "Guide", "Rails", "make_guide"]

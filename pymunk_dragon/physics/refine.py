@@ -6,8 +6,8 @@ import numpy as np
 import pymunk
 from numpy.typing import NDArray
 
-from pymunk_dragon.contact import Contact
-from pymunk_dragon.dragon import Dragon, interpolated
+from pymunk_dragon.model.contact import Contact
+from pymunk_dragon.model.dragon import Dragon, interpolated
 from pymunk_dragon.physics.callbacks import manifold
 from pymunk_dragon.physics.world import bench_shape
 

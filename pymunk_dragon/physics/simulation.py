@@ -10,16 +10,16 @@ from typing import get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from pymunk_dragon.checks import finite, positive, whole, word
-from pymunk_dragon.contact import Contact, ContactEvent, ContactLog
-from pymunk_dragon.dragon import interpolated
+from pymunk_dragon._checks import finite, positive, whole, word
 from pymunk_dragon.errors import DragonError, ParameterError, UnreachableError
-from pymunk_dragon.march import March, States, check_march, last_time
+from pymunk_dragon.model.contact import Contact, ContactEvent, ContactLog
+from pymunk_dragon.model.dragon import interpolated
+from pymunk_dragon.model.march import March, States, check_march, last_time
+from pymunk_dragon.model.run import Outcome, Run, versions
 from pymunk_dragon.physics.callbacks import Contacts, Recorder
 from pymunk_dragon.physics.guides import Guide, make_guide
 from pymunk_dragon.physics.refine import refined_contact
 from pymunk_dragon.physics.world import DRAG, World, bench_mass
-from pymunk_dragon.run import Outcome, Run, versions
 
 __all__ = ["FINE_ITERATIONS", "FINE_STRIDE", "ITERATIONS", "STRIDE", "simulate", "top_speed"]
 

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from pymunk import batch
 from pymunk.batch import BodyFields
 
-from pymunk_dragon.dragon import Dragon
 from pymunk_dragon.errors import UnreachableError
-from pymunk_dragon.march import March, States, check_march
+from pymunk_dragon.model.dragon import Dragon
+from pymunk_dragon.model.march import March, States, check_march
 
 __all__ = ["DRAG", "PathGuide", "World", "bench_mass", "bench_shape"]
 

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from pymunk_dragon.collision import FirstContact, Grid
 from pymunk_dragon.drawing.scene import hole_diameter
-from pymunk_dragon.march import March
+from pymunk_dragon.model.march import March
+from pymunk_dragon.model.run import Run
 from pymunk_dragon.player.packing import Packed, packed
-from pymunk_dragon.run import Run
 
 __all__ = ["PlayerData", "contact_windows", "curve_points", "handles", "player_data"]
 

@@ -9,15 +9,15 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
+from pymunk_dragon._files import check_destination, written_in_place
+from pymunk_dragon._html import asset, policy
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.files import check_destination, written_in_place
-from pymunk_dragon.pages import asset, policy
+from pymunk_dragon.model.run import Run
 from pymunk_dragon.player.colours import variables
 from pymunk_dragon.player.contents import player_data
 from pymunk_dragon.reports.exact import exact_first_contact, with_exact_contact
 from pymunk_dragon.reports.sections import headline, sections, subtitle
 from pymunk_dragon.reports.summary import summarize
-from pymunk_dragon.run import Run
 
 __all__ = ["PLAYER_ENDINGS", "player_page", "write_player"]
 

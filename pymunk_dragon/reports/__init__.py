@@ -6,8 +6,9 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from pymunk_dragon.extras import library
-from pymunk_dragon.files import check_destination, written_in_place
+from pymunk_dragon._extras import library
+from pymunk_dragon._files import check_destination, written_in_place
+from pymunk_dragon.model.run import Run
 from pymunk_dragon.reports.contest import TABLE_ENDINGS, write_contact_table, write_tables
 from pymunk_dragon.reports.exact import exact_first_contact, with_exact_contact
 from pymunk_dragon.reports.page import as_html
@@ -16,7 +17,6 @@ from pymunk_dragon.reports.picture import Picture, pictures
 from pymunk_dragon.reports.summary import contents, json_schema, summarize
 from pymunk_dragon.reports.text import as_csv, as_json, as_markdown
 from pymunk_dragon.reports.workbook import write_workbook
-from pymunk_dragon.run import Run
 
 __all__ = [
     "REPORT_ENDINGS",

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from pymunk_dragon._files import check_destination
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.files import check_destination
-from pymunk_dragon.march import March
+from pymunk_dragon.model.march import March
 from pymunk_dragon.reports.xlsx import MAX_COLUMNS, workbook
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ import numpy as np
 
 from pymunk_dragon.collision import FirstContact, first_contact
 from pymunk_dragon.errors import ParameterError, UnreachableError
-from pymunk_dragon.run import Run
+from pymunk_dragon.model.run import Run
 
 __all__ = ["exact_first_contact", "with_exact_contact"]
 

@@ -6,7 +6,7 @@ from base64 import b64encode
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from pymunk_dragon.pages import filled
+from pymunk_dragon._html import filled
 from pymunk_dragon.reports import charts, sections
 from pymunk_dragon.reports.picture import Picture
 

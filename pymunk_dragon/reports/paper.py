@@ -8,7 +8,7 @@ from decimal import ROUND_DOWN, Decimal
 
 import numpy as np
 
-from pymunk_dragon.march import March
+from pymunk_dragon.model.march import March
 from pymunk_dragon.reports.summary import TABLE_TIMES
 
 __all__ = ["paper_tables", "truncate"]

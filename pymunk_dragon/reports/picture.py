@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pymunk_dragon.drawing import Camera, Film, still_png
-from pymunk_dragon.run import Run
+from pymunk_dragon.model.run import Run
 
 __all__ = ["Picture", "pictures"]
 

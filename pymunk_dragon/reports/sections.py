@@ -29,7 +29,7 @@ SCENARIO_LABELS = {
     "radius": ("Radius of the turning circle", "m"),
     "ratio": ("First arc's radius over the second's", ""),
     "length": ("Length of the curve", "m"),
-    "start": ("Start of the head, along the curve", "m"),
+    "start_s": ("Start of the head, along the curve", "m"),
 }
 # Names of curve classes in sentences; other classes appear under the class name.
 CURVE_NAMES = {
@@ -71,7 +71,7 @@ def headline(contents: Contents) -> str:
     first, outcome, exact = contents["first_contact"], contents["outcome"], contents["exact"]
     if first is not None:
         return f"Benches {format_pair(first['benches'])} touch at {format_number(first['time'], 6)} s"
-    begin, end = (f"{format_number(outcome[name], 3)} s" for name in ("from", "until"))
+    begin, end = (f"{format_number(outcome[name], 3)} s" for name in ("start", "until"))
     if outcome["status"] == "unreachable":
         return f"No contact until {end}, where the curve leaves the head no place"
     if contents["player"] == "exact" and (exact is None or exact["status"] != "clear"):
@@ -98,7 +98,7 @@ def subtitle(contents: Contents) -> str:
 def key_figures(contents: Contents) -> Facts:
     """The most important numbers of the run."""
     outcome, drift = contents["outcome"], contents["drift"]
-    figures = [("simulated", f"{format_number(outcome['from'], 2)} to {format_number(outcome['until'], 2)} s")]
+    figures = [("simulated", f"{format_number(outcome['start'], 2)} to {format_number(outcome['until'], 2)} s")]
     time_error = _time_error_text(contents)
     if time_error is not None:
         figures.append(("against the exact first contact", time_error))

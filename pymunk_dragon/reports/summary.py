@@ -17,12 +17,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pymunk_dragon.collision import FirstContact
-from pymunk_dragon.curves import Spiral, UTurn
 from pymunk_dragon.errors import UnreachableError
-from pymunk_dragon.march import March
+from pymunk_dragon.model.curves import Spiral, UTurn
+from pymunk_dragon.model.march import March
+from pymunk_dragon.model.run import HEAD_BENCHES, Run
+from pymunk_dragon.model.speed import ConstantSpeed, SpeedTable
 from pymunk_dragon.reports.exact import exact_first_contact, with_exact_contact
-from pymunk_dragon.run import HEAD_BENCHES, Run
-from pymunk_dragon.speed import ConstantSpeed, SpeedTable
 
 __all__ = ["SCHEMA", "VERSION", "contents", "json_schema", "summarize"]
 
@@ -75,7 +75,7 @@ def summarize(run: Run, exact: FirstContact | None) -> Contents:
         "versions": found_versions if isinstance(found_versions, Mapping) else {"versions": found_versions},
         "outcome": {
             "status": run.outcome,
-            "from": run.times[0],
+            "start": run.times[0],
             "until": run.times[-1],
             "frames": len(run.times),
             "events": len(run.events),
@@ -109,10 +109,10 @@ def _scenario(march: March) -> dict[str, Any]:
     }
     if isinstance(curve, UTurn):
         parameters |= {"radius": curve.radius, "ratio": curve.ratio}
-    if math.isfinite(length := curve.end - curve.begin):
+    if math.isfinite(length := curve.end_s - curve.begin_s):
         parameters["length"] = length
-    if march.start is not None:
-        parameters["start"] = march.start
+    if march.start_s is not None:
+        parameters["start_s"] = march.start_s
     return parameters
 
 

@@ -9,8 +9,8 @@ from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pymunk_dragon.extras import library
-from pymunk_dragon.files import written_in_place
+from pymunk_dragon._extras import library
+from pymunk_dragon._files import written_in_place
 
 if TYPE_CHECKING:
     from xlsxwriter.workbook import Workbook

@@ -6,9 +6,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from pymunk_dragon.checks import word
-from pymunk_dragon.dragon import Dragon
+from pymunk_dragon._checks import word
 from pymunk_dragon.errors import ParameterError
+from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.studies.max_speed import MaxSpeed, max_speed
 from pymunk_dragon.studies.min_pitch import MinPitch, PitchMap, min_pitch
 from pymunk_dragon.studies.progress import Progress, silent

@@ -13,10 +13,10 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from pymunk_dragon.curves import Spiral
-from pymunk_dragon.curves.spiral import MIN_PITCH
 from pymunk_dragon.errors import DragonError
-from pymunk_dragon.march import March
+from pymunk_dragon.model.curves import Spiral
+from pymunk_dragon.model.curves.spiral import MIN_PITCH
+from pymunk_dragon.model.march import March
 from pymunk_dragon.studies.gaps import QUANTITIES, TRAVELLED, Gaps, gaps_of
 from pymunk_dragon.studies.min_pitch import distance_to_circle
 from pymunk_dragon.studies.sampled_gaps import minimal_gaps

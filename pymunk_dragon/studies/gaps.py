@@ -24,8 +24,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from pymunk_dragon.collision import separation
-from pymunk_dragon.curves import Spiral
-from pymunk_dragon.march import March
+from pymunk_dragon.model.curves import Spiral
+from pymunk_dragon.model.march import March
 
 __all__ = ["PITCH", "QUANTITIES", "SIZES", "TRAVELLED", "Gaps", "gaps_of"]
 

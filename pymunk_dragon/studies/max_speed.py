@@ -32,12 +32,12 @@ from dataclasses import asdict, dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from pymunk_dragon.checks import finite
-from pymunk_dragon.curves import Composite, Section, Spiral, UTurn, frame
-from pymunk_dragon.dragon import Dragon
+from pymunk_dragon._checks import finite
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.march import March
-from pymunk_dragon.speed import MAX_SPEED, MIN_SPEED
+from pymunk_dragon.model.curves import Composite, Section, Spiral, UTurn, frame
+from pymunk_dragon.model.dragon import Dragon
+from pymunk_dragon.model.march import March
+from pymunk_dragon.model.speed import MAX_SPEED, MIN_SPEED
 from pymunk_dragon.studies.progress import Progress, silent
 
 __all__ = ["MaxSpeed", "SpeedRatio", "largest_ratio", "max_speed"]
@@ -183,7 +183,7 @@ def max_speed(
     try:
         march = March(dragon, curve)
     except ParameterError as error:
-        if error.name != "start":
+        if error.name != "start_s":
             raise
         raise ParameterError(
             "radius", radius, "large enough for an initial position of the dragon at the circle"
@@ -229,7 +229,7 @@ def largest_ratio(march: March, progress: Progress = silent) -> SpeedRatio:
     search.run(0.0, _exit_distance(march, 1, head))
     # Once the head has left the turn, the benches behind it move as a chain of equal benches, whose motion is periodic.
     gain, body = _outward_gain(search.curve, dragon.spacings[:2]), float(dragon.spacings[1:2].sum()) or head
-    alike = March(replace(dragon, head_spacing=body), march.curve, start=search.curve.joints[-1])
+    alike = March(replace(dragon, head_spacing=body), march.curve, start_s=search.curve.joints[-1])
     followers = _Search(alike, search.ratio / gain)
     followers.run(0.0, _exit_distance(alike, 1, body))
     bound = gain
@@ -258,18 +258,18 @@ def _periodic_samples(march: March, phase: float) -> tuple[Array, Array]:
     spiral = outward.curve if isinstance(outward, Section) else outward
     assert isinstance(spiral, Spiral)
     head, body = float(march.dragon.spacings[0]), float(march.dragon.spacings[-1])
-    angles, heads = spiral.angle([outward.begin + phase]), []
+    angles, heads = spiral.angle([outward.begin_s + phase]), []
     for _ in range(1, march.dragon.benches):
         heads.append(spiral.behind(angles, head))
         angles = spiral.behind(angles, body)
-    travelled = spiral.arc(np.concatenate(heads)) - outward.begin + march.curve.joints[-1] - march.head_start
+    travelled = spiral.arc(np.concatenate(heads)) - outward.begin_s + march.curve.joints[-1] - march.head_start
     return travelled, travelled
 
 
 def _outward_gain(curve: Composite, spacings: Array) -> float:
     """Bound on the ratio of a handle's speed to the head's while all benches are on the outward spiral."""
     outward = curve.pieces[-1]
-    cosines = np.sqrt(1 - (outward.curvature(outward.begin) * spacings / 2) ** 2)
+    cosines = np.sqrt(1 - (outward.curvature(outward.begin_s) * spacings / 2) ** 2)
     return float(np.prod(np.maximum(1.0, cosines[1:] / cosines[:-1])) / cosines[-1])
 
 
@@ -381,7 +381,7 @@ class _Search:
         low, high = np.minimum(*ends), np.maximum(*ends)
         for joint, before, after in zip(self.curve.joints, self.curve.pieces[:-1], self.curve.pieces[1:], strict=True):
             here = (first <= joint + MIN_INTERVAL) & (last >= joint - MIN_INTERVAL)
-            for end in (float(before.curvature(before.end)), float(after.curvature(after.begin))):
+            for end in (float(before.curvature(before.end_s)), float(after.curvature(after.begin_s))):
                 low, high = np.where(here, np.minimum(low, end), low), np.where(here, np.maximum(high, end), high)
         return low, high
 

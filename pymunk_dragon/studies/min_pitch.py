@@ -21,13 +21,13 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from pymunk_dragon.checks import finite, positive
+from pymunk_dragon._checks import finite, positive
 from pymunk_dragon.collision import FirstContact, first_contact
-from pymunk_dragon.curves import Spiral
-from pymunk_dragon.curves.spiral import MAX_PITCH
-from pymunk_dragon.dragon import Dragon
 from pymunk_dragon.errors import DragonError, ParameterError
-from pymunk_dragon.march import March
+from pymunk_dragon.model.curves import Spiral
+from pymunk_dragon.model.curves.spiral import MAX_PITCH
+from pymunk_dragon.model.dragon import Dragon
+from pymunk_dragon.model.march import March
 from pymunk_dragon.studies.gaps import PITCH, Gaps, gaps_of
 from pymunk_dragon.studies.progress import Progress, silent
 from pymunk_dragon.studies.sampled_gaps import SampledGaps

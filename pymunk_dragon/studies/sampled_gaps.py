@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pymunk_dragon.collision import separation
-from pymunk_dragon.curves import Spiral
-from pymunk_dragon.dragon import Dragon
-from pymunk_dragon.march import March
+from pymunk_dragon.model.curves import Spiral
+from pymunk_dragon.model.dragon import Dragon
+from pymunk_dragon.model.march import March
 from pymunk_dragon.studies.gaps import TRAVELLED, Gaps, gaps_of
 
 __all__ = ["SampledGaps", "minimal_gaps"]

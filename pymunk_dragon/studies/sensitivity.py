@@ -18,10 +18,10 @@ from typing import Literal
 import numpy as np
 
 from pymunk_dragon.collision import first_contact
-from pymunk_dragon.curves import Spiral
-from pymunk_dragon.dragon import Dragon
 from pymunk_dragon.errors import DragonError, ParameterError
-from pymunk_dragon.march import March
+from pymunk_dragon.model.curves import Spiral
+from pymunk_dragon.model.dragon import Dragon
+from pymunk_dragon.model.march import March
 from pymunk_dragon.studies.branches import (
     BRACKET,
     Branch,

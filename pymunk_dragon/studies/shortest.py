@@ -25,12 +25,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from pymunk_dragon.curves import UTurn, chain
-from pymunk_dragon.curves.base import Curve, frame
-from pymunk_dragon.dragon import Dragon
+from pymunk_dragon._extras import library
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.extras import library
-from pymunk_dragon.march import March
+from pymunk_dragon.model.curves import UTurn, chain
+from pymunk_dragon.model.curves.base import Curve, frame
+from pymunk_dragon.model.dragon import Dragon
+from pymunk_dragon.model.march import March
 from pymunk_dragon.studies.max_speed import SpeedRatio, largest_ratio
 from pymunk_dragon.studies.progress import Progress, silent
 from pymunk_dragon.studies.turns import ArcPath, Turn, closed_turn

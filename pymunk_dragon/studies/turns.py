@@ -9,8 +9,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from pymunk_dragon.curves import Arc, Composite, Curve, Line, UTurn
-from pymunk_dragon.curves.base import frame
+from pymunk_dragon.model.curves import Arc, Composite, Curve, Line, UTurn
+from pymunk_dragon.model.curves.base import frame
 
 __all__ = ["ArcPath", "Turn", "closed_turn"]
 
@@ -71,14 +71,14 @@ class ArcPath:
         self.count = x.size // 2
         self.curvatures, self.lengths = x[: self.count], x[self.count :]
         inward, outward = base.pieces[0], base.pieces[-1]
-        start, direction = _frame(inward, np.array([inward.end]))
+        start, direction = _frame(inward, np.array([inward.end_s]))
         turned = self.curvatures * self.lengths
         self.edges = np.concatenate([[0.0], np.cumsum(self.lengths)])
         self.headings = np.angle(direction) + np.concatenate([[0.0], np.cumsum(turned)])
         chords = self.lengths * np.exp(1j * self.headings[:-1]) * _chord(turned)
         self.joints: Complex = start + np.concatenate([[0.0], np.cumsum(chords)])
         self._inward, self._outward = inward, outward
-        stop, leaving = _frame(outward, np.array([outward.begin]))
+        stop, leaving = _frame(outward, np.array([outward.begin_s]))
         self._stop, self._leaving = stop, leaving
         self._rotation = np.exp(1j * self.headings[-1]) / leaving
 
@@ -93,11 +93,11 @@ class ArcPath:
         tangents = starts * np.exp(1j * angles)
         before, after = s < 0, s >= self.edges[-1]
         if before.any():
-            there = s[before] + self._inward.end
+            there = s[before] + self._inward.end_s
             points[before], tangents[before] = _frame(self._inward, there)
             curvatures[before] = self._inward.curvature(there)
         if after.any():
-            there = s[after] - self.edges[-1] + self._outward.begin
+            there = s[after] - self.edges[-1] + self._outward.begin_s
             spiral, direction = _frame(self._outward, there)
             points[after] = self.joints[-1] + self._rotation * (spiral - self._stop)
             tangents[after] = self._rotation * direction

@@ -17,13 +17,13 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from pymunk_dragon.checks import finite, whole
+from pymunk_dragon._checks import finite, whole
+from pymunk_dragon._extras import library
 from pymunk_dragon.collision import FirstContact, first_contact
-from pymunk_dragon.curves import UTurn
-from pymunk_dragon.dragon import Dragon
 from pymunk_dragon.errors import ParameterError, UnreachableError
-from pymunk_dragon.extras import library
-from pymunk_dragon.march import March
+from pymunk_dragon.model.curves import UTurn
+from pymunk_dragon.model.dragon import Dragon
+from pymunk_dragon.model.march import March
 from pymunk_dragon.studies.max_speed import SpeedRatio, largest_ratio
 from pymunk_dragon.studies.progress import Progress, silent
 from pymunk_dragon.studies.shortest import Shortest, shortest_turn

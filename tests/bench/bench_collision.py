@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from pymunk_dragon.collision import first_contact
 from pymunk_dragon.collision.grid import Grid
 from pymunk_dragon.collision.sat import overlap, separation
-from pymunk_dragon.dragon import Dragon, outlines
-from pymunk_dragon.march import March
+from pymunk_dragon.model.dragon import Dragon, outlines
+from pymunk_dragon.model.march import March
 
 REPEATS = sized(300, 1)
 

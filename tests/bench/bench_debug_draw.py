@@ -19,7 +19,7 @@ from measure import durations, sized
 from PIL import Image
 
 from pymunk_dragon.drawing.debug_draw import PillowDrawOptions
-from pymunk_dragon.march import March
+from pymunk_dragon.model.march import March
 
 SIZE = 640
 REPEATS, MATPLOTLIB_REPEATS = sized((21, 5), (1, 1))

@@ -8,7 +8,7 @@ from __future__ import annotations
 import shapely
 from measure import sized
 
-from pymunk_dragon.march import March
+from pymunk_dragon.model.march import March
 from pymunk_dragon.physics import guides, simulate, world
 
 START = sized(400.0, 412.0)

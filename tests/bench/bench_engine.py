@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from measure import sized, spread
 
-from pymunk_dragon.dragon import Dragon
-from pymunk_dragon.march import March
+from pymunk_dragon.model.dragon import Dragon
+from pymunk_dragon.model.march import March
 from pymunk_dragon.physics import simulate
 
 REPEATS = sized(5, 1)

@@ -25,8 +25,8 @@ from measure import arguments, sized
 from pymunk_dragon.drawing import Film, write_film
 from pymunk_dragon.drawing.moments import moments
 from pymunk_dragon.drawing.output import make_canvas
-from pymunk_dragon.march import March
-from pymunk_dragon.run import Run
+from pymunk_dragon.model.march import March
+from pymunk_dragon.model.run import Run
 
 FRAMES, ROUNDS = sized((300, 5), (4, 1))
 SINCE, STEP, SIZE, FPS = 100.0, 0.5, 640, 20
@@ -36,7 +36,7 @@ def film_of(frames: int) -> tuple[Run, Film]:
     """A run with a frame every half second, as a film of the whole march needs it, and the film."""
     last = SINCE + (frames - 1) * STEP
     return Run.exact(March(), np.arange(SINCE, last + STEP, STEP)), Film(
-        size=SIZE, fps=FPS, speedup=FPS * STEP, since=SINCE, until=last, hold=0.0
+        size=SIZE, fps=FPS, speedup=FPS * STEP, start=SINCE, until=last, hold=0.0
     )
 
 

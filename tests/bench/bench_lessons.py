@@ -11,7 +11,7 @@ from statistics import median
 
 from measure import durations, sized
 
-from pymunk_dragon.demos import DEMOS
+from pymunk_dragon.lessons import DEMOS
 
 REPEATS = sized(3, 1)
 LESSONS = sized(list(DEMOS), ["spiral"])

@@ -24,9 +24,9 @@ def main() -> None:
     points = spiral.curve.point(np.linspace(-900, -1, 4000))
     marches = {
         "spiral": spiral,
-        "the same by the code for any curve": March(curve=Reversed(Reversed(Spiral())), start=spiral.head_start),
-        "the same through 4000 points": March(curve=Sampled(points), start=900 + spiral.head_start - 1),
-        "u-turn, from -100 s to 312 s": March(curve=UTurn(), start=-100.0),
+        "the same by the code for any curve": March(curve=Reversed(Reversed(Spiral())), start_s=spiral.head_start),
+        "the same through 4000 points": March(curve=Sampled(points), start_s=900 + spiral.head_start - 1),
+        "u-turn, from -100 s to 312 s": March(curve=UTurn(), start_s=-100.0),
     }
     alone = None
     for name, march in marches.items():

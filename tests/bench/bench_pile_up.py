@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from measure import sized
 
-from pymunk_dragon.march import March
+from pymunk_dragon.model.march import March
 from pymunk_dragon.physics import simulate
 
 CONTACT = 412.474

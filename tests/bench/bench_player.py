@@ -18,9 +18,9 @@ from measure import arguments, sized
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from browser import chromium, opened
 
-from pymunk_dragon.march import March
+from pymunk_dragon.model.march import March
+from pymunk_dragon.model.run import Run
 from pymunk_dragon.player import write_player
-from pymunk_dragon.run import Run
 
 VIEWS = {
     "whole field": "#t=300",

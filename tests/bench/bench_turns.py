@@ -14,8 +14,8 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 from arc_turns import random_search
 from measure import sized
 
-from pymunk_dragon.curves import UTurn
-from pymunk_dragon.dragon import Dragon
+from pymunk_dragon.model.curves import UTurn
+from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.studies.shortest import shortest_turn
 from pymunk_dragon.studies.u_turn import MIN_RADIUS
 

@@ -14,11 +14,11 @@ from damage import damaged, rarely
 from harness import Case
 from hypothesis import strategies as st
 
-from pymunk_dragon.curves import Arc, Composite, Line, UTurn
-from pymunk_dragon.dragon import Dragon
-from pymunk_dragon.march import March
+from pymunk_dragon.model.curves import Arc, Composite, Line, UTurn
+from pymunk_dragon.model.dragon import Dragon
+from pymunk_dragon.model.march import March
+from pymunk_dragon.model.run import Run
 from pymunk_dragon.physics import simulate
-from pymunk_dragon.run import Run
 
 __all__ = ["cases", "whole_runs"]
 

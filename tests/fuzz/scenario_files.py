@@ -122,7 +122,7 @@ flat = {
     "radius": lengths,
     "ratio": lengths,
     "points": st.lists(points, min_size=3, max_size=8),
-    "start": st.floats(-100, 20),
+    "start_s": st.floats(-100, 20),
     "speed": st.one_of(
         st.floats(0.1, 5), st.lists(st.tuples(st.integers(0, 9), st.floats(0.1, 3)).map(list), max_size=4)
     ),

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 
 from PIL import Image
 
-from pymunk_dragon.checks import word
+from pymunk_dragon._checks import word
+from pymunk_dragon._files import check_destination, written_in_place
 from pymunk_dragon.drawing.figures.charts import gap, speeds
 from pymunk_dragon.drawing.figures.engine import drift, impulses
 from pymunk_dragon.drawing.figures.grid_partition import grid
@@ -22,9 +23,8 @@ from pymunk_dragon.drawing.figures.times import TimeInterval, model, time_interv
 from pymunk_dragon.drawing.moments import Source
 from pymunk_dragon.drawing.output import STILL_ENDINGS, write_still
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.files import check_destination, written_in_place
-from pymunk_dragon.march import March
-from pymunk_dragon.run import Run
+from pymunk_dragon.model.march import March
+from pymunk_dragon.model.run import Run
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

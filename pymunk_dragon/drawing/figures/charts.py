@@ -14,7 +14,7 @@ from pymunk_dragon.drawing.figures.times import TimeInterval, contact_or_end, la
 from pymunk_dragon.drawing.gaps import smallest_gap
 from pymunk_dragon.drawing.moments import moments
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.march import March
+from pymunk_dragon.model.march import March
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -12,7 +12,7 @@ from pymunk_dragon.drawing.figures.lines import NAME_OFFSET, bundle, label, loga
 from pymunk_dragon.drawing.figures.style import AMBER, BLUE, COLOURS, page, panel
 from pymunk_dragon.drawing.figures.times import contact_or_end, time_interval
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.run import HEAD_BENCHES, Run
+from pymunk_dragon.model.run import HEAD_BENCHES, Run
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

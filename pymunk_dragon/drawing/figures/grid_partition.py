@@ -20,7 +20,7 @@ from pymunk_dragon.drawing.figures.style import (
     panel,
 )
 from pymunk_dragon.drawing.figures.times import TimeInterval, contact_or_end, describe, spirals_in
-from pymunk_dragon.march import March
+from pymunk_dragon.model.march import March
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

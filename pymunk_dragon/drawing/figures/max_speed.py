@@ -8,7 +8,7 @@ import numpy as np
 
 from pymunk_dragon.drawing.figures.lines import label
 from pymunk_dragon.drawing.figures.style import BLUE, COLOURS, FAINT, QUIET, RULE, halo, page, panel
-from pymunk_dragon.march import March
+from pymunk_dragon.model.march import March
 from pymunk_dragon.studies import MaxSpeed
 
 if TYPE_CHECKING:

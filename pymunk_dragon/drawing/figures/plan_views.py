@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pymunk_dragon.curves import Spiral
 from pymunk_dragon.drawing.figures.style import (
     BLUE,
     COLOURS,
@@ -20,7 +19,8 @@ from pymunk_dragon.drawing.figures.style import (
 )
 from pymunk_dragon.drawing.figures.times import TimeInterval, contact_or_end, describe, last_regular_time, spirals_in
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.march import March
+from pymunk_dragon.model.curves import Spiral
+from pymunk_dragon.model.march import March
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -64,7 +64,7 @@ def spiral(march: March, interval: TimeInterval) -> Figure:
     hit = contact_or_end(march, interval)
     step = MINUTE * max(1.0, np.ceil(hit.time / MINUTE / MAX_DOTS))
     turns = float(curve.angle(march.head_start)) / (2 * np.pi)
-    length, gone = curve.end - march.head_start, float(march.distance(hit.time))
+    length, gone = curve.end_s - march.head_start, float(march.distance(hit.time))
     figure = page(
         8.0,
         8.6,

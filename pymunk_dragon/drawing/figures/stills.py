@@ -6,8 +6,8 @@ from dataclasses import replace
 
 from pymunk_dragon.drawing.figures.times import TimeInterval, closing_time, contact_or_end, spirals_in
 from pymunk_dragon.drawing.film import Film
-from pymunk_dragon.march import March
-from pymunk_dragon.run import Run
+from pymunk_dragon.model.march import March
+from pymunk_dragon.model.run import Run
 
 __all__ = ["Still", "collision", "inward", "outer_loop"]
 

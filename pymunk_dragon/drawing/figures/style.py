@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any
 
 from PIL import ImageFont
 
+from pymunk_dragon._extras import library
+from pymunk_dragon._files import written_in_place
 from pymunk_dragon.drawing.palette import Palette
-from pymunk_dragon.extras import library
-from pymunk_dragon.files import written_in_place
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

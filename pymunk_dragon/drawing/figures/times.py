@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from pymunk_dragon.collision import FirstContact, first_contact
-from pymunk_dragon.curves import Spiral
-from pymunk_dragon.dragon import Dragon
 from pymunk_dragon.drawing.moments import Source
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.march import March
-from pymunk_dragon.run import Run
+from pymunk_dragon.model.curves import Spiral
+from pymunk_dragon.model.dragon import Dragon
+from pymunk_dragon.model.march import March
+from pymunk_dragon.model.run import Run
 
 __all__ = [
     "TimeInterval",

@@ -8,7 +8,7 @@ import numpy as np
 
 from pymunk_dragon.drawing.figures.lines import label
 from pymunk_dragon.drawing.figures.style import AMBER, BLUE, COLOURS, FAINT, QUIET, RULE, page, panel
-from pymunk_dragon.march import March
+from pymunk_dragon.model.march import March
 from pymunk_dragon.studies import TurnAnswer
 
 if TYPE_CHECKING:

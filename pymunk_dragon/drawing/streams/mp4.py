@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from pymunk_dragon._extras import library
 from pymunk_dragon.errors import MissingExtraError
-from pymunk_dragon.extras import library
 
 __all__ = ["Mp4Stream", "ffmpeg"]
 

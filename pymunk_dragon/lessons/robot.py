@@ -1,0 +1,64 @@
+"""A robot's arm that goes where its tip went: the dragon's code on a curve of one's own."""
+
+import numpy as np
+
+from pymunk_dragon import Dragon, March, first_contact, render, simulate
+from pymunk_dragon.lessons import Lesson
+from pymunk_dragon.model.curves import Sampled
+
+lesson = Lesson("robot", "A dragon in the machine")
+
+lesson.question(
+    "A snake arm looks into engines where no hand can reach: its 16 links go where the tip went before. You draw the "
+    "way and lead the tip along it at a constant speed; how fast do the joints go, and does the arm get in its own way?"
+)
+lesson.predict(
+    "Where the way bends: are the joints behind the tip faster than the tip, slower, or as fast? And will the tip get "
+    "past the links that are still coming in?"
+)
+
+# Links from the tip to the base, in m: slender and short in front, wide and long behind.
+arm = Dragon(
+    head_spacing=0.14,
+    body_spacing=[0.10] * 6 + [0.13] * 5 + [0.16] * 4,
+    overhang=0.02,
+    width=[0.05] * 7 + [0.06] * 5 + [0.07] * 4,
+)
+# The way, as points that were tapped on a screen; the smooth curve through them is what the tip follows.
+points = [(-1.9, 0), (-1.6, 0), (-1.3, 0), (-1, 0), (-0.75, 0.08), (-0.5, 0.25), (-0.25, 0.3), (-0.03, 0.15)]
+points += [(0.1, -0.1), (0.32, -0.25), (0.55, -0.15), (0.6, 0.1), (0.42, 0.28), (0.2, 0.22), (0.05, 0.05), (-0.1, -0.1)]
+march = March(arm, Sampled(np.array(points)), speed=0.2)
+
+# All that the dragon can be asked, the arm can: does it run into itself, exactly and in Pymunk, ...
+hit = first_contact(march)
+run = simulate(march, frame_interval=0.1)
+print(f"exact    t = {hit.time:.4f} s   {hit.status}   links {hit.benches}")
+touch = run.first_contact
+print(f"engine   t = {run.times[-1]:.4f} s   " + (f"contact   links {touch.benches}" if touch else "clear"))
+
+# ... and where is each joint, and how fast?
+states = march.at(np.arange(0.1, hit.time - 0.1, 0.1))
+for word, found in [("fastest", states.speeds.argmax()), ("slowest", states.speeds.argmin())]:
+    now, joint = np.unravel_index(found, states.speeds.shape)
+    print(f"{word}  joint {joint:2d}   t = {states.times[now]:.1f} s   {states.speeds[now, joint]:.3f} m/s")
+for time in (states.times[now] - 0.1, states.times[now] + 0.1):  # where the slowest one was before, and after
+    x, y = march.at(time).positions[0, joint]
+    print(f"         joint {joint:2d}   t = {time:.1f} s   at ({x:.4f}, {y:.4f}) m")
+
+film = lesson.file(".gif")
+render(run, film, speedup=1, fps=10, size=(540, 300), hold=2)
+lesson.show(film, "The arm's 16 links follow the tip along a curve that was drawn by hand, until it runs into link 13.")
+
+lesson.answer(
+    "No joint is more than some 3 % faster or slower than the tip: both ends of a link go equally fast along it, so "
+    "the faster one is the one that goes more across it. But after 8.668 s the tip runs into link 13, so this is no "
+    "way for this arm."
+)
+lesson.check(
+    "The slowest speed of 0.194 m/s: it is printed where that joint was 0.1 s before and 0.1 s after. Divide the "
+    "distance between the two places by 0.2 s."
+)
+lesson.change(
+    "Let `points` end in (0.1, 0.05), (0.2, 0), and the tip slips past. Then draw a way of your own: README, under "
+    "Other marches, tells how a file holds your dragon and curve, and `pymunk-dragon study` lists what else to ask."
+)

@@ -1,0 +1,62 @@
+"""Who has to run in the turn of the contest's question 4, and how fast the head may go so that nobody runs too fast."""
+
+import numpy as np
+
+from pymunk_dragon import March
+from pymunk_dragon.drawing.figures.style import AMBER, BLUE, COLOURS, RULE
+from pymunk_dragon.lessons import Lesson
+from pymunk_dragon.studies import max_speed
+
+lesson = Lesson("speed-limit", "The head sets the pace, and others have to run")
+
+lesson.question(
+    "In the turn inside the circle 9 m wide the head keeps a steady pace, but not everybody behind it can. If nobody "
+    "may ever be faster than 2 m/s, who is the first at that limit, and how fast may the head go?"
+)
+lesson.predict(
+    "Who has to run fastest: the head, somebody close behind it, or the tail? And may the head go at 2 m/s, at 1.6, or "
+    "only at some 1.25?"
+)
+
+found = max_speed(limit=2.0, ratio=2.0)
+print(f"{found.limit:g} m/s / {found.ratio:.10f} = {found.speed:.10f} m/s  head's largest speed")
+print(f"t = {found.time:.4f} s  handles {found.handles} at {found.limit:g} m/s")
+march = March(found.dragon, found.curve, speed=found.speed)
+
+# At that moment: the angles between a bench and the ways that its front and its rear handle go.
+state, product = march.at(found.time), 1.0
+for i in range(found.handle):
+    bench = state.positions[0, i] - state.positions[0, i + 1]
+    front, rear = (np.arccos(v @ bench / np.hypot(*v) / np.hypot(*bench)) for v in state.velocities[0, i : i + 2])
+    lever = np.cos(front) / np.cos(rear)
+    product *= lever
+    print(f"bench {i}: {np.degrees(front):7.4f} and {np.degrees(rear):7.4f} degrees  cos / cos = {lever:.6f}")
+print(f"product {product:.4f}")
+
+# Where the head enters the circle, changes arcs and leaves, the path bends differently from one moment to the next.
+figure, axes = lesson.subplots()
+for place, name in zip(found.curve.joints, ("enters", "changes", "leaves"), strict=True):
+    axes.axvline(place / found.speed, color=RULE)
+    axes.text(place / found.speed + 0.15, 0.05, name, rotation=90, transform=axes.get_xaxis_transform())
+t = np.linspace(-1, 19, 2001)
+speeds = march.at(t, 4).speeds
+for handle, line, colour in ((0, "-", BLUE), (1, ":", COLOURS.ink), (3, "--", AMBER)):
+    axes.plot(t, speeds[:, handle], line, color=colour, label=f"handle {handle}")
+axes.set(xlabel="time since the head entered (s)", ylabel="speed (m/s)", xlim=(-1, 19), xticks=range(0, 20, 5))
+axes.legend(loc="upper right", frameon=False)
+lesson.show(figure, "The head is steady, the others are not: the lines mark where it enters, changes arcs, and leaves.")
+
+lesson.answer(
+    "Handles 3 to 7 are 1.6048 times as fast as the head, so 1.2462663582 m/s is all that it may go: it has just left "
+    "the narrow arc while handle 1 is still on it, so the path crosses the head bench at 46 degrees in front and at 63 "
+    "degrees behind. Both handles are equally fast along the rigid bench, so it moves the rear one like a lever, 1.55 "
+    "times as fast, and bench 2, which lies across the place where both arcs meet, adds another 3 percent."
+)
+lesson.check(
+    "The product, 1.6048: type cos(46.0060) / cos(63.4555) * cos(4.7067) / cos(15.1517) into a calculator that reckons "
+    "in degrees. Bench 1 adds nothing: it is a chord of one arc, which meets it at equal angles."
+)
+lesson.change(
+    "Set `ratio` to 1.0, two equal arcs: the turn is as long as before, but how fast may the head go now, who is the "
+    "fastest, and at which of the three lines is the hurry?"
+)

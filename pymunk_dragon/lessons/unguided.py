@@ -1,0 +1,48 @@
+"""What the dancers do: without them the dragon straightens, and runs into itself."""
+
+import numpy as np
+
+from pymunk_dragon import Dragon, March, render, simulate
+from pymunk_dragon.lessons import Lesson
+
+lesson = Lesson("unguided", "What do the dancers do?")
+
+lesson.question(
+    "Every bench hangs on the one before it, and the head walks its spiral without a fault. Does it take dancers to "
+    "bring the other 222 benches along, or do they follow by themselves?"
+)
+lesson.predict(
+    "The dancers let go, and only the head pulls. Will the dragon keep to the spiral, swing outwards, or cut across? "
+    "And will that go well for minutes, or for seconds?"
+)
+
+# The same march twice: nobody guides the benches, or dancers keep every hole on the path.
+march = March(Dragon(benches=223))
+alone = simulate(march, guide="none", until=30)
+hit = alone.first_contact
+guided = simulate(march, until=hit.time)
+print(f"without dancers: t = {hit.time:.3f} s  benches {hit.benches} touch")
+
+# Where the front holes of some benches are then: their distance from the middle, and from where they began.
+some = [0, 4, 8, 16, 28, 60]
+print("bench               " + "".join(f"{bench:8d}" for bench in some))
+for name, run in [("with   ", guided), ("without", alone)]:
+    (begin, end), _ = march.dragon.holes(run.poses_at([0, hit.time]))
+    for what, far in [("from middle", end), ("from start ", end - begin)]:
+        print(f"{name} {what}" + "".join(f"{np.hypot(*far[bench]):8.3f}" for bench in some) + " m")
+
+film = lesson.file(".gif")
+render([guided, alone], film, headings=("with dancers", "without dancers"), speedup=2, fps=8, size=(330, 370), hold=2)
+lesson.show(film, "On the left dancers keep every bench on the spiral; on the right only the head pulls.")
+
+lesson.answer(
+    "They do not follow: a chain that is pulled at one end straightens, so the benches behind the head cut across, and "
+    "after 10.9 s bench 1 runs into bench 28, while bench 60 has coasted for 8 cm and stands. A chain can only pull "
+    "along itself, and in a bend that is always a little inwards, so somebody has to walk beside each bench and hold "
+    "it on the path."
+)
+lesson.check(
+    "The head is 8.691 m from the middle both times, so it is not to blame. It has gone 10.884 m in a lane 0.55 m "
+    "wide, which is the ring from 8.8 m in to its own distance r: π (8.8² - r²) = 0.55 · 10.884."
+)
+lesson.change("Make it a short dragon: `Dragon(benches=20)`, and `some = [0, 4, 8, 16]`. Whom does the head meet now?")

@@ -1,0 +1,1 @@
+"""The exact model: dragons, curves, speeds, marches, and the runs that are played of them."""

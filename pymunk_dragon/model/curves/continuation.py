@@ -1,0 +1,404 @@
+"""The state of a chain that continuous motion along a curve leads to, jackknifed benches included.
+
+A bench of spacing d has its front handle at the arc-length coordinate s of a curve P and its rear handle at r < s with
+F(s, r) = (|P(s) - P(r)|^2 - d^2) / 2 = 0. With e = P(s) - P(r), the derivatives of F are A = e . T(s) by s and
+-B = -e . T(r) by r, where T is the unit tangent. While B > 0, r is a smooth function g(s) with g' = A / B (implicit
+function theorem): the bench pushes its rear handle back where A < 0 (jackknife), and motion goes on. Motion ends at a
+fold, B = 0, where the bench is perpendicular to the path at its rear handle, and where r reaches the curve's begin.
+
+So g depends on s alone, not on the motion that led to s, and the whole chain is a composition of such functions.
+Three facts make g certain:
+
+- Where the path is less curved than a circle with the bench as its diameter, over half that circle's circumference back
+  (pi / 2 d from s), A and B are positive, and the rear handle is the only one within that length: the "gentle"
+  case, in which `curves.chain` finds it. This is checked with the curve's own bound on its curvature.
+- On an inward spiral r = k theta, `curves.chain` finds g wherever it exists, but A may be negative near the centre; see
+  `_is_regular_on`.
+- Elsewhere g is followed in cells. From a root (s0, r0), and with bounds K_s and K_r on the curvature near both
+  handles, |F(s, r0)| <= |A| h + M_s h^2 / 2 for |s - s0| <= h, and B decreases by no more than h + M_r p for
+  |r - r0| <= p, where M = 1 + K times the longest distance in the cell. If |A| h + M_s h^2 / 2 < p (B - h - M_r p),
+  then for every s of the cell F changes sign once and only once within |r - r0| <= p. No other branch can be met,
+  however long the step.
+
+Handles that move back and forth may pass the end of the next bench's g and return, although motion has ended there.
+What counts is the range of each handle since the start. The image of an interval under g is known from its ends and
+from the coordinates between them where A = 0, so these ranges are followed along the chain as well.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pymunk_dragon.model.curves.base import Array, Curve, frame, max_curvature
+from pymunk_dragon.model.curves.chain import chain, gentle_offsets, reached
+from pymunk_dragon.model.curves.spiral import Spiral
+
+__all__ = ["Continuation"]
+
+Flags = NDArray[np.bool_]
+
+# Share of a spacing: grid on which the curvature is checked, and longest half cell in either coordinate.
+GRID, WINDOW = 0.25, 0.125
+# Cells of the grid that are checked at once.
+GRID_CELLS = 4096
+# Share of the longest step that is proven, to cover its rounding.
+SAFE = 0.9
+# Share of a spacing. Shorter steps only approach a fold: its coordinate is then known to about this.
+SHORTEST = 1e-12
+# Share of a spacing. Where A may vanish, a step is no longer than this: two reversals within it hide next to nothing.
+REVERSAL = 1e-4
+# Sections of a cell, and passes, in which A = 0 is located: to 1e-12 of the cell.
+SECTIONS, PASSES = 17, 10
+# m by which two benches may differ in a state that they share.
+SAME = 1e-9
+# Cells after which a strongly curved path is not followed any further.
+MAX_CELLS = 100_000
+# Spacings over k of an inward spiral between which a rear handle may vanish near the centre and exist again further in:
+# from m(theta*) to 2 pi, and by rounding a little more (see `_is_regular_on`).
+INNERMOST = 5.78, 6.29
+
+
+class Continuation:
+    """Arc-length coordinates of a chain that moves continuously from its state with the head at `head`.
+
+    The result for a position of the head depends on nothing but the arguments: what is kept between calls is extended
+    in steps that do not depend on the calls.
+
+    Parameters
+    ----------
+    curve : Curve
+        What the handles are on.
+    head : float
+        Coordinate of handle 0 at the start, m. The other handles are then where `curves.chain` finds them.
+    spacings : ndarray, shape (N,)
+        Straight distances between neighbouring handles, m.
+    """
+
+    def __init__(self, curve: Curve, head: float, spacings: Array) -> None:
+        self._curve, self._head, self._spacings = curve, head, spacings
+        self._chains: list[_Branch] = []
+
+    @cached_property
+    def start(self) -> Array:
+        """Coordinates (H,) at the start, m; nan for handles that have none, and for all behind them."""
+        handles_s: Array = chain(self._curve, [self._head], self._spacings)[0]
+        return handles_s
+
+    def coordinates(self, heads: Array, handles: int) -> Array:
+        """Coordinates (T, handles) of the foremost handles with the head at `heads` (T,), m.
+
+        They are nan for a handle that motion from the start does not bring there, and for all behind it.
+        """
+        spacings = self._spacings[: handles - 1]
+        direct = self._direct(np.minimum(heads, self._head), np.maximum(heads, self._head), handles)
+        if direct.all():
+            return chain(self._curve, heads, spacings)
+        handles_s = np.empty((heads.size, handles))
+        handles_s[direct] = chain(self._curve, heads[direct], spacings)
+        handles_s[~direct] = self._followed(heads[~direct], handles)
+        return handles_s
+
+    def ranges(self, first: Array, last: Array) -> tuple[Array, Array]:
+        """Lowest and highest coordinates (T, H) of handles while the chain moves between two states (T, H)."""
+        lows, highs = np.minimum(first, last), np.maximum(first, last)
+        handles = first.shape[1]
+        rows = np.flatnonzero(~self._gentle(lows[:, 0], highs[:, 0], range(handles - 1)))
+        if rows.size:
+            reversing = np.zeros(rows.size, dtype=bool)
+            for i, branch in enumerate(self._branches(handles - 1)):
+                reversing |= branch.may_reverse(lows[rows, i], highs[rows, i])
+            rows = rows[reversing]
+        for i, branch in enumerate(self._branches(handles - 1) if rows.size else []):
+            gentle = self._gentle(lows[rows, i], highs[rows, i], range(i, handles - 1))
+            rest, rows = rows[gentle], rows[~gentle]
+            lows[rest, i:] = chain(self._curve, lows[rest, i], self._spacings[i : handles - 1])
+            highs[rest, i:] = chain(self._curve, highs[rest, i], self._spacings[i : handles - 1])
+            if not rows.size:
+                break
+            known = (first[rows, i], first[rows, i + 1]), (last[rows, i], last[rows, i + 1])
+            low, high = branch.image(lows[rows, i], highs[rows, i], known)
+            hidden = np.where(branch.may_reverse(lows[rows, i], highs[rows, i]), branch.hidden, 0.0)
+            lows[rows, i + 1], highs[rows, i + 1] = low - hidden, high + hidden
+        return lows, highs
+
+    def alike(self, low: float, high: float) -> bool:
+        """Whether all benches behind bench 0 are the same function while the head stays between `low` and `high`, m."""
+        if self._spacings[1:].size and np.ptp(self._spacings[1:]) > 0:
+            return False
+        extremes = np.array([min(low, self._head)]), np.array([max(high, self._head)])
+        if self._direct(*extremes, self._spacings.size + 1).all():
+            return True
+        return len({id(branch) for branch in self._branches(self._spacings.size)[1:]}) <= 1
+
+    def _direct(self, lows: Array, highs: Array, handles: int) -> Flags:
+        """Whether `curves.chain` gives the states of the first handles for any head from `lows` to `highs` (T,)."""
+        if _is_regular_on(self._curve, self._spacings[: handles - 1]):
+            return np.ones(lows.shape, dtype=bool)
+        return self._gentle(lows, highs, range(handles - 1))
+
+    def _gentle(self, lows: Array, highs: Array, benches: range) -> Flags:
+        """Whether A and B are positive for these benches for any first front from `lows` to `highs` (T,)."""
+        spacings = self._spacings[benches.start : benches.stop]
+        if not spacings.size:
+            return np.ones(lows.shape, dtype=bool)
+        curvature = max_curvature(self._curve, lows - np.pi / 2 * spacings.sum(), highs)
+        gentle: Flags = ~(curvature * spacings.max() >= 2)
+        return gentle
+
+    def _branches(self, benches: int) -> list[_Branch]:
+        """The functions of the foremost `benches`, or of fewer if others have no state at the start."""
+        if not self._chains:
+            known = np.flatnonzero(~np.isnan(self.start[1:]))
+            found: dict[int, _Branch] = {}
+            for bench in known.tolist():
+                if bench not in found:
+                    chord = float(self._spacings[bench])
+                    branch = _Branch(self._curve, chord, float(self.start[bench]), float(self.start[bench + 1]))
+                    others = [
+                        other for other in known.tolist() if other not in found and self._spacings[other] == chord
+                    ]
+                    fronts = self.start[others]
+                    branch.cover(fronts.min(), fronts.max())
+                    same = np.abs(branch.rear(fronts) - self.start[1:][others]) <= SAME
+                    found |= {other: branch for other, shared in zip(others, same.tolist(), strict=True) if shared}
+                    found[bench] = branch
+            self._chains = [found[bench] for bench in known.tolist()]
+        return self._chains[:benches]
+
+    def _followed(self, heads: Array, handles: int) -> Array:
+        """What `coordinates` gives, bench by bench."""
+        handles_s = np.full((heads.size, handles), np.nan)
+        handles_s[:, 0] = heads
+        lows, highs = np.minimum(heads, self._head), np.maximum(heads, self._head)
+        done = np.zeros(heads.size, dtype=bool)
+        for i, branch in enumerate(self._branches(handles - 1)):
+            rows = np.flatnonzero(~done & ~np.isnan(handles_s[:, i]))
+            gentle = self._gentle(lows[rows], highs[rows], range(i, handles - 1))
+            self._place_rest(handles_s, rows[gentle], i, lows)
+            done[rows[gentle]] = True
+            rows = rows[~gentle]
+            if not rows.size:
+                break
+            branch.cover(lows[rows].min(), highs[rows].max())
+            fronts = handles_s[rows, i]
+            rears = branch.rear(fronts)
+            known = (self.start[i], self.start[i + 1]), (fronts, rears)
+            lows[rows], highs[rows] = branch.image(lows[rows], highs[rows], known)
+            handles_s[rows, i + 1] = np.where(np.isnan(lows[rows] + highs[rows]), np.nan, rears)
+        return handles_s
+
+    def _place_rest(self, handles_s: Array, rows: NDArray[np.intp], i: int, lows: Array) -> None:
+        """Coordinate the handles behind handle `i` by `curves.chain`; those once pushed off the path are lost."""
+        fronts, low = handles_s[rows, i], lows[rows]
+        spacings = self._spacings[i : handles_s.shape[1] - 1]
+        handles_s[rows, i:] = chain(self._curve, fronts, spacings)
+        lower = np.flatnonzero((low < fronts) & (low < self.start[i]))
+        if lower.size:
+            lost = np.isnan(chain(self._curve, low[lower], spacings))
+            handles_s[rows[lower], i:] = np.where(lost, np.nan, handles_s[rows[lower], i:])
+
+
+def _is_regular_on(curve: Curve, spacings: Array) -> bool:
+    """Whether `curves.chain` finds the states that motion leads to everywhere on an inward spiral.
+
+    Let D be the distance over k between the points at the angles theta and theta + x, and G = d(D^2)/dx / 2. Then
+    G = x + theta (1 - cos x) + theta (theta + x) sin x, and G > 0 for 0 < x <= pi. For pi < x < 2 pi, G = 0 means
+    cos x / (theta + x) - sin x = 1 / theta. The left side is below the right one at both ends of this interval, and
+    has one maximum in it, where tan x = -(theta + x) - 1 / (theta + x). The maximum lies beyond 3 pi / 2, where theta
+    times the left side grows with theta. So there is one angle theta* = 0.98577 above which D has one maximum m(theta)
+    within a turn, and below which D grows over the whole turn, to 2 pi. By the envelope theorem m grows with theta:
+    dm^2/dtheta = 2 (2 theta + x) (1 - cos x) > 0; and m(theta*) = 5.78357.
+
+    `Spiral.chain` finds the x < 2 pi up to which D grows to the spacing over k. So where theta falls, a spacing
+    of at most 5.78 k always has its rear handle, one above 2 pi k loses it for good, at the fold, where m(theta)
+    is the spacing; only one in between may lose it and have another one further in. As m grows outward, a bench that is
+    no longer than the one before it loses its rear handle no earlier.
+    """
+    if not isinstance(curve, Spiral) or curve.outward:
+        return False
+    chords = spacings / curve.k
+    between = (chords > INNERMOST[0]) & (chords < INNERMOST[1])
+    return bool(np.all(np.diff(chords) <= 0) and not between.any())
+
+
+class _Branch:
+    """Rear handle's coordinate of a bench as a function of the front handle's, as far as it is continuous."""
+
+    def __init__(self, curve: Curve, chord: float, front: float, rear: float) -> None:
+        self._curve, self._chord, self._rear = curve, chord, rear
+        # By direction: the state reached last, None where the function ends; edges of cells, and brackets of the rear.
+        self._tips: dict[int, tuple[float, float] | None] = {-1: (front, rear), 1: (front, rear)}
+        self._ends = {-1: [front], 1: [front]}
+        self._brackets: dict[int, list[tuple[float, float]]] = {-1: [], 1: []}
+        # Coordinates of both handles at reversals; fronts between which there may be one; how far two of them in one
+        # cell may move the rear handle, m.
+        self._turns: list[tuple[float, float]] = []
+        self._doubtful: list[tuple[float, float]] = []
+        self.hidden = 0.0
+        self._join()
+
+    def cover(self, low: float, high: float) -> None:
+        """Follow the function to both coordinates of the front handle, or to where it ends."""
+        grown = False
+        for direction, aim in ((-1, low), (1, high)):
+            while self._tips[direction] is not None and (aim - self._ends[direction][-1]) * direction > 0:
+                self._extend(direction, aim)
+                grown = True
+        if grown:
+            self._join()
+
+    def rear(self, fronts: Array) -> Array:
+        """Coordinates (T,) of the rear handle, m; nan outside of what is covered."""
+        cells = np.searchsorted(self._edges, fronts, side="right") - 1
+        inside = (cells >= 0) & (fronts <= self._edges[-1])
+        low, high = self._cells[np.clip(cells, 0, len(self._cells) - 1)].T
+        shortest, longest, _ = gentle_offsets(self._curve, fronts, self._chord)
+        shortest = np.where(np.isnan(low), shortest, fronts - high)
+        longest = np.where(np.isnan(low), longest, fronts - low)
+        points = self._curve.point(fronts)
+        return reached(self._curve, fronts, points, self._chord, np.where(inside, shortest, np.nan), longest)[0]
+
+    def image(self, lows: Array, highs: Array, known: tuple[tuple[Array, Array], ...]) -> tuple[Array, Array]:
+        """Lowest and highest rear coordinates (T,) for fronts between `lows` and `highs`; nan where the function ends.
+
+        Pairs of fronts and rears that are `known` are not computed again.
+        """
+        self.cover(lows.min(), highs.max())
+        ends = []
+        for fronts in (lows, highs):
+            rears = np.full(fronts.shape, np.nan)
+            for front, rear in known:
+                rears = np.where(fronts == front, rear, rears)
+            missing = np.isnan(rears)
+            if missing.any():
+                rears[missing] = self.rear(fronts[missing])
+            ends.append(rears)
+        low, high = np.minimum(*ends), np.maximum(*ends)
+        for front, rear in self.reversals.T:
+            between = (lows < front) & (front < highs)
+            low, high = np.where(between, np.minimum(low, rear), low), np.where(between, np.maximum(high, rear), high)
+        return low, high
+
+    def may_reverse(self, lows: Array, highs: Array) -> Flags:
+        """Whether the rear handle may reverse while the front handle is between `lows` and `highs` (T,)."""
+        self.cover(lows.min(), highs.max())
+        found: Flags = np.zeros(lows.shape, dtype=bool)
+        for low, high in self._doubtful:
+            found |= (lows <= high) & (highs >= low)
+        return found
+
+    def _join(self) -> None:
+        """Make arrays of what both directions know."""
+        (left, right), (before, after) = self._ends.values(), self._brackets.values()
+        self._edges = np.array(left[::-1] + right[1:])
+        # Before it is followed anywhere, the function is known at the start only.
+        self._cells = np.array(before[::-1] + after or [(self._rear, self._rear)])
+        self.reversals = np.array(sorted(self._turns)).reshape(-1, 2).T
+
+    def _extend(self, direction: int, aim: float) -> None:
+        """Go on by some gentle cells of the grid, at most to the one with `aim` in it, or by a cell that is proven."""
+        tip = self._tips[direction]
+        assert tip is not None
+        front, rear = tip
+        end = self._gentle_run(front, rear, direction, aim)
+        if end != front:
+            self._append(direction, end, self._gentle_rear(end), (np.nan, np.nan))
+            return
+        last = self._curve.end_s if direction > 0 else self._curve.begin_s
+        step, half, ahead, hidden = self._step(front, rear, direction)
+        step = min(step, abs(last - front))
+        shortest = max(SHORTEST * self._chord, 4 * float(np.spacing(abs(front))))
+        while step > shortest and len(self._brackets[direction]) < MAX_CELLS:
+            bracket = rear - half, rear + half
+            following = front + direction * step
+            there = float(self._within(np.array([following]), bracket)[0])
+            if not np.isnan(there):
+                if hidden:
+                    self._doubtful.append((min(front, following), max(front, following)))
+                    self.hidden = max(self.hidden, hidden)
+                if (ahead >= 0) != (self._growth(np.array([following]), np.array([there]))[0][0] >= 0):
+                    self._turns.append(self._reversal(front, following, bracket))
+                self._append(direction, following, there, bracket)
+                return
+            # The rear handle is before the begin of the curve.
+            step /= 2
+        self._tips[direction] = None
+
+    def _append(self, direction: int, front: float, rear: float, bracket: tuple[float, float]) -> None:
+        """Add a cell."""
+        self._ends[direction].append(front)
+        self._brackets[direction].append(bracket)
+        self._tips[direction] = None if np.isnan(rear) else (front, rear)
+
+    def _gentle_run(self, front: float, rear: float, direction: int, aim: float) -> float:
+        """Where, from `front` on, a row of gentle cells of the grid ends; `front` itself if there is none."""
+        chord, curve = self._chord, self._curve
+        cell = GRID * chord
+        first = np.floor(front / cell) if direction > 0 else np.ceil(front / cell)
+        if ((first + direction) * cell - front) * direction <= 0:
+            first += direction
+        count = int(min(GRID_CELLS, np.ceil(abs(aim - front) / cell) + 1))
+        edges = (first + direction * np.arange(count + 1)) * cell
+        lows, highs = np.minimum(edges[:-1], edges[1:]), np.maximum(edges[:-1], edges[1:])
+        gentle = max_curvature(curve, lows - np.pi / 2 * chord, highs) * chord < 2
+        number = count if gentle.all() else int(np.argmin(gentle))
+        # On another branch the rear handle is further away.
+        if number == 0 or front - rear > gentle_offsets(curve, np.array([front]), chord)[1][0]:
+            return front
+        return float(np.clip(edges[number], curve.begin_s, curve.end_s))
+
+    def _gentle_rear(self, front: float) -> float:
+        fronts = np.array([front])
+        shortest, longest, _ = gentle_offsets(self._curve, fronts, self._chord)
+        return float(reached(self._curve, fronts, self._curve.point(fronts), self._chord, shortest, longest)[0][0])
+
+    def _within(self, fronts: Array, bracket: tuple[float, float]) -> Array:
+        """Rear coordinates (T,) of which there is one each between two."""
+        low, high = fronts - bracket[1], fronts - bracket[0]
+        return reached(self._curve, fronts, self._curve.point(fronts), self._chord, low, high)[0]
+
+    def _growth(self, fronts: Array, rears: Array) -> tuple[Array, Array]:
+        """A and B (T,) of the head of this module."""
+        points, tangents = frame(self._curve, np.stack([fronts, rears]))
+        between = points[0] - points[1]
+        ahead, behind = np.sum(tangents * between, axis=-1)
+        return ahead, behind
+
+    def _step(self, front: float, rear: float, direction: int) -> tuple[float, float, float, float]:
+        """Length and half height of a proven cell, both 0 at a fold; A; and what reversals in it may hide, m."""
+        growth = self._growth(np.array([front]), np.array([rear]))
+        ahead, behind = float(growth[0][0]), float(growth[1][0])
+        window = WINDOW * self._chord
+        others = np.array([front + direction * window, rear + window])
+        curvature = max_curvature(self._curve, np.array([front, rear - window]), others)
+        own, other = (1 + curvature * (self._chord + 2 * window)).tolist()
+        if behind <= 0:
+            return 0.0, 0.0, ahead, 0.0
+        half = min(window, behind / (2 * other))
+        room, slope = half * (behind - other * half), abs(ahead) + half
+        step = SAFE * min(2 * room / (slope + float(np.sqrt(slope**2 + 2 * own * room))), behind / 4, window)
+        # For each metre, A changes by no more than `own` and the rear handle's rate. B stays above half of itself less
+        # the step, so that rate is at most 8 |A| / B as long as A keeps its sign.
+        change = own + 8 * abs(ahead) / behind
+        certain = SAFE * abs(ahead) / change
+        if step <= certain:
+            return step, half, ahead, 0.0
+        step = min(step, max(certain, REVERSAL * self._chord))
+        # Else |A| is below 2 `change` times the step in it.
+        return step, half, ahead, 0.0 if step <= certain else 8 * change * step**2 / behind
+
+    def _reversal(self, front: float, other: float, bracket: tuple[float, float]) -> tuple[float, float]:
+        """Coordinates of both handles where A = 0, between two fronts at which its signs differ."""
+        low, high = min(front, other), max(front, other)
+        for _ in range(PASSES):
+            fronts = np.linspace(low, high, SECTIONS)
+            rears = self._within(fronts, bracket)
+            forward = self._growth(fronts, rears)[0] >= 0
+            change = int(np.argmax(forward != forward[0]))
+            if change == 0:
+                break
+            low, high = float(fronts[change - 1]), float(fronts[change])
+        return float(fronts[change]), float(rears[change])

@@ -1,0 +1,64 @@
+"""Curves with the direction of travel reversed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from pymunk_dragon.model.curves.base import Array, Curve, check_curve, curvature, frame, max_curvature, point, tangent
+
+__all__ = ["Reversed"]
+
+
+@dataclass(frozen=True)
+class Reversed:
+    """A curve with the direction of travel reversed; its coordinates are those of the curve with the opposite sign.
+
+    Parameters
+    ----------
+    curve : Curve
+        The same path, travelled forward.
+
+    Raises
+    ------
+    ParameterError
+        If `curve` is no curve.
+    """
+
+    curve: Curve
+
+    def __post_init__(self) -> None:
+        check_curve("curve", self.curve)
+
+    @property
+    def begin_s(self) -> float:
+        """Where the curve ends, m."""
+        return -self.curve.end_s
+
+    @property
+    def end_s(self) -> float:
+        """Where the curve begins, m."""
+        return -self.curve.begin_s
+
+    def point(self, s: ArrayLike) -> Array:
+        """Position (..., 2) in m."""
+        return point(self.curve, -np.asarray(s, dtype=float))
+
+    def tangent(self, s: ArrayLike) -> Array:
+        """Unit vector (..., 2) in the direction of travel."""
+        return -tangent(self.curve, -np.asarray(s, dtype=float))
+
+    def frame(self, s: ArrayLike) -> tuple[Array, Array]:
+        """Positions and unit vectors in the direction of travel, each (..., 2)."""
+        points, tangents = frame(self.curve, -np.asarray(s, dtype=float))
+        return points, -tangents
+
+    def curvature(self, s: ArrayLike) -> Array:
+        """Curvature (...) in 1/m, positive for a curve to the left."""
+        return -curvature(self.curve, -np.asarray(s, dtype=float))
+
+    def max_curvature(self, s: ArrayLike, other: ArrayLike) -> Array:
+        """Upper bound (...) on the absolute curvature between two coordinates, 1/m."""
+        return max_curvature(self.curve, -np.asarray(s, dtype=float), -np.asarray(other, dtype=float))

@@ -1,0 +1,73 @@
+"""A part of a curve."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from pymunk_dragon._checks import number
+from pymunk_dragon.errors import ParameterError
+from pymunk_dragon.model.curves.base import Array, Curve, check_curve, curvature, frame, max_curvature, point, tangent
+from pymunk_dragon.model.curves.coordinates import overlap, within
+
+__all__ = ["Section"]
+
+
+@dataclass(frozen=True)
+class Section:
+    """Part of a curve, with the coordinates of the curve.
+
+    Parameters
+    ----------
+    curve : Curve
+        What it is a part of.
+    begin_s, end_s : float
+        Its first and last coordinate on the curve, m. They may be infinite if the curve's are.
+
+    Raises
+    ------
+    ParameterError
+        If `curve` is not a curve, or the coordinates are not on it or not in the order of travel.
+    """
+
+    curve: Curve
+    begin_s: float
+    end_s: float
+
+    def __post_init__(self) -> None:
+        check_curve("curve", self.curve)
+        first, last = self.curve.begin_s, self.curve.end_s
+        begin, end = number(self.begin_s), number(self.end_s)
+        # Written so that nan fails.
+        if not first <= begin < last:
+            raise ParameterError("begin_s", self.begin_s, f"a coordinate on the curve, from {first:g} to {last:g} m")
+        if not begin < end <= last:
+            raise ParameterError(
+                "end_s", self.end_s, f"a coordinate on the curve after {begin:g} m, at most {last:g} m"
+            )
+        object.__setattr__(self, "begin_s", begin)
+        object.__setattr__(self, "end_s", end)
+
+    def point(self, s: ArrayLike) -> Array:
+        """Position (..., 2) in m."""
+        return point(self.curve, within(s, self.begin_s, self.end_s))
+
+    def tangent(self, s: ArrayLike) -> Array:
+        """Unit vector (..., 2) in the direction of travel."""
+        return tangent(self.curve, within(s, self.begin_s, self.end_s))
+
+    def frame(self, s: ArrayLike) -> tuple[Array, Array]:
+        """Positions and unit vectors in the direction of travel, each (..., 2)."""
+        return frame(self.curve, within(s, self.begin_s, self.end_s))
+
+    def curvature(self, s: ArrayLike) -> Array:
+        """Curvature (...) in 1/m, positive to the left."""
+        return curvature(self.curve, within(s, self.begin_s, self.end_s))
+
+    def max_curvature(self, s: ArrayLike, other: ArrayLike) -> Array:
+        """Upper bound (...) on the absolute curvature between two coordinates, 1/m."""
+        lower, upper = overlap(s, other, self.begin_s, self.end_s)
+        shared = lower <= upper
+        return np.where(shared, max_curvature(self.curve, np.where(shared, lower, np.nan), upper), 0.0)

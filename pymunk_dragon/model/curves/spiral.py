@@ -1,0 +1,332 @@
+"""The Archimedean spiral r = k theta (paper, eq. 2-13), travelled inward or outward."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from pymunk_dragon._checks import finite, positive
+from pymunk_dragon.errors import ParameterError
+from pymunk_dragon.model.curves.base import Array
+
+__all__ = ["Spiral"]
+
+Complex = NDArray[np.complex128]
+
+# Metres. A turn wider than this is no dance floor, and no bench fits into a narrower one; the bounds also keep squares
+# of lengths far from the ends of a double.
+MIN_PITCH, MAX_PITCH = 0.001, 1000.0
+TURN = 2 * np.pi
+# A thousand turns of the contest's pitch are a dance floor of a kilometre; more is a slip of the finger.
+MAX_TURNS = 1000.0
+# Newton doubles its digits at every pass and reaches a double's last one in about 6; bisection, its fallback, in 53.
+MAX_PASSES = 80
+# Most benches need 2; what needs more than this is better kept within a bracket.
+FREE_PASSES = 6
+# Share of an angle: after so small a step of Newton's the next one would be below the last digit.
+SETTLED = 1e-10
+# The same for Halley's, which trebles the digits.
+HALLEY_SETTLED = 5e-6
+# Arc length over k / 2 from which the angle is guessed by its asymptotic form; that is right to 2 % there.
+FAR_OUT = 8.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Spiral:
+    """Archimedean spiral about the origin; the coordinate is the arc length from the centre, negative if inward.
+
+    Parameters
+    ----------
+    pitch : float
+        Radial distance between turns, m.
+    rotation : float
+        Angle by which the spiral is turned about the origin, counter-clockwise, rad. At 0 it leaves the centre along
+        the x axis.
+    mirrored : bool
+        Whether it winds clockwise outward; the paper's winds clockwise inward. It is mirrored in the x
+        axis first and turned then.
+    outward : bool
+        Whether it is travelled from the centre out; the paper's goes in.
+
+    Raises
+    ------
+    ParameterError
+        If `pitch` is not a number from 0.001 to 1000 m, or `rotation` not one from -1000 to 1000 rad.
+    """
+
+    pitch: float = 0.55
+    rotation: float = 0.0
+    mirrored: bool = False
+    outward: bool = False
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "pitch", finite("pitch", self.pitch, MIN_PITCH, MAX_PITCH, "m"))
+        object.__setattr__(self, "rotation", finite("rotation", self.rotation, -1000.0, 1000.0, "rad"))
+        for name in ("mirrored", "outward"):
+            if not isinstance(getattr(self, name), bool):
+                raise ParameterError(name, getattr(self, name), "True or False")
+
+    @property
+    def k(self) -> float:
+        """Metres of radius per radian (eq. 2)."""
+        return self.pitch / TURN
+
+    @property
+    def begin_s(self) -> float:
+        """The centre, 0 m, of an outward spiral; -inf for an inward one."""
+        return 0.0 if self.outward else -np.inf
+
+    @property
+    def end_s(self) -> float:
+        """The centre, 0 m, of an inward spiral; inf for an outward one."""
+        return np.inf if self.outward else 0.0
+
+    def at_turn(self, turns: float) -> float:
+        """Coordinate `turns` turns from the centre, m.
+
+        Raises
+        ------
+        ParameterError
+            If `turns` is not a number above 0 and at most 1000.
+        """
+        return self._at_angle(TURN * positive("turns", turns, MAX_TURNS, ""))
+
+    def at_radius(self, radius: float) -> float:
+        """Coordinate at the distance `radius` m from the centre, m.
+
+        Raises
+        ------
+        ParameterError
+            If `radius` is not a number above 0 and at most 1000 pitches.
+        """
+        return self._at_angle(positive("radius", radius, MAX_TURNS * self.pitch, "m") / self.k)
+
+    def angle(self, s: ArrayLike) -> Array:
+        """Polar angle theta in rad, counted from the centre along the winding (eq. 6); nan beyond the centre."""
+        length = self._length(s)
+        # Twice the arc length over k: theta sqrt(theta^2 + 1) + arcsinh theta (eq. 3-5).
+        target = 2 / self.k * np.where(length >= 0, length, 0.0)
+        far = np.maximum(target, FAR_OUT)
+        theta = np.where(target > FAR_OUT, np.sqrt(far - 0.5 * np.log(4 * far) - 0.5), np.minimum(target, FAR_OUT) / 2)
+        for _ in range(MAX_PASSES):
+            rise = np.hypot(theta, 1)
+            newton = (theta + (np.arcsinh(theta) - target) / rise) / 2
+            # Halley's method; the derivative of `rise` is theta / rise.
+            step = newton / (1 - newton * theta / (2 * rise**2))
+            theta = np.maximum(theta - step, 0.0)
+            if np.all(np.abs(step) <= HALLEY_SETTLED * theta + SETTLED):
+                break
+        return np.where(length >= 0, theta, np.nan)
+
+    def point(self, s: ArrayLike) -> Array:
+        """Position (..., 2) in m (eq. 7, 8, 11)."""
+        theta = self.angle(s)
+        return self._placed(self.k * theta * _direction(theta))
+
+    def tangent(self, s: ArrayLike) -> Array:
+        """Unit vector (..., 2) in the direction of travel."""
+        return self.frame(s)[1]
+
+    def frame(self, s: ArrayLike) -> tuple[Array, Array]:
+        """Positions and unit vectors in the direction of travel, each (..., 2)."""
+        theta = self.angle(s)
+        direction = _direction(theta)
+        return self._placed(self.k * theta * direction), self._placed(
+            self._tangent(theta, direction, np.hypot(theta, 1))
+        )
+
+    def curvature(self, s: ArrayLike) -> Array:
+        """Curvature (...) in 1/m, positive to the left: the paper's spiral curves to the right."""
+        return np.asarray(self._curvature_at(self.angle(s)) * (1 if self.outward != self.mirrored else -1))
+
+    def max_curvature(self, s: ArrayLike, other: ArrayLike) -> Array:
+        """Curvature at the inner one of two coordinates, 1/m: it decreases outward."""
+        length, other_length = self._length(s), self._length(other)
+        nearest = np.maximum(np.minimum(length, other_length), 0.0)
+        curvatures = self._curvature_at(self.angle(nearest if self.outward else -nearest))
+        return np.where(np.maximum(length, other_length) < 0, 0.0, curvatures)
+
+    def chain(self, s: ArrayLike, spacings: ArrayLike) -> Array:
+        """Coordinates (T, H) of the handles of chains with heads at `s` (T,), as `curves.chain`, on an inward spiral.
+
+        All steps use polar angles, so only the heads' coordinates are converted (eq. 10, 12, 13).
+        """
+        chords = np.asarray(spacings, dtype=float)
+        theta = np.empty((np.size(s), chords.size + 1))
+        theta[:, 0] = self.angle(s)
+        for i, chord in enumerate(chords.tolist()):
+            theta[:, i + 1] = self.behind(theta[:, i], chord)
+        coordinates = -self.arc(theta)
+        # A head stays where it is, to the last digit.
+        coordinates[:, 0] = np.where(np.isnan(theta[:, 0]), np.nan, s)
+        return coordinates
+
+    def foot(self, points: ArrayLike, near: ArrayLike) -> tuple[Array, Array, Array]:
+        """Feet of `points` (..., 2) on the turns nearest to the coordinates `near`: coordinates, points, tangents.
+
+        The foot is at the polar angle of the point, so one division replaces four sines; guides call this at every
+        substep.
+        """
+        z = np.ascontiguousarray(points, dtype=float).view(complex)[..., 0]
+        z = self._unplaced(z)
+        bearing = np.arctan2(z.imag, z.real)
+        # The angle at `near` to a few hundredths, except on the innermost turn: enough to identify the turn.
+        about = np.sqrt(2 / self.k * np.abs(near))
+        theta = bearing + TURN * np.rint((about - bearing) / TURN)
+        rise = np.hypot(theta, 1)
+        direction = z / np.abs(z)
+        tangents = self._tangent(theta, direction, rise)
+        # The arc length of eq. 3-5; a logarithm costs less than its arcsinh.
+        coordinate = self.k / 2 * (theta * rise + np.log(theta + rise))
+        return (
+            coordinate if self.outward else -coordinate,
+            self._placed(self.k * theta * direction),
+            self._placed(tangents),
+        )
+
+    def _length(self, s: ArrayLike) -> Array:
+        """Arc length from the centre, m; negative beyond it."""
+        length = np.asarray(s, dtype=float)
+        return length if self.outward else -length
+
+    def _at_angle(self, theta: float) -> float:
+        length = float(self.arc(np.asarray(theta)))
+        return length if self.outward else -length
+
+    def arc(self, theta: Array) -> Array:
+        """Arc length from the centre, m: the closed form of eq. 3-5."""
+        length: Array = self.k / 2 * (theta * np.hypot(theta, 1) + np.arcsinh(theta))
+        return length
+
+    def _curvature_at(self, theta: Array) -> Array:
+        square = theta**2
+        curvature: Array = (square + 2) / (self.k * (square + 1) ** 1.5)
+        return curvature
+
+    def _tangent(self, theta: Array, direction: Complex, rise: Array) -> Complex:
+        """Tangents before the spiral is mirrored and turned, where `direction` points away from the centre.
+
+        The spiral goes `rise` times k for each radian.
+        """
+        ahead = np.empty(theta.shape, dtype=complex)
+        ahead.real = (1 if self.outward else -1) / rise
+        ahead.imag = theta * ahead.real
+        ahead *= direction
+        return ahead
+
+    def _placed(self, vectors: Complex) -> Array:
+        """Vectors (..., 2) of the plane, from those of a spiral that is neither mirrored nor turned."""
+        if self.mirrored:
+            vectors = vectors.conj()
+        if self.rotation:
+            vectors = vectors * np.exp(1j * self.rotation)
+        return vectors[..., None].view(float)
+
+    def _unplaced(self, vectors: Complex) -> Complex:
+        """The inverse of `_placed`."""
+        if self.rotation:
+            vectors = vectors * np.exp(-1j * self.rotation)
+        return vectors.conj() if self.mirrored else vectors
+
+    def behind(self, theta: Array, chord: float) -> Array:
+        """Polar angles of the nearest points back along an inward spiral at straight distance `chord`.
+
+        The distance grows along the path up to its first maximum, a little over half a turn back. Up to there the
+        nearest intersection is the only one. Further back the bench would lie across the spiral with its end on
+        another turn, which no motion of the chain leads to: then the result is nan. It is nan also if the distance
+        grows over a whole turn, as close to the centre, and is still too short at its end.
+        """
+        reach = (chord / self.k) ** 2
+        # The chord of a circle with the radius that the spiral has halfway, to third order.
+        phi = chord / (self.k * np.hypot(theta + chord / (2 * self.k * np.hypot(theta, 1)), 1))
+        phi += phi**3 / 24
+        with np.errstate(all="ignore"):
+            for _ in range(FREE_PASSES):
+                value, growth = _squared_distance(phi, theta)
+                step = (value - reach) / growth
+                phi = phi - step
+                settled = np.abs(step) <= SETTLED * phi
+                if settled.all():
+                    break
+            # Every term of the growth is positive up to half a turn back, so a root that Newton's method finds there is
+            # the only one.
+            found = settled & (phi < np.pi)
+        missed = ~(found | np.isnan(theta))
+        if missed.any():
+            phi[missed] = _first_reached(theta[missed], reach)
+        return theta + phi
+
+
+def _squared_distance(phi: Array, theta: Array) -> tuple[Array, Array]:
+    """|P(theta + phi) - P(theta)|^2 / k^2, in a form without cancellation for small phi, and its growth with phi."""
+    sine = np.sin(phi / 2)
+    product = 2 * theta * (theta + phi)
+    turned = 2 * sine**2
+    return phi**2 + product * turned, 2 * phi + 2 * theta * turned + product * np.sin(phi)
+
+
+def _growth(phi: Array, theta: Array) -> Array:
+    return _squared_distance(phi, theta)[1]
+
+
+def _first_reached(theta: Array, reach: float) -> Array:
+    """How far back, in rad, the squared distance over k^2 first is `reach`, by Newton within a bracket; else nan."""
+    limit = np.full(theta.shape, np.pi)
+    beyond = _squared_distance(limit, theta)[0] < reach
+    if beyond.any():
+        limit[beyond] = _first_maximum(theta[beyond])
+        beyond = _squared_distance(limit, theta)[0] < reach
+    low, high = np.zeros(theta.shape), limit
+    phi = limit / 2
+    for _ in range(MAX_PASSES):
+        value, growth = _squared_distance(phi, theta)
+        short = value < reach
+        low, high = np.where(short, phi, low), np.where(short, high, phi)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            better = phi - (value - reach) / growth
+        # A step that leaves the bracket (or is nan, where the distance has its maximum) becomes a bisection.
+        better = np.where((better >= low) & (better <= high), better, (low + high) / 2)
+        done = np.abs(better - phi) <= 2 * np.spacing(theta + phi)
+        phi = better
+        if np.all(done | beyond):
+            break
+    return np.where(beyond, np.nan, phi)
+
+
+def _first_maximum(theta: Array) -> Array:
+    """How far back, in rad, the straight distance from `theta` keeps growing: to its first maximum or one turn."""
+    # Past 3 pi / 2 the growth is convex. At 3 pi / 2 itself it has the sign of 1 - theta: more than one radian from
+    # the centre the maximum lies before. Closer than that the spiral opens nearly as fast as it turns: from 0.986 rad
+    # to 1 rad the distance still falls for a moment, about where its growth is least, and below that it never does.
+    high = np.full(theta.shape, 1.5 * np.pi)
+    central = theta <= 1
+    if central.any():
+        high[central] = _least_growth(theta[central])
+    low = np.full(theta.shape, np.pi)
+    endless = _growth(high, theta) > 0
+    for _ in range(MAX_PASSES):
+        middle = (low + high) / 2
+        rising = _growth(middle, theta) > 0
+        low, high = np.where(rising, middle, low), np.where(rising, high, middle)
+    return np.where(endless, 2 * np.pi, low)
+
+
+def _least_growth(theta: Array) -> Array:
+    """Where in the last quarter of the first turn back, in rad, the distance from `theta` grows least."""
+    low, high = np.full(theta.shape, 1.5 * np.pi), np.full(theta.shape, 2 * np.pi)
+    for _ in range(MAX_PASSES):
+        phi = (low + high) / 2
+        # Half the derivative of `_growth`.
+        falling = 1 + 2 * theta * np.sin(phi) + theta * (theta + phi) * np.cos(phi) < 0
+        low, high = np.where(falling, phi, low), np.where(falling, high, phi)
+    return low
+
+
+def _direction(theta: Array) -> Complex:
+    """e^(i theta)."""
+    direction = np.empty(theta.shape, dtype=complex)
+    np.cos(theta, out=direction.real)
+    np.sin(theta, out=direction.imag)
+    return direction

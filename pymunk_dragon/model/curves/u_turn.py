@@ -1,0 +1,113 @@
+"""The turn of the contest's question 4: in on one spiral, round on two arcs, out on the other."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from pymunk_dragon._checks import finite
+from pymunk_dragon.model.curves.arc import Arc
+from pymunk_dragon.model.curves.base import Array, Curve
+from pymunk_dragon.model.curves.composite import Composite
+from pymunk_dragon.model.curves.section import Section
+from pymunk_dragon.model.curves.spiral import Spiral
+
+__all__ = ["UTurn"]
+
+# m. Smaller circles are too narrow for benches; on larger ones, coordinates on the spiral lose digits.
+MIN_RADIUS, MAX_RADIUS = 0.1, 100.0
+# A turn on arcs more different than this is one on a single arc.
+MAX_RATIO = 50.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class UTurn(Composite):
+    """In on a spiral, round inside a circle on two arcs that touch, and out on the spiral turned by 180 degrees.
+
+    The coordinate is 0 at the entry to the circle. Entry and exit are opposite to each other with equal tangents, so
+    both arcs have the same angle: twice that between the entry's direction and the straight line to the
+    exit. With that the sum of the radii is fixed, and the length of the turn as well, whatever their ratio.
+
+    Parameters
+    ----------
+    pitch : float
+        Radial distance between turns of either spiral, m.
+    radius : float
+        Radius of the circle about the origin, m.
+    ratio : float
+        Radius of the first arc over that of the second.
+
+    Raises
+    ------
+    ParameterError
+        If `pitch` is not a number from 0.001 to 1000 m, `radius` not one from 0.1 to 100 m and at most 1000 pitches,
+        or `ratio` not one from 0.02 to 50.
+    """
+
+    pieces: tuple[Curve, ...] = field(init=False, repr=False, compare=False)
+    pitch: float = 1.7
+    radius: float = 4.5
+    ratio: float = 2.0
+
+    def __post_init__(self) -> None:
+        inward = Spiral(pitch=self.pitch)
+        radius = finite("radius", self.radius, MIN_RADIUS, MAX_RADIUS, "m")
+        ratio = finite("ratio", self.ratio, 1 / MAX_RATIO, MAX_RATIO, "")
+        coordinate = inward.at_radius(radius)
+        outward = Spiral(pitch=inward.pitch, rotation=math.pi, outward=True)
+        for name, value in (("pitch", inward.pitch), ("radius", radius), ("ratio", ratio)):
+            object.__setattr__(self, name, value)
+        heading = self._heading
+        (first, second), (right, left) = self.radii, self.sweeps
+        arcs = [
+            Arc(centre=self.centres[0], radius=first, begin_angle=heading + math.pi / 2, sweep=right),
+            Arc(centre=self.centres[1], radius=second, begin_angle=heading + right - math.pi / 2, sweep=left),
+        ]
+        pieces = (Section(inward, -math.inf, coordinate), *arcs, Section(outward, -coordinate, math.inf))
+        object.__setattr__(self, "pieces", pieces)
+        super().__post_init__()
+
+    @property
+    def radii(self) -> Array:
+        """Radii of the arcs, (2,), m."""
+        # Each arc's chord is twice its radius times the sine of half its angle; together they are the diameter.
+        return self.radius / math.sin(self._aside) / (1 + self.ratio) * np.array([self.ratio, 1.0])
+
+    @property
+    def centres(self) -> Array:
+        """Centres of the arcs, (2, 2), m: the first on the right of the path, the second on its left."""
+        left = np.array([-math.sin(self._heading), math.cos(self._heading)])
+        return self.tangent_points[[0, 2]] + np.outer(self.radii * [-1, 1], left)
+
+    @property
+    def sweeps(self) -> Array:
+        """Angles that the arcs turn by, (2,), rad."""
+        return np.array([-2 * self._aside, 2 * self._aside])
+
+    @property
+    def tangent_points(self) -> Array:
+        """Entry, the point between the arcs, and exit, (3, 2), m."""
+        entry = self.radius * np.array([math.cos(self._angle), math.sin(self._angle)])
+        return np.outer([1.0, (1 - self.ratio) / (1 + self.ratio), -1.0], entry)
+
+    @property
+    def length(self) -> float:
+        """Length of both arcs, m."""
+        return 2 * self._aside * self.radius / math.sin(self._aside)
+
+    @property
+    def _angle(self) -> float:
+        """Polar angle of the entry, rad."""
+        return 2 * math.pi * self.radius / self.pitch
+
+    @property
+    def _aside(self) -> float:
+        """Angle between the direction at the entry and the straight line to the exit, rad."""
+        return math.atan(self._angle)
+
+    @property
+    def _heading(self) -> float:
+        """Direction of travel at the entry and at the exit, rad."""
+        return self._angle - math.pi + self._aside

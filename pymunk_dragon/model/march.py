@@ -1,0 +1,357 @@
+"""Exact kinematics of a dragon on a curve: positions and velocities of its handles (paper, eq. 1-15)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from pymunk_dragon._checks import finite, positive, whole
+from pymunk_dragon._display import Displayed
+from pymunk_dragon._frozen import ArrayRecord, read_only
+from pymunk_dragon.errors import ParameterError, UnreachableError
+from pymunk_dragon.model.curves import Curve, Reversed, Spiral, UTurn, chain
+from pymunk_dragon.model.curves.base import check_curve, frame, point
+from pymunk_dragon.model.curves.continuation import Continuation
+from pymunk_dragon.model.curves.spiral import MAX_TURNS
+from pymunk_dragon.model.dragon import Dragon, bench_poses
+from pymunk_dragon.model.speed import ConstantSpeed, Speed, speed_of
+
+__all__ = ["March", "States", "check_march", "last_time"]
+
+Array = NDArray[np.float64]
+
+# m before the start. At this distance a double still resolves 0.1 nm.
+MAX_RETREAT = 1e5
+# Turn of the spiral on which the paper's march begins.
+TURNS = 16.0
+# m between a curve's begin and the last handle of a dragon that starts there: a thousand rounding errors.
+CLEAR_OF_BEGIN = 1e-9
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class States(ArrayRecord):
+    """States of a dragon at T times: H handles, N = H - 1 benches.
+
+    Attributes
+    ----------
+    times : ndarray, shape (T,)
+        s.
+    handles_s : ndarray, shape (T, H)
+        Arc-length coordinates of the handles, m.
+    positions, velocities : ndarray, shape (T, H, 2)
+        m and m/s.
+    speeds : ndarray, shape (T, H)
+        Magnitudes of the velocities, m/s.
+    """
+
+    times: Array
+    handles_s: Array
+    positions: Array
+    velocities: Array
+    speeds: Array
+
+    def __post_init__(self) -> None:
+        for array in (self.times, self.handles_s, self.positions, self.velocities, self.speeds):
+            read_only(array)
+
+    def __repr__(self) -> str:
+        span = f" from {self.times.min():g} s to {self.times.max():g} s" if self.times.size else ""
+        return f"States({self.handles_s.shape[1]} handles at {self.times.size} times{span})"
+
+    @cached_property
+    def poses(self) -> Array:
+        """Pose of every bench, (T, N, 3): centre in m, angle in rad."""
+        return read_only(bench_poses(self.positions))
+
+    @cached_property
+    def pose_velocities(self) -> Array:
+        """Rate of change of `poses`, (T, N, 3): m/s, m/s, rad/s."""
+        front, rear = self.velocities[:, :-1], self.velocities[:, 1:]
+        along = self.positions[:, :-1] - self.positions[:, 1:]
+        turning = front - rear
+        spin = along[..., 0] * turning[..., 1] - along[..., 1] * turning[..., 0]
+        spin /= np.sum(along**2, axis=-1)
+        return read_only(np.concatenate([(front + rear) / 2, spin[..., None]], axis=-1))
+
+
+@dataclass(frozen=True)
+class March(Displayed):
+    """Motion of a dragon along a curve at a given speed; by default the march of the paper.
+
+    Parameters
+    ----------
+    dragon : Dragon
+        The chain of benches.
+    curve : Curve
+        The path of the handles.
+    turns : float, optional
+        Turn of a spiral on which handle 0 is at t = 0; 16, at (8.8, 0) m on the paper's, if `start_s` is not given.
+    start_s : float, optional
+        Coordinate of handle 0 at t = 0, m. By default 0 on a curve other than a spiral that comes from infinity, and
+        the first coordinate at which the whole dragon is on the curve if the curve has a begin.
+    speed : float, Speed or callable
+        Speed of handle 0: a number in m/s, a `SpeedTable`, or a function of the time in s.
+
+    Raises
+    ------
+    ParameterError
+        If `dragon` is not a `Dragon` or `curve` not a `Curve`, if `turns` is not a number above 0 and at most 1000,
+        `start_s` not on the curve or `speed` anywhere not from 1e-6 to 20 m/s, if `turns` is given with `start_s` or
+        for a curve without turns, if a spiral's pitch is not larger than the benches' width, or if the dragon does not
+        fit on the curve at t = 0.
+    """
+
+    dragon: Dragon = field(default_factory=Dragon)
+    curve: Curve = field(default_factory=Spiral)
+    turns: float | None = field(default=None, kw_only=True)
+    start_s: float | None = field(default=None, kw_only=True)
+    speed: float | Speed | Callable[[float], float] = field(default=1.0, kw_only=True)
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.dragon, Dragon):
+            raise ParameterError("dragon", self.dragon, "a Dragon")
+        check_curve("curve", self.curve)
+        speed_profile = speed_of(self.speed)
+        if isinstance(speed_profile, ConstantSpeed):
+            object.__setattr__(self, "speed", speed_profile.value)
+        widest = float(self.dragon.widths.max())
+        if isinstance(self.curve, Spiral | UTurn) and self.curve.pitch <= widest:
+            raise ParameterError("pitch", self.curve.pitch, f"more than the width, {widest:g} m")
+        self._check_start()
+        try:
+            self.handles_s(0.0)
+        except UnreachableError as error:
+            raise self._misfit(error) from error
+
+    def _check_start(self) -> None:
+        """Check `turns` and `start_s`, of which a march has one or none."""
+        if self.start_s is not None:
+            if self.turns is not None:
+                raise ParameterError("turns", self.turns, "absent where start_s is given")
+            object.__setattr__(
+                self, "start_s", finite("start_s", self.start_s, self.curve.begin_s, self.curve.end_s, "m")
+            )
+        elif isinstance(self.curve, Spiral):
+            turns = positive("turns", TURNS if self.turns is None else self.turns, MAX_TURNS, "")
+            object.__setattr__(self, "turns", turns)
+        elif self.turns is not None:
+            raise ParameterError("turns", self.turns, "absent: only a Spiral has turns, other curves have a start_s")
+
+    def _misfit(self, error: UnreachableError) -> ParameterError:
+        """Error for a march in which a handle has no coordinate at t = 0."""
+        handle = error.handle
+        if self.start_s is None and isinstance(self.curve, Spiral):
+            name = "head_spacing" if handle == 1 else "body_spacing"
+            bound = f"short enough for the curve at turn {self.turns:g}: handle {handle} has no coordinate there"
+            return ParameterError(name, getattr(self.dragon, name), bound)
+        bound = f"a coordinate with room for the whole dragon behind it: handle {handle} has none"
+        return ParameterError("start_s", self.head_start, bound)
+
+    @cached_property
+    def head_start(self) -> float:
+        """Coordinate of handle 0 at t = 0, m.
+
+        Raises
+        ------
+        ParameterError
+            If the curve is too short for the dragon, or reverses within a bench's length.
+        """
+        if self.start_s is not None:
+            return self.start_s
+        if isinstance(self.curve, Spiral) and self.turns is not None:
+            return self.curve.at_turn(self.turns)
+        if self.curve.begin_s == -np.inf:
+            return min(0.0, self.curve.end_s)
+        # The dragon from its tail on: its handles follow each other back along the reversed curve.
+        tail = self.curve.begin_s + CLEAR_OF_BEGIN
+        head = -float(chain(Reversed(self.curve), [-tail], self.dragon.spacings[::-1])[0, -1])
+        if np.isnan(head):
+            length = self.curve.end_s - self.curve.begin_s
+            bound = f"one that takes the whole dragon: {length:g} m of it do not, or it turns back within a bench"
+            raise ParameterError("curve", type(self.curve).__name__, bound)
+        return head
+
+    @property
+    def end(self) -> float:
+        """Time at which handle 0 reaches the end of the curve, s; inf if the curve has no end."""
+        return float(self.time(self.curve.end_s - self.head_start))
+
+    def span(self, start: float, until: float) -> tuple[float, float]:
+        """Range of coordinates that a picture of the curve shows, m: from its begin to its end, if it has these.
+
+        On a curve from infinity the range begins with the last handle at `start` s, or at 0 s if the handle has no
+        coordinate at `start`; on a curve without end it ends with handle 0 at `until` s.
+
+        Raises
+        ------
+        ParameterError
+            As `handles_s` does.
+        """
+        first, last = self.curve.begin_s, self.curve.end_s
+        if first == -np.inf:
+            tails = self.handles_s_or_nan([start, 0.0])[:, -1]
+            first = float(tails[1] if np.isnan(tails[0]) else tails[0])
+        if last == np.inf:
+            last = self.head_start + float(self.distance(until))
+        return first, last
+
+    @cached_property
+    def speed_profile(self) -> Speed:
+        """The speed as an object that converts between times and distances."""
+        return speed_of(self.speed)
+
+    @cached_property
+    def continuation(self) -> Continuation:
+        """States reached by continuous motion from t = 0."""
+        return Continuation(self.curve, self.head_start, self.dragon.spacings)
+
+    def distance(self, times: ArrayLike) -> Array:
+        """Distance (T,) in m that handle 0 has travelled since t = 0; negative before."""
+        return self.speed_profile.distance(times)
+
+    def time(self, distances: ArrayLike) -> Array:
+        """Times (T,) in s at which handle 0 has travelled the `distances` (T,) in m since t = 0."""
+        return self.speed_profile.time(distances)
+
+    def handles_s(self, times: ArrayLike, handles: int | None = None) -> Array:
+        """Arc-length coordinates (T, H) of the first `handles` (all by default) at `times` (T,), m.
+
+        Raises
+        ------
+        ParameterError
+            If a time is not a finite number, or so early that the head would be more than 100 km before its start.
+        UnreachableError
+            If continuous motion has ended for a handle: the first such time, and the first such handle then.
+        """
+        t = self._checked(times)
+        coordinates = self.handles_s_or_nan(t, handles)
+        if np.isnan(coordinates).any():
+            self._raise_unreachable(t, coordinates)
+        return coordinates
+
+    def handles_s_or_nan(self, times: ArrayLike, handles: int | None = None) -> Array:
+        """The same, with nan for handles that have no coordinate at a time, and for all behind them.
+
+        Raises
+        ------
+        ParameterError
+            As `handles_s` does.
+        """
+        t = self._checked(times)
+        number = self.dragon.handles
+        if handles is not None:
+            number = whole("handles", handles, 1, number)
+        heads = self.head_start + self.distance(t)
+        beyond = heads > self.curve.end_s
+        if beyond.any():
+            # Not past the end by rounding.
+            heads[beyond] = np.where(t[beyond] <= self.end, self.curve.end_s, np.nan)
+        return self.continuation.coordinates(heads, number)
+
+    def _checked(self, times: ArrayLike) -> Array:
+        """A copy of `times` as an array (T,) in s."""
+        try:
+            t = np.array(times, dtype=float).ravel()
+        except (TypeError, ValueError, OverflowError) as error:
+            raise ParameterError("times", times, "finite numbers, s") from error
+        bad = ~np.isfinite(t)
+        if not bad.any():
+            with np.errstate(over="ignore"):
+                bad = self.distance(t) < -MAX_RETREAT
+        if bad.any():
+            raise ParameterError("times", t[bad][0].item(), f"finite numbers, at least {self._earliest:g} s")
+        return t
+
+    @property
+    def _earliest(self) -> float:
+        return float(self.time(-MAX_RETREAT))
+
+    def _raise_unreachable(self, times: Array, coordinates: Array) -> None:
+        lost = np.isnan(coordinates)
+        affected = np.flatnonzero(lost.any(axis=1))
+        row = affected[np.argmin(times[affected])]
+        handle = int(np.argmax(lost[row]))
+        if handle == 0 and self.distance(times[row]) < 0:
+            reason = f"the curve begins at t = {float(self.time(self.curve.begin_s - self.head_start)):.6g} s"
+        elif handle == 0:
+            reason = f"the curve ends at t = {self.end:.6g} s"
+        else:
+            spacing, front = self.dragon.spacings[handle - 1], coordinates[row, handle - 1]
+            # The arc of a bench is at most half a circle.
+            if front - self.curve.begin_s < np.pi / 2 * spacing and self._away_from_begin(front) < spacing:
+                reason = f"the curve begins less than a spacing of {spacing:g} m behind handle {handle - 1}"
+            else:
+                reason = f"the curve bends too tightly for a spacing of {spacing:g} m"
+        raise UnreachableError(float(times[row]), handle, reason)
+
+    def _away_from_begin(self, coordinate: float) -> float:
+        """Straight distance of a coordinate from the curve's begin, m."""
+        begin, there = point(self.curve, [self.curve.begin_s, coordinate])
+        return float(np.hypot(*(there - begin)))
+
+    def at(self, times: ArrayLike, handles: int | None = None) -> States:
+        """Exact states of the first `handles` (all by default) at `times` (T,) in s.
+
+        Velocities follow from the rigid bench: both its handles have the same velocity component along it (the exact
+        form of eq. 14).
+
+        Raises
+        ------
+        ParameterError, UnreachableError
+            As `handles_s` does.
+        """
+        t = self._checked(times)
+        coordinates = self.handles_s(t, handles)
+        positions, tangents = frame(self.curve, coordinates)
+        along = positions[:, :-1] - positions[:, 1:]
+        front = np.sum(tangents[:, :-1] * along, axis=-1)
+        rear = np.sum(tangents[:, 1:] * along, axis=-1)
+        # Signed along the path: a head at more than a right angle to its bench pushes the rear handle back.
+        rates = np.empty(coordinates.shape)
+        rates[:, 0] = self.speed_profile.at(t)
+        rates[:, 1:] = rates[:, :1] * np.cumprod(front / rear, axis=1)
+        return States(t, coordinates, positions, rates[..., None] * tangents, np.abs(rates))
+
+    def speeds_by_difference(self, times: ArrayLike, step: float) -> Array:
+        """Speeds (T, H) in m/s by the paper's forward difference over `step` s (eq. 15), for comparison.
+
+        The polar angle's rate of change is approximated by (theta(t + step) - theta(t)) / step, and the speed is that
+        rate times the arc length per radian. The error falls in proportion to `step`.
+
+        Raises
+        ------
+        ParameterError
+            If the curve is not a spiral, or `step` is not above 0.
+        """
+        positive("step", step, np.inf, "s")
+        if not isinstance(self.curve, Spiral):
+            raise ParameterError("curve", type(self.curve).__name__, "a Spiral, which has polar angles")
+        t = self._checked(times)
+        now, later = (self.curve.angle(self.handles_s(when)) for when in (t, t + step))
+        speeds: Array = self.curve.k * np.hypot(now, 1) * np.abs(later - now) / step
+        return speeds
+
+
+def check_march(value: object) -> None:
+    """Raise a ParameterError if `value` is not a march."""
+    if not isinstance(value, March):
+        raise ParameterError("march", value, "a March")
+
+
+def last_time(march: March, start: float) -> float:
+    """Time at which handle 0 reaches the end of the curve, s, as the default end of an interval from `start` s.
+
+    Raises
+    ------
+    ParameterError
+        If the curve has no end, or it comes before the start.
+    """
+    if march.end == np.inf:
+        raise ParameterError("until", None, "a time, s, on a curve without end")
+    if start >= march.end:
+        raise ParameterError("start", start, f"earlier than the end of the curve, {march.end:g} s")
+    return march.end

@@ -1,0 +1,241 @@
+"""What a user chooses, from flags or a TOML file; makes the march."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, fields
+from pathlib import Path
+from typing import Any
+
+from pymunk_dragon._files import read_text
+from pymunk_dragon.errors import FileFormatError, ParameterError
+from pymunk_dragon.model.curves import KINDS, Curve, Sampled, from_table, to_table
+from pymunk_dragon.model.dragon import BENCHES, Dragon, Sizes
+from pymunk_dragon.model.march import March, check_march
+from pymunk_dragon.model.speed import ConstantSpeed, SpeedTable, speed_of
+
+__all__ = ["Scenario"]
+
+# A key such as a.b.c of so many parts that tomllib, whose time grows with their square, would take minutes.
+LONG_KEY = re.compile(r"""(?<![\w-])(?:(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){20}""")
+# What a file of points or of speeds is called.
+CSV = ".csv"
+# Kinds of curves whose parameters are top-level values of a scenario, and these parameters. Other kinds are tables.
+CURVES: dict[str, tuple[str, ...]] = {
+    "spiral": ("pitch", "rotation", "mirrored", "outward"),
+    "u-turn": ("pitch", "radius", "ratio"),
+    "sampled": ("points",),
+}
+PARTS = dict.fromkeys(name for names in CURVES.values() for name in names)
+# What says nothing in a file: these are newer than the first files.
+UNSAID = {"curve": "spiral", "rotation": 0.0, "mirrored": False, "outward": False}
+ALLOWED_CURVE = f"a name, spiral or u-turn, that of a file of points, which ends in {CSV}, or a table with its kind"
+ALLOWED_SPEED = f"a number in m/s, a table of [s, m/s], or a file of one, which ends in {CSV}"
+
+# One speed, or times in s and speeds in m/s.
+Speeds = float | tuple[tuple[float, float], ...]
+Points = tuple[tuple[float, float], ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scenario:
+    """A dragon on a curve, as plain values; the defaults are the paper's.
+
+    What a curve does not have is None. Values given as None are left to their defaults.
+
+    Parameters
+    ----------
+    benches, head_spacing, body_spacing, overhang, width
+        As in `Dragon`: a count, then m.
+    curve : str, Curve or mapping
+        "spiral", "u-turn", "sampled" for a `Sampled` path through `points`, or a CSV file of these points. Any other
+        curve of the package is given as itself or as a table, ``{kind = "line", start = [0, 0], stop = [40, 0]}`` in
+        TOML; the tables of a `Composite` are its ``pieces``.
+    pitch, rotation, mirrored, outward
+        As in `Spiral`: m, then rad.
+    pitch, radius, ratio : float
+        As in `UTurn`: m, m and a number.
+    points : sequence of (float, float)
+        As in `Sampled`, m.
+    turns : float
+        As in `March`, on a spiral.
+    start_s : float
+        As in `March`, m.
+    speed : float, or sequence of (float, float)
+        In m/s, as in `March`, or a table of times in s and speeds in m/s, or a CSV file of it.
+
+    Raises
+    ------
+    ParameterError
+        If `march` cannot be made of it, or a value is given that its curve does not have.
+    FileFormatError
+        If a file that is named holds something else.
+    """
+
+    benches: int = BENCHES
+    head_spacing: float = 2.86
+    body_spacing: Sizes = 1.65
+    overhang: Sizes = 0.275
+    width: Sizes = 0.30
+    curve: str | Curve | None = None
+    pitch: float | None = None
+    rotation: float | None = None
+    mirrored: bool | None = None
+    outward: bool | None = None
+    radius: float | None = None
+    ratio: float | None = None
+    points: Points | None = None
+    turns: float | None = None
+    start_s: float | None = None
+    speed: Speeds | str = 1.0
+
+    def __post_init__(self) -> None:
+        given = {f.name: getattr(self, f.name) for f in fields(self)}
+        for name, value in (dict.fromkeys(given) | _values(_march(given))).items():
+            object.__setattr__(self, name, value)
+
+    @classmethod
+    def from_mapping(cls, values: Mapping[str, Any], *, files: bool = True) -> Scenario:
+        """Scenario from names and values; what is not named keeps its default.
+
+        Parameters
+        ----------
+        values : mapping
+            Names and values.
+        files : bool
+            Whether a curve or a speed may be the name of a file, which is then read.
+
+        Raises
+        ------
+        ParameterError, FileFormatError
+            As in `Scenario`, or if a name is none of a parameter.
+        """
+        known = [f.name for f in fields(cls)]
+        for name, value in values.items():
+            if name not in known:
+                raise ParameterError(name, value, "absent: the parameters are " + ", ".join(known))
+            if not files and _is_file(value):
+                raise ParameterError(name, value, "something else than the name of another file")
+        return cls(**values)
+
+    def to_mapping(self) -> dict[str, Any]:
+        """Names and values that `from_mapping` makes the same scenario of: what its curve has, but not its defaults.
+
+        The numbers of the paper's march are there in any case.
+        """
+        values = {f.name: getattr(self, f.name) for f in fields(self)}
+        if isinstance(self.curve, Curve):
+            values["curve"] = to_table(self.curve)
+        return {name: value for name, value in values.items() if value is not None and value != UNSAID.get(name)}
+
+    @classmethod
+    def read(cls, path: str | Path) -> dict[str, Any]:
+        """Names and values in a TOML file of a scenario, checked by `from_mapping` once flags are laid over them.
+
+        A file that it names lies beside it, unless it says where.
+
+        Raises
+        ------
+        ParameterError
+            If the file cannot be read.
+        FileFormatError
+            If it is no TOML.
+        """
+        try:
+            text = read_text(path, "scenario")
+            if LONG_KEY.search(text):
+                raise FileFormatError(path, "a key has more parts than that of any parameter")
+            values = tomllib.loads(text)
+        except ParameterError:
+            raise
+        except (ValueError, RecursionError) as error:
+            # Beside its own error, tomllib lets through those of a number of thousands of digits and of brackets in
+            # thousands of brackets.
+            raise FileFormatError(path, f"no TOML file: {getattr(error, 'reason', error)}") from error
+        beside = {
+            name: str(Path(path).parent / values[name]) for name in ("curve", "speed") if _is_file(values.get(name))
+        }
+        return values | beside
+
+    @classmethod
+    def of(cls, march: March) -> Scenario:
+        """The scenario of a march.
+
+        Raises
+        ------
+        ParameterError
+            If it cannot be written down: a curve of a class of your own, or a speed that is a function.
+        """
+        check_march(march)
+        return cls(**_values(march))
+
+    def march(self) -> March:
+        """The march that these values describe."""
+        return _march({f.name: getattr(self, f.name) for f in fields(self)})
+
+
+def _march(values: Mapping[str, Any]) -> March:
+    """The march that a scenario's `values`, all of them, describe."""
+    dragon = Dragon(**{f.name: values[f.name] for f in fields(Dragon)})
+    return March(
+        dragon, _curve(values), turns=values["turns"], start_s=values["start_s"], speed=_speed(values["speed"])
+    )
+
+
+def _curve(values: Mapping[str, Any]) -> Curve:
+    given = {name: values[name] for name in PARTS if values[name] is not None}
+    kind = values["curve"]
+    if kind is None:
+        kind = "sampled" if "points" in given else "spiral"
+    elif isinstance(kind, Mapping | Curve):
+        for name, value in given.items():
+            raise ParameterError(name, value, "absent where the curve is a table, which holds all parameters")
+        return kind if isinstance(kind, Curve) else from_table(kind)
+    elif _is_file(kind):
+        if "points" in given:
+            raise ParameterError("points", given["points"], f"absent where the curve is a file, {kind}")
+        kind, given["points"] = "sampled", Sampled.read(kind).points
+    if not (isinstance(kind, str) and kind in CURVES):
+        raise ParameterError("curve", kind, ALLOWED_CURVE)
+    for name, value in given.items():
+        if name not in CURVES[kind]:
+            owners = " or a ".join(owner for owner, names in CURVES.items() if name in names)
+            raise ParameterError(name, value, f"absent on a {kind} curve: it is of a {owners}")
+    if kind == "sampled" and "points" not in given:
+        raise ParameterError("points", None, "there for a sampled curve, which goes through them")
+    curve: Curve = KINDS[kind](**given)
+    return curve
+
+
+def _speed(value: Any) -> Any:
+    """`value` as a march takes it."""
+    if _is_file(value):
+        return SpeedTable.read(value)
+    if isinstance(value, list | tuple):
+        if not value or not all(isinstance(row, list | tuple) and len(row) == 2 for row in value):
+            raise ParameterError("speed", value, ALLOWED_SPEED)
+        return SpeedTable(*zip(*value, strict=True))
+    return value
+
+
+def _values(march: March) -> dict[str, Any]:
+    """Names and values of a scenario that makes `march`."""
+    curve, speed = march.curve, speed_of(march.speed)
+    table = to_table(curve)
+    kind = table.pop("kind")
+    parts: dict[str, Any] = {"curve": kind} | table if kind in CURVES else {"curve": curve}
+    if isinstance(curve, Sampled):
+        parts["points"] = tuple(map(tuple, curve.points.tolist()))
+    if isinstance(speed, ConstantSpeed):
+        values: Speeds = speed.value
+    elif isinstance(speed, SpeedTable):
+        values = tuple(zip(speed.times, speed.speeds, strict=True))
+    else:
+        raise ParameterError("speed", march.speed, "a number or a table to be written down, not a function of time")
+    return asdict(march.dragon) | parts | {"turns": march.turns, "start_s": march.start_s, "speed": values}
+
+
+def _is_file(value: object) -> bool:
+    return isinstance(value, str | Path) and Path(value).suffix.lower() == CSV
