@@ -63,7 +63,7 @@ def answer(method: str, value: object, given: tuple[int, ...], tail: tuple[int, 
         raise ParameterError(method, value, f"an array of numbers of shape {shape} for arguments of shape {given}")
     if array.shape != shape and (tail or array.ndim):
         raise ParameterError(f"the shape of {method}", array.shape, f"{shape} for arguments of shape {given}")
-    return np.broadcast_to(array, shape).astype(float)
+    return np.broadcast_to(array, shape).astype(float, order="C")
 
 
 def number(value: object) -> float:

@@ -12,7 +12,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.model.curves import Curve, Reversed, Spiral, chain, foot
+from pymunk_dragon.model.curves import Curve, Reversed, Spiral
 
 PITCH = 0.55
 SPIRAL = Spiral(pitch=PITCH)
@@ -44,7 +44,7 @@ def place(theta):
 
 def behind(theta, chord):
     """How far back, in rad, the next handle is."""
-    return float(SPIRAL.angle(chain(SPIRAL, [place(theta)], [chord])[0, 1])) - theta
+    return float(SPIRAL.angle(SPIRAL.chain([place(theta)], [chord])[0, 1])) - theta
 
 
 def test_spiral_is_a_curve():
@@ -173,7 +173,7 @@ def test_place_behind_is_the_first_intersection_and_none_lies_past_the_first_top
         assert np.isnan(back)
     if share < 1 - 1e-7:
         assert 0 < back <= 2 * np.pi + 1e-12
-        here, there = SPIRAL.point(chain(SPIRAL, [place(theta)], [chord])[0])
+        here, there = SPIRAL.point(SPIRAL.chain([place(theta)], [chord])[0])
         # The last digit of a place is how well the chord can be kept.
         resolution = np.spacing(-place(theta + back))
         assert np.linalg.norm(here - there) == pytest.approx(chord, rel=1e-13, abs=8 * resolution + 1e-15)
@@ -205,9 +205,9 @@ def test_nearest_of_three_intersections_is_taken_close_to_the_centre(theta):
 def test_a_chain_without_a_place_for_one_handle_has_none_for_those_behind():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        places = chain(SPIRAL, [place(50.0), np.nan, place(0.5), 1.0], [1.65, 1.65])
+        places = SPIRAL.chain([place(50.0), np.nan, place(0.5), 1.0], [1.65, 1.65])
     assert np.isnan(places).tolist() == [[False] * 3, [True] * 3, [False, True, True], [True] * 3]
-    assert chain(SPIRAL, np.empty(0), [1.65]).shape == (0, 2)
+    assert SPIRAL.chain(np.empty(0), [1.65]).shape == (0, 2)
 
 
 # From two turns out, where a fifth of a pitch aside is still on the same side of the centre.
@@ -216,7 +216,7 @@ def test_foot_of_a_point_beside_the_path_is_on_the_turn_nearest_to_the_guess(the
     s = place(theta)
     point = SPIRAL.point(s)
     beside = point + aside * PITCH * point / np.linalg.norm(point)
-    found, at, tangent = foot(SPIRAL, beside, place(theta + off))
+    found, at, tangent = SPIRAL.foot(beside, place(theta + off))
     assert float(found) == pytest.approx(s, abs=1e-10)
     assert at == pytest.approx(point, abs=1e-11)
     assert tangent == pytest.approx(SPIRAL.tangent(s), abs=1e-11)
@@ -226,7 +226,7 @@ def test_feet_of_many_points_are_those_of_each():
     theta = np.array([[20.0, 31.5, 40.0], [7.0, 8.0, 9.0]])
     places = place(theta)
     points = 1.01 * SPIRAL.point(places)
-    together = foot(SPIRAL, points, places)
+    together = SPIRAL.foot(points, places)
     assert [part.shape for part in together] == [(2, 3), (2, 3, 2), (2, 3, 2)]
-    for part, alone in zip(together, foot(SPIRAL, points[1, 2], places[1, 2]), strict=True):
+    for part, alone in zip(together, SPIRAL.foot(points[1, 2], places[1, 2]), strict=True):
         assert np.array_equal(part[1, 2], alone)

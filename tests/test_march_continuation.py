@@ -11,7 +11,7 @@ from chain_follower import follow, random_path
 from conftest import assert_says
 
 from pymunk_dragon.errors import ParameterError, UnreachableError
-from pymunk_dragon.model.curves import Arc, Composite, Line, Reversed, Spiral, UTurn, chain
+from pymunk_dragon.model.curves import Arc, Composite, Line, Reversed, Spiral, UTurn
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 
@@ -42,7 +42,7 @@ def test_a_head_bench_longer_than_the_turn_is_wide_jackknifes_and_goes_on(pitch,
     assert np.abs(march.handles_s_or_nan(heads) - states).max() < 1e-10
     assert np.any(np.diff(states[:, 1]) < 0)
     # Not where the first distance that grows all the way leads to.
-    elsewhere = chain(march.curve, heads, march.dragon.spacings)
+    elsewhere = march.curve.chain(heads, march.dragon.spacings)
     assert np.isnan(elsewhere).any()
 
 
@@ -79,7 +79,7 @@ def test_motion_ends_at_the_fold_and_is_over_at_all_later_times():
             march.at([fold - 1, fold + late])
         assert (caught.value.time, caught.value.handle) == (fold + late, 1)
     # Although other states exist there.
-    assert not np.isnan(chain(HOOK, [HOOK.end_s], [3.0])).any()
+    assert not np.isnan(HOOK.chain([HOOK.end_s], [3.0])).any()
 
 
 def test_a_bench_behind_that_was_led_past_its_fold_does_not_come_back():
@@ -177,7 +177,7 @@ def test_a_spiral_and_the_same_by_the_code_for_any_curve_are_followed_alike_clos
     assert lost[-1]
     assert lost[np.argmax(lost) :].all()
     # A state that no motion leads to.
-    assert not np.isnan(chain(spiral, [-0.05], [0.95])).any()
+    assert not np.isnan(spiral.chain([-0.05], [0.95])).any()
 
 
 def test_a_spacing_of_one_pitch_is_lost_for_good_and_has_no_state_at_the_centre():
@@ -186,7 +186,7 @@ def test_a_spacing_of_one_pitch_is_lost_for_good_and_has_no_state_at_the_centre(
     lost = np.isnan(march.handles_s_or_nan(np.append(np.linspace(12.5, march.end, 30), march.end))[:, 1])
     assert lost[-1]
     assert lost[lost.argmax() :].all()
-    assert not np.isnan(chain(march.curve, [0.0], [1.0])).any()
+    assert not np.isnan(march.curve.chain([0.0], [1.0])).any()
 
 
 def test_ranges_near_the_centre_of_a_spiral_contain_a_handle_that_reverses_there():
@@ -210,7 +210,7 @@ def test_the_state_at_the_start_is_the_one_along_the_path_before_anything_else_w
     heads = np.array([RISE + 2, RISE + 2.1])
     for head in heads:
         march = March(BENCH, HOOK, start_s=head)
-        expected = chain(HOOK, [head], BENCH.spacings)
+        expected = HOOK.chain([head], BENCH.spacings)
         assert head - expected[0, 1] > 3.5
         assert march.handles_s_or_nan(0.0) == pytest.approx(expected, abs=1e-12)
         march.handles_s_or_nan([-0.1, 0.0])

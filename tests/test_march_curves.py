@@ -12,8 +12,7 @@ from test_curve_kinds import LogarithmicSpiral, logarithmic
 
 from pymunk_dragon.collision import first_contact
 from pymunk_dragon.errors import ParameterError, UnreachableError
-from pymunk_dragon.model.curves import Arc, Composite, Line, Reversed, Sampled, Section, Spiral, UTurn, chain, foot
-from pymunk_dragon.model.curves import frame as frame_of
+from pymunk_dragon.model.curves import Arc, Composite, Curve, Line, Reversed, Sampled, Section, Spiral, UTurn
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.speed import SpeedTable
@@ -62,7 +61,7 @@ def test_handles_on_a_users_own_curve_are_where_many_digits_have_them():
 
 @pytest.mark.parametrize("s", [9.0, 10.0, 11.0, 11.7, 12.0, 13.0, 14.5])
 def test_the_next_handle_is_the_nearest_along_the_path_where_the_path_comes_back_beside_itself(s):
-    place = chain(HAIRPIN, [s], [1.5])[0, 1]
+    place = HAIRPIN.chain([s], [1.5])[0, 1]
     ways = np.linspace(0, s, 200_001)
     away = np.linalg.norm(HAIRPIN.point(s - ways) - HAIRPIN.point(s), axis=-1)
     falls = np.flatnonzero(np.diff(away) < 0)
@@ -77,7 +76,7 @@ def test_the_next_handle_is_the_nearest_along_the_path_where_the_path_comes_back
 
 def test_handles_on_a_path_through_points_are_the_first_that_a_scan_sees():
     s = np.linspace(12, DRAWN.end_s, 25)
-    for place, found in zip(s, chain(DRAWN, s, [1.1])[:, 1], strict=True):
+    for place, found in zip(s, DRAWN.chain(s, [1.1])[:, 1], strict=True):
         ways = np.linspace(0, 3, 30_001)
         away = np.linalg.norm(DRAWN.point(place - ways) - DRAWN.point(place), axis=-1)
         assert place - found == pytest.approx(ways[np.argmax(away >= 1.1)], abs=2e-4)
@@ -86,7 +85,7 @@ def test_handles_on_a_path_through_points_are_the_first_that_a_scan_sees():
 
 def test_a_bench_that_fits_round_a_hairpin_stays_on_its_way_round():
     s = np.linspace(1.2, HAIRPIN.end_s, 2000)
-    places = chain(HAIRPIN, s, [1.1])
+    places = HAIRPIN.chain(s, [1.1])
     assert not np.isnan(places).any()
     assert np.all(np.diff(places[:, 1]) > 0)
     gone = HAIRPIN.point(places)
@@ -96,29 +95,29 @@ def test_a_bench_that_fits_round_a_hairpin_stays_on_its_way_round():
 @pytest.mark.parametrize("curve", [UTurn(), Reversed(UTurn(ratio=0.7)), HAIRPIN, LogarithmicSpiral()], ids=repr)
 def test_many_places_at_once_are_those_of_each(curve):
     s = np.linspace(max(curve.begin_s, -20), min(curve.end_s, 30), 41)
-    together = chain(curve, s, [0.5, 0.3])
-    alone = np.concatenate([chain(curve, [place], [0.5, 0.3]) for place in s])
+    together = curve.chain(s, [0.5, 0.3])
+    alone = np.concatenate([curve.chain([place], [0.5, 0.3]) for place in s])
     assert np.allclose(together, alone, rtol=0, atol=1e-12, equal_nan=True)
     assert np.array_equal(np.isnan(together), np.isnan(alone))
 
 
 def test_places_before_the_begin_are_none_and_the_begin_itself_is_one():
     line = Line(stop=(10, 0))
-    assert np.isnan(chain(line, [1.0, 1.5, 10.5], [1.5, 1.5])).tolist() == [
+    assert np.isnan(line.chain([1.0, 1.5, 10.5], [1.5, 1.5])).tolist() == [
         [False, True, True],
         [False, False, True],
         [True, True, True],
     ]
-    assert chain(line, [1.5, 3.0], [1.5, 1.5])[1].tolist() == pytest.approx([3, 1.5, 0], abs=1e-15)
+    assert line.chain([1.5, 3.0], [1.5, 1.5])[1].tolist() == pytest.approx([3, 1.5, 0], abs=1e-15)
 
 
 def test_a_way_in_that_begins_somewhere_has_no_places_before():
     spiral = Spiral(pitch=1.7, rotation=1.0)
     place = spiral.at_radius(4.5)
-    point, tangent = frame_of(spiral, place)
+    point, tangent = spiral.frame(place)
     path = Composite([Section(spiral, place - 10, place), Line(start=point, stop=point + 5 * tangent)])
     s = np.linspace(0.0, path.end_s, 31)
-    places, same = chain(path, s, [1.2] * 6), chain(Reversed(Reversed(path)), s, [1.2] * 6)
+    places, same = path.chain(s, [1.2] * 6), Reversed(Reversed(path)).chain(s, [1.2] * 6)
     assert np.array_equal(np.isnan(places), np.isnan(same))
     assert np.isnan(places).any()
     assert np.allclose(places, same, rtol=0, atol=1e-12, equal_nan=True)
@@ -128,10 +127,10 @@ def test_a_way_in_that_begins_somewhere_has_no_places_before():
 @pytest.mark.parametrize("curve", [UTurn(), HAIRPIN, Section(Spiral(), -300, -10), LogarithmicSpiral()], ids=repr)
 def test_the_foot_of_a_point_beside_the_path_is_where_it_was_set_off(curve):
     s = np.linspace(max(curve.begin_s + 0.1, -290.0), min(curve.end_s - 0.1, 40.0), 60)
-    points, tangents = frame_of(curve, s)
+    points, tangents = curve.frame(s)
     left = np.stack([-tangents[:, 1], tangents[:, 0]], axis=-1)
     for aside, off in ((1e-3, 0.05), (-1e-4, 0.01), (0, 1e-3)):
-        places, feet, directions = foot(curve, points + aside * left, s + off)
+        places, feet, directions = curve.foot(points + aside * left, s + off)
         assert places == pytest.approx(s, abs=1e-8)
         assert feet == pytest.approx(points, abs=1e-9)
         assert directions == pytest.approx(tangents, abs=2e-5)
@@ -404,7 +403,7 @@ def test_a_path_that_soon_becomes_too_tight_is_not_searched_for_minutes():
     assert hit.status == "unreachable"
 
 
-class Plain:
+class Plain(Curve):
     """A straight line by somebody who makes short work of it."""
 
     begin_s, end_s = 0, 20

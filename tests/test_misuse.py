@@ -13,7 +13,7 @@ from pymunk_dragon.drawing import Camera, render
 from pymunk_dragon.drawing.figures import figure
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.lessons._framework import check_language
-from pymunk_dragon.model.curves import Composite, Reversed, Section
+from pymunk_dragon.model.curves import Composite, Curve, Reversed, Section
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
@@ -27,7 +27,7 @@ from pymunk_dragon.studies import study
 SMALL = Dragon(benches=4)
 
 
-class Straight:
+class Straight(Curve):
     """A user's own curve: the x axis, from 0 to 500 m."""
 
     begin_s, end_s = 0.0, 500.0

@@ -1,13 +1,7 @@
 """Bounds on the motion of benches within a time interval, from their state at its midpoint.
 
-On a given path, the pose of a bench is a function of the arc-length coordinate s of its front handle. Let L be the
-spacing, alpha and beta the angles from the bench to the path's tangent at its front and rear handle, and kappa_f and
-kappa_r the curvatures there. The rigid bench has, with the rear handle at r,
-
-- velocity ratio:  dr/ds = rho = cos alpha / cos beta,
-- angular rate:    dphi/ds = omega = (sin alpha - rho sin beta) / L,
-- and so           drho/ds = (rho^2 kappa_r sin beta - kappa_f sin alpha + omega^2 L) / cos beta,
-                   domega/ds = (kappa_f cos alpha - rho^2 kappa_r cos beta - drho/ds sin beta) / L.
+On a given path, the pose of a bench is a function of the arc-length coordinate s of its front handle; `model/chain.py`
+has the notation, the velocity ratio rho, the angular rate omega and their derivatives.
 
 Bounds on the angles and curvatures give bounds on these quantities, and on the second derivative of every corner at a
 distance q from the front handle: kappa + q (domega/ds + omega^2). Taylor's theorem then bounds the displacement. The
@@ -32,7 +26,7 @@ displacement of a bench on two coordinates with an error of 2 E: the sum is 6 (1
 
 from __future__ import annotations
 
-from dataclasses import astuple, dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -40,9 +34,9 @@ from numpy.typing import NDArray
 
 from pymunk_dragon.collision.grid import MAX_CELL, MIN_CELL, Grid
 from pymunk_dragon.collision.sat import Separation, separation
-from pymunk_dragon.model.curves.base import Curve, frame, max_curvature
-from pymunk_dragon.model.curves.composite import Composite
-from pymunk_dragon.model.curves.spiral import Spiral
+from pymunk_dragon.model import chain
+from pymunk_dragon.model.chain import RateBounds
+from pymunk_dragon.model.curves import Curve
 from pymunk_dragon.model.dragon import bench_poses
 from pymunk_dragon.model.march import March
 
@@ -107,31 +101,6 @@ class Intervals:
 
 
 @dataclass(frozen=True)
-class _Rates:
-    """Upper bounds on the motion of benches over intervals, by the coordinate s of the front handle; equal shapes.
-
-    Attributes
-    ----------
-    known : ndarray of bool
-        Whether the other bounds hold; they are infinite or meaningless elsewhere.
-    ratio : ndarray
-        On the velocity ratio |rho|; inf if unknown.
-    ratio_change : ndarray
-        On |drho/ds|, 1/m.
-    omega : ndarray
-        On the angular rate |omega|, rad/m.
-    omega_change : ndarray
-        On |domega/ds|, rad/m^2.
-    """
-
-    known: Flags
-    ratio: Array
-    ratio_change: Array
-    omega: Array
-    omega_change: Array
-
-
-@dataclass(frozen=True)
 class _Corners:
     """Projections of the corners of P benches on a direction, by the coordinate s of the bench's front handle.
 
@@ -177,42 +146,36 @@ class MotionBounds:
         self._march = march
         handles = intervals.middle_s.shape[1]
         self._spacings = march.dragon.spacings[: handles - 1]
-        self._points, self._tangents = frame(march.curve, intervals.middle_s)
+        self._points, self._tangents = march.curve.frame(intervals.middle_s)
         self.outlines = march.dragon.outlines(bench_poses(self._points))
-        self._front_angles, self._rear_angles = self._angles()
+        self._front_angles, self._rear_angles = chain.angles(self._points, self._tangents, self._spacings)
         # Coordinates near zero are differences of larger ones: the head's at the start, and the distance travelled.
-        coordinates = intervals.first_s[:, [0, -1]], march.head_start, self._points, _of_pieces(march.curve)
+        coordinates = intervals.first_s[:, [0, -1]], march.head_start, self._points, (0.0, *march.curve.inner_ends)
         largest = max(float(np.abs(part).max()) for part in coordinates)
         errors = self._errors(ROUNDED * float(np.spacing(largest)))
         arms = np.hypot(*(self.outlines[0] - self._points[0, :-1, None]).T).max(axis=0)
         self.lows, highs = march.continuation.ranges(intervals.first_s, intervals.last_s)
         # Rounding may put the midpoint outside its range.
         self.travel = np.maximum(np.maximum(intervals.middle_s - self.lows, highs - intervals.middle_s), 0)
-        self._curvature = max_curvature(march.curve, self.lows[:, 1:] - errors[:, 1:], highs[:, :-1] + errors[:, :-1])
+        self._curvature = march.curve.max_curvature(self.lows[:, 1:] - errors[:, 1:], highs[:, :-1] + errors[:, :-1])
         worst = errors.max(axis=1)
         change = 1.5 * (2 / self._spacings.min() + self._curvature.max(axis=1)) * worst
         rounding = 6 * (1 + 2 * float(np.max(arms / self._spacings))) * worst
         self.rounding = np.where(change <= SLACK, rounding, np.inf)
-        self._rates = self._bounds(intervals.middle_s, self.travel[:, :-1] + 2 * errors[:, :-1])
+        self._known, self._rates = self._bounds(intervals.middle_s, self.travel[:, :-1] + 2 * errors[:, :-1])
 
     def _errors(self, residual: float) -> Array:
         """Bounds (T, H) on the errors of the coordinates, m, if the benches' equations have this residual, m."""
         with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
             cosines = np.maximum(np.abs(self._rear_angles.real) - SLACK, 0.0)
-            ratios = _products((np.abs(self._front_angles.real) + SLACK) / cosines)
+            ratios = chain.velocity_ratios(np.abs(self._front_angles.real) + SLACK, cosines)
             errors = residual + np.pad(
                 ratios[:, 1:] * np.cumsum(residual / cosines / ratios[:, 1:], axis=1), ((0, 0), (1, 0))
             )
         return np.where(np.isnan(errors), np.inf, errors)
 
-    def _angles(self) -> tuple[Complex, Complex]:
-        """e^(i alpha) and e^(i beta), each (T, N)."""
-        points, tangents = (array.view(complex)[..., 0] for array in (self._points, self._tangents))
-        heading = (points[:, :-1] - points[:, 1:]) / self._spacings
-        return tangents[:, :-1] * heading.conj(), tangents[:, 1:] * heading.conj()
-
-    def _bounds(self, middle_s: Array, travel: Array) -> _Rates:
-        """Bounds (T, N) while the front handles move by `travel` (T, N) at most to either side.
+    def _bounds(self, middle_s: Array, travel: Array) -> tuple[Flags, RateBounds]:
+        """Where bounds are known, and the bounds, (T, N), while front handles move by at most `travel` to either side.
 
         If the path is less curved than a circle with the bench as its diameter, and the rear handle is less than half
         that circle back, both angles are at most those on a circle of the path's largest curvature with the bench as
@@ -223,22 +186,22 @@ class MotionBounds:
         shallow = (sine < SHALLOW) & (middle_s[:, :-1] - middle_s[:, 1:] < np.pi / 2 * spacing)
         sine = np.where(shallow, sine, 0.0)
         cosine = np.sqrt(1 - sine**2)
-        rates = _rates_within(shallow, (sine, sine), 1 / cosine, cosine, curvature, spacing)
+        rates = chain.rate_bounds((sine, sine), 1 / cosine, cosine, curvature, spacing)
         if shallow.all():
-            return rates
-        followed = _followed_rates(self._front_angles, self._rear_angles, travel, curvature, spacing)
-        merged = zip(astuple(rates), astuple(followed), strict=True)
-        return _Rates(*(np.where(shallow, one, other) for one, other in merged))
+            return shallow, rates
+        known, followed = _followed_rates(self._front_angles, self._rear_angles, travel, curvature, spacing)
+        merged = (np.where(shallow, *both) for both in zip(rates, followed, strict=True))
+        return shallow | known, RateBounds(*merged)
 
-    def at_new_poses(self, start: Array) -> Flags:
-        """Whether benches (T, N) may have poses that no bench before them has had since the coordinates `start` (H,).
+    def at_new_poses(self, start_s: Array) -> Flags:
+        """Whether benches (T, N) may have poses that no bench before them has had since the coordinates `start_s` (H,).
 
         These are the benches 0 and 1, and those with s_i < s_{i-1}(start); see `first_contact.py`.
         """
         benches = self.lows.shape[1] - 1
         new: Flags = np.ones((len(self.lows), benches), dtype=bool)
         margin = self.rounding[:, None]
-        new[:, 2:] = self.lows[:, 2:-1] - margin < start[1 : benches - 1] + margin
+        new[:, 2:] = self.lows[:, 2:-1] - margin < start_s[1 : benches - 1] + margin
         return new
 
     def separations(self, rows: Indices, pairs: Indices) -> Separation:
@@ -268,7 +231,7 @@ class MotionBounds:
         own, other = np.where(swapped, second, first), np.where(swapped, first, second)
         normals = np.where(swapped[:, None], -normals, normals)
         seen = self._corners(rows, other, normals)
-        known = seen.known & self._rates.known[rows, own]
+        known = seen.known & self._known[rows, own]
         travel = np.where(known, self.travel[rows, first], 0.0)[:, None]
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             # All derivatives are by the coordinate of the first bench's front handle, which drives both.
@@ -300,8 +263,8 @@ class MotionBounds:
 
         Each (P, 1); the value at the midpoint, the derivative in 1/m.
         """
-        ratios = _products(self._front_angles.real / self._rear_angles.real)
-        most = _products(self._rates.ratio)
+        ratios = chain.velocity_ratios(self._front_angles.real, self._rear_angles.real)
+        most = chain.velocity_ratios(self._rates.ratio, np.ones(1))
         change = np.cumsum(self._rates.ratio_change * most[:, :-1] / self._rates.ratio, axis=1)
         change = np.concatenate([np.zeros((len(change), 1)), change], axis=1)
         begin, end = (rows, first), (rows, benches)
@@ -318,7 +281,7 @@ class MotionBounds:
         rotation = -self._omega[rows, benches][:, None] * _dot(arms, _left_of(normals))
         omega, omega_change = rates.omega[rows, benches][:, None], rates.omega_change[rows, benches][:, None]
         return _Corners(
-            known=rates.known[rows, benches],
+            known=self._known[rows, benches],
             heights=_dot(corners, normals),
             speeds=_dot(self._tangents[rows, benches][:, None], normals) + rotation,
             fastest=1 + lengths * omega,
@@ -328,9 +291,7 @@ class MotionBounds:
     @cached_property
     def _omega(self) -> Array:
         """Angular rate (T, N) at the midpoint, rad/m."""
-        front, rear = self._front_angles, self._rear_angles
-        omega: Array = (front.imag - front.real / rear.real * rear.imag) / self._spacings
-        return omega
+        return chain.angular_rates(self._front_angles, self._rear_angles, self._spacings)
 
     def candidates(self, near: float, tested: Flags) -> tuple[Indices, Indices]:
         """Intervals (P,) and pairs (P, 2) of benches that may come within `near` m in them, without neighbours.
@@ -355,37 +316,39 @@ class MotionBounds:
         return np.concatenate(found[0]), np.concatenate(found[1])
 
 
-def _of_pieces(curve: Curve) -> list[float]:
-    """Coordinates of the ends of a curve's pieces, along each piece, m, and 0."""
-    pieces = curve.pieces if isinstance(curve, Composite) else []
-    return [0.0, *(end for piece in pieces for end in (piece.begin_s, piece.end_s) if np.isfinite(end))]
-
-
 def handles_in_reach(march: March, first: float, last: float, near: float) -> int:
     """Number of the foremost handles whose benches may come within `near` m of benches 0 and 1 from `first` to `last`.
 
-    All handles unless the curve is an inward spiral. There, the coordinate of handle j is at most the head's less the
-    spacings between, because an arc is no shorter than its chord. The outline of its bench stays sqrt(r^2 - q^2) away
-    from the centre, less half the width, where r is the radius at that handle, and q half the spacing or the overhang,
-    whichever is longer. Benches 0 and 1 stay within the largest radius of handle 2, plus the overhang and the width.
+    All handles unless the curve goes inward, as `Curve.inward` says. There, the coordinate of handle j is at most the
+    head's less the spacings between, because an arc is no shorter than its chord. The outline of its bench stays
+    sqrt(r^2 - q^2) away from the centre, less half the width, where r is the radius at that handle, and q half the
+    spacing or the overhang, whichever is longer. Benches 0 and 1 stay within the largest radius of handle 2, plus the
+    overhang and the width.
     """
     dragon, curve = march.dragon, march.curve
-    if not isinstance(curve, Spiral) or curve.outward or not dragon.alike:
+    if not (curve.inward and dragon.alike):
         return dragon.handles
     ends = march.handles_s_or_nan([first, last], 3)
     if np.isnan(ends).any():
         return dragon.handles
     lows, _ = march.continuation.ranges(ends[:1], ends[1:])
     widest = float(dragon.widths.max())
-    outer = curve.k * curve.angle(lows[0, 2]) + dragon.overhangs.max() + widest + near
+    outer = _radius(curve, lows[0, 2]) + dragon.overhangs.max() + widest + near
     highest = ends[1, 0] - np.concatenate([[0.0], np.cumsum(dragon.spacings)])
-    radii = curve.k * curve.angle(highest[:-1])
+    radii = _radius(curve, highest[:-1])
     halves = np.maximum(dragon.spacings / 2, dragon.overhangs)
     inner = np.sqrt(np.maximum(radii**2 - halves**2, 0.0)) - widest / 2
     # Where the path second less than a circle with the bench as its diameter, each handle behind goes forward as well.
-    needed = (inner <= outer) | (max_curvature(curve, highest[:-1], highest[:-1]) * dragon.spacings >= 2)
+    needed = (inner <= outer) | (curve.max_curvature(highest[:-1], highest[:-1]) * dragon.spacings >= 2)
     needed[:3] = True
     return min(int(np.flatnonzero(needed)[-1]) + 2, dragon.handles)
+
+
+def _radius(curve: Curve, s: Array) -> Array:
+    """Distances (...) of coordinates (...) from the origin, m."""
+    x, y = np.moveaxis(curve.point(s), -1, 0)
+    radius: Array = np.hypot(x, y)
+    return radius
 
 
 def near_pairs(centres: Array, radii: Array) -> Indices:
@@ -406,8 +369,10 @@ def _meet(one: Array, one_radius: Array, other: Array, other_radius: Array) -> F
     return meeting
 
 
-def _followed_rates(front_turn: Complex, rear_turn: Complex, travel: Array, curvature: Array, spacing: Array) -> _Rates:
-    """Bounds on any path, from the angles at the midpoint.
+def _followed_rates(
+    front_turn: Complex, rear_turn: Complex, travel: Array, curvature: Array, spacing: Array
+) -> tuple[Flags, RateBounds]:
+    """Where bounds are known, and the bounds, on any path from the angles at the midpoint.
 
     The angles are assumed to change by at most some slack. If the rates that follow change them by less over the whole
     travel, the assumption holds.
@@ -423,30 +388,9 @@ def _followed_rates(front_turn: Complex, rear_turn: Complex, travel: Array, curv
     ratio = np.cos(np.maximum(front - slack, 0)) / cosine
     known = rear + slack < QUARTER
     sines = np.sin(widest_front), np.sin(widest_rear)
-    rates = _rates_within(known, sines, ratio, cosine, curvature, spacing)
-    known = rates.known & (travel * (curvature * np.maximum(1, ratio) + rates.omega) <= slack)
-    return replace(rates, known=known, ratio=np.where(known, rates.ratio, np.inf))
-
-
-def _rates_within(
-    known: Flags,
-    sines: tuple[Array, Array],
-    ratio: Array,
-    rear_cosine: Array,
-    curvature: Array,
-    spacing: Array,
-) -> _Rates:
-    """Bounds from those on sines, ratio and cosine: the four equations of this module, with the worst signs."""
-    front_sine, rear_sine = sines
-    omega = (front_sine + ratio * rear_sine) / spacing
-    ratio_change = (curvature * (front_sine + ratio**2 * rear_sine) + omega**2 * spacing) / rear_cosine
-    omega_change = (curvature * (1 + ratio**2) + ratio_change * rear_sine) / spacing
-    return _Rates(known, ratio, ratio_change, omega, omega_change)
-
-
-def _products(factors: Array) -> Array:
-    """Products (T, N + 1) of the first 0, 1, ... of `factors` (T, N)."""
-    return np.concatenate([np.ones((len(factors), 1)), np.cumprod(factors, axis=1)], axis=1)
+    rates = chain.rate_bounds(sines, ratio, cosine, curvature, spacing)
+    known &= travel * (curvature * np.maximum(1, ratio) + rates.omega) <= slack
+    return known, rates._replace(ratio=np.where(known, ratio, np.inf))
 
 
 def _left_of(directions: Array) -> Array:

@@ -11,7 +11,7 @@ this distance as its time (a march at 1 m/s), and converts it to times at the en
 
 If all benches behind the head have the same size, few pairs need tests. Let s_i(t) be the arc-length coordinate of
 handle i. The rear handle of bench i is at s_{i+1} = g(s_i), with one function g for all benches behind the head
-(`curves/continuation.py`; checked by `Continuation.alike`). So the poses of benches i and j > i depend on s_i only, and
+(`model/continuation.py`; checked by `Continuation.alike`). So the poses of benches i and j > i depend on s_i only, and
 benches i - 1 and j - 1 have the same two poses whenever s_{i-1} has the same value, if i >= 2.
 
 Claim: at the time t of a first contact some touching pair (i, j) has i <= 1 or s_i(t) < s_{i-1}(start). Proof: assume
@@ -37,7 +37,6 @@ from pymunk_dragon.collision.bounds import Intervals, MotionBounds, handles_in_r
 from pymunk_dragon.collision.sat import separation
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.contact import Contact
-from pymunk_dragon.model.curves.base import point
 from pymunk_dragon.model.dragon import bench_poses
 from pymunk_dragon.model.march import March, check_march, last_time
 
@@ -431,7 +430,7 @@ class _Search:
 
 def _overlapping(march: March, handles_s: Array) -> tuple[int, int] | None:
     """The pair with the deepest overlap where the handles are at the coordinates (1, H), or None."""
-    dragon, poses = march.dragon, bench_poses(point(march.curve, handles_s[0]))
+    dragon, poses = march.dragon, bench_poses(march.curve.point(handles_s[0]))
     corners = dragon.outlines(poses)
     first, second = near_pairs(poses[:, :2], np.hypot(dragon.lengths, dragon.widths) / 2).T
     distances = separation(corners[first], corners[second]).distance

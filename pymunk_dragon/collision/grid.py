@@ -22,7 +22,6 @@ from numpy.typing import ArrayLike, NDArray
 from pymunk_dragon._checks import finite, whole
 from pymunk_dragon.collision.outlines import MAX_COORDINATE, checked_outlines, numbers
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.model.curves import Spiral
 from pymunk_dragon.model.march import March, check_march
 
 __all__ = ["Grid"]
@@ -30,7 +29,6 @@ __all__ = ["Grid"]
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-TURN = 2 * np.pi
 # Metres: the range of a spiral's pitch, to which the paper ties the cell.
 MIN_CELL, MAX_CELL = 0.001, 1000.0
 # Cells from the origin, in either direction. At the paper's pitch that is 550 km.
@@ -85,12 +83,11 @@ class Grid:
         On other curves the cells are as wide as the longest bench is long, and the origin is the plane's.
         """
         check_march(march)
-        curve = march.curve
-        if not isinstance(curve, Spiral):
+        curve, turns = march.curve, march.turns
+        width, turns = curve.turn_width, curve.turns(march.head_start) if turns is None else turns
+        if width is None or turns is None:
             return cls(cell=float(march.dragon.lengths.max()), origin=(0.0, 0.0))
-        turns = march.turns if march.turns is not None else float(curve.angle(march.head_start)) / TURN
-        radius = turns * curve.pitch
-        return cls(cell=curve.pitch, origin=(-radius, radius))
+        return cls(cell=width, origin=(-turns * width, turns * width))
 
     def cell_of(self, points: ArrayLike) -> Indices:
         """Cells (..., 2) as (i, j) of `points` (..., 2) in m; on a grid line the one below it or to its right.

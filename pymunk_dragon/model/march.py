@@ -13,9 +13,10 @@ from pymunk_dragon._checks import finite, positive, whole
 from pymunk_dragon._display import Displayed
 from pymunk_dragon._frozen import ArrayRecord, read_only
 from pymunk_dragon.errors import ParameterError, UnreachableError
-from pymunk_dragon.model.curves import Curve, Reversed, Spiral, UTurn, chain
-from pymunk_dragon.model.curves.base import check_curve, frame, point
-from pymunk_dragon.model.curves.continuation import Continuation
+from pymunk_dragon.model.chain import velocity_ratios
+from pymunk_dragon.model.continuation import Continuation
+from pymunk_dragon.model.curves import Curve, Reversed, Spiral
+from pymunk_dragon.model.curves.base import check_curve
 from pymunk_dragon.model.curves.spiral import MAX_TURNS
 from pymunk_dragon.model.dragon import Dragon, bench_poses
 from pymunk_dragon.model.speed import ConstantSpeed, Speed, speed_of
@@ -26,8 +27,6 @@ Array = NDArray[np.float64]
 
 # m before the start. At this distance a double still resolves 0.1 nm.
 MAX_RETREAT = 1e5
-# Turn of the spiral on which the paper's march begins.
-TURNS = 16.0
 # m between a curve's begin and the last handle of a dragon that starts there: a thousand rounding errors.
 CLEAR_OF_BEGIN = 1e-9
 
@@ -118,9 +117,9 @@ class March(Displayed):
         speed_profile = speed_of(self.speed)
         if isinstance(speed_profile, ConstantSpeed):
             object.__setattr__(self, "speed", speed_profile.value)
-        widest = float(self.dragon.widths.max())
-        if isinstance(self.curve, Spiral | UTurn) and self.curve.pitch <= widest:
-            raise ParameterError("pitch", self.curve.pitch, f"more than the width, {widest:g} m")
+        widest, turn_width = float(self.dragon.widths.max()), self.curve.turn_width
+        if turn_width is not None and turn_width <= widest:
+            raise ParameterError("pitch", turn_width, f"more than the width, {widest:g} m")
         self._check_start()
         try:
             self.handles_s(0.0)
@@ -135,16 +134,14 @@ class March(Displayed):
             object.__setattr__(
                 self, "start_s", finite("start_s", self.start_s, self.curve.begin_s, self.curve.end_s, "m")
             )
-        elif isinstance(self.curve, Spiral):
-            turns = positive("turns", TURNS if self.turns is None else self.turns, MAX_TURNS, "")
-            object.__setattr__(self, "turns", turns)
-        elif self.turns is not None:
-            raise ParameterError("turns", self.turns, "absent: only a Spiral has turns, other curves have a start_s")
+        elif (turns := self.curve.default_turns if self.turns is None else self.turns) is not None:
+            self.curve.at_turn(turns)
+            object.__setattr__(self, "turns", positive("turns", turns, MAX_TURNS, ""))
 
     def _misfit(self, error: UnreachableError) -> ParameterError:
         """Error for a march in which a handle has no coordinate at t = 0."""
         handle = error.handle
-        if self.start_s is None and isinstance(self.curve, Spiral):
+        if self.turns is not None:
             name = "head_spacing" if handle == 1 else "body_spacing"
             bound = f"short enough for the curve at turn {self.turns:g}: handle {handle} has no coordinate there"
             return ParameterError(name, getattr(self.dragon, name), bound)
@@ -162,13 +159,13 @@ class March(Displayed):
         """
         if self.start_s is not None:
             return self.start_s
-        if isinstance(self.curve, Spiral) and self.turns is not None:
+        if self.turns is not None:
             return self.curve.at_turn(self.turns)
         if self.curve.begin_s == -np.inf:
             return min(0.0, self.curve.end_s)
         # The dragon from its tail on: its handles follow each other back along the reversed curve.
         tail = self.curve.begin_s + CLEAR_OF_BEGIN
-        head = -float(chain(Reversed(self.curve), [-tail], self.dragon.spacings[::-1])[0, -1])
+        head = -float(Reversed(self.curve).chain([-tail], self.dragon.spacings[::-1])[0, -1])
         if np.isnan(head):
             length = self.curve.end_s - self.curve.begin_s
             bound = f"one that takes the whole dragon: {length:g} m of it do not, or it turns back within a bench"
@@ -290,7 +287,7 @@ class March(Displayed):
 
     def _away_from_begin(self, coordinate: float) -> float:
         """Straight distance of a coordinate from the curve's begin, m."""
-        begin, there = point(self.curve, [self.curve.begin_s, coordinate])
+        begin, there = self.curve.point([self.curve.begin_s, coordinate])
         return float(np.hypot(*(there - begin)))
 
     def at(self, times: ArrayLike, handles: int | None = None) -> States:
@@ -306,14 +303,12 @@ class March(Displayed):
         """
         t = self._checked(times)
         coordinates = self.handles_s(t, handles)
-        positions, tangents = frame(self.curve, coordinates)
+        positions, tangents = self.curve.frame(coordinates)
         along = positions[:, :-1] - positions[:, 1:]
         front = np.sum(tangents[:, :-1] * along, axis=-1)
         rear = np.sum(tangents[:, 1:] * along, axis=-1)
         # Signed along the path: a head at more than a right angle to its bench pushes the rear handle back.
-        rates = np.empty(coordinates.shape)
-        rates[:, 0] = self.speed_profile.at(t)
-        rates[:, 1:] = rates[:, :1] * np.cumprod(front / rear, axis=1)
+        rates = self.speed_profile.at(t)[:, None] * velocity_ratios(front, rear)
         return States(t, coordinates, positions, rates[..., None] * tangents, np.abs(rates))
 
     def speeds_by_difference(self, times: ArrayLike, step: float) -> Array:
@@ -328,12 +323,8 @@ class March(Displayed):
             If the curve is not a spiral, or `step` is not above 0.
         """
         positive("step", step, np.inf, "s")
-        if not isinstance(self.curve, Spiral):
-            raise ParameterError("curve", type(self.curve).__name__, "a Spiral, which has polar angles")
         t = self._checked(times)
-        now, later = (self.curve.angle(self.handles_s(when)) for when in (t, t + step))
-        speeds: Array = self.curve.k * np.hypot(now, 1) * np.abs(later - now) / step
-        return speeds
+        return self.curve.speeds_by_difference(self.handles_s(t), self.handles_s(t + step), step)
 
 
 def check_march(value: object) -> None:

@@ -11,7 +11,7 @@ from typing import Any
 
 from pymunk_dragon._files import read_text
 from pymunk_dragon.errors import FileFormatError, ParameterError
-from pymunk_dragon.model.curves import KINDS, Curve, Sampled, from_table, to_table
+from pymunk_dragon.model.curves import Curve, Sampled
 from pymunk_dragon.model.dragon import BENCHES, Dragon, Sizes
 from pymunk_dragon.model.march import March, check_march
 from pymunk_dragon.model.speed import ConstantSpeed, SpeedTable, speed_of
@@ -127,7 +127,7 @@ class Scenario:
         """
         values = {f.name: getattr(self, f.name) for f in fields(self)}
         if isinstance(self.curve, Curve):
-            values["curve"] = to_table(self.curve)
+            values["curve"] = self.curve.to_dict()
         return {name: value for name, value in values.items() if value is not None and value != UNSAID.get(name)}
 
     @classmethod
@@ -192,7 +192,7 @@ def _curve(values: Mapping[str, Any]) -> Curve:
     elif isinstance(kind, Mapping | Curve):
         for name, value in given.items():
             raise ParameterError(name, value, "absent where the curve is a table, which holds all parameters")
-        return kind if isinstance(kind, Curve) else from_table(kind)
+        return kind if isinstance(kind, Curve) else Curve.from_dict(kind)
     elif _is_file(kind):
         if "points" in given:
             raise ParameterError("points", given["points"], f"absent where the curve is a file, {kind}")
@@ -205,7 +205,7 @@ def _curve(values: Mapping[str, Any]) -> Curve:
             raise ParameterError(name, value, f"absent on a {kind} curve: it is of a {owners}")
     if kind == "sampled" and "points" not in given:
         raise ParameterError("points", None, "there for a sampled curve, which goes through them")
-    curve: Curve = KINDS[kind](**given)
+    curve: Curve = Curve.kinds[kind](**given)
     return curve
 
 
@@ -223,7 +223,7 @@ def _speed(value: Any) -> Any:
 def _values(march: March) -> dict[str, Any]:
     """Names and values of a scenario that makes `march`."""
     curve, speed = march.curve, speed_of(march.speed)
-    table = to_table(curve)
+    table = curve.to_dict()
     kind = table.pop("kind")
     parts: dict[str, Any] = {"curve": kind} | table if kind in CURVES else {"curve": curve}
     if isinstance(curve, Sampled):

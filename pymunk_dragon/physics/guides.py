@@ -9,7 +9,6 @@ import pymunk
 from numpy.typing import NDArray
 
 from pymunk_dragon._checks import word
-from pymunk_dragon.model.curves import foot
 from pymunk_dragon.model.march import March
 from pymunk_dragon.physics.world import DRAG, PathGuide, bench_mass
 
@@ -100,7 +99,7 @@ class Rails:
         np.sin(poses[1:, 2], out=headings.imag)
         rear_holes = _complex(poses[1:, :2]) - self._half * headings
         near = self._rear_s + self._substep * self._rear_speeds
-        self._rear_s, feet, directions = foot(self._curve, rear_holes.view(float).reshape(-1, 2), near)
+        self._rear_s, feet, directions = self._curve.foot(rear_holes.view(float).reshape(-1, 2), near)
         tangents = _complex(directions)
         np.add(_complex(feet), 1j * PIN_LENGTH * tangents, out=_complex(anchors))
         motion = self._speeds(hinge_velocity, tangents)

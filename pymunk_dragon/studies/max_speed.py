@@ -34,7 +34,7 @@ from numpy.typing import NDArray
 
 from pymunk_dragon._checks import finite
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.model.curves import Composite, Section, Spiral, UTurn, frame
+from pymunk_dragon.model.curves import Composite, Section, Spiral, UTurn
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.speed import MAX_SPEED, MIN_SPEED
@@ -258,10 +258,11 @@ def _periodic_samples(march: March, phase: float) -> tuple[Array, Array]:
     spiral = outward.curve if isinstance(outward, Section) else outward
     assert isinstance(spiral, Spiral)
     head, body = float(march.dragon.spacings[0]), float(march.dragon.spacings[-1])
-    angles, heads = spiral.angle([outward.begin_s + phase]), []
+    # Travelled inward, the handle ahead is the one behind.
+    inward, angles, heads = replace(spiral, outward=False), spiral.angle([outward.begin_s + phase]), []
     for _ in range(1, march.dragon.benches):
-        heads.append(spiral.behind(angles, head))
-        angles = spiral.behind(angles, body)
+        heads.append(inward.behind(angles, head))
+        angles = inward.behind(angles, body)
     travelled = spiral.arc(np.concatenate(heads)) - outward.begin_s + march.curve.joints[-1] - march.head_start
     return travelled, travelled
 
@@ -346,7 +347,7 @@ class _Search:
         intervals.
         """
         spacings = self._spacings[: first.shape[1] - 1]
-        points, tangents = (part.view(complex)[..., 0] for part in frame(self.curve, middle))
+        points, tangents = (part.view(complex)[..., 0] for part in self.curve.frame(middle))
         facing = ((points[:, :-1] - points[:, 1:]) / spacings).conj()
         front, rear = np.angle(tangents[:, :-1] * facing), np.angle(tangents[:, 1:] * facing)
         if np.any(np.abs(front) >= RIGHT_ANGLE):

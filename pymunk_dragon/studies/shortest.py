@@ -27,8 +27,8 @@ from numpy.typing import NDArray
 
 from pymunk_dragon._extras import library
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.model.curves import UTurn, chain
-from pymunk_dragon.model.curves.base import Curve, frame
+from pymunk_dragon.model.curves import UTurn
+from pymunk_dragon.model.curves.base import Curve
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.studies.max_speed import SpeedRatio, largest_ratio
@@ -422,7 +422,7 @@ class _Programme:
     def _peak_constraints(self, turn: Turn, maxima: tuple[Array, Indices, Array]) -> _Constraints:
         """Constraints at the maxima that are not at a kink; the anchor is the handle closest to an end of an arc."""
         heads, handles, _ = maxima
-        s = chain(turn.path, heads, self.spacings)
+        s = turn.path.chain(heads, self.spacings)
         edges = np.array([0.0, *np.cumsum(turn.lengths)])
         offsets = s[:, :, None] - edges
         behind = np.arange(s.shape[1]) > handles[:, None]
@@ -466,8 +466,8 @@ def _sampled_speeds(curve: Curve, spacings: Array, heads: Array) -> tuple[Array,
 
     None where a handle has no position or does not move forward.
     """
-    s = chain(curve, heads, spacings)
-    points, tangents = frame(curve, s)
+    s = curve.chain(heads, spacings)
+    points, tangents = curve.frame(s)
     along = points[:, :-1] - points[:, 1:]
     front, rear = (np.sum(part * along, axis=-1) / spacings for part in (tangents[:, :-1], tangents[:, 1:]))
     # A comparison with nan is false.

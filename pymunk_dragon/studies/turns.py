@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pymunk_dragon.model.curves import Arc, Composite, Curve, Line, UTurn
-from pymunk_dragon.model.curves.base import frame
 
 __all__ = ["ArcPath", "Turn", "closed_turn"]
 
@@ -197,7 +196,7 @@ def closed_turn(base: UTurn, x: Array) -> Turn | None:
 
 def _frame(curve: Curve, s: Array) -> tuple[Complex, Complex]:
     """Points and tangents of a curve as complex numbers."""
-    points, tangents = (part.view(complex)[..., 0] for part in frame(curve, s))
+    points, tangents = (part.view(complex)[..., 0] for part in curve.frame(s))
     return points, tangents
 
 

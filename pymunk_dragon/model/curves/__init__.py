@@ -1,31 +1,13 @@
-"""What a dragon marches on."""
+"""What a dragon marches on: one module per kind of curve."""
 
 from pymunk_dragon.model.curves.arc import Arc
-from pymunk_dragon.model.curves.base import Curve, frame
-from pymunk_dragon.model.curves.chain import chain, foot
+from pymunk_dragon.model.curves.base import Curve
 from pymunk_dragon.model.curves.composite import Composite
 from pymunk_dragon.model.curves.line import Line
 from pymunk_dragon.model.curves.reversed import Reversed
-from pymunk_dragon.model.curves.sampled import Sampled
 from pymunk_dragon.model.curves.section import Section
 from pymunk_dragon.model.curves.spiral import Spiral
-from pymunk_dragon.model.curves.tables import KINDS, from_table, to_table
+from pymunk_dragon.model.curves.spline import Sampled
 from pymunk_dragon.model.curves.u_turn import UTurn
 
-__all__ = [
-    "KINDS",
-    "Arc",
-    "Composite",
-    "Curve",
-    "Line",
-    "Reversed",
-    "Sampled",
-    "Section",
-    "Spiral",
-    "UTurn",
-    "chain",
-    "foot",
-    "frame",
-    "from_table",
-    "to_table",
-]
+__all__ = ["Arc", "Composite", "Curve", "Line", "Reversed", "Sampled", "Section", "Spiral", "UTurn"]

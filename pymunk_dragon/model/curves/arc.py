@@ -10,8 +10,7 @@ from numpy.typing import ArrayLike
 
 from pymunk_dragon._checks import finite
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.model.curves.base import Array
-from pymunk_dragon.model.curves.coordinates import FARTHEST, overlap, plane_point, within
+from pymunk_dragon.model.curves.base import FARTHEST, Array, Curve, overlap, plane_point, within
 
 __all__ = ["Arc"]
 
@@ -25,7 +24,7 @@ SHORTEST = 1e-9
 
 
 @dataclass(frozen=True, kw_only=True)
-class Arc:
+class Arc(Curve, kind="arc"):
     """Circular arc; the coordinate is the arc length from its beginning.
 
     Parameters

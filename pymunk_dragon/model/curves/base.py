@@ -1,36 +1,64 @@
-"""What the exact kinematics and the rails need to know of a path."""
+"""The base class of curves, the registry of their kinds, and helpers for curves with ends."""
 
 from __future__ import annotations
 
-from typing import Any, Protocol, runtime_checkable
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import MISSING, fields, is_dataclass
+from functools import wraps
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from pymunk_dragon._checks import answer, number
+from pymunk_dragon._checks import answer, finite, number
 from pymunk_dragon.errors import ParameterError
+from pymunk_dragon.model import chain
 
-__all__ = ["Array", "Curve", "check_curve", "curvature", "frame", "max_curvature", "point", "tangent"]
+__all__ = ["Array", "Curve", "check_curve"]
 
 Array = NDArray[np.float64]
 
+# m from the origin. At this distance a double still resolves 0.02 nm.
+FARTHEST = 1e5
+# Levels of curves inside curves. A level takes up to 4 of Python's 1000 nested calls in an evaluation.
+MAX_DEPTH = 32
+# Methods whose results are checked in classes outside the package, and the axes that they add to their argument's.
+CHECKED: Mapping[str, tuple[int, ...]] = {"point": (2,), "tangent": (2,), "curvature": ()}
 
-@runtime_checkable
-class Curve(Protocol):
+
+class Curve(ABC):
     """A smooth path with a direction of travel, by arc length.
 
     A point of the path is given by its arc-length coordinate ``s`` in m, which grows in the direction of travel; each
     curve defines its zero. Every method is vectorised over coordinates and returns arrays of their shape, or that shape
     + (2,) for points and vectors. Beyond the ends the result is nan.
 
-    Any class with these members is a curve that a dragon can march on.
+    A derived class defines `begin_s`, `end_s`, `point`, `tangent`, `curvature` and `max_curvature`; a dragon can then
+    march on it. ``class Name(Curve, kind="name")`` also registers a dataclass, so that scenario files and saved runs
+    may contain it. The results of classes outside the package are checked at each call.
+
+    Attributes
+    ----------
+    begin_s, end_s : float
+        First and last coordinate, m; -inf or inf for a path without begin or end.
+    kind : str or None
+        Name in scenario files and saved runs.
+    turn_width : float or None
+        Distance between neighbouring turns, m, which benches have to be narrower than; None without such turns.
+    default_turns : float or None
+        Turn on which a march begins by default; None on a curve whose turns are not counted.
+    inward : bool
+        Whether the distance from the origin falls and the absolute curvature grows along the whole path.
+    inner_ends : tuple of float
+        Finite coordinates, m, at which pieces inside this curve begin or end, by their own zero.
 
     Examples
     --------
     A rope that hangs between two posts, with its lowest point at (0, 2) m:
 
     >>> import numpy as np
-    >>> class Catenary:
+    >>> class Catenary(Curve):
     ...     begin_s, end_s = -np.inf, np.inf
     ...
     ...     def point(self, s):
@@ -52,42 +80,214 @@ class Curve(Protocol):
     [[-2.39, 3.606], [0.0, 2.0], [2.39, 3.606], [2.944, 4.438]]
     """
 
-    @property
-    def begin_s(self) -> float:
-        """Coordinate where the path begins, m; -inf for one that comes from infinity."""
-        ...
+    kinds: ClassVar[dict[str, type[Any]]] = {}
+    kind: ClassVar[str | None] = None
+    default_turns: ClassVar[float | None] = None
+
+    if TYPE_CHECKING:
+        # Only declared, so that a dataclass may have fields of these names.
+        @property
+        def begin_s(self) -> float:
+            """First coordinate, m."""
+
+        @property
+        def end_s(self) -> float:
+            """Last coordinate, m."""
+
+    def __init_subclass__(cls, kind: str | None = None, **others: Any) -> None:
+        super().__init_subclass__(**others)
+        cls.kind = kind
+        if kind is not None:
+            Curve.kinds[kind] = cls
+        if not _is_of_package(cls):
+            for name, tail in CHECKED.items():
+                if name in cls.__dict__:
+                    setattr(cls, name, _checked(name, getattr(cls, name), tail))
+            if "max_curvature" in cls.__dict__:
+                setattr(cls, "max_curvature", _checked_bound(cls.max_curvature))  # noqa: B010  # mypy refuses a method.
 
     @property
-    def end_s(self) -> float:
-        """Coordinate where the path ends, m; inf for one that goes on for ever."""
-        ...
+    def turn_width(self) -> float | None:
+        """Distance between neighbouring turns, m, or None."""
+        return None
 
+    @property
+    def inward(self) -> bool:
+        """Whether the distance from the origin falls and the absolute curvature grows along the whole path."""
+        return False
+
+    @property
+    def inner_ends(self) -> tuple[float, ...]:
+        """Finite coordinates, m, at which pieces inside this curve begin or end, by their own zero."""
+        return ()
+
+    @abstractmethod
     def point(self, s: ArrayLike) -> Array:
         """Position (..., 2) in m.
 
         Right to 8 last digits of the largest coordinate, in space or along the path: the certificate of a first contact
         rests on this.
         """
-        ...
 
+    @abstractmethod
     def tangent(self, s: ArrayLike) -> Array:
         """Unit vector (..., 2) in the direction of travel."""
-        ...
 
+    @abstractmethod
     def curvature(self, s: ArrayLike) -> Array:
         """Curvature (...) in 1/m, positive for a curve to the left."""
-        ...
 
+    @abstractmethod
     def max_curvature(self, s: ArrayLike, other: ArrayLike) -> Array:
         """Upper bound (...) on the absolute curvature between two coordinates in any order, 1/m.
 
         The certificate of a first contact depends on this bound. It is 0 beyond the ends.
         """
-        ...
+
+    def frame(self, s: ArrayLike) -> tuple[Array, Array]:
+        """Positions and unit vectors in the direction of travel, each (..., 2)."""
+        return self.point(s), self.tangent(s)
+
+    def chain(self, s: ArrayLike, spacings: ArrayLike) -> Array:
+        """Coordinates of all handles of chains with the heads at `s`, each laid out along the path from its head.
+
+        Each handle is at the first point back along the path whose straight distance from the handle before is the
+        spacing, never at a later intersection. That distance has to grow over the whole arc between. Motion may take a
+        chain to other states: `continuation.py` follows it.
+
+        Parameters
+        ----------
+        s : array_like, shape (T,)
+            Coordinates of the heads, m.
+        spacings : array_like, shape (N,)
+            Straight distances between neighbouring handles, m.
+
+        Returns
+        -------
+        ndarray, shape (T, N + 1)
+            Coordinates, m; nan for a handle that has none on the curve, and for all behind it.
+
+        Examples
+        --------
+        >>> from pymunk_dragon.model.curves import Line
+        >>> Line(stop=(30, 40)).chain([10.0], [3.0, 2.0]).round(9).tolist()
+        [[10.0, 7.0, 5.0]]
+        """
+        parameters = np.empty((np.size(s), np.size(spacings) + 1))
+        parameters[:, 0] = self.parameter(np.asarray(s, dtype=float))
+        for i, chord in enumerate(np.asarray(spacings, dtype=float).tolist()):
+            parameters[:, i + 1] = self.behind(parameters[:, i], chord)
+        handles_s = self.coordinate(parameters)
+        # The heads stay where they are, to the last digit.
+        handles_s[:, 0] = np.where(np.isnan(parameters[:, 0]), np.nan, s)
+        return handles_s
+
+    def parameter(self, s: Array) -> Array:
+        """The parameter in which `chain` computes, (T,): the coordinates unless a curve has a faster one."""
+        return np.where((s >= self.begin_s) & (s <= self.end_s), s, np.nan)
+
+    def coordinate(self, parameter: Array) -> Array:
+        """Coordinates (...) of parameters, m: the inverse of `parameter`."""
+        return parameter
+
+    def behind(self, parameter: Array, chord: float) -> Array:
+        """Parameters (T,) of the nearest points back along the path at the straight distance `chord`; nan if none."""
+        found = np.full(parameter.shape, np.nan)
+        on = ~np.isnan(parameter)
+        found[on] = chain.rear_handle(self, parameter[on], chord)
+        return found
+
+    def chain_follows_motion(self, spacings: Array) -> bool:
+        """Whether `chain` always finds the state to which continuous motion leads, for spacings (N,) in m."""
+        return False
+
+    def foot(self, points: ArrayLike, near: ArrayLike) -> tuple[Array, Array, Array]:
+        """Feet of the perpendiculars from `points` (..., 2) close to the path.
+
+        Parameters
+        ----------
+        points : array_like, shape (..., 2)
+            m.
+        near : array_like, shape (...)
+            Estimates of the coordinates, m: the foot is the one nearest to them along the path.
+
+        Returns
+        -------
+        s : ndarray, shape (...)
+            Coordinates of the feet, m.
+        feet, tangents : ndarray, shape (..., 2)
+            The path's points, m, and unit tangents there.
+
+        Examples
+        --------
+        >>> from pymunk_dragon.model.curves import Line
+        >>> s, feet, tangents = Line(stop=(10, 0)).foot([[4.0, 0.5]], [3.0])
+        >>> s.tolist(), feet.tolist()
+        ([4.0], [[4.0, 0.0]])
+        """
+        return chain.foot(self, points, near)
+
+    def at_turn(self, turns: float) -> float:
+        """Coordinate `turns` turns from the centre, m.
+
+        Raises
+        ------
+        ParameterError
+            If the curve has no turns that are counted, or `turns` is out of range.
+        """
+        raise ParameterError("turns", turns, "absent: only a Spiral has turns, other curves have a start_s")
+
+    def turns(self, s: float) -> float | None:
+        """Number of turns from the centre at the coordinate `s` m; None on a curve whose turns are not counted."""
+        return None
+
+    def speeds_by_difference(self, now: Array, later: Array, step: float) -> Array:
+        """Speeds (...), m/s, of handles at `now`, and at `later` after `step` s, from their polar angles (eq. 15).
+
+        Raises
+        ------
+        ParameterError
+            If the curve has no polar angles.
+        """
+        raise ParameterError("curve", type(self).__name__, "a Spiral, which has polar angles")
+
+    def to_dict(self) -> dict[str, Any]:
+        """Kind and parameters as plain values, of which `Curve.from_dict` makes an equal curve.
+
+        Raises
+        ------
+        ParameterError
+            If the class of this curve, or of one inside it, is not registered, or more than 32 levels are nested. A
+            class derived from a registered one is not registered itself, because it may override anything.
+
+        Examples
+        --------
+        >>> from pymunk_dragon.model.curves import Arc, Reversed
+        >>> Reversed(Arc(radius=2, sweep=1)).to_dict()["curve"]
+        {'kind': 'arc', 'centre': [0.0, 0.0], 'radius': 2.0, 'begin_angle': 0.0, 'sweep': 1.0}
+        """
+        return _to_dict(self, "curve", 1)
+
+    @staticmethod
+    def from_dict(values: Mapping[str, Any]) -> Curve:
+        """Curve of a registered kind with the given parameters; those that are curves are mappings as well.
+
+        Raises
+        ------
+        ParameterError
+            If the kind is unknown, a parameter is missing, unknown or refused by the class, or more than 32 levels are
+            nested. The error names the path to the parameter, as in ``curve.pieces[1].radius``.
+
+        Examples
+        --------
+        >>> Curve.from_dict({"kind": "line", "stop": [3, 4]})
+        Line(start=(0.0, 0.0), stop=(3.0, 4.0))
+        """
+        return _from_dict(values, "curve", 1)
 
 
 def check_curve(name: str, value: object) -> None:
-    """Check that `value` is a curve, and call each method of a user-defined class with coordinates of shape (1, 3).
+    """Check that `value` is a curve, and call each method of a class outside the package with coordinates (1, 3).
 
     Raises
     ------
@@ -95,78 +295,145 @@ def check_curve(name: str, value: object) -> None:
         If it is no curve, its ends are no numbers in the order of travel, or a method returns anything but finite
         numbers of the shape that `Curve` requires.
     """
-    if isinstance(value, type) or not isinstance(value, Curve):
+    if not isinstance(value, Curve):
         raise ParameterError(name, value, "a Curve")
-    if _is_of_package(value):
+    if _is_of_package(type(value)):
         return
     kind = type(value).__name__
-    begin, end = number(value.begin_s), number(value.end_s)
+    ends = getattr(value, "begin_s", None), getattr(value, "end_s", None)
+    begin, end = map(number, ends)
     # Written so that nan fails.
     if not begin < end:
-        raise ParameterError(
-            f"{kind}.begin_s and end_s", (value.begin_s, value.end_s), "two numbers, m, the first one smaller"
-        )
+        raise ParameterError(f"{kind}.begin_s and end_s", ends, "two numbers, m, the first one smaller")
     if np.isinf(begin):
         begin = min(end, 1.0) - 1
     coordinates = begin + min(end - begin, 1.0) * np.array([[0.25, 0.5, 0.75]])
-    frame(value, coordinates)
-    curvature(value, coordinates)
-    max_curvature(value, coordinates[:, :-1], coordinates[:, 1:])
+    for method in (value.point, value.tangent, value.curvature):
+        method(coordinates)
+    value.max_curvature(coordinates[:, :-1], coordinates[:, 1:])
 
 
-def point(curve: Curve, s: ArrayLike) -> Array:
-    """Points (..., 2) of a curve, m."""
-    return _called(curve, "point", s, (2,))
+def within(s: ArrayLike, begin: float, end: float) -> Array:
+    """Coordinates as an array, with nan for those that are not from `begin` to `end`."""
+    coordinates = np.asarray(s, dtype=float)
+    return np.where((coordinates >= begin) & (coordinates <= end), coordinates, np.nan)
 
 
-def tangent(curve: Curve, s: ArrayLike) -> Array:
-    """Tangents (..., 2) of a curve."""
-    return _called(curve, "tangent", s, (2,))
+def overlap(s: ArrayLike, other: ArrayLike, begin: float, end: float) -> tuple[Array, Array]:
+    """Lower and upper ends of the intersections of the intervals from `s` to `other` with that from `begin` to `end`.
+
+    If an intersection is empty, its lower end is above its upper end.
+    """
+    lower, upper = np.minimum(s, other), np.maximum(s, other)
+    return np.maximum(lower, begin), np.minimum(upper, end)
 
 
-def curvature(curve: Curve, s: ArrayLike) -> Array:
-    """Curvature (...) of a curve, 1/m."""
-    return _called(curve, "curvature", s, ())
+def plane_point(name: str, value: object) -> tuple[float, float]:
+    """`value` as x and y in m, or a `ParameterError`."""
+    bound = f"two numbers x, y from {-FARTHEST:g} to {FARTHEST:g} m"
+    if isinstance(value, Iterable) and np.shape(parts := list(value)) == (2,):
+        try:
+            x, y = (finite(name, part, -FARTHEST, FARTHEST, "m") for part in parts)
+        except ParameterError:
+            pass
+        else:
+            return x, y
+    raise ParameterError(name, value, bound)
 
 
-def frame(curve: Curve, s: ArrayLike) -> tuple[Array, Array]:
-    """Points and tangents of a curve, each (..., 2); at once where it has a method `frame`, which costs less."""
-    if _is_of_package(curve) and (own := getattr(curve, "frame", None)) is not None:
-        points, tangents = own(s)
-    else:
-        points, tangents = point(curve, s), tangent(curve, s)
-    return np.ascontiguousarray(points, dtype=float), np.ascontiguousarray(tangents, dtype=float)
+def _is_of_package(cls: type[Any]) -> bool:
+    """Whether the tests vouch for a class."""
+    return cls.__module__.startswith(__package__)
 
 
-def max_curvature(curve: Curve, s: ArrayLike, other: ArrayLike) -> Array:
-    """A curve's bound on its curvature between coordinates, as a new array of their shape."""
-    shape = np.broadcast_shapes(np.shape(s), np.shape(other))
-    bounds = curve.max_curvature(s, other)
-    if not _is_of_package(curve):
-        method = f"{type(curve).__name__}.max_curvature(s, other)"
-        bounds = answer(method, bounds, shape)
+def _checked(
+    name: str, method: Callable[[Any, ArrayLike], Any], tail: tuple[int, ...]
+) -> Callable[[Any, ArrayLike], Array]:
+    """The method `name`, whose results are checked: finite numbers (...) + `tail` for coordinates (...) on the curve."""
+
+    @wraps(method)
+    def checked(self: Curve, s: ArrayLike) -> Array:
+        coordinates = np.asarray(s, dtype=float)
+        called = f"{type(self).__name__}.{name}"
+        values = answer(f"{called}(s)", method(self, s), coordinates.shape, tail)
+        on = np.isfinite(coordinates) & (coordinates >= self.begin_s) & (coordinates <= self.end_s)
+        bad = on & ~(np.isfinite(values).all(axis=-1) if tail else np.isfinite(values))
+        if bad.any():
+            bound = f"finite from begin_s = {self.begin_s:g} m to end_s = {self.end_s:g} m"
+            raise ParameterError(f"{called}({coordinates[bad][0]:.9g})", values[bad][0].tolist(), bound)
+        return values
+
+    return checked
+
+
+def _checked_bound(method: Callable[[Any, ArrayLike, ArrayLike], Any]) -> Callable[[Any, ArrayLike, ArrayLike], Array]:
+    """`method` with a check that it returns bounds (...), finite and not negative, for two coordinates."""
+
+    @wraps(method)
+    def checked(self: Curve, s: ArrayLike, other: ArrayLike) -> Array:
+        name = f"{type(self).__name__}.max_curvature(s, other)"
+        bounds = answer(name, method(self, s, other), np.broadcast_shapes(np.shape(s), np.shape(other)))
         bad = ~(np.isfinite(bounds) & (bounds >= 0) | np.isnan(np.add(s, other)))
         if bad.any():
-            raise ParameterError(method, bounds[bad][0].item(), "finite and not negative, 1/m")
-    return np.array(np.broadcast_to(bounds, shape), dtype=float)
+            raise ParameterError(name, bounds[bad][0].item(), "finite and not negative, 1/m")
+        return bounds
+
+    return checked
 
 
-def _is_of_package(curve: Curve) -> bool:
-    """Whether the tests vouch for the class of a curve."""
-    return type(curve).__module__.startswith(__package__)
+def _to_dict(curve: Curve, where: str, depth: int) -> dict[str, Any]:
+    if curve.kind is None or not is_dataclass(curve):
+        known = ", ".join(sorted(Curve.kinds))
+        bound = f"a curve of the package ({known}) to be written down: a class of your own has no table"
+        raise ParameterError(where, type(curve).__name__, bound)
+    _check_depth(type(curve).__name__, depth)
+
+    def plain(value: Any, where: str) -> Any:
+        if isinstance(value, Curve):
+            return _to_dict(value, where, depth + 1)
+        if isinstance(value, tuple):
+            return [plain(item, f"{where}[{i}]") for i, item in enumerate(value)]
+        return value.tolist() if isinstance(value, np.ndarray) else value
+
+    return {"kind": curve.kind} | {
+        name: plain(getattr(curve, name), f"{where}.{name}") for name in _parameters(type(curve))
+    }
 
 
-def _called(curve: Curve, method: str, s: ArrayLike, tail: tuple[int, ...]) -> Array:
-    """Result of a curve's method for coordinates; checked if the class is user-defined."""
-    value: Any = getattr(curve, method)(s)
-    if _is_of_package(curve):
-        return np.asarray(value)
-    coordinates = np.asarray(s, dtype=float)
-    name = f"{type(curve).__name__}.{method}"
-    array = answer(f"{name}(s)", value, coordinates.shape, tail)
-    on = np.isfinite(coordinates) & (coordinates >= curve.begin_s) & (coordinates <= curve.end_s)
-    bad = on & ~(np.isfinite(array).all(axis=-1) if tail else np.isfinite(array))
-    if bad.any():
-        bound = f"finite from begin_s = {curve.begin_s:g} m to end_s = {curve.end_s:g} m"
-        raise ParameterError(f"{name}({coordinates[bad][0]:.9g})", array[bad][0].tolist(), bound)
-    return array
+def _from_dict(values: Mapping[str, Any], where: str, depth: int) -> Curve:
+    _check_depth(values, depth)
+    given = dict(values)
+    kind = given.pop("kind", None)
+    if not (isinstance(kind, str) and kind in Curve.kinds):
+        raise ParameterError(f"{where}.kind", kind, "one of " + ", ".join(sorted(Curve.kinds)))
+    parameters = _parameters(Curve.kinds[kind])
+    for name, value in given.items():
+        if name not in parameters:
+            raise ParameterError(f"{where}.{name}", value, f"absent: the parameters are {', '.join(parameters)}")
+    for name, required in parameters.items():
+        if required and name not in given:
+            raise ParameterError(f"{where}.{name}", None, f"given: the kind {kind} has no default for it")
+
+    def made(value: Any, where: str) -> Any:
+        if isinstance(value, Mapping):
+            return _from_dict(value, where, depth + 1)
+        if isinstance(value, list | tuple) and any(isinstance(item, Mapping) for item in value):
+            return [made(item, f"{where}[{i}]") for i, item in enumerate(value)]
+        return value
+
+    arguments = {name: made(value, f"{where}.{name}") for name, value in given.items()}
+    try:
+        curve: Curve = Curve.kinds[kind](**arguments)
+    except ParameterError as error:
+        raise ParameterError(f"{where}.{error.name}", error.value, error.bound) from error
+    return curve
+
+
+def _parameters(cls: type[Any]) -> dict[str, bool]:
+    """Names of the parameters of a registered class, and whether each is required."""
+    return {f.name: f.default is MISSING for f in fields(cls) if f.init}
+
+
+def _check_depth(value: object, depth: int) -> None:
+    if depth > MAX_DEPTH:
+        raise ParameterError("curve", value, f"nested in at most {MAX_DEPTH - 1} other curves")

@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.model.curves.base import Array, Curve, check_curve, curvature, frame, max_curvature, point, tangent
-from pymunk_dragon.model.curves.coordinates import overlap, within
+from pymunk_dragon.model.curves.base import Array, Curve, check_curve, overlap, within
 
 __all__ = ["Composite"]
 
@@ -22,7 +21,7 @@ MAX_GAP, MAX_KINK = 1e-9, 1e-9
 
 
 @dataclass(frozen=True)
-class Composite:
+class Composite(Curve, kind="composite"):
     """Curves joined end to begin, without gaps and kinks.
 
     Its coordinate is 0 where the first piece begins, or where the first piece ends if it comes from infinity.
@@ -82,22 +81,22 @@ class Composite:
 
     def point(self, s: ArrayLike) -> Array:
         """Position (..., 2) in m."""
-        [points] = self._by_piece(s, lambda piece, coordinates: [point(piece, coordinates)], (2,))
+        [points] = self._by_piece(s, lambda piece, coordinates: [piece.point(coordinates)], (2,))
         return points
 
     def tangent(self, s: ArrayLike) -> Array:
         """Unit vector (..., 2) in the direction of travel."""
-        [tangents] = self._by_piece(s, lambda piece, coordinates: [tangent(piece, coordinates)], (2,))
+        [tangents] = self._by_piece(s, lambda piece, coordinates: [piece.tangent(coordinates)], (2,))
         return tangents
 
     def frame(self, s: ArrayLike) -> tuple[Array, Array]:
         """Positions and unit vectors in the direction of travel, each (..., 2)."""
-        points, tangents = self._by_piece(s, frame, (2,), (2,))
+        points, tangents = self._by_piece(s, lambda piece, coordinates: piece.frame(coordinates), (2,), (2,))
         return points, tangents
 
     def curvature(self, s: ArrayLike) -> Array:
         """Curvature (...) in 1/m, positive to the left."""
-        [curvatures] = self._by_piece(s, lambda piece, coordinates: [curvature(piece, coordinates)], ())
+        [curvatures] = self._by_piece(s, lambda piece, coordinates: [piece.curvature(coordinates)], ())
         return curvatures
 
     def max_curvature(self, s: ArrayLike, other: ArrayLike) -> Array:
@@ -109,8 +108,35 @@ class Composite:
             shared = (lower <= edges[k + 1]) & (upper >= edges[k]) & (lower <= upper)
             if shared.any():
                 first, last = self._on_piece(k, lower[shared]), self._on_piece(k, upper[shared])
-                curvatures[shared] = np.maximum(curvatures[shared], max_curvature(piece, first, last))
+                curvatures[shared] = np.maximum(curvatures[shared], piece.max_curvature(first, last))
         return curvatures
+
+    @property
+    def inner_ends(self) -> tuple[float, ...]:
+        """Finite coordinates, m, at which the pieces begin or end, each by its own zero."""
+        ends = (end for piece in self.pieces for end in (piece.begin_s, piece.end_s, *piece.inner_ends))
+        return tuple(end for end in ends if math.isfinite(end))
+
+    def chain(self, s: ArrayLike, spacings: ArrayLike) -> Array:
+        """As `Curve.chain`, computed on the first piece in the parameter of that piece, which may be faster."""
+        if not self.joints:
+            return super().chain(s, spacings)
+        piece, chords = self.pieces[0], np.asarray(spacings, dtype=float)
+        handles_s = np.full((np.size(s), chords.size + 1), np.nan)
+        handles_s[:, 0] = self.parameter(np.asarray(s, dtype=float))
+        parameters, on = np.full(handles_s.shape, np.nan), np.zeros(len(handles_s), dtype=bool)
+        for i, chord in enumerate(chords.tolist()):
+            here = handles_s[:, i]
+            fresh = ~on & (here <= self.joints[0])
+            parameters[fresh, i] = piece.parameter(self._on_piece(0, here[fresh]))
+            on |= fresh
+            parameters[on, i + 1] = piece.behind(parameters[on, i], chord)
+            rest = np.flatnonzero(~on & ~np.isnan(here))
+            if rest.size:
+                handles_s[rest, i + 1] = self.behind(here[rest], chord)
+        missing = np.isnan(handles_s)
+        handles_s[missing] = piece.coordinate(parameters[missing]) - self._shifts[0]
+        return handles_s
 
     def _by_piece(
         self, s: ArrayLike, method: Callable[[Curve, Array], Sequence[Array]], *tails: tuple[int, ...]
@@ -138,8 +164,8 @@ class Composite:
         names = f"piece {number} ({type(before).__name__}) and piece {number + 1} ({type(after).__name__})"
         if not (math.isfinite(before.end_s) and math.isfinite(after.begin_s)):
             raise ParameterError("pieces", self.pieces, f"finite where they meet: {names} lie infinitely far apart")
-        (x, y), (dx, dy) = frame(before, before.end_s)
-        (x_after, y_after), (dx_after, dy_after) = frame(after, after.begin_s)
+        (x, y), (dx, dy) = before.frame(before.end_s)
+        (x_after, y_after), (dx_after, dy_after) = after.frame(after.begin_s)
         gap = math.hypot(x_after - x, y_after - y)
         kink = abs(math.atan2(dx * dy_after - dy * dx_after, dx * dx_after + dy * dy_after))
         # Written so that nan fails.

@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.model.curves.base import Array
-from pymunk_dragon.model.curves.coordinates import plane_point, within
+from pymunk_dragon.model.curves.base import Array, Curve, plane_point, within
 
 __all__ = ["Line"]
 
@@ -19,7 +18,7 @@ SHORTEST = 1e-3
 
 
 @dataclass(frozen=True, kw_only=True)
-class Line:
+class Line(Curve, kind="line"):
     """Straight line; the coordinate is the distance from its start.
 
     Parameters

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pymunk_dragon.model.curves.base import Array, Curve, check_curve, curvature, frame, max_curvature, point, tangent
+from pymunk_dragon.model.curves.base import Array, Curve, check_curve
 
 __all__ = ["Reversed"]
 
 
 @dataclass(frozen=True)
-class Reversed:
+class Reversed(Curve, kind="reversed"):
     """A curve with the direction of travel reversed; its coordinates are those of the curve with the opposite sign.
 
     Parameters
@@ -44,21 +44,21 @@ class Reversed:
 
     def point(self, s: ArrayLike) -> Array:
         """Position (..., 2) in m."""
-        return point(self.curve, -np.asarray(s, dtype=float))
+        return self.curve.point(-np.asarray(s, dtype=float))
 
     def tangent(self, s: ArrayLike) -> Array:
         """Unit vector (..., 2) in the direction of travel."""
-        return -tangent(self.curve, -np.asarray(s, dtype=float))
+        return -self.curve.tangent(-np.asarray(s, dtype=float))
 
     def frame(self, s: ArrayLike) -> tuple[Array, Array]:
         """Positions and unit vectors in the direction of travel, each (..., 2)."""
-        points, tangents = frame(self.curve, -np.asarray(s, dtype=float))
+        points, tangents = self.curve.frame(-np.asarray(s, dtype=float))
         return points, -tangents
 
     def curvature(self, s: ArrayLike) -> Array:
         """Curvature (...) in 1/m, positive for a curve to the left."""
-        return -curvature(self.curve, -np.asarray(s, dtype=float))
+        return -self.curve.curvature(-np.asarray(s, dtype=float))
 
     def max_curvature(self, s: ArrayLike, other: ArrayLike) -> Array:
         """Upper bound (...) on the absolute curvature between two coordinates, 1/m."""
-        return max_curvature(self.curve, -np.asarray(s, dtype=float), -np.asarray(other, dtype=float))
+        return self.curve.max_curvature(-np.asarray(s, dtype=float), -np.asarray(other, dtype=float))

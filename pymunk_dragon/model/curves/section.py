@@ -9,14 +9,16 @@ from numpy.typing import ArrayLike
 
 from pymunk_dragon._checks import number
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.model.curves.base import Array, Curve, check_curve, curvature, frame, max_curvature, point, tangent
-from pymunk_dragon.model.curves.coordinates import overlap, within
+from pymunk_dragon.model.curves.base import Array, Curve, check_curve, overlap, within
 
 __all__ = ["Section"]
 
+# m before the section at which a handle still counts as on it.
+ROUNDING = 1e-10
+
 
 @dataclass(frozen=True)
-class Section:
+class Section(Curve, kind="section"):
     """Part of a curve, with the coordinates of the curve.
 
     Parameters
@@ -52,22 +54,36 @@ class Section:
 
     def point(self, s: ArrayLike) -> Array:
         """Position (..., 2) in m."""
-        return point(self.curve, within(s, self.begin_s, self.end_s))
+        return self.curve.point(within(s, self.begin_s, self.end_s))
 
     def tangent(self, s: ArrayLike) -> Array:
         """Unit vector (..., 2) in the direction of travel."""
-        return tangent(self.curve, within(s, self.begin_s, self.end_s))
+        return self.curve.tangent(within(s, self.begin_s, self.end_s))
 
     def frame(self, s: ArrayLike) -> tuple[Array, Array]:
         """Positions and unit vectors in the direction of travel, each (..., 2)."""
-        return frame(self.curve, within(s, self.begin_s, self.end_s))
+        return self.curve.frame(within(s, self.begin_s, self.end_s))
 
     def curvature(self, s: ArrayLike) -> Array:
         """Curvature (...) in 1/m, positive to the left."""
-        return curvature(self.curve, within(s, self.begin_s, self.end_s))
+        return self.curve.curvature(within(s, self.begin_s, self.end_s))
+
+    def parameter(self, s: Array) -> Array:
+        """Parameters (T,) of the whole curve."""
+        return self.curve.parameter(within(s, self.begin_s, self.end_s))
+
+    def coordinate(self, parameter: Array) -> Array:
+        """Coordinates (...) of parameters, m; nan before the section."""
+        s = self.curve.coordinate(parameter)
+        # Rounding may put a handle at the beginning before it.
+        return np.where(s < self.begin_s - ROUNDING, np.nan, np.maximum(s, self.begin_s))
+
+    def behind(self, parameter: Array, chord: float) -> Array:
+        """Parameters (T,) of the nearest points back along the whole curve."""
+        return self.curve.behind(parameter, chord)
 
     def max_curvature(self, s: ArrayLike, other: ArrayLike) -> Array:
         """Upper bound (...) on the absolute curvature between two coordinates, 1/m."""
         lower, upper = overlap(s, other, self.begin_s, self.end_s)
         shared = lower <= upper
-        return np.where(shared, max_curvature(self.curve, np.where(shared, lower, np.nan), upper), 0.0)
+        return np.where(shared, self.curve.max_curvature(np.where(shared, lower, np.nan), upper), 0.0)

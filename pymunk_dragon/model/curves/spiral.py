@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from pymunk_dragon._checks import finite, positive
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.model.curves.base import Array
+from pymunk_dragon.model.curves.base import Array, Curve
 
 __all__ = ["Spiral"]
 
@@ -29,12 +29,15 @@ FREE_PASSES = 6
 SETTLED = 1e-10
 # The same for Halley's, which trebles the digits.
 HALLEY_SETTLED = 5e-6
+# Spacings over k between which a rear handle may vanish near the centre and exist again further in: from m(theta*) to
+# 2 pi, and by rounding a little more (see `chain_follows_motion`).
+INNERMOST = 5.78, 6.29
 # Arc length over k / 2 from which the angle is guessed by its asymptotic form; that is right to 2 % there.
 FAR_OUT = 8.0
 
 
 @dataclass(frozen=True, kw_only=True)
-class Spiral:
+class Spiral(Curve, kind="spiral"):
     """Archimedean spiral about the origin; the coordinate is the arc length from the centre, negative if inward.
 
     Parameters
@@ -55,6 +58,9 @@ class Spiral:
     ParameterError
         If `pitch` is not a number from 0.001 to 1000 m, or `rotation` not one from -1000 to 1000 rad.
     """
+
+    # On the reference scenario's spiral, the point (8.8, 0) m.
+    default_turns = 16.0
 
     pitch: float = 0.55
     rotation: float = 0.0
@@ -82,6 +88,20 @@ class Spiral:
     def end_s(self) -> float:
         """The centre, 0 m, of an inward spiral; inf for an outward one."""
         return np.inf if self.outward else 0.0
+
+    @property
+    def turn_width(self) -> float:
+        """The pitch, m."""
+        return self.pitch
+
+    @property
+    def inward(self) -> bool:
+        """Whether the spiral is travelled inward."""
+        return not self.outward
+
+    def turns(self, s: float) -> float:
+        """Number of turns from the centre at the coordinate `s` m."""
+        return float(self.angle(s)) / TURN
 
     def at_turn(self, turns: float) -> float:
         """Coordinate `turns` turns from the centre, m.
@@ -120,6 +140,12 @@ class Spiral:
                 break
         return np.where(length >= 0, theta, np.nan)
 
+    def speeds_by_difference(self, now: Array, later: Array, step: float) -> Array:
+        """Speeds (...), m/s, of handles at `now`, and at `later` after `step` s, from their polar angles (eq. 15)."""
+        theta = self.angle(now)
+        speeds: Array = self.k * np.hypot(theta, 1) * np.abs(self.angle(later) - theta) / step
+        return speeds
+
     def point(self, s: ArrayLike) -> Array:
         """Position (..., 2) in m (eq. 7, 8, 11)."""
         theta = self.angle(s)
@@ -148,20 +174,63 @@ class Spiral:
         curvatures = self._curvature_at(self.angle(nearest if self.outward else -nearest))
         return np.where(np.maximum(length, other_length) < 0, 0.0, curvatures)
 
-    def chain(self, s: ArrayLike, spacings: ArrayLike) -> Array:
-        """Coordinates (T, H) of the handles of chains with heads at `s` (T,), as `curves.chain`, on an inward spiral.
+    def parameter(self, s: Array) -> Array:
+        """Polar angles (T,) on an inward spiral, on which `chain` takes all steps (eq. 10, 12, 13)."""
+        return super().parameter(s) if self.outward else self.angle(s)
 
-        All steps use polar angles, so only the heads' coordinates are converted (eq. 10, 12, 13).
+    def coordinate(self, parameter: Array) -> Array:
+        """Coordinates (...) of parameters, m."""
+        return parameter if self.outward else -self.arc(parameter)
+
+    def behind(self, parameter: Array, chord: float) -> Array:
+        """Parameters (T,) of the nearest points back along the path at the straight distance `chord` m; nan if none.
+
+        On an inward spiral the distance grows along the path up to its first maximum, a little over half a turn back.
+        Up to there the nearest intersection is the only one. Further back the bench would lie across the spiral with
+        its end on another turn, which no motion of the chain leads to: then the result is nan. It is nan also if the
+        distance grows over a whole turn, as close to the centre, and is still too short at its end.
         """
-        chords = np.asarray(spacings, dtype=float)
-        theta = np.empty((np.size(s), chords.size + 1))
-        theta[:, 0] = self.angle(s)
-        for i, chord in enumerate(chords.tolist()):
-            theta[:, i + 1] = self.behind(theta[:, i], chord)
-        coordinates = -self.arc(theta)
-        # A head stays where it is, to the last digit.
-        coordinates[:, 0] = np.where(np.isnan(theta[:, 0]), np.nan, s)
-        return coordinates
+        if self.outward:
+            return super().behind(parameter, chord)
+        theta, reach = parameter, (chord / self.k) ** 2
+        # The chord of a circle with the radius that the spiral has halfway, to third order.
+        phi = chord / (self.k * np.hypot(theta + chord / (2 * self.k * np.hypot(theta, 1)), 1))
+        phi += phi**3 / 24
+        with np.errstate(all="ignore"):
+            for _ in range(FREE_PASSES):
+                value, growth = _squared_distance(phi, theta)
+                step = (value - reach) / growth
+                phi = phi - step
+                settled = np.abs(step) <= SETTLED * phi
+                if settled.all():
+                    break
+            # Every term of the growth is positive up to half a turn back, so a root that Newton's method finds there is
+            # the only one.
+            found = settled & (phi < np.pi)
+        missed = ~(found | np.isnan(theta))
+        if missed.any():
+            phi[missed] = _first_reached(theta[missed], reach)
+        return theta + phi
+
+    def chain_follows_motion(self, spacings: Array) -> bool:
+        """Whether `chain` always finds the state to which continuous motion leads, for spacings (N,) in m.
+
+        Let D be the distance over k between the points at the angles theta and theta + x, and G = d(D^2)/dx / 2. Then
+        G = x + theta (1 - cos x) + theta (theta + x) sin x, and G > 0 for 0 < x <= pi. For pi < x < 2 pi, G = 0 means
+        cos x / (theta + x) - sin x = 1 / theta. The left side is below the right one at both ends of this interval, and
+        has one maximum in it, where tan x = -(theta + x) - 1 / (theta + x). The maximum lies beyond 3 pi / 2, where
+        theta times the left side grows with theta. So there is one angle theta* = 0.98577 above which D has one maximum
+        m(theta) within a turn, and below which D grows over the whole turn, to 2 pi. By the envelope theorem m grows
+        with theta: dm^2/dtheta = 2 (2 theta + x) (1 - cos x) > 0; and m(theta*) = 5.78357.
+
+        `behind` finds the x < 2 pi up to which D grows to the spacing over k. So where theta falls, a spacing of at
+        most 5.78 k always has its rear handle, one above 2 pi k loses it for good, at the fold, where m(theta) is the
+        spacing; only one in between may lose it and have another one further in. As m grows outward, a bench that is no
+        longer than the one before it loses its rear handle no earlier.
+        """
+        chords = spacings / self.k
+        between = (chords > INNERMOST[0]) & (chords < INNERMOST[1])
+        return not self.outward and bool(np.all(np.diff(chords) <= 0) and not between.any())
 
     def foot(self, points: ArrayLike, near: ArrayLike) -> tuple[Array, Array, Array]:
         """Feet of `points` (..., 2) on the turns nearest to the coordinates `near`: coordinates, points, tangents.
@@ -229,34 +298,6 @@ class Spiral:
         if self.rotation:
             vectors = vectors * np.exp(-1j * self.rotation)
         return vectors.conj() if self.mirrored else vectors
-
-    def behind(self, theta: Array, chord: float) -> Array:
-        """Polar angles of the nearest points back along an inward spiral at straight distance `chord`.
-
-        The distance grows along the path up to its first maximum, a little over half a turn back. Up to there the
-        nearest intersection is the only one. Further back the bench would lie across the spiral with its end on
-        another turn, which no motion of the chain leads to: then the result is nan. It is nan also if the distance
-        grows over a whole turn, as close to the centre, and is still too short at its end.
-        """
-        reach = (chord / self.k) ** 2
-        # The chord of a circle with the radius that the spiral has halfway, to third order.
-        phi = chord / (self.k * np.hypot(theta + chord / (2 * self.k * np.hypot(theta, 1)), 1))
-        phi += phi**3 / 24
-        with np.errstate(all="ignore"):
-            for _ in range(FREE_PASSES):
-                value, growth = _squared_distance(phi, theta)
-                step = (value - reach) / growth
-                phi = phi - step
-                settled = np.abs(step) <= SETTLED * phi
-                if settled.all():
-                    break
-            # Every term of the growth is positive up to half a turn back, so a root that Newton's method finds there is
-            # the only one.
-            found = settled & (phi < np.pi)
-        missed = ~(found | np.isnan(theta))
-        if missed.any():
-            phi[missed] = _first_reached(theta[missed], reach)
-        return theta + phi
 
 
 def _squared_distance(phi: Array, theta: Array) -> tuple[Array, Array]:

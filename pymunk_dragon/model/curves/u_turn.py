@@ -23,7 +23,7 @@ MAX_RATIO = 50.0
 
 
 @dataclass(frozen=True, kw_only=True)
-class UTurn(Composite):
+class UTurn(Composite, kind="u-turn"):
     """In on a spiral, round inside a circle on two arcs that touch, and out on the spiral turned by 180 degrees.
 
     The coordinate is 0 at the entry to the circle. Entry and exit are opposite to each other with equal tangents, so
@@ -68,6 +68,11 @@ class UTurn(Composite):
         pieces = (Section(inward, -math.inf, coordinate), *arcs, Section(outward, -coordinate, math.inf))
         object.__setattr__(self, "pieces", pieces)
         super().__post_init__()
+
+    @property
+    def turn_width(self) -> float:
+        """The pitch, m."""
+        return self.pitch
 
     @property
     def radii(self) -> Array:

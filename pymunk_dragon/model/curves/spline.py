@@ -13,9 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 from pymunk_dragon._extras import library
 from pymunk_dragon._files import number_rows
 from pymunk_dragon.errors import FileFormatError, ParameterError
-from pymunk_dragon.model.curves.base import Array
-from pymunk_dragon.model.curves.cells import Cells, cubic_curvature, cut, speed, travelled
-from pymunk_dragon.model.curves.coordinates import FARTHEST, overlap, within
+from pymunk_dragon.model.curves._cells import Cells, cubic_curvature, cut, speed, travelled
+from pymunk_dragon.model.curves.base import FARTHEST, Array, Curve, overlap, within
 
 __all__ = ["Sampled"]
 
@@ -36,7 +35,7 @@ MAX_PASSES = 8
 
 
 @dataclass(frozen=True, eq=False)
-class Sampled:
+class Sampled(Curve, kind="sampled"):
     """Smooth path through points: the cubic spline by chord length, whose curvature is continuous (not-a-knot ends).
 
     It begins at the first point and ends at the last one; the coordinate is the arc length from the first. Two paths

@@ -11,9 +11,9 @@ Three facts make g certain:
 
 - Where the path is less curved than a circle with the bench as its diameter, over half that circle's circumference back
   (pi / 2 d from s), A and B are positive, and the rear handle is the only one within that length: the "gentle"
-  case, in which `curves.chain` finds it. This is checked with the curve's own bound on its curvature.
-- On an inward spiral r = k theta, `curves.chain` finds g wherever it exists, but A may be negative near the centre; see
-  `_is_regular_on`.
+  case, in which `Curve.chain` finds it. This is checked with the curve's own bound on its curvature.
+- On an inward spiral r = k theta, `Curve.chain` finds g wherever it exists, but A may be negative near the centre; see
+  `Spiral.chain_follows_motion`.
 - Elsewhere g is followed in cells. From a root (s0, r0), and with bounds K_s and K_r on the curvature near both
   handles, |F(s, r0)| <= |A| h + M_s h^2 / 2 for |s - s0| <= h, and B decreases by no more than h + M_r p for
   |r - r0| <= p, where M = 1 + K times the longest distance in the cell. If |A| h + M_s h^2 / 2 < p (B - h - M_r p),
@@ -32,9 +32,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from pymunk_dragon.model.curves.base import Array, Curve, frame, max_curvature
-from pymunk_dragon.model.curves.chain import chain, gentle_offsets, reached
-from pymunk_dragon.model.curves.spiral import Spiral
+from pymunk_dragon.model.chain import gentle_offsets, rear_between
+from pymunk_dragon.model.curves.base import Array, Curve
 
 __all__ = ["Continuation"]
 
@@ -56,9 +55,6 @@ SECTIONS, PASSES = 17, 10
 SAME = 1e-9
 # Cells after which a strongly curved path is not followed any further.
 MAX_CELLS = 100_000
-# Spacings over k of an inward spiral between which a rear handle may vanish near the centre and exist again further in:
-# from m(theta*) to 2 pi, and by rounding a little more (see `_is_regular_on`).
-INNERMOST = 5.78, 6.29
 
 
 class Continuation:
@@ -72,7 +68,7 @@ class Continuation:
     curve : Curve
         What the handles are on.
     head : float
-        Coordinate of handle 0 at the start, m. The other handles are then where `curves.chain` finds them.
+        Coordinate of handle 0 at the start, m. The other handles are then where `Curve.chain` finds them.
     spacings : ndarray, shape (N,)
         Straight distances between neighbouring handles, m.
     """
@@ -84,7 +80,7 @@ class Continuation:
     @cached_property
     def start(self) -> Array:
         """Coordinates (H,) at the start, m; nan for handles that have none, and for all behind them."""
-        handles_s: Array = chain(self._curve, [self._head], self._spacings)[0]
+        handles_s: Array = self._curve.chain([self._head], self._spacings)[0]
         return handles_s
 
     def coordinates(self, heads: Array, handles: int) -> Array:
@@ -95,9 +91,9 @@ class Continuation:
         spacings = self._spacings[: handles - 1]
         direct = self._direct(np.minimum(heads, self._head), np.maximum(heads, self._head), handles)
         if direct.all():
-            return chain(self._curve, heads, spacings)
+            return self._curve.chain(heads, spacings)
         handles_s = np.empty((heads.size, handles))
-        handles_s[direct] = chain(self._curve, heads[direct], spacings)
+        handles_s[direct] = self._curve.chain(heads[direct], spacings)
         handles_s[~direct] = self._followed(heads[~direct], handles)
         return handles_s
 
@@ -114,8 +110,8 @@ class Continuation:
         for i, branch in enumerate(self._branches(handles - 1) if rows.size else []):
             gentle = self._gentle(lows[rows, i], highs[rows, i], range(i, handles - 1))
             rest, rows = rows[gentle], rows[~gentle]
-            lows[rest, i:] = chain(self._curve, lows[rest, i], self._spacings[i : handles - 1])
-            highs[rest, i:] = chain(self._curve, highs[rest, i], self._spacings[i : handles - 1])
+            lows[rest, i:] = self._curve.chain(lows[rest, i], self._spacings[i : handles - 1])
+            highs[rest, i:] = self._curve.chain(highs[rest, i], self._spacings[i : handles - 1])
             if not rows.size:
                 break
             known = (first[rows, i], first[rows, i + 1]), (last[rows, i], last[rows, i + 1])
@@ -134,8 +130,8 @@ class Continuation:
         return len({id(branch) for branch in self._branches(self._spacings.size)[1:]}) <= 1
 
     def _direct(self, lows: Array, highs: Array, handles: int) -> Flags:
-        """Whether `curves.chain` gives the states of the first handles for any head from `lows` to `highs` (T,)."""
-        if _is_regular_on(self._curve, self._spacings[: handles - 1]):
+        """Whether `Curve.chain` gives the states of the first handles for any head from `lows` to `highs` (T,)."""
+        if self._curve.chain_follows_motion(self._spacings[: handles - 1]):
             return np.ones(lows.shape, dtype=bool)
         return self._gentle(lows, highs, range(handles - 1))
 
@@ -144,7 +140,7 @@ class Continuation:
         spacings = self._spacings[benches.start : benches.stop]
         if not spacings.size:
             return np.ones(lows.shape, dtype=bool)
-        curvature = max_curvature(self._curve, lows - np.pi / 2 * spacings.sum(), highs)
+        curvature = self._curve.max_curvature(lows - np.pi / 2 * spacings.sum(), highs)
         gentle: Flags = ~(curvature * spacings.max() >= 2)
         return gentle
 
@@ -191,37 +187,14 @@ class Continuation:
         return handles_s
 
     def _place_rest(self, handles_s: Array, rows: NDArray[np.intp], i: int, lows: Array) -> None:
-        """Coordinate the handles behind handle `i` by `curves.chain`; those once pushed off the path are lost."""
+        """Coordinate the handles behind handle `i` by `Curve.chain`; those once pushed off the path are lost."""
         fronts, low = handles_s[rows, i], lows[rows]
         spacings = self._spacings[i : handles_s.shape[1] - 1]
-        handles_s[rows, i:] = chain(self._curve, fronts, spacings)
+        handles_s[rows, i:] = self._curve.chain(fronts, spacings)
         lower = np.flatnonzero((low < fronts) & (low < self.start[i]))
         if lower.size:
-            lost = np.isnan(chain(self._curve, low[lower], spacings))
+            lost = np.isnan(self._curve.chain(low[lower], spacings))
             handles_s[rows[lower], i:] = np.where(lost, np.nan, handles_s[rows[lower], i:])
-
-
-def _is_regular_on(curve: Curve, spacings: Array) -> bool:
-    """Whether `curves.chain` finds the states that motion leads to everywhere on an inward spiral.
-
-    Let D be the distance over k between the points at the angles theta and theta + x, and G = d(D^2)/dx / 2. Then
-    G = x + theta (1 - cos x) + theta (theta + x) sin x, and G > 0 for 0 < x <= pi. For pi < x < 2 pi, G = 0 means
-    cos x / (theta + x) - sin x = 1 / theta. The left side is below the right one at both ends of this interval, and
-    has one maximum in it, where tan x = -(theta + x) - 1 / (theta + x). The maximum lies beyond 3 pi / 2, where theta
-    times the left side grows with theta. So there is one angle theta* = 0.98577 above which D has one maximum m(theta)
-    within a turn, and below which D grows over the whole turn, to 2 pi. By the envelope theorem m grows with theta:
-    dm^2/dtheta = 2 (2 theta + x) (1 - cos x) > 0; and m(theta*) = 5.78357.
-
-    `Spiral.chain` finds the x < 2 pi up to which D grows to the spacing over k. So where theta falls, a spacing
-    of at most 5.78 k always has its rear handle, one above 2 pi k loses it for good, at the fold, where m(theta)
-    is the spacing; only one in between may lose it and have another one further in. As m grows outward, a bench that is
-    no longer than the one before it loses its rear handle no earlier.
-    """
-    if not isinstance(curve, Spiral) or curve.outward:
-        return False
-    chords = spacings / curve.k
-    between = (chords > INNERMOST[0]) & (chords < INNERMOST[1])
-    return bool(np.all(np.diff(chords) <= 0) and not between.any())
 
 
 class _Branch:
@@ -259,7 +232,7 @@ class _Branch:
         shortest = np.where(np.isnan(low), shortest, fronts - high)
         longest = np.where(np.isnan(low), longest, fronts - low)
         points = self._curve.point(fronts)
-        return reached(self._curve, fronts, points, self._chord, np.where(inside, shortest, np.nan), longest)[0]
+        return rear_between(self._curve, fronts, points, self._chord, np.where(inside, shortest, np.nan), longest)
 
     def image(self, lows: Array, highs: Array, known: tuple[tuple[Array, Array], ...]) -> tuple[Array, Array]:
         """Lowest and highest rear coordinates (T,) for fronts between `lows` and `highs`; nan where the function ends.
@@ -343,7 +316,7 @@ class _Branch:
         count = int(min(GRID_CELLS, np.ceil(abs(aim - front) / cell) + 1))
         edges = (first + direction * np.arange(count + 1)) * cell
         lows, highs = np.minimum(edges[:-1], edges[1:]), np.maximum(edges[:-1], edges[1:])
-        gentle = max_curvature(curve, lows - np.pi / 2 * chord, highs) * chord < 2
+        gentle = curve.max_curvature(lows - np.pi / 2 * chord, highs) * chord < 2
         number = count if gentle.all() else int(np.argmin(gentle))
         # On another branch the rear handle is further away.
         if number == 0 or front - rear > gentle_offsets(curve, np.array([front]), chord)[1][0]:
@@ -353,16 +326,16 @@ class _Branch:
     def _gentle_rear(self, front: float) -> float:
         fronts = np.array([front])
         shortest, longest, _ = gentle_offsets(self._curve, fronts, self._chord)
-        return float(reached(self._curve, fronts, self._curve.point(fronts), self._chord, shortest, longest)[0][0])
+        return float(rear_between(self._curve, fronts, self._curve.point(fronts), self._chord, shortest, longest)[0])
 
     def _within(self, fronts: Array, bracket: tuple[float, float]) -> Array:
         """Rear coordinates (T,) of which there is one each between two."""
         low, high = fronts - bracket[1], fronts - bracket[0]
-        return reached(self._curve, fronts, self._curve.point(fronts), self._chord, low, high)[0]
+        return rear_between(self._curve, fronts, self._curve.point(fronts), self._chord, low, high)
 
     def _growth(self, fronts: Array, rears: Array) -> tuple[Array, Array]:
         """A and B (T,) of the head of this module."""
-        points, tangents = frame(self._curve, np.stack([fronts, rears]))
+        points, tangents = self._curve.frame(np.stack([fronts, rears]))
         between = points[0] - points[1]
         ahead, behind = np.sum(tangents * between, axis=-1)
         return ahead, behind
@@ -373,7 +346,7 @@ class _Branch:
         ahead, behind = float(growth[0][0]), float(growth[1][0])
         window = WINDOW * self._chord
         others = np.array([front + direction * window, rear + window])
-        curvature = max_curvature(self._curve, np.array([front, rear - window]), others)
+        curvature = self._curve.max_curvature(np.array([front, rear - window]), others)
         own, other = (1 + curvature * (self._chord + 2 * window)).tolist()
         if behind <= 0:
             return 0.0, 0.0, ahead, 0.0
