@@ -421,7 +421,7 @@ def test_every_scenario_option_refuses_what_it_cannot_be(complaint, name, value)
     ("arguments", "words"),
     [
         (["positions", "--pitch", "0.25"], ["pitch", "0.25", "width"]),
-        (["positions", "--ratio", "1"], ["--ratio is 1.0", "absent on a spiral curve: it is of a u-turn"]),
+        (["positions", "--ratio", "1"], ["--ratio is 1.0", "absent on a spiral curve; kinds with it: u-turn"]),
         (["positions", "--curve", "u-turn", "--turns", "3"], ["--turns is 3.0", "only a Spiral has turns"]),
         (["positions", "--curve", "circle"], ["--curve is 'circle'", "spiral or u-turn", ".csv"]),
         (["positions", "--curve", "nowhere.csv"], ["--curve is 'nowhere.csv'", "readable file"]),

@@ -82,13 +82,13 @@ def test_default_scenario_is_the_default_march():
 def test_march_and_scenario_give_each_other_back(benches, pitch, turns, speed, spacing):
     scenario = Scenario(benches=benches, pitch=pitch, turns=turns, speed=speed, body_spacing=spacing)
     assert Scenario.of(scenario.march()) == scenario
-    assert Scenario.from_mapping(asdict(scenario)) == scenario
+    assert Scenario.from_dict(asdict(scenario)) == scenario
     assert scenario.march().at(0).positions.shape == (1, benches + 1, 2)
 
 
 def test_what_a_mapping_does_not_name_keeps_its_default():
-    assert Scenario.from_mapping({"pitch": 0.6}) == Scenario(pitch=0.6)
-    assert Scenario.from_mapping({}) == Scenario()
+    assert Scenario.from_dict({"pitch": 0.6}) == Scenario(pitch=0.6)
+    assert Scenario.from_dict({}) == Scenario()
 
 
 @pytest.mark.parametrize("name", NUMBERS)
@@ -98,7 +98,7 @@ def test_impossible_value_is_refused_by_the_name_the_user_gave(name, value):
         # What a curve may lack is left to its default by None.
         assert Scenario(**{name: None}) == Scenario()
         return
-    for make in (lambda: Scenario(**LONG | {name: value}), lambda: Scenario.from_mapping(LONG | {name: value})):
+    for make in (lambda: Scenario(**LONG | {name: value}), lambda: Scenario.from_dict(LONG | {name: value})):
         with pytest.raises(ParameterError) as caught:
             make()
         assert caught.value.name == name
@@ -156,29 +156,30 @@ def test_numbers_that_do_not_go_together_are_refused(values, name):
 @pytest.mark.parametrize("name", ["pich", "march", "", "Pitch", "a\nb"])
 def test_unknown_name_is_refused_with_the_known_ones(name):
     with pytest.raises(ParameterError) as caught:
-        Scenario.from_mapping({name: 0.6})
+        Scenario.from_dict({name: 0.6})
     assert_says(caught.value, *NAMES)
 
 
 def test_numpy_scalars_become_plain_numbers():
     scenario = Scenario(benches=np.int32(5), pitch=np.float32(0.5), speed=np.float64(2), turns=np.int64(12))
     assert scenario == Scenario(benches=5, pitch=0.5, speed=2.0, turns=12.0)
-    assert [type(value) for value in scenario.to_mapping().values()] == [int] + [float] * 7
+    values = [getattr(scenario, name) for name in NUMBERS]
+    assert [type(value) for value in values] == [int] + [float] * 7
 
 
 @every_march
 def test_march_written_down_is_the_same_march(values):
     scenario = Scenario(**values)
     # As a file holds it: lists for tuples.
-    written = json.loads(json.dumps(scenario.to_mapping()))
-    again = Scenario.from_mapping(written)
-    assert again.to_mapping() == scenario.to_mapping()
+    written = json.loads(json.dumps(scenario.to_dict()))
+    again = Scenario.from_dict(written)
+    assert again.to_dict() == scenario.to_dict()
     # Two sampled curves are equal only if they are the same object.
     if not isinstance(scenario.curve, Reversed):
         assert (again, hash(again)) == (scenario, hash(scenario))
     assert Scenario.of(scenario.march()) == scenario
     times = [-0.5, 0.0, 0.7]
-    one, other = scenario.march(), Scenario.from_mapping(written).march()
+    one, other = scenario.march(), Scenario.from_dict(written).march()
     np.testing.assert_array_equal(one.handles_s_or_nan(times), other.handles_s_or_nan(times))
     np.testing.assert_array_equal(one.at(0.0).positions, other.at(0.0).positions)
 
@@ -194,8 +195,22 @@ def test_run_is_saved_and_read_whatever_march_it_is_of(tmp_path, values):
 
 
 def test_the_papers_march_is_written_as_ever():
+    sizes = {"benches": 223, "head_spacing": 2.86, "body_spacing": 1.65, "overhang": 0.275, "width": 0.3}
+    spiral = {"kind": "spiral", "pitch": 0.55, "rotation": 0.0, "mirrored": False, "outward": False}
+    expected = {"dragon": sizes, "curve": spiral, "turns": 16.0, "speed": 1.0}
+    assert json.dumps(Scenario().to_dict()) == json.dumps(expected)
     numbers = [223, 2.86, 1.65, 0.275, 0.3, 0.55, 16.0, 1.0]
-    assert json.dumps(Scenario().to_mapping()) == json.dumps(dict(zip(NUMBERS, numbers, strict=True)))
+    assert Scenario.from_dict(dict(zip(NUMBERS, numbers, strict=True))) == Scenario()
+
+
+def test_tables_of_a_toml_file_are_read_and_names_at_its_top_level_win():
+    tables = {"dragon": {"benches": 16}, "curve": {"kind": "spiral", "pitch": 0.6}, "turns": 8}
+    assert Scenario.from_dict(tables) == Scenario(benches=16, pitch=0.6, turns=8)
+    assert Scenario.from_dict({**tables, "benches": 9, "pitch": 0.7}) == Scenario(benches=9, pitch=0.7, turns=8)
+    for table, name in (({"dragon": {"pitch": 0.6}}, "dragon.pitch"), ({"dragon": 16}, "dragon")):
+        with pytest.raises(ParameterError) as caught:
+            Scenario.from_dict(table)
+        assert caught.value.name == name
 
 
 def test_u_turn_is_the_contests():
@@ -208,7 +223,7 @@ def test_curve_and_speed_may_be_files_beside_the_scenario(tmp_path):
     (tmp_path / "path.csv").write_text("x,y\n" + "".join(f"{x},{y}\n" for x, y in POINTS))
     (tmp_path / "speed.csv").write_text("".join(f"{t},{v}\n" for t, v in TABLE))
     (tmp_path / "s.toml").write_text('benches = 5\ncurve = "path.csv"\nspeed = "speed.csv"\n')
-    scenario = Scenario.from_mapping(Scenario.read(tmp_path / "s.toml"))
+    scenario = Scenario.from_dict(Scenario.read(tmp_path / "s.toml"))
     assert scenario == Scenario(benches=5, points=POINTS, speed=TABLE)
     assert scenario.curve == "sampled"
     assert Scenario(benches=5, curve=str(tmp_path / "path.csv"), speed=TABLE) == scenario
@@ -227,7 +242,7 @@ def test_lists_and_tables_stand_in_a_toml_file(tmp_path):
     (tmp_path / "s.toml").write_text(
         "body_spacing = [3, 2.0]\nwidth = [0.4, 0.5, 0.3]\nspeed = [[0, 1], [20, 2.5], [25, 0.5]]"
     )
-    scenario = Scenario.from_mapping(Scenario.read(tmp_path / "s.toml"))
+    scenario = Scenario.from_dict(Scenario.read(tmp_path / "s.toml"))
     assert scenario == Scenario(body_spacing=(3.0, 2.0), width=(0.4, 0.5, 0.3), speed=TABLE)
     assert scenario.benches == 3
 
@@ -235,7 +250,7 @@ def test_lists_and_tables_stand_in_a_toml_file(tmp_path):
 def test_toml_file_holds_names_and_values(tmp_path):
     file = tmp_path / "small.toml"
     file.write_text("# a small dragon\nbenches = 16\npitch = 0.6\nturns = 8\n", encoding="utf-8")
-    assert Scenario.from_mapping(Scenario.read(file)) == Scenario(benches=16, pitch=0.6, turns=8)
+    assert Scenario.from_dict(Scenario.read(file)) == Scenario(benches=16, pitch=0.6, turns=8)
     assert Scenario.read(str(file)) == {"benches": 16, "pitch": 0.6, "turns": 8}
 
 
@@ -265,13 +280,13 @@ def test_broken_toml_is_named_in_one_line(tmp_path, content):
 
 
 @pytest.mark.parametrize(
-    "content", [b"benches = '16'", b"[dragon]\nbenches = 16", b"pitch = nan", b"turns = 1979-05-27"]
+    "content", [b"benches = '16'", b"[dragon]\nbenches = '16'", b"pitch = nan", b"turns = 1979-05-27"]
 )
 def test_toml_with_values_of_the_wrong_kind_is_refused(tmp_path, content):
     file = tmp_path / "wrong.toml"
     file.write_bytes(content)
     with pytest.raises(ParameterError) as caught:
-        Scenario.from_mapping(Scenario.read(file))
+        Scenario.from_dict(Scenario.read(file))
     assert_says(caught.value, "but must be")
 
 
@@ -399,7 +414,7 @@ def test_tables_of_a_curve_stand_in_a_toml_file(tmp_path):
             {kind = "line", start = [20, 6], stop = [4, 6]},
         ]
         """)
-    scenario = Scenario.from_mapping(Scenario.read(tmp_path / "s.toml"))
+    scenario = Scenario.from_dict(Scenario.read(tmp_path / "s.toml"))
     assert scenario == Scenario(benches=4, start_s=30, curve=HAIRPIN)
 
 
@@ -418,7 +433,7 @@ LINE_TABLE = {"kind": "line", "stop": [20, 0]}
         ({"curve": {"kind": "circle"}}, "curve.kind", "one of arc, composite, line"),
         ({"curve": {"kind": ["line"]}}, "curve.kind", "one of arc, composite, line"),
         ({"curve": {"kind": "line"}}, "curve.stop", "given: the kind line has no default for it"),
-        ({"curve": LINE_TABLE | {"end": 3}}, "curve.end", "absent: the parameters are start, stop"),
+        ({"curve": LINE_TABLE | {"end": 3}}, "curve.end", "absent on a line curve; its parameters are start, stop"),
         ({"curve": LINE_TABLE | {"start": 3}}, "curve.start", "two numbers x, y"),
         ({"curve": LINE_TABLE | {"start": LINE_TABLE}}, "curve.start", "two numbers x, y"),
         ({"curve": LINE_TABLE, "pitch": 0.5}, "pitch", "absent where the curve is a table"),

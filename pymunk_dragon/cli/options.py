@@ -142,7 +142,7 @@ def march_of(scenario_file: str | None) -> March:
     from pymunk_dragon.model.scenario import Scenario
 
     values = Scenario.read(scenario_file) if scenario_file is not None else {}
-    return Scenario.from_mapping({**values, **chosen()}).march()
+    return Scenario.from_dict({**values, **chosen()}).march()
 
 
 def run_of(run_file: str, scenario_file: str | None) -> Run:

@@ -76,8 +76,9 @@ def _of_file(scenario_file: str | None, takes: tuple[str, ...]) -> dict[str, Any
     from pymunk_dragon.model.scenario import Scenario
 
     # Checked as a whole: a slip in what is left aside is a slip all the same.
-    scenario = Scenario.from_mapping(Scenario.read(scenario_file))
-    return {option: value for option, value in scenario.to_mapping().items() if option in takes}
+    scenario = Scenario.from_dict(Scenario.read(scenario_file))
+    values = {option: getattr(scenario, option, None) for option in takes}
+    return {option: value for option, value in values.items() if value is not None}
 
 
 def _speed(table: Any) -> Any:

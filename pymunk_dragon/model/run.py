@@ -221,7 +221,7 @@ class Run(ArrayRecord, Displayed):
         notes = {
             "format": FORMAT,
             "format_version": FORMAT_VERSION,
-            "scenario": Scenario.of(self.march).to_mapping(),
+            "scenario": Scenario.of(self.march).to_dict(),
             "outcome": self.outcome,
             "first_contact": asdict(self.first_contact) if self.first_contact else None,
             "events": [asdict(event) for event in self.events],
@@ -269,7 +269,7 @@ class Run(ArrayRecord, Displayed):
         if notes["format"] != FORMAT or notes["format_version"] != FORMAT_VERSION:
             found = f"{notes['format']} {notes['format_version']}"
             raise DragonError(f"its format is {found}, and this version reads {FORMAT} {FORMAT_VERSION}")
-        march = Scenario.from_mapping(notes["scenario"], files=False).march()
+        march = Scenario.from_dict(notes["scenario"], files=False).march()
         shapes = _shapes(march, len(_unpacked(archive, "times", np.float64)))
         present = [name for name in ARRAYS if f"{name}.npy" in archive.namelist() or name not in MAY_LACK]
         arrays = {name: _unpacked(archive, name, np.float64, shapes[name]) for name in present}

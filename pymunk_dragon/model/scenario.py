@@ -22,15 +22,10 @@ __all__ = ["Scenario"]
 LONG_KEY = re.compile(r"""(?<![\w-])(?:(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){20}""")
 # What a file of points or of speeds is called.
 CSV = ".csv"
-# Kinds of curves whose parameters are top-level values of a scenario, and these parameters. Other kinds are tables.
-CURVES: dict[str, tuple[str, ...]] = {
-    "spiral": ("pitch", "rotation", "mirrored", "outward"),
-    "u-turn": ("pitch", "radius", "ratio"),
-    "sampled": ("points",),
-}
-PARTS = dict.fromkeys(name for names in CURVES.values() for name in names)
-# What says nothing in a file: these are newer than the first files.
-UNSAID = {"curve": "spiral", "rotation": 0.0, "mirrored": False, "outward": False}
+# Names of the dragon's parameters: in the table `dragon` of a file, or at its top level.
+DRAGON = tuple(f.name for f in fields(Dragon))
+# Parameters of curves that may stand at the top level of a file, beside the name of the curve.
+SHORT = ("pitch", "rotation", "mirrored", "outward", "radius", "ratio", "points")
 ALLOWED_CURVE = f"a name, spiral or u-turn, that of a file of points, which ends in {CSV}, or a table with its kind"
 ALLOWED_SPEED = f"a number in m/s, a table of [s, m/s], or a file of one, which ends in {CSV}"
 
@@ -51,7 +46,7 @@ class Scenario:
         As in `Dragon`: a count, then m.
     curve : str, Curve or mapping
         "spiral", "u-turn", "sampled" for a `Sampled` path through `points`, or a CSV file of these points. Any other
-        curve of the package is given as itself or as a table, ``{kind = "line", start = [0, 0], stop = [40, 0]}`` in
+        registered curve is given as itself or as a table, ``{kind = "line", start = [0, 0], stop = [40, 0]}`` in
         TOML; the tables of a `Composite` are its ``pieces``.
     pitch, rotation, mirrored, outward
         As in `Spiral`: m, then rad.
@@ -97,13 +92,15 @@ class Scenario:
             object.__setattr__(self, name, value)
 
     @classmethod
-    def from_mapping(cls, values: Mapping[str, Any], *, files: bool = True) -> Scenario:
-        """Scenario from names and values; what is not named keeps its default.
+    def from_dict(cls, values: Mapping[str, Any], *, files: bool = True) -> Scenario:
+        """Scenario from nested tables, as `to_dict` gives them, or from the names of all parameters.
 
         Parameters
         ----------
         values : mapping
-            Names and values.
+            Names and values; the defaults of the others stay. The table `dragon` has the parameters of a `Dragon`, the
+            table `curve` the kind and the parameters of a curve. Parameters may also stand at the top level, where
+            they have precedence.
         files : bool
             Whether a curve or a speed may be the name of a file, which is then read.
 
@@ -111,28 +108,38 @@ class Scenario:
         ------
         ParameterError, FileFormatError
             As in `Scenario`, or if a name is none of a parameter.
+
+        Examples
+        --------
+        >>> Scenario.from_dict({"dragon": {"benches": 5}, "curve": {"kind": "u-turn", "ratio": 3}}).radius
+        4.5
         """
+        flat = _flat(values)
         known = [f.name for f in fields(cls)]
-        for name, value in values.items():
+        for name, value in flat.items():
             if name not in known:
-                raise ParameterError(name, value, "absent: the parameters are " + ", ".join(known))
+                raise ParameterError(
+                    name, value, "absent" + (": the parameters are " + ", ".join(known) if files else "")
+                )
             if not files and _is_file(value):
                 raise ParameterError(name, value, "something else than the name of another file")
-        return cls(**values)
+        return cls(**flat)
 
-    def to_mapping(self) -> dict[str, Any]:
-        """Names and values that `from_mapping` makes the same scenario of: what its curve has, but not its defaults.
+    def to_dict(self) -> dict[str, Any]:
+        """Nested tables of plain values, of which `from_dict` makes the same scenario.
 
-        The numbers of the paper's march are there in any case.
+        Examples
+        --------
+        >>> Scenario(benches=5, pitch=0.6).to_dict()["curve"]
+        {'kind': 'spiral', 'pitch': 0.6, 'rotation': 0.0, 'mirrored': False, 'outward': False}
         """
-        values = {f.name: getattr(self, f.name) for f in fields(self)}
-        if isinstance(self.curve, Curve):
-            values["curve"] = self.curve.to_dict()
-        return {name: value for name, value in values.items() if value is not None and value != UNSAID.get(name)}
+        march = self.march()
+        start = {name: getattr(march, name) for name in ("turns", "start_s") if getattr(march, name) is not None}
+        return {"dragon": asdict(march.dragon), "curve": march.curve.to_dict(), **start, "speed": self.speed}
 
     @classmethod
     def read(cls, path: str | Path) -> dict[str, Any]:
-        """Names and values in a TOML file of a scenario, checked by `from_mapping` once flags are laid over them.
+        """Names and values in a TOML file of a scenario. `from_dict` checks them, after flags have replaced some.
 
         A file that it names lies beside it, unless it says where.
 
@@ -185,7 +192,7 @@ def _march(values: Mapping[str, Any]) -> March:
 
 
 def _curve(values: Mapping[str, Any]) -> Curve:
-    given = {name: values[name] for name in PARTS if values[name] is not None}
+    given = {name: values[name] for name in SHORT if values[name] is not None}
     kind = values["curve"]
     if kind is None:
         kind = "sampled" if "points" in given else "spiral"
@@ -197,16 +204,28 @@ def _curve(values: Mapping[str, Any]) -> Curve:
         if "points" in given:
             raise ParameterError("points", given["points"], f"absent where the curve is a file, {kind}")
         kind, given["points"] = "sampled", Sampled.read(kind).points
-    if not (isinstance(kind, str) and kind in CURVES):
+    if not (isinstance(kind, str) and kind in Curve.kinds):
         raise ParameterError("curve", kind, ALLOWED_CURVE)
-    for name, value in given.items():
-        if name not in CURVES[kind]:
-            owners = " or a ".join(owner for owner, names in CURVES.items() if name in names)
-            raise ParameterError(name, value, f"absent on a {kind} curve: it is of a {owners}")
-    if kind == "sampled" and "points" not in given:
-        raise ParameterError("points", None, "there for a sampled curve, which goes through them")
-    curve: Curve = Curve.kinds[kind](**given)
-    return curve
+    try:
+        return Curve.from_dict({"kind": kind} | given)
+    except ParameterError as error:
+        raise ParameterError(error.name.removeprefix("curve."), error.value, error.bound) from error
+
+
+def _flat(values: Mapping[str, Any]) -> dict[str, Any]:
+    """Values by the names of the parameters of a `Scenario`, from nested tables or from such values."""
+    flat = dict(values)
+    dragon = flat.pop("dragon", {})
+    if not isinstance(dragon, Mapping):
+        raise ParameterError("dragon", dragon, "a table with parameters of the dragon")
+    for name, value in dragon.items():
+        if name not in DRAGON:
+            raise ParameterError(f"dragon.{name}", value, "absent: the parameters are " + ", ".join(DRAGON))
+    curve = flat.get("curve")
+    if isinstance(curve, Mapping) and "kind" in curve and set(curve) <= {"kind", *SHORT}:
+        parameters = {name: value for name, value in curve.items() if name != "kind"}
+        return {**dragon, **parameters, **flat, "curve": curve["kind"]}
+    return {**dragon, **flat}
 
 
 def _speed(value: Any) -> Any:
@@ -222,19 +241,19 @@ def _speed(value: Any) -> Any:
 
 def _values(march: March) -> dict[str, Any]:
     """Names and values of a scenario that makes `march`."""
-    curve, speed = march.curve, speed_of(march.speed)
-    table = curve.to_dict()
-    kind = table.pop("kind")
-    parts: dict[str, Any] = {"curve": kind} | table if kind in CURVES else {"curve": curve}
-    if isinstance(curve, Sampled):
-        parts["points"] = tuple(map(tuple, curve.points.tolist()))
+    speed = speed_of(march.speed)
+    curve = _flat({"curve": march.curve.to_dict()})
+    if not isinstance(curve["curve"], str):
+        curve = {"curve": march.curve}
+    elif "points" in curve:
+        curve["points"] = tuple(map(tuple, curve["points"]))
     if isinstance(speed, ConstantSpeed):
         values: Speeds = speed.value
     elif isinstance(speed, SpeedTable):
         values = tuple(zip(speed.times, speed.speeds, strict=True))
     else:
         raise ParameterError("speed", march.speed, "a number or a table to be written down, not a function of time")
-    return asdict(march.dragon) | parts | {"turns": march.turns, "start_s": march.start_s, "speed": values}
+    return asdict(march.dragon) | curve | {"turns": march.turns, "start_s": march.start_s, "speed": values}
 
 
 def _is_file(value: object) -> bool:

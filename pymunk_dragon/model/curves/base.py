@@ -349,7 +349,7 @@ def _is_of_package(cls: type[Any]) -> bool:
 def _checked(
     name: str, method: Callable[[Any, ArrayLike], Any], tail: tuple[int, ...]
 ) -> Callable[[Any, ArrayLike], Array]:
-    """The method `name`, whose results are checked: finite numbers (...) + `tail` for coordinates (...) on the curve."""
+    """The method `name`, with its results checked: finite numbers (...) + `tail` for coordinates (...) on the curve."""
 
     @wraps(method)
     def checked(self: Curve, s: ArrayLike) -> Array:
@@ -409,7 +409,9 @@ def _from_dict(values: Mapping[str, Any], where: str, depth: int) -> Curve:
     parameters = _parameters(Curve.kinds[kind])
     for name, value in given.items():
         if name not in parameters:
-            raise ParameterError(f"{where}.{name}", value, f"absent: the parameters are {', '.join(parameters)}")
+            owners = ", ".join(sorted(other for other, cls in Curve.kinds.items() if name in _parameters(cls)))
+            known = f"kinds with it: {owners}" if owners else f"its parameters are {', '.join(parameters)}"
+            raise ParameterError(f"{where}.{name}", value, f"absent on a {kind} curve; {known}")
     for name, required in parameters.items():
         if required and name not in given:
             raise ParameterError(f"{where}.{name}", None, f"given: the kind {kind} has no default for it")
