@@ -1,0 +1,84 @@
+"""The equations of rigid chains against finite differences of positions, on curves of several kinds."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from pymunk_dragon.model import chain
+from pymunk_dragon.model.curves import Arc, Composite, Line, Sampled, Spiral, UTurn
+
+SPACINGS = np.array([2.86, 1.65, 1.65, 1.2])
+# Curves with a coordinate of the head, m, at which all handles are on one piece.
+CURVES = {
+    "line": (Line(stop=(40, 5)), 20.0),
+    "arc": (Arc(radius=6, sweep=-5), 20.0),
+    "spiral": (Spiral(), Spiral().at_turn(5)),
+    "outward spiral": (Spiral(pitch=1.7, outward=True), 120.0),
+    "spline": (Sampled([(0, 0), (10, 3), (20, -2), (30, 4), (40, 0)]), 25.0),
+    "u-turn": (UTurn(), 1.0),
+}
+# m of the head: central differences lose as much to rounding as to curvature.
+STEP = 1e-4
+on_every_curve = pytest.mark.parametrize(("curve", "head"), CURVES.values(), ids=CURVES)
+
+
+def bench_angles(curve, heads):
+    """Coordinates of the handles (T, H), and e^(i alpha), e^(i beta) of the benches (T, N)."""
+    handles_s = curve.chain(heads, SPACINGS)
+    return handles_s, *chain.angles(*curve.frame(handles_s), SPACINGS)
+
+
+@on_every_curve
+def test_velocity_ratios_are_the_derivatives_of_the_coordinates(curve, head):
+    handles_s, front, rear = bench_angles(curve, np.array([head - STEP, head, head + STEP]))
+    expected = (handles_s[2] - handles_s[0]) / (2 * STEP)
+    np.testing.assert_allclose(chain.velocity_ratios(front.real, rear.real)[1], expected, atol=1e-7)
+
+
+@on_every_curve
+def test_angular_rates_are_the_derivatives_of_the_benches_angles(curve, head):
+    handles_s, front, rear = bench_angles(curve, np.array([head - STEP, head, head + STEP]))
+    points = curve.point(handles_s)
+    heading = np.unwrap(np.arctan2(*np.moveaxis(points[:, :-1] - points[:, 1:], -1, 0)[::-1]), axis=0)
+    along = handles_s[2, :-1] - handles_s[0, :-1]
+    expected = (heading[2] - heading[0]) / along
+    np.testing.assert_allclose(chain.angular_rates(front, rear, SPACINGS)[1], expected, atol=1e-7)
+
+
+@on_every_curve
+def test_bounds_hold_for_the_rates_and_their_changes(curve, head):
+    """With the curvature's own bound; the changes are differences between heads a step apart."""
+    handles_s, front, rear = bench_angles(curve, head + np.linspace(-0.5, 0.5, 201))
+    ratio, omega = front.real / rear.real, chain.angular_rates(front, rear, SPACINGS)
+    curvature = curve.max_curvature(handles_s[:, 1:].min(axis=0), handles_s[:, :-1].max(axis=0))
+    sines = np.abs(front.imag).max(axis=0), np.abs(rear.imag).max(axis=0)
+    bounds = chain.rate_bounds(sines, np.abs(ratio).max(axis=0), rear.real.min(axis=0), curvature, SPACINGS)
+    along = np.diff(handles_s[:, :-1], axis=0)
+    for measured, bound in (
+        (ratio, bounds.ratio),
+        (np.diff(ratio, axis=0) / along, bounds.ratio_change),
+        (omega, bounds.omega),
+        (np.diff(omega, axis=0) / along, bounds.omega_change),
+    ):
+        assert (np.abs(measured) <= bound + 1e-9).all()
+
+
+@given(st.floats(-1.5, 1.5), st.floats(-1.5, 1.5))
+def test_rigid_bench_has_one_velocity_along_itself(alpha, beta):
+    """Both handles have the same velocity component along the bench: cos alpha = rho cos beta."""
+    [_, rho] = chain.velocity_ratios(np.array([np.cos(alpha)]), np.array([np.cos(beta)]))
+    assert rho * np.cos(beta) == pytest.approx(np.cos(alpha))
+
+
+def test_each_kind_of_curve_may_begin_a_composite():
+    """A composite computes handles on its first piece as that piece does."""
+    for first in (Line(stop=(30, 0)), Arc(centre=(30, 6), radius=6, begin_angle=-np.pi / 2 - 3, sweep=3)):
+        end, direction = first.frame(first.end_s)
+        path = Composite([first, Line(start=end, stop=end + 20 * direction)])
+        heads = np.linspace(path.joints[0] - 1, path.joints[0] + 12, 40)
+        handles_s = path.chain(heads, SPACINGS)
+        points = path.point(handles_s)
+        np.testing.assert_allclose(np.hypot(*np.moveaxis(np.diff(points, axis=1), -1, 0)), [SPACINGS] * 40, rtol=1e-12)
