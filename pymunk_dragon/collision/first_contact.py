@@ -102,6 +102,11 @@ class NearMiss:
         The smaller number first.
     gap : float
         m.
+
+    Examples
+    --------
+    >>> NearMiss(time=409.827, benches=(0, 11), gap=0.0009).benches
+    (0, 11)
     """
 
     time: float
@@ -136,6 +141,13 @@ class FirstContact:
     resolution : float or None
         Largest overlap before `time` that the certificate does not rule out, m: rounding, and about a micrometre where
         a gap stays near zero for long. None if nothing was certified.
+
+    Examples
+    --------
+    >>> from pymunk_dragon import March, first_contact
+    >>> hit = first_contact(March(), start=405)
+    >>> round(hit.time, 6), hit.benches, len(hit.near_misses)
+    (412.473838, (0, 8), 2)
     """
 
     status: Status

@@ -63,6 +63,11 @@ class Grid:
     ------
     ParameterError
         If `cell` is not a number from 0.001 to 1000 m or `origin` is not two numbers from -1e9 to 1e9 m.
+
+    Examples
+    --------
+    >>> Grid(cell=1.0, origin=(0.0, 0.0)).cell_of([0.5, -0.5]).tolist()
+    [0, 0]
     """
 
     cell: float = 0.55

@@ -51,6 +51,13 @@ class Separation(ArrayRecord):
         Midway between the closest points, m. For overlapping ones: midway between where they touch once they are
         parted along the normal, half of the way by each, so a corner that has sunk into an edge is half its depth ahead
         of this point. Where two parallel edges face each other, one of the points between them.
+
+    Examples
+    --------
+    >>> from pymunk_dragon.model.dragon import outlines
+    >>> square = outlines([[0, 0, 0]], [1.0], 1.0)[0]
+    >>> separation(square, square + [3, 0]).point[0].item()
+    1.5
     """
 
     distance: Array
@@ -89,6 +96,14 @@ def separation(first: ArrayLike, second: ArrayLike) -> Separation:
     Notes
     -----
     If two translations are equally short, or two pairs of points equally close, the result is one of them.
+
+    Examples
+    --------
+    >>> from pymunk_dragon.model.dragon import outlines
+    >>> square = outlines([[0, 0, 0]], [1.0], 1.0)[0]
+    >>> apart = separation(square, square + [3, 0])
+    >>> float(apart.distance), apart.normal.tolist()
+    (2.0, [1.0, 0.0])
     """
     corners, shape = _paired(first, second)
     distance, normal, point = np.empty(shape), np.empty((*shape, 2)), np.empty((*shape, 2))

@@ -64,6 +64,12 @@ class Dragon:
     -----
     Handles are numbered 0 to N along the dragon: handle i is the front hole of bench i, handle N the rear hole of
     the tail. The defaults are the dragon of the contest (paper, section 2.1).
+
+    Examples
+    --------
+    >>> dragon = Dragon(body_spacing=[3.0, 2.0], width=0.5)
+    >>> dragon.benches, dragon.spacings.tolist()
+    (3, [2.86, 3.0, 2.0])
     """
 
     benches: int = BENCHES
@@ -206,6 +212,11 @@ def outlines(poses: ArrayLike, lengths: ArrayLike, width: ArrayLike) -> Array:
     -------
     ndarray, shape (..., N, 4, 2)
         Corners in m, counter-clockwise: rear right, front right, front left, rear left.
+
+    Examples
+    --------
+    >>> outlines([[0, 0, 0]], [2.0], 1.0)[0].tolist()
+    [[-1.0, -0.5], [1.0, -0.5], [1.0, 0.5], [-1.0, 0.5]]
     """
     pose = np.asarray(poses, dtype=float)
     along = _headings(pose) * np.asarray(lengths, dtype=float)[..., None] / 2

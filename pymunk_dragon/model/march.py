@@ -45,6 +45,12 @@ class States(ArrayRecord):
         m and m/s.
     speeds : ndarray, shape (T, H)
         Magnitudes of the velocities, m/s.
+
+    Examples
+    --------
+    >>> states = March().at([0.0, 60.0], handles=3)
+    >>> states.positions.shape, states.poses.shape
+    ((2, 3, 2), (2, 2, 3))
     """
 
     times: Array
@@ -102,6 +108,12 @@ class March(Displayed):
         `start_s` not on the curve or `speed` anywhere not from 1e-6 to 20 m/s, if `turns` is given with `start_s` or
         for a curve without turns, if a spiral's pitch is not larger than the benches' width, or if the dragon does not
         fit on the curve at t = 0.
+
+    Examples
+    --------
+    >>> states = March().at([0, 60])
+    >>> states.positions[:, 0].round(6).tolist()
+    [[8.8, -0.0], [5.799209, -5.771092]]
     """
 
     dragon: Dragon = field(default_factory=Dragon)

@@ -67,6 +67,11 @@ class Scenario:
         If `march` cannot be made of it, or a value is given that its curve does not have.
     FileFormatError
         If a file that is named holds something else.
+
+    Examples
+    --------
+    >>> Scenario(pitch=0.45, turns=20).march().curve.pitch
+    0.45
     """
 
     benches: int = BENCHES

@@ -43,6 +43,11 @@ class Arc(Curve, kind="arc"):
     ParameterError
         If the centre is not a point at most 100 km from the origin along either axis, the radius not from 1 mm to
         100 km, an angle not from -1000 to 1000 turns, or the sweep so small that the arc is shorter than 1 nm.
+
+    Examples
+    --------
+    >>> Arc(radius=2, sweep=3.0).end_s
+    6.0
     """
 
     centre: tuple[float, float] = (0.0, 0.0)

@@ -42,6 +42,14 @@ class Composite(Curve, kind="composite"):
     ParameterError
         If there is no piece or one is no curve, if an inner end lies at infinity, or if two pieces do not meet: they
         may be 1e-9 m and 1e-9 rad apart.
+
+    Examples
+    --------
+    >>> from pymunk_dragon.model.curves import Arc, Line
+    >>> round_it = Arc(centre=(0, 1), radius=1, begin_angle=-math.pi / 2, sweep=3)
+    >>> path = Composite([Line(start=(-4, 0), stop=(0, 0)), round_it])
+    >>> path.joints, round(path.end_s, 6)
+    ((4.0,), 7.0)
     """
 
     pieces: tuple[Curve, ...]

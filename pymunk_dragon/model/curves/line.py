@@ -30,6 +30,11 @@ class Line(Curve, kind="line"):
     ------
     ParameterError
         If they are not two points at least 1 mm apart and no further than 100 km from the origin along either axis.
+
+    Examples
+    --------
+    >>> Line(stop=(30, 40)).point([0.0, 25.0]).tolist()
+    [[0.0, 0.0], [15.0, 20.0]]
     """
 
     start: tuple[float, float] = (0.0, 0.0)

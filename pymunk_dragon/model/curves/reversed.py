@@ -25,6 +25,12 @@ class Reversed(Curve, kind="reversed"):
     ------
     ParameterError
         If `curve` is no curve.
+
+    Examples
+    --------
+    >>> from pymunk_dragon.model.curves import Line
+    >>> Reversed(Line(stop=(10, 0))).tangent(-4.0).tolist()
+    [-1.0, -0.0]
     """
 
     curve: Curve

@@ -32,6 +32,12 @@ class Section(Curve, kind="section"):
     ------
     ParameterError
         If `curve` is not a curve, or the coordinates are not on it or not in the order of travel.
+
+    Examples
+    --------
+    >>> from pymunk_dragon.model.curves import Line
+    >>> Section(Line(stop=(10, 0)), 2, 6).point([1.0, 2.0]).tolist()
+    [[nan, nan], [2.0, 0.0]]
     """
 
     curve: Curve

@@ -57,6 +57,11 @@ class Spiral(Curve, kind="spiral"):
     ------
     ParameterError
         If `pitch` is not a number from 0.001 to 1000 m, or `rotation` not one from -1000 to 1000 rad.
+
+    Examples
+    --------
+    >>> Spiral().point(Spiral().at_turn(16)).round(6).tolist()
+    [8.8, -0.0]
     """
 
     # On the reference scenario's spiral, the point (8.8, 0) m.

@@ -57,6 +57,12 @@ class Sampled(Curve, kind="sampled"):
     References
     ----------
     C. de Boor, A Practical Guide to Splines, chapter IV. SciPy's `CubicSpline` solves for it.
+
+    Examples
+    --------
+    >>> path = Sampled([(0, 0), (3, 1), (6, 0), (9, 1)])
+    >>> path.point([0.0, path.end_s]).round(6).tolist()
+    [[0.0, 0.0], [9.0, 1.0]]
     """
 
     points: Array

@@ -44,6 +44,11 @@ class UTurn(Composite, kind="u-turn"):
     ParameterError
         If `pitch` is not a number from 0.001 to 1000 m, `radius` not one from 0.1 to 100 m and at most 1000 pitches,
         or `ratio` not one from 0.02 to 50.
+
+    Examples
+    --------
+    >>> round(UTurn().length, 6)
+    13.621245
     """
 
     pieces: tuple[Curve, ...] = field(init=False, repr=False, compare=False)

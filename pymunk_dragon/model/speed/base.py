@@ -23,7 +23,15 @@ MAX_SPEED = 20.0
 
 @runtime_checkable
 class Speed(Protocol):
-    """Speed of handle 0 over time. It is never zero, so every distance has one time."""
+    """Speed of handle 0 over time. It is never zero, so every distance has one time.
+
+    Examples
+    --------
+    >>> from pymunk_dragon.model.speed import SpeedTable
+    >>> profile: Speed = SpeedTable([0, 10], [1, 3])
+    >>> profile.distance([5.0, 10.0]).tolist()
+    [7.5, 20.0]
+    """
 
     def at(self, t: ArrayLike) -> Array:
         """Speed (T,) in m/s at times `t` (T,) in s."""

@@ -40,6 +40,11 @@ class SpeedTable:
     ParameterError
         If there is no entry, not one speed to each time, a time that is not a microsecond later than the one before or
         no number from -1e9 to 1e9 s, or a speed that is not a number from 1e-6 to 20 m/s.
+
+    Examples
+    --------
+    >>> SpeedTable([0, 10], [1, 3]).at([-5.0, 5.0, 50.0]).tolist()
+    [1.0, 2.0, 3.0]
     """
 
     times: Sequence[float]
