@@ -1,7 +1,8 @@
 """Which benches touch, and when: broad phase, narrow phase, first contact (paper, section 2.2)."""
 
-from pymunk_dragon.collision.first_contact import FirstContact, NearMiss, first_contact
+from pymunk_dragon.collision.first_contact import FirstContact, first_contact
 from pymunk_dragon.collision.grid import Grid
+from pymunk_dragon.collision.near_misses import NearMiss
 from pymunk_dragon.collision.sat import Separation, separation
 from pymunk_dragon.collision.scan import scan
 

@@ -34,13 +34,14 @@ from numpy.typing import NDArray
 
 from pymunk_dragon._checks import finite
 from pymunk_dragon.collision.bounds import Intervals, MotionBounds, handles_in_reach, near_pairs
+from pymunk_dragon.collision.near_misses import NearMiss, near_misses
 from pymunk_dragon.collision.sat import separation
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.contact import Contact
 from pymunk_dragon.model.dragon import bench_poses
 from pymunk_dragon.model.march import March, check_march, last_time
 
-__all__ = ["FirstContact", "NearMiss", "Status", "first_contact"]
+__all__ = ["FirstContact", "Status", "first_contact"]
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -78,40 +79,8 @@ HALVINGS = 3
 NEAR_MISS = 1 / 30
 # Length of intervals in which near misses are sampled, in widths: a local minimum lasts about one width.
 NEAR_MISS_INTERVAL = 0.4
-# Points per bracket in the search for a local minimum, and passes: each pass narrows the bracket eightfold.
-MINIMUM_POINTS = 17
-MINIMUM_PASSES = 8
-# Handles placed together in that search: 20 MB of corners.
-MINIMUM_HANDLES = 300_000
 # Points per pass in the search for the last time at which the chain has a state.
 LAST_POINTS = 33
-# m of the head's distance, and share of the bracket: so close to its end, the minimum lies outside the bracket.
-BRACKET_END = 1e-9
-BRACKET_END_SHARE = 1e-6
-
-
-@dataclass(frozen=True, kw_only=True)
-class NearMiss:
-    """A local minimum of the gap between two benches.
-
-    Attributes
-    ----------
-    time : float
-        s; accurate to a few microseconds only, because the gap is stationary there.
-    benches : tuple of int
-        The smaller number first.
-    gap : float
-        m.
-
-    Examples
-    --------
-    >>> NearMiss(time=409.827, benches=(0, 11), gap=0.0009).benches
-    (0, 11)
-    """
-
-    time: float
-    benches: tuple[int, int]
-    gap: float
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -298,7 +267,8 @@ class _Search:
 
     def _result(self, status: Status, start: float, time: float, pair: tuple[int, int] | None) -> FirstContact:
         counts = {"samples": self._samples, "tests": self._tests, "resolution": self._resolution}
-        return FirstContact.at(self._march, status, time, pair, near_misses=self._near_misses(start, time), **counts)
+        misses = near_misses(self._march, np.concatenate(self._small_gaps), start, time, self._near)
+        return FirstContact.at(self._march, status, time, pair, near_misses=misses, **counts)
 
     def _batches(self, start: float, end: float) -> Iterator[Array]:
         """Bounds of consecutive intervals, one array for each batch; shorter intervals during the warm-up."""
@@ -417,28 +387,6 @@ class _Search:
         lengths = np.full(times.size, length)
         self._small_gaps.append(np.column_stack([pairs, times, lengths, distances])[chosen])
 
-    def _near_misses(self, start: float, end: float) -> tuple[NearMiss, ...]:
-        """Local minima of small gaps between `start` and `end`."""
-        samples = np.concatenate(self._small_gaps)
-        samples = samples[samples[:, 2] <= end]
-        if not samples.size:
-            return ()
-        first, second, times, lengths, gaps = samples[np.lexsort(samples.T[2::-1])].T
-        # Where a sample has no neighbour, a bound has shown that the gap there is larger.
-        follows = (np.diff(first) == 0) & (np.diff(second) == 0) & (np.diff(times) < 1.5 * lengths[1:])
-        falls = np.diff(gaps) < 0
-        smallest = ~np.append(follows & falls, False) & ~np.append(False, follows & ~falls)
-        pairs = np.stack([first, second], axis=-1)[smallest].astype(np.intp)
-        low, high = np.maximum(times - lengths, start)[smallest], np.minimum(times + lengths, end)[smallest]
-        some = max(1, MINIMUM_HANDLES // (MINIMUM_POINTS * (int(pairs.max()) + 2)))
-        parts = [slice(at, at + some) for at in range(0, len(pairs), some)]
-        minima = [_local_minima(self._march, pairs[part], low[part], high[part]) for part in parts]
-        times, gaps = np.concatenate(minima, axis=1)
-        margin = np.maximum(BRACKET_END_SHARE * (high - low), BRACKET_END)
-        inside = (times > low + margin) & (times < high - margin) & (gaps > 0) & (gaps < self._near)
-        found = zip(times[inside].tolist(), pairs[inside].tolist(), gaps[inside].tolist(), strict=True)
-        return tuple(NearMiss(time=time, benches=(i, j), gap=gap) for time, (i, j), gap in sorted(found))
-
 
 def _overlapping(march: March, handles_s: Array) -> tuple[int, int] | None:
     """The pair with the deepest overlap where the handles are at the coordinates (1, H), or None."""
@@ -461,17 +409,3 @@ def _last_reachable(march: March, reachable: float, later: float) -> float:
         first = max(1, int(lost.argmax()))
         reachable, later = float(times[first - 1]), float(times[first])
     return reachable
-
-
-def _local_minima(march: March, pairs: Indices, low: Array, high: Array) -> tuple[Array, Array]:
-    """Times (B,) of the minima of the gaps of `pairs` (B, 2) between `low` and `high` (B,), and the gaps (B,), m."""
-    handles, chosen = int(pairs.max()) + 2, np.arange(len(pairs))
-    rows = np.arange(len(pairs) * MINIMUM_POINTS)
-    first, second = np.repeat(pairs, MINIMUM_POINTS, axis=0).T
-    for _ in range(MINIMUM_PASSES):
-        times = np.linspace(low, high, MINIMUM_POINTS, axis=-1)
-        corners = march.dragon.outlines(march.at(times, handles).poses)
-        gaps = separation(corners[rows, first], corners[rows, second]).distance.reshape(times.shape)
-        best = gaps.argmin(axis=1)
-        low, high = times[chosen, np.maximum(best - 1, 0)], times[chosen, np.minimum(best + 1, MINIMUM_POINTS - 1)]
-    return times[chosen, best], gaps[chosen, best]

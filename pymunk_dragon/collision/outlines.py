@@ -1,4 +1,4 @@
-"""What both phases ask of the outlines that they are given."""
+"""Checks of outlines, shared by the broad and the narrow phase."""
 
 from __future__ import annotations
 

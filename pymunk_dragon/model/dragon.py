@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 Sizes = float | Sequence[float]
 
 # A head and a tail are the shortest chain. Ten thousand benches are 16 km of dragon, 45 times the contest's, and
-# still fit into memory; far more is a slip of the finger.
+# still fit into memory; more is taken for a typing error.
 MIN_BENCHES, MAX_BENCHES = 2, 10_000
 # Metres. No bench is longer; the bound catches centimetres and millimetres given as metres. The lower end keeps every
 # length far above what a double resolves at the rim of the largest spiral.

@@ -1,4 +1,4 @@
-"""What a dragon marches on: one module per kind of curve."""
+"""Curves on which a dragon marches: one module per kind."""
 
 from pymunk_dragon.model.curves.arc import Arc
 from pymunk_dragon.model.curves.base import Curve

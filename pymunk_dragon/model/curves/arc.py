@@ -1,4 +1,4 @@
-"""A part of a circle, or a circle walked several times."""
+"""Circular arcs, of one turn or of several."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ __all__ = ["Arc"]
 
 # m. Smaller circles are too narrow even for benches of a millimetre.
 MIN_RADIUS = 1e-3
-# Radians: a thousand turns and the angle at which they begin. More is a slip of the finger, and costs digits.
+# Radians: a thousand turns and the angle at which they begin. More is taken for a typing error, and costs digits.
 MAX_ANGLE = 2000 * math.pi
 
-# Metres. Less is a slip of the finger too, or a 0.
+# m. Less is taken for a typing error.
 SHORTEST = 1e-9
 
 

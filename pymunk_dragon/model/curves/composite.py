@@ -16,7 +16,7 @@ from pymunk_dragon.model.curves.base import Array, Curve, check_curve, overlap, 
 __all__ = ["Composite"]
 
 # Metres and rad that two pieces may be apart where they meet. Rounding leaves some 1e-13 on a dance floor; a thousandth
-# of a micrometre is far below what any result is told to, and far above that.
+# of a micrometre is far below the precision of any result, and far above that.
 MAX_GAP, MAX_KINK = 1e-9, 1e-9
 
 

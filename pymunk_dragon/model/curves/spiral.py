@@ -19,7 +19,7 @@ Complex = NDArray[np.complex128]
 # of lengths far from the ends of a double.
 MIN_PITCH, MAX_PITCH = 0.001, 1000.0
 TURN = 2 * np.pi
-# A thousand turns of the contest's pitch are a dance floor of a kilometre; more is a slip of the finger.
+# A thousand turns of the contest's pitch are a dance floor of a kilometre; more is taken for a typing error.
 MAX_TURNS = 1000.0
 # Newton doubles its digits at every pass and reaches a double's last one in about 6; bisection, its fallback, in 53.
 MAX_PASSES = 80
