@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import json
 import math
-from dataclasses import asdict, fields
+from dataclasses import asdict, dataclass, fields
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 import pytest
@@ -379,6 +380,35 @@ def test_curve_of_a_users_own_class_is_refused_before_a_run_is_made(curve, where
         check_saveable(march)
     assert (caught.value.name, caught.value.value) == (where, kind)
     assert_says(caught.value, "must be a curve of the package")
+
+
+def test_registered_curve_of_a_users_own_is_saved_and_read(tmp_path, monkeypatch):
+    monkeypatch.setattr(Curve, "kinds", dict(Curve.kinds))
+
+    @dataclass(frozen=True)
+    class Axis(Curve, kind="axis"):
+        """The x axis."""
+
+        end_s: float
+        begin_s: ClassVar[float] = 0.0
+
+        def point(self, s):
+            return np.stack([np.asarray(s), np.zeros(np.shape(s))], axis=-1)
+
+        def tangent(self, s):
+            return np.stack([np.ones(np.shape(s)), np.zeros(np.shape(s))], axis=-1)
+
+        def curvature(self, s):
+            return np.zeros(np.shape(s))
+
+        def max_curvature(self, s, other):
+            return 0.0
+
+    (tmp_path / "s.toml").write_text('dragon = {benches = 4}\ncurve = {kind = "axis", end_s = 50}\n')
+    march = Scenario.from_dict(Scenario.read(tmp_path / "s.toml")).march()
+    assert march == March(Dragon(benches=4), Axis(50))
+    Run.exact(march, [0.0, 1.0]).save(tmp_path / "run.npz")
+    assert Run.load(tmp_path / "run.npz").march == march
 
 
 # Curves as tables
