@@ -267,7 +267,7 @@ def test_report_on_the_same_run_has_the_same_bytes(ending, played, tmp_path):
     played.save(tmp_path / "run.npz")
     again = Run.load(tmp_path / "run.npz")
     (tmp_path / "run.npz").unlink()
-    assert written(replace(again, timing={"wall_seconds": 3.0}), ending, tmp_path) == first
+    assert written(replace(again, wall_seconds=3.0), ending, tmp_path) == first
 
 
 # JSON and its schema

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from typing import Literal, get_args, overload
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields
+from typing import Any, Literal, Self, get_args, overload
 
-__all__ = ["PHASES", "Contact", "ContactEvent", "ContactLog", "ContactWindow", "Phase"]
+from pymunk_dragon.errors import DragonError
 
 Phase = Literal["begin", "pre_solve", "post_solve", "separate"]
 PHASES: tuple[Phase, ...] = get_args(Phase)
@@ -14,24 +15,50 @@ PHASES: tuple[Phase, ...] = get_args(Phase)
 Vector = tuple[float, float]
 
 
+class _Record:
+    """Base class of records that are read back from JSON."""
+
+    @classmethod
+    def from_dict(cls, values: Mapping[str, Any]) -> Self:
+        """The record that `dataclasses.asdict` and JSON, which has lists for tuples, made `values` of.
+
+        Raises
+        ------
+        DragonError
+            If a value is impossible. Values of another kind raise a TypeError, a KeyError or a ValueError.
+        """
+        # Only dataclasses derive from this class.
+        absent = {f.name for f in fields(cls) if f.default is None}  # type: ignore[arg-type]
+        read = {
+            name: None if value is None and name in absent else READERS[name](value) for name, value in values.items()
+        }
+        return cls(**read)
+
+
 @dataclass(frozen=True, kw_only=True)
-class Contact:
-    """Two benches that are not neighbours touch.
+class Contact(_Record):
+    """Contact of two benches that are not neighbours.
 
     Attributes
     ----------
     time : float
-        When they touch, s.
+        Time of the contact, s.
     raw_time : float
         End of the substep in which the engine noticed, s.
     benches : tuple of int
         Their numbers, the smaller one first.
     point : tuple of float
-        Where they touch, m.
+        Point of the contact, m.
     normal : tuple of float
         Unit vector from the first bench towards the second.
     depth : float
         How deep they overlap at `raw_time`, m.
+
+    Examples
+    --------
+    >>> contact = Contact(time=1.0, raw_time=1.01, benches=(0, 8), point=(2.0, 3.0), normal=(1.0, 0.0), depth=1e-4)
+    >>> contact.benches
+    (0, 8)
     """
 
     time: float
@@ -43,7 +70,7 @@ class Contact:
 
 
 @dataclass(frozen=True, kw_only=True)
-class ContactEvent:
+class ContactEvent(_Record):
     """One collision callback of the engine.
 
     Attributes
@@ -51,7 +78,7 @@ class ContactEvent:
     time : float
         End of the substep, s.
     phase : {"begin", "pre_solve", "post_solve", "separate"}
-        Which callback. `post_solve` comes only where the engine solves the contact.
+        Kind of callback. `post_solve` comes only where the engine solves the contact.
     benches : tuple of int
         The smaller number first.
     points : tuple of tuple of float
@@ -64,6 +91,11 @@ class ContactEvent:
         Velocity of the second bench relative to the first, at the middle of the points, m/s; None in `separate`.
     impulse : tuple of float or None
         Impulse on the second bench, N s; only in `post_solve`, None elsewhere.
+
+    Examples
+    --------
+    >>> ContactEvent(time=1.0, phase="separate", benches=(0, 8)).points
+    ()
     """
 
     time: float
@@ -78,7 +110,17 @@ class ContactEvent:
 
 @dataclass(frozen=True, kw_only=True)
 class ContactWindow:
-    """A time interval in which two benches touch; `end` is None if they still touched when the run ended."""
+    """A time interval in which two benches touch.
+
+    Attributes
+    ----------
+    benches : tuple of int
+        Their numbers, the smaller one first.
+    begin : float
+        End of the substep in which they began to touch, s.
+    end : float or None
+        End of the substep in which they parted, s; None if they still touched when the run ended.
+    """
 
     benches: tuple[int, int]
     begin: float
@@ -87,9 +129,37 @@ class ContactWindow:
 
 @dataclass(frozen=True)
 class ContactLog(Sequence[ContactEvent]):
-    """All callback events of a run, in the order in which they came."""
+    """All callback events of a run, in the order in which they came; a sequence of `ContactEvent`.
+
+    Its text is the table of `windows`.
+
+    Examples
+    --------
+    >>> log = ContactLog((
+    ...     ContactEvent(time=1.0, phase="begin", benches=(0, 8)),
+    ...     ContactEvent(time=2.5, phase="separate", benches=(0, 8)),
+    ... ))
+    >>> log
+    ContactLog(2 events)
+    >>> len(log.of("begin"))
+    1
+    >>> print(log)
+    benches   touch from (s)  to (s)
+      0   8           1.000  2.500
+    """
 
     events: tuple[ContactEvent, ...] = ()
+
+    def __repr__(self) -> str:
+        return f"ContactLog({len(self.events)} events)"
+
+    def __str__(self) -> str:
+        lines = ["benches   touch from (s)  to (s)"]
+        for window in self.windows():
+            i, j = window.benches
+            end = "the end" if window.end is None else f"{window.end:.3f}"
+            lines.append(f"{i:3d} {j:3d}  {window.begin:14.3f}  {end}")
+        return "\n".join(lines)
 
     def __len__(self) -> int:
         return len(self.events)
@@ -111,7 +181,7 @@ class ContactLog(Sequence[ContactEvent]):
         return ContactLog(tuple(event for event in self.events if event.phase == phase))
 
     def windows(self) -> list[ContactWindow]:
-        """When each pair touched, ordered by the beginning."""
+        """Time intervals in which each pair touched, ordered by the beginning."""
         open_since: dict[tuple[int, int], float] = {}
         windows = []
         for event in self.events:
@@ -122,3 +192,46 @@ class ContactLog(Sequence[ContactEvent]):
                 windows.append(ContactWindow(benches=event.benches, begin=begin, end=event.time))
         still = [ContactWindow(benches=pair, begin=begin, end=None) for pair, begin in open_since.items()]
         return sorted(windows + still, key=lambda window: (window.begin, window.benches))
+
+
+def _real(value: Any) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        raise DragonError(f"{value!r} is no number")
+    return value
+
+
+def _vector(value: Any) -> Vector:
+    x, y = value
+    return _real(x), _real(y)
+
+
+def _vectors(value: Any) -> tuple[Vector, ...]:
+    return tuple(_vector(item) for item in value)
+
+
+def _pair(value: Any) -> tuple[int, int]:
+    first, second = value
+    if not (type(first) is type(second) is int and 0 <= first < second):
+        raise DragonError(f"{value!r} are no two benches")
+    return first, second
+
+
+def _phase(value: Any) -> str:
+    if value not in PHASES:
+        raise DragonError(f"{value!r} is no phase of a contact")
+    return str(value)
+
+
+# How each entry of a contact or an event is read back from JSON.
+READERS: Mapping[str, Callable[[Any], Any]] = {
+    "time": _real,
+    "raw_time": _real,
+    "phase": _phase,
+    "benches": _pair,
+    "point": _vector,
+    "points": _vectors,
+    "normal": _vector,
+    "depth": _real,
+    "relative_velocity": _vector,
+    "impulse": _vector,
+}

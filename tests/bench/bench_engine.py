@@ -27,9 +27,9 @@ def main() -> None:
     for _ in range(REPEATS):
         for benches, start, until in INTERVALS:
             name = f"{benches} benches, {start:g} to {until:g} s"
-            timing = simulate(March(Dragon(benches=benches)), start=start, until=until).timing
-            speeds.setdefault(name, []).append((until - start) / timing["wall_seconds"])
-            overheads.setdefault(name, []).append(timing["wall_seconds"] / timing["step_seconds"] - 1)
+            result = simulate(March(Dragon(benches=benches)), start=start, until=until).to_dict()
+            speeds.setdefault(name, []).append(result["realtime_factor"])
+            overheads.setdefault(name, []).append(result["driver_overhead"])
     print(f"{'interval':28}{'times real time':>24}{'driver over bare steps':>28}")
     for name in speeds:
         print(f"{name:28}{spread(speeds[name], 1):>24}{spread(overheads[name], 2):>28}")

@@ -35,12 +35,13 @@ def main() -> None:
                 head_force=force,
             )
             assert run.first_contact is not None
+            assert run.settings is not None
             front, rear = march.dragon.holes(run.poses[run.times >= run.first_contact.time])
             gap = np.linalg.norm(front[:, 1:] - rear[:, :-1], axis=-1).max()
             depth = max(event.depth or 0.0 for event in run.events.of("pre_solve"))
             end = run.poses_at([run.times[-1] - AT_REST, run.times[-1]])[..., :2]
             way = np.linalg.norm(end[1] - end[0], axis=-1).max()
-            row = (1e3 * substep, run.provenance["head_force"], 1e3 * gap, 1e3 * depth, 1e3 * way)
+            row = (1e3 * substep, run.settings.head_force, 1e3 * gap, 1e3 * depth, 1e3 * way)
             print("{:>12.1f}{:>10.0f}{:>15.3f}{:>11.3f}{:>27.2f}".format(*row))
 
 
