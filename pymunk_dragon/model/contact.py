@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import Any, Literal, Self, get_args, overload
 
@@ -25,13 +25,17 @@ class _Record:
         Raises
         ------
         DragonError
-            If a value is impossible. Values of another kind raise a TypeError, a KeyError or a ValueError.
+            If a value is impossible. Values of another structure raise a TypeError, a KeyError or a ValueError.
         """
         # Only dataclasses derive from this class.
         absent = {f.name for f in fields(cls) if f.default is None}  # type: ignore[arg-type]
-        read = {
-            name: None if value is None and name in absent else READERS[name](value) for name, value in values.items()
+        read: dict[str, Any] = {
+            name: None if value is None and name in absent else _read(KINDS[name], value)
+            for name, value in values.items()
         }
+        first, second = read["benches"]
+        if not 0 <= first < second:
+            raise DragonError(f"{values['benches']!r} are no two benches")
         return cls(**read)
 
 
@@ -194,44 +198,28 @@ class ContactLog(Sequence[ContactEvent]):
         return sorted(windows + still, key=lambda window: (window.begin, window.benches))
 
 
-def _real(value: Any) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        raise DragonError(f"{value!r} is no number")
-    return value
-
-
-def _vector(value: Any) -> Vector:
-    x, y = value
-    return _real(x), _real(y)
-
-
-def _vectors(value: Any) -> tuple[Vector, ...]:
-    return tuple(_vector(item) for item in value)
-
-
-def _pair(value: Any) -> tuple[int, int]:
-    first, second = value
-    if not (type(first) is type(second) is int and 0 <= first < second):
-        raise DragonError(f"{value!r} are no two benches")
-    return first, second
-
-
-def _phase(value: Any) -> str:
-    if value not in PHASES:
-        raise DragonError(f"{value!r} is no phase of a contact")
-    return str(value)
-
-
-# How each entry of a contact or an event is read back from JSON.
-READERS: Mapping[str, Callable[[Any], Any]] = {
-    "time": _real,
-    "raw_time": _real,
-    "phase": _phase,
-    "benches": _pair,
-    "point": _vector,
-    "points": _vectors,
-    "normal": _vector,
-    "depth": _real,
-    "relative_velocity": _vector,
-    "impulse": _vector,
+# Kind of each entry of a contact or an event: a type, the names that it may be, a tuple of kinds, or a list of one
+# kind for any number of values.
+KINDS: Mapping[str, Any] = {
+    "time": float,
+    "raw_time": float,
+    "phase": frozenset(PHASES),
+    "benches": (int, int),
+    "point": (float, float),
+    "points": [(float, float)],
+    "normal": (float, float),
+    "depth": float,
+    "relative_velocity": (float, float),
+    "impulse": (float, float),
 }
+
+
+def _read(kind: Any, value: Any) -> Any:
+    """`value` from JSON, with tuples for lists, if it is of a kind of `KINDS`."""
+    if isinstance(kind, list):
+        return tuple(_read(kind[0], item) for item in value)
+    if isinstance(kind, tuple):
+        return tuple(_read(*pair) for pair in zip(kind, value, strict=True))
+    if not (value in kind if isinstance(kind, frozenset) else type(value) in (int, kind) and math.isfinite(value)):
+        raise DragonError(f"{value!r} is none of the values of a contact")
+    return value

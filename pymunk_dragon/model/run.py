@@ -33,8 +33,7 @@ Outcome = Literal["contact", "clear", "unreachable"]
 # The first twelve benches are the ones that the head meets: their drift decides whether the first contact is the true
 # one.
 HEAD_BENCHES = 12
-# Arrays of a file; those of `MAY_LACK` are missing where the player does not know them.
-ARRAYS = ("times", "poses", "drift", "pose_velocities", "joint_impulses")
+# Arrays that are missing where the player does not know them.
 MAY_LACK = ("pose_velocities", "joint_impulses")
 # Frames nearer to each other than this share of the median interval count as one where velocities come from finite
 # differences: the errors of their poses, divided by so short a time, would be velocities of their own.
@@ -323,8 +322,8 @@ class Run(ArrayRecord, Displayed):
             "events": [asdict(event) for event in self.events],
             "provenance": dict(self.provenance),
         }
-        arrays = {name: getattr(self, name) for name in ARRAYS if getattr(self, name) is not None}
-        write_archive(path, notes, arrays)
+        arrays = {name: getattr(self, name) for name in _shapes(self.march, len(self.times))}
+        write_archive(path, notes, {name: array for name, array in arrays.items() if array is not None})
 
     @classmethod
     def load(cls, path: str | Path) -> Run:
@@ -340,12 +339,12 @@ class Run(ArrayRecord, Displayed):
         with opened_archive(path) as archive:
             notes = archive.notes
             march = Scenario.from_mapping(notes["scenario"], files=False).march()
-            shapes = _shapes(march, len(archive.array("times")))
-            present = [name for name in ARRAYS if name in archive or name not in MAY_LACK]
-            arrays = {name: archive.array(name, shapes[name]) for name in present}
-            for name, array in arrays.items():
-                if not (name == "drift" or np.all(np.isfinite(array))):
-                    raise DragonError(f"its {name} are not finite numbers")
+            arrays: dict[str, Any] = {}
+            for name, shape in _shapes(march, len(archive.array("times"))).items():
+                if name in archive or name not in MAY_LACK:
+                    arrays[name] = archive.array(name, shape)
+                    if not (name == "drift" or np.all(np.isfinite(arrays[name]))):
+                        raise DragonError(f"its {name} are not finite numbers")
             events = ContactLog(tuple(ContactEvent.from_dict(event) for event in notes["events"]))
             first = None if notes["first_contact"] is None else Contact.from_dict(notes["first_contact"])
             last = max((item.benches[1] for item in (*events, first) if item is not None), default=0)
@@ -353,11 +352,7 @@ class Run(ArrayRecord, Displayed):
                 raise DragonError(f"it has a contact of bench {last}, but its scenario {march.dragon.benches} benches")
             return cls(
                 march=march,
-                times=arrays["times"],
-                poses=arrays["poses"],
-                drift=arrays["drift"],
-                pose_velocities=arrays.get("pose_velocities"),
-                joint_impulses=arrays.get("joint_impulses"),
+                **arrays,
                 events=events,
                 first_contact=first,
                 outcome=notes["outcome"],
