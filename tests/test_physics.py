@@ -18,10 +18,9 @@ from pymunk_dragon.model.curves import Arc
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
-from pymunk_dragon.model.settings import EngineSettings
+from pymunk_dragon.model.settings import FINE_STRIDE, EngineSettings
 from pymunk_dragon.physics import GUIDES, PathGuide, Rails, World, simulate
 from pymunk_dragon.physics.callbacks import Recorder
-from pymunk_dragon.physics.world import FINE_STRIDE
 
 # m
 HEAD_DRIFT, MAX_DRIFT = 0.5e-3, 2e-3

@@ -96,9 +96,9 @@ def played(
     """Play `march` in Pymunk, with progress."""
     from dataclasses import replace
 
-    from pymunk_dragon.physics import EngineSettings
+    from pymunk_dragon.model.settings import FINE_STRIDE, EngineSettings
     from pymunk_dragon.physics import simulate as play
-    from pymunk_dragon.physics.world import FINE_STRIDE, top_speed
+    from pymunk_dragon.physics.world import top_speed
 
     settings = settings or EngineSettings()
     if fine:

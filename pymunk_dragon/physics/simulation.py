@@ -16,7 +16,7 @@ from pymunk_dragon.model.contact import Contact, ContactEvent, ContactLog
 from pymunk_dragon.model.dragon import interpolated
 from pymunk_dragon.model.march import March, States, check_march, last_time
 from pymunk_dragon.model.run import Outcome, Run, engine_provenance
-from pymunk_dragon.model.settings import ITERATIONS, Contacts, EngineSettings
+from pymunk_dragon.model.settings import FRAME_STRIDE, ITERATIONS, Contacts, EngineSettings
 from pymunk_dragon.physics.callbacks import Recorder, refined_contact
 from pymunk_dragon.physics.guides import PathGuide, guide_name
 from pymunk_dragon.physics.world import World
@@ -25,8 +25,6 @@ Array = NDArray[np.float64]
 # Pose and velocity of the head, (3,), and velocity of its rear hole, (2,), at the end of a substep.
 HeadState = tuple[Array, Array, Array]
 
-# Metres that the head travels between recorded frames; between them poses are interpolated to a micrometre.
-FRAME_STRIDE = 0.1
 # Where contacts are resolved: the distance from its exact pose at which the head counts as held up, in widths (1 mm for
 # the contest's benches).
 HEAD_LAG = 1 / 300

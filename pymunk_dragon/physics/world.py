@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pymunk
@@ -11,7 +10,6 @@ from numpy.typing import NDArray
 from pymunk import batch
 from pymunk.batch import BodyFields
 
-from pymunk_dragon._checks import finite
 from pymunk_dragon.errors import UnreachableError
 from pymunk_dragon.model.march import March, States, check_march
 from pymunk_dragon.model.settings import EngineSettings
@@ -25,19 +23,6 @@ WOOD_DENSITY = 500.0
 BENCH_THICKNESS = 0.04
 # Friction of wood on wood; it matters only where contacts are resolved.
 FRICTION = 0.4
-
-# Metres that the head travels in one substep. README has the table of drift and time error that it was chosen from.
-STRIDE = 1 / 100
-# The same where contacts are resolved. README has the table of joint gaps and depths.
-RESOLVE_STRIDE = 1 / 200
-# The same for a contact time that is right to a millisecond.
-FINE_STRIDE = 1 / 400
-# Longer substeps skip over a bench, m.
-MAX_STRIDE = 0.1
-# Shorter substeps take days for a march, m.
-MIN_STRIDE = 1e-5
-# Largest force of the head's motor, in units of the ground drag on what the head has to pull.
-HEAD_FORCE = 2.0
 
 # Work, in benches times solver sweeps, that brings the joints into balance before the first step. A change travels
 # along the chain by diffusion, so balance takes about 2 N**2 sweeps: half a second for 223 benches. The cap
@@ -143,7 +128,10 @@ class World:
         self._sizes = list(zip(dragon.lengths.tolist(), dragon.widths.tolist(), strict=True))
         masses = [WOOD_DENSITY * BENCH_THICKNESS * length * width for length, width in self._sizes]
         moments = [pymunk.moment_for_box(mass, size) for mass, size in zip(masses, self._sizes, strict=True)]
-        self._resolve(settings or EngineSettings(), masses)
+        pulled = masses[:1] if self.guide.balances_drag else masses
+        self.settings = (settings or EngineSettings()).resolved(top_speed=self.top_speed, pulled_mass=sum(pulled))
+        assert self.settings.substep is not None
+        self.substep = self.settings.substep
         drag_rate = self.settings.drag * self.top_speed
         self.space = pymunk.Space()
         self.space.iterations = self.settings.iterations
@@ -178,18 +166,6 @@ class World:
         self._open_buffers(moved)
         self._warm_start(state)
         self.shapes = self._add_shapes()
-
-    def _resolve(self, settings: EngineSettings, masses: list[float]) -> None:
-        """Replace settings that are None by the defaults for this march."""
-        resolved = settings.contacts == "resolve"
-        substep, force = settings.substep, settings.head_force
-        if substep is None:
-            substep = (RESOLVE_STRIDE if resolved else STRIDE) / self.top_speed
-        self.substep = finite("substep", substep, MIN_STRIDE / self.top_speed, MAX_STRIDE / self.top_speed, "s")
-        if resolved and force is None:
-            pulled = masses[:1] if self.guide.balances_drag else masses
-            force = HEAD_FORCE * settings.drag * self.top_speed**2 * sum(pulled)
-        self.settings = replace(settings, substep=self.substep, head_force=force)
 
     @property
     def joint_impulses(self) -> list[float]:

@@ -9,9 +9,8 @@ import shapely
 from measure import sized
 
 from pymunk_dragon.model.march import March
-from pymunk_dragon.model.settings import DRAG, ITERATIONS, EngineSettings
+from pymunk_dragon.model.settings import DRAG, ITERATIONS, STRIDE, EngineSettings
 from pymunk_dragon.physics import simulate
-from pymunk_dragon.physics.world import STRIDE
 
 START = sized(400.0, 412.0)
 DEFAULT = (STRIDE, ITERATIONS)
