@@ -89,7 +89,7 @@ def test_benches_of_their_own_sizes_weigh_and_reach_what_they_should():
         assert shape.area == pytest.approx(length * width)
 
 
-# The seed's dragon on rails
+# The paper's dragon on rails
 
 
 def test_march_ends_with_benches_0_and_8_at_the_true_time(any_march, true_time):
@@ -369,6 +369,20 @@ def test_drag_is_a_setting_that_the_run_keeps(tmp_path):
     run.save(tmp_path / "run.npz")
     assert Run.load(tmp_path / "run.npz").settings == run.settings
     assert run.settings.drag == 20.0
+
+
+@pytest.mark.parametrize("settings", [{}, 0.01, EngineSettings])
+def test_settings_of_another_kind_are_refused(settings):
+    with pytest.raises(ParameterError) as caught:
+        simulate(CIRCLE, until=1.0, settings=settings)
+    assert_says(caught.value, "settings", "an EngineSettings")
+
+
+@pytest.mark.parametrize("guide", [Rails, object(), 3])
+def test_guide_of_another_kind_is_refused(guide):
+    with pytest.raises(ParameterError) as caught:
+        simulate(CIRCLE, until=1.0, guide=guide)
+    assert_says(caught.value, "guide", "one of rails, none, or a PathGuide")
 
 
 def test_settings_are_given_once():

@@ -27,7 +27,7 @@ from pymunk_dragon.model.scenario import Scenario
 from pymunk_dragon.model.settings import EngineSettings
 
 Array = NDArray[np.float64]
-# How a run ended: at a contact, without one, or where the curve leaves the head no place.
+# How a run ended: at a contact, without one, or where the head has no coordinate on the curve.
 Outcome = Literal["contact", "clear", "unreachable"]
 
 # The first twelve benches are the ones that the head meets: their drift decides whether the first contact is the true

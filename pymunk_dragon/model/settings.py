@@ -130,3 +130,9 @@ class EngineSettings:
             force = HEAD_FORCE * self.drag * top_speed**2 * pulled_mass
         finite("substep", substep, MIN_STRIDE / top_speed, MAX_STRIDE / top_speed, "s")
         return replace(self, substep=substep, head_force=force)
+
+
+def check_settings(value: object) -> None:
+    """Raise a ParameterError if `value` is no `EngineSettings`."""
+    if not isinstance(value, EngineSettings):
+        raise ParameterError("settings", value, "an EngineSettings")

@@ -36,6 +36,15 @@ class GuidedChain:
         Rate at which the ground drag reduces velocities, 1/s.
     masses, moments : ndarray, shape (N,)
         Masses of the benches, kg, and their moments of inertia about their centres, kg m^2.
+
+    Examples
+    --------
+    >>> from pymunk_dragon import Dragon, March, simulate
+    >>> class Printing(PathGuide):
+    ...     def attach(self, chain):
+    ...         print(chain.masses.round(1), chain.substep)
+    >>> run = simulate(March(Dragon(benches=3)), guide=Printing(), until=1)
+    [20.5 13.2 13.2] 0.01
     """
 
     march: March
@@ -118,6 +127,12 @@ class Rails(PathGuide):
 
     The guide uses the path, the head's speed and the engine's positions, but no exact positions of the chain: these
     are for the engine to find.
+
+    Examples
+    --------
+    >>> from pymunk_dragon import Dragon, March, simulate
+    >>> simulate(March(Dragon(benches=8)), guide=Rails(), until=1) == simulate(March(Dragon(benches=8)), until=1)
+    True
     """
 
     balances_drag = True

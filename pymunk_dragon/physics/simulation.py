@@ -114,7 +114,7 @@ def simulate(
     )
     if settings is not None and keywords != EngineSettings():
         raise ParameterError("settings", settings, "absent where settings are given as keywords")
-    world = World(march, guide, settings or keywords, start=start, until=until)
+    world = World(march, guide, keywords if settings is None else settings, start=start, until=until)
     with closing(Recorder(world, on_event)) as recorder, recorder.signals_held():
         loop = _Loop(world, recorder)
         loop.play(until, progress)

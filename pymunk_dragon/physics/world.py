@@ -12,7 +12,7 @@ from pymunk.batch import BodyFields
 
 from pymunk_dragon.errors import UnreachableError
 from pymunk_dragon.model.march import March, States, check_march
-from pymunk_dragon.model.settings import EngineSettings
+from pymunk_dragon.model.settings import EngineSettings, check_settings
 from pymunk_dragon.physics.guides import GuidedChain, PathGuide, guide_of
 
 Array = NDArray[np.float64]
@@ -121,6 +121,8 @@ class World:
         until: float | None = None,
     ) -> None:
         check_march(march)
+        settings = EngineSettings() if settings is None else settings
+        check_settings(settings)
         self.march, self.start = march, start
         self.top_speed = top_speed(march, start, until)
         self.guide = guide_of(guide)
@@ -129,7 +131,7 @@ class World:
         masses = [WOOD_DENSITY * BENCH_THICKNESS * length * width for length, width in self._sizes]
         moments = [pymunk.moment_for_box(mass, size) for mass, size in zip(masses, self._sizes, strict=True)]
         pulled = masses[:1] if self.guide.balances_drag else masses
-        self.settings = (settings or EngineSettings()).resolved(top_speed=self.top_speed, pulled_mass=sum(pulled))
+        self.settings = settings.resolved(top_speed=self.top_speed, pulled_mass=sum(pulled))
         assert self.settings.substep is not None
         self.substep = self.settings.substep
         drag_rate = self.settings.drag * self.top_speed

@@ -1,6 +1,6 @@
 """Drift and time error against substep, iterations and drag: `python tests/bench/bench_drift.py`.
 
-The seed's march from 400 s to its first contact. The exact time is found by Shapely on the exact model.
+The paper's march from 400 s to its first contact. The exact time is found by Shapely on the exact model.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Speed of the engine at its default settings: `python tests/bench/bench_engine.py`.
 
-Prints, for intervals of the seed's march, how many times as fast as real time the stepping loop runs, and the driver's
+Prints, for intervals of the paper's march, how many times as fast as real time the stepping loop runs, and the driver's
 overhead: loop time outside `Space.step` over time inside it. Medians of interleaved repeats, with the range.
 """
 
