@@ -340,7 +340,7 @@ def test_contents_tell_the_run(played):
     }
     assert found["player"] == "pymunk"
     assert found["settings"]["guide"] == "rails"
-    assert found["versions"] == played.provenance["versions"]
+    assert found["versions"] == played.versions
     frames, events = len(played.times), len(played.events)
     assert found["outcome"] == {"status": "contact", "start": 77.5, "until": 84.5, "frames": frames, "events": events}
     assert found["first_contact"] == json.loads(json.dumps(asdict(played.first_contact)))
