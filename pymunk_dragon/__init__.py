@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from pymunk_dragon.model.run import Run, check_saveable
     from pymunk_dragon.model.scenario import Scenario
     from pymunk_dragon.model.speed import Speed, SpeedTable
-    from pymunk_dragon.physics import World, simulate
+    from pymunk_dragon.physics import EngineSettings, PathGuide, World, simulate
     from pymunk_dragon.player import player_page, write_player
     from pymunk_dragon.reports import report
     from pymunk_dragon.studies import min_pitch, sensitivity
@@ -36,6 +36,7 @@ __all__ = [
     "Curve",
     "Dragon",
     "DragonError",
+    "EngineSettings",
     "FirstContact",
     "Grid",
     "Line",
@@ -44,6 +45,7 @@ __all__ = [
     "NearMiss",
     "Palette",
     "ParameterError",
+    "PathGuide",
     "PillowDrawOptions",
     "Reversed",
     "Run",
@@ -83,7 +85,7 @@ _MODULES = {
     "model.dragon": ("Dragon", "outlines"),
     "errors": ("DragonError", "MissingExtraError", "ParameterError", "UnreachableError"),
     "model.march": ("March", "States"),
-    "physics": ("World", "simulate"),
+    "physics": ("EngineSettings", "PathGuide", "World", "simulate"),
     "player": ("player_page", "write_player"),
     "drawing": ("Camera", "Palette", "Scene", "render", "write_film"),
     # Not imported by its package, which does not need Pymunk.

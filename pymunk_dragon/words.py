@@ -123,43 +123,14 @@ def _or_dash(value: float | None, form: str) -> str:
 
 def summary(run: Run) -> dict[str, Any]:
     """What `simulate --json` prints."""
-    wall, stepping = run.timing["wall_seconds"], run.timing["step_seconds"]
-    simulated = run.provenance["substeps"] * run.provenance["substep"]
-    return {
-        "status": run.outcome,
-        "first_contact": asdict(run.first_contact) if run.first_contact else None,
-        "drift": {"head": _known(run.head_drift), "max": _known(run.max_drift)},
-        "start": run.provenance["start"],
-        "until": float(run.times[-1]),
-        "substep": run.provenance["substep"],
-        "substeps": run.provenance["substeps"],
-        "iterations": run.provenance["iterations"],
-        "events": len(run.events),
-        "wall_seconds": wall,
-        "realtime_factor": simulated / wall,
-        "driver_overhead": wall / stepping - 1,
-    }
-
-
-def _known(value: float) -> float | None:
-    """JSON has no nan."""
-    return value if value == value else None
+    return run.to_dict()
 
 
 def quality_in_words(run: Run) -> str:
     """How far the engine drifted, and how fast it was."""
-    speed = summary(run)["realtime_factor"]
-    return (
-        f"drift {1e3 * run.head_drift:.3f} mm in the first twelve benches, {1e3 * run.max_drift:.3f} mm anywhere; "
-        f"{speed:.1f} times as fast as real time"
-    )
+    return str(run).splitlines()[1]
 
 
 def windows_in_words(run: Run) -> str:
     """When which benches touched."""
-    lines = ["benches   touch from (s)  to (s)"]
-    for window in run.events.windows():
-        i, j = window.benches
-        end = "the end" if window.end is None else f"{window.end:.3f}"
-        lines.append(f"{i:3d} {j:3d}  {window.begin:14.3f}  {end}")
-    return "\n".join(lines)
+    return str(run.events)

@@ -135,7 +135,7 @@ def test_force_of_the_head_is_an_option_where_contacts_are_resolved(call, tmp_pa
     path = tmp_path / "run.npz"
     resolved = ["simulate", *SHORT, "--until", "412.6", "--contacts", "resolve"]
     assert call(*resolved, "--head-force", "300", "-o", path)[0] == 0
-    assert Run.load(path).provenance["head_force"] == 300
+    assert Run.load(path).settings.head_force == 300
     code, _, err = call("simulate", *SHORT, "--until", "412.6", "--head-force", "300")
     assert (code, err.count("\n")) == (2, 1)
 

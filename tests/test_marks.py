@@ -185,7 +185,7 @@ def test_a_contact_has_its_point_and_its_normal(run: Run) -> None:
 def test_benches_touch_in_pictures_as_long_as_the_callbacks_say(brushing: Run) -> None:
     windows = [window for window in brushing.events.windows() if window.end is not None]
     assert windows
-    substep = brushing.provenance["substep"]
+    substep = brushing.substep
     for window in windows[:5]:
         inside = moment_of(brushing, (window.begin + window.end) / 2, "contacts")
         others = [w for w in brushing.events.windows() if w is not window]

@@ -221,7 +221,7 @@ NONE = {
     "first_contact": lambda none: first_contact(none),
     "scan": lambda none: scan(none, until=1.0),
     "Grid.of": Grid.of,
-    "World": lambda none: World(none, None, start=0.0, substep=0.01, iterations=1),
+    "World": lambda none: World(none),
     "Run": lambda none: Run(march=none, times=[0], poses=[], drift=[]),
     "Run.exact": lambda none: Run.exact(none, [0.0]),
     "Scenario.of": Scenario.of,

@@ -14,14 +14,13 @@ import shapely
 from conftest import NO_NUMBERS, assert_says
 
 from pymunk_dragon.errors import DragonError, ParameterError, UnreachableError
+from pymunk_dragon.model.curves import Arc
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
-from pymunk_dragon.physics import simulate
+from pymunk_dragon.model.settings import FINE_STRIDE, EngineSettings
+from pymunk_dragon.physics import GUIDES, PathGuide, Rails, World, simulate
 from pymunk_dragon.physics.callbacks import Recorder
-from pymunk_dragon.physics.guides import Free, Rails
-from pymunk_dragon.physics.simulation import FINE_ITERATIONS, FINE_STRIDE
-from pymunk_dragon.physics.world import World
 
 # m
 HEAD_DRIFT, MAX_DRIFT = 0.5e-3, 2e-3
@@ -82,7 +81,7 @@ def test_benches_of_their_own_sizes_weigh_and_reach_what_they_should():
     dragon = Dragon(body_spacing=[1.65, 2.5, 1.65], overhang=[0.2, 0.4, 0.1, 0.3], width=[0.2, 0.5, 0.3, 0.4])
     march = March(dragon, turns=10)
     assert_keeps_to_the_model(simulate(march, until=4.0))
-    world = World(march, Free(), start=0.0, substep=0.01, iterations=1)
+    world = World(march, "none")
     sizes = list(zip(dragon.lengths, dragon.width, strict=True))
     for body, (length, width) in list(zip(world.bodies, sizes, strict=True))[1:]:
         assert body.mass / world.bodies[1].mass == pytest.approx(length * width / (sizes[1][0] * sizes[1][1]))
@@ -90,7 +89,7 @@ def test_benches_of_their_own_sizes_weigh_and_reach_what_they_should():
         assert shape.area == pytest.approx(length * width)
 
 
-# The seed's dragon on rails
+# The paper's dragon on rails
 
 
 def test_march_ends_with_benches_0_and_8_at_the_true_time(any_march, true_time):
@@ -118,7 +117,7 @@ def test_march_keeps_to_the_exact_model_all_the_way(any_march, seed_march):
 
 def test_contact_lies_inside_the_substep_where_the_outlines_touch(any_march, seed_march):
     contact = any_march.first_contact
-    assert contact.raw_time - any_march.provenance["substep"] <= contact.time <= contact.raw_time
+    assert contact.raw_time - any_march.substep <= contact.time <= contact.raw_time
     assert any_march.times[-1] == contact.time
     outlines = seed_march.dragon.outlines(any_march.poses[-1])
     head, eighth = (shapely.Polygon(outlines[bench]) for bench in contact.benches)
@@ -128,11 +127,11 @@ def test_contact_lies_inside_the_substep_where_the_outlines_touch(any_march, see
     # The normal is one of the edges' and points from bench 0 to bench 8.
     assert np.hypot(*contact.normal) == pytest.approx(1.0)
     assert np.dot(contact.normal, any_march.poses[-1, 8, :2] - any_march.poses[-1, 0, :2]) > 0
-    assert 0 < contact.depth < 0.03 * any_march.provenance["substep"] * 2
+    assert 0 < contact.depth < 0.03 * any_march.substep * 2
 
 
 def test_fine_setting_is_right_to_two_milliseconds(seed_march, true_time):
-    run = simulate(seed_march, start=410.0, substep=FINE_STRIDE, iterations=FINE_ITERATIONS)
+    run = simulate(seed_march, start=410.0, substep=FINE_STRIDE)
     assert run.first_contact.benches == (0, 8)
     assert run.first_contact.time == pytest.approx(true_time, abs=0.002)
 
@@ -218,14 +217,12 @@ def test_faster_march_is_the_same_march(seed_march, true_time):
     fast = simulate(March(speed=2.0), start=205.0)
     assert fast.first_contact.benches == (0, 8)
     assert 2 * fast.first_contact.time == pytest.approx(true_time, abs=0.010)
-    assert fast.provenance["substep"] == pytest.approx(1 / 200)
+    assert fast.substep == pytest.approx(1 / 200)
 
 
 def test_joints_hold_each_bench_on_its_neighbour(seed_march):
     substep = 0.01
-    world = World(
-        seed_march, Rails(seed_march, start=400.0, substep=substep), start=400.0, substep=substep, iterations=50
-    )
+    world = World(seed_march, Rails(), EngineSettings(substep=substep, iterations=50), start=400.0)
     head = seed_march.at(400.0 + substep * np.arange(1, 200), handles=2)
     for pose, velocity, hinge in zip(head.poses[:, 0], head.pose_velocities[:, 0], head.velocities[:, 1], strict=True):
         world.prepare(pose, velocity, hinge)
@@ -240,7 +237,7 @@ def test_joints_hold_each_bench_on_its_neighbour(seed_march):
 def test_impulse_in_the_last_pivot_is_what_changes_the_tails_momentum():
     """Newton's second law: nothing else acts on a tail that nobody guides but the ground's drag."""
     march, substep = March(Dragon(benches=12), turns=6), 0.01
-    world = World(march, Free(), start=0.0, substep=substep, iterations=50)
+    world = World(march, "none", EngineSettings(substep=substep, iterations=50))
     head = march.at(substep * np.arange(1, 100), handles=2)
     tail = world.bodies[-1]
     for pose, velocity, hinge in zip(head.poses[:, 0], head.pose_velocities[:, 0], head.velocities[:, 1], strict=True):
@@ -264,7 +261,7 @@ def test_run_knows_the_impulse_in_every_joint_at_every_frame():
 
 
 def test_benches_are_wooden_rectangles_equal_in_kind(seed_march):
-    world = World(seed_march, Free(), start=0.0, substep=0.01, iterations=10)
+    world = World(seed_march, "none")
     head, *others = world.bodies
     assert head.body_type == pymunk.Body.KINEMATIC
     area = 2.20 * 0.30
@@ -291,6 +288,108 @@ def test_unguided_head_pulls_with_joints_that_hold(seed_march):
     run = simulate(seed_march, guide="none", until=5.0)
     front, rear = seed_march.dragon.holes(run.poses[-1])
     assert np.hypot(*(front[1:] - rear[:-1]).T).max() < 0.01
+
+
+# Guides of a user's own
+
+
+RADIUS = 5.0
+CIRCLE = March(Dragon(benches=8), Arc(centre=(0, 0), radius=RADIUS, begin_angle=0, sweep=6))
+
+
+class Springs(PathGuide):
+    """Springs that pull each rear hole to the circle."""
+
+    def __init__(self, stiffness):
+        self.stiffness = stiffness
+
+    def attach(self, chain):
+        self.half = chain.march.dragon.spacings[:, None] / 2
+
+    def update(self, poses, hinge_velocity, anchors, forces):
+        arms = -self.half * np.stack([np.cos(poses[:, 2]), np.sin(poses[:, 2])], axis=-1)
+        holes = poses[:, :2] + arms
+        pulls = self.stiffness * (RADIUS / np.linalg.norm(holes, axis=1) - 1)[:, None] * holes
+        forces[:, :2] = pulls
+        forces[:, 2] = arms[:, 0] * pulls[:, 1] - arms[:, 1] * pulls[:, 0]
+
+
+class HalfRails(Rails):
+    """Rails for the benches of even numbers."""
+
+    def joints(self, bench, body):
+        return super().joints(bench, body) if bench % 2 == 0 else ()
+
+
+def test_springs_of_twice_the_stiffness_give_way_by_half():
+    soft, hard = (simulate(CIRCLE, guide=Springs(stiffness), until=10.0) for stiffness in (4000.0, 8000.0))
+    assert soft.guide == "Springs"
+    assert soft.max_drift < 0.1
+    assert 1.6 < soft.max_drift / hard.max_drift < 2.1
+    assert simulate(CIRCLE, guide="none", until=10.0).max_drift > 5
+
+
+def test_rails_of_every_second_bench_hold_its_hole_and_no_other():
+    run = simulate(CIRCLE, guide=HalfRails(), until=10.0)
+    _, rear = run.march.dragon.holes(run.poses)
+    off = np.abs(np.linalg.norm(rear, axis=-1) - RADIUS).max(axis=0)
+    assert off[2::2].max() < 1e-4
+    assert off[1::2].min() > 1e-3
+
+
+def test_guide_object_can_be_used_again():
+    guide = Rails()
+    once, again = (simulate(CIRCLE, guide=guide, until=1.0) for _ in range(2))
+    assert once == again == simulate(CIRCLE, guide="rails", until=1.0)
+
+
+def test_registered_guide_has_its_name(monkeypatch):
+    monkeypatch.setitem(GUIDES, "half", HalfRails)
+    assert simulate(CIRCLE, guide="half", until=0.1).guide == "half"
+
+
+def test_guide_that_does_not_balance_the_drag_leaves_it_to_the_head():
+    run = simulate(CIRCLE, guide=Springs(4000.0), until=0.1, contacts="resolve")
+    none = simulate(CIRCLE, guide="none", until=0.1, contacts="resolve")
+    assert run.settings.head_force == none.settings.head_force
+
+
+# Settings as an object
+
+
+def test_settings_of_a_run_play_it_again():
+    run = simulate(CIRCLE, until=1.0, contacts="resolve", iterations=20, frame_interval=0.05)
+    assert run.settings.head_force > 0
+    assert simulate(CIRCLE, until=1.0, settings=run.settings) == run
+
+
+def test_drag_is_a_setting_that_the_run_keeps(tmp_path):
+    run = simulate(CIRCLE, until=1.0, settings=EngineSettings(drag=20.0))
+    assert run != simulate(CIRCLE, until=1.0)
+    run.save(tmp_path / "run.npz")
+    assert Run.load(tmp_path / "run.npz").settings == run.settings
+    assert run.settings.drag == 20.0
+
+
+@pytest.mark.parametrize("settings", [{}, 0.01, EngineSettings])
+def test_settings_of_another_kind_are_refused(settings):
+    with pytest.raises(ParameterError) as caught:
+        simulate(CIRCLE, until=1.0, settings=settings)
+    assert_says(caught.value, "settings", "an EngineSettings")
+
+
+@pytest.mark.parametrize("guide", [Rails, object(), 3])
+def test_guide_of_another_kind_is_refused(guide):
+    with pytest.raises(ParameterError) as caught:
+        simulate(CIRCLE, until=1.0, guide=guide)
+    assert_says(caught.value, "guide", "one of rails, none, or a PathGuide")
+
+
+def test_settings_are_given_once():
+    with pytest.raises(ParameterError) as caught:
+        simulate(CIRCLE, until=1.0, settings=EngineSettings(iterations=5), contacts="report")
+    assert caught.value.name == "settings"
+    assert_says(caught.value, "absent", "keywords")
 
 
 # Contacts
@@ -392,7 +491,7 @@ def test_unguided_head_with_a_motor_can_pull_the_whole_dragon(seed_march):
     run = simulate(seed_march, guide="none", contacts="resolve", until=3.0)
     free = simulate(seed_march, guide="none", until=3.0)
     assert np.linalg.norm(run.poses[-1, 0, :2] - free.poses[-1, 0, :2]) < 1e-3
-    assert run.provenance["head_force"] == pytest.approx(2 * 11.5 * 500 * 0.04 * 0.3 * (3.41 + 222 * 2.2))
+    assert run.settings.head_force == pytest.approx(2 * 11.5 * 500 * 0.04 * 0.3 * (3.41 + 222 * 2.2))
 
 
 def test_weak_motor_leaves_the_head_where_it_is(seed_march):
@@ -405,7 +504,7 @@ def test_force_of_the_head_belongs_to_resolved_contacts(seed_march):
     with pytest.raises(ParameterError) as caught:
         simulate(seed_march, until=1.0, head_force=500.0)
     assert_says(caught.value, "head_force", "resolved")
-    assert "head_force" not in simulate(seed_march, until=0.1).provenance
+    assert simulate(seed_march, until=0.1).settings.head_force is None
 
 
 def test_resolve_lets_the_engine_push_the_benches_apart(seed_march):
@@ -442,8 +541,8 @@ def test_callback_is_told_every_event(seed_march):
 
 
 def test_space_taken_apart_in_mid_contact_logs_nothing_more(seed_march):
-    world = World(seed_march, Free(), start=413.0, substep=0.01, iterations=10)
-    recorder = Recorder(world.space, world.bodies, world.shapes, resolve=False)
+    world = World(seed_march, "none", EngineSettings(contacts="report"), start=413.0)
+    recorder = Recorder(world)
     world.space.step(0.01)
     logged = list(recorder.events)
     assert logged
@@ -553,8 +652,8 @@ def test_settings_are_documented():
 
 def test_signal_during_a_step_is_raised_after_it():
     # Within a callback from C its exception would be printed and forgotten.
-    world = World(March(Dragon(benches=4)), Free(), start=0.0, substep=0.01, iterations=5)
-    recorder = Recorder(world.space, world.bodies, world.shapes, resolve=False)
+    world = World(March(Dragon(benches=4)))
+    recorder = Recorder(world)
     handler = signal.getsignal(signal.SIGINT)
     ended = False
 
@@ -591,5 +690,5 @@ def test_step_outside_the_main_thread_leaves_signals_alone():
 
 def test_shortest_run_has_one_substep():
     run = simulate(March(Dragon(benches=4)), until=1e-8)
-    assert run.provenance["substeps"] == 1
+    assert run.substeps == 1
     assert run.times.size == 2

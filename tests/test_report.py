@@ -267,7 +267,7 @@ def test_report_on_the_same_run_has_the_same_bytes(ending, played, tmp_path):
     played.save(tmp_path / "run.npz")
     again = Run.load(tmp_path / "run.npz")
     (tmp_path / "run.npz").unlink()
-    assert written(replace(again, timing={"wall_seconds": 3.0}), ending, tmp_path) == first
+    assert written(replace(again, wall_seconds=3.0), ending, tmp_path) == first
 
 
 # JSON and its schema
@@ -340,7 +340,7 @@ def test_contents_tell_the_run(played):
     }
     assert found["player"] == "pymunk"
     assert found["settings"]["guide"] == "rails"
-    assert found["versions"] == played.provenance["versions"]
+    assert found["versions"] == played.versions
     frames, events = len(played.times), len(played.events)
     assert found["outcome"] == {"status": "contact", "start": 77.5, "until": 84.5, "frames": frames, "events": events}
     assert found["first_contact"] == json.loads(json.dumps(asdict(played.first_contact)))

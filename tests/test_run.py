@@ -29,6 +29,7 @@ from pymunk_dragon.model.curves import Spiral
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run, versions
+from pymunk_dragon.model.settings import EngineSettings
 
 MARCH = March(Dragon(benches=4, width=0.29), Spiral(pitch=0.6), turns=9.5, speed=1.25)
 EVENTS = ContactLog(
@@ -356,6 +357,9 @@ WRONG_NOTES = {
     "an event with a number for points": first_event(points=3),
     "an event with points in space": first_event(points=[[1, 2, 3]]),
     "an event with a true impulse": first_event(impulse=[True, 1.0]),
+    "an event of a bench that is not there": first_event(benches=[0, 4]),
+    "an event at the end of time": first_event(time=math.inf),
+    "a contact of a bench that is not there": contact(benches=[3, 4]),
     "a number for an event": lambda values: values.update(events=[3]),
     "a contact with another key": contact(colour="red"),
     "a contact without a point": contact(point=None),
@@ -370,6 +374,41 @@ def test_wrong_notes_are_refused(change):
     with pytest.raises(FileFormatError) as caught:
         load(notes(change))
     assert_says(caught.value)
+
+
+ENGINE = {"player": "pymunk", "guide": "rails", "contacts": "resolve", "start": -0.5, "substep": 0.01, "substeps": 350}
+
+
+def test_attributes_come_from_provenance():
+    run = replace(a_run(), provenance=ENGINE | {"iterations": 7, "head_force": 300.0, "versions": {"numpy": "2"}})
+    assert (run.player, run.guide, run.start, run.substep, run.substeps) == ("pymunk", "rails", -0.5, 0.01, 350)
+    assert run.settings == EngineSettings(contacts="resolve", substep=0.01, iterations=7, head_force=300.0)
+    assert run.versions == {"numpy": "2"}
+    assert load(saved(run)).settings == run.settings
+    exact = Run.exact(MARCH, [1.5, 2])
+    assert (exact.player, exact.guide, exact.settings, exact.start, exact.substeps) == ("exact", None, None, 1.5, None)
+
+
+IMPOSSIBLE = {
+    "player": 3,
+    "guide": ["rails"],
+    "contacts": "ignore",
+    "start": "noon",
+    "substep": -0.01,
+    "substeps": 2.5,
+    "iterations": 0,
+    "drag": True,
+    "head_force": "much",
+    "versions": "2",
+}
+
+
+@pytest.mark.parametrize("name", IMPOSSIBLE)
+def test_impossible_provenance_is_refused_when_it_is_loaded(name):
+    change = {**ENGINE, name: IMPOSSIBLE[name]}
+    assert_refused(notes(lambda values: values.update(provenance=change)), f"a damaged run: {name} is")
+    with pytest.raises(ParameterError):
+        replace(a_run(), provenance=change)
 
 
 def test_archive_that_is_packed_anew_loads():
@@ -703,7 +742,7 @@ def changed(array):
 
 def test_run_is_equal_to_one_with_the_same_numbers_and_to_no_other():
     run = a_run()
-    for same in (a_run(), load(WHOLE), replace(run, timing={"wall_seconds": 3.0})):
+    for same in (a_run(), load(WHOLE), replace(run, wall_seconds=3.0)):
         assert run == same
         assert hash(run) == hash(same)
     others = [replace(run, **{name: changed(getattr(run, name))}) for name in ("times", "poses", "drift")]
@@ -765,12 +804,10 @@ def test_provenance_cannot_be_changed_and_is_a_copy(change):
     assert pickle.loads(pickle.dumps(run)) == run
 
 
-def test_velocities_and_timing_of_a_run_cannot_be_changed():
+def test_velocities_of_a_run_cannot_be_changed():
     run = without_velocities(a_run())
     with pytest.raises(ValueError, match="read-only"):
         run.frame_velocities[0] = 1
-    with pytest.raises(TypeError):
-        run.timing["wall_seconds"] = 1.0
 
 
 def test_results_show_themselves_in_a_line(seed_march):
@@ -778,3 +815,21 @@ def test_results_show_themselves_in_a_line(seed_march):
     assert repr(MARCH.at([0.5, 2])) == "States(5 handles at 2 times from 0.5 s to 2 s)"
     assert repr(MARCH.at([])) == "States(5 handles at 0 times)"
     assert len(repr(Run.exact(seed_march, [0, 412.4738376]))) < 80
+
+
+def test_text_and_values_of_a_run_leave_out_what_is_unknown():
+    run = a_run()
+    assert str(run).splitlines() == [
+        "first contact at t = 0.314159 s: benches 0 and 2 at (1.500000, 2.500000) m",
+        "drift 333.333 mm in the first twelve benches, 333.333 mm anywhere",
+    ]
+    assert run.to_dict()["first_contact"]["time"] == CONTACT.time
+    timed = replace(run, provenance=ENGINE, wall_seconds=0.7, step_seconds=0.5)
+    assert str(timed).splitlines()[1].endswith("; 5.0 times as fast as real time")
+    assert timed.to_dict()["driver_overhead"] == pytest.approx(0.4)
+    assert str(timed).splitlines()[2:] == str(EVENTS).splitlines()
+    exact = Run.exact(MARCH, [0, 2])
+    assert str(exact) == "exact model until t = 2 s, without a search for contacts"
+    unknown = ("first_contact", "substep", "substeps", "iterations", "wall_seconds", "realtime_factor")
+    assert all(exact.to_dict()[name] is None for name in unknown)
+    assert json.loads(json.dumps(exact.to_dict(), allow_nan=False))["until"] == 2.0

@@ -96,7 +96,7 @@ def _answer(
     begin = perf_counter()
     if method == "engine":
         run = played(march, fine=own.get("fine", False), start=start, until=until)
-        answer = answer_of(method, run) | {"samples": run.provenance["substeps"], "tests": None}
+        answer = answer_of(method, run) | {"samples": run.substeps, "tests": None}
     else:
         search = first_contact if method == "exact" else scan
         with progress("t") as show:

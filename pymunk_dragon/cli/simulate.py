@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -19,8 +19,7 @@ from pymunk_dragon.cli.output import print_json, progress
 if TYPE_CHECKING:
     from pymunk_dragon.model.march import March
     from pymunk_dragon.model.run import Run
-
-__all__ = ["played", "simulate"]
+    from pymunk_dragon.model.settings import Contacts, EngineSettings
 
 
 @click.command()
@@ -48,39 +47,65 @@ __all__ = ["played", "simulate"]
 @click.option("--frame-interval", type=float, metavar="T", help="s between frames.  [until the head goes 0.1 m]")
 @json_option
 @output_option(".npz")
-def simulate(scenario_file: str | None, as_json: bool, output: str | None, fine: bool, **settings: Any) -> None:
+def simulate(
+    scenario_file: str | None,
+    start: float,
+    until: float | None,
+    guide: str,
+    contacts: Contacts,
+    head_force: float | None,
+    substep: float | None,
+    iterations: int | None,
+    fine: bool,
+    frame_interval: float | None,
+    as_json: bool,
+    output: str | None,
+) -> None:
     """Play the march in Pymunk until the dragon runs into itself."""
-    from pymunk_dragon.words import answer_in_words, answer_of, quality_in_words, summary, windows_in_words
-
     march = march_of(scenario_file)
     destination_of(output, (".npz",))
-    if fine and not (settings["substep"] is None and settings["iterations"] is None):
+    if fine and not (substep is None and iterations is None):
         raise click.UsageError("--fine chooses the substep and the iterations: leave out --substep and --iterations")
-    run = played(march, fine=fine, **settings)
+    from pymunk_dragon.model.settings import ITERATIONS, EngineSettings
+
+    settings = EngineSettings(
+        contacts=contacts,
+        substep=substep,
+        iterations=ITERATIONS if iterations is None else iterations,
+        frame_interval=frame_interval,
+        head_force=head_force,
+    )
+    run = played(march, fine=fine, start=start, until=until, guide=guide, settings=settings)
     if output is not None:
         run.save(output)
     if as_json:
-        print_json(summary(run))
+        print_json(run.to_dict())
     else:
-        click.echo(answer_in_words(answer_of("engine", run)))
-        click.echo(quality_in_words(run))
-        if settings["contacts"] != "stop":
-            click.echo(windows_in_words(run))
+        click.echo(run)
 
 
-def played(march: March, *, fine: bool, **settings: Any) -> Run:
+def played(
+    march: March,
+    *,
+    fine: bool,
+    start: float,
+    until: float | None,
+    guide: str = "rails",
+    settings: EngineSettings | None = None,
+) -> Run:
     """Play `march` in Pymunk, with progress."""
-    from pymunk_dragon.physics import simulate as play
-    from pymunk_dragon.physics.simulation import FINE_ITERATIONS, FINE_STRIDE, top_speed
+    from dataclasses import replace
 
+    from pymunk_dragon.model.settings import FINE_STRIDE, EngineSettings
+    from pymunk_dragon.physics import simulate as play
+    from pymunk_dragon.physics.world import top_speed
+
+    settings = settings or EngineSettings()
     if fine:
-        fastest = top_speed(march, settings["start"], settings["until"])
-        settings |= {"substep": FINE_STRIDE / fastest, "iterations": FINE_ITERATIONS}
-    given = {name: value for name, value in settings.items() if value is not None}
-    start = given["start"]
+        settings = replace(settings, substep=FINE_STRIDE / top_speed(march, start, until))
     with progress("t") as show:
 
-        def report(time: float, until: float) -> None:
-            show(time - start, until - start, f"t = {time:.1f} s")
+        def report(time: float, last: float) -> None:
+            show(time - start, last - start, f"t = {time:.1f} s")
 
-        return play(march, progress=report, **given)
+        return play(march, guide=guide, start=start, until=until, settings=settings, progress=report)

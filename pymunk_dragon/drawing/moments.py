@@ -145,9 +145,7 @@ class _ContactTimeline:
     def __init__(self, run: Run) -> None:
         self._first = run.first_contact
         self._events = [event for event in run.events if event.points]
-        substep = run.provenance.get("substep")
-        # A file that was edited by hand may contain any value.
-        self._recent = RECENT_SUBSTEPS * substep if isinstance(substep, int | float) else 0.0
+        self._recent = RECENT_SUBSTEPS * (run.substep or 0.0)
         pair = self._first.benches if self._first else None
         ends = (event.time for event in run.events if event.phase == "separate" and event.benches == pair)
         # The end of the first contact is known only if the engine continued after it.

@@ -213,13 +213,12 @@ def _window(source: Source, times: Array) -> tuple[float, float]:
 
 def _heading(source: Source) -> str:
     """Return a heading that names the model and its options."""
-    if isinstance(source, March) or source.provenance.get("player") == "exact":
+    if isinstance(source, March) or source.player == "exact":
         return "exact model"
     words = ["engine"]
-    guide, contacts = (source.provenance.get(name) for name in ("guide", "contacts"))
-    if guide is not None:
-        words.append("no guide" if guide == "none" else str(guide))
-    if contacts == "resolve":
+    if source.guide is not None:
+        words.append("no guide" if source.guide == "none" else source.guide)
+    if source.settings is not None and source.settings.contacts == "resolve":
         words.append("contacts resolved")
     return ", ".join(words)
 

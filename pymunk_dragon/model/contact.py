@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from typing import Literal, get_args, overload
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields
+from typing import Any, Literal, Self, get_args, overload
 
-__all__ = ["PHASES", "Contact", "ContactEvent", "ContactLog", "ContactWindow", "Phase"]
+from pymunk_dragon.errors import DragonError
 
 Phase = Literal["begin", "pre_solve", "post_solve", "separate"]
 PHASES: tuple[Phase, ...] = get_args(Phase)
@@ -14,24 +15,54 @@ PHASES: tuple[Phase, ...] = get_args(Phase)
 Vector = tuple[float, float]
 
 
+class _Record:
+    """Base class of records that are read back from JSON."""
+
+    @classmethod
+    def from_dict(cls, values: Mapping[str, Any]) -> Self:
+        """The record that `dataclasses.asdict` and JSON, which has lists for tuples, made `values` of.
+
+        Raises
+        ------
+        DragonError
+            If a value is impossible. Values of another structure raise a TypeError, a KeyError or a ValueError.
+        """
+        # Only dataclasses derive from this class.
+        absent = {f.name for f in fields(cls) if f.default is None}  # type: ignore[arg-type]
+        read: dict[str, Any] = {
+            name: None if value is None and name in absent else _read(KINDS[name], value)
+            for name, value in values.items()
+        }
+        first, second = read["benches"]
+        if not 0 <= first < second:
+            raise DragonError(f"{values['benches']!r} are no two benches")
+        return cls(**read)
+
+
 @dataclass(frozen=True, kw_only=True)
-class Contact:
-    """Two benches that are not neighbours touch.
+class Contact(_Record):
+    """Contact of two benches that are not neighbours.
 
     Attributes
     ----------
     time : float
-        When they touch, s.
+        Time of the contact, s.
     raw_time : float
         End of the substep in which the engine noticed, s.
     benches : tuple of int
         Their numbers, the smaller one first.
     point : tuple of float
-        Where they touch, m.
+        Point of the contact, m.
     normal : tuple of float
         Unit vector from the first bench towards the second.
     depth : float
         How deep they overlap at `raw_time`, m.
+
+    Examples
+    --------
+    >>> contact = Contact(time=1.0, raw_time=1.01, benches=(0, 8), point=(2.0, 3.0), normal=(1.0, 0.0), depth=1e-4)
+    >>> contact.benches
+    (0, 8)
     """
 
     time: float
@@ -43,7 +74,7 @@ class Contact:
 
 
 @dataclass(frozen=True, kw_only=True)
-class ContactEvent:
+class ContactEvent(_Record):
     """One collision callback of the engine.
 
     Attributes
@@ -51,7 +82,7 @@ class ContactEvent:
     time : float
         End of the substep, s.
     phase : {"begin", "pre_solve", "post_solve", "separate"}
-        Which callback. `post_solve` comes only where the engine solves the contact.
+        Kind of callback. `post_solve` comes only where the engine solves the contact.
     benches : tuple of int
         The smaller number first.
     points : tuple of tuple of float
@@ -64,6 +95,11 @@ class ContactEvent:
         Velocity of the second bench relative to the first, at the middle of the points, m/s; None in `separate`.
     impulse : tuple of float or None
         Impulse on the second bench, N s; only in `post_solve`, None elsewhere.
+
+    Examples
+    --------
+    >>> ContactEvent(time=1.0, phase="separate", benches=(0, 8)).points
+    ()
     """
 
     time: float
@@ -78,7 +114,17 @@ class ContactEvent:
 
 @dataclass(frozen=True, kw_only=True)
 class ContactWindow:
-    """A time interval in which two benches touch; `end` is None if they still touched when the run ended."""
+    """A time interval in which two benches touch.
+
+    Attributes
+    ----------
+    benches : tuple of int
+        Their numbers, the smaller one first.
+    begin : float
+        End of the substep in which they began to touch, s.
+    end : float or None
+        End of the substep in which they parted, s; None if they still touched when the run ended.
+    """
 
     benches: tuple[int, int]
     begin: float
@@ -87,9 +133,37 @@ class ContactWindow:
 
 @dataclass(frozen=True)
 class ContactLog(Sequence[ContactEvent]):
-    """All callback events of a run, in the order in which they came."""
+    """All callback events of a run, in the order in which they came; a sequence of `ContactEvent`.
+
+    Its text is the table of `windows`.
+
+    Examples
+    --------
+    >>> log = ContactLog((
+    ...     ContactEvent(time=1.0, phase="begin", benches=(0, 8)),
+    ...     ContactEvent(time=2.5, phase="separate", benches=(0, 8)),
+    ... ))
+    >>> log
+    ContactLog(2 events)
+    >>> len(log.of("begin"))
+    1
+    >>> print(log)
+    benches   touch from (s)  to (s)
+      0   8           1.000  2.500
+    """
 
     events: tuple[ContactEvent, ...] = ()
+
+    def __repr__(self) -> str:
+        return f"ContactLog({len(self.events)} events)"
+
+    def __str__(self) -> str:
+        lines = ["benches   touch from (s)  to (s)"]
+        for window in self.windows():
+            i, j = window.benches
+            end = "the end" if window.end is None else f"{window.end:.3f}"
+            lines.append(f"{i:3d} {j:3d}  {window.begin:14.3f}  {end}")
+        return "\n".join(lines)
 
     def __len__(self) -> int:
         return len(self.events)
@@ -111,7 +185,7 @@ class ContactLog(Sequence[ContactEvent]):
         return ContactLog(tuple(event for event in self.events if event.phase == phase))
 
     def windows(self) -> list[ContactWindow]:
-        """When each pair touched, ordered by the beginning."""
+        """Time intervals in which each pair touched, ordered by the beginning."""
         open_since: dict[tuple[int, int], float] = {}
         windows = []
         for event in self.events:
@@ -122,3 +196,30 @@ class ContactLog(Sequence[ContactEvent]):
                 windows.append(ContactWindow(benches=event.benches, begin=begin, end=event.time))
         still = [ContactWindow(benches=pair, begin=begin, end=None) for pair, begin in open_since.items()]
         return sorted(windows + still, key=lambda window: (window.begin, window.benches))
+
+
+# Kind of each entry of a contact or an event: a type, the names that it may be, a tuple of kinds, or a list of one
+# kind for any number of values.
+KINDS: Mapping[str, Any] = {
+    "time": float,
+    "raw_time": float,
+    "phase": frozenset(PHASES),
+    "benches": (int, int),
+    "point": (float, float),
+    "points": [(float, float)],
+    "normal": (float, float),
+    "depth": float,
+    "relative_velocity": (float, float),
+    "impulse": (float, float),
+}
+
+
+def _read(kind: Any, value: Any) -> Any:
+    """`value` from JSON, with tuples for lists, if it is of a kind of `KINDS`."""
+    if isinstance(kind, list):
+        return tuple(_read(kind[0], item) for item in value)
+    if isinstance(kind, tuple):
+        return tuple(_read(*pair) for pair in zip(kind, value, strict=True))
+    if not (value in kind if isinstance(kind, frozenset) else type(value) in (int, kind) and math.isfinite(value)):
+        raise DragonError(f"{value!r} is none of the values of a contact")
+    return value

@@ -1,93 +1,117 @@
-"""What either player produced, and where it came from."""
+"""Runs: what the engine or the exact model produced."""
 
 from __future__ import annotations
 
-import io
-import json
 import math
-import os
 import platform
-import stat
-import zipfile
-from collections.abc import Callable, Mapping
+import sys
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields
 from functools import cached_property
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, Literal, TypeVar, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from pymunk_dragon._checks import word
+from pymunk_dragon._checks import finite, whole, word
 from pymunk_dragon._display import Displayed
-from pymunk_dragon._files import check_destination, written_in_place
 from pymunk_dragon._frozen import ArrayRecord, frozen, read_only
-from pymunk_dragon.errors import DragonError, FileFormatError, ParameterError
-from pymunk_dragon.model.contact import PHASES, Contact, ContactEvent, ContactLog
+from pymunk_dragon.errors import DragonError, ParameterError
+from pymunk_dragon.model.contact import Contact, ContactEvent, ContactLog
 from pymunk_dragon.model.dragon import hermite
 from pymunk_dragon.model.march import March, check_march
+from pymunk_dragon.model.run_file import opened_archive, write_archive
 from pymunk_dragon.model.scenario import Scenario
-
-__all__ = ["HEAD_BENCHES", "RUN_ENDINGS", "Outcome", "Run", "check_saveable", "versions"]
+from pymunk_dragon.model.settings import EngineSettings
 
 Array = NDArray[np.float64]
-T = TypeVar("T", Contact, ContactEvent)
-# How a run ended: at a contact, without one, or because the curve could no longer take the head.
+# How a run ended: at a contact, without one, or where the head has no coordinate on the curve.
 Outcome = Literal["contact", "clear", "unreachable"]
 
 # The first twelve benches are the ones that the head meets: their drift decides whether the first contact is the true
 # one.
 HEAD_BENCHES = 12
-RUN_ENDINGS = (".npz",)
-FORMAT = "pymunk_dragon run"
-FORMAT_VERSION = 1
-# What a file holds beside its notes, and what of it the runs of some players do not have.
-ARRAYS = ("times", "poses", "drift", "pose_velocities", "joint_impulses")
+# Arrays that are missing where the player does not know them.
 MAY_LACK = ("pose_velocities", "joint_impulses")
-# Bytes that a file may unpack to, and of its notes, which take up to 30 times as much as Python objects. Larger ones
-# are accepted where the file is large: positions of moving benches hardly get smaller by packing, callbacks to a tenth.
-MAX_UNPACKED, MAX_NOTES, MAX_RATIO = 512_000_000, 32_000_000, 10
 # Frames nearer to each other than this share of the median interval count as one where velocities come from finite
 # differences: the errors of their poses, divided by so short a time, would be velocities of their own.
 LEAST_INTERVAL = 0.5
 # Frames whose polynomial gives such a velocity: its error is then of a higher order than the cubic's own.
 DIFFERENCE_POINTS = 5
+# Settings that `provenance` holds only where they are not their defaults, for files as they have always been.
+OPTIONAL_SETTINGS = ("head_force", "drag", "frame_interval")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Run(ArrayRecord, Displayed):
     """A dragon's run over F frames of N benches.
 
-    Two runs are equal if everything but their `timing` is, every number to the last bit.
+    Two runs are equal if everything but the time that playing took is, every number to the last bit.
 
-    Attributes
+    Parameters
     ----------
     march : March
-        What was played.
+        The motion that was played.
     times : ndarray, shape (F,)
         Times of the frames, s, rising. After a contact that ended the run, the last one is the contact's.
     poses : ndarray, shape (F, N, 3)
         Pose of every bench: centre in m, angle in rad.
     drift : ndarray, shape (F, N)
         Position error of each bench's worse hole against the exact model, m; nan where the model has no state.
-    pose_velocities : ndarray, shape (F, N, 3), or None
+    pose_velocities : ndarray, shape (F, N, 3), optional
         Rates of change of `poses`: m/s, m/s, rad/s. None where they are unknown, as in files of older versions.
-    joint_impulses : ndarray, shape (F, N - 1), or None
+    joint_impulses : ndarray, shape (F, N - 1), optional
         Size of the impulse in each pivot, N s, in the substep that ended at the frame; pivot i joins benches i and
         i + 1. At a contact that ended the run it is the substep of the contact, blow included. None where no engine
         played.
     events : ContactLog
         Every collision callback.
-    first_contact : Contact or None
+    first_contact : Contact, optional
         The first contact of benches that are not neighbours.
     outcome : {"contact", "clear", "unreachable"}
         Whether a contact came, none came until the end, or the curve ended first.
     provenance : mapping
-        Player, settings and versions, as JSON values.
-    timing : mapping
-        How long playing took: `wall_seconds` of the stepping loop, and `step_seconds` of them inside the engine. Not
-        saved, so that the same scenario gives the same file.
+        Player, settings and versions, as JSON values: the attributes below are read from it. Other entries are kept.
+    wall_seconds, step_seconds : float, optional
+        Duration of the stepping loop, and of the engine's steps in it, s. Not saved, so that the same scenario gives
+        the same file.
+
+    Attributes
+    ----------
+    player : str or None
+        "pymunk" or "exact"; None if unknown.
+    guide : str or None
+        Name of the engine's guide; None if unknown.
+    settings : EngineSettings or None
+        Settings of the engine, with the numbers that were used for `substep` and `head_force`; None where no engine
+        played.
+    start : float
+        Time at which the run began, s.
+    substeps : int or None
+        Number of substeps; None where no engine played.
+    versions : mapping
+        Versions of Python and of the libraries that decide the numbers.
+
+    Raises
+    ------
+    ParameterError, DragonError
+        If the arrays do not fit the march, or an entry of `provenance` has an impossible value.
+
+    Examples
+    --------
+    >>> from pymunk_dragon import Dragon, March, simulate
+    >>> run = simulate(March(Dragon(benches=16)), start=411)
+    >>> run
+    Run(16 benches, 16 frames from 411 s to 412.474 s, contact)
+    >>> print(run)  # doctest: +ELLIPSIS
+    first contact at t = 412.47... s: benches 0 and 8 at (...) m
+    drift 0.00... mm in the first twelve benches, 0.00... mm anywhere; ... times as fast as real time
+    >>> run.player, run.guide, run.settings.iterations, run.substeps
+    ('pymunk', 'rails', 60, 148)
+    >>> run.poses_at([411.05, 411.15]).shape
+    (2, 16, 3)
     """
 
     march: March
@@ -100,7 +124,14 @@ class Run(ArrayRecord, Displayed):
     first_contact: Contact | None = None
     outcome: Outcome = "clear"
     provenance: Mapping[str, Any] = field(default_factory=dict)
-    timing: Mapping[str, float] = field(default_factory=dict, compare=False)
+    wall_seconds: float | None = field(default=None, compare=False)
+    step_seconds: float | None = field(default=None, compare=False)
+    player: str | None = field(init=False, compare=False)
+    guide: str | None = field(init=False, compare=False)
+    settings: EngineSettings | None = field(init=False, compare=False)
+    start: float = field(init=False, compare=False)
+    substeps: int | None = field(init=False, compare=False)
+    versions: Mapping[str, Any] = field(init=False, compare=False)
 
     def __post_init__(self) -> None:
         check_march(self.march)
@@ -113,30 +144,90 @@ class Run(ArrayRecord, Displayed):
             if array.shape != shape:
                 raise DragonError(f"a run's {name} have shape {array.shape}, but its march wants {shape}")
             object.__setattr__(self, name, read_only(array))
-        for name in ("provenance", "timing"):
-            object.__setattr__(self, name, frozen(getattr(self, name)))
         if not frames or not np.all(np.isfinite(self.times)) or np.any(np.diff(self.times) < 0):
             raise DragonError("a run's times are not finite and rising, or there are none")
         word("outcome", self.outcome, get_args(Outcome))
+        object.__setattr__(self, "provenance", frozen(self.provenance))
+        for name, value in _attributes(self.provenance, float(self.times[0])).items():
+            object.__setattr__(self, name, value)
 
     def __repr__(self) -> str:
         frames = f"{len(self.times)} frames from {self.times[0]:g} s to {self.times[-1]:g} s"
         return f"Run({self.march.dragon.benches} benches, {frames}, {self.outcome})"
 
+    def __str__(self) -> str:
+        """First contact, drift and speed of the engine, and contact windows if the run went on after contacts."""
+        until = f"t = {self.times[-1]:.6g} s"
+        if self.first_contact is not None:
+            (i, j), (x, y) = self.first_contact.benches, self.first_contact.point
+            lines = [
+                f"first contact at t = {self.first_contact.time:.6f} s: benches {i} and {j} at ({x:.6f}, {y:.6f}) m"
+            ]
+        elif self.player == "exact":
+            lines = [f"exact model until {until}, without a search for contacts"]
+        else:
+            reason = ", where the curve leaves a handle no place" if self.outcome == "unreachable" else ""
+            lines = [f"no contact until {until}{reason}"]
+        if self.player != "exact":
+            head, largest, speed = 1e3 * self.head_drift, 1e3 * self.max_drift, self.to_dict()["realtime_factor"]
+            times = "" if speed is None else f"; {speed:.1f} times as fast as real time"
+            lines.append(f"drift {head:.3f} mm in the first twelve benches, {largest:.3f} mm anywhere{times}")
+        if self.settings is not None and self.settings.contacts != "stop":
+            lines.append(str(self.events))
+        return "\n".join(lines)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Result of the run as JSON values, as `simulate --json` prints it; None for what is unknown.
+
+        Times are in s and drifts in m. `realtime_factor` is the simulated time over the wall time, `driver_overhead`
+        the time of the stepping loop outside the engine over that inside.
+        """
+        wall, stepping = self.wall_seconds, self.step_seconds
+        simulated = self.substeps * self.substep if self.substeps and self.substep else None
+        return {
+            "status": self.outcome,
+            "first_contact": asdict(self.first_contact) if self.first_contact else None,
+            "drift": {"head": _known(self.head_drift), "max": _known(self.max_drift)},
+            "start": self.start,
+            "until": float(self.times[-1]),
+            "substep": self.substep,
+            "substeps": self.substeps,
+            "iterations": self.settings.iterations if self.settings else None,
+            "events": len(self.events),
+            "wall_seconds": wall,
+            "realtime_factor": simulated / wall if simulated and wall else None,
+            "driver_overhead": wall / stepping - 1 if wall and stepping else None,
+        }
+
+    @property
+    def substep(self) -> float | None:
+        """Length of the engine's steps, s; None where no engine played."""
+        return self.settings.substep if self.settings else None
+
     @classmethod
     def exact(cls, march: March, times: ArrayLike) -> Run:
-        """The exact model's run, frame by frame, without a search for contacts."""
+        """Run of the exact model with frames at `times` (F,), s, without a search for contacts.
+
+        Raises
+        ------
+        ParameterError, UnreachableError
+            As `March.at` does.
+
+        Examples
+        --------
+        >>> from pymunk_dragon import March
+        >>> Run.exact(March(), [0, 60, 120])
+        Run(223 benches, 3 frames from 0 s to 120 s, clear)
+        """
         check_march(march)
         states = march.at(times)
-        drift = np.zeros(states.poses.shape[:2])
-        provenance = {"player": "exact", "versions": versions()}
         return cls(
             march=march,
             times=states.times,
             poses=states.poses,
-            drift=drift,
+            drift=np.zeros(states.poses.shape[:2]),
             pose_velocities=states.pose_velocities,
-            provenance=provenance,
+            provenance={"player": "exact", "versions": versions()},
         )
 
     @property
@@ -166,7 +257,7 @@ class Run(ArrayRecord, Displayed):
         return self._motion_at(times)[0]
 
     def pose_velocities_at(self, times: ArrayLike) -> Array:
-        """Rates of change (T, N, 3) of what `poses_at` gives: m/s, m/s, rad/s. Before and after the run, its ends'."""
+        """Rates of change (T, N, 3) of `poses_at`: m/s, m/s, rad/s. Before and after the run, those of its ends."""
         return self._motion_at(times)[1]
 
     def _motion_at(self, times: ArrayLike) -> tuple[Array, Array]:
@@ -187,7 +278,7 @@ class Run(ArrayRecord, Displayed):
 
     @cached_property
     def frame_velocities(self) -> Array:
-        """The `pose_velocities`; where they are unknown, those of `poses_at`, from finite differences: (F, N, 3)."""
+        """The `pose_velocities` (F, N, 3); where they are unknown, those of `poses_at`, from finite differences."""
         if self.pose_velocities is not None:
             return self.pose_velocities
         intervals = np.diff(self.times)
@@ -217,20 +308,22 @@ class Run(ArrayRecord, Displayed):
             If the ending is not .npz, the folder cannot be written, or the march has no scenario: see `check_saveable`.
         OutputError
             If writing fails.
+
+        Examples
+        --------
+        >>> run.save("run.npz")  # doctest: +SKIP
+        >>> Run.load("run.npz") == run  # doctest: +SKIP
+        True
         """
         notes = {
-            "format": FORMAT,
-            "format_version": FORMAT_VERSION,
             "scenario": Scenario.of(self.march).to_dict(),
             "outcome": self.outcome,
             "first_contact": asdict(self.first_contact) if self.first_contact else None,
             "events": [asdict(event) for event in self.events],
             "provenance": dict(self.provenance),
         }
-        packed = np.frombuffer(json.dumps(notes).encode(), dtype=np.uint8)
-        arrays = {name: getattr(self, name) for name in ARRAYS if getattr(self, name) is not None}
-        with written_in_place(check_destination(path, RUN_ENDINGS)) as draft, draft.open("wb") as file:
-            np.savez_compressed(file, notes=packed, **arrays)
+        arrays = {name: getattr(self, name) for name in _shapes(self.march, len(self.times))}
+        write_archive(path, notes, {name: array for name, array in arrays.items() if array is not None})
 
     @classmethod
     def load(cls, path: str | Path) -> Run:
@@ -241,54 +334,30 @@ class Run(ArrayRecord, Displayed):
         ParameterError
             If there is no such file, or it cannot be read.
         FileFormatError
-            If the file is damaged, cut off, of another program or of a newer format.
+            If the file is damaged, cut off, of another program or of a newer format, or holds impossible values.
         """
-        try:
-            file = Path(path).open("rb")  # noqa: SIM115 (closed below, where what is wrong is the content)
-        except (OSError, ValueError) as error:
-            reason = (isinstance(error, OSError) and error.strerror) or error
-            raise ParameterError("run", str(path), f"a readable file ({reason})") from error
-        try:
-            with file:
-                # Of a pipe or a device, whose end may never come, no more than a run can hold.
-                is_file = stat.S_ISREG(os.fstat(file.fileno()).st_mode)
-                with zipfile.ZipFile(file if is_file else io.BytesIO(file.read(MAX_UNPACKED))) as archive:
-                    return cls._from_archive(archive)
-        except DragonError as error:
-            raise FileFormatError(path, f"a damaged run: {error}") from error
-        except Exception as error:
-            # A damaged archive makes zipfile, its decompressors, NumPy and JSON raise nearly anything; whatever it is,
-            # the content is to blame.
-            raise FileFormatError(path, "no run of pymunk_dragon, or a damaged one") from error
-
-    @classmethod
-    def _from_archive(cls, archive: zipfile.ZipFile) -> Run:
-        """The run in an archive; nothing is unpacked whose size is not known to be right."""
-        _check_sizes(archive)
-        notes = json.loads(_unpacked(archive, "notes", np.uint8).tobytes())
-        if notes["format"] != FORMAT or notes["format_version"] != FORMAT_VERSION:
-            found = f"{notes['format']} {notes['format_version']}"
-            raise DragonError(f"its format is {found}, and this version reads {FORMAT} {FORMAT_VERSION}")
-        march = Scenario.from_dict(notes["scenario"], files=False).march()
-        shapes = _shapes(march, len(_unpacked(archive, "times", np.float64)))
-        present = [name for name in ARRAYS if f"{name}.npy" in archive.namelist() or name not in MAY_LACK]
-        arrays = {name: _unpacked(archive, name, np.float64, shapes[name]) for name in present}
-        for name, array in arrays.items():
-            if not (name == "drift" or np.all(np.isfinite(array))):
-                raise DragonError(f"its {name} are not finite numbers")
-        first = notes["first_contact"]
-        return cls(
-            march=march,
-            times=arrays["times"],
-            poses=arrays["poses"],
-            drift=arrays["drift"],
-            pose_velocities=arrays.get("pose_velocities"),
-            joint_impulses=arrays.get("joint_impulses"),
-            events=ContactLog(tuple(_read(ContactEvent, event) for event in notes["events"])),
-            first_contact=None if first is None else _read(Contact, first),
-            outcome=notes["outcome"],
-            provenance=dict(notes["provenance"]),
-        )
+        with opened_archive(path) as archive:
+            notes = archive.notes
+            march = Scenario.from_dict(notes["scenario"], files=False).march()
+            arrays: dict[str, Any] = {}
+            for name, shape in _shapes(march, len(archive.array("times"))).items():
+                if name in archive or name not in MAY_LACK:
+                    arrays[name] = archive.array(name, shape)
+                    if not (name == "drift" or np.all(np.isfinite(arrays[name]))):
+                        raise DragonError(f"its {name} are not finite numbers")
+            events = ContactLog(tuple(ContactEvent.from_dict(event) for event in notes["events"]))
+            first = None if notes["first_contact"] is None else Contact.from_dict(notes["first_contact"])
+            last = max((item.benches[1] for item in (*events, first) if item is not None), default=0)
+            if last >= march.dragon.benches:
+                raise DragonError(f"it has a contact of bench {last}, but its scenario {march.dragon.benches} benches")
+            return cls(
+                march=march,
+                **arrays,
+                events=events,
+                first_contact=first,
+                outcome=notes["outcome"],
+                provenance=dict(notes["provenance"]),
+            )
 
 
 def _shapes(march: March, frames: int) -> dict[str, tuple[int, ...]]:
@@ -301,35 +370,6 @@ def _shapes(march: March, frames: int) -> dict[str, tuple[int, ...]]:
         "pose_velocities": (frames, benches, 3),
         "joint_impulses": (frames, benches - 1),
     }
-
-
-def _check_sizes(archive: zipfile.ZipFile) -> None:
-    """Refuse an archive that unpacks to more than a run of its size can hold."""
-    assert archive.fp is not None
-    size = archive.fp.seek(0, os.SEEK_END)
-    for name, most in (("notes.npy", MAX_NOTES), (None, MAX_UNPACKED)):
-        unpacked = sum(member.file_size for member in archive.infolist() if name in (None, member.filename))
-        if unpacked > max(most, MAX_RATIO * size):
-            raise DragonError(f"its {size} bytes unpack to {unpacked}, and no run does that")
-
-
-def _unpacked(
-    archive: zipfile.ZipFile, name: str, kind: type[np.generic], shape: tuple[int, ...] | None = None
-) -> NDArray[Any]:
-    """A member of a run's archive, of numbers of one kind; of any length where no shape is given."""
-    member = archive.getinfo(f"{name}.npy")
-    with archive.open(member) as file:
-        np.lib.format.read_magic(file)
-        found, _, dtype = np.lib.format.read_array_header_1_0(file)
-        if dtype != kind:
-            raise TypeError(f"{name} are of the type {dtype}")
-        if found != (shape or found[:1]):
-            raise DragonError(f"its {name} have the shape {found}, but its scenario and times want {shape}")
-        # What is said twice must be the same: memory is taken for the shape.
-        if file.tell() + math.prod(found) * dtype.itemsize != member.file_size:
-            raise DragonError(f"its {name} are not as long as they say")
-    with archive.open(member) as file:
-        return np.lib.format.read_array(file, allow_pickle=False)
 
 
 def check_saveable(march: March) -> None:
@@ -360,18 +400,41 @@ def versions() -> dict[str, str]:
     return {"python": platform.python_version()} | {name: version(name) for name in names}
 
 
+def engine_provenance(
+    settings: EngineSettings, *, guide: str, start: float, until: float, substeps: int
+) -> dict[str, Any]:
+    """The `provenance` of a run of the engine from `start` to at most `until`, s."""
+    values = {"player": "pymunk", "guide": guide, "contacts": settings.contacts, "start": start, "until": until}
+    values |= {"substep": settings.substep, "iterations": settings.iterations, "substeps": substeps}
+    given = {name: getattr(settings, name) for name in OPTIONAL_SETTINGS}
+    changed = {name: value for name, value in given.items() if value != getattr(EngineSettings, name)}
+    return values | {"versions": versions()} | changed
+
+
+def _attributes(provenance: Mapping[str, Any], start: float) -> dict[str, Any]:
+    """Attributes of a run from its `provenance`; `start` is that of its first frame, s."""
+    for name, kind, words in (("player", str, "a text"), ("guide", str, "a text"), ("versions", Mapping, "a mapping")):
+        if provenance.get(name) is not None and not isinstance(provenance[name], kind):
+            raise ParameterError(name, provenance[name], words)
+    settings = {f.name: provenance[f.name] for f in fields(EngineSettings) if f.name in provenance}
+    substeps = provenance.get("substeps")
+    return {
+        "player": provenance.get("player"),
+        "guide": provenance.get("guide"),
+        "settings": EngineSettings(**settings) if settings else None,
+        "start": finite("start", provenance.get("start", start), -math.inf, math.inf, "s"),
+        "substeps": None if substeps is None else whole("substeps", substeps, 0, sys.maxsize),
+        "versions": provenance.get("versions") or {},
+    }
+
+
 def _derivative_weights(nodes: Array, times: Array) -> Array:
     """Weights (F, P) of values at `nodes` (F, P) in the derivative at `times` (F,) of the polynomial through them."""
-    weights = np.zeros_like(nodes)
-    every = range(nodes.shape[1])
-    for j in every:
-        for m in every:
-            if m != j:
-                product = 1 / (nodes[:, j] - nodes[:, m])
-                for k in every:
-                    if k not in (j, m):
-                        product = product * (times - nodes[:, k]) / (nodes[:, j] - nodes[:, k])
-                weights[:, j] += product
+    scale = np.ptp(nodes, axis=1)[:, None]
+    # The derivative of t**k at t = 0 is 1 for k = 1 and 0 otherwise.
+    degrees = np.arange(nodes.shape[1])[:, None]
+    powers = ((nodes - times[:, None]) / scale)[:, None, :] ** degrees
+    weights: Array = np.linalg.solve(powers, (degrees == 1).astype(float)[None])[..., 0] / scale
     return weights
 
 
@@ -380,53 +443,6 @@ def _largest(drift: Array) -> float:
     return float(known.max()) if known.size else float("nan")
 
 
-def _real(value: Any) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise DragonError(f"{value!r} is no number")
-    return value
-
-
-def _vector(value: Any) -> tuple[float, float]:
-    x, y = value
-    return _real(x), _real(y)
-
-
-def _vectors(value: Any) -> tuple[tuple[float, float], ...]:
-    return tuple(_vector(item) for item in value)
-
-
-def _pair(value: Any) -> tuple[int, int]:
-    first, second = value
-    if not (type(first) is type(second) is int and 0 <= first < second):
-        raise DragonError(f"{value!r} are no two benches")
-    return first, second
-
-
-def _phase(value: Any) -> str:
-    if value not in PHASES:
-        raise DragonError(f"{value!r} is no phase of a contact")
-    return str(value)
-
-
-# How each entry of a contact or an event is read back from JSON.
-READERS: Mapping[str, Callable[[Any], Any]] = {
-    "time": _real,
-    "raw_time": _real,
-    "phase": _phase,
-    "benches": _pair,
-    "point": _vector,
-    "points": _vectors,
-    "normal": _vector,
-    "depth": _real,
-    "relative_velocity": _vector,
-    "impulse": _vector,
-}
-
-
-def _read(kind: type[T], values: dict[str, Any]) -> T:
-    """A contact or an event as it was before `asdict` and JSON, which has lists for tuples."""
-    absent = {f.name for f in fields(kind) if f.default is None}
-    read: dict[str, Any] = {}
-    for name, value in values.items():
-        read[name] = None if value is None and name in absent else READERS[name](value)
-    return kind(**read)
+def _known(value: float) -> float | None:
+    """JSON has no nan."""
+    return None if math.isnan(value) else value

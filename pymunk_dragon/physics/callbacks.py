@@ -1,63 +1,64 @@
-"""Collision callbacks: all four phases, logged as they come, and no exception lost."""
+"""Contacts as Pymunk reports them: a log of all collision callbacks, and the time within a substep of the first one."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Any, Literal
+from typing import Any
 
+import numpy as np
 import pymunk
+from numpy.typing import NDArray
 
 from pymunk_dragon._signals import signals_held
-from pymunk_dragon.model.contact import ContactEvent, Phase
+from pymunk_dragon.model.contact import Contact, ContactEvent, Phase
+from pymunk_dragon.model.dragon import Dragon, interpolated
+from pymunk_dragon.physics.world import World, bench_shape
 
-__all__ = ["Contacts", "Recorder", "manifold"]
-
-# What to do about contacts: end the run, play on and record, or let the engine push the benches apart.
-Contacts = Literal["stop", "report", "resolve"]
-
+Array = NDArray[np.float64]
 Vector = tuple[float, float]
+
+# Halvings of a substep: a hundredth of a second becomes 1e-11 s, far below what the engine's poses are worth.
+BISECTIONS = 30
 
 
 class Recorder:
-    """Logs every collision callback of a space as a `ContactEvent`.
+    """Log of every collision callback of a world's space, as `ContactEvent`.
 
     Pymunk calls back from C, where an exception would be printed and forgotten: it is kept here, and `stepping`
-    raises it once the step is over.
+    raises it once the step is over. Where contacts are only reported, the engine does not act on them, and
+    `post_solve` never comes.
 
     Parameters
     ----------
-    space : pymunk.Space
+    world : World
         Whose collisions are logged.
-    bodies, shapes : list of pymunk.Body and of pymunk.Poly
-        The benches', in their order.
-    resolve : bool
-        Whether the engine may act on contacts; otherwise they are reports only, and `post_solve` never comes.
     on_event : callable, optional
         Called with each event.
+
+    Attributes
+    ----------
+    time : float
+        Time of the next events, s.
+    events : list of ContactEvent
+        All events.
+    begun : list of tuple of int
+        Pairs of benches whose contact began since this list was cleared.
     """
 
-    def __init__(
-        self,
-        space: pymunk.Space,
-        bodies: list[pymunk.Body],
-        shapes: list[pymunk.Poly],
-        *,
-        resolve: bool,
-        on_event: Callable[[ContactEvent], None] | None = None,
-    ) -> None:
+    def __init__(self, world: World, on_event: Callable[[ContactEvent], None] | None = None) -> None:
         self.time = 0.0
         self.events: list[ContactEvent] = []
         self.begun: list[tuple[int, int]] = []
         self._benches: dict[pymunk.Shape, tuple[int, pymunk.Body]] = {
-            shape: (bench, body) for bench, (shape, body) in enumerate(zip(shapes, bodies, strict=True))
+            shape: (bench, body) for bench, (shape, body) in enumerate(zip(world.shapes, world.bodies, strict=True))
         }
-        self._resolve = resolve
+        self._report_only = world.settings.contacts == "report"
         self._on_event = on_event
         self._failure: BaseException | None = None
         self._closed = self._stepping = self._logging = False
         self._release: Callable[[], None] = lambda: None
-        space.on_collision(
+        world.space.on_collision(
             begin=self._callback("begin"),
             pre_solve=self._callback("pre_solve"),
             post_solve=self._callback("post_solve"),
@@ -106,7 +107,7 @@ class Recorder:
         return callback
 
     def _log(self, phase: Phase, arbiter: pymunk.Arbiter) -> None:
-        if phase != "separate" and not self._resolve:
+        if phase != "separate" and self._report_only:
             arbiter.process_collision = False
         event = self._event(phase, arbiter)
         if phase == "begin":
@@ -121,7 +122,7 @@ class Recorder:
         benches = (second, first) if swapped else (first, second)
         if phase == "separate":
             return ContactEvent(time=self.time, phase=phase, benches=benches)
-        points, normal, depth = manifold(arbiter.contact_point_set, swapped)
+        points, normal, depth = _manifold(arbiter.contact_point_set, swapped)
         x = sum(point[0] for point in points) / len(points)
         y = sum(point[1] for point in points) / len(points)
         relative = second_body.velocity_at_world_point((x, y)) - first_body.velocity_at_world_point((x, y))
@@ -139,7 +140,71 @@ class Recorder:
         )
 
 
-def manifold(contact: pymunk.ContactPointSet, swapped: bool) -> tuple[tuple[Vector, ...], Vector, float]:
+def refined_contact(
+    dragon: Dragon, benches: tuple[int, int], before: Array, after: Array, times: tuple[float, float]
+) -> Contact:
+    """Contact of two benches that touch at the end of a substep, at the time within it when they began to.
+
+    The benches move evenly from the poses `before` to the poses `after`; Pymunk's own shape test tells whether they
+    touch in between.
+
+    Parameters
+    ----------
+    dragon : Dragon
+        The dragon of the two benches.
+    benches : tuple of int
+        The two, the smaller number first.
+    before, after : ndarray, shape (N, 3)
+        Poses at the ends of the substep: m, m, rad.
+    times : tuple of float
+        Times at its ends, s.
+
+    Returns
+    -------
+    Contact
+        At the start of the substep if they touched there already.
+    """
+    pair = list(benches)
+    begin, end = before[pair], after[pair]
+    # Shape.shapes_collide fails an assertion of its own where shapes are apart (Pymunk 7.3.1); a query does not.
+    space = pymunk.Space()
+    bodies = [pymunk.Body(body_type=pymunk.Body.KINEMATIC) for _ in pair]
+    sizes = dragon.lengths[pair].tolist(), dragon.widths[pair].tolist()
+    first, second = (bench_shape(body, *size) for body, size in zip(bodies, zip(*sizes, strict=True), strict=True))
+    space.add(bodies[1], second)
+
+    def touch(share: float) -> pymunk.ContactPointSet | None:
+        for body, (x, y, angle) in zip(bodies, interpolated(begin, end, share).tolist(), strict=True):
+            body.position = x, y
+            body.angle = angle
+        space.reindex_shapes_for_body(bodies[1])
+        found = space.shape_query(first)
+        return found[0].contact_point_set if found else None
+
+    at_end = touch(1.0)
+    assert at_end is not None, "the engine saw these shapes touch at these poses"
+    apart, touching, at_touch = 0.0, 1.0, at_end
+    if contact := touch(apart):
+        touching, at_touch = apart, contact
+    for _ in range(BISECTIONS):
+        middle = (apart + touching) / 2
+        if contact := touch(middle):
+            touching, at_touch = middle, contact
+        else:
+            apart = middle
+    points, normal, _ = _manifold(at_touch, swapped=False)
+    *_, depth = _manifold(at_end, swapped=False)
+    return Contact(
+        time=times[0] + touching * (times[1] - times[0]),
+        raw_time=times[1],
+        benches=benches,
+        point=points[0],
+        normal=normal,
+        depth=depth,
+    )
+
+
+def _manifold(contact: pymunk.ContactPointSet, swapped: bool) -> tuple[tuple[Vector, ...], Vector, float]:
     """Contact points (m, the deepest first), normal from the lower to the higher bench, and depth (m)."""
     ordered = sorted(contact.points, key=lambda point: point.distance)
     middles = [(point.point_a + point.point_b) / 2 for point in ordered]

@@ -2,54 +2,117 @@
 
 from __future__ import annotations
 
-from typing import Literal, get_args
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import pymunk
 from numpy.typing import NDArray
 
-from pymunk_dragon._checks import word
-from pymunk_dragon.model.march import March
-from pymunk_dragon.physics.world import DRAG, PathGuide, bench_mass
-
-__all__ = ["Free", "Guide", "Rails", "make_guide"]
+from pymunk_dragon.errors import ParameterError
+from pymunk_dragon.model.march import March, States
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
-Guide = Literal["rails", "none"]
 
 # m, from a hole to the point that its rail is pinned to. Any length does; one metre needs no scaling of the normal.
 PIN_LENGTH = 1.0
 
 
-def make_guide(name: Guide, march: March, *, start: float, substep: float, top_speed: float) -> PathGuide:
-    """Guide with the given name.
+@dataclass(frozen=True, kw_only=True)
+class GuidedChain:
+    """What a guide knows of a chain of N benches before the first step.
 
-    Raises
-    ------
-    ParameterError
-        If there is no such guide.
+    Attributes
+    ----------
+    march : March
+        The dragon, its curve and its speed.
+    state : States
+        Exact state at the start.
+    substep : float
+        Length of a step, s.
+    drag_rate : float
+        Rate at which the ground drag reduces velocities, 1/s.
+    masses, moments : ndarray, shape (N,)
+        Masses of the benches, kg, and their moments of inertia about their centres, kg m^2.
+
+    Examples
+    --------
+    >>> from pymunk_dragon import Dragon, March, simulate
+    >>> class Printing(PathGuide):
+    ...     def attach(self, chain):
+    ...         print(chain.masses.round(1), chain.substep)
+    >>> run = simulate(March(Dragon(benches=3)), guide=Printing(), until=1)
+    [20.5 13.2 13.2] 0.01
     """
-    if word("guide", name, get_args(Guide)) == "none":
-        return Free()
-    return Rails(march, start=start, substep=substep, top_speed=top_speed)
+
+    march: March
+    state: States
+    substep: float
+    drag_rate: float
+    masses: Array
+    moments: Array
 
 
-class Free:
-    """No guide: only the joints between the benches constrain the chain."""
+class PathGuide:
+    """Base class of guides, and the guide "none": without joints and forces.
 
-    def __init__(self) -> None:
-        self.anchors: list[pymunk.Body] = []
+    A guide constrains the benches to the path by joints, by forces, or by both. A subclass overrides what it needs; an
+    instance of it is given to `simulate(guide=...)`. `GUIDES` holds those that have a name.
 
-    def joints(self, bench: int, body: pymunk.Body) -> list[pymunk.Constraint]:
-        """No joints."""
-        return []
+    Attributes
+    ----------
+    anchors : sequence of pymunk.Body
+        Kinematic bodies at the other ends of the guide's joints; the world adds and moves them.
+    balances_drag : bool
+        Whether the guide's forces balance the ground drag, so that the head has to pull itself only.
+
+    Examples
+    --------
+    Springs of 2 kN/m that pull the centre of each bench to a circle of 5 m radius about the origin; without them the
+    chain is pulled straight:
+
+    >>> import numpy as np
+    >>> from pymunk_dragon import Arc, Dragon, March, simulate
+    >>> class Springs(PathGuide):
+    ...     def update(self, poses, hinge_velocity, anchors, forces):
+    ...         distance = np.hypot(poses[:, 0], poses[:, 1])
+    ...         forces[:, :2] = 2000 * (5 / distance - 1)[:, None] * poses[:, :2]
+    >>> march = March(Dragon(benches=8), Arc(centre=(0, 0), radius=5, begin_angle=0, sweep=6))
+    >>> [round(simulate(march, guide=guide, until=10).max_drift, 1) for guide in (Springs(), "none")]
+    [0.1, 6.4]
+    """
+
+    anchors: Sequence[pymunk.Body] = ()
+    balances_drag = False
+
+    def attach(self, chain: GuidedChain) -> None:
+        """Prepare for a run of `chain`; called once, before everything else."""
+
+    def joints(self, bench: int, body: pymunk.Body) -> Sequence[pymunk.Constraint]:
+        """Joints between the body of `bench`, from 1 on, and the anchors; none by default.
+
+        The world raises their `error_bias` to the power of the head's top speed, as that of its own joints.
+        """
+        return ()
 
     def update(self, poses: Array, hinge_velocity: Array, anchors: Array, forces: Array) -> None:
-        """No forces."""
+        """Write the anchors' positions and the forces for the next step; called before each.
+
+        Parameters
+        ----------
+        poses : ndarray, shape (N, 3)
+            Poses of the benches at which the joints are solved in this step: m, m, rad.
+        hinge_velocity : ndarray, shape (2,)
+            Velocity of the head's rear hole, m/s.
+        anchors : ndarray, shape (A, 2)
+            Output: positions of the anchors, m.
+        forces : ndarray, shape (N, 3)
+            Output: forces in N and torques in N m on the benches.
+        """
 
 
-class Rails:
+class Rails(PathGuide):
     """Path constraints for all rear holes, with forces of dancers that balance the ground drag.
 
     A rail is a `PinJoint` from a bench's rear hole to an anchor one metre beside the path, on the normal through the
@@ -63,34 +126,39 @@ class Rails:
 
     The guide uses the path, the head's speed and the engine's positions, but no exact positions of the chain: these
     are for the engine to find.
+
+    Examples
+    --------
+    >>> from pymunk_dragon import Dragon, March, simulate
+    >>> simulate(March(Dragon(benches=8)), guide=Rails(), until=1) == simulate(March(Dragon(benches=8)), until=1)
+    True
     """
 
-    def __init__(self, march: March, *, start: float, substep: float, top_speed: float = 1.0) -> None:
-        dragon = march.dragon
+    balances_drag = True
+
+    def attach(self, chain: GuidedChain) -> None:
+        """Create the anchors, and take sizes, masses and the holes' coordinates from `chain`."""
+        dragon, state = chain.march.dragon, chain.state
         self.anchors = [pymunk.Body(body_type=pymunk.Body.KINEMATIC) for _ in range(1, dragon.benches)]
-        self._curve = march.curve
+        self._curve = chain.march.curve
         self._half, self._over_spacings = dragon.spacings[1:] / 2, 1 / dragon.spacings[1:]
-        state = march.at(start)
         # Coordinates of the rear holes, only to identify the turn of the curve on which each hole is, and their speeds
         # along the path, negative where a jackknifed bench pushes them back.
         self._rear_s = state.handles_s[0, 2:].copy()
-        self._rear_speeds = np.sum(state.velocities[0, 2:] * march.curve.tangent(self._rear_s), axis=-1)
-        sizes = list(zip(dragon.lengths[1:].tolist(), dragon.widths[1:].tolist(), strict=True))
-        masses = [bench_mass(*size) for size in sizes]
-        moments = [pymunk.moment_for_box(mass, size) for mass, size in zip(masses, sizes, strict=True)]
+        self._rear_speeds = np.sum(state.velocities[0, 2:] * self._curve.tangent(self._rear_s), axis=-1)
         # Force per m/s and torque per rad/s that a bench gains, or loses to the drag, in a substep: N s/m, N m s.
-        self._gains = np.array([masses, moments]) / substep
-        self._kept = np.exp(-DRAG * top_speed * substep)
-        self._substep = substep
+        self._gains = np.array([chain.masses[1:], chain.moments[1:]]) / chain.substep
+        self._kept = np.exp(-chain.drag_rate * chain.substep)
+        self._substep = chain.substep
         self._headings = np.empty(dragon.benches - 1, dtype=complex)
-        # m/s of the benches along themselves, and rad/s.
+        # m/s of the benches along themselves, and rad/s, in the step before.
         self._motion: Array | None = None
 
-    def joints(self, bench: int, body: pymunk.Body) -> list[pymunk.Constraint]:
-        """The pin from the rear hole to its anchor."""
+    def joints(self, bench: int, body: pymunk.Body) -> Sequence[pymunk.Constraint]:
+        """Pin from the rear hole to its anchor."""
         pin = pymunk.PinJoint(body, self.anchors[bench - 1], (-float(self._half[bench - 1]), 0.0), (0.0, 0.0))
         pin.distance = PIN_LENGTH
-        return [pin]
+        return (pin,)
 
     def update(self, poses: Array, hinge_velocity: Array, anchors: Array, forces: Array) -> None:
         """Write the anchors beside the holes, and the dancers' forces and torques."""
@@ -126,6 +194,25 @@ class Rails:
         np.subtract(front.imag, self._rear_speeds * rear.imag, out=motion[1])
         motion[1] *= self._over_spacings
         return motion
+
+
+# Guides that have a name, as in `simulate(guide=...)`.
+GUIDES: dict[str, type[PathGuide]] = {"rails": Rails, "none": PathGuide}
+
+
+def guide_of(guide: object) -> PathGuide:
+    """The guide with a name, or the given one."""
+    if isinstance(guide, PathGuide):
+        return guide
+    if not (isinstance(guide, str) and guide in GUIDES):
+        more = "" if isinstance(guide, str) else ", or a PathGuide"
+        raise ParameterError("guide", guide, f"one of {', '.join(GUIDES)}{more}")
+    return GUIDES[guide]()
+
+
+def guide_name(guide: PathGuide) -> str:
+    """Name under which a guide is registered, otherwise that of its class."""
+    return next((name for name, kind in GUIDES.items() if kind is type(guide)), type(guide).__name__)
 
 
 def _complex(vectors: Array) -> Complex:

@@ -1,9 +1,8 @@
-"""The dragon as Pymunk sees it: bodies, shapes, pivots, and a head that is kinematic or pulled by a motor."""
+"""The dragon as Pymunk bodies, shapes and joints, with a head that is kinematic or pulled by a motor."""
 
 from __future__ import annotations
 
 import math
-from typing import Protocol
 
 import numpy as np
 import pymunk
@@ -12,10 +11,9 @@ from pymunk import batch
 from pymunk.batch import BodyFields
 
 from pymunk_dragon.errors import UnreachableError
-from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March, States, check_march
-
-__all__ = ["DRAG", "PathGuide", "World", "bench_mass", "bench_shape"]
+from pymunk_dragon.model.settings import EngineSettings, check_settings
+from pymunk_dragon.physics.guides import GuidedChain, PathGuide, guide_of
 
 Array = NDArray[np.float64]
 
@@ -26,12 +24,6 @@ BENCH_THICKNESS = 0.04
 # Friction of wood on wood; it matters only where contacts are resolved.
 FRICTION = 0.4
 
-# Ground drag, per metre marched (per second at 1 m/s). Pymunk corrects joint errors at a rate of 6.3 per second
-# (its error_bias, 0.9 ** 60), as ordinary velocity; a chain whose solver has not converged turns that into growing
-# oscillations unless the drag is faster than the correction. Where dancers make up for it, the drift is the same with
-# any drag from 5 to 20 (tests/bench/bench_drift.py).
-DRAG = 11.5
-
 # Work, in benches times solver sweeps, that brings the joints into balance before the first step. A change travels
 # along the chain by diffusion, so balance takes about 2 N**2 sweeps: half a second for 223 benches. The cap
 # keeps a dragon of 1,000 benches at some 12 s, when the first seconds drift by a millimetre more.
@@ -39,42 +31,16 @@ MAX_WARM_START_WORK = 500_000_000
 # Work in one call of the engine, some 25 ms: Ctrl-C takes effect between calls.
 WARM_START_WORK_PER_STEP = 1_000_000
 
+# Fields of all bodies that are read after a step.
 READ = BodyFields.POSITION | BodyFields.ANGLE | BodyFields.VELOCITY | BodyFields.ANGULAR_VELOCITY
+# Fields of all bodies that are written before a step.
 WRITE = BodyFields.POSITION | BodyFields.ANGLE | BodyFields.FORCE | BodyFields.TORQUE
 
 
-class PathGuide(Protocol):
-    """Interface of a guide: joints that constrain benches to the path, and their update before each step."""
-
-    @property
-    def anchors(self) -> list[pymunk.Body]:
-        """Kinematic bodies at the other ends of the guide's joints; the world adds and moves them."""
-        ...
-
-    def joints(self, bench: int, body: pymunk.Body) -> list[pymunk.Constraint]:
-        """Joints between `bench` and the anchors."""
-        ...
-
-    def update(self, poses: Array, hinge_velocity: Array, anchors: Array, forces: Array) -> None:
-        """Write the anchors' positions and the forces for benches that the next step begins at `poses` (N, 3).
-
-        Parameters
-        ----------
-        poses : ndarray, shape (N, 3)
-            m, m, rad.
-        hinge_velocity : ndarray, shape (2,)
-            Velocity of the head's rear hole, m/s.
-        anchors : ndarray, shape (A, 2)
-            Output: positions of the anchors, m.
-        forces : ndarray, shape (N, 3)
-            Output: forces in N and torques in N m on the benches.
-        """
-        ...
-
-
-def bench_mass(length: float, width: float) -> float:
-    """Mass of a wooden bench, kg."""
-    return WOOD_DENSITY * BENCH_THICKNESS * length * width
+def top_speed(march: March, start: float, until: float | None) -> float:
+    """Highest speed of the head between two times, s, or until it reaches the end of the curve, m/s."""
+    end = march.end
+    return float(march.speed_profile.fastest(start, max(start, end if until is None else min(until, end))))
 
 
 def bench_shape(body: pymunk.Body, length: float, width: float) -> pymunk.Poly:
@@ -83,37 +49,47 @@ def bench_shape(body: pymunk.Body, length: float, width: float) -> pymunk.Poly:
     return pymunk.Poly(body, [(-x, -y), (x, -y), (x, y), (-x, y)])
 
 
-def _kinematic() -> pymunk.Body:
-    return pymunk.Body(body_type=pymunk.Body.KINEMATIC)
-
-
 class World:
     """A Pymunk space with a dragon at `start` on its march; its state is read and written for all bodies at once.
+
+    Each step is `prepare`, ``space.step(world.substep)``, `read`.
 
     Parameters
     ----------
     march : March
         What is played. Only its state at `start` is used here, later only the head's pose.
-    guide : PathGuide
-        What keeps the benches on the path.
-    start : float
-        Time of the first state, s.
-    substep : float
-        Length of a step, s.
-    iterations : int
-        Solver iterations per step.
-    top_speed : float
-        Largest speed of the head, m/s: the rates of drag and joint correction are proportional to it.
-    head_force : float, optional
-        Largest force of the motor that pulls the head towards its exact poses, N. Without it the head is a kinematic
-        body, which has these poses whatever it touches.
+    guide : str or PathGuide
+        As in `simulate`.
+    settings : EngineSettings, optional
+        As in `simulate`. With contacts other than "resolve" the head is a kinematic body, which has its exact poses
+        whatever it touches; otherwise a motor pulls it towards them.
+    start, until : float
+        Times of the first state and of the last step, s: the rates of drag and joint correction are proportional to
+        the highest speed of the head between them. Without `until`: to the end of the curve.
 
     Attributes
     ----------
+    settings : EngineSettings
+        The settings with numbers for `substep` and, where contacts are resolved, for `head_force`.
+    substep : float
+        Length of a step, s.
+    top_speed : float
+        Highest speed of the head, m/s.
+    space : pymunk.Space
+        The space.
+    bodies, shapes : list of pymunk.Body and of pymunk.Poly
+        Those of the benches, in their order.
     poses, velocities : ndarray, shape (N, 3)
         State of the benches after the last step; both fit each other: the velocities fulfil the joints at these poses.
     pivots : list of pymunk.PivotJoint
         The joints of the chain; number i joins benches i and i + 1.
+
+    Raises
+    ------
+    ParameterError
+        If the substep is out of its range for the speed of the march, or there is no such guide.
+    UnreachableError
+        If the dragon has no state at `start`.
 
     Notes
     -----
@@ -121,40 +97,76 @@ class World:
     method: a bench that turns by a in a step leaves its joint by a**2 / 2 of half its length, and the errors of 223
     benches add up. Before each step the poses are therefore shifted by half a step times the change of velocity, which
     makes it the second-order Adams-Bashforth method, from the engine's own velocities.
+
+    Examples
+    --------
+    >>> from pymunk_dragon import Dragon, March
+    >>> march = March(Dragon(benches=4))
+    >>> world = World(march, until=10.0)
+    >>> head = march.at(world.substep, handles=2)
+    >>> world.prepare(head.poses[0, 0], head.pose_velocities[0, 0], head.velocities[0, 1])
+    >>> world.space.step(world.substep)
+    >>> world.read()
+    >>> bool(abs(world.poses - march.at(world.substep).poses[0]).max() < 1e-5)
+    True
     """
 
     def __init__(
         self,
         march: March,
-        guide: PathGuide,
+        guide: str | PathGuide = "rails",
+        settings: EngineSettings | None = None,
         *,
-        start: float,
-        substep: float,
-        iterations: int,
-        top_speed: float = 1.0,
-        head_force: float | None = None,
+        start: float = 0.0,
+        until: float | None = None,
     ) -> None:
         check_march(march)
-        self.march = march
-        self.substep = substep
+        settings = EngineSettings() if settings is None else settings
+        check_settings(settings)
+        self.march, self.start = march, start
+        self.top_speed = top_speed(march, start, until)
+        self.guide = guide_of(guide)
+        dragon = march.dragon
+        self._sizes = list(zip(dragon.lengths.tolist(), dragon.widths.tolist(), strict=True))
+        masses = [WOOD_DENSITY * BENCH_THICKNESS * length * width for length, width in self._sizes]
+        moments = [pymunk.moment_for_box(mass, size) for mass, size in zip(masses, self._sizes, strict=True)]
+        pulled = masses[:1] if self.guide.balances_drag else masses
+        self.settings = settings.resolved(top_speed=self.top_speed, pulled_mass=sum(pulled))
+        assert self.settings.substep is not None
+        self.substep = self.settings.substep
+        drag_rate = self.settings.drag * self.top_speed
         self.space = pymunk.Space()
-        self.space.iterations = iterations
-        self.space.damping = float(np.exp(-DRAG * top_speed))
+        self.space.iterations = self.settings.iterations
+        self.space.damping = float(np.exp(-drag_rate))
         # A contact is reported when the benches touch, not when they are a tenth of a metre deep.
         self.space.collision_slop = 0.0
-        self._guide = guide
 
         state = march.at(start)
-        self.bodies = [self._body(bench, head_force) for bench in range(march.dragon.benches)]
-        # Kinematic bodies beside the benches. The head is one itself, or the last of these controls it.
-        moved = [*guide.anchors] if head_force is None else [*guide.anchors, _kinematic()]
-        self._control = self.bodies[0] if head_force is None else moved[-1]
+        self.guide.attach(
+            GuidedChain(
+                march=march,
+                state=state,
+                substep=self.substep,
+                drag_rate=drag_rate,
+                masses=np.array(masses),
+                moments=np.array(moments),
+            )
+        )
+        self.bodies = [pymunk.Body(mass, moment) for mass, moment in zip(masses, moments, strict=True)]
+        # A kinematic body that has the exact poses of the head: the head itself, or one that controls it by motors.
+        self._control = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
+        moved = [*self.guide.anchors]
+        force = self.settings.head_force
+        if force is None:
+            self.bodies[0] = self._control
+        else:
+            moved.append(self._control)
         self.space.add(*self.bodies, *moved)
-        if head_force is not None:
-            self._drive(head_force, top_speed)
-        self._join(top_speed)
+        if force is not None:
+            self._drive(force)
+        self._join()
         self._open_buffers(moved)
-        self._warm_start(start, state)
+        self._warm_start(state)
         self.shapes = self._add_shapes()
 
     @property
@@ -162,24 +174,20 @@ class World:
         """Size of the impulse in each pivot during the last step, N s."""
         return [pivot.impulse for pivot in self.pivots]
 
-    def _body(self, bench: int, head_force: float | None) -> pymunk.Body:
-        if bench == 0 and head_force is None:
-            return _kinematic()
-        size = (float(self.march.dragon.lengths[bench]), float(self.march.dragon.widths[bench]))
-        mass = bench_mass(*size)
-        return pymunk.Body(mass, pymunk.moment_for_box(mass, size))
+    @property
+    def head_lag(self) -> float:
+        """Distance of the head's centre from its exact position, m."""
+        return float(np.hypot(*(self._control.position - self.bodies[0].position)))
 
-    def _drive(self, force: float, top_speed: float) -> None:
+    def _drive(self, force: float) -> None:
         """Join the head to the control body by motors of `force` N, and half its length times that, at most."""
         head = self.bodies[0]
         pull = pymunk.PivotJoint(self._control, head, (0.0, 0.0), (0.0, 0.0))
         turn = pymunk.GearJoint(self._control, head, 0.0, 1.0)
         pull.max_force, turn.max_force = force, force * float(self.march.dragon.lengths[0]) / 2
-        for motor in (pull, turn):
-            motor.error_bias **= top_speed
-        self.space.add(pull, turn)
+        self._add_joints(pull, turn)
 
-    def _join(self, top_speed: float) -> None:
+    def _join(self) -> None:
         """Add each bench's pivot and then its guide, from head to tail: the solver takes them in this order."""
         half = self.march.dragon.spacings / 2
         self.pivots: list[pymunk.PivotJoint] = []
@@ -188,15 +196,16 @@ class World:
             pivot = pymunk.PivotJoint(before, body, (-half[bench - 1], 0.0), (half[bench], 0.0))
             pivot.collide_bodies = False
             self.pivots.append(pivot)
-            joints = [pivot, *self._guide.joints(bench, body)]
-            for joint in joints:
-                # The correction's rate is per metre marched, as the drag is: a faster march is the same march.
-                joint.error_bias **= top_speed
-            self.space.add(*joints)
+            self._add_joints(pivot, *self.guide.joints(bench, body))
+
+    def _add_joints(self, *joints: pymunk.Constraint) -> None:
+        """Add joints that correct errors at a rate per metre marched, as the drag: a faster march is the same march."""
+        for joint in joints:
+            joint.error_bias **= self.top_speed
+        self.space.add(*joints)
 
     def _add_shapes(self) -> list[pymunk.Poly]:
-        dragon: Dragon = self.march.dragon
-        shapes = [bench_shape(body, dragon.lengths[i], dragon.widths[i]) for i, body in enumerate(self.bodies)]
+        shapes = [bench_shape(body, *size) for body, size in zip(self.bodies, self._sizes, strict=True)]
         for shape in shapes:
             shape.friction = FRICTION
         self.space.add(*shapes)
@@ -215,19 +224,11 @@ class World:
         out = np.zeros((benches + len(moved), 6))
         self._outbox.set_float_buf(out)
         self._out_poses, self._out_forces = out[:benches, :3], out[:benches, 3:]
-        self._out_anchors = out[benches : benches + len(self._guide.anchors), :2]
+        self._out_anchors = out[benches : benches + len(self.guide.anchors), :2]
         self._out_control = out[0 if self._control is self.bodies[0] else -1, :3]
-        self.poses = np.empty((benches, 3))
-        self.velocities = np.empty((benches, 3))
-        self._velocities_before = np.empty((benches, 3))
+        self.poses, self.velocities, self._velocities_before = (np.empty((benches, 3)) for _ in range(3))
         # Scratch: the poses given to the space, and those to which it moves the benches before it solves the joints.
-        self._given = np.empty((benches, 3))
-        self._coming = np.empty((benches, 3))
-
-    @property
-    def head_lag(self) -> float:
-        """Distance of the head's centre from that of the control body, m."""
-        return float(np.hypot(*(self._control.position - self.bodies[0].position)))
+        self._given, self._coming = (np.empty((benches, 3)) for _ in range(2))
 
     def read(self) -> None:
         """Take `poses` and `velocities` from the space."""
@@ -239,12 +240,17 @@ class World:
         self.velocities[:] = state[:, 3:]
 
     def prepare(self, head_pose: Array, head_velocity: Array, hinge_velocity: Array) -> None:
-        """Make the next step end with the head at `head_pose` (3,), moving at `head_velocity` (3,).
-
-        Its rear hole then moves at `hinge_velocity` (2,).
+        """Make the next step end with the head at a given pose.
 
         Pymunk will first move every body by its velocity and then solve the joints, so the poses given to it lie one
         such move before the ones at which the joints shall hold.
+
+        Parameters
+        ----------
+        head_pose, head_velocity : ndarray, shape (3,)
+            Pose of the head at the end of the step, m, m, rad, and its rate of change, m/s, m/s, rad/s.
+        hinge_velocity : ndarray, shape (2,)
+            Velocity of its rear hole then, m/s.
         """
         given, coming = self._given, self._coming
         np.subtract(self.velocities, self._velocities_before, out=given)
@@ -256,7 +262,7 @@ class World:
 
     def _send(self, head_pose: Array, head_velocity: Array, hinge_velocity: Array) -> None:
         """Write the head's pose, the guide's anchors and the forces for the next step to the space."""
-        self._guide.update(self._coming, hinge_velocity, self._out_anchors, self._out_forces)
+        self.guide.update(self._coming, hinge_velocity, self._out_anchors, self._out_forces)
         self._out_poses[:] = self._given
         self._out_control[:] = head_pose - self.substep * head_velocity
         if self._control is not self.bodies[0]:
@@ -268,15 +274,15 @@ class World:
         self._control.velocity = vx, vy
         self._control.angular_velocity = spin
 
-    def _warm_start(self, start: float, state: States) -> None:
-        """Set the benches to the exact state at `start`, and warm-start the joints' impulses there.
+    def _warm_start(self, state: States) -> None:
+        """Set the benches to the exact `state` at the start, and warm-start the joints' impulses there.
 
         The solver begins each step with the impulses of the step before. Without a warm start the drag would stretch
         the chain in the first second by more than the drift of the whole march.
         """
         poses, velocities = state.poses[0], state.pose_velocities[0]
         try:
-            earlier = self.march.at(start - self.substep)
+            earlier = self.march.at(self.start - self.substep)
         except UnreachableError:
             # The last hole is at the curve's begin.
             earlier = state
@@ -289,7 +295,7 @@ class World:
                 body.velocity = vx, vy
                 body.angular_velocity = spin
             # The guide makes up for what changes from one step to the next.
-            self._guide.update(earlier.poses[0], earlier.velocities[0, 1], self._out_anchors, self._out_forces)
+            self.guide.update(earlier.poses[0], earlier.velocities[0, 1], self._out_anchors, self._out_forces)
             np.subtract(poses, self.substep * before, out=self._given)
             self._coming[:] = poses
             self._send(poses[0], velocities[0], state.velocities[0, 1])

@@ -61,7 +61,7 @@ def player_data(run: Run, impact: FirstContact | None) -> PlayerData:
     velocities, velocity_error = _velocities(run, positions.step)
     curve = packed(curve_points(run.march, begin, end)[:, None], STEP * narrowest)
     # The exact model's near misses do not apply to a dragon without a guide.
-    on_path = run.provenance.get("guide") != "none"
+    on_path = run.guide != "none"
     misses = (impact and on_path and impact.near_misses) or ()
     payload = {
         "dragon": asdict(dragon) | {"hole": hole_diameter(dragon)},

@@ -23,7 +23,7 @@ def exact_first_contact(run: Run) -> FirstContact | None:
         raise ParameterError("run", run, "a Run")
     start, end = float(run.times[0]), float(run.times[-1])
     until = end
-    if run.first_contact and run.provenance.get("guide") != "none":
+    if run.first_contact and run.guide != "none":
         until = min(run.march.end, max(end, 2 * end - start))
     try:
         return first_contact(run.march, start=start, until=until)
@@ -38,7 +38,7 @@ def with_exact_contact(run: Run, result: FirstContact | None) -> Run:
     The exact player only computes poses and does not detect contacts.
     """
     contact = result.contact if result is not None else None
-    if run.provenance.get("player") != "exact" or contact is None:
+    if run.player != "exact" or contact is None:
         return run
     index = int(np.searchsorted(run.times, contact.time))
     state = run.march.at([contact.time])

@@ -62,17 +62,15 @@ def contents(run: Run) -> Contents:
 
 def summarize(run: Run, exact: FirstContact | None) -> Contents:
     """Contents of a report on `run`, given the result of the exact model."""
-    provenance = dict(run.provenance)
-    player, found_versions = provenance.pop("player", None), provenance.pop("versions", {})
     first = run.first_contact
     near_misses = None if exact is None else exact.near_misses
     whole: Contents = {
         "schema": SCHEMA,
         "version": VERSION,
         "scenario": _scenario(run.march),
-        "player": player if player is None else str(player),
-        "settings": provenance,
-        "versions": found_versions if isinstance(found_versions, Mapping) else {"versions": found_versions},
+        "player": run.player,
+        "settings": {name: value for name, value in run.provenance.items() if name not in ("player", "versions")},
+        "versions": run.versions,
         "outcome": {
             "status": run.outcome,
             "start": run.times[0],

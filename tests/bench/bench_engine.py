@@ -1,6 +1,6 @@
 """Speed of the engine at its default settings: `python tests/bench/bench_engine.py`.
 
-Prints, for intervals of the seed's march, how many times as fast as real time the stepping loop runs, and the driver's
+Prints, for intervals of the paper's march, how many times as fast as real time the stepping loop runs, and the driver's
 overhead: loop time outside `Space.step` over time inside it. Medians of interleaved repeats, with the range.
 """
 
@@ -27,9 +27,9 @@ def main() -> None:
     for _ in range(REPEATS):
         for benches, start, until in INTERVALS:
             name = f"{benches} benches, {start:g} to {until:g} s"
-            timing = simulate(March(Dragon(benches=benches)), start=start, until=until).timing
-            speeds.setdefault(name, []).append((until - start) / timing["wall_seconds"])
-            overheads.setdefault(name, []).append(timing["wall_seconds"] / timing["step_seconds"] - 1)
+            result = simulate(March(Dragon(benches=benches)), start=start, until=until).to_dict()
+            speeds.setdefault(name, []).append(result["realtime_factor"])
+            overheads.setdefault(name, []).append(result["driver_overhead"])
     print(f"{'interval':28}{'times real time':>24}{'driver over bare steps':>28}")
     for name in speeds:
         print(f"{name:28}{spread(speeds[name], 1):>24}{spread(overheads[name], 2):>28}")

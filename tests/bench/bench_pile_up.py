@@ -1,4 +1,4 @@
-"""What becomes of the dragon where contacts are resolved: `python tests/bench/bench_pile_up.py`.
+"""Joint gaps and depths where contacts are resolved: `python tests/bench/bench_pile_up.py`.
 
 The reference scenario, from half a second before its first contact to 10 s after it. A joint's gap is the distance of
 its two holes, a depth that of two benches inside each other, both at the end of every substep from the contact on.
@@ -22,7 +22,7 @@ def main() -> None:
     """Print the table."""
     march = March()
     print(f"{'substep, ms':>12}{'force, N':>10}{'joint gap, mm':>15}{'depth, mm':>11}", end="")
-    print(f"{f'way in the last {AT_REST:g} s, mm':>27}")
+    print(f"{f'moved in the last {AT_REST:g} s, mm':>29}")
     for substep in SUBSTEPS:
         for force in FORCES:
             run = simulate(
@@ -35,13 +35,14 @@ def main() -> None:
                 head_force=force,
             )
             assert run.first_contact is not None
+            assert run.settings is not None
             front, rear = march.dragon.holes(run.poses[run.times >= run.first_contact.time])
             gap = np.linalg.norm(front[:, 1:] - rear[:, :-1], axis=-1).max()
             depth = max(event.depth or 0.0 for event in run.events.of("pre_solve"))
             end = run.poses_at([run.times[-1] - AT_REST, run.times[-1]])[..., :2]
-            way = np.linalg.norm(end[1] - end[0], axis=-1).max()
-            row = (1e3 * substep, run.provenance["head_force"], 1e3 * gap, 1e3 * depth, 1e3 * way)
-            print("{:>12.1f}{:>10.0f}{:>15.3f}{:>11.3f}{:>27.2f}".format(*row))
+            moved = np.linalg.norm(end[1] - end[0], axis=-1).max()
+            row = (1e3 * substep, run.settings.head_force, 1e3 * gap, 1e3 * depth, 1e3 * moved)
+            print("{:>12.1f}{:>10.0f}{:>15.3f}{:>11.3f}{:>29.2f}".format(*row))
 
 
 if __name__ == "__main__":

@@ -40,7 +40,7 @@ IMPULSE_DECADES = 3
 
 def drift(run: Run) -> Figure:
     """Draw the engine's position error against the exact model: over time, and along the dragon."""
-    if run.provenance.get("player") == "exact":
+    if run.player == "exact":
         raise ParameterError("run", "one of the exact model", "one of the engine, which alone drifts")
     if len(run.times) == 1 or not run.max_drift > 0:
         raise ParameterError("run", "one without a drift", "one that the engine has played for a while")
@@ -98,8 +98,8 @@ def drift(run: Run) -> Figure:
 
 def impulses(run: Run) -> Figure:
     """Draw the impulse in every joint in a substep, and the equivalent force, at several times."""
-    substep = run.provenance.get("substep")
-    if run.joint_impulses is None or not isinstance(substep, int | float):
+    substep = run.substep
+    if run.joint_impulses is None or substep is None:
         raise ParameterError("run", "one without joint impulses", "one of the engine, as `simulate` makes it")
     # The frame of the contact follows a shortened substep, in which the joint solver has not converged.
     end = run.first_contact.time if run.first_contact else np.inf

@@ -1,0 +1,138 @@
+"""Settings of the Pymunk engine."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Literal, get_args
+
+from pymunk_dragon._checks import finite, positive, whole, word
+from pymunk_dragon.errors import ParameterError
+
+# Response to contacts: end the run, go on and record them, or let the engine push the benches apart.
+Contacts = Literal["stop", "report", "resolve"]
+
+# Metres that the head travels in one substep. README has the table of drift and time error that it was chosen from.
+STRIDE = 1 / 100
+# The same where contacts are resolved. README has the table of joint gaps and depths.
+RESOLVE_STRIDE = 1 / 200
+# The same for a contact time that is right to a millisecond.
+FINE_STRIDE = 1 / 400
+# Longer substeps skip over a bench, m.
+MAX_STRIDE = 0.1
+# Shorter substeps take days for a march, m.
+MIN_STRIDE = 1e-5
+# Metres that the head travels between recorded frames; between them poses are interpolated to a micrometre.
+FRAME_STRIDE = 0.1
+# Solver iterations per substep, chosen with `STRIDE`.
+ITERATIONS = 60
+# Ground drag, per metre marched (per second at 1 m/s). Pymunk corrects joint errors at a rate of 6.3 per second
+# (its error_bias, 0.9 ** 60), as ordinary velocity; a chain whose solver has not converged turns that into growing
+# oscillations unless the drag is faster than the correction. Where dancers balance it, the drift is the same with
+# any drag from 5 to 20 (tests/bench/bench_drift.py).
+DRAG = 11.5
+# Largest force of the head's motor, in units of the ground drag on what the head has to pull.
+HEAD_FORCE = 2.0
+# Per metre marched: at 1e4 a body keeps nothing of its velocity in a substep of 10 mm.
+MAX_DRAG = 1e4
+# More sweeps per substep than any chain needs to converge.
+MAX_ITERATIONS = 100_000
+# N: the weight of a hundred thousand tonnes, which no head needs.
+MAX_FORCE = 1e9
+# s: no substep and no frame interval is longer.
+MAX_INTERVAL = 1e9
+
+
+@dataclass(frozen=True, kw_only=True)
+class EngineSettings:
+    """Settings of the engine; the defaults are those of `simulate`.
+
+    Parameters
+    ----------
+    contacts : {"stop", "report", "resolve"}
+        At the first contact of benches that are not neighbours: end the run, go on and only record contacts, or go on
+        and let the engine push the benches apart. Resolved, the head is pulled along the march by a motor of finite
+        force, and the dancers stop where the head cannot go on.
+    substep : float, optional
+        Length of a step, s; by default the time in which the head travels 10 mm, or 5 mm where contacts are resolved.
+    iterations : int
+        Solver iterations per substep.
+    drag : float
+        Ground drag on the benches, per metre marched: velocities decay at this rate times the head's top speed.
+    frame_interval : float, optional
+        Time between recorded frames, s, rounded to whole substeps; by default the time in which the head travels 0.1 m.
+    head_force : float, optional
+        Largest force of the head's motor, N, where contacts are resolved. By default twice the ground drag on what the
+        head pulls: on itself where dancers walk (0.47 kN for the contest's at 1 m/s), on all benches without a guide.
+
+    Raises
+    ------
+    ParameterError
+        If a setting is out of its range, or `head_force` is given where contacts are not resolved.
+
+    Examples
+    --------
+    >>> from dataclasses import replace
+    >>> coarse = EngineSettings(substep=0.02, iterations=15)
+    >>> replace(coarse, contacts="report").iterations
+    15
+    >>> EngineSettings(iterations=0)
+    Traceback (most recent call last):
+    pymunk_dragon.errors.ParameterError: iterations is 0, but must be a whole number from 1 to 100000
+    """
+
+    contacts: Contacts = "stop"
+    substep: float | None = None
+    iterations: int = ITERATIONS
+    drag: float = DRAG
+    frame_interval: float | None = None
+    head_force: float | None = None
+
+    def __post_init__(self) -> None:
+        word("contacts", self.contacts, get_args(Contacts))
+        checked: dict[str, float] = {
+            "iterations": whole("iterations", self.iterations, 1, MAX_ITERATIONS),
+            "drag": positive("drag", self.drag, MAX_DRAG, "per metre"),
+        }
+        for name in ("substep", "frame_interval"):
+            if (value := getattr(self, name)) is not None:
+                checked[name] = positive(name, value, MAX_INTERVAL, "s")
+        if self.head_force is not None:
+            if self.contacts != "resolve":
+                raise ParameterError("head_force", self.head_force, "absent unless contacts are resolved")
+            checked["head_force"] = positive("head_force", self.head_force, MAX_FORCE, "N")
+        for name, value in checked.items():
+            object.__setattr__(self, name, value)
+
+    def resolved(self, *, top_speed: float, pulled_mass: float) -> EngineSettings:
+        """The settings with numbers for `substep` and, where contacts are resolved, for `head_force`.
+
+        Parameters
+        ----------
+        top_speed : float
+            Highest speed of the head, m/s.
+        pulled_mass : float
+            Mass of the benches on which the head has to balance the ground drag, kg.
+
+        Raises
+        ------
+        ParameterError
+            If the head would travel less than 0.01 mm or more than 0.1 m in a substep.
+
+        Examples
+        --------
+        >>> EngineSettings().resolved(top_speed=2.0, pulled_mass=20.0).substep
+        0.005
+        """
+        substep, force = self.substep, self.head_force
+        if substep is None:
+            substep = (RESOLVE_STRIDE if self.contacts == "resolve" else STRIDE) / top_speed
+        if force is None and self.contacts == "resolve":
+            force = HEAD_FORCE * self.drag * top_speed**2 * pulled_mass
+        finite("substep", substep, MIN_STRIDE / top_speed, MAX_STRIDE / top_speed, "s")
+        return replace(self, substep=substep, head_force=force)
+
+
+def check_settings(value: object) -> None:
+    """Raise a ParameterError if `value` is no `EngineSettings`."""
+    if not isinstance(value, EngineSettings):
+        raise ParameterError("settings", value, "an EngineSettings")
