@@ -9,7 +9,7 @@ from PIL import Image, ImageDraw
 from pymunk_dragon import Dragon, March, PillowDrawOptions, simulate
 from pymunk_dragon.lessons import Lesson
 
-lesson = Lesson("callbacks", "Who calls when they touch?")
+lesson = Lesson("callbacks", "Who calls when they touch?", order=100)
 
 lesson.question(
     "Nobody asks Pymunk whether two bodies touch: one gives it functions, and it calls them back. When does it call, "

@@ -6,7 +6,7 @@ from pymunk_dragon import Dragon, March, Spiral
 from pymunk_dragon.drawing.figures.style import AMBER, BLUE, RULE, halo
 from pymunk_dragon.lessons import Lesson
 
-lesson = Lesson("chain", "Where does the next handle go?")
+lesson = Lesson("chain", "Where does the next handle go?", order=20)
 
 lesson.question(
     "Two handles carry the head bench, both on the spiral, 2.86 m apart in a straight line. If the front one, handle "

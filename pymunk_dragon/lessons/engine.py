@@ -6,7 +6,7 @@ from pymunk_dragon import Dragon, March, simulate
 from pymunk_dragon.drawing.figures.style import AMBER, BLUE
 from pymunk_dragon.lessons import Lesson
 
-lesson = Lesson("engine", "What makes an engine exact?")
+lesson = Lesson("engine", "What makes an engine exact?", order=90)
 
 lesson.question(
     "A physics engine goes in short steps of time (`substep`), and in each of them it goes over all joints several "

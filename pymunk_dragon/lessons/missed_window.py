@@ -7,7 +7,7 @@ from pymunk_dragon import Dragon, March, first_contact, scan, separation
 from pymunk_dragon.drawing.figures.style import BLUE, CANDIDATE, COLOURS
 from pymunk_dragon.lessons import Lesson
 
-lesson = Lesson("missed-window", "The contact that nobody saw")
+lesson = Lesson("missed-window", "The contact that nobody saw", order=70)
 
 lesson.question(
     "Make all benches one millimetre wider: 0.301 m. A program that looks each second whether any two overlap finds "

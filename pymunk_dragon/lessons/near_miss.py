@@ -6,7 +6,7 @@ from pymunk_dragon import Camera, Dragon, March, Spiral, first_contact, render, 
 from pymunk_dragon.lessons import Lesson
 from pymunk_dragon.model.dragon import bench_poses
 
-lesson = Lesson("near-miss", "Nearly is not hit")
+lesson = Lesson("near-miss", "Nearly is not hit", order=60)
 
 lesson.question(
     "On its way in the head, which is bench 0, passes bench 9, then bench 11, and then runs into bench 8. A bench is "

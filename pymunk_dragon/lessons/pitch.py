@@ -6,7 +6,7 @@ from pymunk_dragon import Dragon, March, Spiral, min_pitch, separation
 from pymunk_dragon.drawing.figures.style import AMBER, BLUE, COLOURS, QUIET
 from pymunk_dragon.lessons import Lesson
 
-lesson = Lesson("pitch", "How tight can it coil?")
+lesson = Lesson("pitch", "How tight can it coil?", order=120)
 
 lesson.question(
     "The head starts on turn 16 of the spiral and shall come to 4.5 m from its centre, without any bench touching "

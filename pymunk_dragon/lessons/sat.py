@@ -8,7 +8,7 @@ from pymunk_dragon import outlines, separation
 from pymunk_dragon.drawing.figures.style import AMBER, BLUE, COLOURS
 from pymunk_dragon.lessons import Lesson
 
-lesson = Lesson("sat", "Four shadows decide")
+lesson = Lesson("sat", "Four shadows decide", order=40)
 
 lesson.question(
     "Two benches are rectangles, 2.20 m long and 0.30 m wide, at any angle to each other. How does a program find out, "

@@ -6,7 +6,7 @@ from pymunk_dragon import Spiral
 from pymunk_dragon.drawing.figures.style import AMBER, BLUE
 from pymunk_dragon.lessons import Lesson
 
-lesson = Lesson("spiral", "A steady walk that turns ever faster")
+lesson = Lesson("spiral", "A steady walk that turns ever faster", order=10)
 
 lesson.question(
     "In the bench dragon, a folk dance, some 200 benches hinged end to end coil inward on a spiral. The head walks at "
