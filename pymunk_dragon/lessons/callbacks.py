@@ -22,9 +22,9 @@ lesson.predict(
 
 # One bench flies at another, each of 10 kg.
 space = pymunk.Space()
-for place, angle, velocity in [((-2.4, 1.7), -0.6, (2.5, -1)), ((0, 0), 0, (0, 0))]:
+for position, angle, velocity in [((-2.4, 1.7), -0.6, (2.5, -1)), ((0, 0), 0, (0, 0))]:
     body = pymunk.Body(mass=10, moment=5)
-    body.position, body.angle, body.velocity = place, angle, velocity
+    body.position, body.angle, body.velocity = position, angle, velocity
     shape = pymunk.Poly.create_box(body, (2.2, 0.3))
     shape.elasticity = 0.5
     space.add(body, shape)
