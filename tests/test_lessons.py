@@ -449,4 +449,4 @@ def test_a_students_own_lesson_speaks_english_and_needs_no_catalogue(tmp_path, c
 def test_unknown_language_is_refused():
     with pytest.raises(ParameterError) as caught:
         Terminal(language="xx")
-    assert_says(caught.value, "lang is 'xx'", "en, zh")
+    assert_says(caught.value, "language is 'xx'", "en, zh")

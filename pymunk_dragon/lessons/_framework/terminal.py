@@ -71,7 +71,8 @@ class Terminal(Output):
         """The terminal of a lesson that is run as a program, from its arguments; exits with code 2 if they are bad."""
         parser = _Parser(prog=Path(sys.argv[0]).name, description="A lesson of the bench dragon.")
         parser.add_argument("--save", metavar="DIR", help="folder for the picture")
-        parser.add_argument("--lang", default="en", help="language of the text: " + ", ".join(LANGUAGES))
+        text = "language of the text: " + ", ".join(LANGUAGES)
+        parser.add_argument("--lang", default="en", choices=LANGUAGES, metavar="LANG", help=text)
         parser.add_argument("--pause", action="store_true", help="wait for Enter before it shows what happens")
         arguments = parser.parse_args()
         try:
@@ -120,7 +121,7 @@ def check_output(language: str) -> None:
         heading("pause", language).encode(encoding)
     except UnicodeEncodeError as error:
         bound = f"a language that {encoding} can write; PYTHONIOENCODING=utf-8 in the environment writes all"
-        raise ParameterError("lang", language, bound) from error
+        raise ParameterError("language", language, bound) from error
 
 
 class _Parser(argparse.ArgumentParser):

@@ -23,7 +23,7 @@ NO_BREAK = "\u00a0"
 
 def check_language(language: str) -> str:
     """`language`, if it is one of `LANGUAGES`; otherwise a ParameterError."""
-    return word("lang", language, LANGUAGES)
+    return word("language", language, LANGUAGES)
 
 
 def heading(name: str, language: str) -> str:
