@@ -1,4 +1,8 @@
-"""Importing the libraries of the extras, which only some features need."""
+"""Importing the libraries of the extras, which only some features need.
+
+`optional_imports` goes around ordinary import statements. `library` checks before long work that a library is
+installed, and imports libraries without type annotations.
+"""
 
 from __future__ import annotations
 
@@ -40,7 +44,7 @@ def optional_imports() -> Iterator[None]:
 
 
 def library(name: str) -> Any:
-    """A module of an extra by its name, as `library("scipy.interpolate")`; also a check that it is installed.
+    """A module of an extra by its name, as `library("scipy.interpolate")`.
 
     Raises
     ------

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import doctest
 import json
 import os
 import pty
@@ -31,7 +32,7 @@ from PIL import Image
 
 from pymunk_dragon.errors import MissingExtraError, ParameterError
 from pymunk_dragon.lessons import LANGUAGES, LESSONS, LessonFile, Terminal, play, record, write_lessons
-from pymunk_dragon.lessons._framework import PARTS, notebook, terminal
+from pymunk_dragon.lessons._framework import PARTS, lesson_file, make_notebook, notebook, terminal
 
 FOLDER = Path(terminal.__file__).parent
 CATALOGUES = {each: tomllib.loads((FOLDER / f"{each}.toml").read_text(encoding="utf-8")) for each in LANGUAGES}
@@ -64,6 +65,21 @@ def test_lessons_are_the_fifteen_in_their_order():
         *("spiral", "chain", "velocity", "sat", "grid", "near-miss", "missed-window", "unguided", "engine"),
         *("callbacks", "tension", "pitch", "u-turn", "speed-limit", "robot"),
     ]
+
+
+def test_a_lesson_is_added_by_one_file_at_the_place_of_its_order(tmp_path, monkeypatch):
+    for name, order in (("last", 20), ("first", 10), ("between", 15.5)):
+        text = f'from pymunk_dragon.lessons import Lesson\n\nlesson = Lesson("{name}", "Of its own", order={order})\n'
+        (tmp_path / f"{name}.py").write_text(text, encoding="utf-8")
+    (tmp_path / "_helper.py").write_text("")
+    monkeypatch.setattr(lesson_file, "FOLDER", tmp_path)
+    assert list(lesson_file.lesson_files.__wrapped__()) == ["first", "between", "last"]
+
+
+@pytest.mark.parametrize("module", [lesson_file, notebook])
+def test_examples_run(module):
+    assert doctest.testmod(module).failed == 0
+    assert doctest.testmod(module).attempted > 2
 
 
 @every_lesson
@@ -142,7 +158,7 @@ def test_chinese_says_the_same_numbers_and_names(name, part):
 
 
 def cells(name, language="en"):
-    return nbformat.reads(notebook(LESSONS[name], language), as_version=4).cells
+    return nbformat.reads(make_notebook(LESSONS[name], language), as_version=4).cells
 
 
 @every_lesson
@@ -156,13 +172,13 @@ def test_notebook_has_the_lessons_code_and_words(name, language):
     )
     prose = re.sub(r"\\([^\w\s])", r"\1", "\n".join(cell.source for cell in found if cell.cell_type == "markdown"))
     assert all(lesson.text(part, language) in prose for part in PARTS)
-    assert notebook(lesson, language) == notebook(lesson, language)
+    assert make_notebook(lesson, language) == make_notebook(lesson, language)
 
 
 @pytest.mark.thorough
 @every_lesson
 def test_notebook_runs_and_shows_what_the_lesson_shows(name, tmp_path):
-    made = nbformat.reads(notebook(LESSONS[name]), as_version=4)
+    made = nbformat.reads(make_notebook(LESSONS[name]), as_version=4)
     nbclient.NotebookClient(made, timeout=120, resources={"metadata": {"path": tmp_path}}).execute()
     outputs = [output for cell in made.cells if cell.cell_type == "code" for output in cell.outputs]
     assert "".join(output.text for output in outputs if output.get("name") == "stdout") == played(name).printed
@@ -225,7 +241,7 @@ def test_program_gives_a_lesson_as_json(call, tmp_path):
 
 def test_program_writes_notebooks_and_programs(call, tmp_path):
     assert call("demo", "chain", "-o", tmp_path / "a.ipynb", "--lang", "zh")[0] == 0
-    assert (tmp_path / "a.ipynb").read_text(encoding="utf-8") == notebook(LESSONS["chain"], "zh")
+    assert (tmp_path / "a.ipynb").read_text(encoding="utf-8") == make_notebook(LESSONS["chain"], "zh")
     assert call("demo", "chain", "-o", tmp_path / "a.py")[0] == 0
     assert (tmp_path / "a.py").read_bytes() == LESSONS["chain"].path.read_bytes()
 

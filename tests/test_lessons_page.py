@@ -10,7 +10,7 @@ from lesson_runs import played
 
 from pymunk_dragon.cli import main
 from pymunk_dragon.lessons import LANGUAGES, LESSONS, write_lessons
-from pymunk_dragon.lessons._framework import PARTS, export, notebook, page
+from pymunk_dragon.lessons._framework import PARTS, export, make_notebook, make_page
 
 ALL = list(LESSONS.values())
 FILMS = [name for name, lesson in LESSONS.items() if '.file(".gif")' in lesson.source]
@@ -19,7 +19,7 @@ FILMS = [name for name, lesson in LESSONS.items() if '.file(".gif")' in lesson.s
 @pytest.fixture(scope="module")
 def address(tmp_path_factory):
     file = tmp_path_factory.mktemp("lessons") / "lessons.html"
-    file.write_text(page([played(name) for name in LESSONS]), encoding="utf-8", newline="\n")
+    file.write_text(make_page([played(name) for name in LESSONS]), encoding="utf-8", newline="\n")
     return file.as_uri()
 
 
@@ -188,7 +188,7 @@ def test_programs_and_notebooks_can_be_taken_from_the_page(seen):
         files = dict(links.evaluate_all("(all) => all.map((a) => [a.download + '|' + (a.lang || ''), a.href])"))
         content = {name: base64.b64decode(href.split(",", 1)[1]).decode() for name, href in files.items()}
         assert content.pop(f"{lesson.path.name}|") == lesson.source
-        assert content == {f"{lesson.name}.ipynb|{each}": notebook(lesson, each) for each in LANGUAGES}
+        assert content == {f"{lesson.name}.ipynb|{each}": make_notebook(lesson, each) for each in LANGUAGES}
 
 
 @pytest.mark.thorough
@@ -205,7 +205,7 @@ def test_page_is_written_with_progress_and_the_same_every_time(tmp_path):
         [LESSONS["spiral"], LESSONS["chain"]], tmp_path / "two.html", progress=lambda *steps: told.append(steps)
     )
     assert told == [(1, 2), (2, 2)]
-    assert (tmp_path / "two.html").read_text(encoding="utf-8") == page([played("spiral"), played("chain")])
+    assert (tmp_path / "two.html").read_text(encoding="utf-8") == make_page([played("spiral"), played("chain")])
 
 
 def test_interrupted_page_leaves_the_old_one(tmp_path, monkeypatch):

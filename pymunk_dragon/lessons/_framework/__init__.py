@@ -3,8 +3,8 @@
 from pymunk_dragon.lessons._framework.export import endings, write_lessons
 from pymunk_dragon.lessons._framework.lesson import Lesson
 from pymunk_dragon.lessons._framework.lesson_file import LessonFile, lesson_files
-from pymunk_dragon.lessons._framework.notebook import notebook
-from pymunk_dragon.lessons._framework.page import page
+from pymunk_dragon.lessons._framework.notebook import make_notebook
+from pymunk_dragon.lessons._framework.page import make_page
 from pymunk_dragon.lessons._framework.play import Output, Recording, play, record
 from pymunk_dragon.lessons._framework.terminal import Terminal, check_output
 from pymunk_dragon.lessons._framework.translations import LANGUAGES, PARTS, check_language
@@ -21,8 +21,8 @@ __all__ = [
     "check_output",
     "endings",
     "lesson_files",
-    "notebook",
-    "page",
+    "make_notebook",
+    "make_page",
     "play",
     "record",
     "write_lessons",

@@ -7,8 +7,8 @@ from pathlib import Path
 
 from pymunk_dragon._files import check_destination, written_in_place
 from pymunk_dragon.lessons._framework.lesson_file import LessonFile
-from pymunk_dragon.lessons._framework.notebook import notebook
-from pymunk_dragon.lessons._framework.page import check_libraries, page
+from pymunk_dragon.lessons._framework.notebook import make_notebook
+from pymunk_dragon.lessons._framework.page import check_libraries, make_page
 from pymunk_dragon.lessons._framework.play import record
 from pymunk_dragon.lessons._framework.translations import check_language
 
@@ -62,7 +62,7 @@ def write_lessons(
     if ending == PROGRAM:
         text = lessons[0].source
     elif ending == NOTEBOOK:
-        text = notebook(lessons[0], language)
+        text = make_notebook(lessons[0], language)
     else:
         check_libraries()
         recordings = []
@@ -70,6 +70,6 @@ def write_lessons(
             recordings.append(record(lesson))
             if progress is not None:
                 progress(done, len(lessons))
-        text = page(recordings, language)
+        text = make_page(recordings, language)
     with written_in_place(destination) as draft:
         draft.write_bytes(text.encode("utf-8"))

@@ -16,7 +16,7 @@ MARKDOWN = "markdown"
 END_OF_CELL = re.compile(r"\n{2,}(?=# )")
 
 
-def notebook(lesson: LessonFile, language: str = "en") -> str:
+def make_notebook(lesson: LessonFile, language: str = "en") -> str:
     """A lesson as the JSON text of a notebook.
 
     Parameters
@@ -40,7 +40,7 @@ def notebook(lesson: LessonFile, language: str = "en") -> str:
     --------
     >>> import json
     >>> from pymunk_dragon.lessons import LESSONS
-    >>> cells = json.loads(notebook(LESSONS["spiral"]))["cells"]
+    >>> cells = json.loads(make_notebook(LESSONS["spiral"]))["cells"]
     >>> cells[0]["source"][0].strip()
     '# A steady walk that turns ever faster'
     """

@@ -8,7 +8,7 @@ from typing import Any
 from pymunk_dragon._extras import library, optional_imports
 from pymunk_dragon._html import asset, data_address, filled, policy
 from pymunk_dragon.drawing.decode import last_frame, picture_size
-from pymunk_dragon.lessons._framework.notebook import notebook
+from pymunk_dragon.lessons._framework.notebook import make_notebook
 from pymunk_dragon.lessons._framework.play import Recording
 from pymunk_dragon.lessons._framework.translations import LANGUAGES, PARTS, heading, unbroken, with_code
 
@@ -18,13 +18,13 @@ MEDIA_TYPES = {".gif": "image/gif", ".png": "image/png", ".py": "text/x-python",
 
 
 def check_libraries() -> None:
-    """Check that the libraries of `page` are installed, before lessons are run for it."""
+    """Check that the libraries of `make_page` are installed, before lessons are run for it."""
     # Those of the extra [demos] first: it brings all three.
     for name in ("pygments", "nbformat", "jinja2"):
         library(name)
 
 
-def page(recordings: Sequence[Recording], language: str = "en") -> str:
+def make_page(recordings: Sequence[Recording], language: str = "en") -> str:
     """Lessons that were run as the text of one HTML page in all languages.
 
     Parameters
@@ -47,7 +47,7 @@ def page(recordings: Sequence[Recording], language: str = "en") -> str:
     Examples
     --------
     >>> from pymunk_dragon.lessons import LESSONS, record
-    >>> text = page([record(LESSONS["spiral"])], "zh")  # doctest: +SKIP
+    >>> text = make_page([record(LESSONS["spiral"])], "zh")  # doctest: +SKIP
     """
     style, script = asset(__package__, "assets/lessons.css"), asset(__package__, "assets/lessons.js")
     return filled(
@@ -76,7 +76,7 @@ def _values(recording: Recording) -> dict[str, Any]:
         "code": _highlighted(lesson.code),
         "program": {"file": lesson.path.name, "data": _address(lesson.source.encode(), ".py")},
         "notebooks": {
-            each: {"file": f"{lesson.name}.ipynb", "data": _address(notebook(lesson, each).encode(), ".ipynb")}
+            each: {"file": f"{lesson.name}.ipynb", "data": _address(make_notebook(lesson, each).encode(), ".ipynb")}
             for each in LANGUAGES
         },
     }
