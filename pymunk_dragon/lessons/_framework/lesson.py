@@ -86,7 +86,7 @@ class Lesson:
 
     def file(self, ending: str) -> Path:
         """File for the lesson's picture or film: the name of the lesson with an ending, as ".gif"."""
-        return self._output.folder / f"{self.name}{ending}"
+        return self._output.folder() / f"{self.name}{ending}"
 
     def subplots(
         self,

@@ -90,9 +90,6 @@ def _escaped(text: str) -> str:
 class NotebookOutput(Output):
     """Output of a lesson in the notebook in which it runs, which has the texts already: shows the picture."""
 
-    def __init__(self) -> None:
-        super().__init__(Path())
-
     def show(self, lesson: str, picture: Path, english: str) -> None:
         """Show the picture below the cell."""
         from IPython.display import Image, display  # There is IPython where a notebook runs.

@@ -16,21 +16,11 @@ from pymunk_dragon.lessons._framework.lesson_file import LessonFile
 
 
 class Output:
-    """Receives the texts and the picture of a lesson while its file runs. The methods of this base class do nothing.
+    """Receives the texts and the picture of a lesson while its file runs. The methods of this base class do nothing."""
 
-    Parameters
-    ----------
-    folder : path
-        Folder in which the lesson writes its picture.
-    """
-
-    def __init__(self, folder: Path) -> None:
-        self._folder = folder
-
-    @property
     def folder(self) -> Path:
-        """Folder in which the lesson writes its picture."""
-        return self._folder
+        """Folder in which the lesson writes its picture; by default the current one."""
+        return Path()
 
     def say(self, lesson: str, part: str, english: str) -> None:
         """Take a text of the lesson named `lesson`; `part` is "title", "question", ..."""
@@ -128,6 +118,12 @@ class _Recorder(Output):
     """Output that keeps the picture; the texts are known from the lesson's file."""
 
     picture: Path | None = None
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+
+    def folder(self) -> Path:
+        return self._folder
 
     def show(self, lesson: str, picture: Path, english: str) -> None:
         self.picture = picture

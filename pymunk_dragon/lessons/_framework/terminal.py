@@ -11,7 +11,6 @@ import tempfile
 import unicodedata
 from collections.abc import Iterator
 from contextlib import suppress
-from functools import cached_property
 from pathlib import Path
 from typing import NoReturn
 
@@ -80,10 +79,11 @@ class Terminal(Output):
         except ParameterError as error:
             parser.error(str(error))
 
-    @cached_property
     def folder(self) -> Path:
         """Folder in which the lesson writes its picture."""
-        return Path(self._save or tempfile.mkdtemp(prefix="pymunk-dragon-"))
+        if self._save is None:
+            self._save = tempfile.mkdtemp(prefix="pymunk-dragon-")
+        return Path(self._save)
 
     def say(self, lesson: str, part: str, english: str) -> None:
         """Print a text below its heading; after the last one, the command for the next lesson."""
