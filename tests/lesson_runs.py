@@ -1,4 +1,4 @@
-"""Lessons as they were played, once for all the tests that examine them."""
+"""Recordings of the lessons, each made once for all tests."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ SHARED = "PYMUNK_DRAGON_TESTS_SHARED"
 
 @cache
 def played(name: str) -> Recording:
-    """A lesson's performance."""
+    """The recording of a lesson."""
     if SHARED not in os.environ:
         return record(LESSONS[name])
     file = Path(os.environ[SHARED]) / f"{name}.pickle"

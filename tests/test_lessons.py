@@ -1,4 +1,4 @@
-"""Lessons as teachers and students use them: played, copied out, translated, as notebooks."""
+"""Lessons as teachers and students use them: run, copied, translated, as notebooks."""
 
 from __future__ import annotations
 
@@ -119,7 +119,7 @@ def test_lesson_leaves_the_settings_of_matplotlib_alone(name):
 
 
 @every_lesson
-def test_picture_can_be_looked_at(name):
+def test_picture_is_small_in_bytes_and_large_enough_to_see(name):
     with Image.open(BytesIO(played(name).picture)) as picture:
         assert min(picture.size) >= 200
         assert len(picture.convert("RGB").getcolors(maxcolors=2**24)) > 3
@@ -276,7 +276,7 @@ def test_output_that_cannot_write_chinese_is_one_line(arguments):
     assert_says(Exception(done.stderr.strip()), "lang is 'zh'", "ascii", "PYTHONIOENCODING=utf-8")
 
 
-def test_folder_that_cannot_be_written_is_told_before_the_lesson(call, monkeypatch, tmp_path):
+def test_folder_that_cannot_be_written_is_reported_before_the_lesson(call, monkeypatch, tmp_path):
     def refused(dir):
         raise PermissionError(13, "Permission denied")
 
@@ -365,7 +365,7 @@ def test_a_terminal_gets_bold_heads_and_waits_for_the_class(tmp_path):
     assert written.index("Predict") < written.index("Press Enter to see what happens.") < written.index("Answer")
 
 
-def test_a_lesson_on_which_nobody_presses_enter_can_be_left(tmp_path):
+def test_a_pause_can_be_interrupted(tmp_path):
     def leave(process, keyboard):
         # Python does not notice a signal between writing the prompt and reading from the terminal until Enter comes, so
         # one may have no effect; people press again.
@@ -380,7 +380,7 @@ def test_a_lesson_on_which_nobody_presses_enter_can_be_left(tmp_path):
 
 
 @pytest.mark.parametrize("where", ["</dev/null", "<&-"])
-def test_where_nobody_can_press_enter_the_lesson_goes_on(where, tmp_path):
+def test_without_a_keyboard_the_lesson_goes_on(where, tmp_path):
     command = [sys.executable, "-m", "pymunk_dragon", "demo", "spiral", "--pause", "--save", tmp_path]
     done = subprocess.run(["sh", "-c", f'"$@" {where}', "sh", *command], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (0, "")

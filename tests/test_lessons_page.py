@@ -49,7 +49,7 @@ UNFOLD = "document.querySelectorAll('details').forEach((details) => details.open
 @needs_browser
 @views
 @pytest.mark.parametrize("language", LANGUAGES)
-def test_page_is_no_wider_than_the_window_and_asks_for_nothing(browser, address, media, width, language):
+def test_page_is_no_wider_than_the_window_and_requests_nothing(browser, address, media, width, language):
     with opened(browser, f"{address}?{language}", width, 900, is_mobile=width < 600) as seen:
         seen.page.emulate_media(media=media)
         seen.page.evaluate(UNFOLD)
@@ -97,7 +97,7 @@ def test_address_remembers_the_language_that_was_chosen(browser, address):
 @pytest.mark.thorough
 @needs_browser
 @pytest.mark.parametrize("language", LANGUAGES)
-def test_who_hears_the_page_hears_one_language(seen, language):
+def test_screen_readers_get_one_language(seen, language):
     """What stands for a picture is in the language that is read; the buttons say in which their names are."""
     seen.page.click(f".languages button[value={language}]")
     heard = seen.page.evaluate("[...document.querySelectorAll('figure img:first-child')].map((image) => image.alt)")
@@ -119,7 +119,7 @@ def test_contents_lead_to_every_lesson(seen):
 
 @pytest.mark.thorough
 @needs_browser
-def test_answers_and_pictures_wait_until_they_are_asked_for(seen):
+def test_answers_and_pictures_are_folded_at_first(seen):
     assert not seen.page.locator("figure").first.is_visible()
     assert not seen.page.get_by_text(LESSONS["spiral"].text("answer").split("`")[0][:40]).first.is_visible()
     seen.page.click("#spiral summary >> nth=0")

@@ -72,7 +72,7 @@ class LessonFile:
 
         for statement in ast.parse(source).body:
             match statement:
-                case ast.Assign(value=ast.Call(func=ast.Name("Lesson"), args=arguments, keywords=keywords)):
+                case ast.Assign(value=ast.Call(ast.Name("Lesson") | ast.Attribute(attr="Lesson"), arguments, keywords)):
                     name, title = map(ast.literal_eval, arguments)
                     order = next((ast.literal_eval(word.value) for word in keywords if word.arg == "order"), order)
                 case ast.Expr(ast.Call(func=ast.Attribute(attr="show"), args=[_, ast.Constant(str(shown))])):
