@@ -1,4 +1,4 @@
-# Two commands on a fresh machine: `make render` sets up, plays and films; `make test` sets up and tests.
+# Two commands on a fresh machine: `make render` installs, simulates and films; `make test` installs and tests.
 PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
@@ -89,16 +89,16 @@ renders/lessons.html: $(wildcard pymunk_dragon/lessons/*.py)
 $(FIGURES:%=renders/%) renders/report.html renders/lessons.html: | $(VENV)/extras
 -include $(FILES:%=$(COMMANDS)/%.d)
 
-render: renders/march.gif renders/march.html $(PICTURES:%=renders/%) ## play the dragon in Pymunk, film it, and write a page that plays it
+render: renders/march.gif renders/march.html $(PICTURES:%=renders/%) ## simulate the dragon in Pymunk, film it, and write a page that plays it
 	@echo "open renders/march.gif first, then renders/march.html in a browser; \`make figures\` draws the charts"
 
 figures: $(FIGURES:%=renders/%) ## draw the paper's figures and the studies' answers: renders/figures/
 	@echo "open renders/figures/gap.png first"
 
-report: renders/report.html ## play on past the first contact and tell what happened: renders/report.html
+report: renders/report.html ## simulate past the first contact and report on it: renders/report.html
 	@echo "open renders/report.html in a browser"
 
-demos: renders/lessons.html ## play all lessons, and put them on one page: renders/lessons.html
+demos: renders/lessons.html ## run all lessons, and put them on one page: renders/lessons.html
 	@echo "open renders/lessons.html in a browser, or play a lesson here: $(DRAGON) demo spiral"
 
 screenshot: renders/march.html renders/lessons.html $(VENV)/tools ## pictures of the player and of the lessons, in Chromium: renders/player.png, lessons.png

@@ -1,7 +1,4 @@
-"""Checks of user-given numbers, all ending in a `ParameterError` that says what is allowed.
-
-Each returns the number as plain Python, so that NumPy's scalars go no further than the door.
-"""
+"""Checks of arguments. Each returns the value as a plain Python object, or raises a `ParameterError`."""
 
 from __future__ import annotations
 
@@ -14,11 +11,9 @@ from numpy.typing import NDArray
 
 from pymunk_dragon.errors import ParameterError
 
-__all__ = ["answer", "finite", "number", "positive", "whole", "word"]
-
 
 def finite(name: str, value: object, low: float, high: float, unit: str) -> float:
-    """`value` as a float, if it is a number within [low, high]."""
+    """`value` as a float, if it is a finite number within [low, high]."""
     amount = number(value)
     if not (math.isfinite(amount) and low <= amount <= high):
         raise ParameterError(name, value, f"a number from {low:g} to {high:g} {unit}".rstrip())
@@ -26,7 +21,7 @@ def finite(name: str, value: object, low: float, high: float, unit: str) -> floa
 
 
 def positive(name: str, value: object, high: float, unit: str) -> float:
-    """`value` as a float, if it is a number above 0 and at most `high`, and finite."""
+    """`value` as a float, if it is a finite number above 0 and at most `high`."""
     amount = number(value)
     if not (math.isfinite(amount) and 0 < amount <= high):
         upper = "finite" if high == math.inf else f"at most {high:g}"
@@ -50,9 +45,9 @@ def word(name: str, value: object, words: Iterable[str]) -> str:
 
 
 def answer(method: str, value: object, given: tuple[int, ...], tail: tuple[int, ...] = ()) -> NDArray[np.float64]:
-    """What a method of a user's own class returned, if it is real numbers in an array of the shape `given` + `tail`.
+    """`value`, which a method of a user's class returned, as an array of real numbers of the shape `given` + `tail`.
 
-    A single number is broadcast to the shape.
+    A single number is broadcast to the shape `given`.
     """
     shape = given + tail
     try:
@@ -67,7 +62,7 @@ def answer(method: str, value: object, given: tuple[int, ...], tail: tuple[int, 
 
 
 def number(value: object) -> float:
-    """`value` as a float, nan where it is no real number."""
+    """`value` as a float; nan if it is not a real number."""
     if not isinstance(value, Real) or isinstance(value, bool):
         return math.nan
     try:

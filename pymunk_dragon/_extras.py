@@ -1,4 +1,8 @@
-"""The libraries that only some features need."""
+"""Importing the libraries of the extras, which only some features need.
+
+`optional_imports` goes around ordinary import statements. `library` checks before long work that a library is
+installed, and imports libraries without type annotations.
+"""
 
 from __future__ import annotations
 
@@ -9,9 +13,7 @@ from typing import Any
 
 from pymunk_dragon.errors import MissingExtraError, OutputError
 
-__all__ = ["extras_named", "library"]
-
-# What needs it, and the extra that brings it.
+# For each library: the feature that needs it, and the extra that installs it.
 FEATURES = {
     "imageio_ffmpeg": ("an MP4", "mp4"),
     "jinja2": ("an HTML page", "report"),
@@ -24,32 +26,14 @@ FEATURES = {
 }
 
 
-def library(name: str) -> Any:
-    """A module of one of the extras, as `library("scipy.interpolate")`.
-
-    Raises
-    ------
-    MissingExtraError
-        If it is not installed.
-    OutputError
-        If it cannot write the files that it keeps for itself, as matplotlib its list of fonts.
-    """
-    try:
-        return import_module(name)
-    except ImportError as error:
-        raise MissingExtraError(*(FEATURES.get(name) or FEATURES[name.partition(".")[0]])) from error
-    except OSError as error:
-        raise OutputError(f"the cache of {name}", error.strerror or str(error)) from error
-
-
 @contextmanager
-def extras_named() -> Iterator[None]:
-    """Name the extra that brings a library which what is in here imports by itself.
+def optional_imports() -> Iterator[None]:
+    """Context for the imports of optional libraries: if one is not installed, the error names its extra.
 
     Raises
     ------
     MissingExtraError
-        If it is not installed.
+        If a library of an extra is not installed.
     """
     try:
         yield
@@ -57,3 +41,21 @@ def extras_named() -> Iterator[None]:
         if error.name is None or (name := error.name.partition(".")[0]) not in FEATURES:
             raise
         raise MissingExtraError(*FEATURES[name]) from error
+
+
+def library(name: str) -> Any:
+    """A module of an extra by its name, as `library("scipy.interpolate")`.
+
+    Raises
+    ------
+    MissingExtraError
+        If the library is not installed.
+    OutputError
+        If it cannot write its cache on import, as matplotlib its list of fonts.
+    """
+    try:
+        return import_module(name)
+    except ImportError as error:
+        raise MissingExtraError(*(FEATURES.get(name) or FEATURES[name.partition(".")[0]])) from error
+    except OSError as error:
+        raise OutputError(f"the cache of {name}", error.strerror or str(error)) from error

@@ -1,4 +1,8 @@
-"""Writing files so that an interrupted run leaves the old file or none; reading text and tables of numbers."""
+"""Writing files atomically, and reading text and tables of numbers.
+
+A file is written as a draft in the folder of its destination and renamed at the end, so that an interrupted program
+leaves the old file or none.
+"""
 
 from __future__ import annotations
 
@@ -16,22 +20,20 @@ from pymunk_dragon.errors import FileFormatError, OutputError, ParameterError
 
 try:
     import fcntl
-except ImportError:  # Windows has no such locks, and drafts of killed processes stay there.
+except ImportError:  # Windows has no such locks; drafts of killed processes are not removed there.
     fcntl = None  # type: ignore[assignment]  # None if there is no such module.
-
-__all__ = ["check_destination", "number_rows", "read_text", "written_in_place"]
 
 # Bytes of a text file: 50,000 points with all their digits have 2.2 MB.
 MAX_TEXT = 4_000_000
-# Name of a draft: the process that writes it, a random number, and the ending of the destination. It does not grow
-# with the destination's name, which may be as long as the file system allows.
+# Name of a draft: number of the process, a random number, ending of the destination. It is short, because the name of
+# the destination may be as long as the file system allows.
 DRAFT_NAME = re.compile(r"\.pymunk-dragon-\d+-[0-9a-f]{8}(\.[^.]*)?")
 
 
 def check_destination(path: str | Path, endings: Iterable[str]) -> Path:
-    """Path to write to, after making sure that its ending is known and its folder can be written.
+    """`path`, if it has one of the endings and can be written, which is tried.
 
-    A device or a FIFO needs no ending where there is only one to choose from.
+    A device or a FIFO needs no ending if there is only one to choose from.
 
     Raises
     ------
@@ -56,10 +58,10 @@ def check_destination(path: str | Path, endings: Iterable[str]) -> Path:
 
 @contextmanager
 def written_in_place(path: str | Path) -> Iterator[Path]:
-    """Give the name of a new file to write to, which becomes `path` at the end, or is removed on an error.
+    """Yield the name of a draft to write to, which replaces `path` at the end, or is removed after an exception.
 
-    A file is replaced by renaming: it keeps its mode, and symbolic links to it stay. Devices, FIFOs and the standard
-    streams are written to. Drafts that killed processes left in the folder are removed.
+    The file keeps its mode, and symbolic links to it stay. Devices, FIFOs and the files behind stdout and stderr are
+    not replaced but written to. Drafts of killed processes in the same folder are removed.
 
     Raises
     ------
@@ -75,7 +77,7 @@ def written_in_place(path: str | Path) -> Iterator[Path]:
             with tempfile.TemporaryDirectory(prefix="pymunk-dragon-") as folder:
                 draft = Path(folder, f"draft{destination.suffix}")
                 yield draft
-                # Appended, because the standard output may be a file that others write to as well.
+                # Appended, because stdout may be a file that others write to as well.
                 with draft.open("rb") as content, destination.open("ab") as stream:
                     shutil.copyfileobj(content, stream)
         else:
@@ -91,7 +93,7 @@ def written_in_place(path: str | Path) -> Iterator[Path]:
 
 
 def read_text(path: str | Path, name: str) -> str:
-    """Text of a file that is given for the parameter `name`, without a byte order mark.
+    """Text of the UTF-8 file that the parameter `name` gives, without a byte order mark.
 
     Raises
     ------
@@ -102,7 +104,7 @@ def read_text(path: str | Path, name: str) -> str:
     """
     try:
         with Path(path).open("rb") as file:
-            # The size of the file says nothing: a device has none, and never ends.
+            # Not the size of the file: devices have none, and may be endless.
             content = file.read(MAX_TEXT + 1)
     except (OSError, ValueError) as error:
         raise ParameterError(name, str(path), f"a readable file ({_reason(error)})") from error
@@ -115,23 +117,23 @@ def read_text(path: str | Path, name: str) -> str:
 
 
 def number_rows(path: str | Path, name: str, columns: Sequence[str]) -> tuple[list[int], list[tuple[float, ...]]]:
-    """Line numbers and rows of a CSV file of numbers, whose first line may hold names; empty lines are passed over.
+    """Line numbers and rows of a CSV file of numbers. Its first line may hold names; empty lines are skipped.
 
     Parameters
     ----------
     path : str or Path
         The file.
     name : str
-        The parameter that it is given for.
+        The parameter that gives the file.
     columns : sequence of str
-        Content of each column, in words.
+        Content of each column, for messages.
 
     Raises
     ------
     ParameterError
         If the file cannot be read.
     FileFormatError
-        If a line is anything else, or there is none: the first such line. If the file is larger than 4 MB.
+        If a line has another content, which names the first such line; if there is no row; as in `read_text`.
     """
     meant = " and ".join(columns)
     lines, rows = [], []
@@ -155,6 +157,7 @@ def number_rows(path: str | Path, name: str, columns: Sequence[str]) -> tuple[li
 
 
 def _number(cell: str) -> float | None:
+    """The number in a cell; None if it has another content."""
     try:
         return float(cell)
     except ValueError:
@@ -162,7 +165,7 @@ def _number(cell: str) -> float | None:
 
 
 def _status(path: Path) -> os.stat_result | None:
-    """Status of the file that `path` leads to; None where there is none yet."""
+    """Status of the file that `path` leads to; None if there is none yet."""
     try:
         return os.stat(path)
     except FileNotFoundError:
@@ -172,25 +175,22 @@ def _status(path: Path) -> os.stat_result | None:
 
 
 def _is_stream(status: os.stat_result) -> bool:
-    """Whether a file cannot be replaced, as a device or a FIFO, or must not be, as the standard output."""
-    return not stat.S_ISREG(status.st_mode) or any(_is_open(status, descriptor) for descriptor in (1, 2))
-
-
-def _is_open(status: os.stat_result, descriptor: int) -> bool:
-    try:
-        return os.path.samestat(status, os.fstat(descriptor))
-    except OSError:
-        return False
+    """Whether a file is written to instead of replaced: a device, a FIFO, or the file behind stdout or stderr."""
+    for descriptor in (1, 2):
+        with suppress(OSError):
+            if os.path.samestat(status, os.fstat(descriptor)):
+                return True
+    return not stat.S_ISREG(status.st_mode)
 
 
 @contextmanager
 def _draft(destination: Path, status: os.stat_result | None) -> Iterator[Path]:
-    """New file in the folder of the one that is replaced, as private as that, or as usual; removed at the end."""
+    """A new file in the folder of `destination`, no more readable than the file it replaces; removed at the end."""
     folder = Path(os.path.realpath(destination)).parent
     mode = 0o666 if status is None else stat.S_IMODE(status.st_mode) & 0o777 | stat.S_IRUSR | stat.S_IWUSR
-    _clear(folder)
+    _remove_old_drafts(folder)
     while True:
-        # The name is known before the file is there: an interruption in between leaves nothing.
+        # Chosen before the file is made, so that an interruption in between leaves nothing.
         draft = folder / f".pymunk-dragon-{os.getpid()}-{os.urandom(4).hex()}{destination.suffix}"
         try:
             try:
@@ -199,7 +199,7 @@ def _draft(destination: Path, status: os.stat_result | None) -> Iterator[Path]:
                 bound = f"in a folder that can be written ({_reason(error)})"
                 raise ParameterError("output", str(destination), bound) from error
             with _locked(descriptor):
-                # Before it was locked, another process may have taken it for an old one, and removed it.
+                # Before the lock, another process may have removed the file as an old draft.
                 if draft.exists():
                     yield draft
                     return
@@ -210,26 +210,26 @@ def _draft(destination: Path, status: os.stat_result | None) -> Iterator[Path]:
 
 @contextmanager
 def _locked(descriptor: int) -> Iterator[None]:
-    """Hold a lock on an open file, which ends with this process at the latest; close the file at the end."""
+    """Hold a lock on an open file, which the system releases if the process is killed; close the file at the end."""
     if fcntl is None:
         os.close(descriptor)
         yield
         return
     try:
-        with suppress(OSError):  # Some file systems have no locks; there no draft is ever cleared.
+        with suppress(OSError):  # Some file systems have no locks; no draft is removed there.
             fcntl.flock(descriptor, fcntl.LOCK_EX)
         yield
     finally:
         os.close(descriptor)
 
 
-def _clear(folder: Path) -> None:
-    """Remove the drafts in `folder` that no process holds a lock on: those that wrote them were killed."""
+def _remove_old_drafts(folder: Path) -> None:
+    """Remove the drafts in `folder` that no process has locked: their processes were killed."""
     if fcntl is None:
         return
     with suppress(OSError):
         for name in filter(DRAFT_NAME.fullmatch, os.listdir(folder)):
-            # What is in use, or somebody else's, cannot be locked or removed, and stays.
+            # Drafts in use cannot be locked, and those of other users not be opened: they stay.
             with suppress(OSError):
                 descriptor = os.open(folder / name, os.O_RDWR | os.O_NOFOLLOW | os.O_NONBLOCK)
                 try:
@@ -240,4 +240,5 @@ def _clear(folder: Path) -> None:
 
 
 def _reason(error: Exception) -> object:
+    """The system's text of an OSError; any other error itself."""
     return (isinstance(error, OSError) and error.strerror) or error

@@ -1,4 +1,4 @@
-"""Values that do not change: read-only arrays and mappings, and equality of records that hold arrays."""
+"""Immutable values: read-only arrays and mappings, and equality of dataclasses with arrays."""
 
 from __future__ import annotations
 
@@ -9,13 +9,11 @@ from typing import Any, NoReturn, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["ArrayRecord", "FrozenDict", "frozen", "read_only"]
-
 A = TypeVar("A", bound=np.generic)
 
 
 class FrozenDict(dict[Any, Any]):
-    """A dictionary that raises a TypeError where it would change. JSON, copy and pickle take it as a dictionary."""
+    """A dictionary that raises a TypeError when it is changed; JSON, copy and pickle treat it as a dictionary."""
 
     def _refuse(self, *_: Any, **__: Any) -> NoReturn:
         raise TypeError(f"a {type(self).__name__} does not change")
@@ -37,16 +35,16 @@ def frozen(value: Any) -> Any:
 
 
 def read_only(array: NDArray[A]) -> NDArray[A]:
-    """`array` itself, which can no longer be written to."""
+    """`array` itself, made read-only."""
     array.flags.writeable = False
     return array
 
 
 class ArrayRecord:
-    """Equality and hash for dataclasses with arrays among their fields.
+    """Equality and hash of dataclasses with fields that are arrays.
 
-    Two records are equal if they are of one class, their arrays have the same shapes, types and bits, and their other
-    fields are equal. Fields with ``compare=False`` do not count. The hash is that of the arrays.
+    Two records are equal if they have the same class, arrays of the same shapes, types and bits, and equal other
+    fields. Fields with ``compare=False`` are ignored. The hash is that of the arrays.
     """
 
     def __eq__(self, other: object) -> bool:
@@ -60,11 +58,13 @@ class ArrayRecord:
 
 
 def _compared(record: object) -> list[Any]:
+    """Values of the fields that are compared."""
     # Only dataclasses derive from ArrayRecord.
     return [getattr(record, field.name) for field in fields(record) if field.compare]  # type: ignore[arg-type]
 
 
 def _same(one: Any, two: Any) -> bool:
+    """Whether two values of a field are equal."""
     if not (isinstance(one, np.ndarray) and isinstance(two, np.ndarray)):
         return type(one) is type(two) and bool(one == two)
     return one.shape == two.shape and one.dtype == two.dtype and one.tobytes() == two.tobytes()

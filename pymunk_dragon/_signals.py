@@ -1,4 +1,4 @@
-"""Signals that wait while code runs that must not be left in the middle."""
+"""Delaying signals while code runs that must not be interrupted halfway."""
 
 from __future__ import annotations
 
@@ -9,17 +9,15 @@ from contextlib import contextmanager
 from types import FrameType
 from typing import Any
 
-__all__ = ["ENDING", "signals_held"]
-
-# Signals that end a program, where the system has them.
+# Signals that end a program, of those that the system has.
 ENDING = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
 
 
 @contextmanager
 def signals_held(holds: Callable[[], bool] = lambda: True) -> Iterator[Callable[[], None]]:
-    """Have the handlers of signals wait while `holds` is true; gives a function that runs those that wait.
+    """Delay the handlers of signals while `holds()` is true; yields a function that runs the delayed ones.
 
-    The function is also called at the end. Outside the main thread, which runs all handlers, nothing is changed.
+    They are also run at the end. Outside the main thread, in which all handlers run, this changes nothing.
     """
     handlers: dict[int, Any] = {}
     if threading.current_thread() is threading.main_thread():

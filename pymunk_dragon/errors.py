@@ -1,4 +1,4 @@
-"""Every exception a user of the package can meet, one line each."""
+"""The exceptions that the package raises on purpose. The message of each is one line."""
 
 from __future__ import annotations
 
@@ -15,12 +15,18 @@ __all__ = [
     "one_line",
 ]
 
-# Characters of a value that a message shows. Longer values lose their middle: the name of a file is at the end.
+# Characters of a value in a message. Longer values lose their middle, because a path ends with the name of the file.
 MAX_SHOWN = 80
 
 
 def one_line(text: str) -> str:
-    """A text with single spaces, and escapes for what a terminal would act upon or could not show."""
+    r"""`text` with single spaces, and escape sequences for control characters.
+
+    Examples
+    --------
+    >>> one_line("two\nlines   and \x1b[1m")
+    'two lines and \\x1b[1m'
+    """
     return "".join(
         character if character.isprintable() else character.encode("unicode_escape").decode()
         for character in " ".join(text.split())
@@ -28,27 +34,50 @@ def one_line(text: str) -> str:
 
 
 class DragonError(Exception):
-    """Base of every error that the package raises on purpose; its message is one line, and it can be pickled."""
+    """Base class of the package's exceptions. They can be pickled.
+
+    Examples
+    --------
+    >>> from pymunk_dragon import Dragon
+    >>> try:
+    ...     Dragon(benches=1)
+    ... except DragonError as error:
+    ...     print(error)
+    benches is 1, but must be a whole number from 2 to 10000
+    """
 
     def __init__(self, message: str) -> None:
         super().__init__(one_line(message))
 
     def __reduce__(self) -> tuple[Callable[..., DragonError], tuple[Any, ...]]:
-        # An exception's default is to call its class with the message, which breaks a process pool's answer.
-        return _rebuilt, (type(self), self.args, self.__dict__)
+        # By default an exception is unpickled by calling its class with the message, which is not what ours take.
+        return _unpickled, (type(self), self.args, self.__dict__)
+
+
+def _unpickled(kind: type[DragonError], args: tuple[Any, ...], state: dict[str, Any]) -> DragonError:
+    """An error of a class with its arguments and attributes, without a call of `__init__`."""
+    error = kind.__new__(kind)
+    error.args = args
+    error.__dict__.update(state)
+    return error
 
 
 class ParameterError(DragonError, ValueError):
-    """A parameter has a value that cannot be used.
+    """A parameter has a value that is not allowed.
 
     Parameters
     ----------
     name : str
-        The parameter's name.
+        Name of the parameter.
     value : object
-        What was given.
+        The value.
     bound : str
-        What is allowed, as words that follow "must be".
+        What is allowed, worded to follow "must be".
+
+    Examples
+    --------
+    >>> print(ParameterError("pitch", -1, "a number above 0"))
+    pitch is -1, but must be a number above 0
     """
 
     def __init__(self, name: str, value: object, bound: str) -> None:
@@ -69,6 +98,11 @@ class UnreachableError(DragonError):
         The first handle without a coordinate.
     reason : str
         The reason.
+
+    Examples
+    --------
+    >>> print(UnreachableError(443.0, 0, "the curve ends at t = 442.59 s"))
+    handle 0 has no place at t = 443 s: the curve ends at t = 442.59 s
     """
 
     def __init__(self, time: float, handle: int, reason: str) -> None:
@@ -79,7 +113,13 @@ class UnreachableError(DragonError):
 
 
 class FileFormatError(DragonError, ValueError):
-    """A file that was read is damaged, foreign or of another version."""
+    """A file that was read is damaged, of another format or of another version.
+
+    Examples
+    --------
+    >>> print(FileFormatError("run.npz", "not a run"))
+    run.npz: not a run
+    """
 
     def __init__(self, path: object, reason: str) -> None:
         super().__init__(f"{path}: {reason}")
@@ -88,7 +128,13 @@ class FileFormatError(DragonError, ValueError):
 
 
 class OutputError(DragonError, OSError):
-    """A file could not be written, and nothing was left behind."""
+    """A file could not be written; no part of it is left.
+
+    Examples
+    --------
+    >>> print(OutputError("march.gif", "No space left on device"))
+    cannot write march.gif: No space left on device
+    """
 
     def __init__(self, path: object, reason: str) -> None:
         super().__init__(f"cannot write {path}: {reason}")
@@ -97,7 +143,13 @@ class OutputError(DragonError, OSError):
 
 
 class MissingExtraError(DragonError, ImportError):
-    """A feature needs an optional dependency that is not installed."""
+    """A feature needs an optional dependency that is not installed.
+
+    Examples
+    --------
+    >>> print(MissingExtraError("a figure", "figures"))
+    a figure needs: pip install 'pymunk-dragon[figures]'
+    """
 
     def __init__(self, feature: str, extra: str) -> None:
         super().__init__(f"{feature} needs: pip install 'pymunk-dragon[{extra}]'")
@@ -105,17 +157,11 @@ class MissingExtraError(DragonError, ImportError):
         self.extra = extra
 
 
-def _rebuilt(kind: type[DragonError], args: tuple[Any, ...], state: dict[str, Any]) -> DragonError:
-    error = kind.__new__(kind)
-    error.args = args
-    error.__dict__.update(state)
-    return error
-
-
 def _shown(value: object) -> str:
+    """`value` in at most MAX_SHOWN characters."""
     try:
         text = repr(value)
-    except (ValueError, RecursionError):  # An integer of more than 4300 digits, or lists in hundreds of lists.
+    except (ValueError, RecursionError):  # An integer of more than 4300 digits, or lists nested hundreds deep.
         return f"a {type(value).__name__} that cannot be shown"
     half = (MAX_SHOWN - 3) // 2
     return text if len(text) <= MAX_SHOWN else f"{text[:half]}...{text[-half:]}"

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import hypothesis
-import lessons
+import lesson_runs
 import numpy as np
 import pytest
 from browser import chromium
@@ -44,7 +44,7 @@ def pytest_configure(config: pytest.Config) -> None:
     if getattr(config.option, "numprocesses", None):
         folder = tempfile.TemporaryDirectory(prefix="pymunk-dragon-tests-")
         config.add_cleanup(folder.cleanup)
-        os.environ[lessons.SHARED] = folder.name
+        os.environ[lesson_runs.SHARED] = folder.name
     if config.option.markexpr == "not thorough" and not config.getoption("--hypothesis-profile"):
         hypothesis.settings.load_profile("quick")
 

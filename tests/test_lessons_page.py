@@ -6,20 +6,20 @@ import base64
 
 import pytest
 from browser import needs_browser, opened, wait_until
-from lessons import played
+from lesson_runs import played
 
 from pymunk_dragon.cli import main
-from pymunk_dragon.lessons import DEMOS, LANGUAGES, write_lessons
-from pymunk_dragon.lessons._framework import PARTS, notebook, page, writing
+from pymunk_dragon.lessons import LANGUAGES, LESSONS, write_lessons
+from pymunk_dragon.lessons._framework import PARTS, export, make_notebook, make_page
 
-ALL = list(DEMOS.values())
-FILMS = [name for name, demo in DEMOS.items() if '.file(".gif")' in demo.source]
+ALL = list(LESSONS.values())
+FILMS = [name for name, lesson in LESSONS.items() if '.file(".gif")' in lesson.source]
 
 
 @pytest.fixture(scope="module")
 def address(tmp_path_factory):
     file = tmp_path_factory.mktemp("lessons") / "lessons.html"
-    file.write_text(page([played(name) for name in DEMOS]), encoding="utf-8", newline="\n")
+    file.write_text(make_page([played(name) for name in LESSONS]), encoding="utf-8", newline="\n")
     return file.as_uri()
 
 
@@ -49,7 +49,7 @@ UNFOLD = "document.querySelectorAll('details').forEach((details) => details.open
 @needs_browser
 @views
 @pytest.mark.parametrize("language", LANGUAGES)
-def test_page_is_no_wider_than_the_window_and_asks_for_nothing(browser, address, media, width, language):
+def test_page_is_no_wider_than_the_window_and_requests_nothing(browser, address, media, width, language):
     with opened(browser, f"{address}?{language}", width, 900, is_mobile=width < 600) as seen:
         seen.page.emulate_media(media=media)
         seen.page.evaluate(UNFOLD)
@@ -66,11 +66,11 @@ def test_one_language_is_seen_at_a_time(seen, language):
     seen.page.evaluate(UNFOLD)
     # The code is as it is, and some of it is English.
     text = "".join("".join(seen.page.locator("header, .text").all_inner_texts()).split())
-    for demo in ALL:
+    for lesson in ALL:
         for part in PARTS:
             for each in LANGUAGES:
-                words = "".join(demo.said(part, each).replace("`", "").split())
-                assert (words in text) == (each == language), (demo.name, part, each)
+                words = "".join(lesson.text(part, each).replace("`", "").split())
+                assert (words in text) == (each == language), (lesson.name, part, each)
     assert seen.page.title() == seen.page.inner_text("h1")
 
 
@@ -97,13 +97,13 @@ def test_address_remembers_the_language_that_was_chosen(browser, address):
 @pytest.mark.thorough
 @needs_browser
 @pytest.mark.parametrize("language", LANGUAGES)
-def test_who_hears_the_page_hears_one_language(seen, language):
+def test_screen_readers_get_one_language(seen, language):
     """What stands for a picture is in the language that is read; the buttons say in which their names are."""
     seen.page.click(f".languages button[value={language}]")
     heard = seen.page.evaluate("[...document.querySelectorAll('figure img:first-child')].map((image) => image.alt)")
     # Behind a number stands a space at which no line ends.
     assert [alt.replace("\u00a0", " ") for alt in heard] == [
-        demo.said("picture", language).replace("`", "") for demo in ALL
+        lesson.text("picture", language).replace("`", "") for lesson in ALL
     ]
     assert seen.page.evaluate("[...document.querySelectorAll('button')].map((button) => button.lang)") == [*LANGUAGES]
 
@@ -112,21 +112,21 @@ def test_who_hears_the_page_hears_one_language(seen, language):
 @needs_browser
 def test_contents_lead_to_every_lesson(seen):
     links = seen.page.evaluate("[...document.querySelectorAll('.contents a')].map((a) => a.getAttribute('href'))")
-    assert links == [f"#{name}" for name in DEMOS]
+    assert links == [f"#{name}" for name in LESSONS]
     for link in links:
         assert seen.page.locator(link).count() == 1
 
 
 @pytest.mark.thorough
 @needs_browser
-def test_answers_and_pictures_wait_until_they_are_asked_for(seen):
+def test_answers_and_pictures_are_folded_at_first(seen):
     assert not seen.page.locator("figure").first.is_visible()
-    assert not seen.page.get_by_text(DEMOS["spiral"].said("answer").split("`")[0][:40]).first.is_visible()
+    assert not seen.page.get_by_text(LESSONS["spiral"].text("answer").split("`")[0][:40]).first.is_visible()
     seen.page.click("#spiral summary >> nth=0")
     assert seen.page.locator("#spiral figure").is_visible()
     assert seen.page.locator("#spiral .printed").inner_text().strip() == played("spiral").printed.strip()
     seen.page.click("#spiral summary >> nth=1")
-    assert "".join(DEMOS["spiral"].said("answer").replace("`", "").split()) in "".join(
+    assert "".join(LESSONS["spiral"].text("answer").replace("`", "").split()) in "".join(
         seen.page.inner_text("#spiral .answer").split()
     )
 
@@ -154,7 +154,7 @@ def test_film_plays_on_demand_and_from_its_beginning(seen, name):
 def test_all_pictures_can_be_seen(seen):
     seen.page.evaluate(UNFOLD)
     wait_until(seen.page, "[...document.images].every((image) => image.complete && image.naturalWidth > 0)")
-    assert seen.page.evaluate("[...document.querySelectorAll('figure')].length") == len(DEMOS)
+    assert seen.page.evaluate("[...document.querySelectorAll('figure')].length") == len(LESSONS)
 
 
 @pytest.mark.thorough
@@ -183,35 +183,36 @@ def test_without_script_films_and_text_are_there_all_the_same(browser, address):
 @pytest.mark.thorough
 @needs_browser
 def test_programs_and_notebooks_can_be_taken_from_the_page(seen):
-    for demo in ALL:
-        links = seen.page.locator(f"#{demo.name} .files a")
+    for lesson in ALL:
+        links = seen.page.locator(f"#{lesson.name} .files a")
         files = dict(links.evaluate_all("(all) => all.map((a) => [a.download + '|' + (a.lang || ''), a.href])"))
         content = {name: base64.b64decode(href.split(",", 1)[1]).decode() for name, href in files.items()}
-        assert content.pop(f"{demo.path.name}|") == demo.source
-        assert content == {f"{demo.name}.ipynb|{each}": notebook(demo, each) for each in LANGUAGES}
+        assert content.pop(f"{lesson.path.name}|") == lesson.source
+        assert content == {f"{lesson.name}.ipynb|{each}": make_notebook(lesson, each) for each in LANGUAGES}
 
 
 @pytest.mark.thorough
 @needs_browser
 def test_page_shows_the_code_as_it_stands(browser, address):
     with opened(browser, address) as seen:
-        for demo in ALL:
-            code = "\n\n".join(block.text for block in demo.blocks if block.kind == "code")
-            assert seen.page.locator(f"#{demo.name} .code pre").inner_text().strip() == code
+        for lesson in ALL:
+            assert seen.page.locator(f"#{lesson.name} .code pre").inner_text().strip() == lesson.code
 
 
 def test_page_is_written_with_progress_and_the_same_every_time(tmp_path):
     told = []
-    write_lessons([DEMOS["spiral"], DEMOS["chain"]], tmp_path / "two.html", progress=lambda *steps: told.append(steps))
+    write_lessons(
+        [LESSONS["spiral"], LESSONS["chain"]], tmp_path / "two.html", progress=lambda *steps: told.append(steps)
+    )
     assert told == [(1, 2), (2, 2)]
-    assert (tmp_path / "two.html").read_text(encoding="utf-8") == page([played("spiral"), played("chain")])
+    assert (tmp_path / "two.html").read_text(encoding="utf-8") == make_page([played("spiral"), played("chain")])
 
 
 def test_interrupted_page_leaves_the_old_one(tmp_path, monkeypatch):
-    def interrupted(demo):
+    def interrupted(lesson):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(writing, "perform", interrupted)
+    monkeypatch.setattr(export, "record", interrupted)
     (tmp_path / "lessons.html").write_text("old")
     with pytest.raises(SystemExit) as stopped:
         main(["demo", "-o", str(tmp_path / "lessons.html")])

@@ -252,7 +252,7 @@ WORDS = {
     ),
     "study": lambda word: study(word, {}),
     "figure": lambda word: figure(word),
-    "lang": check_language,
+    "language": check_language,
 }
 
 

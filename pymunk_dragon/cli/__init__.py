@@ -1,6 +1,6 @@
-"""Words on the command line, exit codes, and nothing else.
+"""The command line: one module for each command; here the exit codes.
 
-Everything heavy is imported inside the command that needs it: `pymunk-dragon --help` shall answer at once.
+Commands import NumPy, Pymunk and the like in their functions, so that `pymunk-dragon --help` starts quickly.
 """
 
 from __future__ import annotations
@@ -30,9 +30,11 @@ from pymunk_dragon.errors import (
     one_line,
 )
 
-__all__ = ["cli", "main", "status"]
-
-DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
+# Exit codes.
+DONE = 0
+FAILED = 1
+BAD_INPUT = 2
+INTERRUPTED = 130
 
 
 def main(arguments: list[str] | None = None) -> None:
@@ -41,10 +43,10 @@ def main(arguments: list[str] | None = None) -> None:
 
 
 def status(arguments: list[str] | None = None) -> int:
-    """Run the program; its exit code."""
+    """Run the program and return its exit code."""
     _open_streams()
     try:
-        # Not `cli.main`, which writes an empty line of its own where it is interrupted.
+        # Not `cli.main`, which prints an empty line when it is interrupted.
         with cli.make_context(PROGRAM, list(sys.argv[1:] if arguments is None else arguments)) as context:
             cli.invoke(context)
         sys.stdout.flush()
@@ -62,11 +64,11 @@ def status(arguments: list[str] | None = None) -> int:
     except KeyboardInterrupt:
         return _complain(f"{PROGRAM}: interrupted", INTERRUPTED)
     except BrokenPipeError:
-        # The reader of our output has closed it.
+        # The reader of stdout has closed it, as `head` does.
         _drop_output()
         return FAILED
     except OSError as error:
-        # Nearly always the standard output: what reads and writes files raises errors of the package.
+        # Nearly always stdout: functions that read and write files raise errors of the package.
         _drop_output()
         what = f"{error.filename}: " if error.filename else ""
         return _complain(f"{PROGRAM}: cannot read or write: {what}{error.strerror or error}", FAILED)
@@ -75,22 +77,23 @@ def status(arguments: list[str] | None = None) -> int:
 
 
 def _open_streams() -> None:
-    """Give Python the standard streams that it lacks, and make the output write any text."""
+    """Replace missing standard streams by the null device, and have stdout escape what it cannot encode."""
     for name, mode in (("stdout", "r"), ("stderr", "w")):
         if getattr(sys, name) is None:
-            # A closed output stays unwritable, and a second error there changes nothing.
+            # stdout is opened for reading, so that writing to it still fails; errors on stderr are ignored.
             setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))  # noqa: SIM115  # Open until the end.
     if isinstance(sys.stdout, TextIOWrapper) and sys.stdout.errors == "strict":
         sys.stdout.reconfigure(errors="backslashreplace")
 
 
 def _drop_output() -> None:
-    """Forget what the output could not write: Python would complain once more when it flushes at exit."""
+    """Discard what stdout could not write, or Python would report it again when it flushes at exit."""
     with suppress(OSError):  # A test may have replaced the stream.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _complain(message: str, code: int) -> int:
+    """Print an error message and return the exit code."""
     with suppress(OSError):
         click.echo(message, err=True)
     return code

@@ -10,8 +10,6 @@ from pymunk_dragon.cli.options import destination_of, json_option, output_option
 from pymunk_dragon.cli.output import print_json, progress
 from pymunk_dragon.errors import ParameterError
 
-__all__ = ["demo"]
-
 
 @click.command()
 @click.argument("name", required=False)
@@ -25,13 +23,13 @@ def demo(name: str | None, save: str | None, language: str, pause: bool, as_json
 
     Each has a question, a prediction, a run, the answer, a number to check and something to try.
     """
-    from pymunk_dragon.lessons import DEMOS, Terminal, write_lessons
-    from pymunk_dragon.lessons._framework import check_language, endings
+    from pymunk_dragon.lessons import LESSONS, Terminal, play, record, write_lessons
+    from pymunk_dragon.lessons._framework import PARTS, check_language, endings
 
     check_language(language)
-    if name is not None and name not in DEMOS:
-        raise ParameterError("lesson", name, "one of " + ", ".join(DEMOS))
-    lessons = list(DEMOS.values()) if name is None else [DEMOS[name]]
+    if name is not None and name not in LESSONS:
+        raise ParameterError("lesson", name, "one of " + ", ".join(LESSONS))
+    lessons = list(LESSONS.values()) if name is None else [LESSONS[name]]
     if (save is not None or pause) and (name is None or output is not None):
         raise click.UsageError("--save and --pause are for a lesson that is played: give its name, and no -o")
     destination = destination_of(output, endings(lessons))
@@ -46,31 +44,22 @@ def demo(name: str | None, save: str | None, language: str, pause: bool, as_json
         if as_json:
             print_json({"output": str(destination), "bytes": destination.stat().st_size})
     elif name is None:
-        _list(language, as_json)
+        _list({lesson.name: lesson.text("title", language) for lesson in lessons}, language, as_json)
     elif as_json:
-        print_json(_played(name, save, language))
+        recording = record(LESSONS[name], save)
+        result: dict[str, Any] = {"lesson": name, "said": {part: LESSONS[name].text(part, language) for part in PARTS}}
+        print_json(result | {"printed": recording.printed, "picture": str(recording.file) if save else None})
     else:
-        DEMOS[name].play(Terminal(save, language, pause))
+        play(LESSONS[name], Terminal(save, language, pause))
 
 
-def _list(language: str, as_json: bool) -> None:
-    from pymunk_dragon.lessons import DEMOS
+def _list(titles: dict[str, str], language: str, as_json: bool) -> None:
+    """Print the names and titles of the lessons."""
     from pymunk_dragon.lessons._framework import check_output
 
-    titles = {name: one.said("title", language) for name, one in DEMOS.items()}
     if as_json:
         print_json({"lessons": titles})
     else:
         check_output(language)
-        rows = (f"{number:>2}  {name:<14} {title}" for number, (name, title) in enumerate(titles.items(), start=1))
-        click.echo("\n".join(rows))
-
-
-def _played(name: str, save: str | None, language: str) -> dict[str, Any]:
-    """What a lesson says, what it printed, and where its picture is, if it was kept."""
-    from pymunk_dragon.lessons import DEMOS, perform
-    from pymunk_dragon.lessons._framework import PARTS
-
-    found = perform(DEMOS[name], save)
-    said = {part: found.demo.said(part, language) for part in PARTS}
-    return {"lesson": name, "said": said, "printed": found.printed, "picture": str(found.file) if save else None}
+        for number, (name, title) in enumerate(titles.items(), start=1):
+            click.echo(f"{number:>2}  {name:<14} {title}")

@@ -1,4 +1,4 @@
-"""What several commands take."""
+"""Options that several commands share, and what they mean."""
 
 from __future__ import annotations
 
@@ -15,30 +15,15 @@ if TYPE_CHECKING:
     from pymunk_dragon.model.march import March
     from pymunk_dragon.model.run import Run
 
-__all__ = [
-    "PROGRAM",
-    "SCENARIO_OPTIONS",
-    "chosen",
-    "destination_of",
-    "json_option",
-    "march_of",
-    "named_flags",
-    "number_list",
-    "output_option",
-    "run_of",
-    "scenario_options",
-    "start_option",
-]
-
 Command = TypeVar("Command", bound=Callable[..., Any])
 
 PROGRAM = "pymunk-dragon"
-# Numbers in one list: more fill the memory, and are a slip of the finger.
+# Numbers in one list: more would fill the memory, and come from a typing error.
 MAX_LIST = 1_000_000
 
 
-def speed_text(value: str) -> float | str:
-    """A number, or the name of a file; what may be in it is for the scenario to say."""
+def speed_or_file(value: str) -> float | str:
+    """A number, or the name of a CSV file, which the scenario reads."""
     try:
         return float(value)
     except ValueError:
@@ -47,6 +32,7 @@ def speed_text(value: str) -> float | str:
         raise click.BadParameter(f"{value!r} is neither a number nor a file of a table, which ends in .csv") from None
 
 
+# Type, placeholder and help of each option of a scenario; its flag is the name with hyphens.
 SCENARIO_OPTIONS: dict[str, tuple[Any, str, str]] = {
     "benches": (int, "N", "Number of benches.  [223]"),
     "head_spacing": (float, "M", "Distance between the head's holes, m.  [2.86]"),
@@ -58,12 +44,12 @@ SCENARIO_OPTIONS: dict[str, tuple[Any, str, str]] = {
     "turns": (float, "X", "Turn of the spiral on which the head starts.  [16]"),
     "radius": (float, "M", "Radius of the circle in which a u-turn is made, m.  [4.5]"),
     "ratio": (float, "X", "Radius of a u-turn's first arc over that of its second.  [2]"),
-    "speed": (speed_text, "M/S|FILE.csv", "Speed of the head, m/s, or a file with times and speeds t,v.  [1]"),
+    "speed": (speed_or_file, "M/S|FILE.csv", "Speed of the head, m/s, or a file with times and speeds t,v.  [1]"),
 }
 
 
 def scenario_options(command: Command) -> Command:
-    """Give a command the options of a scenario, as one argument `scenario`: the chosen names and values."""
+    """Add the options of a scenario to a command, which gets `scenario_file`; `chosen` has the others."""
 
     def collect(context: click.Context, parameter: click.Parameter, value: Any) -> None:
         if value is not None:
@@ -82,71 +68,71 @@ start_option = click.option("--from", "start", type=float, default=0.0, metavar=
 
 
 def output_option(endings: str, required: bool = False) -> Callable[[Command], Command]:
-    """The option -o; its ending chooses the format."""
+    """The option -o; the ending of its file chooses the format."""
     return click.option("-o", "--output", metavar="FILE", required=required, help=f"File to write: {endings}.")
 
 
 def chosen() -> dict[str, Any]:
-    """The scenario options that were given as flags."""
+    """The scenario options that were given as flags, by name."""
     found: dict[str, Any] = click.get_current_context().meta.get("scenario", {})
     return found
 
 
 def named_flags(command: Command) -> Command:
-    """Let errors of a command name the flags of its options, where they name the parameters that these are given to."""
+    """Wrap a command so that its errors name a flag instead of the parameter that gets its value."""
 
     @wraps(command)
-    def called(*arguments: Any, **options: Any) -> Any:
+    def wrapper(*arguments: Any, **options: Any) -> Any:
         try:
             return command(*arguments, **options)
         except (ParameterError, FileFormatError) as error:
             raise _named_by_flag(error) from error
 
-    return called  # type: ignore[return-value]  # It takes and returns the same.
+    return wrapper  # type: ignore[return-value]  # It takes and returns the same.
 
 
 def _named_by_flag(error: ParameterError | FileFormatError) -> Exception:
+    """The error with the name of a flag, if a flag has the parameter's name or, failing that, its number."""
     context = click.get_current_context()
-    values = context.params | chosen()
-    for option in context.command.params:
-        if not isinstance(option, click.Option):
-            continue
-        name, flag = str(option.name), option.opts[0]
-        if isinstance(error, FileFormatError):
-            if values.get(name) == str(error.path):
-                return FileFormatError(f"{flag} {error.path}", error.reason)
-        elif error.name in (name, flag.lstrip("-").replace("-", "_")):
-            # Other values come from a scenario file, which has no flags.
-            if name not in SCENARIO_OPTIONS or name in values:
-                return ParameterError(flag, error.value, error.bound)
-        elif option.is_flag and isinstance(error.value, str) and error.value == name:
-            return click.UsageError(f"{flag} must be {error.bound}")
-    return _named_by_value(error) if isinstance(error, ParameterError) else error
-
-
-def _named_by_value(error: ParameterError) -> ParameterError:
-    """The error with the name of the flag that was typed with its number, if there is one such flag."""
-    if not isinstance(error.value, float):
-        return error
-    context = click.get_current_context()
-    typed = [
-        option.opts[0]
+    given = context.params | chosen()
+    # Options of a scenario that are not given have their values from a file or by default: they keep their names.
+    flags = {
+        str(option.name): (option.opts[0], option.is_flag)
         for option in context.command.params
-        if isinstance(option, click.Option) and context.params.get(str(option.name)) == error.value
-    ]
-    return ParameterError(typed[0], error.value, error.bound) if len(typed) == 1 else error
+        if isinstance(option, click.Option) and (option.name not in SCENARIO_OPTIONS or option.name in given)
+    }
+    if isinstance(error, FileFormatError):
+        for name, (flag, _) in flags.items():
+            if given.get(name) == str(error.path):
+                return FileFormatError(f"{flag} {error.path}", error.reason)
+        return error
+    for name, (flag, is_flag) in flags.items():
+        if error.name in (name, flag.lstrip("-").replace("-", "_")):
+            return ParameterError(flag, error.value, error.bound)
+        if is_flag and isinstance(error.value, str) and error.value == name:
+            return click.UsageError(f"{flag} must be {error.bound}")
+    # Such as a time that a function deeper down calls t.
+    number = error.value if isinstance(error.value, float) else None
+    same = [flag for name, (flag, _) in flags.items() if number is not None and given.get(name) == number]
+    return ParameterError(same[0], error.value, error.bound) if len(same) == 1 else error
 
 
 def march_of(scenario_file: str | None) -> March:
-    """The march of a scenario file with the flags laid over it."""
+    """The march of a scenario file, whose values are replaced by those of flags."""
     from pymunk_dragon.model.scenario import Scenario
 
     values = Scenario.read(scenario_file) if scenario_file is not None else {}
-    return Scenario.from_dict({**values, **chosen()}).march()
+    try:
+        return Scenario.from_dict(values | chosen()).march()
+    except ParameterError as error:
+        if error.name in chosen():
+            raise
+        # A key of the file or a default. An option of this command may have its name: `start` is not --from.
+        raise click.UsageError(str(error)) from error
 
 
 def run_of(run_file: str, scenario_file: str | None) -> Run:
-    """A run that was saved, which brings its own scenario."""
+    """The run in a file, which has its own scenario."""
     from pymunk_dragon.model.run import Run
 
     if chosen() or scenario_file:
@@ -155,7 +141,7 @@ def run_of(run_file: str, scenario_file: str | None) -> Run:
 
 
 def destination_of(output: str | None, endings: tuple[str, ...]) -> Path | None:
-    """Check where to write before the long work that makes what is written."""
+    """The file to write, after `check_destination`; to be called before the long work."""
     if output is None:
         return None
     from pymunk_dragon._files import check_destination
@@ -164,7 +150,10 @@ def destination_of(output: str | None, endings: tuple[str, ...]) -> Path | None:
 
 
 def number_list(name: str, text: str) -> list[float]:
-    """Numbers from `0,60,120` or `0:300:1`, both ends included, or a mixture."""
+    """Numbers from `0,60,120` or `0:300:1`, both ends included, or a mixture.
+
+    A ParameterError names the parameter `name`.
+    """
     bound = "numbers such as 0,60,120 or first:last:step such as 0:300:1"
     numbers: list[float] = []
     for part in text.split(","):
@@ -176,7 +165,7 @@ def number_list(name: str, text: str) -> list[float]:
             numbers += values
         elif len(values) == 3 and all(abs(value) < float("inf") for value in values) and values[2] > 0:
             first, last, step = values
-            # A millionth of a step is rounding, as in 0:1:0.1.
+            # Rounding, as in 0:1:0.1, is less than a millionth of a step.
             count = (last - first) / step + 1e-6
             if not 0 <= count < MAX_LIST:
                 raise ParameterError(name, text, f"at least one and at most {MAX_LIST} numbers, first:last:step")

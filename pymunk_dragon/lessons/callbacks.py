@@ -9,7 +9,7 @@ from PIL import Image, ImageDraw
 from pymunk_dragon import Dragon, March, PillowDrawOptions, simulate
 from pymunk_dragon.lessons import Lesson
 
-lesson = Lesson("callbacks", "Who calls when they touch?")
+lesson = Lesson("callbacks", "Who calls when they touch?", order=100)
 
 lesson.question(
     "Nobody asks Pymunk whether two bodies touch: one gives it functions, and it calls them back. When does it call, "
@@ -22,9 +22,9 @@ lesson.predict(
 
 # One bench flies at another, each of 10 kg.
 space = pymunk.Space()
-for place, angle, velocity in [((-2.4, 1.7), -0.6, (2.5, -1)), ((0, 0), 0, (0, 0))]:
+for position, angle, velocity in [((-2.4, 1.7), -0.6, (2.5, -1)), ((0, 0), 0, (0, 0))]:
     body = pymunk.Body(mass=10, moment=5)
-    body.position, body.angle, body.velocity = place, angle, velocity
+    body.position, body.angle, body.velocity = position, angle, velocity
     shape = pymunk.Poly.create_box(body, (2.2, 0.3))
     shape.elasticity = 0.5
     space.add(body, shape)

@@ -1,4 +1,4 @@
-"""Where the next handle goes: of all places on the spiral at a bench's distance, the next one along the path."""
+"""Where the next handle goes: of all points on the spiral at a bench's distance, the next one along the path."""
 
 import numpy as np
 
@@ -6,7 +6,7 @@ from pymunk_dragon import Dragon, March, Spiral
 from pymunk_dragon.drawing.figures.style import AMBER, BLUE, RULE, halo
 from pymunk_dragon.lessons import Lesson
 
-lesson = Lesson("chain", "Where does the next handle go?")
+lesson = Lesson("chain", "Where does the next handle go?", order=20)
 
 lesson.question(
     "Two handles carry the head bench, both on the spiral, 2.86 m apart in a straight line. If the front one, handle "
@@ -18,18 +18,18 @@ lesson.predict(
     "it 2.86 m as well, 4 cm longer, or 40 cm longer?"
 )
 
-# Places on the spiral are metres along it up to the centre, which is at 0. Handle 0 has walked from turn 16 for t s.
+# The arc-length coordinate s is in metres from the centre. Handle 0 has walked from turn 16 for t s.
 t, bench = 300, 2.86
 spiral = Spiral(pitch=0.55)
 here = spiral.at_turn(16) + 1.0 * t
 handle = spiral.point(here)
 
 # Go in along the whole spiral, and note wherever the distance from handle 0 passes the length of the bench.
-place = np.linspace(spiral.at_turn(22), 0, 1_000_001)
-path = spiral.point(place)
+s = np.linspace(spiral.at_turn(22), 0, 1_000_001)
+path = spiral.point(s)
 beyond = np.hypot(*(path - handle).T) - bench
 i = np.flatnonzero(beyond[:-1] * beyond[1:] < 0)
-found = place[i] - beyond[i] * (place[i + 1] - place[i]) / (beyond[i + 1] - beyond[i])
+found = s[i] - beyond[i] * (s[i + 1] - s[i]) / (beyond[i + 1] - beyond[i])
 points = spiral.point(found)
 
 # The next one back along the path, and those nearest to it along the path.
@@ -42,10 +42,10 @@ for j in range(back - 2, back + 4):
 x, y = March(Dragon(head_spacing=bench), spiral).at(t).positions[0, 1]
 print(f"March's handle 1                              ({x:.6f}, {y:9.6f}) m")
 
-# The bench is the chord of a piece of the path. One turn further out, and further in, lie places as far away.
+# The bench is the chord of a piece of the path. One turn further out, and further in, are points as far away.
 figure, axes = lesson.subplots(figsize=(5.2, 5.0))
 axes.plot(*path.T, color=RULE, lw=1.2)
-axes.plot(*path[(place > found[back]) & (place < here)].T, color=BLUE, lw=3)
+axes.plot(*path[(s > found[back]) & (s < here)].T, color=BLUE, lw=3)
 turn = np.linspace(0, 2 * np.pi, 361)
 axes.plot(handle[0] + bench * np.cos(turn), handle[1] + bench * np.sin(turn), color=BLUE, lw=1)
 axes.plot(*points.T, "o", color=BLUE, ms=6)

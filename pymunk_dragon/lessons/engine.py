@@ -6,7 +6,7 @@ from pymunk_dragon import Dragon, March, simulate
 from pymunk_dragon.drawing.figures.style import AMBER, BLUE
 from pymunk_dragon.lessons import Lesson
 
-lesson = Lesson("engine", "What makes an engine exact?")
+lesson = Lesson("engine", "What makes an engine exact?", order=90)
 
 lesson.question(
     "A physics engine goes in short steps of time (`substep`), and in each of them it goes over all joints several "
@@ -24,24 +24,24 @@ substeps = [0.02, 0.01, 0.005]  # s
 figure, (left, right) = lesson.subplots(1, 2)
 for iterations, line in [(5, ":o"), (15, "--o"), (60, "-o"), (240, "-o")]:
     runs = [simulate(march, start=400, until=405, substep=h, iterations=iterations) for h in substeps]
-    drifts = [1e6 * run.max_drift for run in runs]
-    print(f"{iterations:3d} tries" + "".join(f"   {h} s: {d:6.3f} µm" for h, d in zip(substeps, drifts, strict=True)))
-    left.loglog(substeps, drifts, line, color=BLUE, markersize=4)
-    left.text(0.0225, drifts[0], f"{iterations} tries" if iterations < 240 else "", va="center")
+    errors = [1e6 * run.max_drift for run in runs]
+    print(f"{iterations:3d} tries" + "".join(f"   {h} s: {d:6.3f} µm" for h, d in zip(substeps, errors, strict=True)))
+    left.loglog(substeps, errors, line, color=BLUE, markersize=4)
+    left.text(0.0225, errors[0], f"{iterations} tries" if iterations < 240 else "", va="center")
 
 # One body of 1 kg and 1 kg m² slides along at 1 m/s, and a hole in it along a line: its joint has nothing to do.
 hole = (1.0, 1.0)  # m
 for name, line, above in [("GrooveJoint", "-", -14), ("PinJoint", "--", 4)]:
     space = pymunk.Space()
-    body, carrier = pymunk.Body(1, 1), pymunk.Body(body_type=pymunk.Body.KINEMATIC)
-    body.velocity = carrier.velocity = (1, 0)
-    # The groove is that line; the pin, 1 m long, hangs from a carrier that goes along above the hole.
-    carrier.position = (hole[0], hole[1] + 1)
+    body, anchor = pymunk.Body(1, 1), pymunk.Body(body_type=pymunk.Body.KINEMATIC)
+    body.velocity = anchor.velocity = (1, 0)
+    # The groove is that line; the pin, 1 m long, hangs from an anchor that goes along above the hole.
+    anchor.position = (hole[0], hole[1] + 1)
     if name == "GrooveJoint":
         space.add(pymunk.GrooveJoint(space.static_body, body, (0, hole[1]), (9, hole[1]), hole))
     else:
-        space.add(pymunk.PinJoint(carrier, body, (0, 0), hole))
-    space.add(body, carrier)
+        space.add(pymunk.PinJoint(anchor, body, (0, 0), hole))
+    space.add(body, anchor)
     space.step(0.01)
     print(f"{name:11}   after one step: {body.velocity.y:6.3f} m/s sideways", end="")
     off = []  # mm

@@ -7,7 +7,7 @@ from pymunk_dragon import Dragon, Grid, March, first_contact, separation
 from pymunk_dragon.drawing.figures.style import BLUE, CANDIDATE, COLOURS, QUIET, RULE, halo
 from pymunk_dragon.lessons import Lesson
 
-lesson = Lesson("grid", "Ask only the neighbours")
+lesson = Lesson("grid", "Ask only the neighbours", order=50)
 
 lesson.question(
     "Each bench is hinged to the one before it; any two others could touch. Of 16 benches these are 105 pairs, of 223 "
@@ -51,9 +51,9 @@ for count in (16, 223):
     print(f"{len(pairs):3} pairs to test  {touching.sum()} touching")
 
 figure, axes = lesson.subplots(figsize=(5.2, 4.1))
-for place, (column, row) in enumerate(cells, start=1):
+for number, (column, row) in enumerate(cells, start=1):
     axes.fill_between([column, column + 1], row, row + 1, color=CANDIDATE, alpha=0.6, lw=0)
-    axes.text(column + 0.08, row + 0.92, str(place), path_effects=halo(), zorder=4)
+    axes.text(column + 0.08, row + 0.92, str(number), path_effects=halo(), zorder=4)
 for bench in range(16):
     axes.fill(*in_cells(benches[bench]).T, fill=False, color=COLOURS.ink if bench in (0, 8) else QUIET)
 axes.annotate("", end, start, arrowprops={"color": BLUE, "width": 2, "headwidth": 9})

@@ -1,4 +1,4 @@
-"""A contact of a tenth of a second, which a look each second misses, and a search that cannot miss it."""
+"""A contact of a tenth of a second, which samples at each second miss, and a search that cannot miss it."""
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -7,7 +7,7 @@ from pymunk_dragon import Dragon, March, first_contact, scan, separation
 from pymunk_dragon.drawing.figures.style import BLUE, CANDIDATE, COLOURS
 from pymunk_dragon.lessons import Lesson
 
-lesson = Lesson("missed-window", "The contact that nobody saw")
+lesson = Lesson("missed-window", "The contact that nobody saw", order=70)
 
 lesson.question(
     "Make all benches one millimetre wider: 0.301 m. A program that looks each second whether any two overlap finds "
@@ -30,18 +30,18 @@ def gap(times: ArrayLike) -> NDArray[np.float64]:
 
 
 # A search that cannot miss. Holes go at 1 m/s at most; corners are 0.31 m from them, on benches that turn at less than
-# 0.5 rad/s, so they are slower than 1.2 m/s. From what it is in the middle of a stretch of time, no gap shrinks by more
-# than two benches can go in half of it. Where that is not enough to clear the stretch, both halves are looked at.
-fastest, begins, until, looks = 1200, np.arange(400.0, 413.0), np.inf, 0  # mm/s, s, s
+# 0.5 rad/s, so they are slower than 1.2 m/s. Within a time interval no gap is smaller than in its middle by more than
+# two benches move in half of it. An interval in which that could close the gap is split into its halves.
+fastest, begins, until, samples = 1200, np.arange(400.0, 413.0), np.inf, 0  # mm/s, s, s
 for halvings in range(31):
     length = 0.5**halvings
     gaps = gap(begins + length / 2)
-    looks += len(gaps)
+    samples += len(gaps)
     until = min([until, *begins[gaps <= 0] + length / 2])  # a contact; what comes later is not the first
     begins = begins[gaps <= 2 * fastest * length / 2]
     begins = np.sort(np.concatenate([begins, begins + length / 2]))
     begins = begins[begins < until]
-print(f"{'this search':14}{until:.6f} s  none before {begins[0]:.5f} s  {looks} looks")
+print(f"{'this search':14}{until:.6f} s  none before {begins[0]:.5f} s  {samples} looks")
 
 # How long and how deep the contact is, and the angle between the two benches when it is deepest.
 times = np.linspace(409.7, 410.05, 35_001)

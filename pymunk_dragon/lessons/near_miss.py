@@ -6,7 +6,7 @@ from pymunk_dragon import Camera, Dragon, March, Spiral, first_contact, render, 
 from pymunk_dragon.lessons import Lesson
 from pymunk_dragon.model.dragon import bench_poses
 
-lesson = Lesson("near-miss", "Nearly is not hit")
+lesson = Lesson("near-miss", "Nearly is not hit", order=60)
 
 lesson.question(
     "On its way in the head, which is bench 0, passes bench 9, then bench 11, and then runs into bench 8. A bench is "
@@ -18,14 +18,14 @@ lesson.predict(
     "long steps?"
 )
 
-# The exact model: the near misses, and the first contact. Then one that looks every 10 s, and bisects where benches
+# The exact model: the near misses, and the first contact. Then samples every 10 s, and bisection where benches
 # overlap.
 march = March(Dragon(), Spiral(pitch=0.55), turns=16, speed=1.0)
-hit, look = first_contact(march), scan(march, until=420, step=10)
+hit, sampled = first_contact(march), scan(march, until=420, step=10)
 for miss in hit.near_misses:
     print(f"{'exact':15}{miss.time:.3f} s  benches {miss.benches}  gap {1000 * miss.gap:.3f} mm")
 print(f"{'exact':15}{hit.time:.3f} s  benches {hit.benches}  contact")
-print(f"{'every 10 s':15}{look.time:.3f} s  benches {look.benches}  contact")
+print(f"{'every 10 s':15}{sampled.time:.3f} s  benches {sampled.benches}  contact")
 
 # The same march, but x and y of all handles are cut after three decimals, as in the paper's tables.
 times = np.arange(405, 413, 0.001)

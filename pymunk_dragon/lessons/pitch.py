@@ -1,4 +1,4 @@
-"""How tight it can coil: the smallest pitch, and a smaller one that only looks free."""
+"""How tight it can coil: the smallest pitch, and a smaller one that only seems free."""
 
 import numpy as np
 
@@ -6,7 +6,7 @@ from pymunk_dragon import Dragon, March, Spiral, min_pitch, separation
 from pymunk_dragon.drawing.figures.style import AMBER, BLUE, COLOURS, QUIET
 from pymunk_dragon.lessons import Lesson
 
-lesson = Lesson("pitch", "How tight can it coil?")
+lesson = Lesson("pitch", "How tight can it coil?", order=120)
 
 lesson.question(
     "The head starts on turn 16 of the spiral and shall come to 4.5 m from its centre, without any bench touching "
@@ -24,7 +24,7 @@ print(f"the way in      {16 * found.pitch:.6f} m to 4.5 m from the centre  {foun
 
 
 def smallest_gap(pitch: float, step: float) -> float:
-    """The smallest gap between the head and benches 2 to 39 in mm, looked at every `step` s from 200 s on."""
+    """The smallest gap between the head and benches 2 to 39 in mm, sampled every `step` s from 200 s on."""
     spiral = Spiral(pitch=pitch)
     march = March(Dragon(benches=40), spiral)
     arrival = spiral.at_radius(4.5) - march.head_start  # m along the spiral, and so s at 1 m/s
@@ -32,7 +32,7 @@ def smallest_gap(pitch: float, step: float) -> float:
     return float(1000 * separation(benches[:, :1], benches[:, 2:]).distance.min())
 
 
-# With a look each second: halve the bracket, until the answer is known to a millionth of a metre.
+# With a sample each second: halve the bracket, until the answer is known to a millionth of a metre.
 blocked, free, look = 0.4500, 0.4505, 1.0  # m, m, s
 while free - blocked > 1e-7:
     middle = (blocked + free) / 2

@@ -6,7 +6,7 @@ from pymunk_dragon import Dragon, March, first_contact, render, simulate
 from pymunk_dragon.lessons import Lesson
 from pymunk_dragon.model.curves import Sampled
 
-lesson = Lesson("robot", "A dragon in the machine")
+lesson = Lesson("robot", "A dragon in the machine", order=150)
 
 lesson.question(
     "A snake arm looks into engines where no hand can reach: its 16 links go where the tip went before. You draw the "
@@ -24,12 +24,12 @@ arm = Dragon(
     overhang=0.02,
     width=[0.05] * 7 + [0.06] * 5 + [0.07] * 4,
 )
-# The way, as points that were tapped on a screen; the smooth curve through them is what the tip follows.
+# The path, as points that were tapped on a screen; the smooth curve through them is what the tip follows.
 points = [(-1.9, 0), (-1.6, 0), (-1.3, 0), (-1, 0), (-0.75, 0.08), (-0.5, 0.25), (-0.25, 0.3), (-0.03, 0.15)]
 points += [(0.1, -0.1), (0.32, -0.25), (0.55, -0.15), (0.6, 0.1), (0.42, 0.28), (0.2, 0.22), (0.05, 0.05), (-0.1, -0.1)]
 march = March(arm, Sampled(np.array(points)), speed=0.2)
 
-# All that the dragon can be asked, the arm can: does it run into itself, exactly and in Pymunk, ...
+# As for the dragon: does it run into itself, exactly and in Pymunk, ...
 hit = first_contact(march)
 run = simulate(march, frame_interval=0.1)
 print(f"exact    t = {hit.time:.4f} s   {hit.status}   links {hit.benches}")

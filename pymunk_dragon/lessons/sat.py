@@ -8,7 +8,7 @@ from pymunk_dragon import outlines, separation
 from pymunk_dragon.drawing.figures.style import AMBER, BLUE, COLOURS
 from pymunk_dragon.lessons import Lesson
 
-lesson = Lesson("sat", "Four shadows decide")
+lesson = Lesson("sat", "Four shadows decide", order=40)
 
 lesson.question(
     "Two benches are rectangles, 2.20 m long and 0.30 m wide, at any angle to each other. How does a program find out, "
@@ -23,7 +23,7 @@ length, width, aside, ahead = 2.20, 0.30, 1.60, 0.90  # m; so far aside and ahea
 names = ["blue, along", "blue, across", "amber, along", "amber, across"]
 
 
-def look(degrees: float) -> tuple[NDArray[np.float64], ...]:
+def shadows(degrees: float) -> tuple[NDArray[np.float64], ...]:
     """Both benches, the axes along their edges, where the shadows on these begin and end, and the gaps between them."""
     poses = [(-aside / 2, -ahead / 2, 0), (aside / 2, ahead / 2, np.radians(degrees))]
     benches = outlines(poses, [length, length], width)  # (2 benches, 4 corners, x and y)
@@ -35,7 +35,7 @@ def look(degrees: float) -> tuple[NDArray[np.float64], ...]:
 
 # The widest of the four gaps, and what the library says of the same benches. A gap below zero is an overlap.
 for turn in range(30, 180, 30):
-    benches, *_, gaps = look(turn)
+    benches, *_, gaps = shadows(turn)
     found = separation(*benches).distance
     print(f"{turn:3} deg  widest gap {gaps.max():7.4f} m  {names[gaps.argmax()]:13}  separation {found:7.4f} m")
 
@@ -44,7 +44,7 @@ figure, floor = lesson.subplots(figsize=(5.2, 5.2))
 
 def draw(degrees: float) -> None:
     """The benches, below them their shadows, and through the widest gap a dashed line along the bench's other axis."""
-    benches, axes, begins, ends, gaps = look(degrees)
+    benches, axes, begins, ends, gaps = shadows(degrees)
     best, apart = int(gaps.argmax()), gaps.max() > 0
     floor.clear()
     floor.set(xlim=(-2.1, 2.1), ylim=(-2.5, 1.7), xticks=[], yticks=[], frame_on=False)

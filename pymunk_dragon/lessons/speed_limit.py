@@ -7,7 +7,7 @@ from pymunk_dragon.drawing.figures.style import AMBER, BLUE, COLOURS, RULE
 from pymunk_dragon.lessons import Lesson
 from pymunk_dragon.studies import max_speed
 
-lesson = Lesson("speed-limit", "The head sets the pace, and others have to run")
+lesson = Lesson("speed-limit", "The head sets the pace, and others have to run", order=140)
 
 lesson.question(
     "In the turn inside the circle 9 m wide the head keeps a steady pace, but not everybody behind it can. If nobody "
@@ -33,11 +33,11 @@ for i in range(found.handle):
     print(f"bench {i}: {np.degrees(front):7.4f} and {np.degrees(rear):7.4f} degrees  cos / cos = {lever:.6f}")
 print(f"product {product:.4f}")
 
-# Where the head enters the circle, changes arcs and leaves, the path bends differently from one moment to the next.
+# Where the head enters the circle, changes arcs and leaves, the curvature of the path jumps.
 figure, axes = lesson.subplots()
-for place, name in zip(found.curve.joints, ("enters", "changes", "leaves"), strict=True):
-    axes.axvline(place / found.speed, color=RULE)
-    axes.text(place / found.speed + 0.15, 0.05, name, rotation=90, transform=axes.get_xaxis_transform())
+for s, name in zip(found.curve.joints, ("enters", "changes", "leaves"), strict=True):
+    axes.axvline(s / found.speed, color=RULE)
+    axes.text(s / found.speed + 0.15, 0.05, name, rotation=90, transform=axes.get_xaxis_transform())
 t = np.linspace(-1, 19, 2001)
 speeds = march.at(t, 4).speeds
 for handle, line, colour in ((0, "-", BLUE), (1, ":", COLOURS.ink), (3, "--", AMBER)):

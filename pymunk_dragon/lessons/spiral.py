@@ -6,7 +6,7 @@ from pymunk_dragon import Spiral
 from pymunk_dragon.drawing.figures.style import AMBER, BLUE
 from pymunk_dragon.lessons import Lesson
 
-lesson = Lesson("spiral", "A steady walk that turns ever faster")
+lesson = Lesson("spiral", "A steady walk that turns ever faster", order=10)
 
 lesson.question(
     "In the bench dragon, a folk dance, some 200 benches hinged end to end coil inward on a spiral. The head walks at "
@@ -22,15 +22,15 @@ lesson.predict(
 spiral = Spiral(pitch=0.55)
 speed, until = 1.0, 400
 t = np.linspace(0, until, 100 * until + 1)
-place = spiral.at_turn(16) + speed * t  # metres along the curve
-theta, points = spiral.angle(place), spiral.point(place)
+s = spiral.at_turn(16) + speed * t  # metres along the curve
+theta, points = spiral.angle(s), spiral.point(s)
 
 # Both speeds, measured as with a stopwatch: what has changed within 0.01 s, over that time.
-turning = -np.gradient(theta, t)  # rad/s about the centre
+rate = -np.gradient(theta, t)  # rad/s about the centre
 walking = np.hypot(*np.gradient(points, t, axis=0).T)  # m/s along the curve
 for i in np.linspace(0, len(t) - 1, 5, dtype=int):
     print(f"t = {t[i]:3.0f} s  r = {np.hypot(*points[i]):.3f} m  walking {walking[i]:.4f} m/s  ", end="")
-    print(f"turning {turning[i]:.4f} rad/s, a round in {2 * np.pi / turning[i]:.1f} s")
+    print(f"turning {rate[i]:.4f} rad/s, a round in {2 * np.pi / rate[i]:.1f} s")
 
 # Two pieces of the path, each walked in 5 s: as long as each other, but seen from the centre they are not as wide.
 figure, (ground, chart) = lesson.subplots(1, 2, figsize=(5.8, 3.2), width_ratios=(1.2, 1))
@@ -42,7 +42,7 @@ ground.set_aspect("equal")
 ground.set_axis_off()
 chart.plot(t, walking, color=BLUE)
 chart.text(0, 0.92, "walking, m/s", color=BLUE)
-chart.plot(t, turning, "--", color=AMBER)
+chart.plot(t, rate, "--", color=AMBER)
 chart.text(0, 0.17, "turning, rad/s", color=AMBER)
 chart.set(xlabel="time (s)", ylim=(0, None))
 lesson.show(

@@ -7,7 +7,7 @@ import pymunk
 from pymunk_dragon.drawing.figures.style import AMBER, BLUE, QUIET
 from pymunk_dragon.lessons import Lesson
 
-lesson = Lesson("tension", "Which joint breaks first?")
+lesson = Lesson("tension", "Which joint breaks first?", order=110)
 
 lesson.question(
     "A head pulls 24 benches along a straight line, always at 1 m/s, and the ground drags at each of them. Which joint "

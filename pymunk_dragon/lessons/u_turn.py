@@ -5,7 +5,7 @@ import numpy as np
 from pymunk_dragon import Camera, March, UTurn, render
 from pymunk_dragon.lessons import Lesson
 
-lesson = Lesson("u-turn", "Two dragons race through the turn")
+lesson = Lesson("u-turn", "Two dragons race through the turn", order=130)
 
 lesson.question(
     "The dragon comes in on a spiral of 1.7 m a turn, goes round within a circle 9 m wide on two arcs that touch each "

@@ -5,7 +5,7 @@ import numpy as np
 from pymunk_dragon import Dragon, March, render, simulate
 from pymunk_dragon.lessons import Lesson
 
-lesson = Lesson("unguided", "What do the dancers do?")
+lesson = Lesson("unguided", "What do the dancers do?", order=80)
 
 lesson.question(
     "Every bench hangs on the one before it, and the head walks its spiral without a fault. Does it take dancers to "

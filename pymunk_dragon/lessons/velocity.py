@@ -6,7 +6,7 @@ from pymunk_dragon import March
 from pymunk_dragon.drawing.figures.style import AMBER, BLUE
 from pymunk_dragon.lessons import Lesson
 
-lesson = Lesson("velocity", "Slower towards the tail")
+lesson = Lesson("velocity", "Slower towards the tail", order=30)
 
 lesson.question(
     "All 223 benches are rigid and hang together, and the head walks at 1 m/s. Five minutes after the start the tail "
@@ -23,13 +23,13 @@ state = march.at(t)
 for handle in march.dragon.representatives:
     print(f"handle {handle:3d}  {state.speeds[0, handle]:.6f} m/s")
 
-# The head bench, and the angles between it and the ways that its two handles go.
+# The head bench, and the angles between it and the velocities of its two handles.
 bench = state.positions[0, 0] - state.positions[0, 1]
 front, rear = (np.arccos(v @ bench / np.hypot(*v) / np.hypot(*bench)) for v in state.velocities[0, :2])
 print(f"head bench: {np.degrees(front):.4f} and {np.degrees(rear):.4f} degrees  ", end="")
 print(f"cos / cos = {np.cos(front) / np.cos(rear):.6f}")
 
-# The paper's way (its eq. 15): how far the angle theta comes in a step of time, over that step.
+# The paper's method (its eq. 15): the change of the angle theta in a time step, over that step.
 steps = 10.0 ** np.arange(0, -11, -1)
 errors = [np.abs(march.speeds_by_difference(t, step) - state.speeds).max() for step in steps]
 for step, error in zip(steps[:5], errors, strict=False):

@@ -1,83 +1,120 @@
-"""What a lesson's file calls."""
+"""The class whose methods the file of a lesson calls."""
 
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any
 
-from pymunk_dragon._extras import library
+from pymunk_dragon._extras import optional_imports
 from pymunk_dragon._files import written_in_place
-from pymunk_dragon.lessons._framework.notebook import InNotebook
-from pymunk_dragon.lessons._framework.stage import Stage, stage
+from pymunk_dragon.lessons._framework.notebook import NotebookOutput
+from pymunk_dragon.lessons._framework.play import current_output
 from pymunk_dragon.lessons._framework.terminal import Terminal
 
-__all__ = ["Lesson"]
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
-# Inches of a picture with axes: so small that its type can be read on a phone.
-WIDTH, HEIGHT = 5.2, 3.7
-
-
-class Drawing(Protocol):
-    """A picture that can be written, as matplotlib's figures can."""
-
-    def savefig(self, fname: Path, /) -> None:
-        """Write it to a file."""
-        ...
+# Inches. Default size of a figure: small enough for its text to be legible on a phone.
+FIGURE_SIZE = (5.2, 3.7)
 
 
 class Lesson:
-    """A lesson that is being told: its file says one part after the other, and does in between what it talks about.
+    """A lesson that is running: its file calls a method for each text, and runs its code between them.
 
-    Run by itself, as `python near_miss.py --save pictures --lang zh`, it is told in the terminal; in a notebook, its
-    pictures appear there.
+    Run as a program, ``python near_miss.py --save pictures --lang zh``, it prints to the terminal. In a notebook it
+    shows its picture.
 
     Parameters
     ----------
     name : str
-        The lesson's name in the program and in the catalogues of translations.
+        Name of the lesson on the command line and in the files of translations.
     title : str
-        Its title.
+        Title in English.
+    order : float, optional
+        The lessons of the package are listed by increasing order; steps of ten leave room for more. It has no effect
+        while the lesson runs.
 
     Notes
     -----
-    What is said is written as one text, not put together, so that it can be read, and translated, without playing it.
+    Name, title, order and texts must be literals: they are also read from the file without running it.
+
+    Examples
+    --------
+    The file of a lesson in short; each call with a text prints it:
+
+    >>> lesson = Lesson("pendulum", "A swing in numbers", order=160)  # doctest: +SKIP
+    >>> lesson.question("How long does a pendulum of 1 m take?")  # doctest: +SKIP
+    >>> lesson.predict("One second, two, or three?")  # doctest: +SKIP
+    >>> print(f"{2 * math.pi * (1 / 9.81) ** 0.5:.3f} s")  # doctest: +SKIP
+    >>> figure, axes = lesson.subplots()  # doctest: +SKIP
+    >>> lesson.show(figure, "The period grows with the root of the length.")  # doctest: +SKIP
+    >>> lesson.answer("Two seconds. The mass does not matter.")  # doctest: +SKIP
+    >>> lesson.check("2.006 s: count ten swings.")  # doctest: +SKIP
+    >>> lesson.change("Make it four times as long.")  # doctest: +SKIP
     """
 
-    def __init__(self, name: str, title: str) -> None:
+    def __init__(self, name: str, title: str, *, order: float | None = None) -> None:
         self.name = name
-        self._stage = stage() or _own_stage()
+        self.order = order
+        default = NotebookOutput if "ipykernel" in sys.modules else Terminal.of_program
+        self._output = current_output.get() or default()
         self._style = ExitStack()
-        self._stage.say(name, "title", title)
+        self._output.say(name, "title", title)
 
     def question(self, text: str) -> None:
-        """Say what it is about."""
-        self._stage.say(self.name, "question", text)
+        """Print the question of the lesson."""
+        self._output.say(self.name, "question", text)
 
     def predict(self, text: str) -> None:
-        """Say what the class shall guess before it sees what happens."""
-        self._stage.say(self.name, "predict", text)
+        """Print the predictions that the class chooses from, before the code runs."""
+        self._output.say(self.name, "predict", text)
 
     def answer(self, text: str) -> None:
-        """Say what the answer is, in two sentences."""
-        self._stage.say(self.name, "answer", text)
+        """Print the answer, two sentences."""
+        self._output.say(self.name, "answer", text)
 
     def check(self, text: str) -> None:
-        """Say which of the printed numbers the student can check, and how."""
-        self._stage.say(self.name, "check", text)
+        """Print how to check one of the printed numbers by hand."""
+        self._output.say(self.name, "check", text)
 
     def change(self, text: str) -> None:
-        """Say what to change in the file, and to try; the lesson's last words."""
-        self._stage.say(self.name, "change", text)
-        self._stage.end(self.name)
+        """Print what to change in the code and try; the last text of the lesson."""
+        self._output.say(self.name, "change", text)
 
     def file(self, ending: str) -> Path:
-        """Where to write the lesson's picture or film: named after the lesson, with this ending, as ".gif"."""
-        return self._stage.folder / f"{self.name}{ending}"
+        """File for the lesson's picture or film: the name of the lesson with an ending, as ".gif"."""
+        return self._output.folder() / f"{self.name}{ending}"
 
-    def subplots(self, rows: int = 1, columns: int = 1, **options: Any) -> tuple[Any, Any]:
-        """An empty picture with axes, as `matplotlib.pyplot.subplots` gives it, in the house's colours and type.
+    def subplots(
+        self,
+        rows: int = 1,
+        columns: int = 1,
+        *,
+        figsize: tuple[float, float] = FIGURE_SIZE,
+        sharex: bool = False,
+        sharey: bool = False,
+        width_ratios: Sequence[float] | None = None,
+        height_ratios: Sequence[float] | None = None,
+        subplot_kw: dict[str, Any] | None = None,
+    ) -> tuple[Any, Any]:
+        """A new figure and its axes, as of `matplotlib.pyplot.subplots`, in the colours and fonts of the figures.
+
+        Parameters
+        ----------
+        rows, columns : int
+            Numbers of rows and columns of axes.
+        figsize : (float, float)
+            Width and height, inches.
+        sharex, sharey, width_ratios, height_ratios, subplot_kw
+            As in `matplotlib.pyplot.subplots`.
+
+        Returns
+        -------
+        figure : matplotlib.figure.Figure
+        axes : matplotlib.axes.Axes or array of them
 
         Raises
         ------
@@ -87,24 +124,28 @@ class Lesson:
         from pymunk_dragon.drawing.figures.style import chart, styled
 
         self._style.enter_context(styled())
-        # The house's face has no minus sign for powers of ten, which a student's axes may well have.
-        library("matplotlib").rcParams["axes.unicode_minus"] = False
-        figure = chart(*options.pop("figsize", (WIDTH, HEIGHT)))
-        return figure, figure.subplots(rows, columns, **options)
+        with optional_imports():
+            import matplotlib
+        # The font has no minus sign for powers of ten, which a student's axes may have.
+        matplotlib.rcParams["axes.unicode_minus"] = False
+        figure = chart(*figsize)
+        axes = figure.subplots(
+            rows,
+            columns,
+            sharex=sharex,
+            sharey=sharey,
+            width_ratios=width_ratios,
+            height_ratios=height_ratios,
+            subplot_kw=subplot_kw,
+        )
+        return figure, axes
 
-    def show(self, picture: Path | Drawing, text: str) -> None:
-        """Show a film that was written to `file`, or a picture with axes, and say what it shows."""
-        # A film of axes was written in the house's style too: whatever is drawn next, has its own.
+    def show(self, picture: Path | Figure, text: str) -> None:
+        """Show the picture of the lesson: a film written to `file`, or a figure, and a text on what it shows."""
+        # The style of `subplots` also applies to a film of a figure. It ends here: what is drawn next has its own.
         with self._style:
             if not isinstance(picture, Path):
                 with written_in_place(path := self.file(".png")) as draft:
                     picture.savefig(draft)
                 picture = path
-        self._stage.show(self.name, picture, text)
-
-
-def _own_stage() -> Stage:
-    """Where a lesson is told that is run by itself."""
-    if "ipykernel" in sys.modules:
-        return InNotebook()
-    return Terminal.of_program(sys.argv)
+        self._output.show(self.name, picture, text)

@@ -1,84 +1,97 @@
-"""A lesson as a notebook."""
+"""A lesson as a Jupyter notebook, and the output of a lesson that runs in one."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from importlib import import_module
 from pathlib import Path
 
-from pymunk_dragon._extras import library
-from pymunk_dragon.lessons._framework.catalogue import with_code, word
-from pymunk_dragon.lessons._framework.demo import CODE, Demo
-from pymunk_dragon.lessons._framework.order import after
+from pymunk_dragon._extras import optional_imports
+from pymunk_dragon.lessons._framework.lesson_file import CODE, LessonFile, next_lesson
+from pymunk_dragon.lessons._framework.play import Output
+from pymunk_dragon.lessons._framework.translations import heading, with_code
 
-__all__ = ["InNotebook", "notebook"]
-
-# Where a cell ends: before a paragraph of code that begins with a comment.
-PARAGRAPH = re.compile(r"\n{2,}(?=# )")
-# What stands above the code, and what stands below it and folded, so that nobody reads it too early.
-ABOVE, BELOW = ("question", "predict"), ("answer", "check", "change")
+MARKDOWN = "markdown"
+# End of a cell: an empty line before a paragraph of code that begins with a comment.
+END_OF_CELL = re.compile(r"\n{2,}(?=# )")
 
 
-def notebook(demo: Demo, language: str = "en") -> str:
-    """A lesson as the text of a Jupyter notebook, in `language`, made from the lesson's file.
+def make_notebook(lesson: LessonFile, language: str = "en") -> str:
+    """A lesson as the JSON text of a notebook.
+
+    Parameters
+    ----------
+    lesson : LessonFile
+        The lesson, which is not run.
+    language : str
+        One of `LANGUAGES`, that of the texts.
+
+    Returns
+    -------
+    str
+        The notebook: question and prediction, the code in cells, and the answer, which is folded.
 
     Raises
     ------
     MissingExtraError
         If nbformat is not installed.
+
+    Examples
+    --------
+    >>> import json
+    >>> from pymunk_dragon.lessons import LESSONS
+    >>> cells = json.loads(make_notebook(LESSONS["spiral"]))["cells"]
+    >>> cells[0]["source"][0].strip()
+    '# A steady walk that turns ever faster'
     """
-    nbformat = library("nbformat")
-    make = {"markdown": nbformat.v4.new_markdown_cell, CODE: nbformat.v4.new_code_cell}
-    cells = [make[kind](text, id=f"{demo.name}-{number}") for number, (kind, text) in enumerate(_cells(demo, language))]
+    with optional_imports():
+        import nbformat
+        from nbformat import v4
+    cells = []
+    for number, (kind, text) in enumerate(_cells(lesson, language)):
+        name = f"{lesson.name}-{number}"
+        cells.append(v4.new_code_cell(text, id=name) if kind == CODE else v4.new_markdown_cell(text, id=name))
     metadata = {
         "kernelspec": {"name": "python3", "display_name": "Python 3", "language": "python"},
         "language_info": {"name": "python"},
     }
-    made = nbformat.v4.new_notebook(cells=cells, metadata=metadata)
+    made = v4.new_notebook(cells=cells, metadata=metadata)
     nbformat.validate(made)
-    return str(nbformat.writes(made)) + "\n"
+    return f"{nbformat.writes(made)}\n"
 
 
-def _cells(demo: Demo, language: str) -> Iterator[tuple[str, str]]:
-    """Kinds and texts of the cells."""
+def _cells(lesson: LessonFile, language: str) -> Iterator[tuple[str, str]]:
+    """Kind and text of each cell."""
 
-    def told(part: str) -> str:
-        return f"**{word(part, language)}**\n\n{_plain(demo.said(part, language))}"
+    def section(part: str) -> str:
+        return f"**{heading(part, language)}**\n\n{_escaped(lesson.text(part, language))}"
 
-    yield "markdown", "\n\n".join([f"# {_plain(demo.said('title', language))}", *map(told, ABOVE)])
-    for block in demo.blocks:
-        if block.kind == CODE:
-            yield from ((CODE, cell) for cell in PARAGRAPH.split(block.text))
-    yield "markdown", told("picture")
-    answer = "\n\n".join(map(told, BELOW))
-    yield "markdown", f"<details><summary>{word('answer', language)}</summary>\n\n{answer}\n\n</details>"
-    if (following := after(demo.name)) is not None:
-        yield "markdown", f"**{word('next', language)}**\n\n`pymunk-dragon demo {following} -o {following}.ipynb`"
+    yield (
+        MARKDOWN,
+        "\n\n".join([f"# {_escaped(lesson.text('title', language))}", section("question"), section("predict")]),
+    )
+    for kind, text in lesson.blocks:
+        if kind == CODE:
+            yield from ((CODE, cell) for cell in END_OF_CELL.split(text))
+    yield MARKDOWN, section("picture")
+    answer = "\n\n".join(map(section, ("answer", "check", "change")))
+    yield MARKDOWN, f"<details><summary>{heading('answer', language)}</summary>\n\n{answer}\n\n</details>"
+    if (after := next_lesson(lesson.name)) is not None:
+        yield MARKDOWN, f"**{heading('next', language)}**\n\n`pymunk-dragon demo {after} -o {after}.ipynb`"
 
 
-def _plain(text: str) -> str:
-    """A text in which Markdown finds nothing to act upon but code between backticks."""
+def _escaped(text: str) -> str:
+    """`text` as Markdown that shows it as it is, and what is between backticks as code."""
     return "`".join(
         part if is_code else re.sub(r"([\\*_{}\[\]<>#$|~&])", r"\\\1", part) for part, is_code in with_code(text)
     )
 
 
-class InNotebook:
-    """Shows what a lesson shows in the notebook in which it runs; what it says stands there already."""
-
-    @property
-    def folder(self) -> Path:
-        """Where the lesson's picture is written: beside the notebook."""
-        return Path()
-
-    def say(self, lesson: str, part: str, english: str) -> None:
-        """Leave it to the notebook's own text."""
+class NotebookOutput(Output):
+    """Output of a lesson in the notebook in which it runs, which has the texts already: shows the picture."""
 
     def show(self, lesson: str, picture: Path, english: str) -> None:
-        """Show a picture or film below the cell."""
-        shown = import_module("IPython.display")
-        shown.display(shown.Image(filename=str(picture)))
+        """Show the picture below the cell."""
+        from IPython.display import Image, display  # There is IPython where a notebook runs.
 
-    def end(self, lesson: str) -> None:
-        """Leave it to the notebook's own text."""
+        display(Image(filename=str(picture)))

@@ -1,4 +1,4 @@
-"""A lesson as lines of text."""
+"""Output of a lesson in a terminal, as wrapped text."""
 
 from __future__ import annotations
 
@@ -9,144 +9,144 @@ import shutil
 import sys
 import tempfile
 import unicodedata
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import suppress
-from functools import cached_property
 from pathlib import Path
 from typing import NoReturn
 
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.lessons._framework.catalogue import LANGUAGES, NO_BREAK, check_language, entry, unbroken, word
-from pymunk_dragon.lessons._framework.order import after
-from pymunk_dragon.lessons._framework.stage import made_folder
+from pymunk_dragon.lessons._framework.lesson_file import next_lesson
+from pymunk_dragon.lessons._framework.play import Output, make_folder
+from pymunk_dragon.lessons._framework.translations import (
+    LANGUAGES,
+    NO_BREAK,
+    check_language,
+    heading,
+    translated,
+    unbroken,
+)
 
-__all__ = ["Terminal", "check_output", "wrapped"]
-
-# Columns of text: longer lines are hard to read, however wide the terminal.
+# Columns of text also in a wider terminal: longer lines are hard to read.
 MAX_COLUMNS = 88
 INDENT = "  "
 PROGRAM = "pymunk-dragon"
-BOLD, PLAIN = "\x1b[1m", "\x1b[0m"
-# Unicode categories of what belongs to the character before, as stops do, and to the one behind, as brackets that open.
+# Unicode categories of characters that do not begin a line, as stops, and that do not end one, as opening brackets.
 CLOSING, OPENING = ("Pe", "Pf", "Po"), ("Ps", "Pi")
 
 
-class Terminal:
-    """Tells a lesson on stdout.
+class Terminal(Output):
+    """Prints the texts of a lesson, and the name of the file of its picture, on stdout.
 
     Parameters
     ----------
     save : path, optional
-        Folder for the picture, made if it does not exist; by default a new one among the system's temporary files.
+        Folder for the picture, made if it does not exist; by default a new one for temporary files.
     language : str
         One of `LANGUAGES`.
     pause : bool
-        Whether to wait for Enter once the class has been asked to predict.
+        Whether to wait for Enter after the prediction.
 
     Raises
     ------
     ParameterError
-        If there is no such language, the output cannot write it, or no such folder can be made.
+        If the language is unknown, stdout cannot encode it, or the folder cannot be made.
+
+    Examples
+    --------
+    >>> from pymunk_dragon.lessons import LESSONS, Terminal, play
+    >>> play(LESSONS["spiral"], Terminal(save="pictures", language="zh"))  # doctest: +SKIP
     """
 
     def __init__(self, save: str | Path | None = None, language: str = "en", pause: bool = False) -> None:
         self._save, self._language, self._pause = save, check_language(language), pause
-        # While a lesson runs, its own file is called.
+        # Now, because `play` replaces sys.argv[0] by the lesson's file.
         self._program = _program()
         check_output(language)
         if save is not None:
-            made_folder(save)
+            make_folder(save)
 
     @classmethod
-    def of_program(cls, arguments: Sequence[str]) -> Terminal:
-        """What the arguments of a lesson's own program say; wrong ones end it with one line and exit code 2."""
-        parser = _Parser(prog=Path(arguments[0]).name, description="A lesson of the bench dragon.")
+    def of_program(cls) -> Terminal:
+        """The terminal of a lesson that is run as a program, from its arguments; exits with code 2 if they are bad."""
+        parser = _Parser(prog=Path(sys.argv[0]).name, description="A lesson of the bench dragon.")
         parser.add_argument("--save", metavar="DIR", help="folder for the picture")
-        parser.add_argument("--lang", default="en", help="language of the text: " + ", ".join(LANGUAGES))
+        text = "language of the text: " + ", ".join(LANGUAGES)
+        parser.add_argument("--lang", default="en", choices=LANGUAGES, metavar="LANG", help=text)
         parser.add_argument("--pause", action="store_true", help="wait for Enter before it shows what happens")
-        chosen = parser.parse_args(arguments[1:])
+        arguments = parser.parse_args()
         try:
-            return cls(chosen.save, chosen.lang, chosen.pause)
+            return cls(arguments.save, arguments.lang, arguments.pause)
         except ParameterError as error:
             parser.error(str(error))
 
-    @cached_property
     def folder(self) -> Path:
-        """Where the lesson's picture is written."""
-        return Path(self._save or tempfile.mkdtemp(prefix="pymunk-dragon-"))
+        """Folder in which the lesson writes its picture."""
+        if self._save is None:
+            self._save = tempfile.mkdtemp(prefix="pymunk-dragon-")
+        return Path(self._save)
 
     def say(self, lesson: str, part: str, english: str) -> None:
-        """Tell a part of a lesson, below its name."""
-        text = entry(lesson, part, self._language, english)
+        """Print a text below its heading; after the last one, the command for the next lesson."""
+        text = translated(lesson, part, self._language, english)
         if part == "title":
             print(_bold(text))
-        else:
-            self._paragraph(part, text)
+            return
+        columns = min(shutil.get_terminal_size((MAX_COLUMNS, 0)).columns, MAX_COLUMNS) - len(INDENT)
+        self._print(part, *wrapped(text, columns))
         if part == "predict":
             print(flush=True)
-            # Nobody presses Enter where the input is a file, or none: then the lesson goes on.
+            # Without a stdin, or at its end, nobody can press Enter.
             if self._pause and sys.stdin is not None:
                 with suppress(EOFError):
-                    input(word("pause", self._language) + " ")
+                    input(heading("pause", self._language) + " ")
+        if part == "change" and (after := next_lesson(lesson)) is not None:
+            self._print("next", f"{self._program} demo {after}")
 
     def show(self, lesson: str, picture: Path, english: str) -> None:
-        """Say where a picture is, and what it shows."""
-        self._paragraph("picture", entry(lesson, "picture", self._language, english))
+        """Print what the picture shows, and its file."""
+        self.say(lesson, "picture", english)
         print(INDENT + str(picture))
 
-    def end(self, lesson: str) -> None:
-        """Say which lesson is the next."""
-        if (following := after(lesson)) is not None:
-            print("\n" + _bold(word("next", self._language)))
-            print(f"{INDENT}{self._program} demo {following}")
-
-    def _paragraph(self, part: str, text: str) -> None:
-        columns = min(shutil.get_terminal_size((MAX_COLUMNS, 0)).columns, MAX_COLUMNS) - len(INDENT)
-        print("\n" + _bold(word(part, self._language)))
-        for line in wrapped(text, columns):
+    def _print(self, name: str, *lines: str) -> None:
+        """Print indented lines below a heading."""
+        print("\n" + _bold(heading(name, self._language)))
+        for line in lines:
             print(INDENT + line)
 
 
 def check_output(language: str) -> None:
-    """Make sure that the output can write a language.
-
-    Raises
-    ------
-    ParameterError
-        If it cannot, as Chinese where the output speaks ASCII.
-    """
+    """Check that stdout can encode a language; a ParameterError if it cannot, as Chinese in ASCII."""
     encoding = sys.stdout.encoding or "utf-8"
     try:
-        word("pause", language).encode(encoding)
+        heading("pause", language).encode(encoding)
     except UnicodeEncodeError as error:
         bound = f"a language that {encoding} can write; PYTHONIOENCODING=utf-8 in the environment writes all"
-        raise ParameterError("lang", language, bound) from error
+        raise ParameterError("language", language, bound) from error
 
 
 class _Parser(argparse.ArgumentParser):
-    """Complains in one line."""
+    """Parser whose errors are one line."""
 
     def error(self, message: str) -> NoReturn:
         self.exit(2, f"{self.prog}: {message}\n")
 
 
 def wrapped(text: str, columns: int) -> Iterator[str]:
-    """Lines of `text` at most so many columns wide, of which a Chinese character takes two."""
-    line, used = "", 0
+    """Lines of `text`, at most `columns` wide where they can be broken; a Chinese character has two columns.
+
+    `textwrap` counts characters and breaks at spaces only.
+    """
+    line = ""
     for piece in _pieces(unbroken(" ".join(text.split()))):
-        if used + _width(piece.rstrip(" ")) > columns and line:
-            yield _ended(line)
-            line, used = "", 0
-        line, used = line + piece, used + _width(piece)
-    yield _ended(line)
-
-
-def _ended(line: str) -> str:
-    return line.rstrip(" ").replace(NO_BREAK, " ")
+        if line and _width(line) + _width(piece.rstrip(" ")) > columns:
+            yield line.rstrip(" ").replace(NO_BREAK, " ")
+            line = ""
+        line += piece
+    yield line.rstrip(" ").replace(NO_BREAK, " ")
 
 
 def _pieces(text: str) -> Iterator[str]:
-    """What may not be broken: words with the space behind them, wide characters with stops and brackets about them."""
+    """Parts of `text` without a break: words with the space behind, and wide characters with stops and brackets."""
     piece = ""
     for character in text:
         if piece and _may_break(piece[-1], character):
@@ -157,25 +157,23 @@ def _pieces(text: str) -> Iterator[str]:
 
 
 def _may_break(before: str, behind: str) -> bool:
+    """Whether a line may end between two characters."""
     if before == " ":
         return True
     if behind in (" ", NO_BREAK) or before == NO_BREAK:
         return False
     if unicodedata.category(behind) in CLOSING or unicodedata.category(before) in OPENING:
         return False
-    return _wide(before) or _wide(behind)
+    return _width(before + behind) > 2
 
 
 def _width(text: str) -> int:
-    return sum(1 + _wide(character) for character in text)
-
-
-def _wide(character: str) -> bool:
-    return unicodedata.east_asian_width(character) in "WF"
+    """Columns of `text`."""
+    return sum(2 if unicodedata.east_asian_width(character) in "WF" else 1 for character in text)
 
 
 def _program() -> str:
-    """What starts the program here: its name, or where it is not on the path, how it was called."""
+    """Command that starts the program: its name if that is on the path, otherwise as it was called."""
     if shutil.which(PROGRAM):
         return PROGRAM
     called = sys.argv[0]
@@ -183,4 +181,5 @@ def _program() -> str:
 
 
 def _bold(text: str) -> str:
-    return f"{BOLD}{text}{PLAIN}" if sys.stdout.isatty() and "NO_COLOR" not in os.environ else text
+    """`text` in bold if stdout is a terminal, unless the environment has NO_COLOR."""
+    return f"\x1b[1m{text}\x1b[0m" if sys.stdout.isatty() and "NO_COLOR" not in os.environ else text

@@ -13,11 +13,10 @@ import numpy as np
 import oracle
 import pytest
 import shapely
-from lessons import numbers, played
+from lesson_runs import numbers, played
 
 from pymunk_dragon import Dragon, March, min_pitch, scan, simulate
-from pymunk_dragon.lessons import DEMOS, Demo
-from pymunk_dragon.lessons._framework import perform
+from pymunk_dragon.lessons import LESSONS, LessonFile, record
 
 SIZES = {"width": "0.3", "overhang": "0.275", "head_spacing": "2.86", "body_spacing": "1.65", "pitch": "0.55"}
 
@@ -61,18 +60,18 @@ def lines(name):
 
 
 def said(name, part):
-    return numbers(DEMOS[name].said(part))
+    return numbers(LESSONS[name].text(part))
 
 
 def changed(name, tmp_path, *swaps):
     """What a lesson prints, line by line, once a student has changed its file."""
-    source = DEMOS[name].source
+    source = LESSONS[name].source
     for old, new in swaps:
         assert source.count(old) == 1
         source = source.replace(old, new)
-    path = Path(tmp_path / DEMOS[name].path.name)
+    path = Path(tmp_path / LESSONS[name].path.name)
     path.write_text(source, encoding="utf-8")
-    return perform(Demo.read(path)).printed.splitlines()
+    return record(LessonFile.read(path)).printed.splitlines()
 
 
 # Four shadows
@@ -195,10 +194,10 @@ def test_grid_that_is_changed_walks_back_and_trades_pairs_for_entries(tmp_path):
     coarse = changed("grid", tmp_path, ("Grid.of(march)", "Grid(cell=2.2)"))
     assert numbers(fine[-1])[3] < 546 < numbers(coarse[-1])[3]
     assert numbers(fine[-1])[2] > 1997 > numbers(coarse[-1])[2]
-    source = DEMOS["grid"].source
+    source = LESSONS["grid"].source
     path = tmp_path / "grid.py"
     path.write_text(source.replace("benches[8, :2]", "benches[8, 2:]"), encoding="utf-8")
-    back = perform(Demo.read(path)).printed.splitlines()
+    back = record(LessonFile.read(path)).printed.splitlines()
     for walks in (fine, coarse, back):
         assert walks[1].removeprefix("our walk  ") == walks[2].removeprefix("Grid.walk ")
 
@@ -301,7 +300,7 @@ def test_no_look_before_the_last_one_sees_an_overlap_and_no_corner_is_faster_tha
     times = np.arange(400, 413, 0.01)
     corners = dragon.outlines(march.at(times).poses)
     fastest = np.hypot(*np.moveaxis(np.diff(corners, axis=0), -1, 0)).max() / 0.01
-    [assumed] = re.findall(r"fastest, .* = (\d+),", DEMOS["missed-window"].source)
+    [assumed] = re.findall(r"fastest, .* = (\d+),", LESSONS["missed-window"].source)
     assert 0.9 * float(assumed) < 1000 * fastest < float(assumed)
 
 

@@ -14,7 +14,7 @@ import numpy as np
 import oracle
 import pytest
 from exact_curves import DIGITS, s_turn, u_turn, walked_chain
-from lessons import numbers, played
+from lesson_runs import numbers, played
 from PIL import Image, ImageSequence
 
 from pymunk_dragon.drawing.figures.style import COLOURS
@@ -28,7 +28,7 @@ SIZES = {"head_spacing": 2.86, "body_spacing": 1.65, "pitch": 0.55, "turns": 16,
 
 
 def said(name: str, part: str) -> str:
-    return played(name).demo.said(part)
+    return played(name).lesson.text(part)
 
 
 def lines(name: str, pattern: str) -> list[list[float]]:

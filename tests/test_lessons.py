@@ -1,8 +1,9 @@
-"""Lessons as teachers and students use them: played, copied out, translated, as notebooks."""
+"""Lessons as teachers and students use them: run, copied, translated, as notebooks."""
 
 from __future__ import annotations
 
 import ast
+import doctest
 import json
 import os
 import pty
@@ -11,6 +12,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 import tomllib
 import unicodedata
 from collections import Counter
@@ -25,20 +27,19 @@ import pytest
 from conftest import assert_says
 from hypothesis import given
 from hypothesis import strategies as st
-from lessons import played
+from lesson_runs import played
 from PIL import Image
 
-from pymunk_dragon import lessons as demos
 from pymunk_dragon.errors import MissingExtraError, ParameterError
-from pymunk_dragon.lessons import DEMOS, LANGUAGES, Demo, Terminal, write_lessons
-from pymunk_dragon.lessons._framework import PARTS, notebook, perform, stage, terminal
+from pymunk_dragon.lessons import LANGUAGES, LESSONS, LessonFile, Terminal, play, record, write_lessons
+from pymunk_dragon.lessons._framework import PARTS, lesson_file, make_notebook, notebook, terminal
 
-TELLING = Path(demos.__file__).parent / "_framework"
-CATALOGUES = {each: tomllib.loads((TELLING / f"{each}.toml").read_text(encoding="utf-8")) for each in LANGUAGES}
+FOLDER = Path(terminal.__file__).parent
+CATALOGUES = {each: tomllib.loads((FOLDER / f"{each}.toml").read_text(encoding="utf-8")) for each in LANGUAGES}
 # In the order in which a class hears them; the picture's words stand between the guess and the answer.
 ORDER = ["question", "predict", "code", "answer", "check", "change"]
 
-every_lesson = pytest.mark.parametrize("name", DEMOS)
+every_lesson = pytest.mark.parametrize("name", LESSONS)
 every_language = pytest.mark.parametrize("language", LANGUAGES)
 
 
@@ -60,29 +61,44 @@ def run_program(path, *arguments, **options):
 
 
 def test_lessons_are_the_fifteen_in_their_order():
-    assert list(DEMOS) == [
+    assert list(LESSONS) == [
         *("spiral", "chain", "velocity", "sat", "grid", "near-miss", "missed-window", "unguided", "engine"),
         *("callbacks", "tension", "pitch", "u-turn", "speed-limit", "robot"),
     ]
 
 
+def test_a_lesson_is_added_by_one_file_at_the_place_of_its_order(tmp_path, monkeypatch):
+    for name, order in (("last", 20), ("first", 10), ("between", 15.5)):
+        text = f'from pymunk_dragon.lessons import Lesson\n\nlesson = Lesson("{name}", "Of its own", order={order})\n'
+        (tmp_path / f"{name}.py").write_text(text, encoding="utf-8")
+    (tmp_path / "_helper.py").write_text("")
+    monkeypatch.setattr(lesson_file, "FOLDER", tmp_path)
+    assert list(lesson_file.lesson_files.__wrapped__()) == ["first", "between", "last"]
+
+
+@pytest.mark.parametrize("module", [lesson_file, notebook])
+def test_examples_run(module):
+    assert doctest.testmod(module).failed == 0
+    assert doctest.testmod(module).attempted > 2
+
+
 @every_lesson
 def test_lesson_reads_like_one(name):
     """Short; asks before it runs, and answers afterwards, in two sentences."""
-    demo = DEMOS[name]
-    assert len(demo.source.splitlines()) < 80
-    assert ast.get_docstring(ast.parse(demo.source))
-    kinds = [block.kind for block in demo.blocks if block.text.split("\n")[-1][:9] != "lesson = "]
+    lesson = LESSONS[name]
+    assert len(lesson.source.splitlines()) < 80
+    assert ast.get_docstring(ast.parse(lesson.source))
+    kinds = [kind for kind, text in lesson.blocks if text.split("\n")[-1][:9] != "lesson = "]
     assert kinds == ORDER
-    assert demo.name == name
-    assert all(demo.said(part) for part in PARTS)
-    assert len(re.findall(r"[.?!](?= [A-Z`]|$)", demo.said("answer"))) == 2
+    assert lesson.name == name
+    assert all(lesson.text(part) for part in PARTS)
+    assert len(re.findall(r"[.?!](?= [A-Z`]|$)", lesson.text("answer"))) == 2
 
 
 @pytest.mark.thorough
 @every_lesson
 def test_program_copied_out_runs_alone_and_does_the_same(name, tmp_path):
-    copy = shutil.copy(DEMOS[name].path, tmp_path / "copied.py")
+    copy = shutil.copy(LESSONS[name].path, tmp_path / "copied.py")
     done = run_program(copy, "--save", tmp_path / "kept" / "here", "--lang", "zh", cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
     found = played(name)
@@ -92,18 +108,18 @@ def test_program_copied_out_runs_alone_and_does_the_same(name, tmp_path):
     assert found.printed in done.stdout
     assert "\x1b" not in done.stdout
     for part in PARTS:
-        assert flat(DEMOS[name].said(part, "zh")) in flat(done.stdout)
+        assert flat(LESSONS[name].text(part, "zh")) in flat(done.stdout)
 
 
 @pytest.mark.parametrize("name", ["spiral", "sat"])  # a picture with axes, and a film of them
 def test_lesson_leaves_the_settings_of_matplotlib_alone(name):
     before = dict(matplotlib.rcParams)
-    perform(DEMOS[name])
+    record(LESSONS[name])
     assert dict(matplotlib.rcParams) == before
 
 
 @every_lesson
-def test_picture_can_be_looked_at(name):
+def test_picture_is_small_in_bytes_and_large_enough_to_see(name):
     with Image.open(BytesIO(played(name).picture)) as picture:
         assert min(picture.size) >= 200
         assert len(picture.convert("RGB").getcolors(maxcolors=2**24)) > 3
@@ -116,7 +132,7 @@ def test_picture_can_be_looked_at(name):
 @every_language
 def test_number_to_check_is_one_that_the_lesson_prints(name, language):
     printed = figures(played(name).printed)
-    assert [number for number in figures(DEMOS[name].said("check", language)) if number in printed]
+    assert [number for number in figures(LESSONS[name].text("check", language)) if number in printed]
 
 
 @every_language
@@ -129,40 +145,40 @@ def test_catalogue_has_every_word(language):
 @pytest.mark.parametrize("language", [each for each in LANGUAGES if each != "en"])
 def test_no_entry_of_a_catalogue_is_missing_or_left_over(language):
     catalogue = {name: set(texts) for name, texts in CATALOGUES[language].items() if name != "words"}
-    assert catalogue == {name: set(PARTS) for name in DEMOS}
+    assert catalogue == {name: set(PARTS) for name in LESSONS}
 
 
 @every_lesson
 @pytest.mark.parametrize("part", PARTS)
 def test_chinese_says_the_same_numbers_and_names(name, part):
-    english, chinese = (DEMOS[name].said(part, language) for language in LANGUAGES)
+    english, chinese = (LESSONS[name].text(part, language) for language in LANGUAGES)
     assert any("\u4e00" <= character <= "\u9fff" for character in chinese)
     assert Counter(figures(english)) == Counter(figures(chinese))
     assert Counter(re.findall("`[^`]+`", english)) == Counter(re.findall("`[^`]+`", chinese))
 
 
 def cells(name, language="en"):
-    return nbformat.reads(notebook(DEMOS[name], language), as_version=4).cells
+    return nbformat.reads(make_notebook(LESSONS[name], language), as_version=4).cells
 
 
 @every_lesson
 @every_language
 def test_notebook_has_the_lessons_code_and_words(name, language):
-    demo = DEMOS[name]
+    lesson = LESSONS[name]
     found = cells(name, language)
     code = "\n\n".join(cell.source for cell in found if cell.cell_type == "code")
     assert ast.dump(ast.parse(code)) == ast.dump(
-        ast.parse("\n".join(block.text for block in demo.blocks if block.kind == "code"))
+        ast.parse("\n".join(text for kind, text in lesson.blocks if kind == "code"))
     )
     prose = re.sub(r"\\([^\w\s])", r"\1", "\n".join(cell.source for cell in found if cell.cell_type == "markdown"))
-    assert all(demo.said(part, language) in prose for part in PARTS)
-    assert notebook(demo, language) == notebook(demo, language)
+    assert all(lesson.text(part, language) in prose for part in PARTS)
+    assert make_notebook(lesson, language) == make_notebook(lesson, language)
 
 
 @pytest.mark.thorough
 @every_lesson
 def test_notebook_runs_and_shows_what_the_lesson_shows(name, tmp_path):
-    made = nbformat.reads(notebook(DEMOS[name]), as_version=4)
+    made = nbformat.reads(make_notebook(LESSONS[name]), as_version=4)
     nbclient.NotebookClient(made, timeout=120, resources={"metadata": {"path": tmp_path}}).execute()
     outputs = [output for cell in made.cells if cell.cell_type == "code" for output in cell.outputs]
     assert "".join(output.text for output in outputs if output.get("name") == "stdout") == played(name).printed
@@ -183,16 +199,16 @@ def test_program_lists_the_lessons(call, language):
     assert code == 0
     lines = out.splitlines()
     assert len(lines) == 15
-    for number, (line, demo) in enumerate(zip(lines, DEMOS.values(), strict=True), start=1):
-        assert line.split(maxsplit=2) == [str(number), demo.name, demo.said("title", language)]
+    for number, (line, lesson) in enumerate(zip(lines, LESSONS.values(), strict=True), start=1):
+        assert line.split(maxsplit=2) == [str(number), lesson.name, lesson.text("title", language)]
     _, out, _ = call("demo", "--lang", language, "--json")
-    assert json.loads(out) == {"lessons": {demo.name: demo.said("title", language) for demo in DEMOS.values()}}
+    assert json.loads(out) == {"lessons": {lesson.name: lesson.text("title", language) for lesson in LESSONS.values()}}
 
 
 def test_program_plays_a_lesson_and_names_the_next(call, tmp_path):
     code, out, err = call("demo", "spiral", "--save", tmp_path)
     assert (code, err) == (0, "")
-    said = [DEMOS["spiral"].said(part) for part in PARTS]
+    said = [LESSONS["spiral"].text(part) for part in PARTS]
     assert all(flat(text) in flat(out) for text in said)
     assert str(tmp_path / played("spiral").file.name) in out
     *_, heading, following = out.splitlines()
@@ -202,12 +218,12 @@ def test_program_plays_a_lesson_and_names_the_next(call, tmp_path):
 
 def test_the_last_lesson_has_no_next_one(capsys):
     for name, names_a_lesson in (("speed-limit", True), ("robot", False)):
-        Terminal().end(name)
+        Terminal().say(name, "change", "")
         assert ("\nNext\n" in capsys.readouterr().out) == names_a_lesson
 
 
 def test_without_a_folder_the_picture_is_among_the_temporary_files(call, tmp_path, monkeypatch):
-    monkeypatch.setattr(terminal.tempfile, "tempdir", str(tmp_path))
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
     _, out, _ = call("demo", "spiral")
     [picture] = tmp_path.glob("*/spiral.png")
     assert str(picture) in out
@@ -217,7 +233,7 @@ def test_program_gives_a_lesson_as_json(call, tmp_path):
     code, out, _ = call("demo", "spiral", "--json", "--save", tmp_path, "--lang", "zh")
     assert code == 0
     found = json.loads(out)
-    assert found["said"] == {part: DEMOS["spiral"].said(part, "zh") for part in PARTS}
+    assert found["said"] == {part: LESSONS["spiral"].text(part, "zh") for part in PARTS}
     assert found["printed"] == played("spiral").printed
     assert Path(found["picture"]).read_bytes() == played("spiral").picture
     assert json.loads(call("demo", "spiral", "--json")[1])["picture"] is None
@@ -225,9 +241,9 @@ def test_program_gives_a_lesson_as_json(call, tmp_path):
 
 def test_program_writes_notebooks_and_programs(call, tmp_path):
     assert call("demo", "chain", "-o", tmp_path / "a.ipynb", "--lang", "zh")[0] == 0
-    assert (tmp_path / "a.ipynb").read_text(encoding="utf-8") == notebook(DEMOS["chain"], "zh")
+    assert (tmp_path / "a.ipynb").read_text(encoding="utf-8") == make_notebook(LESSONS["chain"], "zh")
     assert call("demo", "chain", "-o", tmp_path / "a.py")[0] == 0
-    assert (tmp_path / "a.py").read_bytes() == DEMOS["chain"].path.read_bytes()
+    assert (tmp_path / "a.py").read_bytes() == LESSONS["chain"].path.read_bytes()
 
 
 @pytest.mark.parametrize(
@@ -260,12 +276,12 @@ def test_output_that_cannot_write_chinese_is_one_line(arguments):
     assert_says(Exception(done.stderr.strip()), "lang is 'zh'", "ascii", "PYTHONIOENCODING=utf-8")
 
 
-def test_folder_that_cannot_be_written_is_told_before_the_lesson(call, monkeypatch, tmp_path):
+def test_folder_that_cannot_be_written_is_reported_before_the_lesson(call, monkeypatch, tmp_path):
     def refused(dir):
         raise PermissionError(13, "Permission denied")
 
     # Nothing is refused to whoever runs the tests as root.
-    monkeypatch.setattr(stage.tempfile, "TemporaryFile", refused)
+    monkeypatch.setattr(tempfile, "TemporaryFile", refused)
     code, out, err = call("demo", "spiral", "--save", tmp_path)
     assert (code, out) == (2, "")
     assert_says(Exception(err.strip()), "save is", str(tmp_path), "Permission denied")
@@ -273,7 +289,7 @@ def test_folder_that_cannot_be_written_is_told_before_the_lesson(call, monkeypat
 
 @pytest.mark.parametrize("arguments", [["--lang", "fr"], ["--save", __file__], ["--sav"], ["x"]])
 def test_bad_input_of_a_program_copied_out_is_one_line(tmp_path, arguments):
-    copy = shutil.copy(DEMOS["spiral"].path, tmp_path / "copied.py")
+    copy = shutil.copy(LESSONS["spiral"].path, tmp_path / "copied.py")
     done = run_program(copy, *arguments)
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr.startswith("copied.py: ")
@@ -293,7 +309,7 @@ def test_without_a_library_one_line_names_the_extra(missing, ending, extra, tmp_
     for library in missing:
         monkeypatch.setitem(sys.modules, library, None)
     with pytest.raises(MissingExtraError) as caught:
-        write_lessons([DEMOS["spiral"]], tmp_path / f"out{ending}")
+        write_lessons([LESSONS["spiral"]], tmp_path / f"out{ending}")
     assert_says(caught.value, f"pymunk-dragon[{extra}]")
     assert list(tmp_path.iterdir()) == []
 
@@ -318,7 +334,7 @@ def test_a_library_that_no_extra_brings_is_missed_as_ever(tmp_path):
     own = tmp_path / "own.py"
     own.write_text("import there_is_none\n", encoding="utf-8")
     with pytest.raises(ModuleNotFoundError, match="there_is_none"):
-        Demo(own, "own", "", "", ()).play(Terminal())
+        play(LessonFile.read(own), Terminal())
 
 
 def on_terminal(*arguments, answer):
@@ -349,7 +365,7 @@ def test_a_terminal_gets_bold_heads_and_waits_for_the_class(tmp_path):
     assert written.index("Predict") < written.index("Press Enter to see what happens.") < written.index("Answer")
 
 
-def test_a_lesson_on_which_nobody_presses_enter_can_be_left(tmp_path):
+def test_a_pause_can_be_interrupted(tmp_path):
     def leave(process, keyboard):
         # Python does not notice a signal between writing the prompt and reading from the terminal until Enter comes, so
         # one may have no effect; people press again.
@@ -364,7 +380,7 @@ def test_a_lesson_on_which_nobody_presses_enter_can_be_left(tmp_path):
 
 
 @pytest.mark.parametrize("where", ["</dev/null", "<&-"])
-def test_where_nobody_can_press_enter_the_lesson_goes_on(where, tmp_path):
+def test_without_a_keyboard_the_lesson_goes_on(where, tmp_path):
     command = [sys.executable, "-m", "pymunk_dragon", "demo", "spiral", "--pause", "--save", tmp_path]
     done = subprocess.run(["sh", "-c", f'"$@" {where}', "sh", *command], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (0, "")
@@ -423,9 +439,9 @@ def test_no_line_of_chinese_begins_with_a_stop_or_ends_with_an_opening_bracket()
 @every_language
 def test_terminal_text_fits_its_width(name, language, monkeypatch, capsys):
     monkeypatch.setenv("COLUMNS", "60")
-    stage = Terminal(language=language)
+    output = Terminal(language=language)
     for part in PARTS[:-1]:
-        stage.say(name, part, DEMOS[name].said(part)) if part != "picture" else None
+        output.say(name, part, LESSONS[name].text(part)) if part != "picture" else None
     assert all(width(line) <= 60 for line in capsys.readouterr().out.splitlines())
 
 
@@ -438,9 +454,9 @@ def test_a_students_own_lesson_speaks_english_and_needs_no_catalogue(tmp_path, c
         'lesson.answer("Because.")\nlesson.check("42")\nlesson.change("6")\n',
         encoding="utf-8",
     )
-    demo = Demo.read(own)
-    assert (demo.name, demo.title, demo.said("question", "zh")) == ("own", "My own", "Why?")
-    demo.play(Terminal(language="zh"))
+    lesson = LessonFile.read(own)
+    assert (lesson.name, lesson.title, lesson.text("question", "zh")) == ("own", "My own", "Why?")
+    play(lesson, Terminal(language="zh"))
     out = capsys.readouterr().out
     assert "Why?" in out
     assert "42" in out
@@ -449,4 +465,4 @@ def test_a_students_own_lesson_speaks_english_and_needs_no_catalogue(tmp_path, c
 def test_unknown_language_is_refused():
     with pytest.raises(ParameterError) as caught:
         Terminal(language="xx")
-    assert_says(caught.value, "lang is 'xx'", "en, zh")
+    assert_says(caught.value, "language is 'xx'", "en, zh")

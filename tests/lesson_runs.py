@@ -1,4 +1,4 @@
-"""Lessons as they were played, once for all the tests that examine them."""
+"""Recordings of the lessons, each made once for all tests."""
 
 from __future__ import annotations
 
@@ -8,24 +8,23 @@ import re
 from functools import cache
 from pathlib import Path
 
-from pymunk_dragon.lessons import DEMOS
-from pymunk_dragon.lessons._framework import Performance, perform
+from pymunk_dragon.lessons import LESSONS, Recording, record
 
 # Environment variable that names a folder in which parallel test processes share what they have played.
 SHARED = "PYMUNK_DRAGON_TESTS_SHARED"
 
 
 @cache
-def played(name: str) -> Performance:
-    """A lesson's performance."""
+def played(name: str) -> Recording:
+    """The recording of a lesson."""
     if SHARED not in os.environ:
-        return perform(DEMOS[name])
+        return record(LESSONS[name])
     file = Path(os.environ[SHARED]) / f"{name}.pickle"
     if not file.exists():
         draft = file.with_suffix(f".{os.getpid()}")
-        draft.write_bytes(pickle.dumps(perform(DEMOS[name])))
+        draft.write_bytes(pickle.dumps(record(LESSONS[name])))
         os.replace(draft, file)
-    found: Performance = pickle.loads(file.read_bytes())
+    found: Recording = pickle.loads(file.read_bytes())
     return found
 
 

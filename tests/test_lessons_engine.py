@@ -11,12 +11,11 @@ import numpy as np
 import oracle
 import pytest
 import shapely
-from lessons import numbers, played
+from lesson_runs import numbers, played
 from scipy.interpolate import CubicSpline
 
 from pymunk_dragon import Dragon, March, simulate
-from pymunk_dragon.lessons import DEMOS
-from pymunk_dragon.lessons._framework import Demo, perform
+from pymunk_dragon.lessons import LESSONS, LessonFile, record
 
 
 def printed(name):
@@ -34,13 +33,13 @@ def changed(tmp_path):
     """A function that plays a lesson with changes in its file, and gives what that prints."""
 
     def play(name, *changes):
-        source = DEMOS[name].source
+        source = LESSONS[name].source
         for old, new in changes:
             assert source.count(old) == 1
             source = source.replace(old, new)
-        path = tmp_path / DEMOS[name].path.name
+        path = tmp_path / LESSONS[name].path.name
         path.write_text(source, encoding="utf-8")
-        return perform(Demo.read(path)).printed.splitlines()
+        return record(LessonFile.read(path)).printed.splitlines()
 
     return play
 
@@ -142,7 +141,7 @@ def test_without_dancers_the_chain_lies_where_a_pendulum_of_many_links_lies():
 def test_without_dancers_bench_1_meets_bench_28_when_it_does_in_that_pendulum():
     time, first, second = row(printed("unguided"), "without dancers: t =")
     assert (first, second) == (1, 28)
-    assert numbers(DEMOS["unguided"].said("answer"))[:3] == [round(time, 1), 1, 28]
+    assert numbers(LESSONS["unguided"].text("answer"))[:3] == [round(time, 1), 1, 28]
 
     def touching(until):
         holes, _ = pulled_chain(until)
@@ -163,13 +162,13 @@ def test_the_ring_that_the_head_has_swept_tells_how_far_it_is_from_the_middle():
     radius = math.sqrt(8.8**2 - 0.55 * time / math.pi)
     for name in ("with    from middle", "without from middle"):
         assert row(printed("unguided"), name)[0] == pytest.approx(radius, abs=0.0006)
-    assert numbers(DEMOS["unguided"].said("check"))[:2] == [8.691, time]
+    assert numbers(LESSONS["unguided"].text("check"))[:2] == [8.691, time]
 
 
 def test_bench_60_has_only_coasted_as_far_as_the_drag_lets_it():
     coasted = row(printed("unguided"), "without from start")[-1]
     assert coasted == pytest.approx(1 / DRAG, abs=0.012)
-    assert f"{100 * coasted:.0f} cm" in DEMOS["unguided"].said("answer")
+    assert f"{100 * coasted:.0f} cm" in LESSONS["unguided"].text("answer")
 
 
 @pytest.mark.thorough
@@ -218,7 +217,7 @@ def test_the_groove_keeps_its_part_of_what_would_stop_the_hole():
     _, kept = np.linalg.solve(response, [-1, 0])
     (kick,) = re.findall(r"GrooveJoint.*?(-[\d.]+) m/s", played("engine").printed)
     assert float(kick) == pytest.approx(kept, abs=0.0005)
-    assert kick in DEMOS["engine"].said("check")
+    assert kick in LESSONS["engine"].text("check")
 
 
 def test_the_pin_leaves_the_body_alone_and_the_groove_drives_it_off():
@@ -285,7 +284,7 @@ def test_the_impulse_is_that_of_two_bodies_that_bounce_with_a_quarter_of_their_s
     impulse = (1 + 0.5 * 0.5) * 1.0 / (2 / 10 + (lever**2 + other**2) / 5)
     found = max(impulse for _, impulse, _ in calls(printed("callbacks")))
     assert found == pytest.approx(impulse, rel=1e-3)
-    assert numbers(DEMOS["callbacks"].said("check"))[0] == found
+    assert numbers(LESSONS["callbacks"].text("check"))[0] == found
 
 
 def test_the_bench_goes_as_fast_as_the_impulse_makes_ten_kilograms_go():
@@ -327,7 +326,7 @@ def test_each_joint_carries_the_drag_of_all_benches_behind_it():
         alone = sum(1 for bench in range(joint + 1, 25) if bench % 2)
         assert force == pytest.approx(alone * drag, abs=0.001)
     assert set(forces(printed("tension"), "on ice").values()) == {0}
-    assert numbers(DEMOS["tension"].said("check"))[0] == forces(printed("tension"), "on the ground")[0]
+    assert numbers(LESSONS["tension"].text("check"))[0] == forces(printed("tension"), "on the ground")[0]
 
 
 @pytest.mark.thorough
@@ -422,7 +421,7 @@ def test_the_arm_meets_itself_when_its_rectangles_do(way):
         time, *links = row(printed("robot"), head)
         assert time == pytest.approx(touching, abs=tolerance)
         assert tuple(links) == pair == (0, 13)
-    assert f"after {touching:.3f} s the tip runs into link 13" in DEMOS["robot"].said("answer")
+    assert f"after {touching:.3f} s the tip runs into link 13" in LESSONS["robot"].text("answer")
 
 
 @pytest.mark.thorough
@@ -436,7 +435,7 @@ def test_the_speeds_of_the_joints_are_how_far_they_get(way):
     moments = np.array([[way.joints(time + side * 0.01) for side in (-1, 1)] for time in np.arange(0.1, 8.6, 0.25)])
     speeds = np.hypot(*np.moveaxis(moments[:, 1] - moments[:, 0], -1, 0)) / 0.02
     assert np.abs(speeds / 0.2 - 1).max() == pytest.approx(0.03, abs=0.005)
-    assert "some 3 %" in DEMOS["robot"].said("answer")
+    assert "some 3 %" in LESSONS["robot"].text("answer")
 
 
 def test_the_printed_places_give_the_slowest_speed():
@@ -444,7 +443,7 @@ def test_the_printed_places_give_the_slowest_speed():
     far = math.hypot(*(float(one) - float(other) for one, other in zip(first, second, strict=True)))
     (speed,) = re.findall(r"slowest.* (\S+) m/s", played("robot").printed)
     assert f"{far / 0.2:.3f}" == speed
-    assert speed in DEMOS["robot"].said("check")
+    assert speed in LESSONS["robot"].text("check")
 
 
 @pytest.mark.thorough

@@ -1,0 +1,119 @@
+"""A lesson as its file describes it: name, order, texts and code, read without running the file."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from itertools import pairwise
+from pathlib import Path
+from types import MappingProxyType
+
+from pymunk_dragon.lessons._framework.translations import translated
+
+FOLDER = Path(__file__).parent.parent
+# Methods of `Lesson` whose only argument is a text that ends a block of code.
+TEXTS = ("question", "predict", "answer", "check", "change")
+CODE = "code"
+
+
+@dataclass(frozen=True)
+class LessonFile:
+    """The file of a lesson.
+
+    Attributes
+    ----------
+    path : Path
+        The file, a Python program.
+    name : str
+        Name of the lesson on the command line and in the files of translations.
+    title : str
+        Title in English.
+    order : float
+        The lessons of the package are listed by increasing order; infinite if the file has none.
+    picture : str
+        What the picture shows, in English.
+    blocks : tuple of (str, str)
+        Kind and text of each block of the file in its order: "code", or a part of the lesson such as "question" and
+        its text in one line of English.
+
+    Examples
+    --------
+    >>> from pymunk_dragon.lessons import LESSONS
+    >>> lesson = LESSONS["near-miss"]
+    >>> lesson.path.name, lesson.order
+    ('near_miss.py', 60)
+    >>> lesson.text("title"), lesson.text("title", "zh")
+    ('Nearly is not hit', '差一点，不等于碰上')
+    >>> print(lesson.code.splitlines()[0])
+    import numpy as np
+    """
+
+    path: Path
+    name: str
+    title: str
+    order: float
+    picture: str
+    blocks: tuple[tuple[str, str], ...]
+
+    @classmethod
+    def read(cls, path: Path) -> LessonFile:
+        """The lesson in a file, which is parsed but not run."""
+        source = path.read_text(encoding="utf-8")
+        lines = source.splitlines()
+        name, title, order, picture = "", "", float("inf"), ""
+        blocks: list[tuple[str, str]] = []
+        begin = 0
+
+        def add_code(end: int) -> None:
+            if code := "\n".join(lines[begin:end]).strip("\n"):
+                blocks.append((CODE, code))
+
+        for statement in ast.parse(source).body:
+            match statement:
+                case ast.Assign(value=ast.Call(ast.Name("Lesson") | ast.Attribute(attr="Lesson"), arguments, keywords)):
+                    name, title = map(ast.literal_eval, arguments)
+                    order = next((ast.literal_eval(word.value) for word in keywords if word.arg == "order"), order)
+                case ast.Expr(ast.Call(func=ast.Attribute(attr="show"), args=[_, ast.Constant(str(shown))])):
+                    picture = _one_line(shown)
+                case ast.Expr(ast.Call(func=ast.Attribute(attr=part), args=[ast.Constant(str(text))])) if part in TEXTS:
+                    add_code(statement.lineno - 1)
+                    blocks.append((part, _one_line(text)))
+                    begin = statement.end_lineno or 0
+                case ast.Expr(ast.Constant()):  # The docstring; the title says the same.
+                    add_code(statement.lineno - 1)
+                    begin = statement.end_lineno or 0
+        add_code(len(lines))
+        return cls(path, name, title, order, picture, tuple(blocks))
+
+    @property
+    def source(self) -> str:
+        """The whole file."""
+        return self.path.read_text(encoding="utf-8")
+
+    @property
+    def code(self) -> str:
+        """The file without its docstring and the texts of the lesson, except for the picture's."""
+        return "\n\n".join(text for kind, text in self.blocks if kind == CODE)
+
+    def text(self, part: str, language: str = "en") -> str:
+        """One of `PARTS` in `language`, or in English if there is no translation."""
+        english = dict(self.blocks) | {"title": self.title, "picture": self.picture}
+        return translated(self.name, part, language, english[part])
+
+
+def _one_line(text: str) -> str:
+    return " ".join(text.split())
+
+
+@cache
+def lesson_files() -> Mapping[str, LessonFile]:
+    """The lessons of the package by name, in their order."""
+    found = sorted(map(LessonFile.read, FOLDER.glob("[!_]*.py")), key=lambda lesson: lesson.order)
+    return MappingProxyType({lesson.name: lesson for lesson in found})
+
+
+def next_lesson(name: str) -> str | None:
+    """Name of the lesson after `name`; None after the last one, and for a lesson that is not of the package."""
+    return dict(pairwise(lesson_files())).get(name)
