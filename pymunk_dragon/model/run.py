@@ -64,7 +64,7 @@ class Run(ArrayRecord, Displayed):
         Rates of change of `poses`: m/s, m/s, rad/s. None where they are unknown, as in files of older versions.
     joint_impulses : ndarray, shape (F, N - 1), optional
         Size of the impulse in each pivot, N s, in the substep that ended at the frame; pivot i joins benches i and
-        i + 1. At a contact that ended the run it is the substep of the contact, blow included. None where no engine
+        i + 1. At a contact that ended the run it is the substep of the contact, impact included. None where no engine
         played.
     events : ContactLog
         Every collision callback.
@@ -139,7 +139,7 @@ class Run(ArrayRecord, Displayed):
         for name, shape in _shapes(self.march, frames).items():
             if name in MAY_LACK and getattr(self, name) is None:
                 continue
-            # A copy, because the giver's array is the giver's to change.
+            # A copy, because the caller may change the array.
             array = np.array(getattr(self, name), dtype=float)
             if array.shape != shape:
                 raise DragonError(f"a run's {name} have shape {array.shape}, but its march wants {shape}")
@@ -247,8 +247,8 @@ class Run(ArrayRecord, Displayed):
         -----
         Between two frames, centres and angles are cubic Hermite polynomials of time, with the poses and the
         `pose_velocities` of both frames. The error is at most the interval to the fourth times the fourth derivative
-        over 384: 0.02 um for a head on a turn of 2.3 m radius at 1 m/s and frames 0.1 s apart. No polynomial knows of
-        a blow between two frames.
+        over 384: 0.02 um for a head on a turn of 2.3 m radius at 1 m/s and frames 0.1 s apart. An impact between
+        two frames is not represented.
 
         A run without `pose_velocities` gets them from its poses by finite differences of fourth order: the derivative
         of the polynomial through the five frames about each one. A frame that follows the one before by less than half
@@ -395,7 +395,7 @@ def check_saveable(march: March) -> None:
 
 
 def versions() -> dict[str, str]:
-    """Versions of what decides a run's numbers."""
+    """Versions of Python and of the libraries that decide a run's numbers."""
     names = ("pymunk-dragon", "pymunk", "numpy")
     return {"python": platform.python_version()} | {name: version(name) for name in names}
 

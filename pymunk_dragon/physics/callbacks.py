@@ -25,14 +25,14 @@ BISECTIONS = 30
 class Recorder:
     """Log of every collision callback of a world's space, as `ContactEvent`.
 
-    Pymunk calls back from C, where an exception would be printed and forgotten: it is kept here, and `stepping`
-    raises it once the step is over. Where contacts are only reported, the engine does not act on them, and
+    Pymunk calls back from C, where an exception would be printed and forgotten: it is kept here, and raised at
+    the end of `stepping`. Where contacts are only reported, the engine does not act on them, and
     `post_solve` never comes.
 
     Parameters
     ----------
     world : World
-        Whose collisions are logged.
+        The world whose collisions are logged.
     on_event : callable, optional
         Called with each event.
 
@@ -71,7 +71,7 @@ class Recorder:
 
     @contextmanager
     def signals_held(self) -> Iterator[None]:
-        """Have handlers of signals that come during the steps in here wait for the end of the step.
+        """Context of all steps, in which handlers of signals that come during a step wait for its end.
 
         Python runs them when C calls back, before the first line of a callback: what they raise there is lost.
         """
@@ -81,7 +81,7 @@ class Recorder:
 
     @contextmanager
     def stepping(self) -> Iterator[None]:
-        """Step the space in here; what waited, or was raised inside a callback, is raised at the end."""
+        """Context of one step; signals that waited and exceptions of callbacks are raised at its end."""
         self._stepping = True
         try:
             yield

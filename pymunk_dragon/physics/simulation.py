@@ -203,8 +203,8 @@ class _Loop:
     def _refine(self, before: Array, velocities: Array, times: tuple[float, float]) -> None:
         """Find the first of the contacts that began in the last substep.
 
-        The velocities after the substep have the blow in them already. Those at the contact come from the `velocities`
-        before the substep and from the change of the poses since `before`, on which the blow has no effect yet.
+        The velocities after the substep include the impact already. Those at the contact follow from the `velocities`
+        before the substep and from the change of the poses since `before`, on which the impact has no effect yet.
         """
         world, after = self._world, self._world.poses
         begun = [refined_contact(world.march.dragon, pair, before, after, times) for pair in self._recorder.begun]

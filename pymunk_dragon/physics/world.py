@@ -57,7 +57,7 @@ class World:
     Parameters
     ----------
     march : March
-        What is played. Only its state at `start` is used here, later only the head's pose.
+        The motion to play. Only its state at `start` is used here, later only the head's pose.
     guide : str or PathGuide
         As in `simulate`.
     settings : EngineSettings, optional
@@ -80,7 +80,7 @@ class World:
     bodies, shapes : list of pymunk.Body and of pymunk.Poly
         Those of the benches, in their order.
     poses, velocities : ndarray, shape (N, 3)
-        State of the benches after the last step; both fit each other: the velocities fulfil the joints at these poses.
+        State of the benches after the last step; the velocities satisfy the joints at these poses.
     pivots : list of pymunk.PivotJoint
         The joints of the chain; number i joins benches i and i + 1.
 
@@ -294,7 +294,7 @@ class World:
             for body, (vx, vy, spin) in zip(self.bodies, before.tolist(), strict=True):
                 body.velocity = vx, vy
                 body.angular_velocity = spin
-            # The guide makes up for what changes from one step to the next.
+            # The guide balances the change from one step to the next: it is updated for the earlier state first.
             self.guide.update(earlier.poses[0], earlier.velocities[0, 1], self._out_anchors, self._out_forces)
             np.subtract(poses, self.substep * before, out=self._given)
             self._coming[:] = poses
