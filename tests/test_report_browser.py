@@ -71,7 +71,7 @@ def test_pictures_are_there_and_charts_have_a_size(media, width, seen):
 
 
 def test_label_with_markup_is_shown_as_text(seen):
-    assert LABEL in seen.page.evaluate("document.querySelector('#origin').textContent")
+    assert LABEL in seen.page.evaluate("document.querySelector('#provenance').textContent")
     assert seen.page.evaluate("document.scripts.length") == 0
     assert seen.page.evaluate("document.images.length") == 2
 

@@ -23,6 +23,6 @@ def report(run_file: str, as_json: bool, output: str) -> None:
     destination = destination_of(output, REPORT_ENDINGS)
     assert destination is not None
     with progress("report") as show:
-        write_report(Run.load(run_file), destination, lambda done, total: show(done, total, "report"))
+        write_report(Run.load(run_file), destination, progress=lambda done, total: show(done, total, "report"))
     if as_json:
         print_json({"output": str(destination), "bytes": destination.stat().st_size})
