@@ -42,7 +42,7 @@ CURVE_NAMES = {
 }
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Section:
     """A section of a report: notes are sentences; the keys of facts and tables are subheadings, which may be empty."""
 
@@ -103,12 +103,12 @@ def key_figures(summary: Summary) -> Facts:
 def sections(summary: Summary) -> list[Section]:
     """Sections of a report, in order."""
     return [
-        _first_contact(summary),
-        _near_misses(summary),
-        _windows(summary),
+        Section("first-contact", "First contact", _comparison(summary), facts=_contacts(summary)),
+        Section("near-misses", "Near misses", [_near_miss_note(summary)], tables={"": tables.near_misses(summary)}),
+        Section("windows", "Contact windows", [_window_note(summary)], tables={"": tables.windows(summary)}),
         _drift(summary),
-        _handles(summary),
-        _events(summary),
+        Section("handles", "Handles", _handle_notes(summary), tables=tables.handles_by_time(summary)),
+        Section("events", "Events", [_event_note(summary)], tables={"": tables.events_as_text(summary)}),
         provenance(summary),
     ]
 
@@ -123,12 +123,12 @@ def provenance(summary: Summary) -> Section:
     versions = [*_settings(summary.versions), ("report format", str(VERSION))]
     facts = {"Scenario": scenario, "Settings": _settings(summary.settings), "Versions": versions}
     given = {heading: pairs for heading, pairs in facts.items() if pairs}
-    return Section(key="provenance", title="Provenance", facts=given)
+    return Section("provenance", "Provenance", facts=given)
 
 
-def _first_contact(summary: Summary) -> Section:
-    first, exact = summary.run.first_contact, summary.exact
-    facts: dict[str, Facts] = {}
+def _contacts(summary: Summary) -> dict[str, Facts]:
+    """First contacts of the run and of the exact model."""
+    first, exact, facts = summary.run.first_contact, summary.exact, {}
     if first is not None:
         facts["In this run"] = _contact_facts(first, 6)
         if summary.player != "exact":
@@ -138,7 +138,7 @@ def _first_contact(summary: Summary) -> Section:
             ]
     if summary.player != "exact" and exact is not None and exact.status == "contact":
         facts["In the exact model"] = _contact_facts(exact, 9)
-    return Section(key="first-contact", title="First contact", notes=_comparison(summary), facts=facts)
+    return facts
 
 
 def _contact_facts(contact: Contact | FirstContact, decimals: int) -> Facts:
@@ -193,61 +193,49 @@ def _time_error_text(summary: Summary) -> str | None:
     return f"{format_number(abs(error_ms), 3)} ms {'early' if error_ms < 0 else 'late'}"
 
 
-def _near_misses(summary: Summary) -> Section:
+def _near_miss_note(summary: Summary) -> str:
     if summary.near_misses is None:
-        note = "Not searched for."
-    elif not summary.near_misses:
-        note = "None."
-    else:
-        note = "Small local minima of the distance between benches that are not neighbours, in the exact model."
-    return Section(key="near-misses", title="Near misses", notes=[note], tables={"": tables.near_misses(summary)})
+        return "Not searched for."
+    if not summary.near_misses:
+        return "None."
+    return "Small local minima of the distance between benches that are not neighbours, in the exact model."
 
 
-def _windows(summary: Summary) -> Section:
+def _window_note(summary: Summary) -> str:
     windows = summary.windows
     if summary.player == "exact":
-        note = "The exact model gives the beginning of a contact, not its end."
-    elif not windows:
-        note = "No contact windows."
-    elif len(windows) == 1 and summary.run.first_contact is not None and windows[0].end is None:
-        note = "The run ended during its first contact, so the duration of the contact is unknown."
-    else:
-        note = "Pairs of benches in contact, from the first contact on; times are the ends of substeps."
-    return Section(key="windows", title="Contact windows", notes=[note], tables={"": tables.windows(summary)})
+        return "The exact model gives the beginning of a contact, not its end."
+    if not windows:
+        return "No contact windows."
+    if len(windows) == 1 and summary.run.first_contact is not None and windows[0].end is None:
+        return "The run ended during its first contact, so the duration of the contact is unknown."
+    return "Pairs of benches in contact, from the first contact on; times are the ends of substeps."
 
 
 def _drift(summary: Summary) -> Section:
-    drift = summary.drift
     if summary.player == "exact":
-        notes, facts = ["None: the run is the exact model's own."], {}
-    else:
-        notes = [
-            "Distance of a bench's hole from its position in the exact model, for the hole with the larger distance."
-        ]
-        facts = {
-            "": [
-                (f"Largest of the first {drift.head_benches} benches", _drift_text(drift.head, drift.head_at)),
-                ("Largest of any bench", _drift_text(drift.max, drift.max_at)),
-            ]
-        }
-    return Section(key="drift", title="Position error", notes=notes, facts=facts)
+        return Section("drift", "Position error", ["None: the run is the exact model's own."])
+    note = "Distance of a bench's hole from its position in the exact model, for the hole with the larger distance."
+    drift = summary.drift
+    facts = [
+        (f"Largest of the first {drift.head_benches} benches", _drift_text(drift.head, drift.head_at)),
+        ("Largest of any bench", _drift_text(drift.max, drift.max_at)),
+    ]
+    return Section("drift", "Position error", [note], facts={"": facts})
 
 
-def _handles(summary: Summary) -> Section:
+def _handle_notes(summary: Summary) -> list[str]:
     notes = ["Positions and speeds of the handles of the paper's tables, in the exact model."]
     if summary.handles.contact is not None:
         source = {"exact": "the exact first contact", "run": "the run's first contact"}[summary.handles.contact]
         notes.append(f"The last column is the time of {source}.")
-    return Section(key="handles", title="Handles", notes=notes, tables=tables.handles_by_time(summary))
+    return notes
 
 
-def _events(summary: Summary) -> Section:
-    count = len(summary.run.events)
-    note = "No collision callbacks."
-    if count:
-        callbacks = "collision callback" if count == 1 else "collision callbacks"
-        note = f"{count} {callbacks} of the engine, in the order in which they came."
-    return Section(key="events", title="Events", notes=[note], tables={"": tables.events_as_text(summary)})
+def _event_note(summary: Summary) -> str:
+    if not (count := len(summary.run.events)):
+        return "No collision callbacks."
+    return f"{count} collision callback{'s' * (count > 1)} of the engine, in the order in which they came."
 
 
 def _settings(values: Mapping[str, Any], prefix: str = "") -> Facts:

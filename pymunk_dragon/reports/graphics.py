@@ -44,14 +44,6 @@ TOP_MARGIN = 1.05
 UNITS = ((1.0, 1.0, "m"), (1e-5, 1e3, "mm"), (0.0, 1e6, "\N{MICRO SIGN}m"))
 
 
-class Still(NamedTuple):
-    """A picture of the run with its name, caption and PNG data."""
-
-    name: str
-    caption: str
-    png: bytes
-
-
 class Tick(NamedTuple):
     """A tick at `at` percent of an axis."""
 
@@ -68,24 +60,17 @@ class Bar(NamedTuple):
     label: str
 
 
-class Row(NamedTuple):
-    """Contact windows of a pair of benches."""
-
-    label: str
-    bars: list[Bar]
-
-
 class Timeline(NamedTuple):
-    """Contact windows over time, a row for each pair; `hidden` pairs are omitted."""
+    """Contact windows over time: bars by the label of the pair; `hidden` pairs are omitted."""
 
-    rows: list[Row]
+    rows: dict[str, list[Bar]]
     ticks: list[Tick]
     hidden: int
 
     @property
     def unfinished(self) -> bool:
         """Whether two benches were still in contact when the run ended."""
-        return any(bar.open for row in self.rows for bar in row.bars)
+        return any(bar.open for bars in self.rows.values() for bar in bars)
 
 
 class Line(NamedTuple):
@@ -105,18 +90,18 @@ class DriftChart(NamedTuple):
     unit: str
 
 
-def stills(summary: Summary) -> list[Still]:
-    """A close-up of the first contact, if any, and the whole dragon at the contact or at the end of the run."""
+def stills(summary: Summary) -> list[tuple[str, bytes]]:
+    """Captions and PNG data of a close-up of the first contact, if any, and of the whole dragon then or at the end."""
     run, first = summary.run, summary.run.first_contact
     if first is None:
         end = float(run.times[-1])
-        return [Still("dragon", f"The whole dragon at {end:.2f} s", still_png(run, end, _film(Camera())))]
+        return [(f"The whole dragon at {end:.2f} s", still_png(run, end, _film(Camera())))]
     time = float(np.clip(first.time, run.times[0], run.times[-1]))
     distance = float(np.max(np.abs(np.array(first.point) - run.poses_at(time)[0, 0, :2])))
     close = Camera(follow="head", span=max(CLOSE_SPAN, 2 * CLOSE_MARGIN * distance))
     return [
-        Still("first_contact", f"Benches {format_pair(first.benches)} touch", still_png(run, time, _film(close))),
-        Still("dragon", "The whole dragon at that time", still_png(run, time, _film(Camera()))),
+        (f"Benches {format_pair(first.benches)} touch", still_png(run, time, _film(close))),
+        ("The whole dragon at that time", still_png(run, time, _film(Camera()))),
     ]
 
 
@@ -146,8 +131,9 @@ def timeline(summary: Summary) -> Timeline | None:
     if not high > begin:
         return None
     low = begin - LEADING_MARGIN * (high - begin)
-    rows = [Row(f"{i} \N{MIDDLE DOT} {j}", _bars(windows, low, high)) for (i, j), windows in pairs.items()]
-    return Timeline(rows[:MAX_PAIRS], _ticks(low, high), max(0, len(rows) - MAX_PAIRS))
+    shown = list(pairs.items())[:MAX_PAIRS]
+    rows = {f"{i} \N{MIDDLE DOT} {j}": _bars(windows, low, high) for (i, j), windows in shown}
+    return Timeline(rows, _ticks(low, high), len(pairs) - len(rows))
 
 
 def drift_chart(summary: Summary) -> DriftChart | None:

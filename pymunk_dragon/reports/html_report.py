@@ -19,7 +19,7 @@ def html(summary: Summary) -> str:
         headline=headline(summary),
         subtitle=subtitle(summary),
         key_figures=key_figures(summary),
-        pictures=[(still.caption, data_address(still.png, "image/png")) for still in stills(summary)],
+        pictures=[(caption, data_address(png, "image/png")) for caption, png in stills(summary)],
         sections=sections(summary),
         timeline=timeline(summary),
         drift_chart=drift_chart(summary),

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import itertools
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from itertools import chain
 from typing import Any, NamedTuple
 
+from pymunk_dragon.model.contact import ContactEvent
 from pymunk_dragon.reports.summary import Summary
 
 # Text of a missing value.
@@ -133,30 +134,18 @@ def all_events(summary: Summary) -> Table:
 
 def events_as_text(summary: Summary) -> Table:
     """Collision callbacks as text, with points, vectors and pairs in one column each."""
-    columns = [
-        Column("time (s)"),
-        Column("phase", text=True),
-        Column("benches", text=True),
-        Column("points (m)"),
-        Column("normal"),
-        Column("depth (mm)"),
-        Column("relative velocity (m/s)"),
-        Column("impulse (N s)"),
-    ]
-    rows = [
-        (
-            format_number(event.time, 4),
-            event.phase,
-            format_pair(event.benches),
-            " ".join(format_vector(point, 3) for point in event.points) or MISSING,
-            format_vector(event.normal, 3),
-            format_number(event.depth, 3, 1e3),
-            format_vector(event.relative_velocity, 3),
-            format_vector(event.impulse, 4),
-        )
-        for event in summary.run.events
-    ]
-    return Table(columns, rows)
+    cells: dict[str, Callable[[ContactEvent], str]] = {
+        "time (s)": lambda event: format_number(event.time, 4),
+        "phase": lambda event: event.phase,
+        "benches": lambda event: format_pair(event.benches),
+        "points (m)": lambda event: " ".join(format_vector(point, 3) for point in event.points) or MISSING,
+        "normal": lambda event: format_vector(event.normal, 3),
+        "depth (mm)": lambda event: format_number(event.depth, 3, 1e3),
+        "relative velocity (m/s)": lambda event: format_vector(event.relative_velocity, 3),
+        "impulse (N s)": lambda event: format_vector(event.impulse, 4),
+    }
+    columns = [Column(label, text=label in ("phase", "benches")) for label in cells]
+    return Table(columns, [[cell(event) for cell in cells.values()] for event in summary.run.events])
 
 
 def windows(summary: Summary) -> Table:
@@ -221,11 +210,11 @@ def drift(summary: Summary) -> Table:
     return Table.of(columns, zip(*series, strict=True))
 
 
-def _event_table(found: Sequence[tuple[str, Any]], phase: Column) -> Table:
-    """A row for each (name, event); events lack some of the attributes."""
-    all_points = [getattr(event, "points", None) or _single_point(event) for _, event in found]
+def _event_table(found: Sequence[tuple[str, Any]], name: Column) -> Table:
+    """A row for each (name, event). Events lack some of the attributes; first contacts have a single point."""
+    all_points = [[event.point] if hasattr(event, "point") else getattr(event, "points", ()) for _, event in found]
     point_count = max([MIN_POINTS, *map(len, all_points)])
-    columns = [Column("time (s)", "time_s", 6), phase, *BENCHES]
+    columns = [Column("time (s)", "time_s", 6), name, *BENCHES]
     for number in range(1, point_count + 1):
         columns += _vector_columns(f"point {number}", f"point{number}", "m")
     columns += _vector_columns("normal", "normal", "")
@@ -233,21 +222,13 @@ def _event_table(found: Sequence[tuple[str, Any]], phase: Column) -> Table:
     columns += _vector_columns("relative velocity", "relative_velocity", "m_s")
     columns += _vector_columns("impulse", "impulse", "N_s")
     rows = []
-    for (name, event), points in zip(found, all_points, strict=True):
-        normal, velocity, impulse = (
-            getattr(event, attribute, None) or NO_VECTOR for attribute in ("normal", "relative_velocity", "impulse")
-        )
-        padded = itertools.islice(itertools.chain(points, itertools.repeat(NO_VECTOR)), point_count)
-        coordinates = itertools.chain.from_iterable(padded)
+    for (text, event), points in zip(found, all_points, strict=True):
+        vectors = [getattr(event, vector, None) or NO_VECTOR for vector in ("normal", "relative_velocity", "impulse")]
+        normal, velocity, impulse = vectors
+        padded = [*points, *[NO_VECTOR] * (point_count - len(points))]
         depth = getattr(event, "depth", None)
-        rows.append((event.time, name, *event.benches, *coordinates, *normal, depth, *velocity, *impulse))
+        rows.append((event.time, text, *event.benches, *chain(*padded), *normal, depth, *velocity, *impulse))
     return Table.of(columns, rows)
-
-
-def _single_point(event: Any) -> tuple[Any, ...]:
-    """Contact point of a first contact as a tuple of points."""
-    point = getattr(event, "point", None)
-    return () if point is None else (point,)
 
 
 def _vector_columns(label: str, key: str, unit: str) -> list[Column]:

@@ -143,13 +143,9 @@ def _add_summary(book: Workbook, summary: Summary) -> None:
                     worksheet.write_string(row, column, text[:MAX_TEXT])
         row += 2
     scale = PICTURE_SIZE / STILL_SIZE
-    for index, still in enumerate(stills(summary)):
-        worksheet.insert_image(
-            PICTURE_ROW + index * PICTURE_ROWS,
-            PICTURE_COLUMN,
-            f"{still.name}.png",
-            {"image_data": BytesIO(still.png), "x_scale": scale, "y_scale": scale, "description": still.caption},
-        )
+    for index, (caption, png) in enumerate(stills(summary)):
+        options = {"image_data": BytesIO(png), "x_scale": scale, "y_scale": scale, "description": caption}
+        worksheet.insert_image(PICTURE_ROW + index * PICTURE_ROWS, PICTURE_COLUMN, "picture.png", options)
 
 
 def _add_table(book: Workbook, name: str, table: Table) -> Worksheet:
