@@ -7,8 +7,6 @@ import click
 from pymunk_dragon.cli.options import destination_of, json_option, output_option
 from pymunk_dragon.cli.output import print_json, progress
 
-__all__ = ["report"]
-
 
 @click.command()
 @click.argument("run_file", metavar="RUN.npz")
