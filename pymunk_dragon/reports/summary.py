@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass, fields, is_dataclass, replace
 from functools import cached_property
 from numbers import Integral, Real
@@ -51,7 +52,7 @@ UNPRINTABLE = {
 
 @dataclass(frozen=True, kw_only=True)
 class Handles:
-    """States of the handles `numbers` in the exact model: positions (H, 2) in m and speeds (H,) in m/s at each time.
+    """States of the handles `numbers` in the exact model: positions (T, H, 2) in m and speeds (T, H) in m/s.
 
     If the last time is that of a first contact, `contact` tells whether of the exact model or of the run.
     """
@@ -59,8 +60,8 @@ class Handles:
     numbers: list[int]
     times: list[float]
     contact: Literal["exact", "run"] | None
-    positions: list[Array]
-    speeds: list[Array]
+    positions: Array
+    speeds: Array
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -144,16 +145,14 @@ class Summary:
             entries.append((self.run.first_contact.time, "run"))
         reached = []
         for time, contact in entries:
-            try:
+            with suppress(UnreachableError):
                 reached.append((time, contact, march.at([time])))
-            except UnreachableError:
-                continue
         return Handles(
             numbers=chosen,
             times=[time for time, *_ in reached],
             contact=reached[-1][1],
-            positions=[states.positions[0, chosen] for *_, states in reached],
-            speeds=[states.speeds[0, chosen] for *_, states in reached],
+            positions=np.array([states.positions[0, chosen] for *_, states in reached]),
+            speeds=np.array([states.speeds[0, chosen] for *_, states in reached]),
         )
 
     @cached_property

@@ -8,6 +8,9 @@ from dataclasses import dataclass
 from itertools import chain
 from typing import Any, NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
 from pymunk_dragon.model.contact import ContactEvent
 from pymunk_dragon.reports.summary import Summary
 
@@ -168,11 +171,11 @@ def handles(summary: Summary) -> Table:
         Column("speed (m/s)", "speed_m_s", 6),
     )
     found = summary.handles
-    rows = (
-        (time, handle, *position.tolist(), float(speed))
-        for time, positions, speeds in zip(found.times, found.positions, found.speeds, strict=True)
+    rows = [
+        (time, handle, *position, speed)
+        for time, positions, speeds in zip(found.times, found.positions.tolist(), found.speeds.tolist(), strict=True)
         for handle, position, speed in zip(found.numbers, positions, speeds, strict=True)
-    )
+    ]
     return Table.of(columns, rows)
 
 
@@ -186,16 +189,16 @@ def handles_by_time(summary: Summary) -> dict[str, Table]:
     if found.contact is not None:
         labels[-1] = f"{format_number(found.times[-1], 6)} s"
     columns = (Column("handle", "handle", text=True), *(Column(label, label, 6) for label in labels))
-    positions = (
-        (f"{handle} {axis} (m)", *(float(states[row, coordinate]) for states in found.positions))
-        for row, handle in enumerate(found.numbers)
-        for coordinate, axis in enumerate("xy")
-    )
-    speeds = (
-        (f"{handle} (m/s)", *(float(states[row]) for states in found.speeds))
-        for row, handle in enumerate(found.numbers)
-    )
-    return {"Positions": Table.of(columns, positions), "Speeds": Table.of(columns, speeds)}
+
+    def table(names: Iterable[str], values: NDArray[np.float64]) -> Table:
+        return Table.of(columns, ((name, *row) for name, row in zip(names, values.tolist(), strict=True)))
+
+    # Positions (T, H, 2) as rows x, y of each handle, (2 H, T).
+    positions = found.positions.reshape(len(found.times), -1).T
+    return {
+        "Positions": table((f"{handle} {axis} (m)" for handle in found.numbers for axis in "xy"), positions),
+        "Speeds": table((f"{handle} (m/s)" for handle in found.numbers), found.speeds.T),
+    }
 
 
 def drift(summary: Summary) -> Table:

@@ -1,7 +1,8 @@
 // Numbers and times as text.
 
-// Significant digits of a length, and the largest number of decimals in mm and in m.
-const LENGTH_DIGITS = 3, DECIMALS_MM = 3, DECIMALS_M = 2;
+const LENGTH_DIGITS = 3; // significant digits of a length
+const DECIMALS_MM = 3; // most decimals of a length in mm
+const DECIMALS_M = 2; // decimals of a length in m
 // s: a time this close to a near miss counts as the near miss.
 const NEAR_MISS_TIME = 0.05;
 // Largest number of events in a description.

@@ -1,11 +1,13 @@
 // The paper's grid for the search for contacts: its lines, the cells that benches cover, and their names.
 
-// Pixels: smallest cell that is drawn, smallest with numbers at the sides, and smallest with a name.
-const SMALLEST_CELL = 5, NUMBERED_CELL = 22, NAMED_CELL = 120;
-// Opacity of covered cells and of lines, as in the films.
-const CELL_OPACITY = 0.1, LINE_OPACITY = 0.28;
-// Pixels: distance of numbers from the left and the top, and of the first row's number from the top.
-const FROM_LEFT = 14, FROM_TOP = 10, FIRST_ROW = 24;
+const SMALLEST_CELL = 5; // pixels: smallest cell that is drawn
+const NUMBERED_CELL = 22; // pixels: smallest cell with numbers at the sides of the canvas
+const NAMED_CELL = 120; // pixels: smallest cell with a name
+const CELL_OPACITY = 0.1; // of covered cells, as in the films
+const LINE_OPACITY = 0.28; // of lines, as in the films
+const FROM_LEFT = 14; // pixels: distance of row numbers from the left side
+const FROM_TOP = 10; // pixels: distance of column numbers from the top
+const FIRST_ROW = 24; // pixels: least distance of row numbers from the top
 
 function drawGrid(painter, benches, visible) {
   const { context, colours, view, payload } = painter;

@@ -1,7 +1,7 @@
 // The part of the address after "#": time and view, for example #t=409.8&follow=head&show=grid,labels
 
-// Decimals of times and positions, and significant digits of spans.
-const LINK_DIGITS = 6, SPAN_DIGITS = 4;
+const LINK_DIGITS = 6; // decimals of times and positions
+const SPAN_DIGITS = 4; // significant digits of spans
 const SWITCHES = ["curve", "contacts", "handles", "velocities", "grid", "labels"];
 const SHOWN_BY_DEFAULT = ["curve", "contacts"];
 

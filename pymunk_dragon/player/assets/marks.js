@@ -1,16 +1,18 @@
 // Overlays: handles, velocities, numbers, contacts and near misses.
 
-// Radius of a handle: least pixels, and ratio to a hole's diameter.
-const SMALLEST_HANDLE = 2.2, HANDLE_SIZE = 0.8;
-// Length of an arrow in m per m/s, as in the films; pixels of the shortest arrow and the longest arrow head.
-const ARROW = 0.5, SHORTEST_ARROW = 2, LONGEST_HEAD = 9;
-// Width of a shaft as a fraction of its length at 1 m/s and at most in pixels; pixels of the rim around it.
-const SHAFT = 0.1, THICKEST_SHAFT = 2, RIM = 0.9;
-// Pixels: least width of a bench with its number inside. If benches are smaller, every 25th has a number, if there is
-// room for NUMBER_SIZE pixels.
-const NUMBERED_BENCH = 10, NUMBER_EVERY = 25, NUMBER_SIZE = 28;
-// Pixels: the ring around a contact, and its distance from its label.
-const RING = 9, LABEL_OFFSET = 14;
+const SMALLEST_HANDLE = 2.2; // pixels: least radius of a handle
+const HANDLE_SIZE = 0.8; // radius of a handle over the diameter of a hole
+const ARROW = 0.5; // m: length of an arrow per m/s, as in the films
+const SHORTEST_ARROW = 2; // pixels
+const LONGEST_HEAD = 9; // pixels: longest head of an arrow
+const SHAFT = 0.1; // width of an arrow's shaft over its length at 1 m/s
+const THICKEST_SHAFT = 2; // pixels
+const RIM = 0.9; // pixels: rim around arrows
+const NUMBERED_BENCH = 10; // pixels: least width of a bench with its number inside
+const NUMBER_EVERY = 25; // benches from one number to the next in a distant view
+const NUMBER_SIZE = 28; // pixels: room for a number in a distant view
+const RING = 9; // pixels: radius of the ring around a contact
+const LABEL_OFFSET = 14; // pixels: distance of a label from the centre of its ring
 // s: a near miss is shown this long before and after its time.
 const NEAR_MISS_SHOWN = 1.5;
 

@@ -1,11 +1,13 @@
 // Draws the canvas. Many benches share a path, because drawing a path costs more than extending it.
 
-// Width of the curve as a fraction of a bench's width, as in the films, and least pixels.
-const CURVE_WIDTH = 0.04, THINNEST_CURVE = 1;
-// Pixels: largest error of the drawn curve. Points of the curve that are tested together for visibility.
-const CURVE_ERROR_SHOWN = 0.3, CURVE_CHUNK = 64;
-// Pixels: smallest hole that is drawn. Width of outlines as a fraction of a bench's width, and its limits in pixels.
-const SMALLEST_HOLE = 2.5, OUTLINE_WIDTH = 0.06, THINNEST_OUTLINE = 0.5, THICKEST_OUTLINE = 1.25;
+const CURVE_WIDTH = 0.04; // width of the curve over that of a bench, as in the films
+const THINNEST_CURVE = 1; // pixels
+const CURVE_ERROR_SHOWN = 0.3; // pixels: largest error of the drawn curve
+const CURVE_CHUNK = 64; // points of the curve that are tested together for visibility
+const SMALLEST_HOLE = 2.5; // pixels: smallest hole that is drawn
+const OUTLINE_WIDTH = 0.06; // width of outlines over that of a bench
+const THINNEST_OUTLINE = 0.5; // pixels
+const THICKEST_OUTLINE = 1.25; // pixels
 
 // Names of the colours, as in the films' `Palette`.
 const CANVAS_COLOURS = ["background", "curve", "head", "body", "tail", "contact", "ink", "motion", "force", "grid"];

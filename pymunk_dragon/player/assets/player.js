@@ -1,14 +1,15 @@
 // The player: its time, its view and what is shown. Controls call its methods.
 
-// Simulated over real time. The default is the lowest rate from 1 on at which the run takes at most LONGEST seconds.
-const RATES = [0.1, 0.25, 0.5, 1, 2, 5, 10, 20, 50], LONGEST = 60;
+const RATES = [0.1, 0.25, 0.5, 1, 2, 5, 10, 20, 50]; // simulated over real time
+// s: longest playing time at the default rate, which is the lowest such rate from 1 on.
+const LONGEST = 60;
 // Fraction of its size by which the view moves.
 const PAN_STEP = 1 / 8;
 // s: largest time step between two pictures, so that the run does not jump after the computer was suspended.
 const LONGEST_TICK = 0.25;
-// ms: interval of changes to the address, and delay after the last input before the state is announced to screen readers.
-// Browsers refuse more than some 200 changes of the address in half a minute.
-const LINK_EVERY = 500, ANNOUNCE_AFTER = 700;
+// ms: interval of changes to the address. Browsers refuse more than some 200 of them in half a minute.
+const LINK_EVERY = 500;
+const ANNOUNCE_AFTER = 700; // ms: delay after the last input before the state is announced to screen readers
 
 const element = (id) => document.getElementById(id);
 

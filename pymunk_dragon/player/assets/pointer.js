@@ -1,7 +1,8 @@
 // Mouse, pen and touch on the canvas: drag to pan, pinch or use the wheel to zoom, tap to select a bench.
 
-// Pixels: largest movement during a tap. Zoom exponent per pixel of the wheel; some wheels count lines of 16 pixels.
-const TAP_SLIP = 6, WHEEL_ZOOM = 0.0016, WHEEL_LINE = 16;
+const TAP_SLIP = 6; // pixels: largest movement during a tap
+const WHEEL_ZOOM = 0.0016; // exponent of the zoom per pixel of the wheel
+const WHEEL_LINE = 16; // pixels: a line of wheels that count lines
 
 function listenToPointers(canvas, view, { moved, hovered, tapped }) {
   const down = new Map();

@@ -1,7 +1,7 @@
 // Events by time: near misses and contacts, as a list and as a strip above the slider.
 
-// Pixels: half the slider's thumb, the margin of the strip on both sides; largest distance of a click from an event.
-const THUMB = 8, CLICK = 7;
+const THUMB = 8; // pixels: half the slider's thumb, the margin of the strip on both sides
+const CLICK = 7; // pixels: largest distance of a click from an event
 
 function eventsOf(payload) {
   const name = ([i, j]) => `benches ${i} and ${j}`;
