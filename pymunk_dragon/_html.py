@@ -9,16 +9,14 @@ from typing import Any
 
 from pymunk_dragon._extras import library
 
-__all__ = ["asset", "data_address", "filled", "policy"]
-
 
 def asset(package: str, name: str) -> str:
-    """The text of a file among a package's, as `asset(__package__, "assets/page.css")`."""
+    """Text of a package's file, as in `asset(__package__, "assets/page.css")`."""
     return files(package).joinpath(name).read_text(encoding="utf-8")
 
 
 def filled(package: str, template: str, **values: Any) -> str:
-    """A template among a package's files, with `values` in it, all of them escaped.
+    """A Jinja2 template among a package's files, rendered with escaped `values`.
 
     Raises
     ------
@@ -37,18 +35,15 @@ def filled(package: str, template: str, **values: Any) -> str:
     return text
 
 
-def data_address(content: bytes, kind: str) -> str:
-    """An address that holds the content of a file itself; `kind` is its media type, as "image/png"."""
-    return f"data:{kind};base64,{b64encode(content).decode('ascii')}"
+def data_address(content: bytes, media_type: str) -> str:
+    """A `data:` address with the content of a file; `media_type` as in "image/png"."""
+    return f"data:{media_type};base64,{b64encode(content).decode('ascii')}"
 
 
 def policy(style: str, script: str, pictures: str = "data:") -> str:
-    """What a browser lets a page do: run this style and this script, and show pictures from such addresses."""
+    """Content security policy that allows this style, this script, and pictures from addresses `pictures`."""
+    style_hash, script_hash = (b64encode(sha256(text.encode()).digest()).decode("ascii") for text in (style, script))
     return (
-        f"default-src 'none'; script-src {_hash(script)}; style-src {_hash(style)}; img-src {pictures}; "
-        "base-uri 'none'; form-action 'none'"
+        f"default-src 'none'; script-src 'sha256-{script_hash}'; style-src 'sha256-{style_hash}'; "
+        f"img-src {pictures}; base-uri 'none'; form-action 'none'"
     )
-
-
-def _hash(text: str) -> str:
-    return f"'sha256-{b64encode(sha256(text.encode('utf-8')).digest()).decode('ascii')}'"

@@ -295,7 +295,7 @@ def test_interrupted_report_leaves_the_old_file_and_exits_with_130(call, run_fil
 
     page = tmp_path / "r.html"
     page.write_text("old")
-    monkeypatch.setattr("pymunk_dragon.reports.picture.still_png", interrupted)
+    monkeypatch.setattr("pymunk_dragon.reports.graphics.still_png", interrupted)
     code, out, err = call("report", run_file, "-o", page)
     assert (code, out, err.strip()) == (130, "", "pymunk-dragon: interrupted")
     assert os.listdir(tmp_path) == ["r.html"]

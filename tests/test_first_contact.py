@@ -24,7 +24,7 @@ from pymunk_dragon.errors import DragonError, ParameterError, UnreachableError
 from pymunk_dragon.model.curves import Arc, Composite, Line, Spiral
 from pymunk_dragon.model.dragon import Dragon, outlines
 from pymunk_dragon.model.march import March
-from pymunk_dragon.reports.paper import truncate
+from pymunk_dragon.reports.contest_tables import truncate
 
 DATA = Path(__file__).parent / "data"
 SIXTEEN = March(Dragon(benches=16), turns=8)

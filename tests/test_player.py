@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import doctest
 import json
 import re
 import zlib
@@ -26,9 +27,9 @@ from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 from pymunk_dragon.player import player_page, write_player
-from pymunk_dragon.player.colours import DARK, LIGHT
-from pymunk_dragon.player.contents import contact_windows, curve_points, handles
-from pymunk_dragon.player.packing import packed
+from pymunk_dragon.player.data import contact_windows, curve_points, handle_vectors, pack
+from pymunk_dragon.player.page import DARK, LIGHT
+from pymunk_dragon.reports import summarize
 
 SMALL = March(Dragon(benches=16), turns=4)
 MARKUP = "</script><img src=http://127.0.0.1:9/x onerror=alert(1)><!--<script>{{style}}&amp;"
@@ -69,8 +70,8 @@ class Page(HTMLParser):
         return dict(part.split(" ", 1) for part in content.split("; "))
 
     @property
-    def told(self):
-        return json.loads(self.blocks["told"])
+    def payload(self):
+        return json.loads(self.blocks["payload"])
 
 
 def unpacked(shape, text):
@@ -92,8 +93,8 @@ def unpacked(shape, text):
     return places.transpose(2, 0, 1)
 
 
-def told_places(page, name="handles"):
-    return unpacked(page.told[name], page.blocks[f"{name}-packed"])
+def page_vectors(page, name="handles"):
+    return unpacked(page.payload[name], page.blocks[f"{name}-packed"])
 
 
 def luminance(colour):
@@ -126,30 +127,30 @@ def seed_page():
 
 def test_places_come_back_as_near_as_the_page_says(run, page):
     front, rear = run.march.dragon.holes(run.poses)
-    step = page.told["handles"]["step"]
-    places = told_places(page)
+    step = page.payload["handles"]["step"]
+    places = page_vectors(page)
     np.testing.assert_allclose(places[:, :-1], front, rtol=0, atol=0.501 * step)
     np.testing.assert_allclose(places[:, 1:], rear, rtol=0, atol=0.501 * step)
-    assert page.told["errors"][0] == pytest.approx(step / np.sqrt(2), rel=1e-6)
+    assert page.payload["errors"][0] == pytest.approx(step / np.sqrt(2), rel=1e-6)
     assert step == pytest.approx(0.2e-6)
 
 
 def test_velocities_come_back_so_near_that_nothing_between_frames_is_further_off_than_at_them(run, page):
     exact = run.march.at(run.times).velocities
-    found, step = told_places(page, "velocities"), page.told["velocities"]["step"]
+    found, step = page_vectors(page, "velocities"), page.payload["velocities"]["step"]
     np.testing.assert_allclose(found, exact, rtol=0, atol=0.501 * step)
-    assert page.told["errors"][1] == pytest.approx(step / np.sqrt(2), rel=1e-6)
+    assert page.payload["errors"][1] == pytest.approx(step / np.sqrt(2), rel=1e-6)
     # A cubic over 0.1 s is off by at most a quarter of that times the error of its velocities.
-    assert 0.1 / 4 * step / 2 <= 0.51 * page.told["handles"]["step"]
+    assert 0.1 / 4 * step / 2 <= 0.51 * page.payload["handles"]["step"]
 
 
 def test_velocities_that_a_run_does_not_know_come_from_its_frames(run, page):
     unknown = replace(run, pose_velocities=None)
-    found = told_places(Page(player_page(unknown)), "velocities")
-    np.testing.assert_allclose(found, told_places(page, "velocities"), rtol=0, atol=1e-4)
+    found = page_vectors(Page(player_page(unknown)), "velocities")
+    np.testing.assert_allclose(found, page_vectors(page, "velocities"), rtol=0, atol=1e-4)
     alone = Run.exact(SMALL, [1.0])
-    assert told_places(Page(player_page(alone)), "velocities").shape == (1, 17, 2)
-    assert Page(player_page(replace(alone, pose_velocities=None))).told["velocities"] is None
+    assert page_vectors(Page(player_page(alone)), "velocities").shape == (1, 17, 2)
+    assert Page(player_page(replace(alone, pose_velocities=None))).payload["velocities"] is None
 
 
 @given(
@@ -159,7 +160,7 @@ def test_velocities_that_a_run_does_not_know_come_from_its_frames(run, page):
     offset=st.sampled_from([0.0, 1e9]),
 )
 def test_any_jump_comes_back(places, offset):
-    kept = packed(places + offset, 5e-6)
+    kept = pack(places + offset, 5e-6)
     shape = asdict(kept)
     # A double of 1e9 m is 1e-7 m wide.
     np.testing.assert_allclose(unpacked(shape, kept.text), places + offset, rtol=0, atol=0.501 * kept.step + 5e-7)
@@ -169,21 +170,21 @@ def test_any_jump_comes_back(places, offset):
 
 def test_seeds_whole_run_fits_into_2_megabytes_finer_than_a_thousandth_of_a_millimetre(seed_page):
     assert len(seed_page.encode()) <= MAX_PAGE
-    told = Page(seed_page).told
-    assert told["handles"]["step"] == pytest.approx(0.2e-6)
-    assert [len(told["times"]), told["handles"]["points"]] == [4125, 224]
+    payload = Page(seed_page).payload
+    assert payload["handles"]["step"] == pytest.approx(0.2e-6)
+    assert [len(payload["times"]), payload["handles"]["points"]] == [4125, 224]
 
 
 def test_joints_that_gape_have_their_handle_in_the_middle(run):
     poses = run.poses.copy()
     poses[:, 3, 0] += 0.002
     front, rear = SMALL.dragon.holes(poses)
-    found = handles(front, rear)
+    found = handle_vectors(front, rear)
     np.testing.assert_allclose(found[:, 3], (rear[:, 2] + front[:, 3]) / 2)
     np.testing.assert_allclose(found[:, 0], front[:, 0])
     np.testing.assert_allclose(found[:, 16], rear[:, 15])
-    told = Page(player_page(replace(run, poses=poses))).told
-    assert told["errors"][0] == pytest.approx(0.001, rel=1e-3)
+    payload = Page(player_page(replace(run, poses=poses))).payload
+    assert payload["errors"][0] == pytest.approx(0.001, rel=1e-3)
 
 
 def test_curve_is_nowhere_further_off_than_a_tenth_of_a_millimetre():
@@ -234,11 +235,11 @@ def test_markup_in_title_and_provenance_is_text(run, given_title):
 def test_markup_in_the_data_is_data(run, page, monkeypatch):
     # There are only numbers in it so far.
     module = import_module("pymunk_dragon.player.page")
-    data = module.player_data(run, None)
-    monkeypatch.setattr(module, "player_data", lambda *_: replace(data, payload={**data.payload, "note": MARKUP}))
+    payload, packed = module.player_data(summarize(run))
+    monkeypatch.setattr(module, "player_data", lambda _: ({**payload, "note": MARKUP}, packed))
     changed = Page(player_page(run))
     assert changed.tags == page.tags
-    assert changed.told["note"] == MARKUP
+    assert changed.payload["note"] == MARKUP
 
 
 def test_policy_allows_the_pages_own_script_and_style_and_nothing_else(page):
@@ -285,10 +286,10 @@ def test_title_that_is_no_text_is_bad_input(run, title):
 
 
 def test_same_run_gives_the_same_file_and_the_same_text(run, tmp_path):
-    told = []
-    write_player(run, tmp_path / "run.html", progress=lambda done, total: told.append((done, total)))
+    steps = []
+    write_player(run, tmp_path / "run.html", progress=lambda done, total: steps.append((done, total)))
     assert (tmp_path / "run.html").read_bytes() == player_page(run).encode()
-    assert told == [(1, 2), (2, 2)]
+    assert steps == [(1, 2), (2, 2)]
 
 
 @pytest.mark.parametrize("name", ["run.htm", "run", "run.html.gz", "nowhere/run.html"])
@@ -314,7 +315,7 @@ def test_a_page_that_is_broken_off_leaves_the_old_one(run, tmp_path, failure):
 
 
 def test_near_misses_are_the_exact_models(seed_page):
-    near = Page(seed_page).told["near"]
+    near = Page(seed_page).payload["near_misses"]
     assert [(miss["benches"], round(miss["time"], 1), round(1e3 * miss["gap"], 1)) for miss in near] == [
         ([0, 9], 406.8, 3.0),
         ([0, 11], 409.8, 0.9),
@@ -323,19 +324,19 @@ def test_near_misses_are_the_exact_models(seed_page):
 
 def test_dragon_off_its_path_has_none_of_the_exact_models_near_misses():
     run = Run.exact(March(), [409.0, 410.0])
-    assert len(Page(player_page(run)).told["near"]) == 1
+    assert len(Page(player_page(run)).payload["near_misses"]) == 1
     off = replace(run, provenance={"player": "pymunk", "guide": "none"})
-    assert Page(player_page(off)).told["near"] == []
+    assert Page(player_page(off)).payload["near_misses"] == []
 
 
 def test_exact_run_past_its_contact_has_it_as_a_window():
     run = Run.exact(March(), [412.0, 412.4, 412.6])
-    told = Page(player_page(run)).told
-    [window] = told["windows"]
+    payload = Page(player_page(run)).payload
+    [window] = payload["windows"]
     assert window["benches"] == [0, 8]
     assert window["end"] is None
     assert window["begin"] == pytest.approx(412.4738, abs=1e-4)
-    assert told["times"] == [412.0, 412.4, window["begin"], 412.6]
+    assert payload["times"] == [412.0, 412.4, window["begin"], 412.6]
 
 
 def first(time, benches=(0, 8)):
@@ -364,7 +365,7 @@ def test_first_contact_that_nobody_logged_lasts_to_the_end(run):
 def test_contacts_that_cannot_be_are_left_out(run):
     events = log((1.0, "begin", (1, 9)), (float("nan"), "begin", (2, 9)), (2.0, "begin", (3, 16)))
     changed = replace(run, events=events, first_contact=first(1.0, benches=(0, 99)))
-    assert [window["benches"] for window in Page(player_page(changed)).told["windows"]] == [[1, 9]]
+    assert [window["benches"] for window in Page(player_page(changed)).payload["windows"]] == [[1, 9]]
 
 
 @pytest.mark.parametrize("palette", [LIGHT, DARK])
@@ -387,6 +388,10 @@ def test_type_and_controls_can_be_seen(page, scheme):
         assert min(contrast(colours[name], ground) for name in ("ink", "quiet")) > 4.5
         assert min(contrast(colours[name], ground) for name in ("any", "edge")) > 3
     assert contrast(colours["ink"], canvas["canvas-background"]) > 4.5
+
+
+def test_examples_in_docstrings_are_true():
+    assert doctest.testmod(import_module("pymunk_dragon.player.page")) == (0, 2)
 
 
 def test_player_is_there_at_the_top():

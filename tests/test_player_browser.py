@@ -19,7 +19,7 @@ from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 from pymunk_dragon.physics import simulate
 from pymunk_dragon.player import player_page, write_player
-from pymunk_dragon.player.colours import DARK, LIGHT
+from pymunk_dragon.player.page import DARK, LIGHT
 
 pytestmark = [pytest.mark.thorough, needs_browser]
 
@@ -241,16 +241,17 @@ def test_events_can_be_stepped_through_and_are_told(visit):
             page.keyboard.press("n")
             times.append(ask(page, "player.time"))
         assert times == [pytest.approx(time, abs=1e-3) for time in (406.8466, 409.8320, CONTACT_TIME)]
-        wait_until(page, "document.getElementById('said').textContent.includes('Contact: benches 0 and 8')")
+        wait_until(page, "document.getElementById('announcement').textContent.includes('Contact: benches 0 and 8')")
         page.keyboard.press("p")
-        wait_until(page, "document.getElementById('said').textContent.includes('benches 0 and 11, 0.865 mm')")
+        wait_until(page, "document.getElementById('announcement').textContent.includes('benches 0 and 11, 0.865 mm')")
         assert "0 and 11" in page.get_attribute("#field", "aria-label")
 
 
 def test_events_that_a_run_passes_are_told(visit):
     with visit("#t=409.7&speed=1") as found:
         found.page.keyboard.press("Space")
-        wait_until(found.page, "document.getElementById('said').textContent.startsWith('Near miss: benches 0 and 11')")
+        announced = "document.getElementById('announcement').textContent"
+        wait_until(found.page, f"{announced}.startsWith('Near miss: benches 0 and 11')")
         assert ask(found.page, "player.playing")
 
 
@@ -353,18 +354,19 @@ def test_page_says_the_same_gap_of_a_near_miss_everywhere_though_it_lies_between
         assert shown(found.page, "gap") == "0.865 mm to 11"
         found.page.keyboard.press("n")
         found.page.keyboard.press("p")
-        wait_until(found.page, "document.getElementById('said').textContent.includes('benches 0 and 11, 0.865 mm')")
+        announced = "document.getElementById('announcement').textContent"
+        wait_until(found.page, f"{announced}.includes('benches 0 and 11, 0.865 mm')")
         assert shown(found.page, "gap") == "0.865 mm to 11"
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize(("opening", "told"), [(2e-6, "0.87 mm"), (5e-5, "0.9 mm"), (4e-4, "1 mm")])
-def test_gap_has_no_more_digits_than_the_joints_of_the_run_allow(browser, tmp_path, seed, opening, told):
+@pytest.mark.parametrize(("opening", "text"), [(2e-6, "0.87 mm"), (5e-5, "0.9 mm"), (4e-4, "1 mm")])
+def test_gap_has_no_more_digits_than_the_joints_of_the_run_allow(browser, tmp_path, seed, opening, text):
     poses = seed.poses.copy()
     poses[:, 100, 0] += opening
     write_player(replace(seed, poses=poses), tmp_path / "run.html")
     with opened(browser, (tmp_path / "run.html").as_uri() + "#t=409.832") as found:
-        assert shown(found.page, "gap") == f"{told} to 11"
+        assert shown(found.page, "gap") == f"{text} to 11"
 
 
 def test_gap_between_frames_that_tell_too_little_has_no_digits_after_the_point(browser, tmp_path, seed_march):
@@ -385,9 +387,9 @@ def test_page_knows_how_far_off_it_is_between_frames(browser, tmp_path, interval
     true = np.linalg.norm(run.poses_at(times)[..., :2] - seed_march.at(times).poses[..., :2], axis=-1)
     with opened(browser, (tmp_path / "run.html").as_uri()) as found:
         for time, off in zip(times.tolist(), true, strict=True):
-            blurs = ask(found.page, f"(player.seek({time!r}), [0, 1, 5, 50].map((b) => player.numbers(b).blur))")
-            for bench, blur in zip((0, 1, 5, 50), blurs, strict=True):
-                assert off[bench] / 3 < blur < 10 * (off[bench] + 0.5e-6)
+            errors = ask(found.page, f"(player.seek({time!r}), [0, 1, 5, 50].map((b) => player.numbers(b).error))")
+            for bench, error in zip((0, 1, 5, 50), errors, strict=True):
+                assert off[bench] / 3 < error < 10 * (off[bench] + 0.5e-6)
 
 
 def test_bench_can_be_chosen_by_number(visit, seed):

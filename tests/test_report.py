@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import doctest
 import io
 import json
 import re
@@ -32,20 +33,21 @@ from pymunk_dragon.model.run import Run
 from pymunk_dragon.physics import simulate
 from pymunk_dragon.reports import (
     REPORT_ENDINGS,
-    charts,
-    contents,
-    contest,
-    exact,
+    contest_tables,
+    graphics,
     json_schema,
-    page,
+    markdown_report,
     report,
+    summarize,
     summary,
     tables,
-    text,
-    workbook,
     write_contact_table,
     write_tables,
+    xlsx_report,
 )
+from pymunk_dragon.reports.csv_report import csv_text
+from pymunk_dragon.reports.html_report import html
+from pymunk_dragon.reports.markdown_report import markdown
 
 every_format = pytest.mark.parametrize("ending", REPORT_ENDINGS)
 
@@ -141,6 +143,14 @@ def written(run, ending, folder):
     return content
 
 
+def contents(run):
+    return summarize(run).to_dict()
+
+
+def as_markdown(run):
+    return markdown(summarize(run))
+
+
 def no_constant(name):
     raise AssertionError(f"{name} is no JSON")
 
@@ -224,10 +234,10 @@ def test_markdown_of_any_run_has_no_markup_but_its_own(any_run, tmp_path):
         "First contact",
         "Near misses",
         "Contact windows",
-        "Drift from the exact model",
+        "Position error",
         "Handles",
         "Events",
-        "Where it comes from",
+        "Provenance",
     ]
 
 
@@ -268,6 +278,13 @@ def test_report_on_the_same_run_has_the_same_bytes(ending, played, tmp_path):
     again = Run.load(tmp_path / "run.npz")
     (tmp_path / "run.npz").unlink()
     assert written(replace(again, wall_seconds=3.0), ending, tmp_path) == first
+
+
+@pytest.mark.parametrize("module", [summary, contest_tables])
+def test_examples_in_docstrings_are_true(module):
+    found = doctest.testmod(module)
+    assert found.failed == 0
+    assert found.attempted > 0
 
 
 # JSON and its schema
@@ -418,9 +435,10 @@ def test_curve_of_another_kind_is_named():
     ids=["u-turn", "tractor", "arm", "start", "function"],
 )
 def test_other_marches_are_told(march, words, scenario):
-    found = contents(Run.exact(march, [0.0, 0.5]))
+    run = Run.exact(march, [0.0, 0.5])
+    found = contents(run)
     Draft202012Validator(json_schema()).validate(found)
-    assert f"A dragon of {words}" in text.as_markdown(found)
+    assert f"A dragon of {words}" in as_markdown(run)
     for name, value in scenario.items():
         assert found["scenario"][name] == value
 
@@ -447,7 +465,7 @@ def test_exact_model_is_asked_about_a_contact_on_a_curve_without_end():
 
 def first_said(run):
     """What a Markdown report says about the first contact, before the tables."""
-    return text.as_markdown(contents(run)).partition("## First contact\n\n")[2].partition("\n\n")[0]
+    return as_markdown(run).partition("## First contact\n\n")[2].partition("\n\n")[0]
 
 
 def test_exact_contact_near_misses_and_lateness_are_told(played):
@@ -457,9 +475,9 @@ def test_exact_contact_near_misses_and_lateness_are_told(played):
     assert (found["handles"]["times"][-1], found["handles"]["contact"]) == (found["exact"]["time"], "exact")
     late = 1e3 * (played.first_contact.time - found["exact"]["time"])
     in_words = f"{abs(late):.3f} ms {'late' if late > 0 else 'early'}"
-    assert first_said(played) == f"The exact model has the same benches touch; the run is {in_words}."
-    assert f"| against the exact first contact | {in_words} |" in text.as_markdown(found)
-    assert "| nearest miss, benches 0 and 11 | 0.865 mm |" in text.as_markdown(found)
+    assert first_said(played) == f"The same benches touch in the exact model; the contact of the run is {in_words}."
+    assert f"| against the exact first contact | {in_words} |" in as_markdown(played)
+    assert "| closest near miss, benches 0 and 11 | 0.865 mm |" in as_markdown(played)
 
 
 def test_contact_that_the_run_missed_or_made_up_is_told(played):
@@ -467,48 +485,50 @@ def test_contact_that_the_run_missed_or_made_up_is_told(played):
     assert first_said(missed) == "None in this run. The exact model: benches 0 and 8 touch at 80.691318 s."
     other = replace(played, first_contact=replace(played.first_contact, benches=(0, 9)))
     assert first_said(other) == "The exact model has another first contact: benches 0 and 8 touch at 80.691318 s."
-    assert "against the exact" not in text.as_markdown(contents(other))
+    assert "against the exact" not in as_markdown(other)
 
 
 def test_dragon_off_its_path_is_not_said_to_be_late():
     run = simulate(SMALL, guide="none", until=30.0)
     found = contents(run)
     assert found["exact"]["time"] <= 30.0
-    assert "Nobody kept this dragon on its path. On the path: no bench touches another one until" in first_said(run)
-    assert "against the exact" not in text.as_markdown(found)
+    assert "No guide kept this dragon on its path. On the path: no contact until" in first_said(run)
+    assert "against the exact" not in as_markdown(run)
 
 
 def test_exact_run_is_told_with_the_exact_contact_as_its_own(tmp_path):
-    found = contents(Run.exact(SMALL, [79, 82]))
+    run = Run.exact(SMALL, [79, 82])
+    found = contents(run)
     assert found["outcome"] == {"status": "contact", "start": 79, "until": 82, "frames": 3, "events": 0}
     assert found["first_contact"]["time"] == found["exact"]["time"] == found["drift"]["times"][1]
-    content = text.as_markdown(found)
+    content = as_markdown(run)
     assert content.startswith("# Benches 0 and 8 touch at 80.691318 s\n")
-    assert "drift, any" not in content
+    assert "error, any" not in content
 
 
 @pytest.mark.parametrize(
     ("answer", "words"),
     [
-        ({"status": "clear", "time": 84.5}, "no bench touches another one until 84.500000 s."),
-        ({"status": "unreachable", "time": 84.0}, "where the curve leaves the dragon no place."),
+        ({"status": "clear", "time": 84.5}, "no contact until 84.500000 s."),
+        ({"status": "unreachable", "time": 84.0}, "where the dragon reaches the end of the curve."),
         ({"status": "overlapping", "time": 77.5, "benches": (0, 2)}, "benches 0 and 2 overlap from the start on"),
     ],
     ids=["clear", "unreachable", "overlapping"],
 )
 def test_other_answers_of_the_exact_model_are_told(answer, words, played, monkeypatch):
     nowhere = {"benches": None, "point": None, "normal": None, "near_misses": ()}
-    impact = replace(exact.exact_first_contact(played), **nowhere | answer)
-    monkeypatch.setattr(exact, "first_contact", lambda march, start, until: impact)
+    impact = replace(summarize(played).exact, **nowhere | answer)
+    monkeypatch.setattr(summary, "first_contact", lambda march, start, until: impact)
     assert words in first_said(played)
-    assert "None on the way." in text.as_markdown(contents(played))
+    assert "## Near misses\n\nNone." in as_markdown(played)
     Draft202012Validator(json_schema()).validate(contents(played))
 
 
 def test_single_moment_is_not_searched_for_contacts():
-    found = contents(Run.exact(SMALL, [3]))
+    run = Run.exact(SMALL, [3])
+    found = contents(run)
     assert found["exact"] is found["near_misses"] is None
-    assert "Not looked for." in text.as_markdown(found)
+    assert "Not searched for." in as_markdown(run)
 
 
 # Nothing lost
@@ -537,7 +557,7 @@ def test_csv_brings_every_number_back(played, tmp_path):
 
 
 def test_csv_makes_columns_for_as_many_points_as_there_are(played):
-    heads = text.as_csv(contents(odd(played))).partition("\r\n")[0].split(",")
+    heads = csv_text(summarize(odd(played))).partition("\r\n")[0].split(",")
     assert "point3_y_m" in heads
     assert "point4_x_m" not in heads
 
@@ -576,7 +596,7 @@ def test_long_table_is_cut_and_the_document_says_where_the_rest_is(ending, playe
 
 
 def test_workbook_cuts_events_where_a_sheet_ends_and_says_so(played, tmp_path, monkeypatch):
-    monkeypatch.setattr(workbook, "MAX_ROWS", 11)
+    monkeypatch.setattr(xlsx_report, "MAX_ROWS", 11)
     report(played, tmp_path / "report.xlsx")
     sheet = openpyxl.load_workbook(tmp_path / "report.xlsx")["Events"]
     assert sheet.max_row == 11
@@ -585,13 +605,10 @@ def test_workbook_cuts_events_where_a_sheet_ends_and_says_so(played, tmp_path, m
 
 
 def test_headlines_say_what_happened(played):
-    headlines = {
-        name: text.as_markdown(contents(make(played))).partition("\n")[0].removeprefix("# ")
-        for name, make in RUNS.items()
-    }
+    headlines = {name: as_markdown(make(played)).partition("\n")[0].removeprefix("# ") for name, make in RUNS.items()}
     assert headlines["contact and after"] == f"Benches 0 and 8 touch at {played.first_contact.time:.6f} s"
     assert headlines["no contact"] == "No contact from 77.500 s to 84.500 s"
-    assert headlines["end of the curve"] == "No contact until 84.500 s, where the curve leaves the head no place"
+    assert headlines["end of the curve"] == "No contact until 84.500 s, where the head reaches the end of the curve"
     assert headlines["exact"] == "No contact from 0.000 s to 4.000 s"
     assert headlines["exact, with a contact"] == "Benches 0 and 8 touch at 80.691318 s"
     assert headlines["exact, overlapping"] == "The dragon from 82.000 s to 83.000 s"
@@ -631,7 +648,7 @@ def test_workbook_holds_hostile_labels_as_texts(played, tmp_path):
 @given(st.text(max_size=60))
 @examples(200)
 def test_markdown_gives_any_text_back_as_text(label):
-    row = text._row((label, "end"))
+    row = markdown_report._row((label, "end"))
     tokens = MarkdownIt("commonmark").enable("table").parse(f"| a | b |\n| --- | --- |\n{row}\n")
     cells = [tokens[i + 1] for i, token in enumerate(tokens) if token.type == "td_open"]
     assert len(cells) == 2
@@ -644,7 +661,7 @@ def test_markdown_gives_any_text_back_as_text(label):
 @examples(20)
 def test_page_with_any_labels_is_whole(labels):
     run = replace(Run.exact(SMALL, [0]), provenance=labels)
-    Page(page.as_html(contents(run)))
+    Page(html(summarize(run)))
 
 
 # Charts
@@ -652,37 +669,38 @@ def test_page_with_any_labels_is_whole(labels):
 
 @given(st.floats(-1e6, 1e6), st.floats(1e-3, 1e6), st.integers(2, 9))
 def test_ticks_are_few_and_within(low, length, most):
-    found = charts.ticks(low, low + length, most)
+    found = graphics.ticks(low, low + length, most)
     assert len(found) <= most
     slack = 1e-6 * (abs(low) + length)
     assert all(low - slack <= tick <= low + length + slack for tick in found)
 
 
 def test_ticks_are_round_numbers():
-    assert charts.ticks(411, 416) == (412, 414, 416)
-    assert charts.ticks(0, 0.19) == pytest.approx((0, 0.05, 0.1, 0.15))
-    assert charts.ticks(3, 3) == (3,)
+    assert graphics.ticks(411, 416) == [412, 414, 416]
+    assert graphics.ticks(0, 0.19) == pytest.approx([0, 0.05, 0.1, 0.15])
+    assert graphics.ticks(3, 3) == [3]
 
 
 def test_line_with_fewer_points_keeps_the_peak():
-    times = np.arange(10_000.0).tolist()
-    values = np.zeros(10_000).tolist()
+    times = np.arange(10_000.0)
+    values = np.zeros(10_000)
     values[7777] = 2.0
-    values[5] = None
-    thinned = charts._downsampled(times, values)
-    assert len(thinned) <= charts.MAX_POINTS
+    values[5] = np.nan
+    thinned = list(zip(*graphics._downsampled(times, values), strict=True))
+    assert len(thinned) <= graphics.MAX_POINTS
     assert (7777.0, 2.0) in thinned
-    assert None not in [value for _, value in thinned]
+    assert not np.isnan(thinned).any()
 
 
 def test_line_is_broken_where_drift_is_not_known():
-    assert charts._segments([0, 1, 2, 3], [0.0, None, 1.0, 0.5], 1.0) == ("0.0,1000.0", "666.7,0.0 1000.0,500.0")
+    drift = np.array([0.0, np.nan, 1.0, 0.5])
+    assert graphics._segments(np.arange(4.0), drift, 1.0) == ["0.0,1000.0", "666.7,0.0 1000.0,500.0"]
 
 
 def test_timeline_shows_each_pair_on_a_row_of_its_own_from_the_first_contact_on(played):
-    found = charts.timeline(contents(played))
-    assert [row.label for row in found.rows] == ["0 · 8", "0 · 10"]
-    first, second = (row.bars[0] for row in found.rows)
+    found = graphics.timeline(summarize(played))
+    assert list(found.rows) == ["0 · 8", "0 · 10"]
+    first, second = (bars[0] for bars in found.rows.values())
     assert 0 < first.at < 5
     assert (first.open, second.open) == (False, True)
     assert second.at + second.width == pytest.approx(100, abs=0.01)
@@ -690,8 +708,8 @@ def test_timeline_shows_each_pair_on_a_row_of_its_own_from_the_first_contact_on(
 
 def test_timeline_of_a_run_that_its_contact_ended_is_none(played, tmp_path):
     run = stopped(played)
-    assert charts.timeline(contents(run)) is None
-    assert "nobody knows how long" in written(run, ".html", tmp_path).decode()
+    assert graphics.timeline(summarize(run)) is None
+    assert "the duration of the contact is unknown" in written(run, ".html", tmp_path).decode()
 
 
 def test_timeline_of_thousands_of_windows_stays_small(played):
@@ -701,10 +719,10 @@ def test_timeline_of_thousands_of_windows_stays_small(played):
         for pair in range(50)
         for half, phase in enumerate(("begin", "separate"))
     ]
-    found = charts.timeline(contents(replace(played, events=ContactLog(tuple(events)))))
-    assert (len(found.rows), found.hidden) == (charts.MAX_ROWS, 10)
-    assert max(len(row.bars) for row in found.rows) == 1
-    assert max(len(bar.label) for row in found.rows for bar in row.bars) < 200
+    found = graphics.timeline(summarize(replace(played, events=ContactLog(tuple(events)))))
+    assert (len(found.rows), found.hidden) == (graphics.MAX_PAIRS, 10)
+    assert max(map(len, found.rows.values())) == 1
+    assert max(len(bar.label) for bars in found.rows.values() for bar in bars) < 200
 
 
 def test_numbers_are_never_minus_zero_and_huge_ones_stay_short():
@@ -719,7 +737,7 @@ def test_numbers_are_never_minus_zero_and_huge_ones_stay_short():
 @every_format
 def test_progress_counts_up_to_the_end(ending, played, tmp_path):
     steps = []
-    report(played, tmp_path / f"report{ending}", lambda done, total: steps.append((done, total)))
+    report(played, tmp_path / f"report{ending}", progress=lambda done, total: steps.append((done, total)))
     assert [done for done, _ in steps] == list(range(1, len(steps) + 1))
     assert {total for _, total in steps} == {len(steps)}
 
@@ -734,7 +752,7 @@ def test_interrupted_report_leaves_the_old_file_and_no_litter(ending, interrupti
         raise interruption
 
     if ending == ".xlsx":
-        monkeypatch.setattr(workbook, "_add_drift_chart", fail)
+        monkeypatch.setattr(xlsx_report, "_add_drift_chart", fail)
     else:
         monkeypatch.setattr("pathlib.Path.write_bytes", fail)
     with pytest.raises((KeyboardInterrupt, DragonError)) as caught:
@@ -755,7 +773,7 @@ def test_report_to_an_impossible_place_is_refused(name, played, tmp_path):
 @pytest.mark.parametrize(("ending", "library"), [(".html", "jinja2"), (".xlsx", "xlsxwriter")])
 def test_missing_library_is_named_in_one_line_before_the_work(ending, library, played, tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, library, None)
-    monkeypatch.setattr("pymunk_dragon.reports.contents", None)
+    monkeypatch.setattr("pymunk_dragon.reports.summarize", None)
     with pytest.raises(MissingExtraError, match=r"pip install 'pymunk-dragon\[report\]'") as caught:
         report(played, tmp_path / f"report{ending}")
     assert_says(caught.value, {".html": "HTML", ".xlsx": "XLSX"}[ending])
@@ -766,7 +784,7 @@ def test_missing_library_is_named_in_one_line_before_the_work(ending, library, p
 def test_text_needs_neither_library_nor_pictures(ending, played, tmp_path, monkeypatch):
     for library in ("jinja2", "xlsxwriter"):
         monkeypatch.setitem(sys.modules, library, None)
-    monkeypatch.setattr("pymunk_dragon.reports.pictures", None)
+    monkeypatch.setattr("pymunk_dragon.reports.graphics.still_png", None)
     assert written(played, ending, tmp_path)
 
 
@@ -788,7 +806,7 @@ def assert_six_decimals(found, wanted):
 
 def test_first_contest_table_is_the_templates(seed_march, tmp_path):
     rows = []
-    write_tables(seed_march, np.arange(0, 301, 25), tmp_path / "result1.xlsx", lambda *row: rows.append(row))
+    write_tables(seed_march, np.arange(0, 301, 25), tmp_path / "result1.xlsx", progress=lambda *row: rows.append(row))
     states = seed_march.at(np.arange(0, 301, 25))
     assert openpyxl.load_workbook(tmp_path / "result1.xlsx").sheetnames == ["位置", "速度"]
     heads, names, places = read_sheet(tmp_path / "result1.xlsx", "位置")
@@ -827,7 +845,7 @@ def test_contest_tables_of_another_dragon_have_its_rows_and_any_times(tmp_path):
     assert heads == ["-100 s", "0 s", "0.3 s", "0.333333333333 s"]
     assert names[-6:-4] == ["第14节龙身x (m)", "第14节龙身y (m)"]
     assert_six_decimals(places[::2].T, SMALL.at(times).positions[..., 0])
-    assert contest.handle_names(3) == ["龙头", "龙尾", "龙尾（后）"]
+    assert contest_tables.handle_names(3) == ["龙头", "龙尾", "龙尾（后）"]
 
 
 def test_value_that_rounds_to_minus_zero_is_zero(tmp_path):
@@ -871,7 +889,7 @@ def test_interrupted_contest_table_leaves_the_old_file_and_no_litter(tmp_path):
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        write_tables(SMALL, [0, 1], file, stop)
+        write_tables(SMALL, [0, 1], file, progress=stop)
     assert file.read_bytes() == b"old"
     assert list(tmp_path.iterdir()) == [file]
 

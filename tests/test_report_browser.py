@@ -71,7 +71,7 @@ def test_pictures_are_there_and_charts_have_a_size(media, width, seen):
 
 
 def test_label_with_markup_is_shown_as_text(seen):
-    assert LABEL in seen.page.evaluate("document.querySelector('#origin').textContent")
+    assert LABEL in seen.page.evaluate("document.querySelector('#provenance').textContent")
     assert seen.page.evaluate("document.scripts.length") == 0
     assert seen.page.evaluate("document.images.length") == 2
 
@@ -79,7 +79,7 @@ def test_label_with_markup_is_shown_as_text(seen):
 @pytest.mark.parametrize("width", [390])
 def test_tables_that_are_too_wide_for_a_phone_scroll_in_their_own_boxes(width, seen):
     boxes = seen.page.evaluate(
-        "[...document.querySelectorAll('.sheet')].map(box => [box.clientWidth, box.scrollWidth])"
+        "[...document.querySelectorAll('.table-box')].map(box => [box.clientWidth, box.scrollWidth])"
     )
     assert all(shown < 390 for shown, _ in boxes)
     assert any(whole > shown for shown, whole in boxes)

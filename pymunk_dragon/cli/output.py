@@ -1,4 +1,4 @@
-"""What several commands print and write."""
+"""Output that several commands share: progress bars and JSON."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ from typing import Any
 
 import click
 
-__all__ = ["print_json", "progress", "write_json"]
+# Steps of a progress bar.
+STEPS = 1000
 
 
 @contextmanager
 def progress(label: str) -> Iterator[Callable[[float, float, str], None]]:
-    """A bar on stderr with the time left, where that is a terminal; gives `show(done, total, label)`."""
-    parts = 1000
-    with click.progressbar(length=parts, label=label, file=sys.stderr, hidden=not sys.stderr.isatty()) as bar:
+    """Progress bar on stderr if that is a terminal; yields `show(done, total, label)`."""
+    with click.progressbar(length=STEPS, label=label, file=sys.stderr, hidden=not sys.stderr.isatty()) as bar:
 
-        def show(done: float, total: float, now: str) -> None:
-            bar.label = now
-            step = int(parts * done / total) - bar.pos
+        def show(done: float, total: float, text: str) -> None:
+            bar.label = text
+            step = int(STEPS * done / total) - bar.pos
             if step > 0:
                 bar.update(step)
 
@@ -30,7 +30,7 @@ def progress(label: str) -> Iterator[Callable[[float, float, str], None]]:
 
 
 def write_json(path: Path, result: dict[str, Any]) -> None:
-    """One JSON object as a file."""
+    """Write one JSON object to a file."""
     from pymunk_dragon._files import written_in_place
 
     with written_in_place(path) as draft:
@@ -38,5 +38,5 @@ def write_json(path: Path, result: dict[str, Any]) -> None:
 
 
 def print_json(result: dict[str, Any]) -> None:
-    """One JSON object on stdout."""
+    """Print one JSON object on stdout."""
     click.echo(json.dumps(result))

@@ -91,7 +91,7 @@ def _write_contest_tables(march: March, times: list[float], path: Path) -> None:
     from pymunk_dragon.reports import write_tables
 
     with progress("row") as show:
-        write_tables(march, times, path, lambda done, total: show(done, total, f"row {done}"))
+        write_tables(march, times, path, progress=lambda done, total: show(done, total, f"row {done}"))
 
 
 def _write_table(path: Path, heads: tuple[str, ...], rows: list[tuple[float, ...]], result: dict[str, Any]) -> None:

@@ -7,8 +7,6 @@ import click
 from pymunk_dragon.cli.options import destination_of, json_option, output_option
 from pymunk_dragon.cli.output import print_json, progress
 
-__all__ = ["report"]
-
 
 @click.command()
 @click.argument("run_file", metavar="RUN.npz")
@@ -23,6 +21,6 @@ def report(run_file: str, as_json: bool, output: str) -> None:
     destination = destination_of(output, REPORT_ENDINGS)
     assert destination is not None
     with progress("report") as show:
-        write_report(Run.load(run_file), destination, lambda done, total: show(done, total, "report"))
+        write_report(Run.load(run_file), destination, progress=lambda done, total: show(done, total, "report"))
     if as_json:
         print_json({"output": str(destination), "bytes": destination.stat().st_size})

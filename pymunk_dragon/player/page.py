@@ -1,57 +1,69 @@
-"""The page: one HTML file with its style, its script and its run inside, which loads nothing else."""
+"""The player page: one self-contained HTML file with its style, script and data."""
 
 from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
+from dataclasses import asdict
 from html import escape
 from pathlib import Path
-from typing import Any
 
 from pymunk_dragon._files import check_destination, written_in_place
 from pymunk_dragon._html import asset, policy
+from pymunk_dragon.drawing import Palette
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.run import Run
-from pymunk_dragon.player.colours import variables
-from pymunk_dragon.player.contents import player_data
-from pymunk_dragon.reports.exact import exact_first_contact, with_exact_contact
-from pymunk_dragon.reports.sections import headline, sections, subtitle
-from pymunk_dragon.reports.summary import summarize
-
-__all__ = ["PLAYER_ENDINGS", "player_page", "write_player"]
-
-Progress = Callable[[int, int], None]
+from pymunk_dragon.player.data import player_data
+from pymunk_dragon.reports.document import headline, provenance, subtitle
+from pymunk_dragon.reports.summary import Summary, summarize
 
 PLAYER_ENDINGS = (".html",)
-# The script's parts, from those that the others build on to the one that starts it all.
+# Parts of the script; each uses only those before it.
 SCRIPTS = (
-    *("decode", "motion", "geometry", "view", "words", "grid", "marks", "paint"),
+    *("decode", "motion", "geometry", "view", "format", "grid", "marks", "paint"),
     *("timeline", "link", "table", "player", "pointer", "controls", "main"),
 )
 # Steps of `write_player`: the page, and the file.
 STEPS = 2
 PLACEHOLDER = re.compile(r"\{\{(\w+)\}\}")
+# The films' colours.
+LIGHT = Palette()
+# Their counterparts on a dark ground: bright benches with dark outlines have the same contrast there.
+DARK = Palette(
+    background="#171b22",
+    curve="#4b5361",
+    head="#f5b02e",
+    body="#7ea9cf",
+    tail="#3dbfae",
+    contact="#ff6b7d",
+    ink="#0e1217",
+    motion="#a6e69a",
+    force="#e3d0ff",
+    grid="#cfd6e2",
+)
 
 
-def write_player(run: Run, path: str | Path, *, title: str | None = None, progress: Progress | None = None) -> None:
+def write_player(
+    run: Run, path: str | Path, *, title: str | None = None, progress: Callable[[int, int], None] | None = None
+) -> None:
     """Write a page that plays a run: one HTML file that needs no network.
 
     Parameters
     ----------
     run : Run
-        The run to show. A run of the exact model has no contacts of its own; it gets the exact first contact.
+        The run to show. A run of the exact model has no contacts of its own; the exact first contact is added.
     path : path
-        File to write, ending in .html. An interrupted one leaves the old file or none.
+        File to write, ending in .html. An interruption leaves the old file or none.
     title : str, optional
-        Heading of the page; by default what happened in the run.
+        Heading of the page; by default the result of the run.
     progress : callable, optional
-        Called with the number of steps done, and of all steps, after each step.
+        Called after each step with the number of completed steps and the total number of steps.
 
     Raises
     ------
     ParameterError
-        If the file cannot be made, or the title is no text.
+        If the file cannot be created, `run` is not a Run, or the title is not a string.
     OutputError
         If writing fails.
 
@@ -60,72 +72,84 @@ def write_player(run: Run, path: str | Path, *, title: str | None = None, progre
     >>> write_player(Run.load("run.npz"), "run.html")  # doctest: +SKIP
     """
     destination = check_destination(path, PLAYER_ENDINGS)
-    report_progress = progress or (lambda done, total: None)
+    notify = progress or (lambda done, total: None)
     page = player_page(run, title=title)
-    report_progress(1, STEPS)
+    notify(1, STEPS)
     with written_in_place(destination) as draft:
-        # As bytes: a text file would get the line ends of the machine, and the hashes would not fit any more.
+        # Bytes, since text mode would convert line ends, and the hashes of script and style would no longer match.
         draft.write_bytes(page.encode("utf-8"))
-    report_progress(STEPS, STEPS)
+    notify(STEPS, STEPS)
 
 
 def player_page(run: Run, *, title: str | None = None) -> str:
-    """The page that `write_player` writes, as a text, for example to be put into a frame of a notebook.
+    """Page that `write_player` writes, as a string, for example for a frame in a notebook.
+
+    Parameters
+    ----------
+    run : Run
+        The run to show.
+    title : str, optional
+        Heading of the page; by default the result of the run.
+
+    Returns
+    -------
+    str
+        HTML.
 
     Raises
     ------
     ParameterError
-        If the title is no text.
+        If `run` is not a Run, or the title is not a string.
 
     Notes
     -----
-    The page's `dragon` is a promise of what steers it, so that a lesson with the page in a frame that is not sandboxed
-    may say `frame.contentWindow.dragon.then((player) => player.seek(409.8))`. A link does it too:
+    The page's `dragon` is a promise of an object that controls the player. A page that holds it in a frame without a
+    sandbox may call `frame.contentWindow.dragon.then((player) => player.seek(409.8))`. A link has the same effect:
     `#t=409.8&follow=head`.
+
+    Examples
+    --------
+    >>> from pymunk_dragon import March
+    >>> player_page(Run.exact(March(), [0, 1]), title="Start")[:15]
+    '<!doctype html>'
     """
     if not (title is None or isinstance(title, str)):
         raise ParameterError("title", title, "a text")
-    impact = exact_first_contact(run)
-    run = with_exact_contact(run, impact)
-    found = summarize(run, impact)
-    data = player_data(run, impact)
-    # Halves of surrogate pairs are no text that a file could hold.
-    heading = (title or headline(found)).encode("utf-8", "replace").decode("utf-8")
-    style = variables() + asset(__package__, "assets/player.css")
+    summary = summarize(run)
+    payload, packed = player_data(summary)
+    # A file cannot hold halves of surrogate pairs.
+    heading = (title or headline(summary)).encode("utf-8", "replace").decode("utf-8")
+    style = _colour_variables() + asset(__package__, "assets/player.css")
     script = "".join(asset(__package__, f"assets/{name}.js") for name in SCRIPTS)
-    return _filled(
-        asset(__package__, "assets/player.html"),
-        {
-            "policy": policy(style, script),
-            "title": escape(heading),
-            "subtitle": escape(subtitle(found)),
-            "origin": _origin(found),
-            "last_bench": str(run.march.dragon.benches - 1),
-            "style": style,
-            "script": script,
-            "payload": _json(data.payload),
-            "handles": data.handles.text,
-            "velocities": data.velocities.text if data.velocities else "",
-            "curve": data.curve.text,
-        },
+    # "<" is escaped, since an HTML parser would take "</script>" or "<!--" for markup.
+    payload_json = json.dumps(payload, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
+    values = {
+        "policy": policy(style, script),
+        "title": escape(heading),
+        "subtitle": escape(subtitle(summary)),
+        "provenance": _provenance(summary),
+        "last_bench": str(run.march.dragon.benches - 1),
+        "style": style,
+        "script": script,
+        "payload": payload_json,
+        **packed,
+    }
+    # All at once, so that no {{name}} within a value is replaced.
+    return PLACEHOLDER.sub(lambda match: values[match[1]], asset(__package__, "assets/player.html"))
+
+
+def _colour_variables() -> str:
+    """Style that defines each colour as `--canvas-...`, by the scheme that the reader prefers."""
+    light, dark = (
+        "".join(f" --canvas-{name}: {colour};" for name, colour in asdict(palette).items()) for palette in (LIGHT, DARK)
     )
+    return f":root {{{light} }}\n@media (prefers-color-scheme: dark) {{ :root {{{dark} }} }}\n"
 
 
-def _filled(template: str, values: Mapping[str, str]) -> str:
-    """`template` with every {{name}} replaced at once, so that nothing within a value is taken for a name."""
-    return PLACEHOLDER.sub(lambda match: values[match[1]], template)
-
-
-def _json(value: Any) -> str:
-    """JSON that no HTML parser sees an end of the script in."""
-    return json.dumps(value, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
-
-
-def _origin(contents: Mapping[str, Any]) -> str:
-    """Provenance of the run, as in reports."""
-    [origin] = (section for section in sections(contents) if section.key == "origin")
+def _provenance(summary: Summary) -> str:
+    """Provenance of the run as HTML, as in reports."""
     parts = []
-    for heading, facts in origin.facts.items():
+    for heading, facts in provenance(summary).facts.items():
         rows = "".join(f"<div><dt>{escape(name)}</dt><dd>{escape(value)}</dd></div>" for name, value in facts)
         parts.append(f"<div><h3>{escape(heading)}</h3><dl>{rows}</dl></div>")
     return "".join(parts)

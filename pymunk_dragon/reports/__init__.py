@@ -4,45 +4,53 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import NamedTuple
 
 from pymunk_dragon._extras import library
 from pymunk_dragon._files import check_destination, written_in_place
 from pymunk_dragon.model.run import Run
-from pymunk_dragon.reports.contest import TABLE_ENDINGS, write_contact_table, write_tables
-from pymunk_dragon.reports.exact import exact_first_contact, with_exact_contact
-from pymunk_dragon.reports.page import as_html
-from pymunk_dragon.reports.paper import paper_tables
-from pymunk_dragon.reports.picture import Picture, pictures
-from pymunk_dragon.reports.summary import contents, json_schema, summarize
-from pymunk_dragon.reports.text import as_csv, as_json, as_markdown
-from pymunk_dragon.reports.workbook import write_workbook
+from pymunk_dragon.reports.contest_tables import TABLE_ENDINGS, paper_tables, write_contact_table, write_tables
+from pymunk_dragon.reports.csv_report import csv_text
+from pymunk_dragon.reports.html_report import html
+from pymunk_dragon.reports.json_report import json_text
+from pymunk_dragon.reports.markdown_report import markdown
+from pymunk_dragon.reports.summary import Summary, json_schema, summarize
+from pymunk_dragon.reports.xlsx_report import xlsx
 
 __all__ = [
     "REPORT_ENDINGS",
     "TABLE_ENDINGS",
-    "contents",
+    "Summary",
     "json_schema",
     "paper_tables",
     "report",
+    "summarize",
     "write_contact_table",
     "write_tables",
 ]
 
-Progress = Callable[[int, int], None]
 
-REPORT_ENDINGS = (".json", ".csv", ".md", ".html", ".xlsx")
-# Formatters of the text formats, which have no pictures and need no optional library.
-TEXT_FORMATTERS: Mapping[str, Callable[[Mapping[str, Any]], str]] = {
-    ".json": as_json,
-    ".csv": as_csv,
-    ".md": as_markdown,
+class Format(NamedTuple):
+    """A format of reports: the function that makes the file's content, and the optional library that it needs."""
+
+    render: Callable[[Summary], str | bytes]
+    library: str | None = None
+
+
+# Registry of the formats by file ending.
+FORMATS: Mapping[str, Format] = {
+    ".json": Format(json_text),
+    ".csv": Format(csv_text),
+    ".md": Format(markdown),
+    ".html": Format(html, "jinja2"),
+    ".xlsx": Format(xlsx, "xlsxwriter"),
 }
-# Optional libraries that the other formats need.
-REQUIRED_LIBRARIES = {".html": "jinja2", ".xlsx": "xlsxwriter"}
+REPORT_ENDINGS = tuple(FORMATS)
+# Steps of `report`: the summary, the content, and the file.
+STEPS = 3
 
 
-def report(run: Run, path: str | Path, progress: Progress | None = None) -> None:
+def report(run: Run, path: str | Path, *, progress: Callable[[int, int], None] | None = None) -> None:
     """Write a report on a run.
 
     Parameters
@@ -59,7 +67,7 @@ def report(run: Run, path: str | Path, progress: Progress | None = None) -> None
     Raises
     ------
     ParameterError
-        If the file cannot be created.
+        If the file cannot be created, or `run` is not a Run.
     MissingExtraError
         If the library for HTML or XLSX is not installed.
     OutputError
@@ -70,25 +78,16 @@ def report(run: Run, path: str | Path, progress: Progress | None = None) -> None
     >>> report(Run.load("run.npz"), "report.html")  # doctest: +SKIP
     """
     destination = check_destination(path, REPORT_ENDINGS)
-    ending = destination.suffix.lower()
-    if ending in REQUIRED_LIBRARIES:
+    chosen = FORMATS[destination.suffix.lower()]
+    if chosen.library is not None:
         # A missing library is reported before the computation.
-        library(REQUIRED_LIBRARIES[ending])
-    steps = 2 if ending in TEXT_FORMATTERS else 3
+        library(chosen.library)
     notify = progress or (lambda done, total: None)
-    exact = exact_first_contact(run)
-    run = with_exact_contact(run, exact)
-    summary = summarize(run, exact)
-    notify(1, steps)
-    images: list[Picture] = []
-    if ending not in TEXT_FORMATTERS:
-        images = pictures(run)
-        notify(2, steps)
-    if ending == ".xlsx":
-        write_workbook(summary, images, destination)
-    else:
-        text = TEXT_FORMATTERS[ending](summary) if ending in TEXT_FORMATTERS else as_html(summary, images)
-        with written_in_place(destination) as draft:
-            # Bytes, since text mode would convert line ends, and CSV requires CR LF.
-            draft.write_bytes(text.encode("utf-8"))
-    notify(steps, steps)
+    summary = summarize(run)
+    notify(1, STEPS)
+    with written_in_place(destination) as draft:
+        content = chosen.render(summary)
+        notify(2, STEPS)
+        # Bytes, since text mode would convert line ends, and CSV requires CR LF.
+        draft.write_bytes(content if isinstance(content, bytes) else content.encode("utf-8"))
+    notify(STEPS, STEPS)

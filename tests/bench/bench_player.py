@@ -41,9 +41,9 @@ MEASURE = """async ([played, warmUp]) => {
   });
   player.play();
   const begin = performance.now();
-  await new Promise((done) => request(function look(now) {
+  await new Promise((done) => request(function record(now) {
     frames.push(now);
-    if (now < begin + played) request(look);
+    if (now < begin + played) request(record);
     else done();
   }));
   player.pause();

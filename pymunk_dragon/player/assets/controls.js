@@ -1,8 +1,8 @@
-// What buttons, fields, keys and hands do.
+// Buttons, fields, keys and pointers.
 
 const BIG_STEP = 10; // frames
 const ZOOM_STEP = 1.4; // times
-const FINGER = 12; // pixels by which a finger may miss a bench
+const TOUCH_SLIP = 12; // pixels: largest distance of a touch from the bench that it selects
 
 function connect(player) {
   connectButtons(player);
@@ -10,19 +10,19 @@ function connect(player) {
   connectKeys(player);
   const { motion, view } = player;
   listenToPointers(element("field"), view, {
-    moved: (how) => player.movedByHand(how),
+    moved: (how) => player.viewMoved(how),
     hovered(pixel) {
       player.pixel = pixel;
-      player.ask();
+      player.requestDraw();
     },
     tapped(pixel, kind) {
-      player.pick(player.benches.at(view.toFloor(...pixel), kind === "mouse" ? 0 : FINGER / view.scale));
+      player.select(player.benches.at(view.toWorld(...pixel), kind === "mouse" ? 0 : TOUCH_SLIP / view.scale));
     },
   });
   Object.assign(element("time"), { min: motion.begin, max: motion.end, disabled: player.length === 0 });
   for (const id of ["play", "back", "forward"]) element(id).disabled = player.length === 0;
   for (const id of ["previous", "next", "events"]) element(id).disabled = !player.events.length;
-  new ResizeObserver(() => player.ask()).observe(element("field"));
+  new ResizeObserver(() => player.requestDraw()).observe(element("field"));
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => player.recolour());
   addEventListener("hashchange", () => player.readLink());
 }
@@ -53,16 +53,16 @@ function connectButtons(player) {
 function connectFields(player) {
   element("rate").append(...RATES.map((rate) => new Option(`${rate}×`, rate)));
   element("events").append(new Option(player.events.length ? "Go to an event …" : "No events", ""),
-    ...player.events.map(({ time, words }, i) => new Option(`${time.toFixed(2)} s: ${words}`, i)));
+    ...player.events.map(({ time, text }, i) => new Option(`${time.toFixed(2)} s: ${text}`, i)));
   element("time").addEventListener("input", ({ target }) => player.seek(target.valueAsNumber));
-  element("strip").addEventListener("click", ({ offsetX }) => player.seek(player.timeline.clicked(offsetX)));
+  element("strip").addEventListener("click", ({ offsetX }) => player.seek(player.timeline.timeOfClick(offsetX)));
   element("rate").addEventListener("change", ({ target }) => player.setRate(Number(target.value)));
   element("events").addEventListener("change", ({ target }) => {
     if (target.value !== "") player.seek(player.events[target.value].time);
     target.value = "";
   });
   element("bench").addEventListener("input", ({ target }) => {
-    if (target.value !== "" && target.checkValidity()) player.pick(target.valueAsNumber);
+    if (target.value !== "" && target.checkValidity()) player.select(target.valueAsNumber);
   });
   for (const name of SWITCHES) {
     element(`show-${name}`).addEventListener("change", ({ target }) => player.show(name, target.checked));
@@ -91,7 +91,8 @@ function connectKeys(player) {
   };
   document.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey || element("about").open) return;
-    // Fields keep their own keys, but the slider's would move it by a hundredth of the run; buttons keep the space bar.
+    // Fields keep their own keys, except the slider, whose arrow keys would move it by a hundredth of the run. Buttons keep
+    // the space bar.
     const field = event.target.closest("select, input:not([type=range], [type=checkbox])");
     const presses = event.key === " " && event.target.closest("button, input[type=checkbox]");
     const action = keys[event.key.toLowerCase()];

@@ -1,8 +1,8 @@
-// From the page's data blocks to numbers. The other side of packing.py.
+// Unpacks the numbers in the page's data blocks, which data.py packs.
 
 const block = (id) => document.getElementById(id).textContent;
 
-async function inflated(base64) {
+async function inflate(base64) {
   const text = atob(base64.trim());
   const bytes = new Uint8Array(text.length);
   for (let i = 0; i < text.length; i++) bytes[i] = text.charCodeAt(i);
@@ -10,14 +10,14 @@ async function inflated(base64) {
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
-// Vectors counted in steps from an origin: `counts` by frame, point and component.
-async function unpacked({ frames, points, origin, step, order }, base64) {
-  const bytes = await inflated(base64);
+// Vectors as counts of steps from an origin, by frame, point and component.
+async function unpack({ frames, points, origin, step, order }, base64) {
+  const bytes = await inflate(base64);
   const tracks = 2 * points;
   const total = frames * tracks;
   const counts = new Int32Array(total);
   for (let track = 0; track < tracks; track++) {
-    // The differences of every order, the highest first, and the count itself at the end.
+    // Differences of every order, the highest first; the last entry is the count.
     const sums = new Int32Array(order + 1);
     for (let frame = 0; frame < frames; frame++) {
       const i = track * frames + frame;
@@ -30,7 +30,7 @@ async function unpacked({ frames, points, origin, step, order }, base64) {
   return { frames, points, origin, step, counts };
 }
 
-// The vectors of all points in a frame: x and y in turn, in m or m/s.
+// Vectors of all points in a frame, in m or m/s: x0, y0, x1, y1, ...
 function vectorsIn(packed, frame) {
   const { points, origin, step, counts } = packed;
   const vectors = new Float64Array(2 * points);

@@ -1,7 +1,6 @@
-// Rectangles on the floor: their corners, how far two are apart, and the cells of the grid that they lie in.
+// Rectangles of the benches: corners, distances, and the grid cells that they cover.
 
-// Cells by which a bench is taken to be nearer to a grid line than it is, as the package's grid has it: rounding never
-// loses a cell.
+// Margin around a bench in cells, as in the package's grid: rounding never loses a cell.
 const CELL_SLACK = 1e-8;
 
 class Benches {
@@ -11,10 +10,10 @@ class Benches {
   }
 
   get handles() {
-    return (this.places ??= this.motion.handlesOf(this.poses));
+    return (this.cachedHandles ??= this.motion.handlesOf(this.poses));
   }
 
-  // Rear right, front right, front left, rear left.
+  // Corners: rear right, front right, front left, rear left.
   corners(i) {
     const { x, y, cos, sin } = this.poses;
     const along = this.motion.lengths[i] / 2, across = this.motion.widths[i] / 2;
@@ -22,17 +21,17 @@ class Benches {
       ([a, c]) => [x[i] + a * cos[i] - c * sin[i], y[i] + a * sin[i] + c * cos[i]]);
   }
 
-  // A point as bench `i` sees it: metres ahead of its centre, and to its left.
-  seenFrom(i, [px, py]) {
+  // A point in the coordinates of bench `i`: metres ahead of its centre, and to the left.
+  toLocal(i, [px, py]) {
     const { x, y, cos, sin } = this.poses;
     const dx = px - x[i], dy = py - y[i];
     return [dx * cos[i] + dy * sin[i], dy * cos[i] - dx * sin[i]];
   }
 
-  // Point of bench `i` that is nearest to a point, and how far that is; 0 within.
+  // Point of bench `i` that is closest to a point, and the distance; 0 within the bench.
   nearestPoint(i, point) {
     const { x, y, cos, sin } = this.poses;
-    const [ahead, left] = this.seenFrom(i, point);
+    const [ahead, left] = this.toLocal(i, point);
     const along = this.motion.lengths[i] / 2, across = this.motion.widths[i] / 2;
     const a = Math.min(Math.max(ahead, -along), along), c = Math.min(Math.max(left, -across), across);
     return {
@@ -41,16 +40,16 @@ class Benches {
     };
   }
 
-  // Whether no side of either bench separates the two.
+  // Whether two benches overlap: no side of either separates them (separating axis theorem).
   overlap(i, j) {
     return [[i, j], [j, i]].every(([own, other]) => {
-      const seen = this.corners(other).map((corner) => this.seenFrom(own, corner));
+      const corners = this.corners(other).map((corner) => this.toLocal(own, corner));
       return [this.motion.lengths[own] / 2, this.motion.widths[own] / 2].every((half, axis) =>
-        seen.some((point) => point[axis] <= half) && seen.some((point) => point[axis] >= -half));
+        corners.some((point) => point[axis] <= half) && corners.some((point) => point[axis] >= -half));
     });
   }
 
-  // The gap between two benches, and its two ends. Rectangles that do not overlap are nearest at a corner of one of them.
+  // The gap between two benches, and its two ends. Rectangles that do not overlap are closest at a corner of one of them.
   gap(i, j) {
     let found = { gap: Infinity };
     for (const [own, other] of [[i, j], [j, i]]) {
@@ -62,14 +61,14 @@ class Benches {
     return found.gap > 0 && this.overlap(i, j) ? { ...found, gap: 0 } : found;
   }
 
-  // The bench nearest to bench `i` among those that are not its neighbours; null where there is none.
+  // The bench closest to bench `i` among those that are not its neighbours; null if there is none.
   nearest(i) {
     const { x, y } = this.poses;
     const reach = (k) => Math.hypot(this.motion.lengths[k], this.motion.widths[k]) / 2;
     let found = null;
     for (let j = 0; j < this.motion.benches; j++) {
       if (Math.abs(i - j) <= 1) continue;
-      // No nearer than their centres are, less half a diagonal each.
+      // Lower bound of the gap: distance of the centres less half a diagonal each.
       const least = Math.hypot(x[i] - x[j], y[i] - y[j]) - reach(i) - reach(j);
       if (found && least >= found.gap) continue;
       const between = this.gap(i, j);
@@ -78,7 +77,7 @@ class Benches {
     return found;
   }
 
-  // The bench at a point, the lowest number where several are; a finger may miss by `slip` m.
+  // The bench within `slip` m of a point; the lowest number if the point is on several.
   at(point, slip) {
     let found = null, nearest = slip;
     for (let i = 0; i < this.motion.benches; i++) {
@@ -89,7 +88,7 @@ class Benches {
     return found;
   }
 
-  // Cells [row, column] of the grid that bench `i` touches or covers: rows count downward, columns to the right.
+  // Grid cells [row, column] that bench `i` touches or covers: rows count downward, columns to the right.
   cells(i, { cell, origin }) {
     const { x, y, cos, sin } = this.poses;
     const u = (x[i] - origin[0]) / cell, v = (origin[1] - y[i]) / cell;
@@ -99,7 +98,7 @@ class Benches {
     const cells = [];
     for (let row = Math.floor(v - reachV); row <= Math.floor(v + reachV); row++) {
       for (let column = Math.floor(u - reachU); column <= Math.floor(u + reachU); column++) {
-        // The cell's own sides do not separate the two, as the range is the bench's; do the bench's?
+        // The ranges of rows and columns cover the cell's axes; the bench's axes remain to be tested.
         const du = column + 0.5 - u, dv = row + 0.5 - v;
         const half = (c + s) / 2 + CELL_SLACK;
         if (Math.abs(du * cos[i] - dv * sin[i]) <= along + half

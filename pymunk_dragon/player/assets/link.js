@@ -1,38 +1,38 @@
-// The part of the address after "#": which moment, seen from where. For example #t=409.8&follow=head&show=grid,labels
+// The part of the address after "#": time and view, for example #t=409.8&follow=head&show=grid,labels
 
-// Times and places are written to this many digits after the point, spans to so many digits in all.
-const LINK_DIGITS = 6, SPAN_DIGITS = 4;
+const LINK_DIGITS = 6; // decimals of times and positions
+const SPAN_DIGITS = 4; // significant digits of spans
 const SWITCHES = ["curve", "contacts", "handles", "velocities", "grid", "labels"];
-const SHOWN_AT_FIRST = ["curve", "contacts"];
+const SHOWN_BY_DEFAULT = ["curve", "contacts"];
 
 const plain = (number) => String(Number(number.toFixed(LINK_DIGITS)));
 
-function linkOf({ time, rate, usualRate, follow, shown, picked, view }) {
+function formatLink({ time, rate, defaultRate, follow, shown, selected, view }) {
   const parts = [`t=${plain(time)}`];
   if (follow === "head") parts.push("follow=head");
   if (!follow) parts.push(`at=${plain(view.x)},${plain(view.y)}`);
   if (follow !== "field") parts.push(`span=${Number(view.span.toPrecision(SPAN_DIGITS))}`);
   const names = SWITCHES.filter((name) => shown[name]);
-  if (names.join() !== SHOWN_AT_FIRST.join()) parts.push(`show=${names.join()}`);
-  if (picked !== null) parts.push(`bench=${picked}`);
-  if (rate !== usualRate) parts.push(`speed=${rate}`);
+  if (names.join() !== SHOWN_BY_DEFAULT.join()) parts.push(`show=${names.join()}`);
+  if (selected !== null) parts.push(`bench=${selected}`);
+  if (rate !== defaultRate) parts.push(`speed=${rate}`);
   return `#${parts.join("&")}`;
 }
 
-// What a link asks for; what it does not say, or says in a way that makes no sense, is not there.
-function linkRead(hash) {
-  const given = new URLSearchParams(hash.replace(/^#/, ""));
+// Settings of a link; missing and invalid values are undefined.
+function parseLink(hash) {
+  const query = new URLSearchParams(hash.replace(/^#/, ""));
   const number = (text) => (text !== null && text.trim() !== "" && Number.isFinite(Number(text)) ? Number(text) : undefined);
-  const at = (given.get("at") ?? "").split(",").map(number);
-  const span = number(given.get("span"));
+  const at = (query.get("at") ?? "").split(",").map(number);
+  const span = number(query.get("span"));
   return {
-    time: number(given.get("t")),
-    follow: ["head", "field"].find((subject) => subject === given.get("follow")),
+    time: number(query.get("t")),
+    follow: ["head", "field"].find((subject) => subject === query.get("follow")),
     at: at.length === 2 && at.every((value) => value !== undefined) ? at : undefined,
     span: span > 0 ? span : undefined,
-    show: given.has("show") ? given.get("show").split(",").filter((name) => SWITCHES.includes(name)) : undefined,
-    bench: number(given.get("bench")),
-    rate: number(given.get("speed")),
-    plays: given.has("play"),
+    show: query.has("show") ? query.get("show").split(",").filter((name) => SWITCHES.includes(name)) : undefined,
+    bench: number(query.get("bench")),
+    rate: number(query.get("speed")),
+    plays: query.has("play"),
   };
 }

@@ -1,19 +1,19 @@
-// Starts the player, and offers it to others.
+// Starts the player and publishes its interface.
 
-async function started() {
+async function start() {
   try {
-    const told = JSON.parse(block("told"));
+    const payload = JSON.parse(block("payload"));
     const [packed, velocities, curve] = await Promise.all(["handles", "velocities", "curve"].map(
-      (name) => told[name] && unpacked(told[name], block(`${name}-packed`))));
-    const player = new Player(told, packed, velocities, curve);
-    if (!told.grid) element("show-grid").closest("label").hidden = true;
-    element("precision").textContent = `Places are kept to ${Number((1e6 * told.errors[0]).toPrecision(2))} μm`
-      + ` in ${packed.frames} frames; between two frames, benches move on cubic polynomials of time that have the places`
-      + " and velocities of both. No number has more digits than that allows.";
+      (name) => payload[name] && unpack(payload[name], block(`${name}-packed`))));
+    const player = new Player(payload, packed, velocities, curve);
+    if (!payload.grid) element("show-grid").closest("label").hidden = true;
+    element("precision").textContent = `Positions are stored to within ${Number((1e6 * payload.errors[0]).toPrecision(2))} μm`
+      + ` in ${packed.frames} frames; between two frames, benches move on cubic polynomials of time that match the`
+      + " positions and velocities of both. Numbers are shown with the digits that are certain.";
     connect(player);
     player.readLink();
     player.draw();
-    return offered(player);
+    return publicPlayer(player);
   } catch (error) {
     element("failure").hidden = false;
     element("failure").textContent = `The dragon cannot be shown: ${error.message}. A newer browser may help.`;
@@ -21,8 +21,8 @@ async function started() {
   }
 }
 
-// For lessons that hold the page in a frame: `frame.contentWindow.dragon.then((player) => player.seek(409.8))`.
-function offered(player) {
+// For pages that hold this one in a frame: `frame.contentWindow.dragon.then((player) => player.seek(409.8))`.
+function publicPlayer(player) {
   const { motion, view } = player;
   return Object.freeze({
     play: () => player.play(),
@@ -32,19 +32,19 @@ function offered(player) {
     get time() { return player.time; },
     get playing() { return player.playing; },
     get view() { return { x: view.x, y: view.y, scale: view.scale, follow: player.follow }; },
-    // Pixels of the canvas at a point of the floor.
+    // Pixel of the canvas at a point in m.
     pixel: (x, y) => view.toScreen(x, y),
-    // Places of the handles in a frame, x and y in turn.
+    // Positions of the handles in a frame: x0, y0, x1, y1, ...
     handles: (frame) => Array.from(vectorsIn(player.motion.packed, frame)),
     // Poses [x, y, angle] of the benches at a time.
     poses: (time) => {
       const { x, y, angle } = motion.posesAt(time);
       return Array.from(x, (_, i) => [x[i], y[i], angle[i]]);
     },
-    // Of one bench, now: what the card tells, and the cells [row, column] that it is filed under.
-    numbers: (bench) => numbersOf(new Benches(motion, motion.posesAt(player.time)), bench, player.time),
-    cells: (bench) => new Benches(motion, motion.posesAt(player.time)).cells(bench, player.painter.told.grid),
+    // Numbers of a bench at the current time, and the grid cells [row, column] that it covers.
+    numbers: (bench) => benchNumbers(new Benches(motion, motion.posesAt(player.time)), bench, player.time),
+    cells: (bench) => new Benches(motion, motion.posesAt(player.time)).cells(bench, player.painter.payload.grid),
   });
 }
 
-globalThis.dragon = started();
+globalThis.dragon = start();

@@ -1,34 +1,36 @@
-// What can be switched on over the benches: handles, velocities, numbers, contacts and near misses.
+// Overlays: handles, velocities, numbers, contacts and near misses.
 
-// Radius of a handle: pixels at least, and times a hole's diameter.
-const SMALLEST_HANDLE = 2.2, HANDLE_SIZE = 0.8;
-// Metres of arrow for each m/s, as in the films; pixels of the shortest arrow and the longest head.
-const ARROW = 0.5, SHORTEST_ARROW = 2, LONGEST_HEAD = 9;
-// How thick a shaft is, as a share of its length at 1 m/s and in pixels, and pixels of the rim around it.
-const SHAFT = 0.1, THICKEST_SHAFT = 2, RIM = 0.9;
-// Width in pixels of a bench that is large enough for its number. Where benches are smaller, every so many have one, if
-// there is room for its pixels.
-const NUMBERED_BENCH = 10, NUMBER_EVERY = 25, NUMBER_SIZE = 28;
-// Pixels: the ring around a contact, and its distance from its label.
-const RING = 9, LABEL_OFFSET = 14;
-// Seconds before and after a near miss in which it is shown.
-const NEAR_SHOWN = 1.5;
+const SMALLEST_HANDLE = 2.2; // pixels: least radius of a handle
+const HANDLE_SIZE = 0.8; // radius of a handle over the diameter of a hole
+const ARROW = 0.5; // m: length of an arrow per m/s, as in the films
+const SHORTEST_ARROW = 2; // pixels
+const LONGEST_HEAD = 9; // pixels: longest head of an arrow
+const SHAFT = 0.1; // width of an arrow's shaft over its length at 1 m/s
+const THICKEST_SHAFT = 2; // pixels
+const RIM = 0.9; // pixels: rim around arrows
+const NUMBERED_BENCH = 10; // pixels: least width of a bench with its number inside
+const NUMBER_EVERY = 25; // benches from one number to the next in a distant view
+const NUMBER_SIZE = 28; // pixels: room for a number in a distant view
+const RING = 9; // pixels: radius of the ring around a contact
+const LABEL_OFFSET = 14; // pixels: distance of a label from the centre of its ring
+// s: a near miss is shown this long before and after its time.
+const NEAR_MISS_SHOWN = 1.5;
 
-function drawHandles(painter, benches, seen) {
+function drawHandles(painter, benches, visible) {
   const { context, colours, view } = painter;
-  const radius = Math.max(SMALLEST_HANDLE, HANDLE_SIZE * painter.told.dragon.hole * view.scale);
-  const path = painter.drawHoles(benches, seen, radius, colours.background);
+  const radius = Math.max(SMALLEST_HANDLE, HANDLE_SIZE * painter.payload.dragon.hole * view.scale);
+  const path = painter.drawHoles(benches, visible, radius, colours.background);
   context.strokeStyle = colours.type;
   context.lineWidth = Math.min(1.25, 0.4 * radius);
   context.stroke(path);
 }
 
-function drawVelocities(painter, benches, seen) {
+function drawVelocities(painter, benches, visible) {
   const { context, colours, motion, view } = painter;
   const velocities = motion.velocitiesOf(benches.poses);
   if (!velocities) return;
   const shafts = new Path2D(), heads = new Path2D();
-  for (const handle of new Set(seen.flatMap((i) => [i, i + 1]))) {
+  for (const handle of new Set(visible.flatMap((i) => [i, i + 1]))) {
     const [vx, vy] = velocities[handle], [hx, hy] = benches.handles[handle];
     const [px, py] = view.toScreen(hx, hy);
     const [qx, qy] = view.toScreen(hx + ARROW * vx, hy + ARROW * vy);
@@ -43,7 +45,7 @@ function drawVelocities(painter, benches, seen) {
     heads.lineTo(qx - head * ux + half * uy, qy - head * uy - half * ux);
     heads.closePath();
   }
-  // A rim of the ground's colour sets them off from the benches.
+  // A rim of the background's colour separates arrows from benches.
   context.strokeStyle = colours.background;
   const width = Math.min(THICKEST_SHAFT, SHAFT * ARROW * view.scale);
   context.lineWidth = width + 2 * RIM;
@@ -55,7 +57,7 @@ function drawVelocities(painter, benches, seen) {
   context.fill(heads);
 }
 
-function drawNumbers(painter, benches, seen, red) {
+function drawNumbers(painter, benches, visible, inContact) {
   const { context, colours, motion, view } = painter;
   const { x, y, angle } = benches.poses;
   const thickness = motion.narrowest * view.scale;
@@ -63,25 +65,25 @@ function drawNumbers(painter, benches, seen, red) {
   context.textBaseline = "middle";
   if (thickness < NUMBERED_BENCH) {
     context.font = `600 12px ${painter.font}`;
-    const written = [];
-    for (const i of seen.toReversed()) {
-      if (i % NUMBER_EVERY && i !== motion.benches - 1 && !red.has(i)) continue;
+    const labelled = [];
+    for (const i of visible.toReversed()) {
+      if (i % NUMBER_EVERY && i !== motion.benches - 1 && !inContact.has(i)) continue;
       const [px, py] = view.toScreen(x[i], y[i]);
-      if (written.some(([qx, qy]) => Math.abs(px - qx) < NUMBER_SIZE && Math.abs(py - qy) < NUMBER_SIZE / 2)) continue;
-      written.push([px, py]);
-      painter.write(String(i), px, py);
+      if (labelled.some(([qx, qy]) => Math.abs(px - qx) < NUMBER_SIZE && Math.abs(py - qy) < NUMBER_SIZE / 2)) continue;
+      labelled.push([px, py]);
+      painter.drawText(String(i), px, py);
     }
     return;
   }
   context.font = `${Math.min(0.72 * thickness, 16)}px ${painter.font}`;
-  for (const i of seen) {
+  for (const i of visible) {
     const [px, py] = view.toScreen(x[i], y[i]);
-    // Along the bench, and never upside down.
+    // Along the bench, upright.
     let turn = -angle[i] - Math.PI * Math.round(-angle[i] / Math.PI);
     if (turn <= -Math.PI / 2) turn += Math.PI;
     context.translate(px, py);
     context.rotate(turn);
-    context.fillStyle = red.has(i) || i === motion.benches - 1 ? colours.background : colours.ink;
+    context.fillStyle = inContact.has(i) || i === motion.benches - 1 ? colours.background : colours.ink;
     context.fillText(String(i), 0, 0.04 * thickness);
     context.setTransform(painter.ratio, 0, 0, painter.ratio, 0, 0);
   }
@@ -92,18 +94,18 @@ function drawContacts(painter, time, benches, touching) {
   for (const { benches: two } of touching) {
     drawRing(painter, view.toScreen(...benches.gap(...two).ends[0]));
   }
-  for (const miss of painter.told.near) {
-    if (Math.abs(miss.time - time) > NEAR_SHOWN) continue;
+  for (const miss of painter.payload.near_misses) {
+    if (Math.abs(miss.time - time) > NEAR_MISS_SHOWN) continue;
     const { ends } = benches.gap(...miss.benches);
     const [one, two] = ends.map((end) => view.toScreen(...end));
     const middle = [(one[0] + two[0]) / 2, (one[1] + two[1]) / 2];
-    // Around both ends, as far apart as they may look.
+    // The ring encloses both ends of the gap.
     drawRing(painter, middle, Math.hypot(one[0] - two[0], one[1] - two[1]) / 2);
     context.font = `600 13px ${painter.font}`;
     context.textAlign = "left";
     context.textBaseline = "middle";
-    const label = `${inLength(miss.gap, 0)} at ${miss.time.toFixed(2)} s`;
-    painter.write(label, middle[0] + LABEL_OFFSET, middle[1] - LABEL_OFFSET);
+    const label = `${formatLength(miss.gap, 0)} at ${miss.time.toFixed(2)} s`;
+    painter.drawText(label, middle[0] + LABEL_OFFSET, middle[1] - LABEL_OFFSET);
   }
 }
 

@@ -1,24 +1,26 @@
-// Draws one moment on the canvas. Few paths of many benches: a path costs more than what is in it.
+// Draws the canvas. Many benches share a path, because drawing a path costs more than extending it.
 
-// Share of a bench's width that the curve is thick, as in the films, and pixels at least.
-const CURVE_WIDTH = 0.04, THINNEST_CURVE = 1;
-// Pixels that the drawn curve may be off, and points of it that are looked at together for being in sight.
-const CURVE_ERROR_SHOWN = 0.3, CURVE_CHUNK = 64;
-// Pixels: smallest hole that is drawn. Outlines: a share of a bench's width, within pixels.
-const SMALLEST_HOLE = 2.5, OUTLINE_WIDTH = 0.06, THINNEST_OUTLINE = 0.5, THICKEST_OUTLINE = 1.25;
+const CURVE_WIDTH = 0.04; // width of the curve over that of a bench, as in the films
+const THINNEST_CURVE = 1; // pixels
+const CURVE_ERROR_SHOWN = 0.3; // pixels: largest error of the drawn curve
+const CURVE_CHUNK = 64; // points of the curve that are tested together for visibility
+const SMALLEST_HOLE = 2.5; // pixels: smallest hole that is drawn
+const OUTLINE_WIDTH = 0.06; // width of outlines over that of a bench
+const THINNEST_OUTLINE = 0.5; // pixels
+const THICKEST_OUTLINE = 1.25; // pixels
 
-// The films' names, and what they stand for there.
+// Names of the colours, as in the films' `Palette`.
 const CANVAS_COLOURS = ["background", "curve", "head", "body", "tail", "contact", "ink", "motion", "force", "grid"];
 
 class Painter {
-  constructor(canvas, motion, view, told, curve) {
+  constructor(canvas, motion, view, payload, curve) {
     this.canvas = canvas;
     this.context = canvas.getContext("2d", { alpha: false });
     this.motion = motion;
     this.view = view;
-    this.told = told;
-    this.curve = placesOf(curve);
-    this.curveError = told.curve_error;
+    this.payload = payload;
+    this.curve = vectorsOf(curve);
+    this.curveError = payload.curve_error;
     this.readColours();
   }
 
@@ -32,7 +34,7 @@ class Painter {
     this.font = getComputedStyle(document.body).fontFamily;
   }
 
-  // The canvas gets as many pixels as the screen has.
+  // Match the canvas to the pixels of the screen.
   resize() {
     const { width, height } = this.canvas.getBoundingClientRect();
     const ratio = window.devicePixelRatio || 1;
@@ -43,7 +45,7 @@ class Painter {
     this.ratio = ratio;
   }
 
-  // `moment` has the time, the benches then, what is to be shown, and the bench that is pointed at.
+  // Draw `benches` at `time` with the overlays in `show` and the bench `pointed` highlighted.
   draw({ time, benches, show, pointed }) {
     const { context, view, colours, motion } = this;
     context.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
@@ -51,30 +53,30 @@ class Painter {
     context.fillRect(0, 0, view.width, view.height);
     context.lineJoin = context.lineCap = "round";
     const { x, y } = benches.poses;
-    const seen = [];
-    for (let i = motion.benches - 1; i >= 0; i--) if (view.sees(x[i], y[i], motion.lengths[i])) seen.push(i);
+    const visible = [];
+    for (let i = motion.benches - 1; i >= 0; i--) if (view.isVisible(x[i], y[i], motion.lengths[i])) visible.push(i);
     const touching = motion.touchingAt(time);
-    const red = new Set(touching.flatMap(({ benches: two }) => two));
-    if (show.grid && this.told.grid) drawGrid(this, benches, seen);
+    const inContact = new Set(touching.flatMap(({ benches: two }) => two));
+    if (show.grid && this.payload.grid) drawGrid(this, benches, visible);
     if (show.curve) this.drawCurve();
-    this.drawBenches(benches, seen, red);
-    if (pointed !== null) this.drawPointed(benches, pointed, red);
-    if (show.handles) drawHandles(this, benches, seen);
-    if (show.velocities) drawVelocities(this, benches, seen);
-    if (show.labels) drawNumbers(this, benches, seen, red);
-    if (show.grid && this.told.grid) drawGridNames(this);
+    this.drawBenches(benches, visible, inContact);
+    if (pointed !== null) this.drawPointed(benches, pointed, inContact);
+    if (show.handles) drawHandles(this, benches, visible);
+    if (show.velocities) drawVelocities(this, benches, visible);
+    if (show.labels) drawNumbers(this, benches, visible, inContact);
+    if (show.grid && this.payload.grid) drawGridNames(this);
     if (show.contacts) drawContacts(this, time, benches, touching);
   }
 
   drawCurve() {
     const { context, view, curve } = this;
-    // A chord of n points is off by n^2 times as much as one of 1.
+    // The error of a chord over n intervals is n^2 times that over one.
     const stride = Math.max(1, Math.floor(Math.sqrt(CURVE_ERROR_SHOWN / (view.scale * this.curveError))));
     const path = new Path2D();
     const last = curve.length / 2 - 1;
     for (let begin = 0; begin < last; begin += CURVE_CHUNK * stride) {
       const end = Math.min(begin + CURVE_CHUNK * stride, last);
-      if (!this.seesCurve(begin, end)) continue;
+      if (!this.isCurveVisible(begin, end)) continue;
       path.moveTo(...view.toScreen(curve[2 * begin], curve[2 * begin + 1]));
       for (let i = begin + stride; i < end + stride; i += stride) {
         const k = Math.min(i, end);
@@ -86,8 +88,8 @@ class Painter {
     context.stroke(path);
   }
 
-  // Whether the box around a stretch of the curve is in sight.
-  seesCurve(begin, end) {
+  // Whether the bounding box of a part of the curve is visible.
+  isCurveVisible(begin, end) {
     let [left, right, bottom, top] = [Infinity, -Infinity, Infinity, -Infinity];
     for (let i = begin; i <= end; i++) {
       left = Math.min(left, this.curve[2 * i]);
@@ -106,31 +108,31 @@ class Painter {
     path.closePath();
   }
 
-  drawBenches(benches, seen, red) {
+  drawBenches(benches, visible, inContact) {
     const { context, colours, motion, view } = this;
     const tail = motion.benches - 1;
-    const special = (i) => i === 0 || i === tail || red.has(i);
+    const special = (i) => i === 0 || i === tail || inContact.has(i);
     context.strokeStyle = colours.ink;
     context.lineWidth = Math.min(Math.max(OUTLINE_WIDTH * motion.narrowest * view.scale, THINNEST_OUTLINE), THICKEST_OUTLINE);
     const paint = (chosen) => {
       if (!chosen.length) return;
       const path = new Path2D();
       for (const i of chosen) this.outline(path, benches, i);
-      context.fillStyle = this.colourOf(chosen[0], red);
+      context.fillStyle = this.colourOf(chosen[0], inContact);
       context.fill(path);
       context.stroke(path);
     };
-    // Benches overlap only with their neighbours, so the even ones make one path, and the odd ones lie on top of them.
-    for (const parity of [0, 1]) paint(seen.filter((i) => i % 2 === parity && !special(i)));
-    for (const i of seen.filter(special)) paint([i]);
-    const radius = this.told.dragon.hole / 2 * view.scale;
-    if (2 * radius >= SMALLEST_HOLE) this.drawHoles(benches, seen, radius, colours.ink);
+    // Only neighbours overlap, so even benches share a path, and odd ones are drawn on top of them.
+    for (const parity of [0, 1]) paint(visible.filter((i) => i % 2 === parity && !special(i)));
+    for (const i of visible.filter(special)) paint([i]);
+    const radius = this.payload.dragon.hole / 2 * view.scale;
+    if (2 * radius >= SMALLEST_HOLE) this.drawHoles(benches, visible, radius, colours.ink);
   }
 
-  drawHoles(benches, seen, radius, colour) {
+  drawHoles(benches, visible, radius, colour) {
     const { context, view } = this;
     const path = new Path2D();
-    for (const handle of new Set(seen.flatMap((i) => [i, i + 1]))) {
+    for (const handle of new Set(visible.flatMap((i) => [i, i + 1]))) {
       const [px, py] = view.toScreen(...benches.handles[handle]);
       path.moveTo(px + radius, py);
       path.arc(px, py, radius, 0, TURN);
@@ -140,8 +142,8 @@ class Painter {
     return path;
   }
 
-  // The bench that is pointed at lies on top, with a line around it.
-  drawPointed(benches, i, red) {
+  // The highlighted bench is drawn on top, with an outline.
+  drawPointed(benches, i, inContact) {
     const { context, colours } = this;
     const path = new Path2D();
     this.outline(path, benches, i);
@@ -150,18 +152,18 @@ class Painter {
       context.lineWidth = width;
       context.stroke(path);
     }
-    context.fillStyle = this.colourOf(i, red);
+    context.fillStyle = this.colourOf(i, inContact);
     context.fill(path);
-    this.drawHoles(benches, [i], this.told.dragon.hole / 2 * this.view.scale, colours.ink);
+    this.drawHoles(benches, [i], this.payload.dragon.hole / 2 * this.view.scale, colours.ink);
   }
 
-  colourOf(i, red) {
+  colourOf(i, inContact) {
     const { contact, head, tail, body } = this.colours;
-    return red.has(i) ? contact : i === 0 ? head : i === this.motion.benches - 1 ? tail : body;
+    return inContact.has(i) ? contact : i === 0 ? head : i === this.motion.benches - 1 ? tail : body;
   }
 
-  // Type on whatever lies below.
-  write(text, px, py) {
+  // Text with a rim of the background's colour.
+  drawText(text, px, py) {
     const { context, colours } = this;
     context.strokeStyle = colours.background;
     context.lineWidth = 4;
@@ -171,8 +173,8 @@ class Painter {
   }
 }
 
-// All frames' places of a packed track in a row, in m.
-function placesOf(packed) {
+// Vectors of all frames, in m.
+function vectorsOf(packed) {
   const { origin, step, counts } = packed;
   return Float64Array.from(counts, (count, i) => origin[i & 1] + step * count);
 }

@@ -1,62 +1,63 @@
-// The player itself: its time, its view, and what is shown. Controls call its methods; it draws and writes.
+// The player: its time, its view and what is shown. Controls call its methods.
 
-// Times real time. At first a run plays at the slowest, from 1 on, that has it over within LONGEST seconds.
-const RATES = [0.1, 0.25, 0.5, 1, 2, 5, 10, 20, 50], LONGEST = 60;
-// Part of its size by which the view moves.
+const RATES = [0.1, 0.25, 0.5, 1, 2, 5, 10, 20, 50]; // simulated over real time
+// s: longest playing time at the default rate, which is the lowest such rate from 1 on.
+const LONGEST = 60;
+// Fraction of its size by which the view moves.
 const PAN_STEP = 1 / 8;
-// Longest time between two pictures that counts, s: after a nap of the computer the run goes on where it was.
+// s: largest time step between two pictures, so that the run does not jump after the computer was suspended.
 const LONGEST_TICK = 0.25;
-// Milliseconds: how often the address follows a run that plays, and how long people get to finish what they are at
-// before the new state is told. Browsers refuse more than some 200 changes of the address in half a minute.
-const LINK_EVERY = 500, TELL_AFTER = 700;
+// ms: interval of changes to the address. Browsers refuse more than some 200 of them in half a minute.
+const LINK_EVERY = 500;
+const ANNOUNCE_AFTER = 700; // ms: delay after the last input before the state is announced to screen readers
 
 const element = (id) => document.getElementById(id);
 
-// A text is only touched when it changes, which costs the browser more than drawing does.
-function write(id, text) {
+// Set a text only if it changes: a change costs the browser more than drawing does.
+function setText(id, text) {
   if (element(id).textContent !== text) element(id).textContent = text;
 }
 
 class Player {
-  constructor(told, packed, velocities, curve) {
-    this.motion = new Motion(told, packed, velocities);
+  constructor(payload, packed, velocities, curve) {
+    this.motion = new Motion(payload, packed, velocities);
     this.view = new View(this.motion);
-    this.painter = new Painter(element("field"), this.motion, this.view, told, curve);
-    this.events = eventsOf(told);
+    this.painter = new Painter(element("field"), this.motion, this.view, payload, curve);
+    this.events = eventsOf(payload);
     this.timeline = new Timeline(element("strip"), this.motion, this.events);
     this.time = this.motion.begin;
     this.length = this.motion.end - this.motion.begin;
-    this.usualRate = RATES.find((rate) => rate >= 1 && this.length / rate <= LONGEST) ?? RATES.at(-1);
-    this.rate = this.usualRate;
+    this.defaultRate = RATES.find((rate) => rate >= 1 && this.length / rate <= LONGEST) ?? RATES.at(-1);
+    this.rate = this.defaultRate;
     this.playing = false;
-    this.follow = "field"; // or "head", or null where the view stays as it is
-    this.shown = Object.fromEntries(SWITCHES.map((name) => [name, SHOWN_AT_FIRST.includes(name)]));
-    this.picked = null; // a bench
-    this.pixel = null; // where the mouse is
+    this.follow = "field"; // or "head", or null for a fixed view
+    this.shown = Object.fromEntries(SWITCHES.map((name) => [name, SHOWN_BY_DEFAULT.includes(name)]));
+    this.selected = null; // a bench
+    this.pixel = null; // position of the mouse
     this.linkTimer = null;
-    this.written = -LINK_EVERY; // when the address was written, ms
+    this.written = -LINK_EVERY; // time of the last change of the address, ms
   }
 
   // ---- drawing
 
-  ask() {
-    this.asked ??= requestAnimationFrame((now) => this.tick(now));
+  requestDraw() {
+    this.frameRequest ??= requestAnimationFrame((now) => this.tick(now));
   }
 
   tick(now) {
-    this.asked = null;
+    this.frameRequest = null;
     if (this.playing) {
       const passed = this.last === null ? 0 : Math.min((now - this.last) / 1000, LONGEST_TICK);
       this.last = now;
       const before = this.time;
       this.time = Math.min(before + passed * this.rate, this.motion.end);
       const event = this.events.findLast(({ time }) => before < time && time <= this.time);
-      if (event) write("said", event.words);
+      if (event) setText("announcement", event.text);
       if (this.time >= this.motion.end) this.pause();
       else this.writeLinkSoon();
     }
     this.draw();
-    if (this.playing) this.ask();
+    if (this.playing) this.requestDraw();
   }
 
   draw() {
@@ -67,21 +68,21 @@ class Player {
     this.timeline.draw(painter.colours);
     if (this.follow === "field") view.fit();
     if (this.follow === "head") [view.x, view.y] = [benches.poses.x[0], benches.poses.y[0]];
-    const hovered = this.pixel && benches.at(view.toFloor(...this.pixel), 0);
-    const pointed = hovered ?? this.picked;
+    const hovered = this.pixel && benches.at(view.toWorld(...this.pixel), 0);
+    const pointed = hovered ?? this.selected;
     painter.draw({ time, benches, show: this.shown, pointed });
-    write("clock", time.toFixed(2));
+    setText("clock", time.toFixed(2));
     element("time").value = time;
-    // Told while it stands still only: no listener keeps up with a walking dragon.
+    // Only while paused: screen readers would announce every change.
     if (!this.playing) element("time").setAttribute("aria-valuetext", `${time.toFixed(2)} seconds`);
     const bench = pointed ?? 0;
     if (document.activeElement !== element("bench")) element("bench").value = bench;
-    for (const [id, text] of Object.entries(numbersInWords(numbersOf(benches, bench, time)))) write(id, text);
+    for (const [id, text] of Object.entries(formatNumbers(benchNumbers(benches, bench, time)))) setText(id, text);
   }
 
   recolour() {
     this.painter.readColours();
-    this.ask();
+    this.requestDraw();
   }
 
   // ---- time
@@ -91,13 +92,13 @@ class Player {
     if (this.time >= this.motion.end) this.time = this.motion.begin;
     this.last = null;
     this.setPlaying(true);
-    this.ask();
+    this.requestDraw();
   }
 
   pause() {
     if (!this.playing) return;
     this.setPlaying(false);
-    this.settle();
+    this.afterChange();
   }
 
   toggle() {
@@ -113,20 +114,20 @@ class Player {
     element("play").title = `${name} (space)`;
   }
 
-  // Go to a time, and stay there.
+  // Go to a time and pause.
   seek(time) {
     this.pause();
     this.time = Math.min(Math.max(time, this.motion.begin), this.motion.end);
-    this.settle();
+    this.afterChange();
   }
 
   step(frames) {
     const { times } = this.motion;
     const here = this.motion.frameFrom(this.time);
-    // Between two frames, the next one is already "here".
+    // Between two frames, `here` is the next one.
     let frame = here + frames - (frames > 0 && times[here] > this.time ? 1 : 0);
     frame = Math.min(Math.max(frame, 0), times.length - 1);
-    // A frame that shares its time with this one would be a step that goes nowhere.
+    // Skip frames at the same time.
     while (times[frame] === this.time && times[frame + Math.sign(frames)] !== undefined) frame += Math.sign(frames);
     this.seek(times[frame]);
   }
@@ -140,16 +141,16 @@ class Player {
 
   setRate(rate) {
     this.rate = rate;
-    this.settle();
+    this.afterChange();
   }
 
   // ---- view
 
   setFollow(subject) {
     this.follow = subject;
-    // From close by one stays close.
+    // A closer view stays as it is.
     if (subject === "head") this.view.span = Math.min(this.view.span, this.view.headSpan);
-    this.settle();
+    this.afterChange();
   }
 
   toggleHead() {
@@ -159,50 +160,50 @@ class Player {
   zoom(factor) {
     this.view.zoom(factor);
     if (this.follow === "field") this.follow = null;
-    this.settle();
+    this.afterChange();
   }
 
   pan(right, down) {
     this.view.pan(-right * PAN_STEP * this.view.width, -down * PAN_STEP * this.view.height);
-    this.movedByHand("pan");
+    this.viewMoved("pan");
   }
 
-  // A hand on the view lets go of what it follows; but while the dragon walks, zooming keeps the head in the middle.
-  movedByHand(how) {
+  // The user has moved the view, which no longer follows anything, except that zooming while playing keeps the head centred.
+  viewMoved(how) {
     if (!(how === "zoom" && this.playing && this.follow === "head")) this.follow = null;
-    this.settle();
+    this.afterChange();
   }
 
-  pick(bench) {
-    this.picked = bench;
-    this.settle();
+  select(bench) {
+    this.selected = bench;
+    this.afterChange();
   }
 
   show(name, shown) {
     this.shown[name] = shown;
-    this.settle();
+    this.afterChange();
   }
 
-  // ---- what comes after a change: a picture and the controls at once, address and words a little later
+  // ---- after a change: update picture and controls at once, address and announcement later
 
-  settle() {
+  afterChange() {
     element("fit").setAttribute("aria-pressed", this.follow === "field");
     element("follow").setAttribute("aria-pressed", this.follow === "head");
     element("rate").value = this.rate;
     for (const name of SWITCHES) element(`show-${name}`).checked = this.shown[name];
-    this.ask();
+    this.requestDraw();
     this.writeLinkSoon();
-    clearTimeout(this.tellTimer);
-    this.tellTimer = setTimeout(() => this.tell(), TELL_AFTER);
+    clearTimeout(this.announceTimer);
+    this.announceTimer = setTimeout(() => this.announce(), ANNOUNCE_AFTER);
   }
 
-  tell() {
-    const moment = momentInWords(this.time, this.events);
-    const { speed, angle, gap } = numbersInWords(numbersOf(this.benches, this.picked ?? 0, this.time));
-    const bench = this.picked === null ? "" : `. Bench ${this.picked}: speed ${speed}, angle ${angle}, gap ${gap}`;
-    if (!this.playing) write("said", moment + bench);
+  announce() {
+    const description = describeTime(this.time, this.events);
+    const { speed, angle, gap } = formatNumbers(benchNumbers(this.benches, this.selected ?? 0, this.time));
+    const bench = this.selected === null ? "" : `. Bench ${this.selected}: speed ${speed}, angle ${angle}, gap ${gap}`;
+    if (!this.playing) setText("announcement", description + bench);
     const where = this.follow === "head" ? "seen from above the head" : "seen from above";
-    element("field").setAttribute("aria-label", `The dragon's ${this.motion.benches} benches ${where}. ${moment}.`);
+    element("field").setAttribute("aria-label", `The dragon's ${this.motion.benches} benches ${where}. ${description}.`);
   }
 
   writeLinkSoon() {
@@ -210,21 +211,21 @@ class Player {
       this.linkTimer = null;
       this.written = performance.now();
       try {
-        history.replaceState(null, "", linkOf(this));
+        history.replaceState(null, "", formatLink(this));
       } catch {
-        // A page within a notebook's frame has no address of its own.
+        // A page in a notebook's frame has no address of its own.
       }
     }, Math.max(0, this.written + LINK_EVERY - performance.now()));
   }
 
   readLink() {
-    const link = linkRead(location.hash);
+    const link = parseLink(location.hash);
     const { view, motion } = this;
     if (link.time !== undefined) this.seek(link.time);
     if (RATES.includes(link.rate)) this.rate = link.rate;
     if (link.show) for (const name of SWITCHES) this.shown[name] = link.show.includes(name);
-    if (Number.isInteger(link.bench) && link.bench >= 0 && link.bench < motion.benches) this.picked = link.bench;
-    // A span has a meaning only once the size of the canvas is known.
+    if (Number.isInteger(link.bench) && link.bench >= 0 && link.bench < motion.benches) this.selected = link.bench;
+    // A span requires the size of the canvas.
     this.painter.resize();
     if (link.follow) this.setFollow(link.follow);
     if (link.at) {
@@ -233,7 +234,7 @@ class Player {
       view.pan(0, 0);
     }
     if (link.span && this.follow !== "field") view.span = link.span;
-    this.settle();
+    this.afterChange();
     if (link.plays && !matchMedia("(prefers-reduced-motion: reduce)").matches) this.play();
   }
 }

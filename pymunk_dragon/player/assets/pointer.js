@@ -1,12 +1,13 @@
-// Mouse, pen and fingers on the canvas: drag to pan, pinch or turn the wheel to zoom, tap to pick a bench.
+// Mouse, pen and touch on the canvas: drag to pan, pinch or use the wheel to zoom, tap to select a bench.
 
-// Pixels that a finger may slip during a tap, and zoom per pixel of a turned wheel; some wheels count lines.
-const TAP_SLIP = 6, WHEEL_ZOOM = 0.0016, WHEEL_LINE = 16;
+const TAP_SLIP = 6; // pixels: largest movement during a tap
+const WHEEL_ZOOM = 0.0016; // exponent of the zoom per pixel of the wheel
+const WHEEL_LINE = 16; // pixels: a line of wheels that count lines
 
 function listenToPointers(canvas, view, { moved, hovered, tapped }) {
   const down = new Map();
   let slipped = false;
-  const place = (event) => {
+  const position = (event) => {
     const box = canvas.getBoundingClientRect();
     return [event.clientX - box.left, event.clientY - box.top];
   };
@@ -18,21 +19,21 @@ function listenToPointers(canvas, view, { moved, hovered, tapped }) {
     canvas.setPointerCapture(event.pointerId);
     if (!down.size) slipped = false;
     else slipped = true;
-    down.set(event.pointerId, { start: place(event), now: place(event) });
+    down.set(event.pointerId, { start: position(event), now: position(event) });
   });
   canvas.addEventListener("pointermove", (event) => {
-    const here = place(event);
-    const finger = down.get(event.pointerId);
-    if (!finger) {
+    const here = position(event);
+    const pointer = down.get(event.pointerId);
+    if (!pointer) {
       if (event.pointerType === "mouse") hovered(here);
       return;
     }
     const before = [...down.values()].map(({ now }) => now);
-    const last = finger.now;
-    finger.now = here;
+    const last = pointer.now;
+    pointer.now = here;
     if (down.size === 1) {
-      if (!slipped && spread([finger.start, here]) <= TAP_SLIP) {
-        finger.now = last;
+      if (!slipped && spread([pointer.start, here]) <= TAP_SLIP) {
+        pointer.now = last;
         return;
       }
       slipped = true;
@@ -47,16 +48,16 @@ function listenToPointers(canvas, view, { moved, hovered, tapped }) {
     }
   });
   const up = (event) => {
-    if (down.delete(event.pointerId) && !slipped && event.type === "pointerup") tapped(place(event), event.pointerType);
+    if (down.delete(event.pointerId) && !slipped && event.type === "pointerup") tapped(position(event), event.pointerType);
   };
   canvas.addEventListener("pointerup", up);
   canvas.addEventListener("pointercancel", up);
   canvas.addEventListener("pointerleave", () => hovered(null));
   canvas.addEventListener("wheel", (event) => {
     event.preventDefault();
-    const turned = event.deltaY * (event.deltaMode === WheelEvent.DOM_DELTA_LINE ? WHEEL_LINE : 1);
-    // Pinching on a touchpad comes as a wheel with Ctrl, in small steps.
-    view.zoom(Math.exp(-turned * WHEEL_ZOOM * (event.ctrlKey ? 5 : 1)), ...place(event));
+    const delta = event.deltaY * (event.deltaMode === WheelEvent.DOM_DELTA_LINE ? WHEEL_LINE : 1);
+    // Browsers report pinching on a touchpad as wheel events with Ctrl, in small steps.
+    view.zoom(Math.exp(-delta * WHEEL_ZOOM * (event.ctrlKey ? 5 : 1)), ...position(event));
     moved("zoom");
   }, { passive: false });
 }

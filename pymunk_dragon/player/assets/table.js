@@ -1,16 +1,16 @@
-// The run as a CSV table, as `pymunk-dragon positions` writes it: a row for each handle at each time.
+// The run as a CSV table, as from `pymunk-dragon positions`: a row for each handle at each time.
 
-// Digits after the point of a speed, which is known to some 0.01 mm/s.
+// Decimals of a speed, which is known to some 0.01 mm/s.
 const SPEED_DIGITS = 4;
-const HEADS = "time_s,handle,x_m,y_m,speed_m_s\n";
+const COLUMNS = "time_s,handle,x_m,y_m,speed_m_s\n";
 
 function tableOf(motion, times) {
-  const parts = [HEADS];
+  const parts = [COLUMNS];
   for (const time of times) {
     const poses = motion.posesAt(time);
     const handles = motion.handlesOf(poses);
     const velocities = motion.velocitiesOf(poses);
-    const digits = decimals(Math.max(...handles.map((_, i) => motion.blurAt(time, Math.min(i, motion.benches - 1)))));
+    const digits = decimals(Math.max(...handles.map((_, i) => motion.errorAt(time, Math.min(i, motion.benches - 1)))));
     parts.push(handles.map(([x, y], i) => {
       const speed = velocities ? Math.hypot(...velocities[i]).toFixed(SPEED_DIGITS) : "";
       return `${time},${i},${x.toFixed(digits)},${y.toFixed(digits)},${speed}\n`;
@@ -24,6 +24,6 @@ function download(blob, name) {
   link.href = URL.createObjectURL(blob);
   link.download = name;
   link.click();
-  // The browser has to have begun reading before the address may go.
+  // The address must remain valid until the browser has begun to read.
   setTimeout(() => URL.revokeObjectURL(link.href), 60_000);
 }

@@ -1,19 +1,19 @@
-// What happens when: near misses and contacts, as a list to step through and as a strip above the slider.
+// Events by time: near misses and contacts, as a list and as a strip above the slider.
 
-// Pixels: half the slider's thumb, which the strip keeps free on both sides, and how near a click has to be.
-const THUMB = 8, CLICK = 7;
+const THUMB = 8; // pixels: half the slider's thumb, the margin of the strip on both sides
+const CLICK = 7; // pixels: largest distance of a click from an event
 
-function eventsOf(told) {
+function eventsOf(payload) {
   const name = ([i, j]) => `benches ${i} and ${j}`;
-  const near = told.near.map(({ time, benches, gap }) => ({
-    time, end: time, kind: "near",
-    words: `Near miss: ${name(benches)}, ${inLength(gap, 0)}`,
+  const nearMisses = payload.near_misses.map(({ time, benches, gap }) => ({
+    time, end: time, kind: "near-miss",
+    text: `Near miss: ${name(benches)}, ${formatLength(gap, 0)}`,
   }));
-  const contacts = told.windows.map(({ begin, end, benches }) => ({
-    time: begin, end: end ?? told.times.at(-1), kind: "contact",
-    words: `Contact: ${name(benches)}` + (end === null ? "" : `, for ${(end - begin).toFixed(2)} s`),
+  const contacts = payload.windows.map(({ begin, end, benches }) => ({
+    time: begin, end: end ?? payload.times.at(-1), kind: "contact",
+    text: `Contact: ${name(benches)}` + (end === null ? "" : `, for ${(end - begin).toFixed(2)} s`),
   }));
-  return [...near, ...contacts].sort((a, b) => a.time - b.time);
+  return [...nearMisses, ...contacts].sort((a, b) => a.time - b.time);
 }
 
 class Timeline {
@@ -24,25 +24,25 @@ class Timeline {
   }
 
   // Pixels from the left.
-  place(time) {
+  toPixel(time) {
     const { begin, end } = this.motion;
     return THUMB + (this.width - 2 * THUMB) * (end > begin ? (time - begin) / (end - begin) : 0);
   }
 
   timeAt(px) {
     const { begin, end } = this.motion;
-    const share = (px - THUMB) / Math.max(1, this.width - 2 * THUMB);
-    return begin + Math.min(Math.max(share, 0), 1) * (end - begin);
+    const fraction = (px - THUMB) / Math.max(1, this.width - 2 * THUMB);
+    return begin + Math.min(Math.max(fraction, 0), 1) * (end - begin);
   }
 
-  // The time of an event close to a click, or else the time that was clicked.
-  clicked(px) {
-    const distance = (event) => Math.abs(this.place(event.time) - px);
+  // Time of the event close to a click, or the clicked time if there is none.
+  timeOfClick(px) {
+    const distance = (event) => Math.abs(this.toPixel(event.time) - px);
     const near = this.events.filter((event) => distance(event) <= CLICK).sort((a, b) => distance(a) - distance(b));
     return near.length ? near[0].time : this.timeAt(px);
   }
 
-  // Draws only where something has changed: the strip's size, or the colours.
+  // Draws only if the strip's size or the colours have changed.
   draw(colours) {
     const { width, height } = this.strip.getBoundingClientRect();
     const ratio = window.devicePixelRatio || 1;
@@ -56,11 +56,11 @@ class Timeline {
     const middle = height / 2;
     for (const event of this.events.filter(({ kind }) => kind === "contact")) {
       context.fillStyle = colours.contact;
-      const from = this.place(event.time);
-      context.fillRect(from - 1.5, 1, Math.max(3, this.place(event.end) - from), height - 2);
+      const from = this.toPixel(event.time);
+      context.fillRect(from - 1.5, 1, Math.max(3, this.toPixel(event.end) - from), height - 2);
     }
-    for (const event of this.events.filter(({ kind }) => kind === "near")) {
-      const px = this.place(event.time);
+    for (const event of this.events.filter(({ kind }) => kind === "near-miss")) {
+      const px = this.toPixel(event.time);
       context.beginPath();
       context.moveTo(px, middle - 5);
       context.lineTo(px + 4, middle);

@@ -1,16 +1,18 @@
-// Which part of the floor is seen: x to the right and y up in m, screen pixels to the right and down.
+// Camera: the visible part of the plane, x to the right and y up in m; screen pixels to the right and down.
 
-// Pixels that a bench may be wide at most: a near miss of the seed is then some 60 pixels wide.
+// Pixels: largest width of a bench. A near miss of the reference scenario is then some 60 pixels wide.
 const WIDEST_BENCH = 20000;
-// How much smaller than a fitting view one may get, and the free border of a fitting one as a share.
-const SMALLEST = 0.2, BORDER = 0.04;
+// Smallest scale relative to that of the fitted view.
+const SMALLEST = 0.2;
+// Border of the fitted view as a fraction of its size.
+const BORDER = 0.04;
 
 class View {
   constructor(motion) {
     this.x = this.y = 0;
     this.scale = 1; // pixels per m
     this.width = this.height = 1; // pixels
-    this.headSpan = 20 * motion.widths[0]; // m: the head, the turn that it is on and the two beside it
+    this.headSpan = 20 * motion.widths[0]; // m: the head and three turns around it
     this.maxScale = WIDEST_BENCH / motion.narrowest;
     const { counts, origin, step } = motion.packed;
     const low = [Infinity, Infinity], high = [-Infinity, -Infinity];
@@ -19,7 +21,7 @@ class View {
       if (counts[i] < low[axis]) low[axis] = counts[i];
       if (counts[i] > high[axis]) high[axis] = counts[i];
     }
-    // The ground that the benches ever cover: their holes, and an end beyond each.
+    // The area that the benches cover during the run: the handles, and the ends of benches beyond them.
     const beyond = Math.max(...motion.lengths.map((length, i) => (length - motion.spacings[i] + motion.widths[i]) / 2));
     this.field = {
       centre: [0, 1].map((axis) => origin[axis] + step * (low[axis] + high[axis]) / 2),
@@ -32,7 +34,7 @@ class View {
     return (1 - 2 * BORDER) * Math.min(this.width / width, this.height / height);
   }
 
-  // Metres across the shorter side: what a link says, so that it shows as much on every screen.
+  // Metres across the shorter side: links hold it, so that they show the same area on every screen.
   get span() {
     return Math.min(this.width, this.height) / this.scale;
   }
@@ -54,20 +56,20 @@ class View {
     return [(x - this.x) * this.scale + this.width / 2, (this.y - y) * this.scale + this.height / 2];
   }
 
-  toFloor(px, py) {
+  toWorld(px, py) {
     return [this.x + (px - this.width / 2) / this.scale, this.y - (py - this.height / 2) / this.scale];
   }
 
-  // Zoom such that the floor under a pixel stays there.
+  // Zoom around a pixel.
   zoom(factor, px = this.width / 2, py = this.height / 2) {
-    const [x, y] = this.toFloor(px, py);
+    const [x, y] = this.toWorld(px, py);
     this.scale = this.bounded(this.scale * factor);
-    const [newX, newY] = this.toFloor(px, py);
+    const [newX, newY] = this.toWorld(px, py);
     this.x += x - newX;
     this.y += y - newY;
   }
 
-  // Move the floor by so many pixels, but never the whole field out of reach.
+  // Move the view by pixels, within the size of the field around its centre.
   pan(dx, dy) {
     const { centre, size } = this.field;
     const within = (value, axis) => Math.min(Math.max(value, centre[axis] - size[axis]), centre[axis] + size[axis]);
@@ -75,8 +77,8 @@ class View {
     this.y = within(this.y + dy / this.scale, 1);
   }
 
-  // Whether anything within `reach` m of a point is in sight.
-  sees(x, y, reach) {
+  // Whether any point within `reach` m of a point is visible.
+  isVisible(x, y, reach) {
     return Math.abs(x - this.x) <= this.width / 2 / this.scale + reach
       && Math.abs(y - this.y) <= this.height / 2 / this.scale + reach;
   }

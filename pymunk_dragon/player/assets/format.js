@@ -1,0 +1,54 @@
+// Numbers and times as text.
+
+const LENGTH_DIGITS = 3; // significant digits of a length
+const DECIMALS_MM = 3; // most decimals of a length in mm
+const DECIMALS_M = 2; // decimals of a length in m
+// s: a time this close to a near miss counts as the near miss.
+const NEAR_MISS_TIME = 0.05;
+// Largest number of events in a description.
+const MAX_EVENTS = 3;
+
+// Known decimals of a number with an error: the last one is worth no less than the error.
+const decimals = (error) => Math.max(0, Math.floor(-Math.log10(error)));
+
+// A length in m with an error in m.
+function formatLength(metres, error) {
+  if (metres >= 1) return `${metres.toFixed(Math.min(DECIMALS_M, decimals(error)))} m`;
+  const length = 1000 * metres;
+  const significant = Math.min(DECIMALS_MM, Math.max(0, LENGTH_DIGITS - 1 - Math.floor(Math.log10(length))));
+  return `${length.toFixed(Math.min(significant, decimals(1000 * error)))} mm`;
+}
+
+// Numbers of one bench: velocity and speed in m/s, angle in degrees, gap and its error in m.
+function benchNumbers(benches, bench, time) {
+  const { motion, poses } = benches;
+  const velocities = motion.velocitiesOf(poses);
+  const degrees = (360 * poses.angle[bench]) / TURN;
+  const other = benches.nearest(bench);
+  return {
+    bench,
+    part: bench === 0 ? "head" : bench === motion.benches - 1 ? "tail" : "body",
+    velocity: velocities && velocities[bench],
+    speed: velocities && Math.hypot(...velocities[bench]),
+    angle: degrees - 360 * Math.ceil((degrees - 180) / 360),
+    gap: other && other.gap,
+    nearest: other && other.bench,
+    error: other && motion.errorAt(time, bench) + motion.errorAt(time, other.bench),
+  };
+}
+
+function formatNumbers({ part, speed, angle, gap, nearest, error }) {
+  return {
+    part,
+    speed: speed === null ? "–" : `${speed.toFixed(3)} m/s`,
+    angle: `${angle.toFixed(1).replace("-", "−")}°`,
+    gap: gap === null ? "–" : gap === 0 ? `touches ${nearest}` : `${formatLength(gap, error)} to ${nearest}`,
+  };
+}
+
+function describeTime(time, events) {
+  const now = events.filter((event) => event.kind === "contact"
+    ? event.time <= time && time <= event.end
+    : Math.abs(event.time - time) < NEAR_MISS_TIME);
+  return [`t = ${time.toFixed(2)} s`, ...now.slice(0, MAX_EVENTS).map(({ text }) => text)].join(". ");
+}

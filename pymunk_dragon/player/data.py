@@ -1,0 +1,189 @@
+"""Data of the player page: sizes, positions and velocities over time, and events.
+
+Positions and velocities are packed as short texts, which decode.js unpacks. Components are counted in steps from an
+origin. The text has the fourth differences of the counts over time, which are near zero where the motion is smooth.
+Counts fit into 32 bits and differences are taken modulo 2^32, so that any jump is restored exactly. Signed numbers are
+folded (0, -1, 1, -2 become 0, 1, 2, 3) and split into planes of bytes, the lowest first: the high bytes of small
+numbers are runs of zeros, which compress well.
+"""
+
+from __future__ import annotations
+
+import zlib
+from base64 import b64encode
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pymunk_dragon.collision import Grid
+from pymunk_dragon.drawing.scene import hole_diameter
+from pymunk_dragon.model.march import March
+from pymunk_dragon.model.run import Run
+from pymunk_dragon.reports.summary import Summary
+
+Array = NDArray[np.float64]
+
+# Step of positions as a fraction of a bench's width: 0.2 micrometres at the contest's 0.3 m. A gap between two benches,
+# each of which is off by up to 0.2 micrometres, is then known to a thousandth of a millimetre.
+STEP = 1 / 1_500_000
+# Step of velocities times the frame interval, in steps of positions. The rounding of velocities then changes
+# interpolated positions by no more than the rounding of positions does.
+VELOCITY_STEP = 4
+# Order of the differences. The paper's run in steps of 0.2 micrometres takes 2.7 MB at order 2, 1.8 MB at order 3
+# and 1.1 MB at order 4.
+ORDER = 4
+# Steps from the origin in either direction: the range of 32 bits, less one for rounding.
+MAX_COUNT = 2**31 - 2
+# Largest distance of the drawn curve from the true one as a fraction of a bench's width: 0.1 mm at the contest's 0.3 m.
+CURVE_ERROR = 1 / 3000
+# Samples of the curvature.
+CURVE_SAMPLES = 4000
+# Largest number of points of the curve in a page.
+MAX_CURVE_POINTS = 20_000
+
+
+@dataclass(frozen=True, kw_only=True)
+class Packed:
+    """Positions or velocities of H points at F times.
+
+    Attributes
+    ----------
+    frames, points : int
+        F and H.
+    origin : tuple of float
+        Origin of the counts, m or m/s.
+    step : float
+        Size of a step, m or m/s. A component is off by at most half of it.
+    order : int
+        Order of the differences.
+    text : str
+        The differences, deflated, in base64.
+    """
+
+    frames: int
+    points: int
+    origin: tuple[float, float]
+    step: float
+    order: int
+    text: str
+
+
+def player_data(summary: Summary) -> tuple[dict[str, Any], dict[str, str]]:
+    """Payload of the page as JSON values in m and s, and the texts of its packed handles, velocities and curve.
+
+    The text of velocities is empty if they are unknown.
+    """
+    run, dragon = summary.run, summary.run.march.dragon
+    narrowest = float(dragon.widths.min())
+    begin, end = run.times[[0, -1]].tolist()
+    positions, position_error = _pack_handles(dragon.holes(run.poses), STEP * narrowest)
+    velocities, velocity_error = _pack_velocities(run, positions.step)
+    curve = pack(curve_points(run.march, begin, end)[:, None], STEP * narrowest)
+    # The exact model's near misses do not apply to a dragon without a guide.
+    near_misses = (summary.near_misses or ()) if summary.guided else ()
+    packed = {"handles": positions, "velocities": velocities, "curve": curve}
+    payload = {
+        "dragon": asdict(dragon) | {"hole": hole_diameter(dragon)},
+        "grid": asdict(Grid.of(run.march)),
+        "times": run.times.tolist(),
+        "near_misses": [asdict(miss) for miss in near_misses if begin <= miss.time <= end],
+        "windows": contact_windows(run),
+        "errors": [position_error, velocity_error],
+        "curve_error": CURVE_ERROR * narrowest,
+    }
+    for name, values in packed.items():
+        payload[name] = values and {key: value for key, value in asdict(values).items() if key != "text"}
+    return payload, {name: values.text if values else "" for name, values in packed.items()}
+
+
+def pack(vectors: Array, step: float) -> Packed:
+    """Pack `vectors` (F, H, 2) in steps of `step`, or larger ones where they exceed the range of 32 bits."""
+    low, high = vectors.min(axis=(0, 1)), vectors.max(axis=(0, 1))
+    # Halved first: the sum of two large numbers may overflow.
+    origin = low / 2 + high / 2
+    step = max(step, float((high / 2 - low / 2).max()) / MAX_COUNT)
+    # By point, coordinate and time, so that the differences of one track are adjacent.
+    counts = np.rint((vectors - origin) / step).astype(np.int64).transpose(1, 2, 0)
+    for _ in range(ORDER):
+        counts = np.diff(counts, axis=-1, prepend=0)
+    wrapped = counts.astype(np.int32).astype(np.int64)
+    folded = ((wrapped << 1) ^ (wrapped >> 63)).astype("<u4")
+    planes = np.ascontiguousarray(folded).view(np.uint8).reshape(-1, 4).T
+    text = b64encode(zlib.compress(planes.tobytes(), 9)).decode("ascii")
+    frames, points = vectors.shape[:2]
+    x, y = origin.tolist()
+    return Packed(frames=frames, points=points, origin=(x, y), step=step, order=ORDER, text=text)
+
+
+def handle_vectors(front: Array, rear: Array) -> Array:
+    """Vectors (F, H, 2) of the handles from those of all front and rear holes; their mean where benches share one."""
+    shared = (rear[:, :-1] + front[:, 1:]) / 2
+    return np.concatenate([front[:, :1], shared, rear[:, -1:]], axis=1)
+
+
+def contact_windows(run: Run) -> list[dict[str, Any]]:
+    """Contact windows of pairs by beginning; without an `end` if the benches still touch when the run ends.
+
+    The log begins a window at the end of a substep. The window of the first contact begins at the contact's time, and
+    exists even if no event was logged. Windows with impossible benches or times, as in an edited file, are left out.
+    """
+    windows = [asdict(window) for window in run.events.windows()]
+    first = run.first_contact
+    if first is not None:
+        its = [window for window in windows if window["benches"] == first.benches and window["begin"] >= first.time]
+        if its:
+            its[0]["begin"] = first.time
+        else:
+            windows.append({"benches": first.benches, "begin": first.time, "end": None})
+    possible = [
+        window
+        for window in windows
+        if window["benches"][1] < run.march.dragon.benches
+        and np.isfinite([window["begin"], 0.0 if window["end"] is None else window["end"]]).all()
+    ]
+    return sorted(possible, key=lambda window: (window["begin"], window["benches"]))
+
+
+def curve_points(march: March, start: float, end: float) -> Array:
+    """Points (P, 2) in m of the curve over `March.span`, closer where the curvature is larger.
+
+    The span begins at the dragon's position at 0 s even if the run from `start` to `end` s is later.
+    """
+    curve = march.curve
+    first, last = march.span(min(start, 0.0), max(end, 0.0))
+    s = np.linspace(first, last, CURVE_SAMPLES)
+    # A chord c of a curve with the curvature k has an error of k c^2 / 8; this is the number of chords between samples.
+    # On straight parts chords are three times as long as the shortest: the page leaves out points in a distant view,
+    # and a chord across a joint must not be much further off than others.
+    curvature = curve.max_curvature(s[:-1], s[1:])
+    curvature = np.where(curvature > 0, curvature, curvature.max() / 9)
+    chords = np.sqrt(curvature / (8 * CURVE_ERROR * float(march.dragon.widths.min()))) * np.diff(s)
+    passed = np.concatenate([[0.0], np.cumsum(chords)])
+    if passed[-1] == 0:
+        # The ends of a straight line.
+        return curve.point(s[[0, -1]])
+    count = int(min(passed[-1] + 2, MAX_CURVE_POINTS))
+    return curve.point(np.interp(np.linspace(0.0, passed[-1], count), passed, s))
+
+
+def _pack_velocities(run: Run, step: float) -> tuple[Packed | None, float]:
+    """Velocities of the handles for positions that are packed in steps of `step` m, and their error in m/s."""
+    intervals = np.diff(run.times)
+    apart = intervals[intervals > 0]
+    if run.pose_velocities is None and not apart.size:
+        return None, 0.0
+    step *= VELOCITY_STEP / (float(np.median(apart)) if apart.size else 1.0)
+    return _pack_handles(run.march.dragon.hole_velocities(run.poses, run.frame_velocities), step)
+
+
+def _pack_handles(holes: tuple[Array, Array], step: float) -> tuple[Packed, float]:
+    """Packed vectors of the handles, and their largest distance from the vectors of the holes."""
+    front, rear = holes
+    shared = handle_vectors(front, rear)
+    packed = pack(shared, step)
+    openings = (
+        np.linalg.norm(own - hole, axis=-1).max() for own, hole in ((shared[:, :-1], front), (shared[:, 1:], rear))
+    )
+    return packed, float(max(openings) + packed.step / np.sqrt(2))

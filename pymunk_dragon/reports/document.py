@@ -1,0 +1,287 @@
+"""Text of a report, the same in all document formats: headline, subtitle, key figures and sections."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from pymunk_dragon.collision import FirstContact
+from pymunk_dragon.model.contact import Contact
+from pymunk_dragon.reports import tables
+from pymunk_dragon.reports.summary import VERSION, Peak, Summary
+from pymunk_dragon.reports.tables import MISSING, Table, format_length, format_number, format_pair, format_vector
+
+# Pairs of a name and a value.
+Facts = list[tuple[str, str]]
+
+# Label and unit of each key of a scenario.
+SCENARIO_LABELS = {
+    "benches": ("Benches", ""),
+    "head_spacing": ("Head bench, hole to hole", "m"),
+    "body_spacing": ("Other benches, hole to hole", "m"),
+    "overhang": ("Hole to the end of a bench", "m"),
+    "width": ("Width of a bench", "m"),
+    "curve": ("Curve", ""),
+    "pitch": ("Pitch", "m"),
+    "turns": ("Start on turn", ""),
+    "speed": ("Speed of the head", "m/s"),
+    "radius": ("Radius of the turning circle", "m"),
+    "ratio": ("First arc's radius over the second's", ""),
+    "length": ("Length of the curve", "m"),
+    "start_s": ("Start of the head, along the curve", "m"),
+}
+# Names of curve classes in sentences; other classes appear under the class name.
+CURVE_NAMES = {
+    "UTurn": "U-turn",
+    "Sampled": "smooth path",
+    "Composite": "path of several pieces",
+    "Line": "straight line",
+    "Arc": "circular arc",
+}
+
+
+@dataclass(frozen=True)
+class Section:
+    """A section of a report: notes are sentences; the keys of facts and tables are subheadings, which may be empty."""
+
+    key: str
+    title: str
+    notes: Sequence[str] = ()
+    facts: Mapping[str, Facts] = field(default_factory=dict)
+    tables: Mapping[str, Table] = field(default_factory=dict)
+
+
+def headline(summary: Summary) -> str:
+    """Result of the run in one line."""
+    run, exact = summary.run, summary.exact
+    if run.first_contact is not None:
+        return f"Benches {format_pair(run.first_contact.benches)} touch at {_time_text(run.first_contact.time, 6)}"
+    begin, end = (_time_text(float(time), 3) for time in run.times[[0, -1]])
+    if run.outcome == "unreachable":
+        return f"No contact until {end}, where the head reaches the end of the curve"
+    if summary.player == "exact" and (exact is None or exact.status != "clear"):
+        # The exact player does not detect contacts, and the exact model does not exclude one.
+        return f"The dragon at {end}" if begin == end else f"The dragon from {begin} to {end}"
+    return f"No contact from {begin} to {end}"
+
+
+def subtitle(summary: Summary) -> str:
+    """Dragon, speed, curve and player of the run in one line."""
+    scenario = summary.scenario
+    curve = CURVE_NAMES.get(scenario["curve"], scenario["curve"].lower())
+    if scenario["pitch"] is not None:
+        curve += f", pitch {scenario['pitch']:g} m"
+    if "radius" in scenario:
+        curve += f", in a circle of {scenario['radius']:g} m"
+    if "length" in scenario:
+        curve += f" of {scenario['length']:.4g} m"
+    known = {"pymunk": "played by Pymunk", "exact": "played by the exact model", None: "of an unknown player"}
+    player = known.get(summary.player, f"played by {summary.player}")
+    return f"A dragon of {scenario['benches']} benches at {_speed_text(scenario['speed'])} on a {curve}, {player}"
+
+
+def key_figures(summary: Summary) -> Facts:
+    """The most important numbers of the run."""
+    begin, end = summary.run.times[[0, -1]].tolist()
+    figures = [("simulated", f"{format_number(begin, 2)} to {_time_text(end, 2)}")]
+    if time_error := _time_error_text(summary):
+        figures.append(("against the exact first contact", time_error))
+    if summary.near_misses:
+        closest = min(summary.near_misses, key=lambda miss: miss.gap)
+        figures.append((f"closest near miss, benches {format_pair(closest.benches)}", format_length(closest.gap)))
+    if summary.player != "exact":
+        drift = summary.drift
+        figures += [
+            (f"largest position error, first {drift.head_benches} benches", format_length(drift.head)),
+            ("largest position error, any bench", format_length(drift.max)),
+        ]
+    return figures
+
+
+def sections(summary: Summary) -> list[Section]:
+    """Sections of a report, in order."""
+    return [
+        Section("first-contact", "First contact", _comparison(summary), facts=_contacts(summary)),
+        Section("near-misses", "Near misses", [_near_miss_note(summary)], tables={"": tables.near_misses(summary)}),
+        Section("windows", "Contact windows", [_window_note(summary)], tables={"": tables.windows(summary)}),
+        _drift(summary),
+        Section("handles", "Handles", _handle_notes(summary), tables=tables.handles_by_time(summary)),
+        Section("events", "Events", [_event_note(summary)], tables={"": tables.events_as_text(summary)}),
+        provenance(summary),
+    ]
+
+
+def provenance(summary: Summary) -> Section:
+    """Scenario, settings and versions of the run."""
+    scenario = []
+    for name, value in summary.scenario.items():
+        label, unit = SCENARIO_LABELS[name]
+        if value is not None:
+            scenario.append((label, _speed_text(value) if name == "speed" else f"{_value_text(value)} {unit}".rstrip()))
+    versions = [*_settings(summary.versions), ("report format", str(VERSION))]
+    facts = {"Scenario": scenario, "Settings": _settings(summary.settings), "Versions": versions}
+    given = {heading: pairs for heading, pairs in facts.items() if pairs}
+    return Section("provenance", "Provenance", facts=given)
+
+
+def _contacts(summary: Summary) -> dict[str, Facts]:
+    """First contacts of the run and of the exact model."""
+    first, exact, facts = summary.run.first_contact, summary.exact, {}
+    if first is not None:
+        facts["In this run"] = _contact_facts(first, 6)
+        if summary.player != "exact":
+            facts["In this run"] += [
+                ("Detected at the end of a substep", _time_text(first.raw_time, 6)),
+                ("Depth when detected", format_length(first.depth)),
+            ]
+    if summary.player != "exact" and exact is not None and exact.status == "contact":
+        facts["In the exact model"] = _contact_facts(exact, 9)
+    return facts
+
+
+def _contact_facts(contact: Contact | FirstContact, decimals: int) -> Facts:
+    """A contact as facts; `decimals` are those of its time."""
+    return [
+        ("Benches", format_pair(contact.benches)),
+        ("Time", _time_text(contact.time, decimals)),
+        ("Point", f"{format_vector(contact.point, 6)} m"),
+        ("Normal, from the first to the second", format_vector(contact.normal, 6)),
+    ]
+
+
+def _comparison(summary: Summary) -> list[str]:
+    """Comparison of the run's first contact, or its absence, with the exact model."""
+    first, exact = summary.run.first_contact, summary.exact
+    notes = ["None in this run."] if first is None else []
+    if exact is None:
+        notes.append("No result of the exact model: the run has no time interval in which the dragon is on the curve.")
+    elif summary.player == "exact":
+        notes += [_exact_text(exact)] if first is None else []
+    elif not summary.guided:
+        notes.append(f"No guide kept this dragon on its path. On the path: {_exact_text(exact)}")
+    elif first is None or exact.status != "contact":
+        notes.append(f"The exact model: {_exact_text(exact)}")
+    elif first.benches != exact.benches:
+        notes.append(f"The exact model has another first contact: {_exact_text(exact)}")
+    else:
+        error = _time_error_text(summary) or "of unknown time"
+        notes.append(f"The same benches touch in the exact model; the contact of the run is {error}.")
+    return notes
+
+
+def _exact_text(exact: FirstContact) -> str:
+    """Result of the exact model as a sentence."""
+    time, benches = _time_text(exact.time, 6), format_pair(exact.benches)
+    return {
+        "contact": f"benches {benches} touch at {time}.",
+        "clear": f"no contact until {time}.",
+        "overlapping": f"benches {benches} overlap from the start on, at {time}.",
+        "unreachable": f"no contact until {time}, where the dragon reaches the end of the curve.",
+    }[exact.status]
+
+
+def _time_error_text(summary: Summary) -> str | None:
+    """Time of the run's first contact relative to the exact one; None if the benches differ or a time is unknown."""
+    first, exact = summary.run.first_contact, summary.exact
+    if summary.player == "exact" or not summary.guided or first is None or exact is None or exact.status != "contact":
+        return None
+    if first.benches != exact.benches or not math.isfinite(first.time):
+        return None
+    error_ms = 1e3 * (first.time - exact.time)
+    return f"{format_number(abs(error_ms), 3)} ms {'early' if error_ms < 0 else 'late'}"
+
+
+def _near_miss_note(summary: Summary) -> str:
+    if summary.near_misses is None:
+        return "Not searched for."
+    if not summary.near_misses:
+        return "None."
+    return "Small local minima of the distance between benches that are not neighbours, in the exact model."
+
+
+def _window_note(summary: Summary) -> str:
+    windows = summary.windows
+    if summary.player == "exact":
+        return "The exact model gives the beginning of a contact, not its end."
+    if not windows:
+        return "No contact windows."
+    if len(windows) == 1 and summary.run.first_contact is not None and windows[0].end is None:
+        return "The run ended during its first contact, so the duration of the contact is unknown."
+    return "Pairs of benches in contact, from the first contact on; times are the ends of substeps."
+
+
+def _drift(summary: Summary) -> Section:
+    if summary.player == "exact":
+        return Section("drift", "Position error", ["None: the run is the exact model's own."])
+    note = "Distance of a bench's hole from its position in the exact model, for the hole with the larger distance."
+    drift = summary.drift
+    facts = [
+        (f"Largest of the first {drift.head_benches} benches", _drift_text(drift.head, drift.head_at)),
+        ("Largest of any bench", _drift_text(drift.max, drift.max_at)),
+    ]
+    return Section("drift", "Position error", [note], facts={"": facts})
+
+
+def _handle_notes(summary: Summary) -> list[str]:
+    notes = ["Positions and speeds of the handles of the paper's tables, in the exact model."]
+    if summary.handles.contact is not None:
+        source = {"exact": "the exact first contact", "run": "the run's first contact"}[summary.handles.contact]
+        notes.append(f"The last column is the time of {source}.")
+    return notes
+
+
+def _event_note(summary: Summary) -> str:
+    if not (count := len(summary.run.events)):
+        return "No collision callbacks."
+    return f"{count} collision callback{'s' * (count > 1)} of the engine, in the order in which they came."
+
+
+def _settings(values: Mapping[str, Any], prefix: str = "") -> Facts:
+    """Names and values as text; nested names are joined by dots."""
+    entries: Facts = []
+    for name, value in values.items():
+        if isinstance(value, Mapping) and value:
+            entries += _settings(value, f"{prefix}{name}.")
+        else:
+            entries.append((prefix + name, _setting_text(value)))
+    return entries
+
+
+def _setting_text(value: Any) -> str:
+    if value is None:
+        return MISSING
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, float):
+        return f"{value:.10g}"
+    if isinstance(value, list):
+        return ", ".join(_setting_text(item) for item in value) or MISSING
+    return "none" if value == {} else str(value)
+
+
+def _value_text(value: Any) -> str:
+    """A number, or the numbers of all benches."""
+    if isinstance(value, list):
+        return ", ".join(map(_value_text, value))
+    return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+def _speed_text(speed: float | Sequence[Sequence[float]] | None) -> str:
+    """Speed of the head, or its range."""
+    if speed is None:
+        return "a changing speed"
+    if isinstance(speed, Sequence):
+        least, most = (bound(entry[1] for entry in speed) for bound in (min, max))
+        return f"{least:g} to {most:g} m/s" if least < most else f"{most:g} m/s"
+    return f"{speed:g} m/s"
+
+
+def _time_text(time: float, decimals: int) -> str:
+    return f"{format_number(time, decimals)} s"
+
+
+def _drift_text(drift: float, peak: Peak | None) -> str:
+    """Position error with its bench and time."""
+    return MISSING if peak is None else f"{format_length(drift)} (bench {peak.bench} at {_time_text(peak.time, 3)})"
