@@ -16,6 +16,10 @@ from pymunk_dragon.reports.tables import MISSING, Table, format_length, format_n
 # Pairs of a name and a value.
 Facts = list[tuple[str, str]]
 
+# Significant digits of the parameters of a scenario.
+SCENARIO_DIGITS = 6
+# Significant digits of settings, whose precision is unknown.
+SETTING_DIGITS = 10
 # Label and unit of each key of a scenario.
 SCENARIO_LABELS = {
     "benches": ("Benches", ""),
@@ -119,7 +123,8 @@ def provenance(summary: Summary) -> Section:
     for name, value in summary.scenario.items():
         label, unit = SCENARIO_LABELS[name]
         if value is not None:
-            scenario.append((label, _speed_text(value) if name == "speed" else f"{_value_text(value)} {unit}".rstrip()))
+            text = _speed_text(value) if name == "speed" else f"{_value_text(value, SCENARIO_DIGITS)} {unit}".rstrip()
+            scenario.append((label, text))
     versions = [*_settings(summary.versions), ("report format", str(VERSION))]
     facts = {"Scenario": scenario, "Settings": _settings(summary.settings), "Versions": versions}
     given = {heading: pairs for heading, pairs in facts.items() if pairs}
@@ -157,15 +162,13 @@ def _comparison(summary: Summary) -> list[str]:
     notes = ["None in this run."] if first is None else []
     if exact is None:
         notes.append("No result of the exact model: the run has no time interval in which the dragon is on the curve.")
-    elif summary.player == "exact":
-        notes += [_exact_text(exact)] if first is None else []
     elif not summary.guided:
         notes.append(f"No guide kept this dragon on its path. On the path: {_exact_text(exact)}")
     elif first is None or exact.status != "contact":
         notes.append(f"The exact model: {_exact_text(exact)}")
     elif first.benches != exact.benches:
         notes.append(f"The exact model has another first contact: {_exact_text(exact)}")
-    else:
+    elif summary.player != "exact":
         error = _time_error_text(summary) or "of unknown time"
         notes.append(f"The same benches touch in the exact model; the contact of the run is {error}.")
     return notes
@@ -245,27 +248,21 @@ def _settings(values: Mapping[str, Any], prefix: str = "") -> Facts:
         if isinstance(value, Mapping) and value:
             entries += _settings(value, f"{prefix}{name}.")
         else:
-            entries.append((prefix + name, _setting_text(value)))
+            entries.append((prefix + name, _value_text(value, SETTING_DIGITS)))
     return entries
 
 
-def _setting_text(value: Any) -> str:
+def _value_text(value: Any, digits: int) -> str:
+    """A JSON value as text; floats with `digits` significant digits."""
     if value is None:
         return MISSING
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, float):
-        return f"{value:.10g}"
+        return f"{value:.{digits}g}"
     if isinstance(value, list):
-        return ", ".join(_setting_text(item) for item in value) or MISSING
+        return ", ".join(_value_text(item, digits) for item in value) or MISSING
     return "none" if value == {} else str(value)
-
-
-def _value_text(value: Any) -> str:
-    """A number, or the numbers of all benches."""
-    if isinstance(value, list):
-        return ", ".join(map(_value_text, value))
-    return f"{value:g}" if isinstance(value, float) else str(value)
 
 
 def _speed_text(speed: float | Sequence[Sequence[float]] | None) -> str:

@@ -171,9 +171,13 @@ class Summary:
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """Summary as JSON values, described by `json_schema`. None stands for unknown values and nan.
+        """Summary as JSON values.
 
-        The values are deterministic: they include neither the date nor wall-clock times.
+        Returns
+        -------
+        dict
+            Values that `json_schema` describes. None stands for unknown values and nan. They are deterministic: they
+            include neither the date nor wall-clock times.
 
         Examples
         --------
@@ -247,7 +251,12 @@ def summarize(run: Run) -> Summary:
 
 
 def json_schema() -> dict[str, Any]:
-    """JSON Schema (draft 2020-12) of `Summary.to_dict` and of the JSON report.
+    """JSON Schema of `Summary.to_dict` and of the JSON report.
+
+    Returns
+    -------
+    dict
+        Schema of the draft 2020-12.
 
     Examples
     --------
