@@ -21,10 +21,10 @@ from conftest import assert_says, not_under_coverage
 from numpy.typing import NDArray
 from PIL import Image
 from pymunk import BB, SpaceDebugDrawOptions, Transform, Vec2d
+from pymunk_dragon.drawing.convex import offset_polygon
 
 import pymunk_dragon
 from pymunk_dragon.drawing import compositing, convex, debug_draw, deferred_calls
-from pymunk_dragon.drawing.convex import offset_polygon
 from pymunk_dragon.drawing.debug_draw import CALLBACKS, PillowDrawOptions
 from pymunk_dragon.errors import ParameterError
 

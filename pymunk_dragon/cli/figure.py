@@ -18,7 +18,7 @@ from pymunk_dragon.cli.options import (
 from pymunk_dragon.cli.output import print_json
 
 if TYPE_CHECKING:
-    from pymunk_dragon.drawing.moments import Source
+    from pymunk_dragon.drawing.snapshots import Source
 
 __all__ = ["figure"]
 

@@ -21,10 +21,11 @@ from statistics import median
 
 import numpy as np
 from measure import arguments, sized
+from numpy.typing import NDArray
 
 from pymunk_dragon.drawing import Film, write_film
-from pymunk_dragon.drawing.moments import moments
-from pymunk_dragon.drawing.output import make_canvas
+from pymunk_dragon.drawing.film.layout import Canvas, lay_out
+from pymunk_dragon.drawing.snapshots import sample, snapshots
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 
@@ -49,14 +50,18 @@ def ours(ending: str, workers: int) -> Callable[[Run, Film, Path], None]:
     return write
 
 
+def canvas_of(source: Run | March, film: Film, times: NDArray[np.float64]) -> Canvas:
+    return lay_out([sample(source, times, film.show, extent=film.camera.follow == "field")], film)
+
+
 def imageio_rgb(run: Run, film: Film, folder: Path) -> None:
     """The default of imageio: a stack of RGB frames, drawn as ours are."""
     import imageio.v3 as iio
 
     times = film.times([run])
-    canvas = make_canvas([run], film, times)
+    canvas = canvas_of(run, film, times)
     table = film.palette.table
-    stack = np.stack([table[np.asarray(canvas.draw([moment]))] for moment in moments(run, times)])
+    stack = np.stack([table[np.asarray(canvas.draw([snapshot]))] for snapshot in snapshots(run, times)])
     iio.imwrite(folder / "film.gif", stack, duration=1000 / FPS, loop=0)
 
 

@@ -20,8 +20,8 @@ from pymunk_dragon.drawing.figures.stills import Still, collision, inward, outer
 from pymunk_dragon.drawing.figures.study_figures import study_figure
 from pymunk_dragon.drawing.figures.style import styled
 from pymunk_dragon.drawing.figures.times import TimeInterval, model, time_interval
-from pymunk_dragon.drawing.moments import Source
-from pymunk_dragon.drawing.output import STILL_ENDINGS, write_still
+from pymunk_dragon.drawing.film.stills import STILL_ENDINGS, write_still
+from pymunk_dragon.drawing.snapshots import Source
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run

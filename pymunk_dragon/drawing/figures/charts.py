@@ -11,8 +11,8 @@ from pymunk_dragon.collision import FirstContact, separation
 from pymunk_dragon.drawing.figures.lines import NAME_OFFSET, bundle, label, logarithmic, name, several_times
 from pymunk_dragon.drawing.figures.style import BLUE, COLOURS, FAINT, QUIET, page, panel
 from pymunk_dragon.drawing.figures.times import TimeInterval, contact_or_end, last_regular_time, spirals_in
-from pymunk_dragon.drawing.gaps import smallest_gap
-from pymunk_dragon.drawing.moments import moments
+from pymunk_dragon.drawing.scene import smallest_gap
+from pymunk_dragon.drawing.snapshots import snapshots
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.march import March
 
@@ -106,7 +106,7 @@ def _sample_times(begin: float, hit: FirstContact) -> Array:
 
 def gap_line(axes: Axes, march: March, times: Array, gid: str) -> float:
     """Draw the head's smallest gap and return its maximum, mm; `last-gap` adds the gap to each closest bench."""
-    found = [smallest_gap(march.dragon, moment.poses) for moment in moments(march, times)]
+    found = [smallest_gap(march.dragon, snapshot.poses) for snapshot in snapshots(march, times)]
     nearest, smallest = np.array(found, dtype=float).T
     if gid == "last-gap":
         for bench in np.unique(nearest).astype(int).tolist():

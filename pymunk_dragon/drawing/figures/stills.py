@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from pymunk_dragon.drawing.figures.times import TimeInterval, closing_time, contact_or_end, spirals_in
-from pymunk_dragon.drawing.film import Film
+from pymunk_dragon.drawing.film.settings import Film
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 

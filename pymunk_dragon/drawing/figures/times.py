@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pymunk_dragon.collision import FirstContact, first_contact
-from pymunk_dragon.drawing.moments import Source
+from pymunk_dragon.drawing.snapshots import Source
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.curves import Spiral
 from pymunk_dragon.model.dragon import Dragon

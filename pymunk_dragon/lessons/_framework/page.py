@@ -7,7 +7,7 @@ from typing import Any
 
 from pymunk_dragon._extras import library
 from pymunk_dragon._html import asset, data_address, filled, policy
-from pymunk_dragon.drawing.decode import last_frame, picture_size
+from pymunk_dragon.drawing.film.stills import last_frame, picture_size
 from pymunk_dragon.lessons._framework.catalogue import LANGUAGES, PARTS, unbroken, with_code, word
 from pymunk_dragon.lessons._framework.demo import CODE, Demo
 from pymunk_dragon.lessons._framework.notebook import notebook

@@ -1,10 +1,10 @@
-"""State of a dragon at one time as a picture needs it: poses, velocities, impulses and contacts."""
+"""Samples a run or march at the times of a film: poses, velocities, impulses and contacts, as pictures need them."""
 
 from __future__ import annotations
 
 import math
 from bisect import bisect_right
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
@@ -13,10 +13,11 @@ from numpy.typing import NDArray
 
 from pymunk_dragon._checks import word
 from pymunk_dragon.errors import ParameterError
+from pymunk_dragon.model.contact import Contact
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 
-__all__ = ["Mark", "Moment", "Source", "Touch", "check_marks", "largest_impulse", "moments", "window"]
+__all__ = ["Clip", "Mark", "Snapshot", "Source", "Touch", "sample", "snapshots"]
 
 Array = NDArray[np.float64]
 Vector = tuple[float, float]
@@ -27,6 +28,8 @@ Mark = Literal["contacts", "normals", "impulses", "velocities", "grid"]
 
 # Frames whose poses are computed at once: enough to amortise the cost of a call, few enough to limit memory.
 CHUNK_FRAMES = 32
+# Times at which the extent of a dragon is sampled.
+EXTENT_SAMPLES = 64
 # Substeps: a contact callback is shown if it is at most this much older than the frame. The last substep, and a margin
 # for rounding.
 RECENT_SUBSTEPS = 1.5
@@ -41,7 +44,7 @@ class Touch:
 
 
 @dataclass(frozen=True)
-class Moment:
+class Snapshot:
     """State of a dragon of N benches at one time.
 
     Attributes
@@ -65,21 +68,70 @@ class Moment:
     touches: tuple[Touch, ...] = ()
 
 
-def window(source: Source) -> tuple[float, float]:
-    """Return the first and last time, s, at which a source can be drawn."""
-    if isinstance(source, Run):
-        return float(source.times[0]), float(source.times[-1])
-    return -np.inf, source.end
+@dataclass(frozen=True)
+class Clip:
+    """A run or march sampled at the F times of a film.
+
+    Attributes
+    ----------
+    march : March
+        March of the source.
+    model : str
+        Model that computed the source, with its options, as in "engine, rails".
+    contact : Contact or None
+        First contact of a run.
+    window : tuple of float
+        First and last time, s, of a run, or of the film of a march.
+    extent : ndarray, shape (2, 2), or None
+        Lower left and upper right corner, m, of the dragon's bounding box during the film, for a fixed camera.
+    largest_impulse : float
+        Largest joint impulse during the film, N s; 0 if the source has no impulses.
+    snapshots : iterator of Snapshot
+        The F snapshots, sampled while they are read.
+    """
+
+    march: March
+    model: str
+    contact: Contact | None
+    window: tuple[float, float]
+    extent: Array | None
+    largest_impulse: float
+    snapshots: Iterator[Snapshot]
 
 
-def check_marks(source: Source, marks: tuple[Mark, ...]) -> None:
-    """Check that `source` has the data that `marks` need.
+def sample(source: Source, times: Array, marks: tuple[Mark, ...] = (), *, extent: bool = False) -> Clip:
+    """Sample `source` at the `times` (F,), s, of a film that shows `marks`; compute the clip's extent if `extent`.
 
     Raises
     ------
     ParameterError
         If a mark is unknown, or `source` has no data for it.
     """
+    _check_marks(source, marks)
+    run = source if isinstance(source, Run) else None
+    known = times if run is None else run.times
+    return Clip(
+        march=source.march if isinstance(source, Run) else source,
+        model=_model(run),
+        contact=run.first_contact if run else None,
+        window=(float(known[0]), float(known[-1])),
+        extent=_extent(source, np.linspace(times[0], times[-1], min(EXTENT_SAMPLES, len(times)))) if extent else None,
+        largest_impulse=_largest_impulse(run, times) if run else 0.0,
+        snapshots=snapshots(source, times, marks),
+    )
+
+
+def snapshots(source: Source, times: Array, marks: tuple[Mark, ...] = ()) -> Iterator[Snapshot]:
+    """Yield the snapshots at `times` (F,), s. Times outside a run are clipped to its first or last time."""
+    if isinstance(source, Run):
+        times = np.clip(times, source.times[0], source.times[-1])
+    contacts = _ContactTimeline(source) if isinstance(source, Run) and {"contacts", "normals"} & set(marks) else None
+    for begin in range(0, len(times), CHUNK_FRAMES):
+        for snapshot in _chunk(source, times[begin : begin + CHUNK_FRAMES], marks):
+            yield replace(snapshot, touches=contacts.at(snapshot.time)) if contacts else snapshot
+
+
+def _check_marks(source: Source, marks: tuple[Mark, ...]) -> None:
     for mark in marks:
         word("show", mark, get_args(Mark))
         if mark == "impulses" and (isinstance(source, March) or source.joint_impulses is None):
@@ -88,16 +140,29 @@ def check_marks(source: Source, marks: tuple[Mark, ...]) -> None:
             raise ParameterError("show", mark, "left out: a march knows no contacts, a run does")
 
 
-def moments(source: Source, times: Array, marks: tuple[Mark, ...] = ()) -> Iterator[Moment]:
-    """Yield the moments at `times` (F,), s. Times outside a run are clipped to its first or last time."""
-    times = np.clip(times, *window(source)) if isinstance(source, Run) else times
-    contacts = _ContactTimeline(source) if isinstance(source, Run) and {"contacts", "normals"} & set(marks) else None
-    for begin in range(0, len(times), CHUNK_FRAMES):
-        for moment in _chunk(source, times[begin : begin + CHUNK_FRAMES], marks):
-            yield replace(moment, touches=contacts.at(moment.time)) if contacts else moment
+def _extent(source: Source, times: Array) -> Array:
+    """Return the lower left and upper right corner (2, 2), m, of the dragon's bounding box over `times` (T,)."""
+    dragon = source.march.dragon if isinstance(source, Run) else source.dragon
+    corners = [dragon.outlines(snapshot.poses).reshape(-1, 2) for snapshot in snapshots(source, times)]
+    return np.array(
+        [np.min([c.min(axis=0) for c in corners], axis=0), np.max([c.max(axis=0) for c in corners], axis=0)]
+    )
 
 
-def _chunk(source: Source, times: Array, marks: tuple[Mark, ...]) -> Iterator[Moment]:
+def _model(run: Run | None) -> str:
+    """Return the name of the model that computed a run, with its options; None is a march."""
+    if run is None or run.provenance.get("player") == "exact":
+        return "exact model"
+    words = ["engine"]
+    guide, contacts = (run.provenance.get(name) for name in ("guide", "contacts"))
+    if guide is not None:
+        words.append("no guide" if guide == "none" else str(guide))
+    if contacts == "resolve":
+        words.append("contacts resolved")
+    return ", ".join(words)
+
+
+def _chunk(source: Source, times: Array, marks: tuple[Mark, ...]) -> Iterator[Snapshot]:
     velocities: Iterable[Array | None] = [None] * len(times)
     impulses: Iterable[Array | None] = [None] * len(times)
     if isinstance(source, March):
@@ -109,7 +174,7 @@ def _chunk(source: Source, times: Array, marks: tuple[Mark, ...]) -> Iterator[Mo
             velocities = _velocities(source, times)
         if "impulses" in marks:
             impulses = _impulses(source, times)
-    yield from map(Moment, times.tolist(), poses, velocities, impulses)
+    yield from map(Snapshot, times.tolist(), poses, velocities, impulses)
 
 
 def _velocities(run: Run, times: Array) -> Array:
@@ -129,14 +194,12 @@ def _frames_before(run: Run, times: Array) -> NDArray[np.intp]:
     return np.searchsorted(run.times, times, side="right") - 1
 
 
-def largest_impulse(sources: Sequence[Source], times: Array) -> float:
-    """Return the largest joint impulse, N s, of a film with frames at `times` (F,); 0 if no source has impulses."""
-    largest = 0.0
-    for source in sources:
-        if isinstance(source, Run) and source.joint_impulses is not None:
-            first, last = _frames_before(source, np.clip(times[[0, -1]], *window(source)))
-            largest = max(largest, float(source.joint_impulses[first : last + 1].max()))
-    return largest
+def _largest_impulse(run: Run, times: Array) -> float:
+    """Return the largest joint impulse, N s, of a run from the first to the last of `times` (F,)."""
+    if run.joint_impulses is None:
+        return 0.0
+    first, last = _frames_before(run, np.clip(times[[0, -1]], run.times[0], run.times[-1]))
+    return float(run.joint_impulses[first : last + 1].max())
 
 
 class _ContactTimeline:

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 
 from PIL import Image, ImageDraw
 
-from pymunk_dragon.drawing.convex import Box, Point, clipped, covers
+from pymunk_dragon.drawing.debug_draw.convex import Box, Point, clipped, covers
 
 __all__ = ["EDGE_INSET", "composite"]
 
