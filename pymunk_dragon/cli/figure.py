@@ -57,7 +57,7 @@ def figure(
 
 
 def _source(run_file: str | None, scenario_file: str | None) -> Source | None:
-    """The run or the march that is drawn; None for the figure's own."""
+    """Return the run or the march to draw; None for the figure's default."""
     if run_file is not None:
         return run_of(run_file, scenario_file)
     return march_of(scenario_file) if chosen() or scenario_file else None

@@ -83,6 +83,12 @@ class Palette:
     -----
     The default colours are distinguishable with red-green colour blindness and in greyscale: the lightnesses of the
     bench colours differ by at least a seventh of the scale.
+
+    Examples
+    --------
+    >>> from pymunk_dragon import Palette
+    >>> Palette(head="#d94801").rgb("head")
+    array([217.,  72.,   1.])
     """
 
     background: str = "#fbf8f1"

@@ -74,6 +74,16 @@ class Scene:
     ----------
     size : tuple of int
         As given.
+
+    Examples
+    --------
+    >>> from pymunk_dragon import Camera, Dragon, March, Scene
+    >>> from pymunk_dragon.drawing import Snapshot
+    >>> march = March(Dragon(benches=16))
+    >>> scene = Scene(march, Camera(), centre=(0.0, 0.0), span=24.0, size=(320, 320))
+    >>> picture = scene.draw(Snapshot(time=60.0, poses=march.at(60.0).poses[0]))
+    >>> picture.mode, picture.size
+    ('L', (320, 320))
     """
 
     def __init__(
@@ -205,8 +215,11 @@ def smallest_gap(dragon: Dragon, poses: Array) -> tuple[int, float] | None:
 
     Examples
     --------
+    >>> from pymunk_dragon import March
     >>> march = March()
-    >>> smallest_gap(march.dragon, march.at(409.8).poses[0])
+    >>> bench, gap = smallest_gap(march.dragon, march.at(409.8).poses[0])
+    >>> bench, round(1000 * gap, 2)
+    (11, 0.87)
     """
     if dragon.benches < 3:
         return None

@@ -59,6 +59,14 @@ class Snapshot:
         Impulses in the joints, N s, if a mark needs them.
     touches : tuple of Touch
         Contacts of benches, if a mark needs them.
+
+    Examples
+    --------
+    >>> from pymunk_dragon import March
+    >>> from pymunk_dragon.drawing import Snapshot
+    >>> march = March()
+    >>> Snapshot(time=60.0, poses=march.at(60.0).poses[0]).poses.shape
+    (223, 3)
     """
 
     time: float

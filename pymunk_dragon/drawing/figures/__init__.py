@@ -12,11 +12,17 @@ from PIL import Image
 
 from pymunk_dragon._checks import word
 from pymunk_dragon._files import check_destination, written_in_place
-from pymunk_dragon.drawing.figures.charts import gap, speeds
-from pymunk_dragon.drawing.figures.engine import drift, impulses
+from pymunk_dragon.drawing.figures.charts import drift, gap, impulses, speeds
 from pymunk_dragon.drawing.figures.grid_partition import grid
-from pymunk_dragon.drawing.figures.plan_views import spiral, trajectories, velocities
-from pymunk_dragon.drawing.figures.stills import Still, collision, inward, outer_loop
+from pymunk_dragon.drawing.figures.plan_views import (
+    Still,
+    collision,
+    inward,
+    outer_loop,
+    spiral,
+    trajectories,
+    velocities,
+)
 from pymunk_dragon.drawing.figures.study_figures import study_figure
 from pymunk_dragon.drawing.figures.style import styled
 from pymunk_dragon.drawing.figures.times import TimeInterval, model, time_interval
@@ -39,7 +45,7 @@ PNG_COLOURS = 256
 
 @dataclass(frozen=True, kw_only=True)
 class Kind:
-    """Entry in the table of figures; exactly one of `of_march`, `of_run` and `still` is given.
+    """Kind of figure; exactly one of `of_march`, `of_run` and `still` is given.
 
     Attributes
     ----------
@@ -51,6 +57,12 @@ class Kind:
         Function that returns the run and the film parameters of a picture of the dragon.
     default : callable
         Function that returns the march to draw if no source is given.
+
+    Examples
+    --------
+    >>> from pymunk_dragon.drawing.figures import FIGURES
+    >>> FIGURES["drift"].needs_run, FIGURES["collision"].endings
+    (True, ('.png',))
     """
 
     shows: str
@@ -97,6 +109,11 @@ def figure(name: str, source: Source | None = None) -> Figure:
         March to draw, or run whose march is drawn; by default the paper's march. The figures "drift" and "impulses"
         require a run of the engine.
 
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Figure in SI units.
+
     Raises
     ------
     ParameterError
@@ -105,6 +122,13 @@ def figure(name: str, source: Source | None = None) -> Figure:
         If the march's dragon does not fit on its curve at the start.
     MissingExtraError
         If matplotlib is not installed.
+
+    Examples
+    --------
+    >>> from pymunk_dragon import Dragon, March
+    >>> from pymunk_dragon.drawing.figures import figure
+    >>> figure("speeds", March(Dragon(benches=16), turns=8)).axes[0].get_xlabel()
+    'handle, from the head to the tail'
     """
     kind = _kind(name)
     if kind.still is not None:
@@ -143,6 +167,11 @@ def write_figure(name: str, path: str | Path, source: Source | None = None) -> N
         As in `figure`.
     OutputError
         If writing fails.
+
+    Examples
+    --------
+    >>> from pymunk_dragon.drawing.figures import write_figure
+    >>> write_figure("spiral", "spiral.svg")  # doctest: +SKIP
     """
     kind = _kind(name)
     destination = check_destination(path, kind.endings)

@@ -1,7 +1,8 @@
-"""Figures that are seen from above: the spiral, the trajectories and the velocities of handles."""
+"""Figures seen from above: the spiral, trajectories and velocities of handles, and pictures of the dragon."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,18 +18,29 @@ from pymunk_dragon.drawing.figures.style import (
     page,
     panel,
 )
-from pymunk_dragon.drawing.figures.times import TimeInterval, contact_or_end, describe, last_regular_time, spirals_in
+from pymunk_dragon.drawing.figures.times import (
+    TimeInterval,
+    closing_time,
+    contact_or_end,
+    describe,
+    last_regular_time,
+    spirals_in,
+)
+from pymunk_dragon.drawing.film.settings import Film
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.curves import Spiral
 from pymunk_dragon.model.march import March
+from pymunk_dragon.model.run import Run
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["spiral", "trajectories", "velocities"]
+__all__ = ["Still", "collision", "inward", "outer_loop", "spiral", "trajectories", "velocities"]
 
 Array = NDArray[np.float64]
+# A run of one frame, and the parameters of its picture.
+Still = tuple[Run, Film]
 
 # Points of a path: about 150 on each turn of the reference scenario, enough to appear round.
 PATH_POINTS = 2400
@@ -52,6 +64,8 @@ LABEL_FRACTION = 0.3
 SCALE_BARS = (1.0, 2.0, 5.0)
 # Ratio of the view to the extent of the points: leaves space for dots at the border.
 MARGIN = 1.08
+# Pixels: size of pictures of the dragon, twice the width at which two or three fit side by side.
+STILL_SIZE = 880
 # m: centre of a spiral.
 ORIGIN = np.zeros(2)
 
@@ -158,6 +172,29 @@ def velocities(march: March, interval: TimeInterval) -> Figure:
     for handle, speed, position in zip(handles, speeds, positions[handles], strict=True):
         boxes.append(_label_without_overlap(axes, position, centre, f"handle {handle}\n{speed:.3f} m/s", taken, boxes))
     return figure
+
+
+def outer_loop(march: March, interval: TimeInterval) -> Still:
+    """Return the picture of the dragon on the outer loop, at its start."""
+    return _still(march, interval[0], "on the outer loop" if spirals_in(march) else "at the start")
+
+
+def inward(march: March, interval: TimeInterval) -> Still:
+    """Return the picture of the dragon on the inward spiral, as it closes a full loop."""
+    time = closing_time(march, interval[0], contact_or_end(march, interval).time)
+    return _still(march, time, "moving inward" if spirals_in(march) else "on their way")
+
+
+def collision(march: March, interval: TimeInterval) -> Still:
+    """Return the picture of the dragon at its first contact."""
+    hit = contact_or_end(march, interval, touching=True)
+    run, film = _still(march, hit.time, "at the first contact")
+    return replace(run, first_contact=hit.contact, outcome="contact"), film
+
+
+def _still(march: March, time: float, where: str) -> Still:
+    """Return the picture at `time`, s, with a title that says where the dragon is."""
+    return Run.exact(march, [time]), Film(size=STILL_SIZE, title=f"{march.dragon.benches} benches {where}")
 
 
 def _path_from_start(march: March, begin: float, end: float) -> Array:

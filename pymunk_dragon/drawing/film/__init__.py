@@ -70,7 +70,7 @@ def render(
 
     Examples
     --------
-    >>> from pymunk_dragon import Dragon, March
+    >>> from pymunk_dragon import Dragon, March, render
     >>> render(March(Dragon(benches=16)), "march.gif", until=60, size=320)  # doctest: +SKIP
     """
     film = Film(
@@ -131,7 +131,8 @@ def write_film(
 
     Examples
     --------
-    >>> from pymunk_dragon import Dragon, March
+    >>> from pymunk_dragon import Dragon, March, write_film
+    >>> from pymunk_dragon.drawing import Film
     >>> film = Film(size=320, until=60, title="16 benches")
     >>> write_film(March(Dragon(benches=16)), "march.webp", film)  # doctest: +SKIP
     """

@@ -97,6 +97,7 @@ class Film:
     Examples
     --------
     >>> from pymunk_dragon import March
+    >>> from pymunk_dragon.drawing import Film
     >>> film = Film(fps=10, speedup=20, until=8)
     >>> film.times([March()])
     array([0., 2., 4., 6., 8.])

@@ -44,6 +44,7 @@ def write_still(source: Source | Sequence[Source], time: float, path: str | Path
     Examples
     --------
     >>> from pymunk_dragon import Dragon, March
+    >>> from pymunk_dragon.drawing import Film, write_still
     >>> write_still(March(Dragon(benches=16)), 60.0, "march.png", Film(size=640))  # doctest: +SKIP
     """
     destination = check_destination(path, STILL_ENDINGS)
@@ -58,6 +59,7 @@ def still_png(source: Source | Sequence[Source], time: float, film: Film | None 
     Examples
     --------
     >>> from pymunk_dragon import Dragon, March
+    >>> from pymunk_dragon.drawing import still_png
     >>> still_png(March(Dragon(benches=16)), 60.0)[:6]
     b'\x89PNG\r\n'
     """
@@ -95,6 +97,7 @@ def still(source: Source | Sequence[Source], time: float, film: Film | None = No
     Examples
     --------
     >>> from pymunk_dragon import Dragon, March
+    >>> from pymunk_dragon.drawing import Film, still
     >>> still(March(Dragon(benches=16)), 60.0, Film(size=(320, 240))).shape
     (240, 320, 3)
     """
