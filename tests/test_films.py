@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import doctest
 import gc
+import inspect
 import subprocess
 import sys
 import weakref
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from dataclasses import fields, replace
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -123,6 +126,28 @@ def test_a_frame_that_stays_longer_than_the_format_can_say_is_shown_twice(tmp_pa
     table = Film().palette.table
     for (picture, _), frame in zip(shown, [first, *[second] * 24], strict=False):
         np.testing.assert_array_equal(picture, table[np.asarray(frame)])
+
+
+def test_render_takes_the_parameters_of_a_film_with_their_defaults() -> None:
+    taken = {name: value.default for name, value in inspect.signature(render).parameters.items()}
+    for parameter in fields(Film):
+        assert taken[parameter.name] == parameter.default, parameter.name
+
+
+def test_a_writer_of_another_format_needs_one_entry(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def write_ends(path: Path, frames: Frames) -> None:
+        lines = [f"{end:g} {picture.size}" for picture, end in zip(frames.pictures, frames.ends, strict=True)]
+        path.write_text("\n".join(lines))
+
+    monkeypatch.setitem(WRITERS, ".txt", write_ends)
+    render(run, tmp_path / "film.txt", speedup=50, size=64, hold=0.5)
+    assert (tmp_path / "film.txt").read_text() == "0.1 (64, 64)\n0.2 (64, 64)\n0.7 (64, 64)"
+
+
+def test_an_apng_that_would_fill_the_memory_is_refused(run: Run, tmp_path: Path) -> None:
+    with pytest.raises(ParameterError, match=r"must be at most 238 in an APNG of 2048 x 2048 pixels"):
+        render(run, tmp_path / "film.apng", size=2048, speedup=0.4)
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_an_mp4_is_h264_that_every_player_takes(run: Run, tmp_path: Path) -> None:
@@ -377,3 +402,13 @@ def test_bad_words_get_one_line_that_names_them(run: Run, tmp_path: Path, name: 
     assert caught.value.name == name
     assert_says(caught.value)
     assert list(tmp_path.iterdir()) == []
+
+
+# Documentation
+
+
+@pytest.mark.parametrize("name", ["camera", "film", "film.settings", "film.stills", "palette", "scene", "snapshots"])
+def test_the_examples_of_drawing_are_right(name: str) -> None:
+    module = import_module(f"pymunk_dragon.drawing.{name}")
+    assert doctest.testmod(module).failed == 0
+    assert doctest.testmod(module).attempted > 0

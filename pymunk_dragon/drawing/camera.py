@@ -10,8 +10,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from pymunk_dragon._checks import finite, word
 
-__all__ = ["Camera", "Subject", "View"]
-
 Array = NDArray[np.float64]
 Subject = Literal["field", "head"]
 

@@ -16,8 +16,6 @@ from pymunk_dragon.drawing.palette import BLOCK, Accent, blends
 from pymunk_dragon.drawing.snapshots import Mark, Snapshot
 from pymunk_dragon.model.march import March
 
-__all__ = ["Overlay"]
-
 Array = NDArray[np.float64]
 
 # s: an arrow ends where its handle would be after this time, so its length is proportional to the speed.

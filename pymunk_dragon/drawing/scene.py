@@ -16,8 +16,6 @@ from pymunk_dragon.model.contact import Contact
 from pymunk_dragon.model.dragon import Dragon, outlines
 from pymunk_dragon.model.march import March
 
-__all__ = ["Scene", "hole_diameter", "smallest_gap"]
-
 Array = NDArray[np.float64]
 
 # Metres: diameter of a hole in the paper. Only pictures depend on it.

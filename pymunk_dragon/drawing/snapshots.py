@@ -17,8 +17,6 @@ from pymunk_dragon.model.contact import Contact
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 
-__all__ = ["Clip", "Mark", "Snapshot", "Source", "Touch", "sample", "snapshots"]
-
 Array = NDArray[np.float64]
 Vector = tuple[float, float]
 # What a picture or film is drawn from.
@@ -143,9 +141,9 @@ def _check_marks(source: Source, marks: tuple[Mark, ...]) -> None:
     for mark in marks:
         word("show", mark, get_args(Mark))
         if mark == "impulses" and (isinstance(source, March) or source.joint_impulses is None):
-            raise ParameterError("show", mark, "left out: only the engine's runs know their joint impulses")
+            raise ParameterError("show", mark, "left out: only runs of the engine have joint impulses")
         if mark in ("contacts", "normals") and isinstance(source, March):
-            raise ParameterError("show", mark, "left out: a march knows no contacts, a run does")
+            raise ParameterError("show", mark, "left out: a march has no contacts, a run does")
 
 
 def _extent(source: Source, times: Array) -> Array:

@@ -9,8 +9,6 @@ from PIL import Image, ImageDraw
 
 from pymunk_dragon.drawing.debug_draw.convex import Box, Point, clipped, covers
 
-__all__ = ["EDGE_INSET", "composite"]
-
 # Samples per pixel along each axis: 4 x 4 samples give 17 levels of coverage.
 OVERSAMPLING = 4
 # Pixels by which a polygon must be inset before it is drawn. ImageDraw also fills the pixels on a polygon's edge, which

@@ -89,7 +89,7 @@ FIGURES: Mapping[str, Kind] = {
     "inward": Kind(shows="16 benches as they close a full loop (figure 4)", still=inward, default=model),
     "collision": Kind(shows="16 benches at their first contact (figure 5)", still=collision, default=model),
     "grid": Kind(shows="which benches are filed in which cells (figure 6)", of_march=grid, default=model),
-    "trajectories": Kind(shows="the ways of seven handles (figure 7)", of_march=trajectories),
+    "trajectories": Kind(shows="the trajectories of seven handles (figure 7)", of_march=trajectories),
     "velocities": Kind(shows="the velocities of seven handles (figure 8)", of_march=velocities),
     "gap": Kind(shows="how near the head comes to the benches that it passes", of_march=gap),
     "speeds": Kind(shows="speed along the dragon at several times", of_march=speeds),
@@ -145,6 +145,12 @@ def answer_figure(found: object) -> Figure:
         If `found` is not the result of a study.
     MissingExtraError
         If matplotlib is not installed.
+
+    Examples
+    --------
+    >>> from pymunk_dragon.drawing.figures import answer_figure
+    >>> from pymunk_dragon.studies import min_pitch
+    >>> answer_figure(min_pitch())  # doctest: +SKIP
     """
     return _styled_figure(lambda: study_figure(found))
 
@@ -193,6 +199,12 @@ def write_answer(found: object, path: str | Path) -> None:
         If matplotlib is not installed.
     OutputError
         If writing fails.
+
+    Examples
+    --------
+    >>> from pymunk_dragon.drawing.figures import write_answer
+    >>> from pymunk_dragon.studies import min_pitch
+    >>> write_answer(min_pitch(), "min_pitch.svg")  # doctest: +SKIP
     """
     _write(lambda: study_figure(found), check_destination(path, FIGURE_ENDINGS))
 

@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["MM", "drift", "gap", "gap_line", "impulses", "speeds"]
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]

@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["grid"]
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]

@@ -14,17 +14,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.text import Annotation
 
-__all__ = [
-    "FIRST_COLOUR",
-    "NAME_OFFSET",
-    "bundle",
-    "label",
-    "logarithmic",
-    "name",
-    "several_times",
-    "spread",
-    "time_name",
-]
 
 Array = NDArray[np.float64]
 

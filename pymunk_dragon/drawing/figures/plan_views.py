@@ -36,7 +36,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["Still", "collision", "inward", "outer_loop", "spiral", "trajectories", "velocities"]
 
 Array = NDArray[np.float64]
 # A run of one frame, and the parameters of its picture.

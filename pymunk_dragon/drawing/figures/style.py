@@ -21,24 +21,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = [
-    "AMBER",
-    "BLUE",
-    "CANDIDATE",
-    "COLOURS",
-    "DPI",
-    "FAINT",
-    "QUIET",
-    "RULE",
-    "SHARED",
-    "WIDE_HALO",
-    "blend",
-    "chart",
-    "halo",
-    "page",
-    "panel",
-    "styled",
-]
 
 # Colours of the films.
 COLOURS = Palette()

@@ -12,17 +12,6 @@ from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 
-__all__ = [
-    "TimeInterval",
-    "closing_time",
-    "contact_or_end",
-    "describe",
-    "last_regular_time",
-    "model",
-    "spirals_in",
-    "time_interval",
-]
-
 # Begin and end of a time interval, s; None is the end of the curve.
 TimeInterval = tuple[float, float | None]
 

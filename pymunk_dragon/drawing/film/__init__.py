@@ -139,8 +139,9 @@ def write_film(
     film = film or Film()
     sources = checked_sources(source)
     whole("workers", workers, 0, MAX_WORKERS)
-    destination = check_destination(path, FILM_ENDINGS)
+    destination = check_destination(path, WRITERS)
     times = film.times(sources)
+    ends = film.ends(times).tolist()
     clips = [sample(one, times, film.show, extent=film.camera.follow == "field") for one in sources]
     canvas = lay_out(clips, film)
     snapshots = zip(*(clip.snapshots for clip in clips), strict=True)
@@ -148,13 +149,8 @@ def write_film(
         written_in_place(destination) as draft,
         closing(map_in_processes(canvas.draw, snapshots, len(times), workers)) as pictures,
     ):
-        frames = Frames(
-            pictures=_counted(pictures, len(times), progress),
-            ends=film.ends(times).tolist(),
-            size=canvas.size,
-            colours=film.palette.table,
-            fps=film.fps,
-        )
+        counted = _counted(pictures, len(times), progress)
+        frames = Frames(pictures=counted, ends=ends, size=canvas.size, colours=film.palette.table, fps=film.fps)
         WRITERS[destination.suffix.lower()](draft, frames)
 
 

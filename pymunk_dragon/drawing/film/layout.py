@@ -16,8 +16,6 @@ from pymunk_dragon.drawing.scene import Scene
 from pymunk_dragon.drawing.snapshots import Clip, Snapshot
 from pymunk_dragon.errors import ParameterError
 
-__all__ = ["Canvas", "lay_out"]
-
 # Ratio of the title's type size to that of the other text.
 TITLE_SCALE = 1.25
 # Pixels between two scenes: just enough for a visible line.

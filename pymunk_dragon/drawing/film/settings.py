@@ -19,8 +19,6 @@ from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 
-__all__ = ["Film", "checked_sources", "shared_window"]
-
 Array = NDArray[np.float64]
 
 # Frames per second: the refresh rate of common screens.

@@ -16,8 +16,6 @@ from pymunk_dragon.drawing.film.layout import lay_out
 from pymunk_dragon.drawing.film.settings import Film, checked_sources, shared_window
 from pymunk_dragon.drawing.snapshots import Source, sample
 
-__all__ = ["STILL_ENDINGS", "last_frame", "picture_size", "still", "still_png", "write_still"]
-
 # All endings of still pictures, in lower case.
 STILL_ENDINGS = (".png",)
 

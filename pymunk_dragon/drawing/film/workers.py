@@ -19,8 +19,6 @@ from typing import Any, TypeVar
 from pymunk_dragon._signals import ENDING, signals_held
 from pymunk_dragon.errors import DragonError
 
-__all__ = ["map_in_processes"]
-
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 

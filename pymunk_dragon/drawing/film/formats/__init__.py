@@ -9,7 +9,7 @@ writers that `webp` and `apng` call directly.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
 
 from pymunk_dragon.drawing.film.formats.apng import write_apng
@@ -21,7 +21,7 @@ from pymunk_dragon.drawing.film.formats.webp import write_webp
 __all__ = ["WRITERS", "Frames"]
 
 # Writer of each format, by the ending of its files in lower case.
-WRITERS: Mapping[str, Callable[[Path, Frames], None]] = {
+WRITERS: dict[str, Callable[[Path, Frames], None]] = {
     ".gif": write_gif,
     ".apng": write_apng,
     ".webp": write_webp,

@@ -7,8 +7,6 @@ from pathlib import Path
 from pymunk_dragon.drawing.film.formats.frames import Frames
 from pymunk_dragon.errors import ParameterError
 
-__all__ = ["write_apng"]
-
 # Pixels of all frames: Pillow keeps two bytes for each of them, so 2 GB. It is 5000 frames of the default size.
 MAX_PIXELS = 1_000_000_000
 

@@ -9,8 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-__all__ = ["Frames"]
-
 
 @dataclass(frozen=True, kw_only=True)
 class Frames:

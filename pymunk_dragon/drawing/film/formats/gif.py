@@ -29,8 +29,6 @@ from pymunk_dragon.drawing.film.formats.frames import Frames
 from pymunk_dragon.drawing.palette import TRANSPARENT
 from pymunk_dragon.errors import ParameterError
 
-__all__ = ["write_gif"]
-
 # Ticks per second: delays in a GIF are whole centiseconds.
 TICKS = 100
 # Frames per second: browsers replace a delay of 1 centisecond by 10.

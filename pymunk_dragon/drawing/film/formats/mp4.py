@@ -16,8 +16,6 @@ from pymunk_dragon._extras import library
 from pymunk_dragon.drawing.film.formats.frames import Frames
 from pymunk_dragon.errors import MissingExtraError
 
-__all__ = ["write_mp4"]
-
 # x264 options. CRF 18 has no visible loss. The preset "veryfast" takes 8 ms per frame of 640 x 640 pixels with 223
 # benches on 2 cores; the default preset takes 14 ms and saves a seventh. A look-ahead of 5 frames (default 10) and one
 # thread keep FFmpeg below 90 MB of memory, and make the file independent of the number of cores.

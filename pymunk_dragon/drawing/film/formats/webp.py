@@ -8,8 +8,6 @@ from PIL import Image
 
 from pymunk_dragon.drawing.film.formats.frames import Frames
 
-__all__ = ["write_webp"]
-
 # libwebp's compression method, 0 (fastest) to 6.
 METHOD = 0
 # libwebp's effort of lossless compression, 0 (fastest) to 100.
