@@ -149,10 +149,8 @@ def _check_marks(source: Source, marks: tuple[Mark, ...]) -> None:
 def _extent(source: Source, times: Array) -> Array:
     """Return the lower left and upper right corner (2, 2), m, of the dragon's bounding box over `times` (T,)."""
     dragon = source.march.dragon if isinstance(source, Run) else source.dragon
-    corners = [dragon.outlines(snapshot.poses).reshape(-1, 2) for snapshot in snapshots(source, times)]
-    return np.array(
-        [np.min([c.min(axis=0) for c in corners], axis=0), np.max([c.max(axis=0) for c in corners], axis=0)]
-    )
+    corners = np.concatenate([dragon.outlines(snapshot.poses).reshape(-1, 2) for snapshot in snapshots(source, times)])
+    return np.array([corners.min(axis=0), corners.max(axis=0)])
 
 
 def _model(run: Run | None) -> str:
@@ -169,6 +167,7 @@ def _model(run: Run | None) -> str:
 
 
 def _chunk(source: Source, times: Array, marks: tuple[Mark, ...]) -> Iterator[Snapshot]:
+    """Yield the snapshots at `times` (T,), without contacts."""
     velocities: Iterable[Array | None] = [None] * len(times)
     impulses: Iterable[Array | None] = [None] * len(times)
     if isinstance(source, March):
@@ -177,26 +176,16 @@ def _chunk(source: Source, times: Array, marks: tuple[Mark, ...]) -> Iterator[Sn
     else:
         poses = source.poses_at(times)
         if "velocities" in marks:
-            velocities = _velocities(source, times)
-        if "impulses" in marks:
-            impulses = _impulses(source, times)
+            front, rear = source.march.dragon.hole_velocities(poses, source.pose_velocities_at(times))
+            velocities = np.concatenate([front, rear[:, -1:]], axis=1)
+        if "impulses" in marks and source.joint_impulses is not None:
+            # Impulses are not interpolated.
+            impulses = source.joint_impulses[_frames_before(source, times)]
     yield from map(Snapshot, times.tolist(), poses, velocities, impulses)
 
 
-def _velocities(run: Run, times: Array) -> Array:
-    """Return the velocities (T, N + 1, 2), m/s, of the benches' front holes and of the tail's rear hole."""
-    front, rear = run.march.dragon.hole_velocities(run.poses_at(times), run.pose_velocities_at(times))
-    return np.concatenate([front, rear[:, -1:]], axis=1)
-
-
-def _impulses(run: Run, times: Array) -> Array:
-    """Return the impulses (T, N - 1), N s, of the last frames before `times`; impulses are not interpolated."""
-    assert run.joint_impulses is not None
-    impulses: Array = run.joint_impulses[_frames_before(run, times)]
-    return impulses
-
-
 def _frames_before(run: Run, times: Array) -> NDArray[np.intp]:
+    """Return the numbers of the last frames of a run at or before `times`."""
     return np.searchsorted(run.times, times, side="right") - 1
 
 

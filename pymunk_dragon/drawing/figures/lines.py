@@ -109,8 +109,10 @@ def label(
     *,
     color: str = COLOURS.ink,
     zorder: float = 3.0,
+    size: float | None = None,
+    border: float = WIDE_HALO,
 ) -> Annotation:
-    """Write text beside a point, at an offset in points, with a halo that keeps it readable on lines."""
+    """Write text beside a point, at an offset in points, with a `border` that keeps it readable on lines."""
     return axes.annotate(
         text,
         (x, y),
@@ -120,5 +122,6 @@ def label(
         va=va,
         color=color,
         zorder=zorder,
-        path_effects=halo(WIDE_HALO),
+        size=size,
+        path_effects=halo(border) if border else None,
     )

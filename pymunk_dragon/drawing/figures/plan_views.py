@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pymunk_dragon.drawing.figures.lines import label
 from pymunk_dragon.drawing.figures.style import (
     BLUE,
     COLOURS,
+    HALO,
     QUIET,
     RULE,
     WIDE_HALO,
@@ -91,7 +93,7 @@ def spiral(march: March, interval: TimeInterval) -> Figure:
     dots = march.curve.point(march.head_start + march.distance(minutes))
     axes.plot(*dots.T, "o", color=COLOURS.ink, ms=5, gid="minutes")
     for time, dot in zip(minutes, dots, strict=True):
-        _label_dot(axes, dot, f"{time:g} s")
+        label(axes, dot[0], dot[1], f"{time:g} s", (6, 0), va="center_baseline", size=10.5, border=HALO)
     last = march.curve.point(march.head_start + gone)
     axes.plot(*last, "o", color=COLOURS.contact, ms=7, gid="last")
     # Near the centre, which the spiral leaves free.
@@ -233,14 +235,6 @@ def _set_limits(axes: Axes, centre: Array, reach: float, border: float) -> None:
         axis.set_label_text(name)
 
 
-def _label_dot(axes: Axes, position: Array, text: str) -> None:
-    """Write text at the right of a dot, readable on lines."""
-    x, y = position.tolist()
-    axes.annotate(
-        text, (x, y), (6, 0), textcoords="offset points", va="center_baseline", size=10.5, path_effects=halo()
-    )
-
-
 def _label_without_overlap(
     axes: Axes, position: Array, centre: Array, text: str, taken: Array, boxes: list[Any]
 ) -> Any:
@@ -253,16 +247,8 @@ def _label_without_overlap(
     aside = np.array([-outward[1], outward[0]])
     directions = [direction.tolist() for direction in (outward, -outward, aside, -aside)]
     for right, up in directions:
-        note = axes.annotate(
-            text,
-            (x, y),
-            (7 * right, 7 * up),
-            textcoords="offset points",
-            ha="left" if right > 0 else "right",
-            va="bottom" if up > 0 else "top",
-            zorder=5,
-            path_effects=halo(),
-        )
+        sides = "left" if right > 0 else "right", "bottom" if up > 0 else "top"
+        note = label(axes, x, y, text, (7 * right, 7 * up), *sides, zorder=5, border=HALO)
         box = note.get_window_extent()
         if not any(box.contains(*point) for point in taken) and not any(box.overlaps(other) for other in boxes):
             break
