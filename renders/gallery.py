@@ -1,9 +1,9 @@
 """Make a file of `renders/`, for the Makefile: `python renders/gallery.py TARGET ENDINGS ARGUMENT...`.
 
-Calls `pymunk-dragon ARGUMENT... -o TARGET`, once for each of the comma-separated endings, and writes the rule that
-names the package's files that this has used, `renders/.commands/NAME.d`: make includes it, and makes TARGET again when
-one of them changes. A picture that shows the same as before, to a tolerance, stays as it is: committed pictures do not
-change where only rounding or a library's compression has.
+Calls `pymunk-dragon ARGUMENT... -o TARGET`, once for each of the comma-separated endings, and writes a rule for make
+with the files of the package that were used, `renders/.commands/NAME.d`: make includes the rule, and makes TARGET again
+if one of these files changes. A picture that equals the old one within a tolerance is not replaced: committed pictures
+do not change if only rounding or a library's compression has changed.
 """
 
 from __future__ import annotations
@@ -20,21 +20,21 @@ from pymunk_dragon.cli import main
 
 RENDERS = Path("renders")
 PICTURES = (".gif", ".png")
-# Levels of 255 by which a colour channel may differ: rounding on other machines changes the edges of smooth lines.
+# Levels of 255: difference of a colour channel that is ignored. Rounding differs between machines at edges of lines.
 LEVELS = 12
-# Share of the pixels that may differ by more than LEVELS. A film whose benches lie a micrometre elsewhere has about
-# 4e-6 of them, a film with another digit in its caption 5e-5 and more.
+# Fraction of the pixels that may differ by more than LEVELS: about 4e-6 if all benches are displaced by a micrometre,
+# at least 5e-5 if a digit of the caption differs.
 SHARE = 2e-5
 
 
 def share_off(one: Image.Image, other: Image.Image) -> float:
-    """Share of the pixels of two frames of the same size that differ by more than LEVELS."""
+    """Return the fraction of the pixels of two frames of one size that differ by more than LEVELS."""
     first, second = (np.asarray(image.convert("RGBA"), dtype=np.int16) for image in (one, other))
     return float(np.mean((np.abs(first - second) > LEVELS).any(axis=-1)))
 
 
 def show_the_same(one: Path, other: Path) -> bool:
-    """Whether two files have frames of one size and as many, each as long, with at most SHARE of the pixels off."""
+    """Return whether two files have equal sizes, frame counts and delays, and at most SHARE of the pixels differ."""
     if one.read_bytes() == other.read_bytes():
         return True
     with Image.open(one) as first, Image.open(other) as second:
@@ -52,7 +52,7 @@ def show_the_same(one: Path, other: Path) -> bool:
 
 
 def replace(target: Path, drafts: list[Path]) -> None:
-    """Move the drafts beside `target`, or drop them where the first is a picture that shows the same as `target`."""
+    """Move the drafts beside `target`, or delete them if the first one is a picture that shows the same as `target`."""
     same = target.suffix in PICTURES and target.exists() and show_the_same(target, drafts[0])
     for draft in drafts:
         kept = target.parent / draft.name
@@ -65,7 +65,7 @@ def replace(target: Path, drafts: list[Path]) -> None:
 
 
 def used_files() -> list[str]:
-    """Files of the package that this process has imported, and the data files beside them."""
+    """Return the files of the package that this process has imported, and the data files beside them."""
     root = Path(pymunk_dragon.__file__).parent
     loaded = (getattr(module, "__file__", None) for module in list(sys.modules.values()))
     modules = {Path(file) for file in loaded if file and Path(file).is_relative_to(root)}
@@ -75,7 +75,7 @@ def used_files() -> list[str]:
 
 
 def make(target: Path, endings: list[str], arguments: list[str]) -> None:
-    """Make `target`, and its rule; exit as the program does where it fails."""
+    """Make `target` and its rule; if the program fails, exit with its code."""
     name = target.relative_to(RENDERS)
     drafts = [(RENDERS / ".new" / name).with_suffix(ending) for ending in endings]
     drafts[0].parent.mkdir(parents=True, exist_ok=True)

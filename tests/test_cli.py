@@ -267,7 +267,7 @@ def test_render_sets_runs_side_by_side_with_their_marks_and_words(call, tmp_path
 def test_render_takes_the_format_from_the_ending(call, ending, tmp_path):
     film = tmp_path / f"film.{ending}"
     assert call("render", "-o", film, "--until", "2", "--size", "120", "--fps", "30")[0] == 0
-    signature = {"mp4": (4, b"ftyp"), "apng": (37, b"acTL"), "webp": (8, b"WEBPVP8X")}
+    signature = {"mp4": (4, b"ftyp"), "apng": (817, b"acTL"), "webp": (8, b"WEBPVP8X")}
     at, expected = signature[ending]
     assert film.read_bytes()[at : at + len(expected)] == expected
 

@@ -23,9 +23,9 @@ from PIL import Image
 from pymunk import BB, SpaceDebugDrawOptions, Transform, Vec2d
 
 import pymunk_dragon
-from pymunk_dragon.drawing import compositing, convex, debug_draw, deferred_calls
-from pymunk_dragon.drawing.convex import offset_polygon
-from pymunk_dragon.drawing.debug_draw import CALLBACKS, PillowDrawOptions
+from pymunk_dragon.drawing import debug_draw
+from pymunk_dragon.drawing.debug_draw import CALLBACKS, PillowDrawOptions, compositing, convex, deferred_calls
+from pymunk_dragon.drawing.debug_draw.convex import offset_polygon
 from pymunk_dragon.errors import ParameterError
 
 BLACK, RED, GREEN = (0, 0, 0, 255), (255, 0, 0, 255), (0, 255, 0, 255)

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import doctest
 import gc
+import inspect
 import subprocess
 import sys
 import weakref
-from collections.abc import Iterator
-from dataclasses import replace
+from collections.abc import Iterator, Sequence
+from dataclasses import fields, replace
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -21,9 +24,9 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from pymunk_dragon.drawing import FILM_ENDINGS, Camera, Film, render, still, write_film
-from pymunk_dragon.drawing.moments import moments
-from pymunk_dragon.drawing.output import make_canvas
-from pymunk_dragon.drawing.streams import open_stream
+from pymunk_dragon.drawing.film.formats import WRITERS, Frames
+from pymunk_dragon.drawing.film.layout import Canvas, lay_out
+from pymunk_dragon.drawing.snapshots import sample, snapshots
 from pymunk_dragon.errors import MissingExtraError, OutputError, ParameterError
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
@@ -51,11 +54,20 @@ def frames(path: Path) -> Iterator[tuple[Picture, float]]:
             yield np.asarray(film.convert("RGB")), film.info["duration"]
 
 
+def write_pictures(path: Path, pictures: Sequence[Image.Image], ends: Sequence[float], fps: int) -> None:
+    size, colours = pictures[0].size, Film().palette.table
+    WRITERS[path.suffix](path, Frames(pictures=iter(pictures), ends=ends, size=size, colours=colours, fps=fps))
+
+
+def canvas_of(source: Run | March, film: Film, times: NDArray[np.float64]) -> Canvas:
+    return lay_out([sample(source, times, film.show, extent=film.camera.follow == "field")], film)
+
+
 def drawn(source: Any, film: Film) -> Iterator[Picture]:
     times = film.times([source])
-    canvas = make_canvas([source], film, times)
-    for moment in moments(source, times, film.show):
-        yield film.palette.table[np.asarray(canvas.draw([moment]))]
+    canvas = canvas_of(source, film, times)
+    for snapshot in snapshots(source, times, film.show):
+        yield film.palette.table[np.asarray(canvas.draw([snapshot]))]
 
 
 @in_every_lossless_format
@@ -94,9 +106,8 @@ def test_frames_alike_become_one_that_stays_as_long(tmp_path: Path, ending: str)
     second.paste(47, (11, 11, 12, 12))
     path = tmp_path / f"film{ending}"
     table = Film().palette.table
-    with open_stream(path, (32, 32), table, 10) as stream:
-        for i, frame in enumerate((first, first.copy(), first.copy(), second, second.copy()), start=1):
-            stream.add(frame, 0.1 * i)
+    pictures = (first, first.copy(), first.copy(), second, second.copy())
+    write_pictures(path, pictures, [0.1 * i for i in range(1, 6)], fps=10)
     shown = list(frames(path))
     assert [ms for _, ms in shown] == [300, 200]
     for (picture, _), frame in zip(shown, (first, second), strict=True):
@@ -105,17 +116,38 @@ def test_frames_alike_become_one_that_stays_as_long(tmp_path: Path, ending: str)
 
 @in_every_lossless_format
 def test_a_frame_that_stays_longer_than_the_format_can_say_is_shown_twice(tmp_path: Path, ending: str) -> None:
-    frame = Image.new("L", (32, 32), 55)
+    first, second = Image.new("L", (32, 32), 47), Image.new("L", (32, 32), 55)
     path = tmp_path / f"film{ending}"
     # Two whole delays of GIF (655 s); what is less for the others is a long frame all the same.
-    with open_stream(path, (32, 32), Film().palette.table, 1) as stream:
-        for end in range(60, 1260, 60):
-            stream.add(frame.copy(), end)
+    write_pictures(path, [first, *(second.copy() for _ in range(20))], range(1, 1260, 60), fps=1)
     shown = list(frames(path))
-    assert sum(ms for _, ms in shown) == 1_200_000
+    assert sum(ms for _, ms in shown) == 1_201_000
     assert len(shown) < 25
-    for picture, _ in shown:
-        np.testing.assert_array_equal(picture, shown[0][0])
+    table = Film().palette.table
+    for (picture, _), frame in zip(shown, [first, *[second] * 24], strict=False):
+        np.testing.assert_array_equal(picture, table[np.asarray(frame)])
+
+
+def test_render_takes_the_parameters_of_a_film_with_their_defaults() -> None:
+    taken = {name: value.default for name, value in inspect.signature(render).parameters.items()}
+    for parameter in fields(Film):
+        assert taken[parameter.name] == parameter.default, parameter.name
+
+
+def test_a_writer_of_another_format_needs_one_entry(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def write_ends(path: Path, frames: Frames) -> None:
+        lines = [f"{end:g} {picture.size}" for picture, end in zip(frames.pictures, frames.ends, strict=True)]
+        path.write_text("\n".join(lines))
+
+    monkeypatch.setitem(WRITERS, ".txt", write_ends)
+    render(run, tmp_path / "film.txt", speedup=50, size=64, hold=0.5)
+    assert (tmp_path / "film.txt").read_text() == "0.1 (64, 64)\n0.2 (64, 64)\n0.7 (64, 64)"
+
+
+def test_an_apng_that_would_fill_the_memory_is_refused(run: Run, tmp_path: Path) -> None:
+    with pytest.raises(ParameterError, match=r"must be at most 238 in an APNG of 2048 x 2048 pixels"):
+        render(run, tmp_path / "film.apng", size=2048, speedup=0.4)
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_an_mp4_is_h264_that_every_player_takes(run: Run, tmp_path: Path) -> None:
@@ -216,7 +248,7 @@ def test_a_full_disk_is_one_line(run: Run, tmp_path: Path, ending: str, monkeypa
     def full(*_: Any) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("pymunk_dragon.drawing.streams.base.DirtyRectangleStream.add", full)
+    monkeypatch.setitem(WRITERS, ending, full)
     with pytest.raises(OutputError, match="No space left"):
         render(run, tmp_path / f"film{ending}", size=64)
     assert list(tmp_path.iterdir()) == []
@@ -292,11 +324,9 @@ def test_a_run_beside_its_exact_model_ends_when_the_run_does(run: Run) -> None:
 
 
 def test_headings_say_who_played(run: Run) -> None:
-    from pymunk_dragon.drawing.output import _heading
-
     engine = replace(run, provenance={"player": "pymunk", "guide": "rails"})
     unguided = replace(run, provenance={"player": "pymunk", "guide": "none"})
-    assert [_heading(source) for source in (MARCH, run, engine, unguided)] == [
+    assert [sample(source, np.zeros(1)).model for source in (MARCH, run, engine, unguided)] == [
         "exact model",
         "exact model",
         "engine, rails",
@@ -372,3 +402,13 @@ def test_bad_words_get_one_line_that_names_them(run: Run, tmp_path: Path, name: 
     assert caught.value.name == name
     assert_says(caught.value)
     assert list(tmp_path.iterdir()) == []
+
+
+# Documentation
+
+
+@pytest.mark.parametrize("name", ["camera", "film", "film.settings", "film.stills", "palette", "scene", "snapshots"])
+def test_the_examples_of_drawing_are_right(name: str) -> None:
+    module = import_module(f"pymunk_dragon.drawing.{name}")
+    assert doctest.testmod(module).failed == 0
+    assert doctest.testmod(module).attempted > 0

@@ -10,10 +10,10 @@ import pytest
 import shapely
 from numpy.typing import NDArray
 
-from pymunk_dragon.drawing import Camera, Film, Moment, Palette, still
-from pymunk_dragon.drawing.moments import moments
-from pymunk_dragon.drawing.output import make_canvas
+from pymunk_dragon.drawing import Camera, Film, Palette, Snapshot, still
+from pymunk_dragon.drawing.film.layout import Canvas, lay_out
 from pymunk_dragon.drawing.palette import BLOCK, CODES, STRENGTHS, TRANSPARENT, TYPE_RAMP, blends, index_of
+from pymunk_dragon.drawing.snapshots import sample, snapshots
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.contact import Contact, ContactEvent, ContactLog
 from pymunk_dragon.model.dragon import Dragon
@@ -37,14 +37,18 @@ def brushing() -> Run:
     return simulate(March(Dragon(benches=16), turns=8), start=77.5, until=84.5, contacts="report")
 
 
-def moment_of(source: Any, time: float, *marks: Any) -> Moment:
-    [moment] = moments(source, np.array([time]), marks)
-    return moment
+def snapshot_of(source: Any, time: float, *marks: Any) -> Snapshot:
+    [snapshot] = snapshots(source, np.array([time]), marks)
+    return snapshot
+
+
+def canvas_of(source: Run | March, film: Film, times: NDArray[np.float64]) -> Canvas:
+    return lay_out([sample(source, times, film.show, extent=film.camera.follow == "field")], film)
 
 
 def shown(source: Any, time: float, film: Film) -> tuple[NDArray[np.uint8], Any]:
     """A picture, and where points of the ground lie on it."""
-    view = make_canvas([source], film, np.array([time])).scenes[0].view(moment_of(source, time).poses)
+    view = canvas_of(source, film, np.array([time])).scenes[0].view(snapshot_of(source, time).poses)
     return still(source, time, film), lambda points: view.pixels(points) / BLOCK
 
 
@@ -106,15 +110,15 @@ def test_an_arrow_points_to_where_the_handle_would_be_in_half_a_second() -> None
 
 def test_velocities_of_a_run_are_those_of_its_frames(run: Run) -> None:
     exact = MARCH.at([4.321]).velocities[0]
-    found = moment_of(run, 4.321, "velocities").velocities
+    found = snapshot_of(run, 4.321, "velocities").velocities
     np.testing.assert_allclose(found, exact, atol=2e-3)
 
 
 def test_a_run_of_one_frame_moves_only_where_its_velocities_are_known() -> None:
     run = Run.exact(MARCH, [1.0])
-    found = moment_of(run, 1.0, "velocities").velocities
+    found = snapshot_of(run, 1.0, "velocities").velocities
     np.testing.assert_allclose(found, MARCH.at([1.0]).velocities[0], atol=1e-12)
-    unknown = moment_of(replace(run, pose_velocities=None), 1.0, "velocities").velocities
+    unknown = snapshot_of(replace(run, pose_velocities=None), 1.0, "velocities").velocities
     assert unknown is not None
     assert not unknown.any()
 
@@ -187,12 +191,12 @@ def test_benches_touch_in_pictures_as_long_as_the_callbacks_say(brushing: Run) -
     assert windows
     substep = brushing.substep
     for window in windows[:5]:
-        inside = moment_of(brushing, (window.begin + window.end) / 2, "contacts")
+        inside = snapshot_of(brushing, (window.begin + window.end) / 2, "contacts")
         others = [w for w in brushing.events.windows() if w is not window]
         assert inside.touches
         after = window.end + 2 * substep
         if all(not w.begin - substep <= after <= (w.end or np.inf) + 2 * substep for w in others):
-            assert not moment_of(brushing, after, "contacts").touches
+            assert not snapshot_of(brushing, after, "contacts").touches
 
 
 def test_two_points_of_a_contact_are_both_shown(run: Run) -> None:
@@ -200,9 +204,9 @@ def test_two_points_of_a_contact_are_both_shown(run: Run) -> None:
         time=5.0, phase="pre_solve", benches=(0, 9), points=((1.0, 2.0), (1.5, 2.0)), normal=(0.0, 1.0), depth=0.0
     )
     found = replace(run, events=ContactLog((event,)), provenance={"substep": 0.01})
-    assert moment_of(found, 5.0, "contacts").touches[0].points == ((1.0, 2.0), (1.5, 2.0))
-    assert moment_of(found, 5.1, "contacts").touches == ()
-    assert moment_of(found, 5.0).touches == ()
+    assert snapshot_of(found, 5.0, "contacts").touches[0].points == ((1.0, 2.0), (1.5, 2.0))
+    assert snapshot_of(found, 5.1, "contacts").touches == ()
+    assert snapshot_of(found, 5.0).touches == ()
 
 
 # Joint impulses
@@ -262,7 +266,7 @@ def test_impulses_between_frames_are_those_of_the_frame_before(run: Run) -> None
     impulses = np.repeat(np.arange(len(run.times), dtype=float)[:, None], 15, axis=1)
     pulling = replace(run, joint_impulses=impulses)
     for time, frame in ((0.0, 0), (0.0149, 1), (9.999, 999), (10.0, 1000)):
-        assert moment_of(pulling, time, "impulses").impulses[0] == frame
+        assert snapshot_of(pulling, time, "impulses").impulses[0] == frame
 
 
 @pytest.mark.parametrize("mark", ["contacts", "normals", "impulses", "shadows"])

@@ -16,11 +16,10 @@ from PIL import Image
 from shapely import affinity, box
 
 from pymunk_dragon.drawing import Camera, Film, Palette, render, write_film, write_still
-from pymunk_dragon.drawing.gaps import smallest_gap
-from pymunk_dragon.drawing.moments import moments
-from pymunk_dragon.drawing.output import make_canvas
+from pymunk_dragon.drawing.film.layout import Canvas, lay_out
 from pymunk_dragon.drawing.palette import BLOCK, CODES, TRANSPARENT, TYPE_RAMP, index_of, occurs
-from pymunk_dragon.drawing.scene import hole_diameter
+from pymunk_dragon.drawing.scene import hole_diameter, smallest_gap
+from pymunk_dragon.drawing.snapshots import sample, snapshots
 from pymunk_dragon.errors import DragonError, ParameterError
 from pymunk_dragon.model.contact import Contact
 from pymunk_dragon.model.dragon import Dragon
@@ -63,12 +62,16 @@ def colour_at(picture: NDArray[np.uint8], x: float, y: float) -> str:
     return "#" + bytes(picture[int(y), int(x)].tolist()).hex()
 
 
+def canvas_of(source: Run | March, film: Film, times: NDArray[np.float64]) -> Canvas:
+    return lay_out([sample(source, times, film.show, extent=film.camera.follow == "field")], film)
+
+
 def drawn(source: Run | March, film: Film, time: float) -> tuple[NDArray[np.uint8], Any]:
     """Picture at a time, as RGB, and where points of the ground lie on it."""
-    canvas = make_canvas([source], film, film.times([source]))
-    [moment] = moments(source, np.array([time]), film.show)
-    view = canvas.scenes[0].view(moment.poses)
-    picture = film.palette.table[np.asarray(canvas.draw([moment]))]
+    canvas = canvas_of(source, film, film.times([source]))
+    [snapshot] = snapshots(source, np.array([time]), film.show)
+    view = canvas.scenes[0].view(snapshot.poses)
+    picture = film.palette.table[np.asarray(canvas.draw([snapshot]))]
     return picture, lambda points: view.pixels(points) / BLOCK
 
 

@@ -18,7 +18,7 @@ from pymunk_dragon.cli.options import (
 from pymunk_dragon.cli.output import print_json
 
 if TYPE_CHECKING:
-    from pymunk_dragon.drawing.moments import Source
+    from pymunk_dragon.drawing.snapshots import Source
 
 __all__ = ["figure"]
 
@@ -57,7 +57,7 @@ def figure(
 
 
 def _source(run_file: str | None, scenario_file: str | None) -> Source | None:
-    """The run or the march that is drawn; None for the figure's own."""
+    """Return the run or the march to draw; None for the figure's default."""
     if run_file is not None:
         return run_of(run_file, scenario_file)
     return march_of(scenario_file) if chosen() or scenario_file else None

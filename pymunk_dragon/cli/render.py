@@ -33,19 +33,20 @@ MARKS = {
     "normals": "In which direction they push.",
     "impulses": "Impulses in the joints, as discs.",
 }
-# s. Default length of a march in a film.
+# s: default length of a film of a march.
 MARCH_FILM = 60.0
-# m that the head goes between the frames of a march in a player.
+# m: distance that the head travels between the frames of a march in a player.
 PLAYER_STRIDE = 0.1
-# What pages and stills have no use for.
+# Options that only films have.
 OF_FILMS = ("speedup", "fps", "hold", "workers")
+# Options that only films and stills have.
 OF_PICTURES = ("exact", "size", "follow", "span", "caption", "font", *MARKS)
-# Processes beside the first one; more have nothing to do but wait for it.
-MOST_WORKERS = 3
+# Worker processes: with more the first process, which writes the film, is the bottleneck.
+MAX_WORKERS = 3
 
 
 def mark_options(command: Command) -> Command:
-    """Give a command a flag for each mark; `marks` gives the chosen ones."""
+    """Add a flag for each mark to a command; `marks` returns the chosen ones."""
 
     def collect(context: click.Context, parameter: click.Parameter, value: bool) -> None:
         if value:
@@ -58,7 +59,7 @@ def mark_options(command: Command) -> Command:
 
 
 def marks() -> tuple[Any, ...]:
-    """The marks whose flags were given."""
+    """Return the marks whose flags were given."""
     return tuple(click.get_current_context().meta.get("marks", ()))
 
 
@@ -131,7 +132,7 @@ def render(
 
 
 def _write_player(sources: list[Run | March], path: Path, given: dict[str, Any]) -> None:
-    """A page that plays the run, or an exact one of the march."""
+    """Write a page that plays a run, or the exact run of a march."""
     import numpy as np
 
     from pymunk_dragon.model.run import Run
@@ -152,7 +153,7 @@ def _write_player(sources: list[Run | March], path: Path, given: dict[str, Any])
 
 
 def _sources(run_files: tuple[str, ...], scenario_file: str | None, exact: bool) -> list[Run | March]:
-    """Sources of the film: the runs, and with --exact the exact model of the first; or the march of a scenario."""
+    """Return the runs, and with --exact the march of the first one; without runs, the march of the scenario."""
     if not run_files:
         if exact:
             raise click.UsageError("--exact needs a run: name one, or leave it out")
@@ -162,7 +163,7 @@ def _sources(run_files: tuple[str, ...], scenario_file: str | None, exact: bool)
 
 
 def _refuse(what: str, *names: str) -> None:
-    """Complain of options that were given, but have no meaning for `what` is written."""
+    """Raise a usage error if an option was given that `what` does not have."""
     context = click.get_current_context()
     for option in context.command.params:
         given = context.get_parameter_source(str(option.name)) is click.core.ParameterSource.COMMANDLINE
@@ -171,9 +172,9 @@ def _refuse(what: str, *names: str) -> None:
 
 
 def _spare_cores() -> int:
-    """Cores beside the one of this process, as far as there is work for them."""
+    """Return the number of worker processes: the cores that this process does not use."""
     usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    return min(usable - 1, MOST_WORKERS)
+    return min(usable - 1, MAX_WORKERS)
 
 
 def _size(text: str) -> int | tuple[int, int]:

@@ -10,8 +10,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from pymunk_dragon._checks import finite, word
 
-__all__ = ["Camera", "Subject", "View"]
-
 Array = NDArray[np.float64]
 Subject = Literal["field", "head"]
 
@@ -40,6 +38,12 @@ class Camera:
     ------
     ParameterError
         If `follow` is neither "field" nor "head", or `span` is not a number from 0.1 m to 1e5 m.
+
+    Examples
+    --------
+    >>> from pymunk_dragon import Camera
+    >>> Camera(follow="head", span=8.0)
+    Camera(follow='head', span=8.0)
     """
 
     follow: Subject = "field"

@@ -11,8 +11,6 @@ from PIL import Image, ImageDraw, ImageFont
 from pymunk_dragon.drawing.palette import TYPE_RAMP
 from pymunk_dragon.errors import ParameterError
 
-__all__ = ["Lettering"]
-
 # Text height as a fraction of the picture's shorter side: readable, and small beside the dragon.
 RELATIVE_HEIGHT = 0.036
 # Pixels: digits of a smaller text are not readable.

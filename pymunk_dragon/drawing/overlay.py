@@ -12,11 +12,9 @@ from PIL import Image, ImageDraw
 
 from pymunk_dragon.collision import Grid
 from pymunk_dragon.drawing.camera import View
-from pymunk_dragon.drawing.moments import Mark, Moment
 from pymunk_dragon.drawing.palette import BLOCK, Accent, blends
+from pymunk_dragon.drawing.snapshots import Mark, Snapshot
 from pymunk_dragon.model.march import March
-
-__all__ = ["Overlay"]
 
 Array = NDArray[np.float64]
 
@@ -67,14 +65,14 @@ class Overlay:
         self._largest = largest_impulse
         self._grid = Grid.of(march)
 
-    def over(self, picture: Image.Image, view: View, moment: Moment) -> Image.Image:
-        """Return `picture` of `moment` with the marks drawn over it; `view` is in drawn pixels."""
+    def over(self, picture: Image.Image, view: View, snapshot: Snapshot) -> Image.Image:
+        """Return `picture` of `snapshot` with the marks drawn over it; `view` is in drawn pixels."""
         if {"impulses", "contacts", "normals"} & set(self._marks):
-            picture = self._draw_in_accent(picture, "force", lambda draw: self._draw_forces(draw, view, moment))
+            picture = self._draw_in_accent(picture, "force", lambda draw: self._draw_forces(draw, view, snapshot))
         if "velocities" in self._marks:
-            picture = self._draw_in_accent(picture, "motion", lambda draw: self._draw_velocities(draw, view, moment))
+            picture = self._draw_in_accent(picture, "motion", lambda draw: self._draw_velocities(draw, view, snapshot))
         # The grid is drawn last, because it tints only uncovered ground.
-        return self._draw_grid(picture, view, moment.poses) if "grid" in self._marks else picture
+        return self._draw_grid(picture, view, snapshot.poses) if "grid" in self._marks else picture
 
     def _draw_grid(self, picture: Image.Image, view: View, poses: Array) -> Image.Image:
         """Draw the cells of the grid, darker if they contain a bench."""
@@ -105,25 +103,25 @@ class Overlay:
         draw(ImageDraw.Draw(mask))
         return _blend(picture, accent, np.asarray(mask.reduce(BLOCK).point(COVERAGES)))
 
-    def _draw_velocities(self, draw: ImageDraw.ImageDraw, view: View, moment: Moment) -> None:
-        assert moment.velocities is not None
-        front, rear = self._march.dragon.holes(moment.poses)
+    def _draw_velocities(self, draw: ImageDraw.ImageDraw, view: View, snapshot: Snapshot) -> None:
+        assert snapshot.velocities is not None
+        front, rear = self._march.dragon.holes(snapshot.poses)
         handles = np.concatenate([front, rear[-1:]])
-        seen = view.holds(handles, float(ARROW_TIME * np.linalg.norm(moment.velocities, axis=-1).max()))
+        seen = view.holds(handles, float(ARROW_TIME * np.linalg.norm(snapshot.velocities, axis=-1).max()))
         begins = view.pixels(handles[seen])
-        ends = view.pixels(handles[seen] + ARROW_TIME * moment.velocities[seen])
+        ends = view.pixels(handles[seen] + ARROW_TIME * snapshot.velocities[seen])
         for begin, end in zip(begins.tolist(), ends.tolist(), strict=True):
             _draw_arrow(draw, begin, end)
 
-    def _draw_forces(self, draw: ImageDraw.ImageDraw, view: View, moment: Moment) -> None:
-        if "impulses" in self._marks and moment.impulses is not None and self._largest > 0:
+    def _draw_forces(self, draw: ImageDraw.ImageDraw, view: View, snapshot: Snapshot) -> None:
+        if "impulses" in self._marks and snapshot.impulses is not None and self._largest > 0:
             largest = min(MAX_DISC_RADIUS, MAX_DISC_FRACTION * float(self._march.dragon.widths.min()) * view.scale)
             # The disc's area is proportional to the impulse.
-            radii = largest * np.sqrt(moment.impulses / self._largest)
-            _, rear = self._march.dragon.holes(moment.poses)
+            radii = largest * np.sqrt(snapshot.impulses / self._largest)
+            _, rear = self._march.dragon.holes(snapshot.poses)
             for (x, y), radius in zip(view.pixels(rear[:-1]).tolist(), radii.tolist(), strict=True):
                 draw.ellipse((x - radius, y - radius, x + radius, y + radius), fill=255)
-        for touch in moment.touches:
+        for touch in snapshot.touches:
             points = view.pixels(touch.points)
             if "contacts" in self._marks:
                 for x, y in points.tolist():

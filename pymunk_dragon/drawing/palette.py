@@ -25,19 +25,6 @@ from numpy.typing import NDArray
 
 from pymunk_dragon.errors import ParameterError
 
-__all__ = [
-    "BLOCK",
-    "CODES",
-    "STRENGTHS",
-    "TRANSPARENT",
-    "TYPE_RAMP",
-    "Accent",
-    "Palette",
-    "blends",
-    "index_of",
-    "occurs",
-]
-
 # Drawn pixels per pixel of the picture along each axis: blocks of four give sufficiently smooth edges.
 BLOCK = 2
 # Grey level (code) of every colour. A random search found 149 sets of codes that keep the 89 mixtures distinct. This
@@ -83,6 +70,12 @@ class Palette:
     -----
     The default colours are distinguishable with red-green colour blindness and in greyscale: the lightnesses of the
     bench colours differ by at least a seventh of the scale.
+
+    Examples
+    --------
+    >>> from pymunk_dragon import Palette
+    >>> Palette(head="#d94801").rgb("head")
+    array([217.,  72.,   1.])
     """
 
     background: str = "#fbf8f1"

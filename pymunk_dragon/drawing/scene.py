@@ -6,17 +6,15 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
+from pymunk_dragon.collision import separation
 from pymunk_dragon.drawing.camera import Camera, View
-from pymunk_dragon.drawing.gaps import smallest_gap
 from pymunk_dragon.drawing.lettering import Lettering
-from pymunk_dragon.drawing.moments import Mark, Moment
 from pymunk_dragon.drawing.overlay import Overlay
 from pymunk_dragon.drawing.palette import BLOCK, CODES
+from pymunk_dragon.drawing.snapshots import Mark, Snapshot
 from pymunk_dragon.model.contact import Contact
 from pymunk_dragon.model.dragon import Dragon, outlines
 from pymunk_dragon.model.march import March
-
-__all__ = ["Scene", "hole_diameter"]
 
 Array = NDArray[np.float64]
 
@@ -74,6 +72,16 @@ class Scene:
     ----------
     size : tuple of int
         As given.
+
+    Examples
+    --------
+    >>> from pymunk_dragon import Camera, Dragon, March, Scene
+    >>> from pymunk_dragon.drawing import Snapshot
+    >>> march = March(Dragon(benches=16))
+    >>> scene = Scene(march, Camera(), centre=(0.0, 0.0), span=24.0, size=(320, 320))
+    >>> picture = scene.draw(Snapshot(time=60.0, poses=march.at(60.0).poses[0]))
+    >>> picture.mode, picture.size
+    ('L', (320, 320))
     """
 
     def __init__(
@@ -104,14 +112,14 @@ class Scene:
         self._fixed_view = View(centre, self._scale, self._drawn_size)
         self._background = self._draw_background(self._fixed_view) if camera.follow == "field" else None
 
-    def draw(self, moment: Moment) -> Image.Image:
-        """Draw a moment (mode L, palette indices)."""
-        touching = self.contact if self.contact and moment.time >= self.contact.time else None
-        view = self.view(moment.poses)
+    def draw(self, snapshot: Snapshot) -> Image.Image:
+        """Draw a snapshot (mode L, palette indices)."""
+        touching = self.contact if self.contact and snapshot.time >= self.contact.time else None
+        view = self.view(snapshot.poses)
         image = self._background.copy() if self._background else self._draw_background(view)
-        self._draw_benches(image, view, moment.poses, touching)
-        picture = self._overlay.over(image.reduce(BLOCK), view, moment)
-        self._write_text(picture, moment, touching)
+        self._draw_benches(image, view, snapshot.poses, touching)
+        picture = self._overlay.over(image.reduce(BLOCK), view, snapshot)
+        self._write_text(picture, snapshot, touching)
         return picture
 
     def view(self, poses: Array) -> View:
@@ -166,18 +174,18 @@ class Scene:
             radius = RING_RADIUS * BLOCK
             draw.ellipse((x - radius, y - radius, x + radius, y + radius), outline=ink, width=BLOCK)
 
-    def _write_text(self, picture: Image.Image, moment: Moment, touching: Contact | None) -> None:
+    def _write_text(self, picture: Image.Image, snapshot: Snapshot, touching: Contact | None) -> None:
         left = right = ""
         if touching:
             # Short, to fit into a corner beside the spiral.
             left = "bench {} hits {}".format(*touching.benches)
-        elif self.gap and (nearest := smallest_gap(self.march.dragon, moment.poses)):
+        elif self.gap and (nearest := smallest_gap(self.march.dragon, snapshot.poses)):
             bench, gap = nearest
             left = f"gap {_length(gap)} to bench {bench}"
-        if moment.impulses is not None:
-            right = f"joints up to {_impulse(float(moment.impulses.max()))} N s"
+        if snapshot.impulses is not None:
+            right = f"joints up to {_impulse(float(snapshot.impulses.max()))} N s"
         self._text.put(
-            picture, f"t = {moment.time:.2f} s", f"{float(self.march.speed_profile.at(moment.time)):.2f} m/s"
+            picture, f"t = {snapshot.time:.2f} s", f"{float(self.march.speed_profile.at(snapshot.time)):.2f} m/s"
         )
         self._text.put(picture, left, right, bottom=True)
 
@@ -185,6 +193,38 @@ class Scene:
 def hole_diameter(dragon: Dragon) -> float:
     """Return the diameter of a dragon's holes in pictures, m."""
     return min(HOLE_DIAMETER, MAX_HOLE_FRACTION * float(np.minimum(dragon.widths, 2 * dragon.overhangs).min()))
+
+
+def smallest_gap(dragon: Dragon, poses: Array) -> tuple[int, float] | None:
+    """Return the bench closest to the head bench, its neighbour excluded, and the gap in m.
+
+    Parameters
+    ----------
+    dragon : Dragon
+        Sizes of the benches.
+    poses : ndarray, shape (N, 3)
+        Poses of the benches: centres in m, angles in rad.
+
+    Returns
+    -------
+    tuple of int and float, or None
+        Number of the bench, and the gap in m, which is 0 if the benches overlap. None if the dragon has fewer than 3
+        benches.
+
+    Examples
+    --------
+    >>> from pymunk_dragon import March
+    >>> march = March()
+    >>> bench, gap = smallest_gap(march.dragon, march.at(409.8).poses[0])
+    >>> bench, round(1000 * gap, 2)
+    (11, 0.87)
+    """
+    if dragon.benches < 3:
+        return None
+    corners = dragon.outlines(poses)
+    gaps = separation(corners[0], corners[2:]).distance
+    nearest = int(np.argmin(gaps))
+    return nearest + 2, max(0.0, float(gaps[nearest]))
 
 
 def _length(gap: float) -> str:

@@ -1,9 +1,10 @@
 """Time and memory of a film, beside the usual ways to make one: `python tests/bench/bench_film.py`.
 
-The film is 300 frames of 640 x 640 of the seed's 223 benches. Each way runs in a process of its own, in turns, and the
-medians over the rounds are printed: the time from the first frame to the closed file, imports not counted, and the
-peak memory of the process and of its largest child, interpreters and imports included. All ways draw the same polygons
-with their outlines, the spiral and the clock; matplotlib has its own anti-aliasing, the others the project's.
+The film has 300 frames of 640 x 640 pixels of the reference scenario with 223 benches. Each way runs in a process of
+its own, in turns, and the medians over the rounds are printed: the time from the first frame to the closed file without
+imports, and the peak memory of the process and of its largest child, with interpreters and imports. All ways draw the
+same polygons with their outlines, the spiral and the clock; matplotlib has its own anti-aliasing, the others have the
+project's.
 """
 
 from __future__ import annotations
@@ -21,10 +22,11 @@ from statistics import median
 
 import numpy as np
 from measure import arguments, sized
+from numpy.typing import NDArray
 
 from pymunk_dragon.drawing import Film, write_film
-from pymunk_dragon.drawing.moments import moments
-from pymunk_dragon.drawing.output import make_canvas
+from pymunk_dragon.drawing.film.layout import Canvas, lay_out
+from pymunk_dragon.drawing.snapshots import sample, snapshots
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 
@@ -49,14 +51,18 @@ def ours(ending: str, workers: int) -> Callable[[Run, Film, Path], None]:
     return write
 
 
+def canvas_of(source: Run | March, film: Film, times: NDArray[np.float64]) -> Canvas:
+    return lay_out([sample(source, times, film.show, extent=film.camera.follow == "field")], film)
+
+
 def imageio_rgb(run: Run, film: Film, folder: Path) -> None:
     """The default of imageio: a stack of RGB frames, drawn as ours are."""
     import imageio.v3 as iio
 
     times = film.times([run])
-    canvas = make_canvas([run], film, times)
+    canvas = canvas_of(run, film, times)
     table = film.palette.table
-    stack = np.stack([table[np.asarray(canvas.draw([moment]))] for moment in moments(run, times)])
+    stack = np.stack([table[np.asarray(canvas.draw([snapshot]))] for snapshot in snapshots(run, times)])
     iio.imwrite(folder / "film.gif", stack, duration=1000 / FPS, loop=0)
 
 

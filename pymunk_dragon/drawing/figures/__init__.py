@@ -12,16 +12,22 @@ from PIL import Image
 
 from pymunk_dragon._checks import word
 from pymunk_dragon._files import check_destination, written_in_place
-from pymunk_dragon.drawing.figures.charts import gap, speeds
-from pymunk_dragon.drawing.figures.engine import drift, impulses
+from pymunk_dragon.drawing.figures.charts import drift, gap, impulses, speeds
 from pymunk_dragon.drawing.figures.grid_partition import grid
-from pymunk_dragon.drawing.figures.plan_views import spiral, trajectories, velocities
-from pymunk_dragon.drawing.figures.stills import Still, collision, inward, outer_loop
+from pymunk_dragon.drawing.figures.plan_views import (
+    Still,
+    collision,
+    inward,
+    outer_loop,
+    spiral,
+    trajectories,
+    velocities,
+)
 from pymunk_dragon.drawing.figures.study_figures import study_figure
 from pymunk_dragon.drawing.figures.style import styled
 from pymunk_dragon.drawing.figures.times import TimeInterval, model, time_interval
-from pymunk_dragon.drawing.moments import Source
-from pymunk_dragon.drawing.output import STILL_ENDINGS, write_still
+from pymunk_dragon.drawing.film.stills import STILL_ENDINGS, write_still
+from pymunk_dragon.drawing.snapshots import Source
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
@@ -39,7 +45,7 @@ PNG_COLOURS = 256
 
 @dataclass(frozen=True, kw_only=True)
 class Kind:
-    """Entry in the table of figures; exactly one of `of_march`, `of_run` and `still` is given.
+    """Kind of figure; exactly one of `of_march`, `of_run` and `still` is given.
 
     Attributes
     ----------
@@ -51,6 +57,12 @@ class Kind:
         Function that returns the run and the film parameters of a picture of the dragon.
     default : callable
         Function that returns the march to draw if no source is given.
+
+    Examples
+    --------
+    >>> from pymunk_dragon.drawing.figures import FIGURES
+    >>> FIGURES["drift"].needs_run, FIGURES["collision"].endings
+    (True, ('.png',))
     """
 
     shows: str
@@ -77,7 +89,7 @@ FIGURES: Mapping[str, Kind] = {
     "inward": Kind(shows="16 benches as they close a full loop (figure 4)", still=inward, default=model),
     "collision": Kind(shows="16 benches at their first contact (figure 5)", still=collision, default=model),
     "grid": Kind(shows="which benches are filed in which cells (figure 6)", of_march=grid, default=model),
-    "trajectories": Kind(shows="the ways of seven handles (figure 7)", of_march=trajectories),
+    "trajectories": Kind(shows="the trajectories of seven handles (figure 7)", of_march=trajectories),
     "velocities": Kind(shows="the velocities of seven handles (figure 8)", of_march=velocities),
     "gap": Kind(shows="how near the head comes to the benches that it passes", of_march=gap),
     "speeds": Kind(shows="speed along the dragon at several times", of_march=speeds),
@@ -97,6 +109,11 @@ def figure(name: str, source: Source | None = None) -> Figure:
         March to draw, or run whose march is drawn; by default the paper's march. The figures "drift" and "impulses"
         require a run of the engine.
 
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Figure in SI units.
+
     Raises
     ------
     ParameterError
@@ -105,6 +122,13 @@ def figure(name: str, source: Source | None = None) -> Figure:
         If the march's dragon does not fit on its curve at the start.
     MissingExtraError
         If matplotlib is not installed.
+
+    Examples
+    --------
+    >>> from pymunk_dragon import Dragon, March
+    >>> from pymunk_dragon.drawing.figures import figure
+    >>> figure("speeds", March(Dragon(benches=16), turns=8)).axes[0].get_xlabel()
+    'handle, from the head to the tail'
     """
     kind = _kind(name)
     if kind.still is not None:
@@ -121,6 +145,12 @@ def answer_figure(found: object) -> Figure:
         If `found` is not the result of a study.
     MissingExtraError
         If matplotlib is not installed.
+
+    Examples
+    --------
+    >>> from pymunk_dragon.drawing.figures import answer_figure
+    >>> from pymunk_dragon.studies import min_pitch
+    >>> answer_figure(min_pitch())  # doctest: +SKIP
     """
     return _styled_figure(lambda: study_figure(found))
 
@@ -143,6 +173,11 @@ def write_figure(name: str, path: str | Path, source: Source | None = None) -> N
         As in `figure`.
     OutputError
         If writing fails.
+
+    Examples
+    --------
+    >>> from pymunk_dragon.drawing.figures import write_figure
+    >>> write_figure("spiral", "spiral.svg")  # doctest: +SKIP
     """
     kind = _kind(name)
     destination = check_destination(path, kind.endings)
@@ -164,6 +199,12 @@ def write_answer(found: object, path: str | Path) -> None:
         If matplotlib is not installed.
     OutputError
         If writing fails.
+
+    Examples
+    --------
+    >>> from pymunk_dragon.drawing.figures import write_answer
+    >>> from pymunk_dragon.studies import min_pitch
+    >>> write_answer(min_pitch(), "min_pitch.svg")  # doctest: +SKIP
     """
     _write(lambda: study_figure(found), check_destination(path, FIGURE_ENDINGS))
 

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pymunk_dragon.collision import Grid
+from pymunk_dragon.drawing.figures.lines import label
 from pymunk_dragon.drawing.figures.style import (
     CANDIDATE,
     COLOURS,
@@ -26,7 +27,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["grid"]
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -81,9 +81,19 @@ def grid(march: March, interval: TimeInterval) -> Figure:
                 across, up, str(bench), color=style["color"], ha="center", va="center", zorder=5, path_effects=halo()
             )
     if hollow:
-        _shade_key(axes)
+        # At the centre of the spiral, which has no benches.
+        left_edge, top_edge = (x[0] + x[-1]) / 2 - KEY_STEP * (x[-1] - x[0]), (y[0] + y[-1]) / 2
+        points = [(left_edge, top_edge + (1 - row) * KEY_STEP * (y[0] - y[-1])) for row in range(len(SHADES))]
     else:
-        _shade_line(figure)
+        # Below the grid.
+        axes = panel(figure, 0.75, 0.2, 6.95, 0.4)
+        axes.set_axis_off()
+        axes.set_xlim(0, len(SHADES))
+        axes.set_ylim(-1, 1)
+        points = [(column + 0.1, 0.0) for column in range(len(SHADES))]
+    for (across, up), (shade, text) in zip(points, SHADES, strict=True):
+        axes.plot(across, up, "s", color=shade, ms=17, mec=RULE)
+        label(axes, across, up, text, (14, 0), va="center_baseline", border=WIDE_HALO if hollow else 0.0)
     return figure
 
 
@@ -123,26 +133,3 @@ def _indices(axes: Axes, x: Array, y: Array, top: int, left: int) -> float:
     axes.set_xlabel("column j →")
     axes.set_ylabel("← row i")
     return scale
-
-
-def _shade_key(axes: Axes) -> None:
-    """Draw the key of the cells' colours at the centre of the spiral."""
-    (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
-    x, middle = (left + right) / 2 - KEY_STEP * (right - left), (bottom + top) / 2
-    for row, (shade, text) in enumerate(SHADES):
-        y = middle + (1 - row) * KEY_STEP * (top - bottom)
-        axes.plot(x, y, "s", color=shade, ms=17, mec=RULE)
-        axes.annotate(
-            text, (x, y), (14, 0), textcoords="offset points", va="center_baseline", path_effects=halo(WIDE_HALO)
-        )
-
-
-def _shade_line(figure: Figure) -> None:
-    """Draw the key of the cells' colours below the grid, for curves without free space at their centre."""
-    axes = panel(figure, 0.75, 0.2, 6.95, 0.4)
-    axes.set_axis_off()
-    axes.set_xlim(0, len(SHADES))
-    axes.set_ylim(-1, 1)
-    for column, (shade, text) in enumerate(SHADES):
-        axes.plot(column + 0.1, 0, "s", color=shade, ms=17, mec=RULE)
-        axes.annotate(text, (column + 0.1, 0), (14, 0), textcoords="offset points", va="center_baseline")

@@ -12,18 +12,8 @@ from pymunk_dragon.drawing.figures.style import COLOURS, RULE, WIDE_HALO, blend,
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.text import Annotation
 
-__all__ = [
-    "FIRST_COLOUR",
-    "NAME_OFFSET",
-    "bundle",
-    "label",
-    "logarithmic",
-    "name",
-    "several_times",
-    "spread",
-    "time_name",
-]
 
 Array = NDArray[np.float64]
 
@@ -74,13 +64,14 @@ def bundle(axes: Axes, values: Array, gid: str) -> list[Any]:
     return lines
 
 
-def name(axes: Axes, lines: Sequence[Any], times: Array, at: int, offset: float, **options: Any) -> None:
+def name(axes: Axes, lines: Sequence[Any], times: Array, at: int, offset: float, ha: str = "left") -> None:
     """Label the lines with their times at their points `at`, without overlaps."""
     to_pixels = axes.transData
     points = to_pixels.transform([line.get_xydata()[at] for line in lines])
     points[:, 1] = spread(points[:, 1].tolist(), LINE_HEIGHT / 72 * axes.figure.dpi)
     for (x, y), time in zip(to_pixels.inverted().transform(points).tolist(), times.tolist(), strict=True):
-        label(axes, x, y, time_name(time), (offset, 0), va="center_baseline", annotation_clip=False, **options)
+        note = label(axes, x, y, time_name(time), (offset, 0), ha=ha, va="center_baseline")
+        note.set_annotation_clip(False)
 
 
 def spread(positions: Sequence[float], spacing: float) -> list[float]:
@@ -107,6 +98,30 @@ def time_name(time: float) -> str:
     return f"{time:.2f}".rstrip("0").rstrip(".") + " s"
 
 
-def label(axes: Axes, x: float, y: float, text: str, offset: tuple[float, float], **options: Any) -> None:
-    """Write text beside a point, with a halo that keeps it readable on lines."""
-    axes.annotate(text, (x, y), offset, textcoords="offset points", path_effects=halo(WIDE_HALO), **options)
+def label(
+    axes: Axes,
+    x: float,
+    y: float,
+    text: str,
+    offset: tuple[float, float],
+    ha: str = "left",
+    va: str = "baseline",
+    *,
+    color: str = COLOURS.ink,
+    zorder: float = 3.0,
+    size: float | None = None,
+    border: float = WIDE_HALO,
+) -> Annotation:
+    """Write text beside a point, at an offset in points, with a `border` that keeps it readable on lines."""
+    return axes.annotate(
+        text,
+        (x, y),
+        offset,
+        textcoords="offset points",
+        ha=ha,
+        va=va,
+        color=color,
+        zorder=zorder,
+        size=size,
+        path_effects=halo(border) if border else None,
+    )

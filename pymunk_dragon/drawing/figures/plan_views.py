@@ -1,15 +1,18 @@
-"""Figures that are seen from above: the spiral, the trajectories and the velocities of handles."""
+"""Figures seen from above: the spiral, trajectories and velocities of handles, and pictures of the dragon."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pymunk_dragon.drawing.figures.lines import label
 from pymunk_dragon.drawing.figures.style import (
     BLUE,
     COLOURS,
+    HALO,
     QUIET,
     RULE,
     WIDE_HALO,
@@ -17,18 +20,27 @@ from pymunk_dragon.drawing.figures.style import (
     page,
     panel,
 )
-from pymunk_dragon.drawing.figures.times import TimeInterval, contact_or_end, describe, last_regular_time, spirals_in
+from pymunk_dragon.drawing.figures.times import (
+    TimeInterval,
+    closing_time,
+    contact_or_end,
+    describe,
+    last_regular_time,
+    spirals_in,
+)
+from pymunk_dragon.drawing.film.settings import Film
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.model.curves import Spiral
 from pymunk_dragon.model.march import March
+from pymunk_dragon.model.run import Run
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["spiral", "trajectories", "velocities"]
 
 Array = NDArray[np.float64]
+# A run of one frame, and the parameters of its picture.
+Still = tuple[Run, Film]
 
 # Points of a path: about 150 on each turn of the reference scenario, enough to appear round.
 PATH_POINTS = 2400
@@ -52,24 +64,25 @@ LABEL_FRACTION = 0.3
 SCALE_BARS = (1.0, 2.0, 5.0)
 # Ratio of the view to the extent of the points: leaves space for dots at the border.
 MARGIN = 1.08
+# Pixels: size of pictures of the dragon, twice the width at which two or three fit side by side.
+STILL_SIZE = 880
 # m: centre of a spiral.
 ORIGIN = np.zeros(2)
 
 
 def spiral(march: March, interval: TimeInterval) -> Figure:
     """Draw the spiral that handle 0 follows (the paper's figure 2)."""
-    curve = march.curve
-    if not isinstance(curve, Spiral) or curve.outward:
+    curve, turns = march.curve, march.curve.turns(march.head_start)
+    if not curve.inward or turns is None:
         raise ParameterError("curve", type(curve).__name__, "a Spiral inward, for this figure")
     hit = contact_or_end(march, interval)
     step = MINUTE * max(1.0, np.ceil(hit.time / MINUTE / MAX_DOTS))
-    turns = float(curve.angle(march.head_start)) / (2 * np.pi)
     length, gone = curve.end_s - march.head_start, float(march.distance(hit.time))
     figure = page(
         8.0,
         8.6,
         f"Handle 0 has {length:.1f} m of spiral ahead of it, and gets {gone:.1f} m far",
-        f"{turns:.4g} turns inward and {_rotation(march)}, {curve.pitch:g} m apart; a dot every {step:g} s",
+        f"{turns:.4g} turns inward and {_rotation(march)}, {curve.turn_width:g} m apart; a dot every {step:g} s",
     )
     axes = panel(figure, 0.8, 0.65, 6.9, 6.9)
     axes.plot(*_path_from_start(march, gone, length).T, color=QUIET, lw=1.0, ls=(0, (3, 2)), gid="ahead")
@@ -78,7 +91,7 @@ def spiral(march: March, interval: TimeInterval) -> Figure:
     dots = march.curve.point(march.head_start + march.distance(minutes))
     axes.plot(*dots.T, "o", color=COLOURS.ink, ms=5, gid="minutes")
     for time, dot in zip(minutes, dots, strict=True):
-        _label_dot(axes, dot, f"{time:g} s")
+        label(axes, dot[0], dot[1], f"{time:g} s", (6, 0), va="center_baseline", size=10.5, border=HALO)
     last = march.curve.point(march.head_start + gone)
     axes.plot(*last, "o", color=COLOURS.contact, ms=7, gid="last")
     # Near the centre, which the spiral leaves free.
@@ -160,6 +173,29 @@ def velocities(march: March, interval: TimeInterval) -> Figure:
     return figure
 
 
+def outer_loop(march: March, interval: TimeInterval) -> Still:
+    """Return the picture of the dragon on the outer loop, at its start."""
+    return _still(march, interval[0], "on the outer loop" if spirals_in(march) else "at the start")
+
+
+def inward(march: March, interval: TimeInterval) -> Still:
+    """Return the picture of the dragon on the inward spiral, as it closes a full loop."""
+    time = closing_time(march, interval[0], contact_or_end(march, interval).time)
+    return _still(march, time, "moving inward" if spirals_in(march) else "on their way")
+
+
+def collision(march: March, interval: TimeInterval) -> Still:
+    """Return the picture of the dragon at its first contact."""
+    hit = contact_or_end(march, interval, touching=True)
+    run, film = _still(march, hit.time, "at the first contact")
+    return replace(run, first_contact=hit.contact, outcome="contact"), film
+
+
+def _still(march: March, time: float, where: str) -> Still:
+    """Return the picture at `time`, s, with a title that says where the dragon is."""
+    return Run.exact(march, [time]), Film(size=STILL_SIZE, title=f"{march.dragon.benches} benches {where}")
+
+
 def _path_from_start(march: March, begin: float, end: float) -> Array:
     """Return points (P, 2), m, of the curve from `begin` to `end`, m from the start of handle 0."""
     return _path(march, march.head_start + begin, march.head_start + end, PATH_POINTS)
@@ -171,8 +207,8 @@ def _path(march: March, first: float, last: float, points: int) -> Array:
 
 
 def _rotation(march: March) -> str:
-    """Return the direction of rotation of the inward motion on a spiral."""
-    return "counter-clockwise" if isinstance(march.curve, Spiral) and march.curve.mirrored else "clockwise"
+    """Return the direction of rotation of handle 0 at its start."""
+    return "counter-clockwise" if march.curve.curvature(march.head_start) > 0 else "clockwise"
 
 
 def _extent(march: March, points: Array) -> tuple[Array, float]:
@@ -197,14 +233,6 @@ def _set_limits(axes: Axes, centre: Array, reach: float, border: float) -> None:
         axis.set_label_text(name)
 
 
-def _label_dot(axes: Axes, position: Array, text: str) -> None:
-    """Write text at the right of a dot, readable on lines."""
-    x, y = position.tolist()
-    axes.annotate(
-        text, (x, y), (6, 0), textcoords="offset points", va="center_baseline", size=10.5, path_effects=halo()
-    )
-
-
 def _label_without_overlap(
     axes: Axes, position: Array, centre: Array, text: str, taken: Array, boxes: list[Any]
 ) -> Any:
@@ -217,16 +245,8 @@ def _label_without_overlap(
     aside = np.array([-outward[1], outward[0]])
     directions = [direction.tolist() for direction in (outward, -outward, aside, -aside)]
     for right, up in directions:
-        note = axes.annotate(
-            text,
-            (x, y),
-            (7 * right, 7 * up),
-            textcoords="offset points",
-            ha="left" if right > 0 else "right",
-            va="bottom" if up > 0 else "top",
-            zorder=5,
-            path_effects=halo(),
-        )
+        sides = "left" if right > 0 else "right", "bottom" if up > 0 else "top"
+        note = label(axes, x, y, text, (7 * right, 7 * up), *sides, zorder=5, border=HALO)
         box = note.get_window_extent()
         if not any(box.contains(*point) for point in taken) and not any(box.overlaps(other) for other in boxes):
             break

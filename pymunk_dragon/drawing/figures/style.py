@@ -7,6 +7,7 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cache
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,24 +21,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = [
-    "AMBER",
-    "BLUE",
-    "CANDIDATE",
-    "COLOURS",
-    "DPI",
-    "FAINT",
-    "QUIET",
-    "RULE",
-    "SHARED",
-    "WIDE_HALO",
-    "blend",
-    "chart",
-    "halo",
-    "page",
-    "panel",
-    "styled",
-]
 
 # Colours of the films.
 COLOURS = Palette()
@@ -57,6 +40,8 @@ SHARED = "#d3dfe8"
 CANDIDATE = "#efb037"
 # Pixels per inch: a page of 8 inches has 1600 pixels, twice the 800 at which it is displayed.
 DPI = 200
+# Pixels per inch of a figure in a notebook: the default of notebooks.
+NOTEBOOK_DPI = 100
 # Inches from a page's edges to its text.
 MARGIN = 0.3
 # Inches from a page's top to the baseline of the title.
@@ -138,11 +123,23 @@ def _register_font() -> str:
     return str(font.getname()[0])
 
 
+@cache
+def _figure_type() -> type[Figure]:
+    """Return the class of matplotlib figures that notebooks display without pyplot."""
+    from matplotlib.figure import Figure
+
+    class NotebookFigure(Figure):
+        def _repr_png_(self) -> bytes:
+            file = BytesIO()
+            self.savefig(file, format="png", dpi=NOTEBOOK_DPI)
+            return file.getvalue()
+
+    return NotebookFigure
+
+
 def page(width: float, height: float, title: str, subtitle: str = "") -> Figure:
     """Create a page with a title and a subtitle in its upper left corner; sizes in inches."""
-    from pymunk_dragon.drawing.figures.notebook_figure import NotebookFigure
-
-    figure = NotebookFigure(figsize=(width, height), dpi=DPI)
+    figure = _figure_type()(figsize=(width, height), dpi=DPI)
     x = MARGIN / width
     figure.text(x, 1 - TITLE_DEPTH / height, title, size=TITLE_SIZE)
     figure.text(x, 1 - SUBTITLE_DEPTH / height, subtitle, color=QUIET)
@@ -151,15 +148,15 @@ def page(width: float, height: float, title: str, subtitle: str = "") -> Figure:
 
 def chart(width: float, height: float) -> Figure:
     """Create an empty figure with matplotlib's constrained layout; sizes in inches."""
-    from pymunk_dragon.drawing.figures.notebook_figure import NotebookFigure
-
-    return NotebookFigure(figsize=(width, height), dpi=DPI, layout="constrained")
+    return _figure_type()(figsize=(width, height), dpi=DPI, layout="constrained")
 
 
-def panel(figure: Figure, left: float, bottom: float, width: float, height: float, **options: Any) -> Axes:
+def panel(
+    figure: Figure, left: float, bottom: float, width: float, height: float, *, sharey: Axes | None = None
+) -> Axes:
     """Add axes to a page; position and size in inches from the page's lower left corner."""
     across, up = figure.get_size_inches()
-    axes: Axes = figure.add_axes((left / across, bottom / up, width / across, height / up), **options)
+    axes: Axes = figure.add_axes((left / across, bottom / up, width / across, height / up), sharey=sharey)
     return axes
 
 

@@ -5,23 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from pymunk_dragon.collision import FirstContact, first_contact
-from pymunk_dragon.drawing.moments import Source
+from pymunk_dragon.drawing.snapshots import Source
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.model.curves import Spiral
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
-
-__all__ = [
-    "TimeInterval",
-    "closing_time",
-    "contact_or_end",
-    "describe",
-    "last_regular_time",
-    "model",
-    "spirals_in",
-    "time_interval",
-]
 
 # Begin and end of a time interval, s; None is the end of the curve.
 TimeInterval = tuple[float, float | None]
@@ -39,8 +27,8 @@ def model() -> March:
 
 
 def spirals_in(march: March) -> bool:
-    """Return whether a march follows a spiral inward, as the paper's does."""
-    return isinstance(march.curve, Spiral) and not march.curve.outward
+    """Return whether a march goes inward around the origin, as on the paper's spiral."""
+    return march.curve.inward
 
 
 def time_interval(source: Source) -> TimeInterval:

@@ -7,7 +7,7 @@ from typing import Any
 
 from pymunk_dragon._extras import library, optional_imports
 from pymunk_dragon._html import asset, data_address, filled, policy
-from pymunk_dragon.drawing.decode import last_frame, picture_size
+from pymunk_dragon.drawing.film.stills import last_frame, picture_size
 from pymunk_dragon.lessons._framework.notebook import make_notebook
 from pymunk_dragon.lessons._framework.play import Recording
 from pymunk_dragon.lessons._framework.translations import LANGUAGES, PARTS, heading, unbroken, with_code

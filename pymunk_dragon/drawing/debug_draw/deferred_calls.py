@@ -7,8 +7,6 @@ import threading
 from collections.abc import Callable, Sequence
 from typing import Any
 
-__all__ = ["DeferredCalls"]
-
 # Type of `sys.unraisablehook`.
 Hook = Callable[[Any], Any]
 

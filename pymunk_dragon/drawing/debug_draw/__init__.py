@@ -13,9 +13,9 @@ from PIL import Image
 from pymunk.space_debug_draw_options import SpaceDebugColor
 
 from pymunk_dragon._checks import finite
-from pymunk_dragon.drawing.compositing import EDGE_INSET, composite
-from pymunk_dragon.drawing.convex import Point, offset_polygon, within
-from pymunk_dragon.drawing.deferred_calls import DeferredCalls
+from pymunk_dragon.drawing.debug_draw.compositing import EDGE_INSET, composite
+from pymunk_dragon.drawing.debug_draw.convex import Point, offset_polygon, within
+from pymunk_dragon.drawing.debug_draw.deferred_calls import DeferredCalls
 from pymunk_dragon.errors import ParameterError
 
 __all__ = ["PillowDrawOptions"]

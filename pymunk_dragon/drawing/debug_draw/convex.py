@@ -10,8 +10,6 @@ import math
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
-__all__ = ["MAX_REACH", "Box", "Point", "clipped", "covers", "offset_polygon", "within"]
-
 # x and y, pixels.
 Point = tuple[float, float]
 # Left, top, right, bottom, pixels.

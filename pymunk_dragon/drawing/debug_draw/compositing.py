@@ -7,9 +7,7 @@ from collections.abc import Iterator, Sequence
 
 from PIL import Image, ImageDraw
 
-from pymunk_dragon.drawing.convex import Box, Point, clipped, covers
-
-__all__ = ["EDGE_INSET", "composite"]
+from pymunk_dragon.drawing.debug_draw.convex import Box, Point, clipped, covers
 
 # Samples per pixel along each axis: 4 x 4 samples give 17 levels of coverage.
 OVERSAMPLING = 4

@@ -1,27 +1,31 @@
-"""Canvas of a film frame: one scene or several side by side, a title above and a caption below."""
+"""Layout of a film's frames: one scene or several side by side, a title above and a caption below."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
 
+import numpy as np
 from PIL import Image
 
+from pymunk_dragon.drawing.camera import HEAD_SPAN
+from pymunk_dragon.drawing.film.settings import Film
 from pymunk_dragon.drawing.lettering import Lettering
-from pymunk_dragon.drawing.moments import Moment
 from pymunk_dragon.drawing.palette import CODES
 from pymunk_dragon.drawing.scene import Scene
-
-__all__ = ["Canvas"]
+from pymunk_dragon.drawing.snapshots import Clip, Snapshot
+from pymunk_dragon.errors import ParameterError
 
 # Ratio of the title's type size to that of the other text.
 TITLE_SCALE = 1.25
 # Pixels between two scenes: just enough for a visible line.
 GUTTER = 2
+# Free border on each side of the field of view, as a fraction of its size.
+FIELD_BORDER = 0.03
 
 
 class Canvas:
-    """Frame layout that draws several scenes as one picture.
+    """Surface on which the scenes of a frame are drawn, with the texts around them.
 
     Parameters
     ----------
@@ -86,12 +90,48 @@ class Canvas:
         for image, left, upper in lines:
             self._frame.paste(image, (left, upper))
 
-    def draw(self, moments: Sequence[Moment]) -> Image.Image:
-        """Draw one frame (mode L, palette indices), given a moment for each scene."""
-        pictures = [scene.draw(moment) for scene, moment in zip(self.scenes, moments, strict=True)]
+    def draw(self, snapshots: Sequence[Snapshot]) -> Image.Image:
+        """Draw one frame (mode L, palette indices), given a snapshot for each scene."""
+        pictures = [scene.draw(snapshot) for scene, snapshot in zip(self.scenes, snapshots, strict=True)]
         if pictures[0].size == self.size:
             return pictures[0]
         frame = self._frame.copy()
         for i, picture in enumerate(pictures):
             frame.paste(picture, (i * (picture.width + GUTTER), self._top))
         return frame
+
+
+def lay_out(clips: Sequence[Clip], film: Film) -> Canvas:
+    """Create the canvas of a film of `clips`. All scenes have one scale, because pictures side by side are compared.
+
+    Raises
+    ------
+    ParameterError
+        If the number of headings is wrong, or the font cannot be used.
+    """
+    headings = film.headings or (tuple(clip.model for clip in clips) if len(clips) > 1 else ())
+    if headings and len(headings) != len(clips):
+        raise ParameterError("headings", headings, f"one for each picture, so {len(clips)}")
+    centre, span = (0.0, 0.0), HEAD_SPAN * max(float(clip.march.dragon.widths[0]) for clip in clips)
+    extents = [clip.extent for clip in clips if clip.extent is not None]
+    if extents:
+        low, high = np.min(extents, axis=0)[0], np.max(extents, axis=0)[1]
+        centre = (float(low[0] + high[0]) / 2, float(low[1] + high[1]) / 2)
+        width, height = film.shape
+        span = (1 + 2 * FIELD_BORDER) * float(max(high[0] - low[0], (high[1] - low[1]) * width / height))
+    scenes = [
+        Scene(
+            clip.march,
+            film.camera,
+            centre=centre,
+            span=film.camera.span or span,
+            size=film.shape,
+            times=clip.window,
+            contact=clip.contact,
+            gap=film.shows_gap,
+            marks=film.show,
+            largest_impulse=max(clip.largest_impulse for clip in clips),
+        )
+        for clip in clips
+    ]
+    return Canvas(scenes, headings, film.title, film.caption, film.font)

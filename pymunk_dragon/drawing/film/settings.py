@@ -1,24 +1,23 @@
-"""Parameters of a film: speed, size, time window, camera, marks and texts."""
+"""Parameters of a film, and the times of its frames."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pymunk_dragon._checks import finite, positive, whole
 from pymunk_dragon.drawing.camera import Camera
-from pymunk_dragon.drawing.moments import Mark, Source, window
 from pymunk_dragon.drawing.palette import Palette
+from pymunk_dragon.drawing.snapshots import Mark, Source
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
-
-__all__ = ["Film", "shared_window"]
 
 Array = NDArray[np.float64]
 
@@ -38,6 +37,11 @@ MAX_SPEEDUP = 1e6
 MAX_HOLD = 60.0
 # Characters of a title or a caption: a few lines.
 MAX_TEXT = 500
+# Pictures side by side: more would be too small to see.
+MAX_PANELS = 4
+# Default view and colours.
+FIXED_CAMERA = Camera()
+COLOURS = Palette()
 # Frames: a remainder of the window below this is rounding error and gets no frame of its own.
 ROUNDING = 1e-6
 
@@ -87,6 +91,14 @@ class Film:
     -----
     With the defaults, the film of the reference scenario's whole run lasts 21 s and is smaller than 3 MB. It has about
     200 frames; a frame with 223 moving benches takes 14 kB.
+
+    Examples
+    --------
+    >>> from pymunk_dragon import March
+    >>> from pymunk_dragon.drawing import Film
+    >>> film = Film(fps=10, speedup=20, until=8)
+    >>> film.times([March()])
+    array([0., 2., 4., 6., 8.])
     """
 
     fps: int = 10
@@ -95,8 +107,8 @@ class Film:
     start: float | None = None
     until: float | None = None
     hold: float = 1.0
-    camera: Camera = field(default_factory=Camera)
-    palette: Palette = field(default_factory=Palette)
+    camera: Camera = FIXED_CAMERA
+    palette: Palette = COLOURS
     gap: bool | None = None
     show: tuple[Mark, ...] = ()
     title: str = ""
@@ -182,6 +194,22 @@ class Film:
 
 def shared_window(sources: Sequence[Source]) -> tuple[float, float]:
     """Return the time interval, s, in which all sources can be shown; a run that has ended keeps its last frame."""
-    windows = [window(source) for source in sources]
-    marches = [end for source, (_, end) in zip(sources, windows, strict=True) if isinstance(source, March)]
-    return max(begin for begin, _ in windows), min([max(end for _, end in windows), *marches])
+    runs = [source.times for source in sources if isinstance(source, Run)]
+    marches = [source.end for source in sources if isinstance(source, March)]
+    begin = max((float(times[0]) for times in runs), default=-math.inf)
+    return begin, min(marches) if marches else max(float(times[-1]) for times in runs)
+
+
+def checked_sources(source: Any) -> tuple[Source, ...]:
+    """Return `source`, one run or march or a sequence of them, as a tuple.
+
+    Raises
+    ------
+    ParameterError
+        If `source` is anything else, or a sequence of more than 4.
+    """
+    sources = tuple(source) if isinstance(source, Sequence) else (source,)
+    if not all(isinstance(one, Run | March) for one in sources) or not 1 <= len(sources) <= MAX_PANELS:
+        kinds = [type(one).__name__ for one in sources] if sources and isinstance(source, Sequence) else source
+        raise ParameterError("source", kinds, f"a Run or a March, or a list of at most {MAX_PANELS} of them")
+    return sources

@@ -1,0 +1,124 @@
+"""Still pictures: of a run or march at one time, and the last frame of a film."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image, ImageSequence
+
+from pymunk_dragon._checks import finite
+from pymunk_dragon._files import check_destination, written_in_place
+from pymunk_dragon.drawing.film.layout import lay_out
+from pymunk_dragon.drawing.film.settings import Film, checked_sources, shared_window
+from pymunk_dragon.drawing.snapshots import Source, sample
+
+# All endings of still pictures, in lower case.
+STILL_ENDINGS = (".png",)
+
+
+def write_still(source: Source | Sequence[Source], time: float, path: str | Path, film: Film | None = None) -> None:
+    """Write the picture at one time as a PNG file.
+
+    Parameters
+    ----------
+    source, time, film
+        As in `still`.
+    path : path
+        File to write, .png. If writing is interrupted, an old file is kept and no incomplete file is left.
+
+    Raises
+    ------
+    ParameterError
+        As in `still`, or if the file cannot be created.
+    UnreachableError
+        As in `still`.
+    OutputError
+        If writing fails.
+
+    Examples
+    --------
+    >>> from pymunk_dragon import Dragon, March
+    >>> from pymunk_dragon.drawing import Film, write_still
+    >>> write_still(March(Dragon(benches=16)), 60.0, "march.png", Film(size=640))  # doctest: +SKIP
+    """
+    destination = check_destination(path, STILL_ENDINGS)
+    picture = still_png(source, time, film)
+    with written_in_place(destination) as draft:
+        draft.write_bytes(picture)
+
+
+def still_png(source: Source | Sequence[Source], time: float, film: Film | None = None) -> bytes:
+    r"""Return the content of the PNG file that `write_still` writes; parameters and errors as in `still`.
+
+    Examples
+    --------
+    >>> from pymunk_dragon import Dragon, March
+    >>> from pymunk_dragon.drawing import still_png
+    >>> still_png(March(Dragon(benches=16)), 60.0)[:6]
+    b'\x89PNG\r\n'
+    """
+    # Imported here because imageio loads slowly and films do not use it.
+    import imageio.v3 as iio
+
+    picture: bytes = iio.imwrite("<bytes>", still(source, time, film), extension=".png")
+    return picture
+
+
+def still(source: Source | Sequence[Source], time: float, film: Film | None = None) -> NDArray[np.uint8]:
+    """Draw the picture at one time.
+
+    Parameters
+    ----------
+    source : Run or March, or a sequence of them
+        Several sources are shown side by side.
+    time : float
+        Simulated time, s.
+    film : Film, optional
+        Size, camera, marks, texts and colours; the film's time window is ignored.
+
+    Returns
+    -------
+    ndarray of uint8, shape (height, width, 3)
+        Red, green and blue.
+
+    Raises
+    ------
+    ParameterError
+        If `time` is outside the run, or the run has no data for a mark.
+    UnreachableError
+        If the dragon of a march does not fit on its curve at `time`.
+
+    Examples
+    --------
+    >>> from pymunk_dragon import Dragon, March
+    >>> from pymunk_dragon.drawing import Film, still
+    >>> still(March(Dragon(benches=16)), 60.0, Film(size=(320, 240))).shape
+    (240, 320, 3)
+    """
+    film = film or Film()
+    sources = checked_sources(source)
+    finite("time", time, *shared_window(sources), "s")
+    times = np.array([time], dtype=float)
+    clips = [sample(one, times, film.show, extent=film.camera.follow == "field") for one in sources]
+    picture = lay_out(clips, film).draw([next(clip.snapshots) for clip in clips])
+    colours: NDArray[np.uint8] = film.palette.table[np.asarray(picture)]
+    return colours
+
+
+def picture_size(content: bytes) -> tuple[int, int]:
+    """Return width and height, pixels, of a picture or film from the content of its file."""
+    with Image.open(io.BytesIO(content)) as opened:
+        return opened.size
+
+
+def last_frame(content: bytes) -> bytes:
+    """Return the last frame of a film as PNG, from the content of the film's file."""
+    picture = io.BytesIO()
+    with Image.open(io.BytesIO(content)) as film:
+        *_, last = (frame.convert("RGB") for frame in ImageSequence.Iterator(film))
+        last.save(picture, format="PNG", optimize=True)
+    return picture.getvalue()

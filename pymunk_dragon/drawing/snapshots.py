@@ -1,0 +1,219 @@
+"""Samples a run or march at the times of a film: poses, velocities, impulses and contacts, as pictures need them."""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_right
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pymunk_dragon._checks import word
+from pymunk_dragon.errors import ParameterError
+from pymunk_dragon.model.contact import Contact
+from pymunk_dragon.model.march import March
+from pymunk_dragon.model.run import Run
+
+Array = NDArray[np.float64]
+Vector = tuple[float, float]
+# What a picture or film is drawn from.
+Source = Run | March
+# Names of the marks that can be drawn over a picture.
+Mark = Literal["contacts", "normals", "impulses", "velocities", "grid"]
+
+# Frames whose poses are computed at once: enough to amortise the cost of a call, few enough to limit memory.
+CHUNK_FRAMES = 32
+# Times at which the extent of a dragon is sampled.
+EXTENT_SAMPLES = 64
+# Substeps: a contact callback is shown if it is at most this much older than the frame. The last substep, and a margin
+# for rounding.
+RECENT_SUBSTEPS = 1.5
+
+
+@dataclass(frozen=True)
+class Touch:
+    """Contact of two benches: points in m, and the unit normal from the first bench to the second."""
+
+    points: tuple[Vector, ...]
+    normal: Vector
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """State of a dragon of N benches at one time.
+
+    Attributes
+    ----------
+    time : float
+        Simulated time, s.
+    poses : ndarray, shape (N, 3)
+        Centres in m and angles in rad.
+    velocities : ndarray, shape (N + 1, 2), or None
+        Velocities of the handles, m/s, if a mark needs them.
+    impulses : ndarray, shape (N - 1,), or None
+        Impulses in the joints, N s, if a mark needs them.
+    touches : tuple of Touch
+        Contacts of benches, if a mark needs them.
+
+    Examples
+    --------
+    >>> from pymunk_dragon import March
+    >>> from pymunk_dragon.drawing import Snapshot
+    >>> march = March()
+    >>> Snapshot(time=60.0, poses=march.at(60.0).poses[0]).poses.shape
+    (223, 3)
+    """
+
+    time: float
+    poses: Array
+    velocities: Array | None = None
+    impulses: Array | None = None
+    touches: tuple[Touch, ...] = ()
+
+
+@dataclass(frozen=True)
+class Clip:
+    """A run or march sampled at the F times of a film.
+
+    Attributes
+    ----------
+    march : March
+        March of the source.
+    model : str
+        Model that computed the source, with its options, as in "engine, rails".
+    contact : Contact or None
+        First contact of a run.
+    window : tuple of float
+        First and last time, s, of a run, or of the film of a march.
+    extent : ndarray, shape (2, 2), or None
+        Lower left and upper right corner, m, of the dragon's bounding box during the film, for a fixed camera.
+    largest_impulse : float
+        Largest joint impulse during the film, N s; 0 if the source has no impulses.
+    snapshots : iterator of Snapshot
+        The F snapshots, sampled while they are read.
+    """
+
+    march: March
+    model: str
+    contact: Contact | None
+    window: tuple[float, float]
+    extent: Array | None
+    largest_impulse: float
+    snapshots: Iterator[Snapshot]
+
+
+def sample(source: Source, times: Array, marks: tuple[Mark, ...] = (), *, extent: bool = False) -> Clip:
+    """Sample `source` at the `times` (F,), s, of a film that shows `marks`; compute the clip's extent if `extent`.
+
+    Raises
+    ------
+    ParameterError
+        If a mark is unknown, or `source` has no data for it.
+    """
+    _check_marks(source, marks)
+    run = source if isinstance(source, Run) else None
+    known = times if run is None else run.times
+    return Clip(
+        march=source.march if isinstance(source, Run) else source,
+        model=_model(run),
+        contact=run.first_contact if run else None,
+        window=(float(known[0]), float(known[-1])),
+        extent=_extent(source, np.linspace(times[0], times[-1], min(EXTENT_SAMPLES, len(times)))) if extent else None,
+        largest_impulse=_largest_impulse(run, times) if run else 0.0,
+        snapshots=snapshots(source, times, marks),
+    )
+
+
+def snapshots(source: Source, times: Array, marks: tuple[Mark, ...] = ()) -> Iterator[Snapshot]:
+    """Yield the snapshots at `times` (F,), s. Times outside a run are clipped to its first or last time."""
+    if isinstance(source, Run):
+        times = np.clip(times, source.times[0], source.times[-1])
+    contacts = _ContactTimeline(source) if isinstance(source, Run) and {"contacts", "normals"} & set(marks) else None
+    for begin in range(0, len(times), CHUNK_FRAMES):
+        for snapshot in _chunk(source, times[begin : begin + CHUNK_FRAMES], marks):
+            yield replace(snapshot, touches=contacts.at(snapshot.time)) if contacts else snapshot
+
+
+def _check_marks(source: Source, marks: tuple[Mark, ...]) -> None:
+    for mark in marks:
+        word("show", mark, get_args(Mark))
+        if mark == "impulses" and (isinstance(source, March) or source.joint_impulses is None):
+            raise ParameterError("show", mark, "left out: only runs of the engine have joint impulses")
+        if mark in ("contacts", "normals") and isinstance(source, March):
+            raise ParameterError("show", mark, "left out: a march has no contacts, a run does")
+
+
+def _extent(source: Source, times: Array) -> Array:
+    """Return the lower left and upper right corner (2, 2), m, of the dragon's bounding box over `times` (T,)."""
+    dragon = source.march.dragon if isinstance(source, Run) else source.dragon
+    corners = np.concatenate([dragon.outlines(snapshot.poses).reshape(-1, 2) for snapshot in snapshots(source, times)])
+    return np.array([corners.min(axis=0), corners.max(axis=0)])
+
+
+def _model(run: Run | None) -> str:
+    """Return the name of the model that computed a run, with its options; None is a march."""
+    if run is None or run.player == "exact":
+        return "exact model"
+    words = ["engine"]
+    if run.guide is not None:
+        words.append("no guide" if run.guide == "none" else run.guide)
+    if run.settings is not None and run.settings.contacts == "resolve":
+        words.append("contacts resolved")
+    return ", ".join(words)
+
+
+def _chunk(source: Source, times: Array, marks: tuple[Mark, ...]) -> Iterator[Snapshot]:
+    """Yield the snapshots at `times` (T,), without contacts."""
+    velocities: Iterable[Array | None] = [None] * len(times)
+    impulses: Iterable[Array | None] = [None] * len(times)
+    if isinstance(source, March):
+        states = source.at(times)
+        poses, velocities = states.poses, states.velocities
+    else:
+        poses = source.poses_at(times)
+        if "velocities" in marks:
+            front, rear = source.march.dragon.hole_velocities(poses, source.pose_velocities_at(times))
+            velocities = np.concatenate([front, rear[:, -1:]], axis=1)
+        if "impulses" in marks and source.joint_impulses is not None:
+            # Impulses are not interpolated.
+            impulses = source.joint_impulses[_frames_before(source, times)]
+    yield from map(Snapshot, times.tolist(), poses, velocities, impulses)
+
+
+def _frames_before(run: Run, times: Array) -> NDArray[np.intp]:
+    """Return the numbers of the last frames of a run at or before `times`."""
+    return np.searchsorted(run.times, times, side="right") - 1
+
+
+def _largest_impulse(run: Run, times: Array) -> float:
+    """Return the largest joint impulse, N s, of a run from the first to the last of `times` (F,)."""
+    if run.joint_impulses is None:
+        return 0.0
+    first, last = _frames_before(run, np.clip(times[[0, -1]], run.times[0], run.times[-1]))
+    return float(run.joint_impulses[first : last + 1].max())
+
+
+class _ContactTimeline:
+    """Contacts of a run's benches by time."""
+
+    def __init__(self, run: Run) -> None:
+        self._first = run.first_contact
+        self._events = [event for event in run.events if event.points]
+        self._recent = RECENT_SUBSTEPS * (run.substep or 0.0)
+        pair = self._first.benches if self._first else None
+        ends = (event.time for event in run.events if event.phase == "separate" and event.benches == pair)
+        # The end of the first contact is known only if the engine continued after it.
+        self._first_end = next(ends, math.inf)
+
+    def at(self, time: float) -> tuple[Touch, ...]:
+        """Return the contacts of the last substep's callbacks, and the refined first contact until it has callbacks."""
+        begin, end = (bisect_right(self._events, t, key=lambda event: event.time) for t in (time - self._recent, time))
+        last = {event.benches: event for event in self._events[begin:end]}
+        touches = [Touch(event.points, event.normal) for event in last.values() if event.normal is not None]
+        first = self._first
+        if first is not None and first.benches not in last and first.time <= time < self._first_end:
+            touches.append(Touch((first.point,), first.normal))
+        return tuple(touches)
