@@ -2,9 +2,9 @@
 
 A format is one module with a function that writes `Frames` to a file, and one line in `WRITERS`.
 
-imageio writes the stills and, through FFmpeg, the basis of the MP4, but no other film: its writers take a list of RGB
-frames (1 GB for 300 frames of 640 x 640 pixels, 36 ms a frame for a GIF), and its `pillow` plugin calls the same Pillow
-writers that `webp` and `apng` call directly.
+imageio writes the stills, and its FFmpeg encodes the MP4. It writes no other film, because its writers take a list of
+RGB frames (1 GB of memory for 300 frames of 640 x 640 pixels, and 36 ms a frame for a GIF); for WebP and APNG they call
+the writers of Pillow that `webp` and `apng` call directly.
 """
 
 from __future__ import annotations
