@@ -50,7 +50,7 @@ __all__ = ["played", "simulate"]
 @output_option(".npz")
 def simulate(scenario_file: str | None, as_json: bool, output: str | None, fine: bool, **settings: Any) -> None:
     """Play the march in Pymunk until the dragon runs into itself."""
-    from pymunk_dragon.words import answer_in_words, answer_of, quality_in_words, summary, windows_in_words
+    from pymunk_dragon.cli._run_words import contact_in_words, quality_in_words, summary, windows_in_words
 
     march = march_of(scenario_file)
     destination_of(output, (".npz",))
@@ -62,7 +62,7 @@ def simulate(scenario_file: str | None, as_json: bool, output: str | None, fine:
     if as_json:
         print_json(summary(run))
     else:
-        click.echo(answer_in_words(answer_of("engine", run)))
+        click.echo(contact_in_words(run))
         click.echo(quality_in_words(run))
         if settings["contacts"] != "stop":
             click.echo(windows_in_words(run))

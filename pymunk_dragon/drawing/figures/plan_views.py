@@ -24,7 +24,8 @@ from pymunk_dragon.model.march import March
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+
+    from pymunk_dragon.drawing.figures.notebook_figure import NotebookFigure as Figure
 
 __all__ = ["spiral", "trajectories", "velocities"]
 

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from pymunk_dragon.drawing.figures.notebook_figure import NotebookFigure
+
 __all__ = [
     "AMBER",
     "BLUE",
@@ -27,6 +29,7 @@ __all__ = [
     "COLOURS",
     "DPI",
     "FAINT",
+    "FIGURE_ENDINGS",
     "QUIET",
     "RULE",
     "SHARED",
@@ -55,6 +58,8 @@ FAINT = "#efe9db"
 SHARED = "#d3dfe8"
 # Cells with candidates for a contact: a tint of amber.
 CANDIDATE = "#efb037"
+# File endings of figures with axes.
+FIGURE_ENDINGS = (".png", ".svg")
 # Pixels per inch: a page of 8 inches has 1600 pixels, twice the 800 at which it is displayed.
 DPI = 200
 # Inches from a page's edges to its text.
@@ -138,7 +143,7 @@ def _register_font() -> str:
     return str(font.getname()[0])
 
 
-def page(width: float, height: float, title: str, subtitle: str = "") -> Figure:
+def page(width: float, height: float, title: str, subtitle: str = "") -> NotebookFigure:
     """Create a page with a title and a subtitle in its upper left corner; sizes in inches."""
     from pymunk_dragon.drawing.figures.notebook_figure import NotebookFigure
 
@@ -149,7 +154,7 @@ def page(width: float, height: float, title: str, subtitle: str = "") -> Figure:
     return figure
 
 
-def chart(width: float, height: float) -> Figure:
+def chart(width: float, height: float) -> NotebookFigure:
     """Create an empty figure with matplotlib's constrained layout; sizes in inches."""
     from pymunk_dragon.drawing.figures.notebook_figure import NotebookFigure
 

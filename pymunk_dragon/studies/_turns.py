@@ -9,10 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from pymunk_dragon.model.curves import Arc, Composite, Curve, Line, UTurn
-from pymunk_dragon.model.curves.base import frame
-
-__all__ = ["ArcPath", "Turn", "closed_turn"]
+from pymunk_dragon.model.curves import Arc, Composite, Curve, Line, UTurn, frame
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
