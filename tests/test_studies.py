@@ -17,13 +17,13 @@ import shapely
 from conftest import NO_NUMBERS, assert_says
 from PIL import Image
 
-from pymunk_dragon.cli import main
+from pymunk_dragon.cli import cli, main
 from pymunk_dragon.collision import first_contact, scan
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.curves import Spiral
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
-from pymunk_dragon.studies import STUDIES, MinPitch, Sensitivity, min_pitch, sensitivity, study
+from pymunk_dragon.studies import STUDIES, MinPitch, Option, Sensitivity, Study, min_pitch, sensitivity, study
 from pymunk_dragon.studies._gaps import SIZES, InwardMarch, gaps_of
 
 SEED = {"width": 0.3, "overhang": 0.275, "head_spacing": 2.86, "body_spacing": 1.65, "pitch": 0.55}
@@ -403,6 +403,42 @@ def test_json_of_sensitivity_has_a_slope_for_each_size(
     assert max(map(len, out.splitlines())) < 120
 
 
+def test_a_result_is_what_the_program_prints(capsys: pytest.CaptureFixture[str], answer: MinPitch) -> None:
+    _, out, _ = run(capsys, "min-pitch")
+    assert out == f"{answer}\n"
+    _, out, _ = run(capsys, "min-pitch", "--json")
+    assert json.loads(out) == json.loads(json.dumps(answer.to_dict()))
+    assert repr(answer).startswith("<MinPitch: smallest pitch 0.450337393027 m")
+    assert "\n" not in repr(answer)
+
+
+def test_equal_studies_have_equal_results() -> None:
+    one, two, other = (min_pitch(Dragon(benches=benches)) for benches in (25, 25, 26))
+    assert one == two
+    assert one != other
+
+
+def test_a_study_brings_its_options_and_its_formats(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, answer: MinPitch
+) -> None:
+    def deepest(dragon: Dragon, *, depth: float = 1.0, progress: Any) -> MinPitch:
+        return replace(answer, pitch=depth * dragon.width)
+
+    added = Study(
+        name="deepest",
+        summary="a study of the tests",
+        run=deepest,
+        own_parameters=("depth",),
+        options={"depth": Option(kind=float, metavar="M", text="how deep, m.  [1]")},
+    )
+    monkeypatch.setattr(cli.commands["study"], "params", cli.commands["study"].params.copy())
+    monkeypatch.setitem(STUDIES, "deepest", added)
+    assert json.loads(run(capsys, "deepest", "--width", "0.2", "--depth", "3", "--json")[1])["pitch"] == 3 * 0.2
+    assert "--depth M" in run(capsys, "--help")[1]
+    status, _, err = run(capsys, "min-pitch", "--depth", "3")
+    assert (status, "left out: min-pitch takes" in err) == (2, True)
+
+
 # Pictures
 
 
@@ -462,6 +498,17 @@ def test_without_matplotlib_nothing_is_asked(
     assert status == 2
     assert "pymunk-dragon[figures]" in err
     assert not list(tmp_path.iterdir())
+
+
+def test_a_notebook_shows_the_picture_of_a_result_where_it_can_be_drawn(
+    answer: MinPitch, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    picture = answer._repr_png_()
+    assert picture is not None
+    with Image.open(io.BytesIO(picture)) as opened:
+        assert opened.width == 800
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    assert answer._repr_png_() is None
 
 
 def test_a_number_that_a_study_does_not_take_is_refused() -> None:

@@ -71,26 +71,17 @@ class Reach:
 
 @dataclass(frozen=True)
 class ContinuationPoint:
-    """A point of a branch.
+    """A point of a branch."""
 
-    Attributes
-    ----------
-    inward : InwardMarch
-        The march with the changed size.
-    reference : float
-        Distance travelled, m, from which positions of near misses are measured. Their offsets from it hardly change.
-    end : float
-        Distance travelled, m, up to which near misses count.
-    contact : Gaps
-        Gap of the two benches that touch.
-    rate : float
-        Derivative of the branch by the size: m travelled, or m of pitch, per m.
-    """
-
+    # The march with the changed size.
     inward: InwardMarch
+    # Distance travelled, m, from which positions of near misses are measured. Their offsets from it hardly change.
     reference: float
+    # Distance travelled, m, up to which near misses count.
     end: float
+    # Gap of the two benches that touch.
     contact: Gaps
+    # Derivative of the branch by the size: m travelled, or m of pitch, per m.
     rate: float
 
 

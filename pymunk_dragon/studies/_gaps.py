@@ -95,34 +95,24 @@ class InwardMarch:
 class Gaps:
     """Gaps of P pairs of benches, each at its own position of the head.
 
-    Attributes
-    ----------
-    travelled : ndarray, shape (P,)
-        Distance travelled by the head from its start, m.
-    pairs : ndarray, shape (P, 2)
-        Numbers of the benches.
-    gaps : ndarray, shape (P,)
-        Signed distances, m; negative where benches overlap.
-    points : ndarray, shape (P, 2)
-        Midpoints of the closest points, m.
-    slopes : ndarray, shape (P, 6)
-        Derivatives of the gaps by the `QUANTITIES`, in this order, m per m. Where two pairs of closest points are
-        equally close, the derivatives are those of one pair. A size that differs between benches changes by the same
-        amount on each bench.
-    features : ndarray of int, shape (P, 4)
-        Edges on which the closest points lie, for the first bench and then for the second: 1 at the front end, -1 at
-        the rear end, 0 between; and 1 at the left side, -1 at the right side, 0 between. Neither is 0 at a corner.
-    slopes_at_radius : ndarray, shape (P,)
-        Derivatives by the pitch at a fixed distance of handle 0 from the centre, instead of a fixed distance travelled,
-        m per m.
+    Where two pairs of closest points are equally close, derivatives are those of one pair. A size that differs between
+    benches changes by the same amount on each bench.
     """
 
+    # (P,) Distances travelled by the head from its start, m.
     travelled: Array
+    # (P, 2) Numbers of the benches.
     pairs: Indices
+    # (P,) Signed distances, m; negative where benches overlap.
     gaps: Array
+    # (P, 2) Midpoints of the closest points, m.
     points: Array
+    # (P, 6) Derivatives of the gaps by the `QUANTITIES`, m per m.
     slopes: Array
+    # (P, 4) Edges on which the closest points lie, for the first bench and then for the second: 1 at the front end, -1
+    # at the rear end, 0 between; and 1 at the left side, -1 at the right side, 0 between. Neither is 0 at a corner.
     features: Indices
+    # (P,) Derivatives by the pitch at a fixed distance of handle 0 from the centre, not a fixed distance travelled.
     slopes_at_radius: Array
 
 
@@ -203,21 +193,9 @@ class SampledGaps:
     Where all benches but the head are alike, every other bench repeats the motion of bench 1. Sampling is fast and
     proves nothing; `first_contact` certifies its results.
 
-    Parameters
-    ----------
-    inward : InwardMarch
-        The march, which ends at the last sample.
-    further : float
-        Factor on the turn of the start that gives the turn of the first sample.
-
-    Attributes
-    ----------
-    inward : InwardMarch
-        The march of the foremost benches.
-    travelled : ndarray, shape (T,)
-        Distance travelled by the head from its start at each sample, m; negative before the start.
-    gaps : ndarray, shape (T, B, 2)
-        Gaps of bench 0 and of bench 1 to each of the foremost B benches, m; inf for distant benches and neighbours.
+    `inward` is the march of the foremost benches, `travelled` (T,) the distance of the head from its start at each
+    sample, m, and `gaps` (T, B, 2) are those of bench 0 and of bench 1 to each of the B benches, m; inf for distant
+    benches and neighbours. The samples begin on the turn `further` times that of the start.
     """
 
     def __init__(self, inward: InwardMarch, further: float = 1.0) -> None:

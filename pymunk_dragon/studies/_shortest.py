@@ -21,6 +21,7 @@ The problem is not convex. The search starts from several turns, and its result 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -146,27 +147,9 @@ def shortest_turn(
 ) -> Shortest:
     """Search for the shortest turn on at most `arcs` arcs on which no handle exceeds `limit` times the head's speed.
 
-    Parameters
-    ----------
-    base : UTurn
-        Spirals and circle.
-    dragon : Dragon
-        The dragon.
-    limit : float
-        Largest ratio of a handle's speed to the head's, above 1.
-    arcs : int
-        Largest number of arcs, odd, from 3. All odd numbers up to `arcs` are searched.
-    min_radius : float
-        Least radius of an arc, m.
-    progress : callable, optional
-        Called with the number of arcs that have been searched, and a number that represents the end.
-
-    Raises
-    ------
-    MissingExtraError
-        If SciPy is not installed.
-    ParameterError
-        If no such turn is found.
+    All odd numbers of arcs from 3 are searched, with radii of at least `min_radius` m. `progress` is called with the
+    number of arcs that have been searched, and a number that represents the end. Raises `MissingExtraError` without
+    SciPy, and `ParameterError` if no such turn is found.
     """
     count = 1 + int(np.searchsorted(np.cumsum(dragon.spacings), base.length + CHAIN_MARGIN))
     programme = _Programme(base, dragon.spacings[:count], limit, min_radius)
@@ -182,7 +165,7 @@ def shortest_turn(
         found = [best]
         for seed in range(STARTS[n > 5]):
             noise = np.concatenate([np.random.default_rng(seed).standard_normal(n), np.zeros(n)])
-            found += [turn for turn in (programme.solve(divided + NOISE * noise),) if turn is not None]
+            found.append(programme.solve(divided + NOISE * noise) or best)
         best = min(found, key=lambda solution: solution[1])
         progress(n, arcs + 2)
         lengths.append((n, best))
@@ -270,27 +253,26 @@ class _Programme:
 
     def _finite_solution(self, x: Array, constraints: Constraints, size: float) -> Array:
         """Solution of the problem with finitely many constraints in the trust region about `x`."""
-        count, last = x.size // 2, b""
-        cached: tuple[Array, Array] = np.empty(0), np.empty((0, 0))
+        count, rows = x.size // 2, len(constraints.handles) + x.size - 1
         guesses = constraints.guesses
 
-        def inequalities(y: Array) -> tuple[Array, Array]:
-            nonlocal last, cached, guesses
-            if y.tobytes() != last:
-                last = y.tobytes()
-                path = ArcPath(self.base, y)
-                speeds = self._speeds(path, replace(constraints, guesses=guesses))
-                radii, slopes = path.squared_radii()
-                inside = 1 - radii / self.base.radius**2, -slopes / self.base.radius**2
-                if speeds is None:
-                    # The chain has no position on this path. Violated constraints shorten the step of the line search.
-                    cached = np.append(np.full(guesses.shape[0], -1.0), inside[0]), np.zeros((rows, y.size))
-                else:
-                    guesses = speeds[0]
-                    cached = np.append(self.log_limit - speeds[1], inside[0]), np.vstack([-speeds[2], inside[1]])
-            return cached
+        def end_error(y: Array) -> tuple[Array, Array]:
+            return ArcPath(self.base, y).end_error()
 
-        rows = guesses.shape[0] + x.size - 1
+        # SLSQP takes values and derivatives at the same points separately.
+        @lru_cache(1)
+        def inequalities(unknowns: bytes) -> tuple[Array, Array]:
+            nonlocal guesses
+            path = ArcPath(self.base, np.frombuffer(unknowns))
+            speeds = self._speeds(path, replace(constraints, guesses=guesses))
+            radii, slopes = path.squared_radii()
+            inside, of_inside = 1 - radii / self.base.radius**2, -slopes / self.base.radius**2
+            if speeds is None:
+                # The chain has no position on this path. Violated constraints shorten the step of the line search.
+                return np.append(np.full(len(guesses), -1.0), inside), np.zeros((rows, x.size))
+            guesses = speeds[0]
+            return np.append(self.log_limit - speeds[1], inside), np.vstack([-speeds[2], of_inside])
+
         sizes = np.repeat([CURVATURE_PER_LENGTH * size, size], count)
         lowest = np.repeat([-self.max_curvature, MIN_ARC], count)
         highest = np.repeat([self.max_curvature, np.inf], count)
@@ -301,12 +283,12 @@ class _Programme:
             jac=lambda y: slope,
             bounds=np.stack([np.clip(x - sizes, lowest, highest), np.clip(x + sizes, lowest, highest)], axis=-1),
             constraints=[
+                {"type": "eq", "fun": lambda y: end_error(y)[0], "jac": lambda y: end_error(y)[1]},
                 {
-                    "type": "eq",
-                    "fun": lambda y: ArcPath(self.base, y).end_error()[0],
-                    "jac": lambda y: ArcPath(self.base, y).end_error()[1],
+                    "type": "ineq",
+                    "fun": lambda y: inequalities(y.tobytes())[0],
+                    "jac": lambda y: inequalities(y.tobytes())[1],
                 },
-                {"type": "ineq", "fun": lambda y: inequalities(y)[0], "jac": lambda y: inequalities(y)[1]},
             ],
             method="SLSQP",
             options={"maxiter": ITERATIONS, "ftol": TOLERANCE},

@@ -101,12 +101,7 @@ class SpeedRatio:
 def largest_ratio(dragon: Dragon, path: Composite, progress: Progress = silent) -> SpeedRatio:
     """Maximum of a handle's speed over the head's, for all handles and all times, enclosed by branch and bound.
 
-    Parameters
-    ----------
-    dragon : Dragon
-        The dragon.
-    path : Composite
-        An inward spiral, arcs and lines, and an outward spiral; the coordinate is 0 at the end of the inward spiral.
+    `path` is an inward spiral, arcs and lines, and an outward spiral; its coordinate is 0 at the end of the inward one.
 
     Raises
     ------

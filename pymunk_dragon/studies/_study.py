@@ -36,19 +36,10 @@ def bracketed(
     width: float = 0.0,
     relative: float = 0.0,
 ) -> tuple[float, float, Evidence]:
-    """Bracket, by bisection, of the number at which a test that returns None begins to return evidence.
+    """Bracket, by bisection, of the number at which `test` begins to return evidence instead of None.
 
-    Parameters
-    ----------
-    test : callable
-        Returns None for `passing`, and `evidence` for `failing`.
-    width, relative : float
-        Width at which the bracket is narrow enough, and the same as a share of `failing`.
-
-    Returns
-    -------
-    passing, failing, evidence
-        The bracket, and what the test returns for `failing`.
+    `evidence` is what `test` returns for `failing`, before and after. The bracket is at most `width`, or the share
+    `relative` of `failing`, wide.
     """
     while abs(failing - passing) > width + relative * abs(failing):
         middle = (passing + failing) / 2
