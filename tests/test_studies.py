@@ -23,8 +23,9 @@ from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.curves import Spiral
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
-from pymunk_dragon.studies import STUDIES, MinPitch, Option, Sensitivity, Study, min_pitch, sensitivity, study
+from pymunk_dragon.studies import STUDIES, MinPitch, Sensitivity, Study, min_pitch, sensitivity, study
 from pymunk_dragon.studies._gaps import SIZES, InwardMarch, gaps_of
+from pymunk_dragon.studies._study import Option
 
 SEED = {"width": 0.3, "overhang": 0.275, "head_spacing": 2.86, "body_spacing": 1.65, "pitch": 0.55}
 

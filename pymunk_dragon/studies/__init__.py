@@ -12,13 +12,13 @@ from typing import Any
 from pymunk_dragon._checks import word
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.dragon import Dragon
-from pymunk_dragon.studies._study import DRAGON, Option, Progress, Result, Study, silent
+from pymunk_dragon.studies._study import DRAGON, Progress, Study, silent
 from pymunk_dragon.studies.max_speed import STUDY as MAX_SPEED
 from pymunk_dragon.studies.max_speed import MaxSpeed, max_speed
 from pymunk_dragon.studies.min_pitch import STUDY as MIN_PITCH
-from pymunk_dragon.studies.min_pitch import MinPitch, PitchMap, min_pitch
+from pymunk_dragon.studies.min_pitch import MinPitch, min_pitch
 from pymunk_dragon.studies.sensitivity import STUDY as SENSITIVITY
-from pymunk_dragon.studies.sensitivity import Reach, Sensitivity, Slope, sensitivity
+from pymunk_dragon.studies.sensitivity import Sensitivity, Slope, sensitivity
 from pymunk_dragon.studies.u_turn import STUDY as U_TURN
 from pymunk_dragon.studies.u_turn import TurnResult, u_turn
 
@@ -26,10 +26,6 @@ __all__ = [
     "STUDIES",
     "MaxSpeed",
     "MinPitch",
-    "Option",
-    "PitchMap",
-    "Reach",
-    "Result",
     "Sensitivity",
     "Slope",
     "Study",

@@ -113,6 +113,13 @@ class Study:
         Those parameters that no scenario has, as options of the program.
     has_sheets : bool
         Whether the result has a `march` and `times`, of which the contest's sheets are written.
+
+    Examples
+    --------
+    >>> def widest(dragon, *, margin=0.0, progress=silent): ...
+    >>> widest = Study(name="widest", summary="the widest bench", run=widest, own_parameters=("margin",))
+    >>> widest.parameters
+    ('benches', 'head_spacing', 'body_spacing', 'overhang', 'width', 'margin')
     """
 
     name: str

@@ -28,8 +28,6 @@ if TYPE_CHECKING:
 
     from pymunk_dragon.drawing.figures.notebook_figure import NotebookFigure
 
-__all__ = ["STUDY", "MaxSpeed", "max_speed"]
-
 # Of the figure: m of head travel shown before and after the time of the limit.
 DISTANCE_BEFORE, DISTANCE_AFTER = 14.0, 26.0
 # Of the figure: times at which speeds are sampled, more than the line is pixels wide.
@@ -70,6 +68,11 @@ class MaxSpeed(Result):
         The path.
     dragon : Dragon
         The dragon.
+
+    Examples
+    --------
+    >>> max_speed(limit=1.0)
+    <MaxSpeed: largest speed of the head 0.6231331791 m/s: no handle exceeds 1 m/s>
     """
 
     speed: float

@@ -41,8 +41,6 @@ if TYPE_CHECKING:
 
     from pymunk_dragon.drawing.figures.notebook_figure import NotebookFigure
 
-__all__ = ["STUDY", "MinPitch", "PitchMap", "min_pitch"]
-
 Limit = Literal["passing", "arrival", "start", "circle"]
 
 # m. Radius of the contest's turning circle.
@@ -110,6 +108,14 @@ class MinPitch(Result):
         None where only the circle is the limit: at a smaller pitch the head would start inside it.
     map : PitchMap
         Smallest gaps at other pitches.
+
+    Examples
+    --------
+    >>> found = min_pitch(Dragon(benches=25))
+    >>> found
+    <MinPitch: smallest pitch 0.450337393027 m: handle 0 reaches the circle of 4.5 m after 220.934 s>
+    >>> found.benches, found.half_line
+    ((0, 19), True)
     """
 
     pitch: float
@@ -313,7 +319,10 @@ def _result(inward: InwardMarch, speed: float, known: PitchMap, limit: Limit, co
 
 
 def _zero(inward: InwardMarch, blocked: float, free: float) -> float:
-    """Zero of the smallest gap between two pitches, by Newton's method within the bracket."""
+    """Zero of the smallest gap between two pitches, by Newton's method within the bracket.
+
+    SciPy's bracketing methods use no derivative and sample the spiral twice as often; importing them takes as long.
+    """
     pitch = free
     for _ in range(MAX_NEWTON_STEPS):
         found = SampledGaps(replace(inward, pitch=pitch)).minimum()

@@ -43,8 +43,6 @@ if TYPE_CHECKING:
 
     from pymunk_dragon.drawing.figures.notebook_figure import NotebookFigure
 
-__all__ = ["STUDY", "Reach", "Sensitivity", "Slope", "sensitivity"]
-
 # Largest change of a size that is examined, as a share of the size.
 MAX_CHANGE = 0.1
 # Share of the width up to which a gap is followed as a near miss. A wider gap that closes first is found by the check
@@ -112,6 +110,11 @@ class Sensitivity(Result):
         The smallest pitch of the same dragon.
     pitches : tuple of Slope
         Derivatives of the smallest pitch by each size of the benches; empty where the circle limits the pitch.
+
+    Examples
+    --------
+    >>> sensitivity()  # doctest: +SKIP
+    <Sensitivity: first contact at t = 412.473837682 s: benches 0 and 8>
     """
 
     march: March

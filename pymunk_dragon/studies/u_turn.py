@@ -39,8 +39,6 @@ if TYPE_CHECKING:
 
     from pymunk_dragon.drawing.figures.notebook_figure import NotebookFigure
 
-__all__ = ["STUDY", "TurnResult", "u_turn"]
-
 Array = NDArray[np.float64]
 
 # m travelled by the head after it enters the circle: at 1 m/s, the times in s that the contest's table requires.
@@ -98,6 +96,12 @@ class TurnResult(Result, ArrayRecord):
         March on the shortest turn.
     shortest_contact : FirstContact or None
         Certified first contact on the shortest turn.
+
+    Examples
+    --------
+    >>> found = u_turn(Dragon(benches=12), search=False)
+    >>> found.contact.status, round(found.peak_speed_ratio.ratio, 3)
+    ('clear', 1.605)
     """
 
     turn: UTurn
