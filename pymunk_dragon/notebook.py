@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from html import escape
-from typing import TYPE_CHECKING
+from typing import Any
 
 from pymunk_dragon.drawing import Film, still_png
 from pymunk_dragon.drawing.figures import figure
@@ -11,9 +11,6 @@ from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 from pymunk_dragon.player import player_page
-
-if TYPE_CHECKING:
-    from pymunk_dragon.drawing.figures.notebook_figure import NotebookFigure
 
 # Handle positions over all frames up to which a run is played in the notebook, which keeps the page in its file: some
 # 400 kB. That is the last two minutes of the paper's 223 benches, or twenty minutes of 16.
@@ -45,8 +42,8 @@ def as_png(shown: object) -> bytes | None:
     return still_png(shown, 0.0, film) if isinstance(shown, March) else None
 
 
-def plot(shown: object) -> NotebookFigure:
-    """Paths of seven handles of a run or a march."""
+def plot(shown: object) -> Any:
+    """Paths of seven handles of a run or a march, as a matplotlib figure."""
     if not isinstance(shown, Run | March):
         raise ParameterError("shown", shown, "a run or a march")
     return figure("trajectories", shown)

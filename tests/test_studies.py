@@ -469,13 +469,13 @@ def test_the_picture_of_slopes_shows_each_of_them(sensed: Sensitivity) -> None:
 def test_pictures_are_written(answer: MinPitch, sensed: Sensitivity, tmp_path: Path, ending: str) -> None:
     for found in (answer, sensed, min_pitch(radius=8.0)):
         file = tmp_path / f"answer{ending}"
-        found.plot().write(file)
+        found.write_figure(file)
         if ending == ".png":
             with Image.open(file) as picture:
                 assert picture.width == 1600
         assert file.stat().st_size < 300_000
         content = file.read_bytes()
-        found.plot().write(file)
+        found.write_figure(file)
         assert file.read_bytes() == content
 
 

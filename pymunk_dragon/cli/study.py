@@ -113,4 +113,4 @@ def _write(found: Any, destination: Path) -> None:
 
         write_tables(found.march, found.times, destination)
     else:
-        found.plot().write(destination)
+        found.write_figure(destination)

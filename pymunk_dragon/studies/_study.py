@@ -5,13 +5,14 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from pymunk_dragon.drawing.figures import styled_figure
+from pymunk_dragon.drawing.figures import styled_figure, write_styled
 from pymunk_dragon.errors import MissingExtraError
 
 if TYPE_CHECKING:
-    from pymunk_dragon.drawing.figures.notebook_figure import NotebookFigure
+    from matplotlib.figure import Figure
 
 # Called with the work that is done and the whole work, in the same unit.
 Progress = Callable[[float, float], None]
@@ -60,7 +61,7 @@ class Result:
         """Lines of the text."""
 
     @abstractmethod
-    def _draw(self) -> NotebookFigure:
+    def _draw(self) -> Figure:
         """The figure, drawn with the settings of all figures."""
 
     def __str__(self) -> str:
@@ -69,8 +70,8 @@ class Result:
     def __repr__(self) -> str:
         return f"<{type(self).__name__}: {self._lines()[0]}>"
 
-    def plot(self) -> NotebookFigure:
-        """Draw the result as a matplotlib figure, whose method `write` writes it as PNG or SVG.
+    def plot(self) -> Figure:
+        """Draw the result as a matplotlib figure, which notebooks display.
 
         Raises
         ------
@@ -79,11 +80,27 @@ class Result:
         """
         return styled_figure(self._draw)
 
+    def write_figure(self, path: str | Path) -> None:
+        """Write the figure as PNG or SVG.
+
+        Raises
+        ------
+        ParameterError
+            If the ending is neither .png nor .svg, or the file cannot be created.
+        MissingExtraError
+            If matplotlib is not installed.
+        OutputError
+            If writing fails.
+        """
+        write_styled(self._draw, path)
+
     def _repr_png_(self) -> bytes | None:
         try:
-            return self.plot()._repr_png_()
+            figure: Any = self.plot()
         except MissingExtraError:
             return None
+        picture: bytes = figure._repr_png_()
+        return picture
 
 
 @dataclass(frozen=True, kw_only=True)

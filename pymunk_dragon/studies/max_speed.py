@@ -25,8 +25,7 @@ from pymunk_dragon.studies._study import INDENT, Option, Progress, Result, Study
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-    from pymunk_dragon.drawing.figures.notebook_figure import NotebookFigure
+    from matplotlib.figure import Figure
 
 # Of the figure: m of head travel shown before and after the time of the limit.
 DISTANCE_BEFORE, DISTANCE_AFTER = 14.0, 26.0
@@ -105,7 +104,7 @@ class MaxSpeed(Result):
             f"certified: no handle ever exceeds that by more than {self.excess:.2g} of it ({self.evaluations} looks)",
         ]
 
-    def _draw(self) -> NotebookFigure:
+    def _draw(self) -> Figure:
         """Speeds of the handles over time, and positions at the time of the limit."""
         first, last = self.handles[0], self.handles[-1]
         subject = f"handle {first} is" if first == last else f"handles {first} to {last} are"

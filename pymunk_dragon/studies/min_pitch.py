@@ -38,8 +38,7 @@ from pymunk_dragon.studies._study import INDENT, Progress, Result, Study, bracke
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-    from pymunk_dragon.drawing.figures.notebook_figure import NotebookFigure
+    from matplotlib.figure import Figure
 
 Limit = Literal["passing", "arrival", "start", "circle"]
 
@@ -193,7 +192,7 @@ class MinPitch(Result):
         shown = "so" if self.half_line else "which does not show that"
         return [*lines, f"{INDENT}{shown} all larger pitches are free, and all smaller ones are not"]
 
-    def _draw(self) -> NotebookFigure:
+    def _draw(self) -> Figure:
         """The gap over the pitch, the contact of two benches, and the head's gap over time."""
         title, height = f"At a pitch of {self.pitch:.6f} m the head starts on the circle itself", UPPER_HEIGHT
         if self.benches is not None:

@@ -40,8 +40,7 @@ from pymunk_dragon.studies.min_pitch import RADIUS, MinPitch, min_pitch
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-    from pymunk_dragon.drawing.figures.notebook_figure import NotebookFigure
+    from matplotlib.figure import Figure
 
 # Largest change of a size that is examined, as a share of the size.
 MAX_CHANGE = 0.1
@@ -145,7 +144,7 @@ class Sensitivity(Result):
         i, j = self.smallest.benches
         return [*lines, f"{smallest}benches {i} and {j}", *_table("mm", 1.0, self.pitches)]
 
-    def _draw(self) -> NotebookFigure:
+    def _draw(self) -> Figure:
         """The derivatives, and the range of each size in which they hold."""
         first, second = self.benches
         parts = [(f"first contact, {self.time:.4f} s, benches {first} and {second}", "s", 1e3, self.times)]

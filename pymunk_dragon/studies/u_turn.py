@@ -36,8 +36,7 @@ from pymunk_dragon.studies._study import INDENT, Option, Progress, Result, Study
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-    from pymunk_dragon.drawing.figures.notebook_figure import NotebookFigure
+    from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
 
@@ -180,7 +179,7 @@ class TurnResult(Result, ArrayRecord):
             return f"none, but the dragon gets stuck at t = {found.time:.6f} s"
         return f"benches {found.benches[0]} and {found.benches[1]} touch at t = {found.time:.6f} s"
 
-    def _draw(self) -> NotebookFigure:
+    def _draw(self) -> Figure:
         """Both paths with the dragon, and the speed of the fastest handle."""
         panels = [(0.3, self.march, self.turn.joints, f"two arcs, {self.turn.length:.4f} m", BLUE)]
         title = f"The turn is {self.turn.length:.4f} m long on any two arcs"

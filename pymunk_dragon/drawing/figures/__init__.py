@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from PIL import Image
+
 from pymunk_dragon._checks import word
-from pymunk_dragon._files import check_destination
+from pymunk_dragon._files import check_destination, written_in_place
 from pymunk_dragon.drawing.figures.charts import gap, speeds
 from pymunk_dragon.drawing.figures.engine import drift, impulses
 from pymunk_dragon.drawing.figures.grid_partition import grid
 from pymunk_dragon.drawing.figures.plan_views import spiral, trajectories, velocities
 from pymunk_dragon.drawing.figures.stills import Still, collision, inward, outer_loop
-from pymunk_dragon.drawing.figures.style import FIGURE_ENDINGS, styled
+from pymunk_dragon.drawing.figures.style import styled
 from pymunk_dragon.drawing.figures.times import TimeInterval, model, time_interval
 from pymunk_dragon.drawing.moments import Source
 from pymunk_dragon.drawing.output import STILL_ENDINGS, write_still
@@ -23,9 +26,14 @@ from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 
 if TYPE_CHECKING:
-    from pymunk_dragon.drawing.figures.notebook_figure import NotebookFigure as Figure
+    from matplotlib.figure import Figure
 
-__all__ = ["FIGURES", "FIGURE_ENDINGS", "Kind", "figure", "styled_figure", "write_figure"]
+__all__ = ["FIGURES", "FIGURE_ENDINGS", "Kind", "figure", "styled_figure", "write_figure", "write_styled"]
+
+# File endings of figures with axes.
+FIGURE_ENDINGS = (".png", ".svg")
+# Colours of a PNG: with 256 no pixel changes by more than two levels, and the file is a third as large.
+PNG_COLOURS = 256
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -103,6 +111,21 @@ def figure(name: str, source: Source | None = None) -> Figure:
     return styled_figure(lambda: _draw(name, kind, source))
 
 
+def styled_figure(draw: Callable[[], Figure]) -> Figure:
+    """Figure that `draw` draws, with the fonts and colours of all figures; notebooks display it.
+
+    Raises
+    ------
+    MissingExtraError
+        If matplotlib is not installed.
+    """
+    with styled():
+        drawn = draw()
+        # matplotlib creates some ticks during drawing, with the settings of that time.
+        drawn.draw_without_rendering()
+    return drawn
+
+
 def write_figure(name: str, path: str | Path, source: Source | None = None) -> None:
     """Write one of `FIGURES` as PNG, or as SVG if it has axes.
 
@@ -128,23 +151,29 @@ def write_figure(name: str, path: str | Path, source: Source | None = None) -> N
         run, film = kind.still(*_march_and_interval(kind, source))
         write_still(run, float(run.times[0]), destination, film)
         return
-    with styled():
-        _draw(name, kind, source).write(destination)
+    write_styled(lambda: _draw(name, kind, source), destination)
 
 
-def styled_figure(draw: Callable[[], Figure]) -> Figure:
-    """A figure that `draw` draws in the context of `styled`.
+def write_styled(draw: Callable[[], Figure], path: str | Path) -> None:
+    """Write the figure that `draw` draws, with the fonts and colours of all figures, as PNG or SVG.
 
     Raises
     ------
+    ParameterError
+        If the file cannot be created.
     MissingExtraError
         If matplotlib is not installed.
+    OutputError
+        If writing fails.
     """
+    destination = check_destination(path, FIGURE_ENDINGS)
     with styled():
         drawn = draw()
-        # matplotlib creates some ticks during drawing, with the settings of that time.
-        drawn.draw_without_rendering()
-    return drawn
+        with written_in_place(destination) as draft:
+            if destination.suffix.lower() == ".svg":
+                drawn.savefig(draft, format="svg", metadata={"Date": None})
+            else:
+                _write_png(drawn, draft)
 
 
 def _kind(name: str) -> Kind:
@@ -167,3 +196,12 @@ def _draw(name: str, kind: Kind, source: Source | None) -> Figure:
         return kind.of_run(source)
     assert kind.of_march is not None
     return kind.of_march(*_march_and_interval(kind, source))
+
+
+def _write_png(drawn: Figure, draft: Path) -> None:
+    buffer = io.BytesIO()
+    drawn.savefig(buffer, format="png")
+    with Image.open(buffer) as picture:
+        flat = picture.convert("RGB")
+    few = flat.quantize(PNG_COLOURS, method=Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
+    few.save(draft, format="PNG", optimize=True)

@@ -15,7 +15,7 @@ from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.run import HEAD_BENCHES, Run
 
 if TYPE_CHECKING:
-    from pymunk_dragon.drawing.figures.notebook_figure import NotebookFigure as Figure
+    from matplotlib.figure import Figure
 
 __all__ = ["drift", "impulses"]
 

@@ -24,8 +24,7 @@ from pymunk_dragon.model.march import March
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-    from pymunk_dragon.drawing.figures.notebook_figure import NotebookFigure as Figure
+    from matplotlib.figure import Figure
 
 __all__ = ["spiral", "trajectories", "velocities"]
 

@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from pymunk_dragon.drawing.figures.notebook_figure import NotebookFigure
-
 __all__ = [
     "AMBER",
     "BLUE",
@@ -29,7 +27,6 @@ __all__ = [
     "COLOURS",
     "DPI",
     "FAINT",
-    "FIGURE_ENDINGS",
     "QUIET",
     "RULE",
     "SHARED",
@@ -58,8 +55,6 @@ FAINT = "#efe9db"
 SHARED = "#d3dfe8"
 # Cells with candidates for a contact: a tint of amber.
 CANDIDATE = "#efb037"
-# File endings of figures with axes.
-FIGURE_ENDINGS = (".png", ".svg")
 # Pixels per inch: a page of 8 inches has 1600 pixels, twice the 800 at which it is displayed.
 DPI = 200
 # Inches from a page's edges to its text.
@@ -143,7 +138,7 @@ def _register_font() -> str:
     return str(font.getname()[0])
 
 
-def page(width: float, height: float, title: str, subtitle: str = "") -> NotebookFigure:
+def page(width: float, height: float, title: str, subtitle: str = "") -> Figure:
     """Create a page with a title and a subtitle in its upper left corner; sizes in inches."""
     from pymunk_dragon.drawing.figures.notebook_figure import NotebookFigure
 
@@ -154,7 +149,7 @@ def page(width: float, height: float, title: str, subtitle: str = "") -> Noteboo
     return figure
 
 
-def chart(width: float, height: float) -> NotebookFigure:
+def chart(width: float, height: float) -> Figure:
     """Create an empty figure with matplotlib's constrained layout; sizes in inches."""
     from pymunk_dragon.drawing.figures.notebook_figure import NotebookFigure
 
