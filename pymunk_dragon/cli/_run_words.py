@@ -9,23 +9,6 @@ from pymunk_dragon._text import contact_text, table
 from pymunk_dragon.model.run import Run
 
 
-def contact_values(run: Run) -> dict[str, Any]:
-    """Values that `contact --method engine --json` prints; the engine reports contacts only, not gaps."""
-    touch = run.first_contact
-    return {
-        "status": run.outcome,
-        "time": touch.time if touch else None,
-        "benches": touch.benches if touch else None,
-        "point": touch.point if touch else None,
-        "normal": touch.normal if touch else None,
-        "near_misses": None,
-        "until": float(run.times[-1]),
-        "resolution": None,
-        "samples": run.provenance["substeps"],
-        "tests": None,
-    }
-
-
 def contact_in_words(run: Run) -> str:
     """When and where benches first touch."""
     touch = run.first_contact

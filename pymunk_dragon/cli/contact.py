@@ -22,6 +22,7 @@ from pymunk_dragon.errors import DragonError
 
 if TYPE_CHECKING:
     from pymunk_dragon.model.march import March
+    from pymunk_dragon.model.run import Run
 
 # Search methods, and the method that each setting belongs to.
 METHODS = ("exact", "grid", "engine")
@@ -62,7 +63,9 @@ def contact(
     destination = destination_of(output, (".json", ".xlsx"))
     sheet = destination if destination is not None and destination.suffix.lower() == ".xlsx" else None
     if sheet is not None:
-        _check_xlsx()
+        from pymunk_dragon._extras import library
+
+        library("xlsxwriter")
     methods = METHODS if compare else (method,)
     answers, texts = zip(*(_answer(march, name, given, start=start, until=until) for name in methods), strict=True)
     if compare:
@@ -91,10 +94,10 @@ def _answer(
     own = {name: value for name, value in settings.items() if SETTINGS_OF[name] == method}
     begin = perf_counter()
     if method == "engine":
-        from pymunk_dragon.cli._run_words import contact_in_words, contact_values
+        from pymunk_dragon.cli._run_words import contact_in_words
 
         run = played(march, fine=own.get("fine", False), start=start, until=until)
-        values, text = contact_values(run), contact_in_words(run)
+        values, text = _run_values(run), contact_in_words(run)
     else:
         search = first_contact if method == "exact" else scan
         with progress("t") as show:
@@ -106,6 +109,14 @@ def _answer(
         values, text = found.to_dict(), str(found)
     wall = perf_counter() - begin
     return {"status": values["status"], "method": method} | values | {"wall_seconds": wall}, text
+
+
+def _run_values(run: Run) -> dict[str, Any]:
+    """The values of `FirstContact.to_dict` for a run; the engine reports contacts only, not gaps."""
+    touch = {name: getattr(run.first_contact, name, None) for name in ("time", "benches", "point", "normal")}
+    counts = {"samples": run.provenance["substeps"], "tests": None}
+    ended = {"near_misses": None, "until": float(run.times[-1]), "resolution": None}
+    return {"status": run.outcome, **touch, **ended, **counts}
 
 
 def _comparison(answers: Sequence[dict[str, Any]]) -> str:
@@ -126,12 +137,6 @@ def _comparison(answers: Sequence[dict[str, Any]]) -> str:
     )
     heads = "method  status       time (s)       benches  late by (ms)  samples  pairs tested  seconds"
     return "\n".join(table(heads, ("<6", "<11", "13.9f", ">9", "+12.6f", "7d", "12d", "7.2f"), rows))
-
-
-def _check_xlsx() -> None:
-    from pymunk_dragon._extras import library
-
-    library("xlsxwriter")
 
 
 def _write_contact_sheet(march: March, answer: dict[str, Any], path: Path) -> None:
