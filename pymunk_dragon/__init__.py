@@ -4,12 +4,15 @@ from __future__ import annotations
 
 __version__ = "0.1.0"
 
-# Nothing is imported here: `pymunk-dragon` handles Ctrl-C in its first lines, and they come after these. Type checkers
-# know this name, which `typing` has as well.
+# Nothing is imported here but a module that imports nothing: `pymunk-dragon` handles Ctrl-C in its first lines, and
+# they come after these. Type checkers know this name, which `typing` has as well.
+from pymunk_dragon._display import Displayed
+
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
 
+    from pymunk_dragon._display import Views
     from pymunk_dragon.collision import FirstContact, Grid, NearMiss, Separation, first_contact, scan, separation
     from pymunk_dragon.drawing import Camera, Palette, Scene, render, write_film
     from pymunk_dragon.drawing.debug_draw import PillowDrawOptions
@@ -96,6 +99,15 @@ _MODULES = {
     "model.speed": ("Speed", "SpeedTable"),
     "studies": ("min_pitch", "sensitivity"),
 }
+
+
+def _views() -> Views:
+    from pymunk_dragon import notebook
+
+    return notebook
+
+
+Displayed.views = _views
 
 
 def __getattr__(name: str) -> Any:

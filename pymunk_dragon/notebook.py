@@ -1,22 +1,24 @@
-"""Representations of runs and marches in notebooks: a picture, and a player for small runs."""
+"""Representations of runs and marches: a picture, a figure, and a player for small runs."""
 
 from __future__ import annotations
 
 from html import escape
+from typing import Any
 
 from pymunk_dragon.drawing import Film, still_png
+from pymunk_dragon.drawing.figures import figure
+from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 from pymunk_dragon.player import player_page
 
-__all__ = ["as_html", "as_png"]
-
 # Handle positions over all frames up to which a run is played in the notebook, which keeps the page in its file: some
 # 400 kB. That is the last two minutes of the paper's 223 benches, or twenty minutes of 16.
-MAX_PLACES = 250_000
-# Pixels: height of a player, which is as wide as the notebook, and side of a picture, shown at half of it on screens
-# with two pixels to the point.
-PLAYER_HEIGHT, PICTURE_SIZE = 640, 640
+MAX_POSITIONS = 250_000
+# Pixels: height of a player, which is as wide as the notebook.
+PLAYER_HEIGHT = 640
+# Pixels: side of a picture, shown at half of it on screens with two pixels to the point.
+PICTURE_SIZE = 640
 
 
 def as_html(shown: object) -> str | None:
@@ -24,7 +26,7 @@ def as_html(shown: object) -> str | None:
 
     The frame keeps the page's script from the notebook's.
     """
-    if not isinstance(shown, Run) or len(shown.times) * shown.march.dragon.handles > MAX_PLACES:
+    if not isinstance(shown, Run) or len(shown.times) * shown.march.dragon.handles > MAX_POSITIONS:
         return None
     return (
         f'<iframe srcdoc="{escape(player_page(shown))}" title="A run of the bench dragon" width="100%" '
@@ -38,3 +40,10 @@ def as_png(shown: object) -> bytes | None:
     if isinstance(shown, Run):
         return still_png(shown, float(shown.times[-1]), film)
     return still_png(shown, 0.0, film) if isinstance(shown, March) else None
+
+
+def plot(shown: object) -> Any:
+    """Paths of seven handles of a run or a march, as a matplotlib figure."""
+    if not isinstance(shown, Run | March):
+        raise ParameterError("shown", shown, "a run or a march")
+    return figure("trajectories", shown)

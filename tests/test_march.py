@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import json
 import math
 import warnings
 from decimal import ROUND_DOWN, Decimal
@@ -439,3 +440,16 @@ def test_span_of_a_curve_with_two_ends_is_all_of_it():
 
 def test_span_of_a_curve_without_ends_is_as_far_as_the_dragon_goes():
     assert U_TURN.span(-20.0, 30.0) == pytest.approx((U_TURN.handles_s(-20.0)[0, -1], 30.0))
+
+
+def test_states_are_printed_and_given_as_json_values_for_chosen_handles():
+    states = March(Dragon(benches=4)).at([0.0, 60.0])
+    found = json.loads(json.dumps(states.to_dict([0, 4])))
+    assert (found["times"], found["handles"]) == ([0, 60], [0, 4])
+    assert found["positions"] == states.positions[:, [0, 4]].tolist()
+    assert found["speeds"] == states.speeds[:, [0, 4]].tolist()
+    assert states.rows([4])[1] == (60.0, 4, *states.positions[1, 4], states.speeds[1, 4])
+    heads, first, *others = str(states).splitlines()
+    assert heads.split() == ["t", "(s)", "handle", "x", "(m)", "y", "(m)", "speed", "(m/s)"]
+    assert first.split() == ["0", "0", "8.800000", "0.000000", "1.000000"]
+    assert len(others) == 9

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from pymunk_dragon.collision import first_contact
 from pymunk_dragon.drawing import Palette
 from pymunk_dragon.drawing.figures import figure
 from pymunk_dragon.model.contact import Contact
@@ -97,3 +98,14 @@ def test_a_figure_is_shown_without_pyplot():
     picture = opened(figure("speeds")._repr_png_())
     assert picture.width == 800
     assert has(picture, Palette().rgb("background"))
+
+
+def test_a_march_and_a_run_have_a_figure(run):
+    for shown in (MARCH, run):
+        assert opened(shown.plot()._repr_png_()).width == 800
+
+
+def test_a_first_contact_is_shown_as_its_text():
+    found = first_contact(MARCH, until=1.0)
+    assert unescape(found._repr_html_()) == f"<pre>{found}</pre>"
+    assert str(found) == "no contact until t = 1 s"

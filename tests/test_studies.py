@@ -17,17 +17,15 @@ import shapely
 from conftest import NO_NUMBERS, assert_says
 from PIL import Image
 
-from pymunk_dragon.cli import main
+from pymunk_dragon.cli import cli, main
 from pymunk_dragon.collision import first_contact, scan
-from pymunk_dragon.drawing.figures import answer_figure, write_answer
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.curves import Spiral
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
-from pymunk_dragon.studies import STUDIES, MinPitch, Sensitivity, min_pitch, sensitivity, study
-from pymunk_dragon.studies.branches import perturbed
-from pymunk_dragon.studies.gaps import SIZES, gaps_of
-from pymunk_dragon.studies.min_pitch import distance_to_circle
+from pymunk_dragon.studies import STUDIES, MinPitch, Sensitivity, Study, min_pitch, sensitivity, study
+from pymunk_dragon.studies._gaps import SIZES, InwardMarch, gaps_of
+from pymunk_dragon.studies._study import Option
 
 SEED = {"width": 0.3, "overhang": 0.275, "head_spacing": 2.86, "body_spacing": 1.65, "pitch": 0.55}
 
@@ -41,9 +39,13 @@ def march_at(pitch: float, **sizes: Any) -> March:
     return March(Dragon(**sizes), Spiral(pitch=pitch))
 
 
+def inward_at(pitch: float, radius: float = 4.5, **sizes: Any) -> InwardMarch:
+    return InwardMarch(dragon=Dragon(**sizes), pitch=pitch, turns=16.0, radius=radius)
+
+
 def hit_at(pitch: float, radius: float = 4.5, **sizes: Any) -> Any:
-    march = march_at(pitch, **sizes)
-    return first_contact(march, until=distance_to_circle(march, radius))
+    inward = inward_at(pitch, radius, **sizes)
+    return first_contact(inward.march, until=inward.length)
 
 
 def exact_sizes(**changed: Any) -> dict[str, Any]:
@@ -57,10 +59,10 @@ def test_the_smallest_pitch_is_that_of_fifty_digits(answer: MinPitch) -> None:
     assert answer.benches == (0, 19)
     assert answer.limit == "passing"
     # Beginning further away than the answers agree.
-    time, pitch = oracle.grazing((0, 19), round(answer.way, 6), exact_sizes(pitch=round(answer.pitch, 8)))
+    time, pitch = oracle.grazing((0, 19), round(answer.distance, 6), exact_sizes(pitch=round(answer.pitch, 8)))
     assert abs(pitch - mp.mpf("0.450337393027195485")) < 1e-16
     assert abs(answer.pitch - pitch) < 1e-12
-    assert abs(answer.way - time) < 1e-6
+    assert abs(answer.distance - time) < 1e-6
 
 
 def test_two_benches_touch_there_without_overlapping(answer: MinPitch) -> None:
@@ -91,7 +93,7 @@ def test_larger_pitches_are_free(answer: MinPitch, pitch: float) -> None:
 @pytest.mark.thorough
 def test_no_bench_of_the_whole_dragon_overlaps_another_on_the_way_in_shapelys_eyes(answer: MinPitch) -> None:
     march = answer.march
-    times = np.append(np.arange(0.0, answer.way_in, 2.0), answer.way)
+    times = np.append(np.arange(0.0, answer.arrival_distance, 2.0), answer.distance)
     first, second = np.triu_indices(march.dragon.benches, 2)
     for time in times:
         benches = shapely.polygons(march.dragon.outlines(march.at(time).poses[0]))
@@ -105,7 +107,7 @@ def test_no_bench_of_the_whole_dragon_overlaps_another_on_the_way_in_shapelys_ey
             < 3.5
         )
         gaps = shapely.distance(benches[first[near]], benches[second[near]])
-        assert gaps.min() > 1e-4 or time == answer.way
+        assert gaps.min() > 1e-4 or time == answer.distance
     assert gaps.min() < 1e-12
 
 
@@ -114,8 +116,7 @@ def test_a_scan_every_second_finds_a_pitch_that_is_too_small(answer: MinPitch) -
     blocked, free = 0.4495, 0.4505
     while free - blocked > 1e-6:
         middle = (blocked + free) / 2
-        march = march_at(middle)
-        if scan(march, step=1.0, until=distance_to_circle(march, 4.5)).status == "clear":
+        if scan(march_at(middle), step=1.0, until=inward_at(middle).length).status == "clear":
             free = middle
         else:
             blocked = middle
@@ -139,15 +140,15 @@ def test_gaps_near_zero_grow_with_the_pitch_on_the_same_circle(answer: MinPitch)
     # The same by difference, of the head and of the bench that it passes, on a circle of 4.6 m.
     gaps = []
     for pitch in (0.4502, 0.4504):
-        march = march_at(pitch)
-        gaps.append(gaps_of(march, distance_to_circle(march, 4.6), (0, 19)).gaps[0])
+        inward = inward_at(pitch, 4.6)
+        gaps.append(gaps_of(inward, inward.length, (0, 19)).gaps[0])
     assert least < (gaps[1] - gaps[0]) / 2e-4 < most
 
 
 def test_speed_changes_times_only(answer: MinPitch) -> None:
     slow = min_pitch(speed=0.5)
     assert slow.pitch == pytest.approx(answer.pitch, abs=1e-12)
-    assert slow.march.time(slow.way_in) == pytest.approx(2 * answer.way_in)
+    assert slow.march.time(slow.arrival_distance) == pytest.approx(2 * answer.arrival_distance)
 
 
 def test_benches_further_back_than_a_turn_do_not_matter(answer: MinPitch) -> None:
@@ -165,8 +166,8 @@ def test_a_long_body_meets_itself_before_its_short_head_does() -> None:
 
 def test_where_nothing_is_in_the_way_the_head_starts_on_the_circle() -> None:
     found = min_pitch(radius=8.0)
-    assert (found.pitch, found.limit, found.way_in) == (0.5, "circle", 0.0)
-    assert (found.benches, found.gap, found.blocked_at) == (None, None, None)
+    assert (found.pitch, found.limit, found.arrival_distance) == (0.5, "circle", 0.0)
+    assert (found.benches, found.gap, found.contact_pitch) == (None, None, None)
 
 
 @pytest.mark.thorough
@@ -182,7 +183,7 @@ def test_where_the_search_looks_past_a_limit_certificates_find_it(
     answer: MinPitch, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # So few samples contain no gap of the head's that is smallest in between.
-    monkeypatch.setattr("pymunk_dragon.studies.sampled_gaps.SAMPLES_PER_SPACING", 0.02)
+    monkeypatch.setattr("pymunk_dragon.studies._gaps.SAMPLES_PER_SPACING", 0.02)
     assert min_pitch(Dragon(benches=25)).pitch == pytest.approx(answer.pitch, abs=2e-9)
 
 
@@ -236,7 +237,7 @@ def test_slopes_of_the_contact_time_are_those_of_fifty_digits(sensed: Sensitivit
 
 def test_slopes_of_the_smallest_pitch_are_those_of_fifty_digits(sensed: Sensitivity) -> None:
     # At a smallest gap it does not matter how far the head has gone, so one place does for all.
-    way, pair = sensed.smallest.way, (0, 19)
+    way, pair = sensed.smallest.distance, (0, 19)
     with mp.workdps(oracle.DIGITS):
         sizes, step = exact_sizes(pitch=sensed.smallest.pitch), mp.mpf("1e-12")
 
@@ -266,7 +267,7 @@ def test_a_contact_holds_as_far_as_is_told_and_another_pair_meets_beyond(sensed:
         for reach in (found.less, found.more):
             assert reach is not None
             hits = [
-                first_contact(perturbed(March(), found.size, change))
+                first_contact(inward_at(0.55).changed(found.size, change).march)
                 for change in (reach.unchanged, reach.changed)
                 if change is not None
             ]
@@ -345,7 +346,7 @@ def test_json_holds_the_answer_and_its_evidence(capsys: pytest.CaptureFixture[st
     assert (status, err) == (0, "")
     assert found["pitch"] == answer.pitch
     assert found["benches"] == [0, 19]
-    assert found["blocked_at"] < found["pitch"] < found["free_at"]
+    assert found["contact_pitch"] < found["pitch"] < found["clear_pitch"]
     assert found["half_line"] is True
     assert len(found["map"]["pitches"]) == len(found["map"]["gaps"])
 
@@ -403,6 +404,42 @@ def test_json_of_sensitivity_has_a_slope_for_each_size(
     assert max(map(len, out.splitlines())) < 120
 
 
+def test_a_result_is_what_the_program_prints(capsys: pytest.CaptureFixture[str], answer: MinPitch) -> None:
+    _, out, _ = run(capsys, "min-pitch")
+    assert out == f"{answer}\n"
+    _, out, _ = run(capsys, "min-pitch", "--json")
+    assert json.loads(out) == json.loads(json.dumps(answer.to_dict()))
+    assert repr(answer).startswith("<MinPitch: smallest pitch 0.450337393027 m")
+    assert "\n" not in repr(answer)
+
+
+def test_equal_studies_have_equal_results() -> None:
+    one, two, other = (min_pitch(Dragon(benches=benches)) for benches in (25, 25, 26))
+    assert one == two
+    assert one != other
+
+
+def test_a_study_brings_its_options_and_its_formats(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, answer: MinPitch
+) -> None:
+    def deepest(dragon: Dragon, *, depth: float = 1.0, progress: Any) -> MinPitch:
+        return replace(answer, pitch=depth * dragon.width)
+
+    added = Study(
+        name="deepest",
+        summary="a study of the tests",
+        run=deepest,
+        own_parameters=("depth",),
+        options={"depth": Option(kind=float, metavar="M", text="how deep, m.  [1]")},
+    )
+    monkeypatch.setattr(cli.commands["study"], "params", cli.commands["study"].params.copy())
+    monkeypatch.setitem(STUDIES, "deepest", added)
+    assert json.loads(run(capsys, "deepest", "--width", "0.2", "--depth", "3", "--json")[1])["pitch"] == 3 * 0.2
+    assert "--depth M" in run(capsys, "--help")[1]
+    status, _, err = run(capsys, "min-pitch", "--depth", "3")
+    assert (status, "left out: min-pitch takes" in err) == (2, True)
+
+
 # Pictures
 
 
@@ -412,7 +449,7 @@ def artist(drawing: Any, gid: str) -> Any:
 
 
 def test_the_pitch_s_picture_shows_the_zero_and_the_two_that_touch(answer: MinPitch) -> None:
-    drawing = answer_figure(answer)
+    drawing = answer.plot()
     (x,), (y,) = artist(drawing, "answer").get_data()
     assert (x, y) == (answer.pitch, 0)
     _, gaps = artist(drawing, "gap-over-pitch").get_data()
@@ -422,7 +459,7 @@ def test_the_pitch_s_picture_shows_the_zero_and_the_two_that_touch(answer: MinPi
 
 
 def test_the_picture_of_slopes_shows_each_of_them(sensed: Sensitivity) -> None:
-    drawing = answer_figure(sensed)
+    drawing = sensed.plot()
     found = drawing.findobj(lambda part: str(part.get_gid()).startswith("slope-"))
     assert len(found) == len(sensed.times) + len(sensed.pitches)
     assert found[0].get_xdata()[0] == pytest.approx(abs(sensed.times[0].slope) / 1e3)
@@ -432,13 +469,13 @@ def test_the_picture_of_slopes_shows_each_of_them(sensed: Sensitivity) -> None:
 def test_pictures_are_written(answer: MinPitch, sensed: Sensitivity, tmp_path: Path, ending: str) -> None:
     for found in (answer, sensed, min_pitch(radius=8.0)):
         file = tmp_path / f"answer{ending}"
-        write_answer(found, file)
+        found.write_figure(file)
         if ending == ".png":
             with Image.open(file) as picture:
                 assert picture.width == 1600
         assert file.stat().st_size < 300_000
         content = file.read_bytes()
-        write_answer(found, file)
+        found.write_figure(file)
         assert file.read_bytes() == content
 
 
@@ -464,10 +501,15 @@ def test_without_matplotlib_nothing_is_asked(
     assert not list(tmp_path.iterdir())
 
 
-def test_no_picture_is_made_of_anything_else() -> None:
-    with pytest.raises(ParameterError) as caught:
-        answer_figure(March())
-    assert_says(caught.value, "answer", "a study")
+def test_a_notebook_shows_the_picture_of_a_result_where_it_can_be_drawn(
+    answer: MinPitch, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    picture = answer._repr_png_()
+    assert picture is not None
+    with Image.open(io.BytesIO(picture)) as opened:
+        assert opened.width == 800
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    assert answer._repr_png_() is None
 
 
 def test_a_number_that_a_study_does_not_take_is_refused() -> None:
@@ -501,7 +543,7 @@ def test_a_study_shows_its_progress_on_a_terminal(monkeypatch: pytest.MonkeyPatc
 def test_benches_whose_ends_are_close_on_a_straight_line_have_a_smallest_pitch() -> None:
     """Benches 0 and 2 are 0.15 m apart on a line, half the width: no pitch makes their gap larger."""
     found = min_pitch(Dragon(benches=60, body_spacing=0.7))
-    assert first_contact(found.march, until=found.way_in).status == "clear"
+    assert first_contact(found.march, until=found.arrival_distance).status == "clear"
     assert 0 < found.map.gaps[-1] < 0.15
     with pytest.raises(ParameterError, match="run into itself"):
         min_pitch(Dragon(benches=3, body_spacing=0.7))

@@ -13,7 +13,6 @@ from exact_curves import DIGITS, u_turn, walked_chain
 from PIL import Image
 
 from pymunk_dragon.cli import main
-from pymunk_dragon.drawing.figures import write_answer
 from pymunk_dragon.errors import ParameterError, UnreachableError
 from pymunk_dragon.model.curves import UTurn
 from pymunk_dragon.model.dragon import Dragon
@@ -44,10 +43,10 @@ def test_the_ratio_at_the_limit_is_the_one_in_many_digits(answer: MaxSpeed) -> N
             before, after = (walked_chain(truth, mp.mpf(way) + sign * tiny, spacings)[-1] for sign in (-1, 1))
             return (after - before) / (2 * tiny)
 
-        there = ratio(answer.way)
+        there = ratio(answer.distance)
         assert abs(there - mp.mpf(answer.ratio)) < 1e-11
         for away in (-1e-3, 1e-3):
-            assert ratio(answer.way + away) < there
+            assert ratio(answer.distance + away) < there
 
 
 def test_the_speed_is_the_limit_over_the_ratio(answer: MaxSpeed) -> None:
@@ -61,8 +60,8 @@ def test_the_speed_is_the_limit_over_the_ratio(answer: MaxSpeed) -> None:
 def test_nobody_is_faster_however_long_one_looks(answer: MaxSpeed) -> None:
     coarse, way = scanned(answer.dragon, answer.curve, -10.0, 40.0, 0.02)
     assert coarse <= answer.ratio * (1 + 1e-12)
-    assert way == pytest.approx(answer.way, abs=0.02)
-    fine, _ = scanned(answer.dragon, answer.curve, answer.way - 2e-3, answer.way + 2e-3, 4e-6)
+    assert way == pytest.approx(answer.distance, abs=0.02)
+    fine, _ = scanned(answer.dragon, answer.curve, answer.distance - 2e-3, answer.distance + 2e-3, 4e-6)
     assert answer.ratio - 1e-9 < fine <= answer.ratio * (1 + 1e-12)
     # The whole dragon's way through the turn, and long after.
     later, _ = scanned(answer.dragon, answer.curve, 40.0, 500.0, 0.5)
@@ -92,7 +91,7 @@ def test_other_dragons_and_turns_are_as_fast_as_a_scan_sees(dragon: Dragon, size
 def test_a_head_bench_little_longer_than_the_others_needs_few_moments() -> None:
     """With 2.0 m the whole dragon was followed through the turn, for a minute and a half."""
     found = max_speed(Dragon(head_spacing=2.0))
-    assert found.looks < 5000
+    assert found.evaluations < 5000
     seen, _ = scanned(found.dragon, found.curve, 14.0, 15.5, 0.001)
     assert found.ratio * (1 - 1e-6) < seen <= found.ratio * (1 + 1e-11)
 
@@ -112,9 +111,9 @@ def test_the_last_benches_may_be_the_fastest() -> None:
 @pytest.mark.parametrize("head_spacing", [1.0, 1.65, 1.9])
 def test_a_long_dragon_of_like_benches_is_bounded_with_little_work(head_spacing: float) -> None:
     found = max_speed(Dragon(head_spacing=head_spacing))
-    assert found.looks < 5000
+    assert found.evaluations < 5000
     assert found.excess < 0.02
-    seen, _ = scanned(found.dragon, found.curve, found.way - 1.0, found.way + 1.0, 0.05)
+    seen, _ = scanned(found.dragon, found.curve, found.distance - 1.0, found.distance + 1.0, 0.05)
     assert seen <= found.ratio * (1 + found.excess)
 
 
@@ -174,8 +173,8 @@ def test_program_refuses_an_impossible_limit_in_one_line(value: str, capsys: pyt
 
 
 def test_picture_is_written(answer: MaxSpeed, tmp_path: Path) -> None:
-    write_answer(answer, tmp_path / "limit.png")
+    answer.write_figure(tmp_path / "limit.png")
     with Image.open(tmp_path / "limit.png") as picture:
         assert picture.size == (1600, 1880)
-    write_answer(answer, tmp_path / "limit.svg")
+    answer.write_figure(tmp_path / "limit.svg")
     assert 'id="fastest"' in (tmp_path / "limit.svg").read_text()

@@ -16,21 +16,19 @@ from conftest import NO_NUMBERS, assert_says
 from exact_curves import DIGITS, s_turn
 
 from pymunk_dragon.cli import main
-from pymunk_dragon.drawing.figures import answer_figure
 from pymunk_dragon.errors import MissingExtraError, ParameterError
 from pymunk_dragon.model.curves import Composite, UTurn
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
-from pymunk_dragon.studies import TurnAnswer, max_speed, u_turn
-from pymunk_dragon.studies.shortest import shortest_turn
-from pymunk_dragon.studies.turns import ArcPath, Turn
-from pymunk_dragon.study_words import study_in_words
+from pymunk_dragon.studies import TurnResult, max_speed, u_turn
+from pymunk_dragon.studies._shortest import shortest_turn
+from pymunk_dragon.studies._turns import ArcPath, Turn
 
 BASE = UTurn()
 
 
 @pytest.fixture(scope="module")
-def answer() -> TurnAnswer:
+def answer() -> TurnResult:
     return u_turn(arcs=3)
 
 
@@ -47,7 +45,7 @@ def fastest(march: March, ways: np.ndarray) -> np.ndarray:
     return np.max(np.abs(later - now), axis=1) / moment
 
 
-def test_turn_is_the_contests_to_the_last_digits(answer: TurnAnswer) -> None:
+def test_turn_is_the_contests_to_the_last_digits(answer: TurnResult) -> None:
     with mp.workdps(DIGITS):
         radii, centres, sweeps, _, length = s_turn(mp.mpf("1.7"), mp.mpf("4.5"), mp.mpf(2))
         expected = [float(part) for part in (*radii, *sweeps, length)]
@@ -56,7 +54,7 @@ def test_turn_is_the_contests_to_the_last_digits(answer: TurnAnswer) -> None:
     assert answer.turn.centres.tolist() == [pytest.approx(middle, abs=1e-12) for middle in middles]
 
 
-def test_no_two_arcs_make_the_turn_shorter(answer: TurnAnswer) -> None:
+def test_no_two_arcs_make_the_turn_shorter(answer: TurnResult) -> None:
     for ratio, length in answer.lengths:
         turn = UTurn(ratio=ratio)
         assert walked(turn, 0, turn.joints[-1]) == pytest.approx(answer.turn.length, rel=1e-7)
@@ -65,9 +63,9 @@ def test_no_two_arcs_make_the_turn_shorter(answer: TurnAnswer) -> None:
 
 
 @pytest.mark.thorough
-def test_dragon_gets_round_both_turns_without_touching_itself(answer: TurnAnswer) -> None:
-    for march, impact in ((answer.march, answer.impact), (answer.short_march, answer.short_impact)):
-        assert (impact.status, impact.time) == ("clear", 100)
+def test_dragon_gets_round_both_turns_without_touching_itself(answer: TurnResult) -> None:
+    for march, contact in ((answer.march, answer.contact), (answer.shortest_march, answer.shortest_contact)):
+        assert (contact.status, contact.time) == ("clear", 100)
         # At one of the times every other metre, by somebody else's geometry.
         for poses in march.at(np.arange(-10.0, 100.5, 2.0)).poses:
             benches = shapely.polygons(march.dragon.outlines(poses))
@@ -75,28 +73,28 @@ def test_dragon_gets_round_both_turns_without_touching_itself(answer: TurnAnswer
             assert np.abs(first - second).max() == 1
 
 
-def test_no_handle_is_faster_than_is_certified(answer: TurnAnswer) -> None:
+def test_no_handle_is_faster_than_is_certified(answer: TurnResult) -> None:
     ways = np.arange(-3, 40, 0.01)
     assert answer.shortest is not None
-    for march, most in ((answer.march, answer.hurry), (answer.short_march, answer.shortest.ratio)):
+    for march, most in ((answer.march, answer.peak_speed_ratio), (answer.shortest_march, answer.shortest.ratio)):
         assert march is not None
         seen = fastest(march, ways)
         assert most.excess <= 1e-11
         assert seen.max() <= most.ratio + 1e-6
         assert seen.max() == pytest.approx(most.ratio, abs=1e-4)
-        assert ways[seen.argmax()] == pytest.approx(most.way, abs=0.02) or seen.max() - most.ratio < 1e-4
-    assert answer.shortest.ratio.ratio <= answer.hurry.ratio
-    assert answer.shortest.ratio.ratio == pytest.approx(answer.hurry.ratio, rel=1e-5)
+        assert ways[seen.argmax()] == pytest.approx(most.distance, abs=0.02) or seen.max() - most.ratio < 1e-4
+    assert answer.shortest.ratio.ratio <= answer.peak_speed_ratio.ratio
+    assert answer.shortest.ratio.ratio == pytest.approx(answer.peak_speed_ratio.ratio, rel=1e-5)
 
 
-def test_fastest_handle_is_the_one_that_limits_the_heads_speed(answer: TurnAnswer) -> None:
+def test_fastest_handle_is_the_one_that_limits_the_heads_speed(answer: TurnResult) -> None:
     # Enclosed there by branch and bound.
     largest = max_speed()
-    assert (answer.hurry.ratio, answer.hurry.handle) == (largest.ratio, largest.handle)
-    assert answer.hurry.way == pytest.approx(largest.way, abs=1e-5)
+    assert (answer.peak_speed_ratio.ratio, answer.peak_speed_ratio.handle) == (largest.ratio, largest.handle)
+    assert answer.peak_speed_ratio.distance == pytest.approx(largest.distance, abs=1e-5)
 
 
-def test_shortest_turn_on_three_arcs_is_a_sixth_shorter_and_stays_in_the_circle(answer: TurnAnswer) -> None:
+def test_shortest_turn_on_three_arcs_is_a_sixth_shorter_and_stays_in_the_circle(answer: TurnResult) -> None:
     assert answer.shortest is not None
     short = answer.shortest.turn
     # The closed form and the linear programming of an earlier version found this turn, too.
@@ -127,7 +125,7 @@ def assert_tangent_in_many_digits(turn: Turn) -> None:
         assert abs(heading - angle) < 1e-12
 
 
-def test_arcs_of_the_shortest_turn_are_tangent_in_many_digits(answer: TurnAnswer) -> None:
+def test_arcs_of_the_shortest_turn_are_tangent_in_many_digits(answer: TurnResult) -> None:
     assert answer.shortest is not None
     assert_tangent_in_many_digits(answer.shortest.turn)
 
@@ -155,19 +153,19 @@ def test_derivatives_of_a_path_are_those_of_differences(count: int) -> None:
     assert radii.shape == (2 * count - 1,)
 
 
-def test_brute_force_sees_the_same_largest_speed(answer: TurnAnswer) -> None:
+def test_brute_force_sees_the_same_largest_speed(answer: TurnResult) -> None:
     assert answer.shortest is not None
     (first, second), angle = answer.turn.radii, answer.turn.sweeps[1]
     contests = [-1 / first, 1 / second, first * angle, second * angle]
-    assert largest_ratio(contests) == pytest.approx(answer.hurry.ratio, abs=1e-3)
+    assert largest_ratio(contests) == pytest.approx(answer.peak_speed_ratio.ratio, abs=1e-3)
     assert largest_ratio(unknowns(answer.shortest.turn)) == pytest.approx(answer.shortest.ratio.ratio, abs=2e-3)
 
 
 @pytest.mark.thorough
-def test_no_random_turn_near_the_shortest_one_is_shorter_and_keeps_to_the_limit(answer: TurnAnswer) -> None:
+def test_no_random_turn_near_the_shortest_one_is_shorter_and_keeps_to_the_limit(answer: TurnResult) -> None:
     assert answer.shortest is not None
     # What brute force sees of a speed is right to 0.001; the length changes by about 5 m for a unit of it.
-    length, _ = random_search(3, answer.allowed - 1e-3, 40, start=unknowns(answer.shortest.turn))
+    length, _ = random_search(3, answer.max_ratio - 1e-3, 40, start=unknowns(answer.shortest.turn))
     assert length >= answer.shortest.turn.length - 0.01
 
 
@@ -176,17 +174,17 @@ def test_more_arcs_make_the_turn_shorter() -> None:
     """On five arcs it is 8 % shorter than on three, and without a contact; a random search finds no shorter one."""
     found = u_turn(arcs=7)
     assert found.shortest is not None
-    assert found.short_impact is not None
-    assert found.short_march is not None
+    assert found.shortest_contact is not None
+    assert found.shortest_march is not None
     (_, three), (_, five), (_, seven) = found.shortest.lengths
     assert three == pytest.approx(11.2805, abs=1e-3)
     assert five < 10.51
     assert seven < 10.35
-    assert found.short_impact.status == "clear"
-    assert found.shortest.ratio.ratio <= found.allowed
+    assert found.shortest_contact.status == "clear"
+    assert found.shortest.ratio.ratio <= found.max_ratio
     assert_tangent_in_many_digits(found.shortest.turn)
-    assert fastest(found.short_march, np.arange(-3, 40, 0.01)).max() <= found.allowed + 1e-6
-    assert random_search(5, found.allowed, 300)[0] > five - 0.01
+    assert fastest(found.shortest_march, np.arange(-3, 40, 0.01)).max() <= found.max_ratio + 1e-6
+    assert random_search(5, found.max_ratio, 300)[0] > five - 0.01
 
 
 def test_search_reports_its_progress() -> None:
@@ -204,8 +202,8 @@ def test_without_the_search_nothing_is_searched(capsys: pytest.CaptureFixture[st
     assert told["contact"]["status"] == "clear"
 
 
-def test_answer_in_words_names_the_family_and_claims_no_proof(answer: TurnAnswer) -> None:
-    text = study_in_words(answer)
+def test_answer_in_words_names_the_family_and_claims_no_proof(answer: TurnResult) -> None:
+    text = str(answer)
     assert "best found, not proven to be the shortest" in text
     assert "radii of at least 0.5 m" in text
     assert "11.2805 m on 3" in text
@@ -260,15 +258,15 @@ def test_contests_sheet_has_all_times_from_before_the_circle_to_after_it(
         assert [row[column] for row in speeds[1:]] == pytest.approx(states.speeds[at].tolist(), abs=6e-7)
 
 
-def test_picture_shows_both_turns_and_who_hurries(answer: TurnAnswer) -> None:
-    drawn = answer_figure(answer)
+def test_picture_shows_both_turns_and_who_hurries(answer: TurnResult) -> None:
+    drawn = answer.plot()
     two, three, below = drawn.axes
     lines = {line.get_gid(): line for line in below.get_lines()}
-    for axes, march in ((two, answer.march), (three, answer.short_march)):
+    for axes, march in ((two, answer.march), (three, answer.shortest_march)):
         joints = next(line for line in axes.get_lines() if line.get_gid() == "joints")
         assert joints.get_xydata() == pytest.approx(march.curve.point(march.curve.joints))
     for gid in ("speeds", "short-speeds"):
-        assert lines[gid].get_ydata().max() == pytest.approx(answer.allowed, abs=0.01)
+        assert lines[gid].get_ydata().max() == pytest.approx(answer.max_ratio, abs=0.01)
 
 
 @pytest.mark.parametrize("value", [*(value for value in NO_NUMBERS if value is not None), 1.0, 5.1], ids=repr)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,8 +22,7 @@ from pymunk_dragon.errors import DragonError
 
 if TYPE_CHECKING:
     from pymunk_dragon.model.march import March
-
-__all__ = ["contact"]
+    from pymunk_dragon.model.run import Run
 
 # Search methods, and the method that each setting belongs to.
 METHODS = ("exact", "grid", "engine")
@@ -55,8 +55,6 @@ def contact(
     The exact method certifies that no benches touched before, however briefly. The grid is the method of the paper:
     samples at equal time steps, and bisection. The engine is Pymunk.
     """
-    from pymunk_dragon.words import answer_in_words, comparison_in_words
-
     given = {name: value for name, value in settings.items() if value is not None}
     for name in given:
         if not compare and SETTINGS_OF[name] != method:
@@ -65,13 +63,15 @@ def contact(
     destination = destination_of(output, (".json", ".xlsx"))
     sheet = destination if destination is not None and destination.suffix.lower() == ".xlsx" else None
     if sheet is not None:
-        _check_xlsx()
+        from pymunk_dragon._extras import library
+
+        library("xlsxwriter")
     methods = METHODS if compare else (method,)
-    answers = [_answer(march, name, given, start=start, until=until) for name in methods]
+    answers, texts = zip(*(_answer(march, name, given, start=start, until=until) for name in methods), strict=True)
     if compare:
         result: dict[str, Any] = {"methods": answers}
     else:
-        # How long it took is no part of the answer: the same question has the same bytes.
+        # The wall time is left out, so that the same search has the same bytes.
         result = {name: value for name, value in answers[0].items() if name != "wall_seconds"}
     if sheet is not None:
         _write_contact_sheet(march, answers[0], sheet)
@@ -80,23 +80,22 @@ def contact(
     if as_json:
         print_json(result)
     else:
-        click.echo(comparison_in_words(answers) if compare else answer_in_words(answers[0]))
+        click.echo(_comparison(answers) if compare else texts[0])
 
 
 def _answer(
     march: March, method: str, settings: dict[str, Any], *, start: float, until: float | None
-) -> dict[str, Any]:
-    """What one method finds, and what that costs."""
+) -> tuple[dict[str, Any], str]:
+    """Values and text of the result of one method, with its wall time among the values."""
     from time import perf_counter
 
     from pymunk_dragon.collision import first_contact, scan
-    from pymunk_dragon.words import answer_of
 
     own = {name: value for name, value in settings.items() if SETTINGS_OF[name] == method}
     begin = perf_counter()
     if method == "engine":
         run = played(march, fine=own.get("fine", False), start=start, until=until)
-        answer = answer_of(method, run) | {"samples": run.substeps, "tests": None}
+        values, text = _run_values(run), str(run).partition("\n")[0]
     else:
         search = first_contact if method == "exact" else scan
         with progress("t") as show:
@@ -105,14 +104,37 @@ def _answer(
                 show(time - start, last - start, f"t = {time:.1f} s")
 
             found = search(march, start=start, until=until, progress=report, **own)
-        answer = answer_of(method, found) | {"samples": found.samples, "tests": found.tests}
-    return answer | {"wall_seconds": perf_counter() - begin}
+        values, text = found.to_dict(), str(found)
+    wall = perf_counter() - begin
+    return {"status": values["status"], "method": method} | values | {"wall_seconds": wall}, text
 
 
-def _check_xlsx() -> None:
-    from pymunk_dragon._extras import library
+def _run_values(run: Run) -> dict[str, Any]:
+    """The values of `FirstContact.to_dict` for a run; the engine reports contacts only, not gaps."""
+    touch = {name: getattr(run.first_contact, name, None) for name in ("time", "benches", "point", "normal")}
+    counts = {"samples": run.substeps, "tests": None}
+    ended = {"near_misses": None, "until": float(run.times[-1]), "resolution": None}
+    return {"status": run.outcome, **touch, **ended, **counts}
 
-    library("xlsxwriter")
+
+def _comparison(answers: Sequence[dict[str, Any]]) -> str:
+    """Table of the methods' results and costs; lateness is relative to the first method."""
+    from pymunk_dragon._text import table
+
+    first = answers[0]["time"]
+    rows = (
+        (
+            answer["method"],
+            answer["status"],
+            answer["time"],
+            "{} and {}".format(*answer["benches"]) if answer["benches"] else None,
+            None if None in (answer["time"], first) else 1e3 * (answer["time"] - first),
+            *(answer[name] for name in ("samples", "tests", "wall_seconds")),
+        )
+        for answer in answers
+    )
+    heads = "method  status       time (s)       benches  late by (ms)  samples  pairs tested  seconds"
+    return "\n".join(table(heads, ("<6", "<11", "13.9f", ">9", "+12.6f", "7d", "12d", "7.2f"), rows))
 
 
 def _write_contact_sheet(march: March, answer: dict[str, Any], path: Path) -> None:

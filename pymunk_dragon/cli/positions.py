@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from math import isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -22,10 +23,10 @@ from pymunk_dragon.errors import ParameterError
 if TYPE_CHECKING:
     from pymunk_dragon.model.march import March
 
-__all__ = ["positions"]
-
 # The times of the paper's tables.
 TABLE_TIMES = "0:300:60"
+# Heads of the columns of a table in a file.
+COLUMNS = ("time_s", "handle", "x_m", "y_m", "speed_m_s")
 # Positions in one table: more fill the memory, and are a slip of the finger.
 MAX_TABLE = 20_000_000
 
@@ -47,8 +48,6 @@ def positions(
             raise click.UsageError("--paper prints all of its tables: leave out --times, --handles, --json and -o")
         click.echo(_paper_tables(march))
         return
-    from pymunk_dragon.words import POSITIONS, position_rows, positions_in_words
-
     last = march.dragon.handles - 1
     chosen = march.dragon.representatives if handles is None else _handles(handles, last)
     at = number_list("times", times or TABLE_TIMES)
@@ -59,16 +58,16 @@ def positions(
     if sheets is not None and handles is not None:
         raise click.UsageError("the contest's sheets have all handles: leave out --handles, or write .csv or .json")
     states = march.at(at)
-    positions, speeds = states.positions[:, chosen].tolist(), states.speeds[:, chosen].tolist()
-    result = {"times": at, "handles": chosen, "positions": positions, "speeds": speeds}
     if sheets is not None:
         _write_contest_tables(march, at, sheets)
+    elif destination is not None and destination.suffix.lower() == ".csv":
+        _write_csv(destination, states.rows(chosen))
     elif destination is not None:
-        _write_table(destination, POSITIONS, position_rows(result), result)
+        write_json(destination, states.to_dict(chosen))
     if as_json:
-        print_json(result)
+        print_json(states.to_dict(chosen))
     elif destination is None:
-        click.echo(positions_in_words(result))
+        click.echo(states.text(chosen))
 
 
 def _handles(text: str, last: int) -> list[int]:
@@ -94,15 +93,12 @@ def _write_contest_tables(march: March, times: list[float], path: Path) -> None:
         write_tables(march, times, path, progress=lambda done, total: show(done, total, f"row {done}"))
 
 
-def _write_table(path: Path, heads: tuple[str, ...], rows: list[tuple[float, ...]], result: dict[str, Any]) -> None:
+def _write_csv(path: Path, rows: Iterable[tuple[float, ...]]) -> None:
     import csv
 
     from pymunk_dragon._files import written_in_place
 
-    if path.suffix.lower() == ".json":
-        write_json(path, result)
-        return
     with written_in_place(path) as draft, draft.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
-        writer.writerow(heads)
+        writer.writerow(COLUMNS)
         writer.writerows(rows)

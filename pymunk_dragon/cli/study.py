@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -10,29 +11,45 @@ import click
 from pymunk_dragon.cli.options import chosen, destination_of, json_option, output_option, scenario_options
 from pymunk_dragon.cli.output import print_json, progress, write_json
 
-__all__ = ["study"]
+# Library that is needed to write each format.
+LIBRARIES = {".png": "matplotlib", ".svg": "matplotlib", ".xlsx": "xlsxwriter"}
 
 
-@click.command()
+class _StudyCommand(click.Command):
+    """The command `study`. Options of single studies come from these, which are imported when the command is run."""
+
+    def make_context(
+        self, info_name: str | None, args: list[str], parent: click.Context | None = None, **extra: Any
+    ) -> click.Context:
+        names = [option.name for option in self.params]
+        before_json = names.index("as_json")
+        self.params[before_json:before_json] = [option for option in _study_options() if option.name not in names]
+        return super().make_context(info_name, args, parent, **extra)
+
+
+def _study_options() -> Sequence[click.Option]:
+    """Options of single studies."""
+    from pymunk_dragon.studies import STUDIES
+
+    options = []
+    for study in STUDIES.values():
+        for name, option in study.options.items():
+            flag = name.replace("_", "-")
+            text, kind = f"Of {study.name}: {option.text}", option.kind
+            if kind is bool:
+                options.append(click.Option([f"--{flag}/--no-{flag}", name], default=None, help=text))
+            else:
+                options.append(click.Option([f"--{flag}", name], type=kind, metavar=option.metavar, help=text))
+    return options
+
+
+@click.command(cls=_StudyCommand)
 @click.argument("name", required=False)
 @scenario_options
-@click.option("--limit", type=float, metavar="M/S", help="Of max-speed: no handle shall be faster, m/s.  [2]")
-@click.option("--fastest", type=float, metavar="X", help="Of u-turn: times as fast as the head that anybody may be.")
-@click.option("--search/--no-search", default=None, help="Of u-turn: search for a shorter turn on more arcs.  [search]")
-@click.option("--arcs", type=int, metavar="N", help="Of u-turn: largest number of arcs in the search, odd.  [7]")
-@click.option("--min-radius", type=float, metavar="M", help="Of u-turn: least radius in the search, m.  [0.5]")
 @json_option
 @output_option(".json, .png or .svg for a picture of the answer, or .xlsx for the contest's sheets of the u-turn")
 def study(
-    name: str | None,
-    scenario_file: str | None,
-    limit: float | None,
-    fastest: float | None,
-    search: bool | None,
-    arcs: int | None,
-    min_radius: float | None,
-    as_json: bool,
-    output: str | None,
+    name: str | None, scenario_file: str | None, as_json: bool, output: str | None, **options: float | bool | None
 ) -> None:
     """Run a study of many marches; without a name, list the studies.
 
@@ -41,7 +58,6 @@ def study(
     """
     from pymunk_dragon.studies import STUDIES
     from pymunk_dragon.studies import study as run_study
-    from pymunk_dragon.study_words import study_answer, study_in_words
 
     if name is None:
         summaries = {known: kind.summary for known, kind in STUDIES.items()}
@@ -53,20 +69,22 @@ def study(
     values = _of_file(scenario_file, STUDIES[name].parameters if name in STUDIES else ()) | chosen()
     if isinstance(values.get("speed"), str | tuple):
         values["speed"] = _speed(values["speed"])
-    own = {"limit": limit, "fastest": fastest, "search": search, "arcs": arcs, "min_radius": min_radius}
-    values |= {given: value for given, value in own.items() if value is not None}
-    destination = destination_of(output, (".json", ".png", ".svg", *((".xlsx",) if name == "u-turn" else ())))
-    if destination is not None:
-        _check_libraries(destination)
+    values |= {given: value for given, value in options.items() if value is not None}
+    sheets = (".xlsx",) if name in STUDIES and STUDIES[name].has_sheets else ()
+    destination = destination_of(output, (".json", ".png", ".svg", *sheets))
+    if destination is not None and destination.suffix.lower() in LIBRARIES:
+        from pymunk_dragon._extras import library
+
+        # A missing library is named before the study runs.
+        library(LIBRARIES[destination.suffix.lower()])
     with progress(name) as show:
         found = run_study(name, values, lambda done, total: show(done, total, name))
-    answer = study_answer(found)
     if destination is not None:
-        _write(found, answer, destination)
+        _write(found, destination)
     if as_json:
-        print_json(answer)
+        print_json(found.to_dict())
     else:
-        click.echo(study_in_words(found))
+        click.echo(found)
 
 
 def _of_file(scenario_file: str | None, takes: tuple[str, ...]) -> dict[str, Any]:
@@ -88,23 +106,12 @@ def _speed(table: Any) -> Any:
     return Scenario(speed=table).march().speed
 
 
-def _check_libraries(destination: Path) -> None:
-    """Refuse what cannot be written before the study runs."""
-    from pymunk_dragon._extras import library
-
-    needed = {".png": "matplotlib", ".svg": "matplotlib", ".xlsx": "xlsxwriter"}
-    if (name := needed.get(destination.suffix.lower())) is not None:
-        library(name)
-
-
-def _write(found: Any, answer: dict[str, Any], destination: Path) -> None:
+def _write(found: Any, destination: Path) -> None:
     if destination.suffix.lower() == ".json":
-        write_json(destination, answer)
+        write_json(destination, found.to_dict())
     elif destination.suffix.lower() == ".xlsx":
         from pymunk_dragon.reports import write_tables
 
         write_tables(found.march, found.times, destination)
     else:
-        from pymunk_dragon.drawing.figures import write_answer
-
-        write_answer(found, destination)
+        found.write_figure(destination)

@@ -26,13 +26,15 @@ functions g, all pairs are tested at all times.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pymunk_dragon._checks import finite
+from pymunk_dragon._display import Printed
+from pymunk_dragon._text import contact_text
 from pymunk_dragon.collision.bounds import Intervals, MotionBounds, handles_in_reach, near_pairs
 from pymunk_dragon.collision.near_misses import NearMiss, near_misses
 from pymunk_dragon.collision.sat import separation
@@ -81,10 +83,16 @@ NEAR_MISS = 1 / 30
 NEAR_MISS_INTERVAL = 0.4
 # Points per pass in the search for the last time at which the chain has a state.
 LAST_POINTS = 33
+# m. Resolution above which the text of a result names it.
+COARSE = 1e-8
+# Decimals of a contact's time in the text of a result that is certified.
+CERTIFIED_DECIMALS = 9
+# The same of other results.
+SAMPLED_DECIMALS = 6
 
 
 @dataclass(frozen=True, kw_only=True)
-class FirstContact:
+class FirstContact(Printed):
     """Result of a search for the first contact of benches that are not neighbours.
 
     Attributes
@@ -128,6 +136,29 @@ class FirstContact:
     samples: int
     tests: int
     resolution: float | None = None
+
+    def to_dict(self) -> dict[str, Any]:
+        """Values in SI units, as `contact --json` prints them; None for all values of a contact where there is none."""
+        return {
+            "status": self.status,
+            "time": None if self.benches is None else self.time,
+            "benches": self.benches,
+            "point": self.point,
+            "normal": self.normal,
+            "near_misses": None if self.near_misses is None else [asdict(miss) for miss in self.near_misses],
+            "until": self.time,
+            "resolution": self.resolution,
+            "samples": self.samples,
+            "tests": self.tests,
+        }
+
+    def __str__(self) -> str:
+        decimals = SAMPLED_DECIMALS if self.resolution is None else CERTIFIED_DECIMALS
+        first = contact_text(self.status, self.benches, self.point, self.time, decimals)
+        lines = [first, *map(str, self.near_misses or ())]
+        if self.resolution is not None and self.resolution > COARSE:
+            lines.append(f"benches that overlap by less than {1e6 * self.resolution:.2g} micrometres count as apart")
+        return "\n".join(lines)
 
     @property
     def contact(self) -> Contact | None:

@@ -48,6 +48,10 @@ class NearMiss:
     benches: tuple[int, int]
     gap: float
 
+    def __str__(self) -> str:
+        i, j = self.benches
+        return f"near miss at t = {self.time:.4f} s: benches {i} and {j}, {1e3 * self.gap:.3f} mm apart"
+
 
 def near_misses(march: March, samples: Array, start: float, end: float, near: float) -> tuple[NearMiss, ...]:
     """Local minima below `near` m of the gaps between `start` and `end` s, on a march at 1 m/s.

@@ -19,8 +19,9 @@ lesson.predict(
 
 # The answer of the library: it proves that a billionth of a metre more is free, and as much less is not.
 found = min_pitch()
-print(f"smallest pitch  {found.pitch:.9f} m  benches {found.benches} touch at t = {found.march.time(found.way):.3f} s")
-print(f"the way in      {16 * found.pitch:.6f} m to 4.5 m from the centre  {found.way_in:.3f} s")
+contact, arrival = found.march.time([found.distance, found.arrival_distance])
+print(f"smallest pitch  {found.pitch:.9f} m  benches {found.benches} touch at t = {contact:.3f} s")
+print(f"the way in      {16 * found.pitch:.6f} m to 4.5 m from the centre  {arrival:.3f} s")
 
 
 def smallest_gap(pitch: float, step: float) -> float:

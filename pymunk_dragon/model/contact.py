@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import Any, Literal, Self, get_args, overload
 
+from pymunk_dragon._text import table
 from pymunk_dragon.errors import DragonError
 
 Phase = Literal["begin", "pre_solve", "post_solve", "separate"]
@@ -158,12 +159,11 @@ class ContactLog(Sequence[ContactEvent]):
         return f"ContactLog({len(self.events)} events)"
 
     def __str__(self) -> str:
-        lines = ["benches   touch from (s)  to (s)"]
-        for window in self.windows():
-            i, j = window.benches
-            end = "the end" if window.end is None else f"{window.end:.3f}"
-            lines.append(f"{i:3d} {j:3d}  {window.begin:14.3f}  {end}")
-        return "\n".join(lines)
+        rows = (
+            ("{:3d} {:3d}".format(*one.benches), one.begin, "the end" if one.end is None else f"{one.end:.3f}")
+            for one in self.windows()
+        )
+        return "\n".join(table("benches   touch from (s)  to (s)", ("", "14.3f", ""), rows))
 
     def __len__(self) -> int:
         return len(self.events)

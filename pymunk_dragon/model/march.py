@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from pymunk_dragon._checks import finite, positive, whole
 from pymunk_dragon._display import Displayed
 from pymunk_dragon._frozen import ArrayRecord, read_only
+from pymunk_dragon._text import table
 from pymunk_dragon.errors import ParameterError, UnreachableError
 from pymunk_dragon.model.chain import velocity_ratios
 from pymunk_dragon.model.continuation import Continuation
@@ -66,6 +68,31 @@ class States(ArrayRecord):
     def __repr__(self) -> str:
         span = f" from {self.times.min():g} s to {self.times.max():g} s" if self.times.size else ""
         return f"States({self.handles_s.shape[1]} handles at {self.times.size} times{span})"
+
+    def to_dict(self, handles: Sequence[int] | None = None) -> dict[str, Any]:
+        """Times, numbers of the `handles` (all by default), positions (T, H, 2) and speeds (T, H) as lists."""
+        chosen = list(range(self.handles_s.shape[1]) if handles is None else handles)
+        positions, speeds = self.positions[:, chosen].tolist(), self.speeds[:, chosen].tolist()
+        return {"times": self.times.tolist(), "handles": chosen, "positions": positions, "speeds": speeds}
+
+    def rows(self, handles: Sequence[int] | None = None) -> list[tuple[float, int, float, float, float]]:
+        """Time, handle, position and speed for every time and each of the `handles` (all by default)."""
+        found = self.to_dict(handles)
+        return [
+            (time, handle, x, y, speed)
+            for time, positions, speeds in zip(found["times"], found["positions"], found["speeds"], strict=True)
+            for handle, (x, y), speed in zip(found["handles"], positions, speeds, strict=True)
+        ]
+
+    def text(self, handles: Sequence[int] | None = None) -> str:
+        """Table of `rows`, as `positions` prints it."""
+        heads = "     t (s)  handle       x (m)       y (m)  speed (m/s)"
+        # Adding 0 turns the -0.0 of a rounded tiny number into 0.0.
+        rows = [(*row[:2], *(round(value, 6) + 0.0 for value in row[2:])) for row in self.rows(handles)]
+        return "\n".join(table(heads, ("10.6g", "6d", "10.6f", "10.6f", "11.6f"), rows))
+
+    def __str__(self) -> str:
+        return self.text()
 
     @cached_property
     def poses(self) -> Array:

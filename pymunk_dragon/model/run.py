@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from pymunk_dragon._checks import finite, whole, word
 from pymunk_dragon._display import Displayed
 from pymunk_dragon._frozen import ArrayRecord, frozen, read_only
+from pymunk_dragon._text import contact_text
 from pymunk_dragon.errors import DragonError, ParameterError
 from pymunk_dragon.model.contact import Contact, ContactEvent, ContactLog
 from pymunk_dragon.model.dragon import hermite
@@ -157,17 +158,13 @@ class Run(ArrayRecord, Displayed):
 
     def __str__(self) -> str:
         """First contact, drift and speed of the engine, and contact windows if the run went on after contacts."""
-        until = f"t = {self.times[-1]:.6g} s"
-        if self.first_contact is not None:
-            (i, j), (x, y) = self.first_contact.benches, self.first_contact.point
-            lines = [
-                f"first contact at t = {self.first_contact.time:.6f} s: benches {i} and {j} at ({x:.6f}, {y:.6f}) m"
-            ]
+        touch, until = self.first_contact, float(self.times[-1])
+        if touch is not None:
+            lines = [contact_text(self.outcome, touch.benches, touch.point, touch.time)]
         elif self.player == "exact":
-            lines = [f"exact model until {until}, without a search for contacts"]
+            lines = [f"exact model until t = {until:.6g} s, without a search for contacts"]
         else:
-            reason = ", where the curve leaves a handle no place" if self.outcome == "unreachable" else ""
-            lines = [f"no contact until {until}{reason}"]
+            lines = [contact_text(self.outcome, None, None, until)]
         if self.player != "exact":
             head, largest, speed = 1e3 * self.head_drift, 1e3 * self.max_drift, self.to_dict()["realtime_factor"]
             times = "" if speed is None else f"; {speed:.1f} times as fast as real time"

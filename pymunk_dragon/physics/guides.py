@@ -10,6 +10,7 @@ import pymunk
 from numpy.typing import NDArray
 
 from pymunk_dragon.errors import ParameterError
+from pymunk_dragon.model.chain import velocity_ratios
 from pymunk_dragon.model.march import March, States
 
 Array = NDArray[np.float64]
@@ -187,7 +188,7 @@ class Rails(PathGuide):
         front = np.empty_like(rear)
         front[0] = complex(*hinge_velocity) * facing[0]
         np.multiply(tangents[:-1], facing[1:], out=front[1:])
-        np.cumprod(front.real / rear.real, out=self._rear_speeds)
+        self._rear_speeds = velocity_ratios(front.real, rear.real)[1:]
         front[1:] *= self._rear_speeds[:-1]
         motion = np.empty((2, rear.size))
         motion[0] = front.real

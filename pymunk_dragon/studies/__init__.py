@@ -1,30 +1,35 @@
-"""Parameter studies over many marches, and optimisation."""
+"""Parameter studies over many marches, and optimisation.
+
+A study is a module with a function, its result, and an entry `STUDY`. The result's class has the text, the JSON values
+and the figure; `STUDIES` has all studies by name, from which the command line takes their options.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping
 from typing import Any
 
 from pymunk_dragon._checks import word
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.dragon import Dragon
+from pymunk_dragon.studies._study import DRAGON, Progress, Study, silent
+from pymunk_dragon.studies.max_speed import STUDY as MAX_SPEED
 from pymunk_dragon.studies.max_speed import MaxSpeed, max_speed
-from pymunk_dragon.studies.min_pitch import MinPitch, PitchMap, min_pitch
-from pymunk_dragon.studies.progress import Progress, silent
-from pymunk_dragon.studies.sensitivity import Reach, Sensitivity, Slope, sensitivity
-from pymunk_dragon.studies.u_turn import TurnAnswer, u_turn
+from pymunk_dragon.studies.min_pitch import STUDY as MIN_PITCH
+from pymunk_dragon.studies.min_pitch import MinPitch, min_pitch
+from pymunk_dragon.studies.sensitivity import STUDY as SENSITIVITY
+from pymunk_dragon.studies.sensitivity import Sensitivity, Slope, sensitivity
+from pymunk_dragon.studies.u_turn import STUDY as U_TURN
+from pymunk_dragon.studies.u_turn import TurnResult, u_turn
 
 __all__ = [
     "STUDIES",
     "MaxSpeed",
     "MinPitch",
-    "PitchMap",
-    "Reach",
     "Sensitivity",
     "Slope",
     "Study",
-    "TurnAnswer",
+    "TurnResult",
     "max_speed",
     "min_pitch",
     "sensitivity",
@@ -32,59 +37,8 @@ __all__ = [
     "u_turn",
 ]
 
-# Names of the sizes of a dragon that studies take.
-DRAGON = ("benches", "head_spacing", "body_spacing", "overhang", "width")
-
-
-@dataclass(frozen=True, kw_only=True)
-class Study:
-    """A study that can be run by name.
-
-    Attributes
-    ----------
-    summary : str
-        What the study computes, in one line.
-    run : callable
-        Function of a `Dragon`, if `of_dragon`, and of the options by name. It returns a frozen dataclass.
-    options : tuple of str
-        Names of the options apart from the dragon's sizes.
-    of_dragon : bool
-        Whether the study takes a dragon.
-    """
-
-    summary: str
-    run: Callable[..., Any]
-    options: tuple[str, ...]
-    of_dragon: bool = True
-
-    @property
-    def parameters(self) -> tuple[str, ...]:
-        """Names of all parameters, including the dragon's sizes."""
-        return (*DRAGON, *self.options) if self.of_dragon else self.options
-
-
-STUDIES: Mapping[str, Study] = {
-    "min-pitch": Study(
-        summary="the smallest pitch at which the head reaches the turning circle (the contest's question 3)",
-        run=min_pitch,
-        options=("turns", "speed", "radius"),
-    ),
-    "max-speed": Study(
-        summary="the largest speed of the head in the U-turn at which no handle is too fast (question 5)",
-        run=max_speed,
-        options=("limit", "pitch", "radius", "ratio"),
-    ),
-    "sensitivity": Study(
-        summary="what each size of the benches does to the first contact, and to that pitch",
-        run=sensitivity,
-        options=("pitch", "turns", "speed", "radius"),
-    ),
-    "u-turn": Study(
-        summary="the turn inside the circle, and the shortest one that is found (the contest's question 4)",
-        run=u_turn,
-        options=("pitch", "radius", "ratio", "speed", "fastest", "search", "arcs", "min_radius"),
-    ),
-}
+# All studies by name.
+STUDIES: Mapping[str, Study] = {study.name: study for study in (MIN_PITCH, MAX_SPEED, SENSITIVITY, U_TURN)}
 
 
 def study(name: str, values: Mapping[str, Any], progress: Progress = silent) -> Any:
@@ -101,8 +55,8 @@ def study(name: str, values: Mapping[str, Any], progress: Progress = silent) -> 
 
     Returns
     -------
-    dataclass
-        The result of the study, as `MinPitch`, `MaxSpeed`, `Sensitivity` or `TurnAnswer`.
+    Result
+        The result of the study, as `MinPitch`, `MaxSpeed`, `Sensitivity` or `TurnResult`.
 
     Raises
     ------
@@ -110,13 +64,17 @@ def study(name: str, values: Mapping[str, Any], progress: Progress = silent) -> 
         If there is no such study, it does not take one of the values, or a value is out of range.
     DragonError
         As the study itself does.
+
+    Examples
+    --------
+    >>> round(study("max-speed", {"limit": 1.5}).speed, 6)
+    0.9347
     """
     chosen = STUDIES[word("study", name, STUDIES)]
     for given, value in values.items():
         if given not in chosen.parameters:
             raise ParameterError(given, value, f"left out: {name} takes " + ", ".join(chosen.parameters))
-    options = {given: value for given, value in values.items() if given in chosen.options}
-    if not chosen.of_dragon:
-        return chosen.run(**options, progress=progress)
     dragon = Dragon(**{given: value for given, value in values.items() if given in DRAGON})
-    return chosen.run(dragon, **options, progress=progress)
+    return chosen.run(
+        dragon, **{given: value for given, value in values.items() if given not in DRAGON}, progress=progress
+    )

@@ -1,101 +1,48 @@
 """The largest speed of the head at which no handle exceeds a speed limit in the turn (the contest's question 5).
 
-The ratio of a handle's speed to the head's depends only on the distance s travelled by the head. Its maximum is found
-by branch and bound. Over an interval of s the ratio is at most its value at the midpoint plus half the interval's
-length times a bound on its derivative. Intervals whose bound is below the largest value found are discarded, the others
-are halved. The bounds on derivatives come from interval arithmetic on the rigid-bench equations (derived in
-`collision/bounds.py`): with the angles alpha and beta from a bench to the path's tangents at its front and rear hole,
-its spacing L and the path's curvatures kappa_f and kappa_r there, the rear hole has the velocity ratio
-rho = cos alpha / cos beta to the front hole, and
-
-    drho/ds = (rho^2 kappa_r sin beta - kappa_f sin alpha + omega^2 L) / cos beta,
-    omega = (sin alpha - rho sin beta) / L.
-
-Three facts limit the search:
-
-- On the inward spiral no handle is faster than the one before it: at the end of a spiral's arc with the larger
-  curvature, the angle to the chord is larger (W. Vogt, "Über monotongekrümmte Kurven", 1914).
-- On the outward spiral each handle is faster than the one before it, but all of them together by no more than a bound
-  that depends only on the curvature kappa at the exit. The angle to a chord lies between those on the circles with the
-  largest and the smallest curvature of the arc (A. Schur, 1921), so both cosines of a bench lie between c(L, kappa at
-  its front hole) and c(L, kappa at its rear hole), where c(L, k) = sqrt(1 - (k L / 2)^2). At a hole between benches of
-  the spacings L and M the product has the factor cos alpha / cos beta, which is at most
-  max(1, c(M, kappa) / c(L, kappa)). The remaining factor is at most 1 / c(L, kappa) of the last bench.
-- Benches but the head are alike, so once the head has left the turn, the motion in the turn is periodic with the period
-  of one bench.
+The speed of each handle is proportional to the head's, so the largest speed is the limit over the largest ratio of a
+handle's speed to the head's, which `_speed_ratio.py` encloses.
 """
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pymunk_dragon._checks import finite
+from pymunk_dragon.drawing.figures.lines import label
+from pymunk_dragon.drawing.figures.style import BLUE, COLOURS, FAINT, RULE, halo, page, panel
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.model.curves import Composite, Section, Spiral, UTurn
+from pymunk_dragon.model.curves import UTurn
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.speed import MAX_SPEED, MIN_SPEED
-from pymunk_dragon.studies.progress import Progress, silent
+from pymunk_dragon.studies._figures import circle, heading, square
+from pymunk_dragon.studies._speed_ratio import largest_ratio
+from pymunk_dragon.studies._study import INDENT, Option, Progress, Result, Study, silent
 
-__all__ = ["MaxSpeed", "SpeedRatio", "largest_ratio", "max_speed"]
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
-Array = NDArray[np.float64]
-Interval = tuple[Array, Array]
-
-# Length of the initial intervals of the head's distance, in spacings. Longer intervals are halved more often, shorter
-# ones cost more at once.
-INTERVAL = 1 / 16
-# Parts of which progress is reported.
-PARTS = 2
-# Initial intervals times benches up to which a whole dragon is evaluated through the turn: some seconds of work.
-WORK = 100_000
-# Relative width of the enclosure of the largest ratio: the search takes longer below it, and rounding is far below.
-RELATIVE_TOLERANCE = 1e-11
-# Relative difference up to which the speeds of two handles count as equal: several widths of the enclosure.
-EQUAL = 1e-10
-# Relative bound on the rounding error of a ratio.
-ROUNDING = 1e-13
-# m. Length below which an interval is not halved: next to rounding of the head's distance.
-MIN_INTERVAL = 1e-12
-# rad. A right angle.
-RIGHT_ANGLE = np.pi / 2
-# Least cosine in a quotient: a smaller one belongs to an angle that may reach a right angle.
-MIN_COSINE = 1e-12
-# Condition on the curve in the message about a bench that is perpendicular to it.
-FORWARD = "one on which every hole moves forward at all times"
+# Of the figure: m of head travel shown before and after the time of the limit.
+DISTANCE_BEFORE, DISTANCE_AFTER = 14.0, 26.0
+# Of the figure: times at which speeds are sampled, more than the line is pixels wide.
+TIME_SAMPLES = 1600
+# Of the figure: foremost handles whose speeds are drawn individually.
+DRAWN_HANDLES = 12
+# Of the figure: foremost handles whose largest speed is drawn, all that are in the turn.
+EVALUATED_HANDLES = 28
+# Of the figure: half the width of the plan view, in radii of the circle.
+BORDER = 1.16
+# Of the figure: points of the path and of the circle.
+PATH_POINTS = 1500
 
 
-@dataclass(frozen=True, kw_only=True)
-class SpeedRatio:
-    """Maximum, over time and handles, of a handle's speed over the head's in a turn.
-
-    Attributes
-    ----------
-    ratio : float
-        Largest ratio of a handle's speed to the head's.
-    excess : float
-        Relative amount by which the true maximum may be larger.
-    handle, handles : int and tuple of int
-        The foremost handle with that speed, and all handles with it.
-    way : float
-        Distance travelled by the head from the entry of the circle at the maximum, m.
-    looks : int
-        Number of positions of the head at which the ratios were evaluated.
-    """
-
-    ratio: float
-    excess: float
-    handle: int
-    handles: tuple[int, ...]
-    way: float
-    looks: int
-
-
-@dataclass(frozen=True, kw_only=True)
-class MaxSpeed:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class MaxSpeed(Result):
     """The largest speed of the head for a speed limit of all handles.
 
     Attributes
@@ -110,16 +57,21 @@ class MaxSpeed:
         Relative amount by which the true largest ratio may be larger.
     handle, handles : int and tuple of int
         The foremost handle at the limit, and all handles at the limit.
-    way, time : float
+    distance, time : float
         Distance travelled by the head from the entry of the circle at the maximum, m, and the time at `speed`, s.
     speeds : tuple of float
         Speeds of the foremost handles at the maximum if the head's speed is `speed`, m/s.
-    looks : int
+    evaluations : int
         Number of positions of the head at which the ratios were evaluated.
     curve : UTurn
         The path.
     dragon : Dragon
         The dragon.
+
+    Examples
+    --------
+    >>> max_speed(limit=1.0)
+    <MaxSpeed: largest speed of the head 0.6231331791 m/s: no handle exceeds 1 m/s>
     """
 
     speed: float
@@ -128,12 +80,44 @@ class MaxSpeed:
     excess: float
     handle: int
     handles: tuple[int, ...]
-    way: float
+    distance: float
     time: float
     speeds: tuple[float, ...]
-    looks: int
+    evaluations: int
     curve: UTurn
     dragon: Dragon
+
+    def to_dict(self) -> dict[str, Any]:
+        """Values in SI units, as `study max-speed --json` prints them."""
+        names = ("speed", "handle", "time", "limit", "ratio", "excess", "handles", "distance", "speeds", "evaluations")
+        return {name: getattr(self, name) for name in names}
+
+    def _lines(self) -> list[str]:
+        first, last = self.handles[0], self.handles[-1]
+        subject = f"handle {first} goes" if first == last else f"handles {first} to {last} go"
+        shown = "  ".join(f"{speed:.3f}" for speed in self.speeds)
+        return [
+            f"largest speed of the head {self.speed:.10f} m/s: no handle exceeds {self.limit:g} m/s",
+            f"limit:     {subject} {self.ratio:.10f} times as fast as the head {self.time:.4f} s after it entered",
+            f"{INDENT}the circle, {self.distance:.4f} m into it",
+            f"then:      handles 0, 1, 2, ... go {shown} m/s",
+            f"certified: no handle ever exceeds that by more than {self.excess:.2g} of it ({self.evaluations} looks)",
+        ]
+
+    def _draw(self) -> Figure:
+        """Speeds of the handles over time, and positions at the time of the limit."""
+        first, last = self.handles[0], self.handles[-1]
+        subject = f"handle {first} is" if first == last else f"handles {first} to {last} are"
+        where = f"head {self.distance:.2f} m into the circle, {self.time:.2f} s after it entered"
+        figure = page(
+            8.0,
+            9.4,
+            f"At {self.speed:.6f} m/s of the head, {subject} at the limit of {self.limit:g} m/s once",
+            f"{where}; no handle is faster at any time",
+        )
+        _draw_speeds(panel(figure, 0.85, 5.35, 6.85, 2.75), self)
+        _draw_positions(panel(figure, 2.0, 0.45, 4.1, 4.1), self)
+        return figure
 
 
 def max_speed(
@@ -174,6 +158,12 @@ def max_speed(
         has no initial position or a bench is pushed back.
     UnreachableError
         If the dragon does not fit round the turn.
+
+    Examples
+    --------
+    >>> found = max_speed(limit=2.0)
+    >>> print(f"{found.speed:.6f} m/s, handle {found.handle}")
+    1.246266 m/s, handle 3
     """
     dragon = Dragon() if dragon is None else dragon
     limit = finite("limit", limit, MIN_SPEED, MAX_SPEED, "m/s")
@@ -185,19 +175,18 @@ def max_speed(
     except ParameterError as error:
         if error.name != "start_s":
             raise
-        raise ParameterError(
-            "radius", radius, "large enough for an initial position of the dragon at the circle"
-        ) from error
+        start = "large enough for an initial position of the dragon at the circle"
+        raise ParameterError("radius", radius, start) from error
     try:
-        found = largest_ratio(march, progress)
+        found = largest_ratio(dragon, curve, progress)
     except ParameterError as error:
         raise ParameterError("radius", radius, "large enough for every hole to move forward at all times") from error
     speed = limit / found.ratio
-    speeds = speed * march.at(found.way, min(found.handles[-1] + 3, dragon.handles)).speeds[0]
+    speeds = speed * march.at(found.distance, min(found.handles[-1] + 3, dragon.handles)).speeds[0]
     return MaxSpeed(
         speed=speed,
         limit=limit,
-        time=found.way / speed,
+        time=found.distance / speed,
         speeds=tuple(speeds.tolist()),
         curve=curve,
         dragon=dragon,
@@ -205,255 +194,60 @@ def max_speed(
     )
 
 
-def largest_ratio(march: March, progress: Progress = silent) -> SpeedRatio:
-    """Maximum of a handle's speed over the head's, for all handles and all times, enclosed by branch and bound.
-
-    Parameters
-    ----------
-    march : March
-        March at 1 m/s on an inward spiral, arcs and lines, and an outward spiral. The head is at the end of the
-        inward spiral at t = 0.
-
-    Raises
-    ------
-    ParameterError
-        If a bench becomes perpendicular to the path at its front handle, where its rear handle begins to move back.
-    UnreachableError
-        If the dragon does not fit round the turn.
-    """
-    dragon, search = march.dragon, _Search(march)
-    head, whole = float(dragon.spacings[0]), float(dragon.spacings.sum())
-    if not dragon.alike:
-        search.run(0.0, _exit_distance(march, dragon.benches, whole))
-        return search.result(_outward_gain(search.curve, dragon.spacings))
-    search.run(0.0, _exit_distance(march, 1, head))
-    # Once the head has left the turn, the benches behind it move as a chain of equal benches, whose motion is periodic.
-    gain, body = _outward_gain(search.curve, dragon.spacings[:2]), float(dragon.spacings[1:2].sum()) or head
-    alike = March(replace(dragon, head_spacing=body), march.curve, start_s=search.curve.joints[-1])
-    followers = _Search(alike, search.ratio / gain)
-    followers.run(0.0, _exit_distance(alike, 1, body))
-    bound = gain
-    if followers.found:
-        # With benches on the outward spiral, handles may be faster than the followers alone, by at most the gain. The
-        # maximum of the followers is evaluated for each number of benches that have left the turn. The remaining
-        # positions are searched if they are few, and bounded by the gain otherwise.
-        progress(1, PARTS)
-        search.enclose(*_periodic_samples(march, followers.travelled))
-        if whole / (INTERVAL * body) * dragon.benches <= WORK:
-            search.run(_exit_distance(march, 1, head), _exit_distance(march, dragon.benches, whole))
-        else:
-            bound = followers.ratio * gain
-    progress(PARTS, PARTS)
-    search.evaluations += followers.evaluations
-    return search.result(bound)
+def _draw_speeds(axes: Axes, found: MaxSpeed) -> None:
+    """Draw the speeds of the foremost handles, and the largest speed, over time."""
+    heading(axes, "speeds of the foremost handles, m/s; the blue line is the fastest of all")
+    at = found.distance
+    distances = np.sort(np.append(np.linspace(at - DISTANCE_BEFORE, at + DISTANCE_AFTER, TIME_SAMPLES), at))
+    handles = min(EVALUATED_HANDLES, found.dragon.handles)
+    speeds = found.speed * March(found.dragon, found.curve).at(distances, handles).speeds
+    times = distances / found.speed
+    axes.plot(times, speeds[:, 1:DRAWN_HANDLES], color=RULE, lw=0.9)
+    axes.plot(times, speeds.max(axis=1), color=BLUE, lw=2.0, gid="fastest")
+    axes.axhline(found.limit, color=COLOURS.contact, lw=1.0, ls=(0, (4, 3)))
+    axes.plot(found.time, found.limit, "o", color=COLOURS.contact, ms=7, zorder=4, gid="limit")
+    label(axes, found.time, found.limit, f"{found.time:.3f} s", (10, -4), ha="left", va="top", color=COLOURS.contact)
+    axes.set_xlim(times[0], times[-1])
+    axes.margins(y=0.12)
+    axes.set_xlabel("time since the head entered the circle (s)")
 
 
-def _periodic_samples(march: March, phase: float) -> tuple[Array, Array]:
-    """Distances of the head, as intervals of length zero, at which handle 1, 2, ... is `phase` m behind the exit.
-
-    The benches between that handle and the head are on the outward spiral. Their positions follow from the handle's.
-    """
-    assert isinstance(march.curve, Composite)
-    outward = march.curve.pieces[-1]
-    spiral = outward.curve if isinstance(outward, Section) else outward
-    assert isinstance(spiral, Spiral)
-    head, body = float(march.dragon.spacings[0]), float(march.dragon.spacings[-1])
-    # Travelled inward, the handle ahead is the one behind.
-    inward, angles, heads = replace(spiral, outward=False), spiral.angle([outward.begin_s + phase]), []
-    for _ in range(1, march.dragon.benches):
-        heads.append(inward.behind(angles, head))
-        angles = inward.behind(angles, body)
-    travelled = spiral.arc(np.concatenate(heads)) - outward.begin_s + march.curve.joints[-1] - march.head_start
-    return travelled, travelled
-
-
-def _outward_gain(curve: Composite, spacings: Array) -> float:
-    """Bound on the ratio of a handle's speed to the head's while all benches are on the outward spiral."""
-    outward = curve.pieces[-1]
-    cosines = np.sqrt(1 - (outward.curvature(outward.begin_s) * spacings / 2) ** 2)
-    return float(np.prod(np.maximum(1.0, cosines[1:] / cosines[:-1])) / cosines[-1])
-
-
-def _exit_distance(march: March, handle: int, step: float) -> float:
-    """Distance travelled by the head, m, at which `handle` has passed the exit of the turn, exceeded by up to `step`.
-
-    Raises
-    ------
-    ParameterError
-        If the handle is pushed back.
-    """
-    assert isinstance(march.curve, Composite)
-    exit_s = march.curve.joints[-1]
-    travelled, s = exit_s - march.head_start + step, -np.inf
-    while True:
-        before, s = s, float(march.handles_s(march.time(travelled), handle + 1)[0, -1])
-        if s >= exit_s:
-            return travelled
-        if s <= before:
-            raise ParameterError("curve", march.curve, FORWARD)
-        travelled += step / 8
-
-
-class _Search:
-    """Branch and bound for the largest ratio of a march at 1 m/s above a lower bound."""
-
-    def __init__(self, march: March, lower: float = 1.0) -> None:
-        assert isinstance(march.curve, Composite)
-        self.march, self.curve = march, march.curve
-        self.ratio, self.found = lower, False
-        self.evaluations = 0
-        self.travelled, self._handles = 0.0, 1
-        self._spacings = march.dragon.spacings
-
-    def run(self, begin: float, end: float) -> None:
-        """Enclose the largest ratio while the head travels from `begin` to `end`, m."""
-        edges = np.linspace(begin, end, int(np.ceil((end - begin) / (INTERVAL * self._spacings.min()))) + 1)
-        self.enclose(edges[:-1], edges[1:])
-
-    def enclose(self, begins: Array, ends: Array) -> None:
-        """Enclose the largest ratio on intervals of the head's distance."""
-        # The handles further back are on the inward spiral, and no faster than the last of these handles.
-        ahead = int(np.count_nonzero(self.march.handles_s(self.march.time(ends.max()))[0] > 0))
-        handles = min(max(2, ahead + 1), self.march.dragon.handles)
-        middles, halves = (begins + ends) / 2, (ends - begins) / 2
-        parts = [self.march.handles_s(travelled, handles) for travelled in (begins, middles, ends)]
-        while middles.size:
-            first, middle, last = parts
-            self.evaluations += middles.size
-            ratios, most = self._ratios(first, middle, last)
-            self._update(middles, ratios)
-            left = np.flatnonzero((most > self.ratio * (1 + RELATIVE_TOLERANCE)).any(axis=1))
-            if not left.size or 2 * halves.max() < MIN_INTERVAL:
-                break
-            handles = int(np.flatnonzero((most[left] > self.ratio).any(axis=0))[-1]) + 2
-            first, middle, last = (part[left, :handles] for part in parts)
-            halves = np.tile(halves[left] / 2, 2)
-            middles = np.concatenate([middles[left], middles[left]]) + np.repeat([-1, 1], left.size) * halves
-            joined = np.concatenate([first, middle]), np.concatenate([middle, last])
-            parts = [joined[0], self.march.handles_s(middles, handles), joined[1]]
-
-    def _update(self, middles: Array, ratios: Array) -> None:
-        """Replace the largest ratio if one of `ratios` is larger."""
-        largest = ratios.max(axis=1)
-        best = int(largest.argmax())
-        if largest[best] > self.ratio:
-            self.ratio, self.found, self.travelled = float(largest[best]), True, float(middles[best])
-            self._handles = ratios.shape[1] + 1
-
-    def _ratios(self, first: Array, middle: Array, last: Array) -> tuple[Array, Array]:
-        """Ratios (K, H - 1) of the speeds of handles 1 to H - 1 to the head's, at midpoints, and bounds on intervals.
-
-        `first`, `middle` and `last` (K, H) are coordinates of the handles at the beginning, midpoint and end of the
-        intervals.
-        """
-        spacings = self._spacings[: first.shape[1] - 1]
-        points, tangents = (part.view(complex)[..., 0] for part in self.curve.frame(middle))
-        facing = ((points[:, :-1] - points[:, 1:]) / spacings).conj()
-        front, rear = np.angle(tangents[:, :-1] * facing), np.angle(tangents[:, 1:] * facing)
-        if np.any(np.abs(front) >= RIGHT_ANGLE):
-            raise ParameterError("curve", self.curve, FORWARD)
-        # While both holes move forward, they remain between their coordinates at the ends of the interval. No bench
-        # rotates by more than the sum of the two distances, over its spacing.
-        moved = np.maximum(middle - first, last - middle)
-        swept = moved * self.curve.max_curvature(first, last)
-        turned = (moved[:, :-1] + moved[:, 1:]) / spacings
-        fronts = _interval(front, swept[:, :-1] + turned)
-        rears = _interval(rear, swept[:, 1:] + turned)
-        low, high = self._curvatures(first, last)
-        velocity_ratio, slope = _velocity_ratio(
-            fronts, rears, (low[:, :-1], high[:, :-1]), (low[:, 1:], high[:, 1:]), spacings
-        )
-        ratios = np.cumprod(np.cos(front) / np.cos(rear), axis=1)
-        with np.errstate(over="ignore", invalid="ignore"):
-            slowest, fastest = (_products(bound[:, :-1]) for bound in velocity_ratio)
-            low, high = _product((slowest, fastest), _quotient(slope, velocity_ratio))
-            change = np.maximum(np.abs(np.cumsum(low, axis=1)), np.abs(np.cumsum(high, axis=1)))
-            most = ratios * np.exp(change * moved[:, :1]) * (1 + ROUNDING)
-        # Where an angle may reach a right angle, there is no bound for this handle and the handles behind it.
-        known = np.logical_and.accumulate((_largest(fronts) < RIGHT_ANGLE) & (_largest(rears) < RIGHT_ANGLE), axis=1)
-        return ratios, np.where(known & np.isfinite(most), most, np.inf)
-
-    def _curvatures(self, first: Array, last: Array) -> Interval:
-        """Least and largest signed curvature of the path between coordinates.
-
-        The curvature of an arc is constant, and that of a spiral is monotonic.
-        """
-        ends = self.curve.curvature(first), self.curve.curvature(last)
-        low, high = np.minimum(*ends), np.maximum(*ends)
-        for joint, before, after in zip(self.curve.joints, self.curve.pieces[:-1], self.curve.pieces[1:], strict=True):
-            here = (first <= joint + MIN_INTERVAL) & (last >= joint - MIN_INTERVAL)
-            for end in (float(before.curvature(before.end_s)), float(after.curvature(after.begin_s))):
-                low, high = np.where(here, np.minimum(low, end), low), np.where(here, np.maximum(high, end), high)
-        return low, high
-
-    def result(self, bound: float) -> SpeedRatio:
-        """The largest ratio, if `bound` is a bound on all ratios that were not enclosed."""
-        speeds = self.march.at(self.travelled, self._handles).speeds[0]
-        fastest = np.flatnonzero(speeds > self.ratio * (1 - EQUAL)).tolist()
-        return SpeedRatio(
-            ratio=self.ratio,
-            excess=max(RELATIVE_TOLERANCE, bound / self.ratio - 1),
-            handle=fastest[0],
-            handles=tuple(fastest),
-            way=self.travelled,
-            looks=self.evaluations,
+def _draw_positions(axes: Axes, found: MaxSpeed) -> None:
+    """Draw the benches in the turn at the time of the limit, with the handles' speeds."""
+    curve = found.curve
+    states = March(found.dragon, curve).at(found.distance)
+    half = BORDER * curve.radius
+    square(axes, half)
+    axes.set_axis_off()
+    circle(axes, curve.radius, points=PATH_POINTS)
+    path = curve.point(np.linspace(-half, curve.joints[-1] + half, PATH_POINTS))
+    axes.plot(*path.T, color=RULE, lw=1.2, gid="path")
+    for bench, outline in enumerate(found.dragon.outlines(states.poses[0])):
+        if np.abs(outline).max(axis=1).min() < half:
+            axes.fill(*outline.T, fc=FAINT, ec=COLOURS.ink, lw=0.8, gid=f"bench-{bench}")
+    speeds = found.speed * states.speeds[0]
+    for handle, position in enumerate(states.positions[0]):
+        if np.abs(position).max() > 0.93 * half:
+            continue
+        fastest = handle in found.handles
+        colour = COLOURS.contact if fastest else COLOURS.ink
+        axes.plot(*position, "o", color=colour, ms=6 if fastest else 4, zorder=4)
+        axes.annotate(
+            f"{speeds[handle]:.2f}",
+            position.tolist(),
+            (7, 5),
+            textcoords="offset points",
+            size=10,
+            color=colour,
+            zorder=5,
+            path_effects=halo(),
         )
 
 
-def _products(factors: Array) -> Array:
-    """Products (K, N + 1) of the first 0, 1, ... of `factors` (K, N)."""
-    return np.concatenate([np.ones((len(factors), 1)), np.cumprod(factors, axis=1)], axis=1)
-
-
-def _velocity_ratio(
-    fronts: Interval, rears: Interval, front_curvature: Interval, rear_curvature: Interval, spacings: Array
-) -> tuple[Interval, Interval]:
-    """Velocity ratio of a bench's rear hole to its front hole, and its derivative by the front hole's coordinate."""
-    sines, cosines = (_sine(fronts), _sine(rears)), (_cosine(fronts), _cosine(rears))
-    ratio = _quotient(cosines[0], cosines[1])
-    rate = _difference(sines[0], _product(ratio, sines[1]))
-    rear = _product(_product(ratio, ratio), _product(rear_curvature, sines[1]))
-    front = _product(front_curvature, sines[0])
-    (low, high), squared = _difference(rear, front), _product(rate, rate)
-    # A square is not negative.
-    total = low + np.maximum(squared[0], 0.0) / spacings, high + squared[1] / spacings
-    return ratio, _quotient(total, cosines[1])
-
-
-def _interval(middle: Array, half: Array) -> Interval:
-    """Interval of a midpoint and half a width."""
-    return middle - half, middle + half
-
-
-def _largest(angles: Interval) -> Array:
-    """Largest absolute value in an interval."""
-    return np.maximum(np.abs(angles[0]), np.abs(angles[1]))
-
-
-def _sine(angles: Interval) -> Interval:
-    """Sines of angles up to a right angle."""
-    return np.sin(angles[0]), np.sin(angles[1])
-
-
-def _cosine(angles: Interval) -> Interval:
-    """Cosines of angles up to a right angle, above 0."""
-    ends = np.cos(angles[0]), np.cos(angles[1])
-    # At a right angle the cosine is zero. Results for such angles are discarded.
-    low = np.maximum(np.minimum(*ends), MIN_COSINE)
-    return low, np.where(angles[0] * angles[1] <= 0, 1.0, np.maximum(np.maximum(*ends), low))
-
-
-def _difference(one: Interval, other: Interval) -> Interval:
-    """Difference of intervals."""
-    return one[0] - other[1], one[1] - other[0]
-
-
-def _product(one: Interval, other: Interval) -> Interval:
-    """Product of intervals."""
-    ends = [a * b for a in one for b in other]
-    return np.minimum.reduce(ends), np.maximum.reduce(ends)
-
-
-def _quotient(one: Interval, other: Interval) -> Interval:
-    """Quotient by an interval above 0."""
-    return _product(one, (1 / other[1], 1 / other[0]))
+STUDY = Study(
+    name="max-speed",
+    summary="the largest speed of the head in the U-turn at which no handle is too fast (question 5)",
+    run=max_speed,
+    own_parameters=("limit", "pitch", "radius", "ratio"),
+    options={"limit": Option(kind=float, metavar="M/S", text="no handle shall be faster, m/s.  [2]")},
+)

@@ -4,37 +4,42 @@ A smaller pitch brings the turns closer together, so the head touches a bench th
 circle. The result consists of three parts:
 
 - The limit. The smallest gap on the whole inward spiral, as a function of the pitch, has a zero. Newton's method finds
-  the zero from the exact derivative (`gaps.py`).
+  the zero from the exact derivative (`_gaps.py`).
 - Its certificate. `first_contact` certifies that the march is free of contacts a nanometre above the limit, and finds a
   contact a nanometre below.
-- Its uniqueness: no free pitches below and no collisions above. Dragons are compared with their heads at the same
-  distance from the centre. At every sampled pitch and position, every gap close to zero grows with the pitch. So a
-  position that is free at one pitch is free at all larger pitches. Marches at larger pitches start further out, and
-  the additional part of their spirals is sampled as well. So the free pitches are a half line that begins at the limit.
+- Its uniqueness: no free pitches below and no collisions above (`_pitch_map.py`). Dragons are compared with their heads
+  at the same distance from the centre. At every sampled pitch and position, every gap close to zero grows with the
+  pitch. So a position that is free at one pitch is free at all larger pitches. Marches at larger pitches start further
+  out, and the additional part of their spirals is sampled as well. So the free pitches are a half line that begins at
+  the limit.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field, replace
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pymunk_dragon._checks import finite, positive
 from pymunk_dragon.collision import FirstContact, first_contact
+from pymunk_dragon.drawing.figures.charts import MM, gap_line
+from pymunk_dragon.drawing.figures.lines import label, logarithmic
+from pymunk_dragon.drawing.figures.style import BLUE, COLOURS, FAINT, QUIET, halo, page, panel
 from pymunk_dragon.errors import DragonError, ParameterError
-from pymunk_dragon.model.curves import Spiral
 from pymunk_dragon.model.curves.spiral import MAX_PITCH
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
-from pymunk_dragon.studies.gaps import PITCH, Gaps, gaps_of
-from pymunk_dragon.studies.progress import Progress, silent
-from pymunk_dragon.studies.sampled_gaps import SampledGaps
+from pymunk_dragon.studies._figures import circle, heading, square
+from pymunk_dragon.studies._gaps import PITCH, Gaps, InwardMarch, SampledGaps, gaps_of
+from pymunk_dragon.studies._pitch_map import PITCH_RATIO, PitchMap, at_least_pitch, pitch_map, smallest_gaps
+from pymunk_dragon.studies._study import INDENT, Progress, Result, Study, bracketed, silent
 
-__all__ = ["MinPitch", "PitchMap", "distance_to_circle", "min_pitch"]
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
-Array = NDArray[np.float64]
 Limit = Literal["passing", "arrival", "start", "circle"]
 
 # m. Radius of the contest's turning circle.
@@ -45,15 +50,6 @@ MAX_RADIUS = 100.0
 MAX_TURNS = 900.0
 # m. Distance from the limit at which pitches are certified: a thousand times the error of the limit.
 CERTIFIED = 1e-9
-# Ratio of successive pitches of the map.
-PITCH_RATIO = 1.04
-# Smallest gap at which the map ends, as a share of the width, or of the smallest gap at wide pitches if that is less:
-# beyond it no gap is close to zero.
-MAP_END = 0.5
-# Size up to which a gap counts as close to zero, as a share of the width: 1 cm at the contest's 0.3 m.
-CLOSE_TO_ZERO = 1 / 30
-# Least pitch of the map over the width: no march has a pitch that is not larger than the width.
-MIN_PITCH_RATIO = 1 + 1e-6
 # m. Distance of the result from the zero of the smallest gap: rounding, of a few 1e-15 m, shows no overlap there.
 TANGENCY_MARGIN = 1e-13
 # Newton steps, at most; three suffice.
@@ -62,49 +58,33 @@ MAX_NEWTON_STEPS = 60
 STEP_TOLERANCE = 1e-12
 # Share of the distance to the circle within which a minimum of a gap lies at an end of the spiral.
 AT_END = 1e-9
+# Text of each cause of a smallest pitch.
+LIMITS = {"passing": "as the head passes", "arrival": "as the head arrives", "start": "as the dragon starts"}
+
+# Of the figure: distance in head lengths that the head travels while the gap over time is shown.
+CLOSE_UP_LENGTHS = 14.0
+# Of the figure: times at which gaps are sampled.
+GAP_SAMPLES = 1200
+# Of the figure: ends of the scale of gaps, mm.
+GAP_SCALE = (0.1, 400.0)
+# Of the figure: inches of height without the gap over time, and of the gap over time.
+UPPER_HEIGHT, LOWER_HEIGHT = 4.4, 3.9
+# Of the figure: width of the view of the contact in head lengths.
+VIEW_LENGTHS = 1.35
+# Of the figure: points of the circle.
+CIRCLE_POINTS = 600
 
 
-@dataclass(frozen=True)
-class PitchMap:
-    """Smallest gaps on the inward spiral at K pitches.
-
-    Attributes
-    ----------
-    pitches, gaps : ndarray, shape (K,)
-        m; a gap is negative where benches overlap.
-    further_out : ndarray, shape (K,)
-        Smallest gaps on a spiral that begins as far out as that of the next pitch, m.
-    growth : tuple of float or None
-        Least and largest derivative, by the pitch, of gaps close to zero at a fixed distance of handle 0 from the
-        centre, m per m. None where no gap is close to zero.
-    near : float
-        Largest size of a gap that counts as close to zero, m.
-    compared : int
-        Number of gaps close to zero whose derivatives were computed.
-    """
-
-    pitches: Array
-    gaps: Array
-    further_out: Array
-    growth: tuple[float, float] | None
-    near: float
-    compared: int
-
-    def __post_init__(self) -> None:
-        for array in (self.pitches, self.gaps, self.further_out):
-            array.flags.writeable = False
-
-
-@dataclass(frozen=True, kw_only=True)
-class MinPitch:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class MinPitch(Result):
     """The smallest pitch at which handle 0 reaches the turning circle without a collision.
 
     Attributes
     ----------
     pitch : float
         The smallest pitch, m. If a gap limits it, two benches touch there without overlapping.
-    radius : float
-        Radius of the turning circle, m.
+    turns, radius : float
+        Turn of the spiral on which handle 0 starts, and radius of the turning circle, m.
     march : March
         March on the spiral of that pitch.
     limit : {"passing", "arrival", "start", "circle"}
@@ -114,7 +94,7 @@ class MinPitch:
         The two benches that touch, the smaller number first; None where no benches touch.
     point : tuple of float or None
         Contact point, m.
-    way, way_in : float
+    distance, arrival_distance : float
         Distances travelled by handle 0 at the contact and at the circle, m; `march.time` gives the times.
     gap : float or None
         Gap of the two benches at the contact, m; zero but for rounding.
@@ -122,33 +102,110 @@ class MinPitch:
         Derivative of the smallest gap by the pitch, m per m.
     half_line : bool
         Whether the map shows that all larger pitches are free, and all smaller ones are not.
-    free_at, blocked_at : float
+    clear_pitch, contact_pitch : float
         Pitches, m, at which `first_contact` certifies a march without a contact, and finds a contact. The latter is
         None where only the circle is the limit: at a smaller pitch the head would start inside it.
     map : PitchMap
         Smallest gaps at other pitches.
+
+    Examples
+    --------
+    >>> found = min_pitch(Dragon(benches=25))
+    >>> found
+    <MinPitch: smallest pitch 0.450337393027 m: handle 0 reaches the circle of 4.5 m after 220.934 s>
+    >>> found.benches, found.half_line
+    ((0, 19), True)
     """
 
     pitch: float
+    turns: float
     radius: float
     march: March
     limit: Limit
     benches: tuple[int, int] | None
     point: tuple[float, float] | None
-    way: float
-    way_in: float
+    distance: float
+    arrival_distance: float
     gap: float | None
     slope: float | None
     half_line: bool
-    free_at: float
-    blocked_at: float | None
+    clear_pitch: float
+    contact_pitch: float | None
     map: PitchMap = field(repr=False)
 
+    def to_dict(self) -> dict[str, Any]:
+        """Values in SI units, as `study min-pitch --json` prints them."""
+        return {
+            "pitch": self.pitch,
+            "radius": self.radius,
+            "turns": self.turns,
+            "limit": self.limit,
+            "benches": self.benches,
+            "point": self.point,
+            "time": float(self.march.time(self.distance)),
+            "arrival": float(self.march.time(self.arrival_distance)),
+            "gap": self.gap,
+            "slope": self.slope,
+            "clear_pitch": self.clear_pitch,
+            "contact_pitch": self.contact_pitch,
+            "half_line": self.half_line,
+            "map": {
+                "pitches": self.map.pitches.tolist(),
+                # JSON has no infinity: a pitch at which the head passes no bench has no gap.
+                "gaps": [gap if math.isfinite(gap) else None for gap in self.map.gaps.tolist()],
+                "growth": self.map.growth,
+                "threshold": self.map.threshold,
+                "samples": self.map.samples,
+            },
+        }
 
-def distance_to_circle(march: March, radius: float) -> float:
-    """Distance that handle 0 travels inward on a `Spiral` from its start to `radius` m from the centre, m."""
-    assert isinstance(march.curve, Spiral)
-    return march.curve.at_radius(radius) - march.head_start
+    def _lines(self) -> list[str]:
+        arrival = self.march.time(self.arrival_distance)
+        reached = f"handle 0 reaches the circle of {self.radius:g} m after {arrival:.3f} s"
+        lines = [f"smallest pitch {self.pitch:.12f} m: {reached}"]
+        certified = f"certified: no contact on the way at {self.clear_pitch:.12f} m"
+        if self.benches is None or self.point is None:
+            lines += [
+                "limit:     the circle, on which it starts; with a smaller pitch it would start inside",
+                certified,
+            ]
+        else:
+            (i, j), (x, y) = self.benches, self.point
+            where = f"t = {self.march.time(self.distance):.6f} s at ({x:.6f}, {y:.6f}) m"
+            lines += [
+                f"limit:     benches {i} and {j} touch without overlapping {LIMITS[self.limit]}, {where}",
+                f"{certified}, but one at {self.contact_pitch:.12f} m",
+            ]
+        known = self.map
+        lines.append(
+            f"map:       {len(known.pitches)} pitches from {known.pitches[0]:.4g} to {known.pitches[-1]:.4g} m;"
+        )
+        if known.growth is None:
+            lines.append(f"{INDENT}no gap on the way comes within {1e3 * known.threshold:.3g} mm of zero;")
+        else:
+            least, most = known.growth
+            near = f"{1e3 * known.threshold:.3g} mm of zero"
+            lines += [
+                f"{INDENT}all {known.samples} gaps seen within {near} change with the pitch,",
+                f"{INDENT}the head being on the same circle, by {least:.2f} to {most:.2f} mm for each mm;",
+            ]
+        shown = "so" if self.half_line else "which does not show that"
+        return [*lines, f"{INDENT}{shown} all larger pitches are free, and all smaller ones are not"]
+
+    def _draw(self) -> Figure:
+        """The gap over the pitch, the contact of two benches, and the head's gap over time."""
+        title, height = f"At a pitch of {self.pitch:.6f} m the head starts on the circle itself", UPPER_HEIGHT
+        if self.benches is not None:
+            first, second = self.benches
+            title = f"At a pitch of {self.pitch:.6f} m benches {first} and {second} just touch"
+            height = UPPER_HEIGHT + LOWER_HEIGHT
+        aim = f"handle 0 reaches the circle of {self.radius:g} m from turn {self.turns:g}"
+        figure = page(8.0, height, title, f"the smallest pitch at which {aim} without a collision")
+        _draw_gap_over_pitch(panel(figure, 0.85, height - 3.85, 3.4, 2.6), self)
+        _draw_contact(panel(figure, 4.75, height - 4.1, 2.95, 2.95), self)
+        if self.benches is not None:
+            _draw_gap_over_time(panel(figure, 0.85, 0.65, 6.85, 2.6), self)
+        return figure
 
 
 def min_pitch(
@@ -186,190 +243,199 @@ def min_pitch(
         larger than any start; or if the dragon is too short to pass itself, so that nothing limits the pitch.
     DragonError
         If the limit cannot be certified.
+
+    Examples
+    --------
+    >>> print(min_pitch(Dragon(benches=25)))  # doctest: +ELLIPSIS
+    smallest pitch 0.450337393027 m: handle 0 reaches the circle of 4.5 m after 220.934 s
+    limit:     benches 0 and 19 touch without overlapping as the head passes, ...
     """
     dragon = dragon or Dragon()
     turns = positive("turns", turns, MAX_TURNS, "")
     # Inside the longest spacing a handle may have no position, and beyond the largest start there is no spiral.
     radius = finite("radius", radius, float(dragon.spacings.max()), min(MAX_RADIUS, MAX_PITCH * turns), "m")
-    return _Search(dragon, turns, speed, radius, progress).run()
-
-
-class _Search:
-    """Search for the smallest pitch of a dragon."""
-
-    def __init__(self, dragon: Dragon, turns: float, speed: float, radius: float, progress: Progress) -> None:
-        self._progress = progress
-        self._dragon, self._turns, self._speed, self._radius = dragon, turns, speed, radius
-
-    def run(self) -> MinPitch:
-        """The smallest pitch with its certificate and map."""
-        pitch_map = self._map()
-        if pitch_map.gaps[0] > 0:
-            return self._limited_by_circle(pitch_map)
-        last = int(np.flatnonzero(pitch_map.gaps <= 0)[-1])
-        blocked, free = pitch_map.pitches[last : last + 2].tolist()
-        pitch = self._zero(blocked, free) + TANGENCY_MARGIN
-        hit = self._first_contact(pitch - CERTIFIED)
-        if hit.benches is None or self._first_contact(pitch + CERTIFIED).status != "clear":
-            pitch, hit = self._bisected(blocked, pitch_map.pitches[last + 1 :].tolist())
-        march = self._march(pitch)
-        end = distance_to_circle(march, self._radius)
-        contact = self._sampled(pitch).minimum()
-        if contact is None or abs(contact.gaps[0]) > CERTIFIED:
-            assert hit.benches is not None
-            contact = gaps_of(march, hit.time, hit.benches)
-        travelled, (first, second) = float(contact.travelled[0]), contact.pairs[0].tolist()
-        x, y = contact.points[0].tolist()
-        limit: Limit = "passing"
-        if travelled <= AT_END * end:
-            limit = "start"
-        elif travelled >= (1 - AT_END) * end:
-            limit = "arrival"
-        return self._result(
-            pitch,
-            pitch_map,
-            limit=limit,
-            benches=(first, second),
-            point=(x, y),
-            way=travelled,
-            gap=float(contact.gaps[0]),
-            slope=_slope(contact),
-            blocked_at=pitch - CERTIFIED,
-        )
-
-    def _limited_by_circle(self, pitch_map: PitchMap) -> MinPitch:
-        """The result where the march is free of contacts even at the least pitch."""
-        least = float(pitch_map.pitches[0])
-        if least > self._radius / self._turns or self._first_contact(least + CERTIFIED).status != "clear":
+    least = at_least_pitch(dragon, turns, radius)
+    known = pitch_map(least, progress)
+    if known.gaps[0] > 0:
+        # No gap is a limit.
+        if least.pitch > radius / turns or _first_contact(least, least.pitch + CERTIFIED).status != "clear":
             short = "so many, and so long, that the dragon can run into itself outside the circle"
-            raise ParameterError("benches", self._dragon.benches, short)
-        return self._result(
-            least, pitch_map, limit="circle", benches=None, point=None, way=0.0, gap=None, slope=None, blocked_at=None
-        )
-
-    def _result(self, pitch: float, pitch_map: PitchMap, **others: Any) -> MinPitch:
-        """The result at a pitch, with the test of the half line."""
-        march = self._march(pitch)
-        below = pitch_map.pitches < pitch
-        separated = [
-            # Where benches differ, the samples do not include the gaps of all of them.
-            self._dragon.alike,
-            pitch_map.growth is None or pitch_map.growth[0] > 0,
-            np.all(pitch_map.gaps[below] < 0),
-            np.all(pitch_map.further_out[~below] > 0),
-            _smallest_gaps(self._sampled(pitch, PITCH_RATIO))[1] > -CERTIFIED,
-        ]
-        return MinPitch(
-            pitch=pitch,
-            radius=self._radius,
-            march=replace(march, speed=self._speed),
-            # Rounding may give a negative distance where the start is on the circle.
-            way_in=max(0.0, distance_to_circle(march, self._radius)),
-            half_line=all(separated),
-            free_at=pitch + CERTIFIED,
-            map=pitch_map,
-            **others,
-        )
-
-    def _march(self, pitch: float) -> March:
-        """The march at 1 m/s: the limit does not depend on the speed."""
-        return March(self._dragon, Spiral(pitch=pitch), turns=self._turns)
-
-    def _sampled(self, pitch: float, further: float = 1.0) -> SampledGaps:
-        """Gaps on the inward spiral from `further` times the turn of the start."""
-        return SampledGaps(self._dragon, Spiral(pitch=pitch), self._turns, self._radius, further)
-
-    def _map(self) -> PitchMap:
-        """Smallest gaps from the least pitch to a pitch at which all gaps are wide."""
-        widest, close = float(self._dragon.widths.max()), CLOSE_TO_ZERO * float(self._dragon.widths.min())
-        least, wide = (
-            max(widest * MIN_PITCH_RATIO, self._radius / self._turns),
-            MAP_END * self._gap_between_turns_apart(),
-        )
-        pitches, rows, slopes = [least], [], [np.empty(0)]
-        while True:
-            sampled = self._sampled(pitches[-1], PITCH_RATIO)
-            rows.append(_smallest_gaps(sampled))
-            if (found := sampled.close_to_zero(close)) is not None:
-                slopes.append(found.slopes_at_radius)
-            self._progress(min(max(0.0, *rows[-1]), wide), wide)
-            if min(rows[-1]) >= wide:
-                break
-            pitches.append(PITCH_RATIO * pitches[-1])
-        growth = np.concatenate(slopes)
-        bounds = (float(growth.min()), float(growth.max())) if growth.size else None
-        gaps, further_out = np.array(rows).T
-        return PitchMap(np.array(pitches), gaps, further_out, bounds, close, growth.size)
-
-    def _gap_between_turns_apart(self) -> float:
-        """The largest width or, if smaller, the smallest gap of the dragon where adjacent turns are out of reach, m.
-
-        Raises
-        ------
-        ParameterError
-            If benches touch there, which they then do at any pitch.
-        """
-        dragon, widest = self._dragon, float(self._dragon.widths.max())
-        straight = dragon.spacings[1:-1] - dragon.overhangs[:-2] - dragon.overhangs[2:]
-        if straight.min(initial=np.inf) >= 2 * widest:
-            return widest
-        gap = min(_smallest_gaps(self._sampled(2 * float(dragon.lengths.max()) + widest)))
-        if gap <= 0:
-            raise ParameterError(
-                "body_spacing", dragon.body_spacing, "long enough for benches not to touch on the circle"
-            )
-        return min(widest, gap)
-
-    def _zero(self, blocked: float, free: float) -> float:
-        """Zero of the smallest gap between two pitches, by Newton's method within the bracket."""
-        pitch = free
-        for _ in range(MAX_NEWTON_STEPS):
-            gap, slope = self._smallest_gap(pitch)
-            if gap > 0:
-                free = pitch
-            else:
-                blocked = pitch
-            better = pitch - gap / slope if slope > 0 else blocked
-            if abs(better - pitch) <= STEP_TOLERANCE:
-                return better
-            pitch = better if blocked < better < free else (blocked + free) / 2
-        return free
-
-    def _smallest_gap(self, pitch: float) -> tuple[float, float]:
-        """The smallest gap on the inward spiral, m, and its derivative by the pitch."""
-        found = self._sampled(pitch).minimum()
-        return (np.inf, 0.0) if found is None else (float(found.gaps[0]), _slope(found))
-
-    def _first_contact(self, pitch: float) -> FirstContact:
-        """Certified first contact before the circle."""
-        march = self._march(pitch)
-        return first_contact(march, until=distance_to_circle(march, self._radius))
-
-    def _bisected(self, blocked: float, larger: list[float]) -> tuple[float, FirstContact]:
-        """The limit between the pitch `blocked` and one of the `larger` pitches, and the contact below the limit.
-
-        Bisection by certificates alone: slow, and always correct.
-        """
-        free = next((pitch for pitch in larger if self._first_contact(pitch).status == "clear"), np.inf)
-        hit = self._first_contact(blocked)
-        while CERTIFIED < free - blocked < np.inf:
-            middle = (blocked + free) / 2
-            between = self._first_contact(middle)
-            if between.status == "clear":
-                free = middle
-            else:
-                blocked, hit = middle, between
-        if hit.benches is None or free == np.inf:
-            raise DragonError(f"no limit of the pitch can be certified above {blocked:.9g} m")
-        return free, hit
+            raise ParameterError("benches", dragon.benches, short)
+        return _result(least, speed, known, "circle", None)
+    last = int(np.flatnonzero(known.gaps <= 0)[-1])
+    contact_pitch, clear_pitch = known.pitches[last : last + 2].tolist()
+    pitch = _zero(least, contact_pitch, clear_pitch) + TANGENCY_MARGIN
+    hit = _first_contact(least, pitch - CERTIFIED)
+    if hit.benches is None or _first_contact(least, pitch + CERTIFIED).status != "clear":
+        pitch, hit = _bisected(least, contact_pitch, known.pitches[last + 1 :].tolist())
+    inward = replace(least, pitch=pitch)
+    contact = SampledGaps(inward).minimum()
+    if contact is None or abs(contact.gaps[0]) > CERTIFIED:
+        assert hit.benches is not None
+        contact = gaps_of(inward, hit.time, hit.benches)
+    travelled = float(contact.travelled[0])
+    limit: Limit = "passing"
+    if travelled <= AT_END * inward.length:
+        limit = "start"
+    elif travelled >= (1 - AT_END) * inward.length:
+        limit = "arrival"
+    return _result(inward, speed, known, limit, contact)
 
 
-def _smallest_gaps(sampled: SampledGaps) -> tuple[float, float]:
-    """The smallest sampled gap from the start on, and that of all samples, m."""
-    return float(sampled.gaps[sampled.travelled >= 0].min()), float(sampled.gaps.min())
+def _result(inward: InwardMarch, speed: float, known: PitchMap, limit: Limit, contact: Gaps | None) -> MinPitch:
+    """The result at a pitch with the contact that limits the pitch, and the test of the half line."""
+    below = known.pitches < inward.pitch
+    separated = [
+        # Where benches differ, the samples do not include the gaps of all of them.
+        inward.dragon.alike,
+        known.growth is None or known.growth[0] > 0,
+        np.all(known.gaps[below] < 0),
+        np.all(known.further_out[~below] > 0),
+        smallest_gaps(SampledGaps(inward, PITCH_RATIO))[1] > -CERTIFIED,
+    ]
+    benches = point = None
+    if contact is not None:
+        (i, j), (x, y) = contact.pairs[0].tolist(), contact.points[0].tolist()
+        benches, point = (i, j), (x, y)
+    return MinPitch(
+        pitch=inward.pitch,
+        turns=inward.turns,
+        radius=inward.radius,
+        march=replace(inward.march, speed=speed),
+        limit=limit,
+        benches=benches,
+        point=point,
+        distance=0.0 if contact is None else float(contact.travelled[0]),
+        # Rounding may give a negative distance where the start is on the circle.
+        arrival_distance=max(0.0, inward.length),
+        gap=None if contact is None else float(contact.gaps[0]),
+        slope=None if contact is None else _slope(contact),
+        half_line=all(separated),
+        clear_pitch=inward.pitch + CERTIFIED,
+        contact_pitch=None if contact is None else inward.pitch - CERTIFIED,
+        map=known,
+    )
+
+
+def _zero(inward: InwardMarch, blocked: float, free: float) -> float:
+    """Zero of the smallest gap between two pitches, by Newton's method within the bracket.
+
+    SciPy's bracketing methods use no derivative and sample the spiral twice as often; importing them takes as long.
+    """
+    pitch = free
+    for _ in range(MAX_NEWTON_STEPS):
+        found = SampledGaps(replace(inward, pitch=pitch)).minimum()
+        gap, slope = (np.inf, 0.0) if found is None else (float(found.gaps[0]), _slope(found))
+        if gap > 0:
+            free = pitch
+        else:
+            blocked = pitch
+        better = pitch - gap / slope if slope > 0 else blocked
+        if abs(better - pitch) <= STEP_TOLERANCE:
+            return better
+        pitch = better if blocked < better < free else (blocked + free) / 2
+    return free
 
 
 def _slope(smallest: Gaps) -> float:
     """Derivative of a minimal gap by the pitch: at the start for a fixed turn, elsewhere for a fixed radius."""
     slope = smallest.slopes[0, PITCH] if smallest.travelled[0] == 0 else smallest.slopes_at_radius[0]
     return float(slope)
+
+
+def _first_contact(inward: InwardMarch, pitch: float) -> FirstContact:
+    """Certified first contact before the circle at a pitch."""
+    changed = replace(inward, pitch=pitch)
+    return first_contact(changed.march, until=changed.length)
+
+
+def _bisected(inward: InwardMarch, blocked: float, larger: list[float]) -> tuple[float, FirstContact]:
+    """The limit between the pitch `blocked` and one of the `larger` pitches, and the contact below the limit.
+
+    Bisection by certificates alone: slow, and always correct.
+    """
+
+    def contact(pitch: float) -> FirstContact | None:
+        found = _first_contact(inward, pitch)
+        return None if found.status == "clear" else found
+
+    free, hit = next((pitch for pitch in larger if contact(pitch) is None), None), _first_contact(inward, blocked)
+    if free is not None:
+        free, blocked, hit = bracketed(contact, free, blocked, hit, width=CERTIFIED)
+    if free is None or hit.benches is None:
+        raise DragonError(f"no limit of the pitch can be certified above {blocked:.9g} m")
+    return free, hit
+
+
+def _draw_gap_over_pitch(axes: Axes, found: MinPitch) -> None:
+    """Draw the smallest gap of a march over the pitch."""
+    known = found.map
+    heading(axes, "smallest gap on the way, mm")
+    axes.axhline(0.0, color=QUIET, lw=0.8)
+    axes.plot(known.pitches, MM * known.gaps, "o-", color=BLUE, lw=2.0, ms=3, gid="gap-over-pitch")
+    gap = 0.0 if found.benches is not None else MM * float(known.gaps[0])
+    axes.plot(found.pitch, gap, "o", color=COLOURS.contact, ms=7, zorder=4, gid="answer")
+    label_position: dict[str, Any] = {"offset": (8, -8), "ha": "left", "va": "top"}
+    if found.pitch > known.pitches.mean():
+        label_position = {"offset": (-8, 8), "ha": "right", "va": "bottom"}
+    label(axes, found.pitch, gap, f"{found.pitch:.9f} m", color=COLOURS.contact, **label_position)
+    low, high = axes.get_ylim()
+    if known.gaps[0] < 0:
+        axes.axhspan(low, 0.0, color=FAINT, lw=0, zorder=0)
+        axes.annotate("benches overlap", (0.97, 0.05), xycoords="axes fraction", ha="right", color=QUIET)
+    axes.set_ylim(low, high)
+    axes.set_xlabel("pitch (m)")
+    axes.margins(x=0.03)
+
+
+def _draw_contact(axes: Axes, found: MinPitch) -> None:
+    """Draw the benches around the head at the contact."""
+    dragon = found.march.dragon
+    poses = found.march.at(found.march.time(found.distance)).poses[0]
+    x, y, _ = poses[0].tolist()
+    half = VIEW_LENGTHS * float(dragon.lengths[0]) / 2
+    square(axes, half, x, y)
+    circle(axes, found.radius, 1.2, CIRCLE_POINTS)
+    for bench, outline in reversed(list(enumerate(dragon.outlines(poses)))):
+        if np.hypot(*(outline.mean(axis=0) - (x, y))) > 2 * half:
+            continue
+        touches = bench in (found.benches or ())
+        colour = COLOURS.contact if touches else COLOURS.ink
+        style: dict[str, Any] = {"lw": 2.0 if touches else 1.1, "zorder": 3 + touches, "gid": f"bench-{bench}"}
+        axes.fill(*outline.T, fc=COLOURS.background, ec=colour, **style)
+        middle = poses[bench, :2]
+        if np.abs(middle - (x, y)).max() < 0.95 * half:
+            across, up = middle.tolist()
+            axes.text(across, up, str(bench), color=colour, ha="center", va="center", zorder=5, path_effects=halo())
+    note: dict[str, Any] = {"color": COLOURS.motion, "zorder": 6, "path_effects": halo()}
+    axes.annotate("dashed: the circle", (0.04, 0.05), xycoords="axes fraction", **note)
+    if found.point is not None:
+        axes.plot(*found.point, "o", color=COLOURS.contact, ms=5, zorder=6)
+
+
+def _draw_gap_over_time(axes: Axes, found: MinPitch) -> None:
+    """Draw the head's gap at the end of the march at the smallest pitch."""
+    march = found.march
+    shown = CLOSE_UP_LENGTHS * float(march.dragon.lengths[0])
+    arrival = found.arrival_distance
+    since, time, end = march.time([max(0.0, arrival - shown), found.distance, arrival]).tolist()
+    heading(axes, "the head's gap on the last of the way at that pitch, mm")
+    times = np.linspace(since, end, GAP_SAMPLES)
+    if since < time:
+        times = np.unique([*times, time])
+    gap_line(axes, march, times, "last-gap")
+    logarithmic(axes, *GAP_SCALE)
+    axes.set_xlim(since, end)
+    axes.set_xlabel("time (s); the head arrives at the end")
+    if found.benches is not None and time > since:
+        label(
+            axes, time, GAP_SCALE[0], f"touch at {time:.4f} s", (-12, 6), ha="right", va="bottom", color=COLOURS.contact
+        )
+
+
+STUDY = Study(
+    name="min-pitch",
+    summary="the smallest pitch at which the head reaches the turning circle (the contest's question 3)",
+    run=min_pitch,
+    own_parameters=("turns", "speed", "radius"),
+)

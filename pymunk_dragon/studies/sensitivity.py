@@ -1,88 +1,70 @@
 """Derivatives of the first contact's time and of the smallest pitch by every size of the benches.
 
-The derivatives are exact (`gaps.py`). A contact is a zero of a gap g, so its position w changes by -(dg/dq) / (dg/dw)
+The derivatives are exact (`_gaps.py`). A contact is a zero of a gap g, so its position w changes by -(dg/dq) / (dg/dw)
 per unit of a size q, and its time by that over the speed. The smallest pitch p is where a minimal gap is zero, and it
 changes by -(dg/dq) / (dg/dp). The derivatives hold as long as the same two benches touch at the same features. The
-range of each size in which they do is found by continuation (`branches.py`). Contacts that the continuation does not
+range of each size in which they do is found by continuation (`_branches.py`). Contacts that the continuation does not
 follow are searched just before the end of the range: for the first contact by `first_contact`, which certifies that
 there is no earlier contact, and for the pitch by sampling the whole inward spiral.
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable
-from dataclasses import dataclass, replace
-from typing import Literal
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, replace
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pymunk_dragon._text import table
 from pymunk_dragon.collision import first_contact
-from pymunk_dragon.errors import DragonError, ParameterError
+from pymunk_dragon.drawing.figures.style import BLUE, COLOURS, QUIET, RULE, page, panel
+from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.curves import Spiral
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
-from pymunk_dragon.studies.branches import (
-    BRACKET,
+from pymunk_dragon.studies._branches import (
+    GAP_TOLERANCE,
     Branch,
     ContactBranch,
     ContinuationPoint,
-    NearMisses,
+    Pair,
+    Reach,
     TangencyBranch,
-    perturbed,
+    reach,
 )
-from pymunk_dragon.studies.gaps import QUANTITIES, SIZES, gaps_of
+from pymunk_dragon.studies._gaps import QUANTITIES, SIZES, InwardMarch, SampledGaps, gaps_of
+from pymunk_dragon.studies._study import Progress, Result, Study, silent
 from pymunk_dragon.studies.min_pitch import RADIUS, MinPitch, min_pitch
-from pymunk_dragon.studies.progress import Progress, silent
-from pymunk_dragon.studies.sampled_gaps import SampledGaps
 
-__all__ = ["Reach", "Sensitivity", "Slope", "sensitivity"]
-
-Change = Literal["another pair", "another corner", "no contact", "nothing"]
-Pair = tuple[int, int]
-# The pair, if any, that touches first instead of the branch's pair, at a point of the branch and a change of a size.
-OtherPair = Callable[[ContinuationPoint, float, str], Pair | None]
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 # Largest change of a size that is examined, as a share of the size.
 MAX_CHANGE = 0.1
-# Least number of continuation steps up to the largest change.
-MIN_STEPS = 5
-# Largest number of continuation steps; a branch that needs more has not converged.
-MAX_STEPS = 60
-# Relative width of the bracket of a change at which other benches touch first, as it is reported.
-RELATIVE_BRACKET = 1e-3
 # Share of the width up to which a gap is followed as a near miss. A wider gap that closes first is found by the check
 # at the end of the range, which takes longer.
 NEAR_MISS_WIDTH = 0.05
-# m. Largest gap that counts as zero.
-GAP_TOLERANCE = 1e-10
 # m travelled by the head. Contacts of a pair within this distance are the same contact.
 SAME_CONTACT = 1e-6
 # Parts of which progress is reported: first contact, smallest pitch, and the derivatives of both.
 PARTS = 4
 
-
-@dataclass(frozen=True, kw_only=True)
-class Reach:
-    """Range of a size, in one direction, in which the same benches touch at the same features.
-
-    Attributes
-    ----------
-    unchanged : float
-        Signed change, m, up to which the same two benches touch. The contact is checked there and along the branch.
-    changed : float or None
-        Signed change, m, at which the contact is another one; None if there is none up to a tenth of the size.
-    by : {"another pair", "another corner", "no contact", "nothing"}
-        What ends the range: another pair touches first; the same pair touches at other features; the pair no longer
-        touches; or nothing.
-    benches : tuple of int or None
-        The pair that touches first beyond the range, if it is another one.
-    """
-
-    unchanged: float
-    changed: float | None
-    by: Change
-    benches: tuple[int, int] | None
+# Of the figure: inches of height of a row, above the rows of a table, and below them.
+ROW_HEIGHT, HEADING_HEIGHT, FOOTER_HEIGHT = 0.47, 0.45, 0.8
+# Of the figure: inches from the page's top to the first table, for title and subtitle.
+TITLE_HEIGHT = 0.95
+# Of the figure: ratio of an axis limit to the largest slope, and of the smallest slope to the other limit.
+AXIS_MARGIN = 3.0
+# How a range ends in the text and, where it is drawn, in the figure.
+ENDS = {
+    "nothing": ("and further", ""),
+    "no contact": ("then no contact there", "\nthen not"),
+    "another corner": ("then another corner", "\nother corner"),
+    "another pair": ("then {} and {}", "\nthen {} and {}"),
+}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -109,8 +91,8 @@ class Slope:
     more: Reach | None
 
 
-@dataclass(frozen=True, kw_only=True)
-class Sensitivity:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Sensitivity(Result):
     """Derivatives of the first contact's time and of the smallest pitch by every size.
 
     Attributes
@@ -127,6 +109,11 @@ class Sensitivity:
         The smallest pitch of the same dragon.
     pitches : tuple of Slope
         Derivatives of the smallest pitch by each size of the benches; empty where the circle limits the pitch.
+
+    Examples
+    --------
+    >>> sensitivity()  # doctest: +SKIP
+    <Sensitivity: first contact at t = 412.473837682 s: benches 0 and 8>
     """
 
     march: March
@@ -135,6 +122,52 @@ class Sensitivity:
     times: tuple[Slope, ...]
     smallest: MinPitch
     pitches: tuple[Slope, ...]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Values in SI units, as `study sensitivity --json` prints them."""
+        times, pitches = (
+            {slope.size: {name: value for name, value in asdict(slope).items() if name != "size"} for slope in slopes}
+            for slopes in (self.times, self.pitches)
+        )
+        smallest = self.smallest
+        return {
+            "contact": {"time": self.time, "benches": self.benches, "slopes": times},
+            "smallest_pitch": {"pitch": smallest.pitch, "benches": smallest.benches, "slopes": pitches},
+        }
+
+    def _lines(self) -> list[str]:
+        i, j = self.benches
+        lines = [f"first contact at t = {self.time:.9f} s: benches {i} and {j}", *_table("s", 1e3, self.times)]
+        smallest = f"smallest pitch {self.smallest.pitch:.12f} m: "
+        if self.smallest.benches is None:
+            return [*lines, smallest + "limited by the circle, whatever the benches"]
+        i, j = self.smallest.benches
+        return [*lines, f"{smallest}benches {i} and {j}", *_table("mm", 1.0, self.pitches)]
+
+    def _draw(self) -> Figure:
+        """The derivatives, and the range of each size in which they hold."""
+        first, second = self.benches
+        parts = [(f"first contact, {self.time:.4f} s, benches {first} and {second}", "s", 1e3, self.times)]
+        if self.smallest.benches is not None:
+            first, second = self.smallest.benches
+            name = f"smallest pitch, {self.smallest.pitch:.6f} m, benches {first} and {second}"
+            parts.append((name, "mm", 1.0, self.pitches))
+        height = TITLE_HEIGHT + sum(HEADING_HEIGHT + FOOTER_HEIGHT + ROW_HEIGHT * len(rows) for *_, rows in parts)
+        figure = page(
+            8.0,
+            height,
+            "What a millimetre does to the first contact, and to the smallest pitch",
+            "exact slopes; and how far each size may change until the two touch no more, or others first",
+        )
+        top = height - TITLE_HEIGHT
+        for name, unit, per, rows in parts:
+            top -= HEADING_HEIGHT
+            tall = ROW_HEIGHT * len(rows)
+            figure.text(0.3 / 8.0, (top + 0.12) / height, name, size=11.5)
+            _draw_slopes(panel(figure, 1.5, top - tall, 2.75, tall), unit, per, rows)
+            _draw_reaches(panel(figure, 4.6, top - tall, 3.0, tall), rows)
+            top -= tall + FOOTER_HEIGHT
+        return figure
 
 
 def sensitivity(
@@ -167,6 +200,13 @@ def sensitivity(
         If the dragon never touches itself, or as `March` and `min_pitch` do.
     DragonError
         As `min_pitch` does.
+
+    Examples
+    --------
+    >>> found = sensitivity(Dragon(benches=25))  # doctest: +SKIP
+    >>> width = found.times[0]  # doctest: +SKIP
+    >>> width.size, round(width.slope / 1e3, 4)  # s for each mm  # doctest: +SKIP
+    ('width', -0.0320)
     """
     dragon = dragon or Dragon()
     march = March(dragon, Spiral(pitch=pitch), turns=turns, speed=speed)
@@ -176,7 +216,11 @@ def sensitivity(
     progress(1, PARTS)
     smallest = min_pitch(dragon, turns=turns, speed=speed, radius=radius)
     progress(2, PARTS)
-    times = _contact_slopes(march, hit.benches, float(march.distance(hit.time)))
+    travelled = float(march.distance(hit.time))
+    radius_then = float(np.hypot(*march.curve.point(march.head_start + travelled)))
+    inward = InwardMarch(dragon=dragon, pitch=pitch, turns=turns, radius=radius_then)
+    speed_then = float(march.speed_profile.at(hit.time))
+    times = _contact_slopes(inward, hit.benches, travelled, speed_then)
     progress(3, PARTS)
     return Sensitivity(
         march=march,
@@ -188,148 +232,146 @@ def sensitivity(
     )
 
 
-def _contact_slopes(march: March, pair: tuple[int, int], travelled: float) -> tuple[Slope, ...]:
-    """Derivatives of the time of a first contact of `pair` after `travelled` m."""
-    steady = replace(march, speed=1.0)
-    assert isinstance(march.curve, Spiral)
-    assert march.turns is not None
-    radius = float(np.hypot(*march.curve.point(march.head_start + travelled)))
-    sampled = SampledGaps(march.dragon, march.curve, march.turns, radius)
-    speed = float(march.speed_profile.at(march.time(travelled)))
+def _contact_slopes(inward: InwardMarch, pair: Pair, travelled: float, speed: float) -> tuple[Slope, ...]:
+    """Derivatives of the time of a first contact of `pair` after `travelled` m, at `speed` m/s."""
+    sampled = SampledGaps(inward)
 
-    def other_pair(point: ContinuationPoint, change: float, size: str) -> Pair | None:
-        found = first_contact(perturbed(steady, size, change))
+    def other_pair(size: str, point: ContinuationPoint, change: float) -> Pair | None:
+        found = first_contact(inward.changed(size, change).march)
         same = found.benches == pair and abs(found.time - float(point.contact.travelled[0])) <= SAME_CONTACT
         return None if same else found.benches
 
-    def slope(size: str) -> Slope:
-        return _slope(ContactBranch(sampled.march, travelled, pair, size), sampled, size, other_pair, 1 / speed)
-
-    return tuple(slope(size) for size in SIZES)
+    branches = [ContactBranch(sampled.inward, travelled, pair, size) for size in SIZES]
+    return _slopes(branches, sampled, other_pair, 1 / speed)
 
 
 def _pitch_slopes(smallest: MinPitch) -> tuple[Slope, ...]:
     """Derivatives of a smallest pitch by each size of the benches."""
-    pair, march, radius = smallest.benches, replace(smallest.march, speed=1.0), smallest.radius
+    pair = smallest.benches
     if pair is None:
         return ()
-    assert isinstance(march.curve, Spiral)
-    assert march.turns is not None
-    sizes, turns = [size for size in SIZES if size != "pitch"], march.turns
+    inward = InwardMarch(
+        dragon=smallest.march.dragon, pitch=smallest.pitch, turns=smallest.turns, radius=smallest.radius
+    )
+    sizes = [size for size in SIZES if size != "pitch"]
     if smallest.limit != "passing":
-        contact = gaps_of(march, smallest.way, pair)
+        contact = gaps_of(inward, smallest.distance, pair)
         at_start = contact.slopes[:, QUANTITIES.index("pitch")]
         by_pitch = contact.slopes_at_radius if smallest.limit == "arrival" else at_start
         by_size = (-contact.slopes[0] / by_pitch[0]).tolist()
         return tuple(
-            Slope(size=size, value=_size(march, size), slope=by_size[QUANTITIES.index(size)], less=None, more=None)
+            Slope(size=size, value=inward.size(size), slope=by_size[QUANTITIES.index(size)], less=None, more=None)
             for size in sizes
         )
-    sampled = SampledGaps(march.dragon, march.curve, turns, radius)
+    sampled = SampledGaps(inward)
 
-    def other_pair(point: ContinuationPoint, change: float, size: str) -> Pair | None:
-        assert isinstance(point.march.curve, Spiral)
-        found = SampledGaps(perturbed(march, size, change).dragon, point.march.curve, turns, radius).minimum()
+    def other_pair(size: str, point: ContinuationPoint, change: float) -> Pair | None:
+        found = SampledGaps(replace(inward.changed(size, change), pitch=point.inward.pitch)).minimum()
         if found is None or found.gaps[0] > -GAP_TOLERANCE:
             return None
         first, second = found.pairs[0].tolist()
         return first, second
 
-    def slope(size: str) -> Slope:
-        return _slope(TangencyBranch(sampled.march, smallest.way, pair, radius, size), sampled, size, other_pair, 1.0)
-
-    return tuple(slope(size) for size in sizes)
+    branches = [TangencyBranch(sampled.inward, smallest.distance, pair, size) for size in sizes]
+    return _slopes(branches, sampled, other_pair, 1.0)
 
 
-def _slope(branch: Branch, sampled: SampledGaps, size: str, other_pair: OtherPair, factor: float) -> Slope:
-    """Derivative by `size`: `factor` times the rate of the branch."""
-    point, dragon = branch.at(0.0), sampled.march.dragon
-    value, minima = _size(sampled.march, size), sampled.local_minima(NEAR_MISS_WIDTH * float(dragon.widths.min()))
+def _slopes(
+    branches: Sequence[Branch],
+    sampled: SampledGaps,
+    other_pair: Callable[[str, ContinuationPoint, float], Pair | None],
+    factor: float,
+) -> tuple[Slope, ...]:
+    """Derivatives by the sizes of the branches: `factor` times the rate of each.
 
-    def near_misses() -> NearMisses | None:
-        if minima is None:
-            return None
-        contact = np.all(minima.pairs == point.contact.pairs, axis=1)
-        contact &= np.abs(minima.travelled - point.contact.travelled) < BRACKET
-        if contact.all():
-            return None
-        return NearMisses(minima.pairs[~contact], minima.travelled[~contact] - point.reference)
-
-    def reach(sign: int) -> Reach:
-        return _reach(branch, near_misses(), sign * MAX_CHANGE * value, lambda at, change: other_pair(at, change, size))
-
-    return Slope(size=size, value=value, slope=point.rate * factor, less=reach(-1), more=reach(1))
-
-
-def _size(march: March, size: str) -> float:
-    """The value of a size, m; the least one where the benches differ."""
-    assert isinstance(march.curve, Spiral)
-    return march.curve.pitch if size == "pitch" else float(np.min(getattr(march.dragon, size)))
+    `other_pair` returns the pair, if any, that touches first instead of the branch's own, for a size, a point of its
+    branch, and the change of the size there.
+    """
+    minima = sampled.local_minima(NEAR_MISS_WIDTH * float(sampled.inward.dragon.widths.min()))
+    slopes = []
+    for branch in branches:
+        value, rate = sampled.inward.size(branch.size), branch.at(0.0).rate
+        less, more = (
+            reach(branch, minima, sign * MAX_CHANGE * value, partial(other_pair, branch.size)) for sign in (-1, 1)
+        )
+        slopes.append(Slope(size=branch.size, value=value, slope=rate * factor, less=less, more=more))
+    return tuple(slopes)
 
 
-def _reach(
-    branch: Branch,
-    near_misses: NearMisses | None,
-    limit: float,
-    other_pair: Callable[[ContinuationPoint, float], Pair | None],
-) -> Reach:
-    """Range of a size towards the change `limit`: up to the end of the branch, if no other pair touches before it."""
-    edge, by, pair = _end_of_branch(branch, near_misses, limit)
-    unchanged, changed = (
-        (limit, None) if by == "nothing" else (edge * (1 - RELATIVE_BRACKET), edge * (1 + RELATIVE_BRACKET))
-    )
-    found = other_pair(branch.at(unchanged), unchanged)
-    if found is not None:
-        # A pair that is not among the near misses touches first.
-        pair, by, changed, unchanged = found, "another pair", unchanged, 0.0
-        while abs(changed - unchanged) > RELATIVE_BRACKET * abs(changed):
-            middle = (unchanged + changed) / 2
-            found = other_pair(branch.at(middle), middle)
-            unchanged, changed, pair = (middle, changed, pair) if found is None else (unchanged, middle, found)
-    return Reach(unchanged=unchanged, changed=changed, by=by, benches=pair)
+def _table(unit: str, per: float, slopes: Sequence[Slope]) -> list[str]:
+    """Lines of a table of derivatives per mm; `per` converts them from SI units."""
+    heads = f"  size          now (mm)  {f'{unit} for a mm':>11}  holds from (mm)             to (mm)"
+    rows = []
+    for row in slopes:
+        name, ends = "  " + row.size.replace("_", "-"), map(_end_text, (row.less, row.more))
+        rows.append((name, 1e3 * row.value, row.slope / per, *ends))
+    return table(heads, ("<14", "8.2f", "+11.7f", "<26", ""), rows)
 
 
-def _end_of_branch(branch: Branch, near_misses: NearMisses | None, limit: float) -> tuple[float, Change, Pair | None]:
-    """The change at which the branch ends or a near miss closes, the kind of the end, and the pair that closes."""
-    sign, end = math.copysign(1.0, limit), abs(limit)
-    by: Change = "nothing"
-    change, point = 0.0, branch.at(0.0)
-    for _ in range(MAX_STEPS):
-        step = abs(limit) / MIN_STEPS
-        if near_misses is not None:
-            gaps = near_misses.at(point)
-            growth = sign * branch.total_slopes(gaps, point)
-            steps = np.where(growth < 0, -gaps.gaps / np.where(growth < 0, growth, -1.0), np.inf)
-            first = int(steps.argmin())
-            if abs(gaps.gaps[first]) <= GAP_TOLERANCE and np.isfinite(steps[first]):
-                one, other = gaps.pairs[first].tolist()
-                return sign * change, "another pair", (one, other)
-            step = min(step, float(steps[first]))
-        if step > 0 and change >= end:
-            return sign * end, by, None
-        target = min(change + step, end)
-        if _state(branch, sign * target) != "nothing":
-            low, high = _bisected(branch, sign, change, target)
-            target = low
-            # Continuation from `low` succeeds at `high` where only the step was too long.
-            if (state := _state(branch, sign * high)) != "nothing":
-                end, by = low, state
-        change, point = target, branch.at(sign * target)
-    raise DragonError(f"no end of the branch was found after {change:g} m")
+def _end_text(end: Reach | None) -> str | None:
+    return None if end is None else f"{1e3 * end.unchanged:+.4g} " + ENDS[end.by][0].format(*end.benches or ())
 
 
-def _state(branch: Branch, change: float) -> Change:
-    """Whether the branch still exists at a change with the features of its contact at no change."""
-    try:
-        features = branch.at(change).contact.features
-    except DragonError:
-        return "no contact"
-    return "nothing" if np.all(features == branch.at(0.0).contact.features) else "another corner"
+def _draw_slopes(axes: Axes, unit: str, per: float, rows: Sequence[Slope]) -> None:
+    """Draw the magnitude of each slope; markers of negative slopes are hollow."""
+    from matplotlib.ticker import NullLocator
+
+    values = np.array([row.slope / per for row in rows])
+    sizes = np.abs(values)
+    axes.set_xscale("log")
+    axes.set_xlim(sizes.min() / AXIS_MARGIN, sizes.max() * AXIS_MARGIN)
+    _label_rows(axes, [row.size.replace("_", " ") for row in rows])
+    for row_index, (value, size) in enumerate(zip(values.tolist(), sizes.tolist(), strict=True)):
+        axes.plot([axes.get_xlim()[0], size], [row_index, row_index], color=RULE, lw=1.4, zorder=1)
+        face = BLUE if value > 0 else COLOURS.background
+        axes.plot(size, row_index, "o", color=BLUE, mfc=face, ms=7, mew=1.8, gid=f"slope-{rows[row_index].size}")
+        text = f"{value:+.5f}".replace("-", "\N{MINUS SIGN}")
+        axes.annotate(text, (size, row_index), (0, 7), textcoords="offset points", ha="center", size=10.5)
+    axes.xaxis.set_major_formatter("{x:g}")
+    axes.xaxis.set_minor_locator(NullLocator())
+    axes.set_xlabel(f"{unit} for each mm more; hollow: less")
 
 
-def _bisected(branch: Branch, sign: float, low: float, high: float) -> tuple[float, float]:
-    """Bracket of the end of a branch between the sizes of two changes."""
-    while high - low > RELATIVE_BRACKET / 10 * high:
-        middle = (low + high) / 2
-        low, high = (middle, high) if _state(branch, sign * middle) == "nothing" else (low, middle)
-    return low, high
+def _draw_reaches(axes: Axes, rows: Sequence[Slope]) -> None:
+    """Draw the range in which each size may change without a change of the contact."""
+    _label_rows(axes, [""] * len(rows))
+    for row_index, row in enumerate(rows):
+        if row.less is None or row.more is None:
+            continue
+        low, high = (100 * end.unchanged / row.value for end in (row.less, row.more))
+        axes.plot([low, high], [row_index, row_index], color=BLUE, lw=5, solid_capstyle="butt", gid=f"reach-{row.size}")
+        for x, end, direction in ((low, row.less, -1), (high, row.more, 1)):
+            axes.annotate(
+                _describe_end(end),
+                (x, row_index),
+                (5 * direction, 0),
+                textcoords="offset points",
+                ha="left" if direction > 0 else "right",
+                va="center_baseline",
+                size=10.5,
+                color=COLOURS.ink if end.changed is not None else QUIET,
+            )
+    axes.axvline(0, color=QUIET, lw=0.8, zorder=3)
+    axes.set_xlim(-19, 19)
+    axes.set_xticks([-10, -5, 0, 5, 10])
+    axes.set_xlabel("change of the size, %; grey: looked no further")
+
+
+def _describe_end(end: Reach) -> str:
+    change = f"{1e3 * end.unchanged:+.3g} mm".replace("-", "\N{MINUS SIGN}")
+    return change + ENDS[end.by][1].format(*end.benches or ())
+
+
+def _label_rows(axes: Axes, names: Sequence[str]) -> None:
+    axes.set_ylim(len(names) - 0.5, -0.5)
+    axes.set_yticks(range(len(names)), names)
+    axes.tick_params(axis="y", length=0, labelcolor=COLOURS.ink)
+    axes.spines["left"].set_visible(False)
+
+
+STUDY = Study(
+    name="sensitivity",
+    summary="what each size of the benches does to the first contact, and to that pitch",
+    run=sensitivity,
+    own_parameters=("pitch", "turns", "speed", "radius"),
+)

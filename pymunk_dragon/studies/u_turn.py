@@ -12,23 +12,31 @@ given multiple of the head's speed: by default the largest ratio on the contest'
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+import math
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pymunk_dragon._checks import finite, whole
 from pymunk_dragon._extras import library
+from pymunk_dragon._frozen import ArrayRecord, read_only
 from pymunk_dragon.collision import FirstContact, first_contact
+from pymunk_dragon.drawing.figures.lines import label
+from pymunk_dragon.drawing.figures.style import AMBER, BLUE, COLOURS, FAINT, QUIET, RULE, page, panel
 from pymunk_dragon.errors import ParameterError, UnreachableError
 from pymunk_dragon.model.curves import UTurn
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
-from pymunk_dragon.studies.max_speed import SpeedRatio, largest_ratio
-from pymunk_dragon.studies.progress import Progress, silent
-from pymunk_dragon.studies.shortest import Shortest, shortest_turn
+from pymunk_dragon.studies._figures import circle, heading, square
+from pymunk_dragon.studies._shortest import Shortest, shortest_turn
+from pymunk_dragon.studies._speed_ratio import SpeedRatio, largest_ratio
+from pymunk_dragon.studies._study import INDENT, Option, Progress, Result, Study, silent
 
-__all__ = ["TIMES", "TurnAnswer", "u_turn"]
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
 
@@ -50,9 +58,18 @@ MIN_RADIUS = 0.5
 # m. Least value of the least radius.
 SMALLEST = 0.05
 
+# Of the figure: m from the end of the turn to the head, at the time that is drawn.
+EXIT_DISTANCE = 3.0
+# Of the figure: m of ground shown around the circle.
+BORDER = 1.5
+# Of the figure: m of head travel before and after it enters the circle for which speeds are drawn.
+DISTANCE_BEFORE, DISTANCE_AFTER = 5.0, 35.0
+# Of the figure: points of a line.
+LINE_POINTS = 1200
 
-@dataclass(frozen=True, kw_only=True)
-class TurnAnswer:
+
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class TurnResult(Result, ArrayRecord):
     """The contest's turn and the shortest turn that was found.
 
     Attributes
@@ -64,32 +81,123 @@ class TurnAnswer:
     times : ndarray, shape (201,)
         Times of the contest's table, result4.xlsx, s: from -100 to 100 s at a head speed of 1 m/s. At other speeds the
         head travels the same distances, from 100 m before the entry of the circle to 100 m after it.
-    impact : FirstContact
+    contact : FirstContact
         Certified first contact between the first and the last of these times.
-    hurry : SpeedRatio
+    peak_speed_ratio : SpeedRatio
         Largest ratio of a handle's speed to the head's on the contest's turn.
     lengths : tuple of tuple of float
         Ratios of the radii, and the length of the turn with each ratio, m.
-    allowed : float
+    max_ratio : float
         Largest ratio of a handle's speed to the head's that the search allows.
     shortest : Shortest or None
         The shortest turn that was found; None without the search.
-    short_march : March or None
+    shortest_march : March or None
         March on the shortest turn.
-    short_impact : FirstContact or None
+    shortest_contact : FirstContact or None
         Certified first contact on the shortest turn.
+
+    Examples
+    --------
+    >>> found = u_turn(Dragon(benches=12), search=False)
+    >>> found.contact.status, round(found.peak_speed_ratio.ratio, 3)
+    ('clear', 1.605)
     """
 
     turn: UTurn
     march: March
-    times: Array = field(repr=False)
-    impact: FirstContact
-    hurry: SpeedRatio
+    times: Array
+    contact: FirstContact
+    peak_speed_ratio: SpeedRatio
     lengths: tuple[tuple[float, float], ...]
-    allowed: float
+    max_ratio: float
     shortest: Shortest | None
-    short_march: March | None
-    short_impact: FirstContact | None
+    shortest_march: March | None
+    shortest_contact: FirstContact | None
+
+    def to_dict(self) -> dict[str, Any]:
+        """Values in SI units, as `study u-turn --json` prints them."""
+        turn, shortest = self.turn, None
+        if self.shortest is not None and self.shortest_contact is not None:
+            shortest = {
+                **self.shortest.to_dict(),
+                "max_ratio": self.max_ratio,
+                "contact": self._contact_values(self.shortest_contact),
+            }
+        return {
+            "length": turn.length,
+            "radii": turn.radii.tolist(),
+            "centres": turn.centres.tolist(),
+            "sweeps": turn.sweeps.tolist(),
+            "tangent_points": turn.tangent_points.tolist(),
+            "lengths": [{"ratio": ratio, "length": length} for ratio, length in self.lengths],
+            "contact": self._contact_values(self.contact),
+            "peak_speed_ratio": self.peak_speed_ratio.to_dict(),
+            "shortest": shortest,
+        }
+
+    def _contact_values(self, found: FirstContact) -> dict[str, Any]:
+        until = float(self.times[-1])
+        return {"status": found.status, "time": found.time, "benches": found.benches, "until": until}
+
+    def _lines(self) -> list[str]:
+        turn = self.turn
+        first, second = turn.radii.tolist()
+        ratios, lengths = zip(*self.lengths, strict=True)
+        lines = [
+            f"the turn:  {turn.length:.6f} m on arcs of {first:.6f} and {second:.6f} m,",
+            f"{INDENT}each of {math.degrees(abs(turn.sweeps[0])):.6f} degrees, about {_points(turn.centres)} m,",
+            f"{INDENT}which touch at {_points(turn.tangent_points)} m",
+            f"contact:   {self._contact_text(self.contact)}",
+            f"fastest:   {self.peak_speed_ratio}",
+            f"two arcs:  always as long: {min(lengths):.12f} to {max(lengths):.12f} m where the radii are",
+            f"{INDENT}as {min(ratios):g} to 1 up to {max(ratios):g} to 1. Both turn by the same angle, and their "
+            f"chords\n{INDENT}make up the circle's diameter",
+        ]
+        shortest = self.shortest
+        if shortest is None or self.shortest_contact is None:
+            return lines
+        short = shortest.turn
+        arcs = zip(short.curvatures, short.lengths, strict=True)
+        return [
+            *lines,
+            f"shorter:   {short.length:.4f} m on {len(short.lengths)} arcs: best found, not proven to be the shortest",
+            "searched:  turns on n circular arcs, tangent to each other and to both spirals where these meet the "
+            f"circle,\n{INDENT}inside the circle, with radii of at least {shortest.min_radius:g} m, on which",
+            f"{INDENT}every handle goes forward and none more than {self.max_ratio:.6f} times as fast as the head",
+            "by n:      " + ", ".join(f"{length:.4f} m on {arcs}" for arcs, length in shortest.lengths),
+            *(f"{INDENT}arc {i}: {_arc_text(*arc)}" for i, arc in enumerate(arcs, start=1)),
+            f"contact:   {self._contact_text(self.shortest_contact)}",
+            f"fastest:   {shortest.ratio};",
+            f"{INDENT}handles at the limit: {', '.join(map(str, shortest.binding))}",
+        ]
+
+    def _contact_text(self, found: FirstContact) -> str:
+        if found.status == "clear":
+            no_gap = ", nor a gap below a thirtieth of the width" if found.near_misses == () else ""
+            return f"none from {self.times[0]:g} to {self.times[-1]:g} s{no_gap}: certified"
+        if found.benches is None:
+            return f"none, but the dragon gets stuck at t = {found.time:.6f} s"
+        return f"benches {found.benches[0]} and {found.benches[1]} touch at t = {found.time:.6f} s"
+
+    def _draw(self) -> Figure:
+        """Both paths with the dragon, and the speed of the fastest handle."""
+        panels = [(0.3, self.march, self.turn.joints, f"two arcs, {self.turn.length:.4f} m", BLUE)]
+        title = f"The turn is {self.turn.length:.4f} m long on any two arcs"
+        note = f"no handle goes more than {self.max_ratio:.4g} times as fast as the head"
+        if self.shortest is not None and self.shortest_march is not None:
+            short = self.shortest.turn
+            saved = 100 * (1 - short.length / self.turn.length)
+            name = f"{len(short.lengths)} arcs, {short.length:.4f} m"
+            panels.append((4.1, self.shortest_march, short.path.joints, name, AMBER))
+            title += f"; {len(short.lengths)} can do with {saved:.0f} % less"
+            note = "the best found on which " + note
+        figure = page(8.0, 8.0, title, note)
+        for left, march, joints, name, colour in panels:
+            axes = panel(figure, left, 3.2, 3.6, 3.6)
+            axes.set_title(name, loc="left", size=11.5, color=colour, pad=6)
+            _draw_plan_view(axes, self.turn.radius, march, joints, colour)
+        _draw_speeds(panel(figure, 0.85, 0.65, 6.85, 1.9), self)
+        return figure
 
 
 def u_turn(
@@ -104,7 +212,7 @@ def u_turn(
     arcs: int = ARCS,
     min_radius: float = MIN_RADIUS,
     progress: Progress = silent,
-) -> TurnAnswer:
+) -> TurnResult:
     """The turn of question 4, its first contact, and the shortest turn that is found.
 
     Parameters
@@ -129,7 +237,7 @@ def u_turn(
 
     Returns
     -------
-    TurnAnswer
+    TurnResult
         Both turns with their evidence. The search does not prove that there is no shorter turn.
 
     Raises
@@ -139,6 +247,12 @@ def u_turn(
         circle is found on which every handle keeps to the limit.
     MissingExtraError
         If the search needs SciPy and it is not installed.
+
+    Examples
+    --------
+    >>> found = u_turn(Dragon(benches=12), search=False)
+    >>> print(f"{found.turn.length:.6f} m")
+    13.621245 m
     """
     dragon = dragon or Dragon()
     if fastest is not None:
@@ -152,26 +266,25 @@ def u_turn(
     turn = UTurn(pitch=pitch, radius=radius, ratio=ratio)
     min_radius = finite("min_radius", min_radius, SMALLEST, turn.radius, "m")
     march = March(dragon, turn, speed=speed)
-    times = march.time(TIMES)
-    times.flags.writeable = False
+    times = read_only(march.time(TIMES))
     try:
-        most = largest_ratio(March(dragon, turn))
+        peak = largest_ratio(dragon, turn)
     except (ParameterError, UnreachableError) as error:
         raise ParameterError("radius", radius, "large enough for the dragon to get round the turn") from error
-    allowed = most.ratio if fastest is None else fastest
-    shortest = shortest_turn(turn, dragon, allowed, arcs, min_radius, progress) if search else None
-    short_march = None if shortest is None else March(dragon, shortest.turn.path, speed=speed)
-    return TurnAnswer(
+    max_ratio = peak.ratio if fastest is None else fastest
+    shortest = shortest_turn(turn, dragon, max_ratio, arcs, min_radius, progress) if search else None
+    shortest_march = None if shortest is None else March(dragon, shortest.turn.path, speed=speed)
+    return TurnResult(
         turn=turn,
         march=march,
         times=times,
-        impact=_impact(march, times),
-        hurry=most,
+        contact=_contact(march, times),
+        peak_speed_ratio=peak,
         lengths=tuple((each, _joint_length(replace(turn, ratio=each))) for each in RATIOS),
-        allowed=allowed,
+        max_ratio=max_ratio,
         shortest=shortest,
-        short_march=short_march,
-        short_impact=None if short_march is None else _impact(short_march, times),
+        shortest_march=shortest_march,
+        shortest_contact=None if shortest_march is None else _contact(shortest_march, times),
     )
 
 
@@ -180,6 +293,69 @@ def _joint_length(turn: UTurn) -> float:
     return turn.joints[-1] - turn.joints[0]
 
 
-def _impact(march: March, times: Array) -> FirstContact:
+def _contact(march: March, times: Array) -> FirstContact:
     """Certified first contact from the first of `times` to the last."""
     return first_contact(march, start=float(times[0]), until=float(times[-1]))
+
+
+def _arc_text(curvature: float, length: float) -> str:
+    if curvature == 0:
+        return f"{length:.4f} m, straight"
+    side = "left" if curvature > 0 else "right"
+    return f"{length:.4f} m, to the {side} with a radius of {1 / abs(curvature):.4f} m"
+
+
+def _points(points: Array) -> str:
+    return ", ".join(f"({x:.6f}, {y:.6f})" for x, y in points.tolist())
+
+
+def _draw_plan_view(axes: Axes, radius: float, march: March, joints: tuple[float, ...], colour: str) -> None:
+    """Draw a turn between both spirals, and the dragon as it leaves the turn."""
+    half = radius + BORDER
+    square(axes, half)
+    circle(axes, radius)
+    dragon, head = march.dragon, joints[-1] + EXIT_DISTANCE
+    for bench, outline in enumerate(dragon.outlines(march.at(march.time(head)).poses[0])):
+        if np.abs(outline).max(axis=1).min() < half:
+            fill = COLOURS.head if bench == 0 else FAINT
+            axes.fill(*outline.T, fc=fill, ec=QUIET, lw=0.8, zorder=2, gid=f"bench-{bench}")
+    for since, until, line in ((-60.0, 0.0, RULE), (joints[-1], joints[-1] + 60.0, RULE), (0.0, joints[-1], colour)):
+        path = march.curve.point(np.linspace(since, until, LINE_POINTS))
+        axes.plot(*path.T, color=line, lw=2.4 if line == colour else 1.2, zorder=3 if line == colour else 1)
+    axes.plot(*march.curve.point(joints).T, "o", color=colour, ms=5, zorder=4, gid="joints")
+    # Labels of entry and exit are on the side without benches.
+    for name, joint, side in (("enters", 0, 1), ("leaves", -1, -1)):
+        point = march.curve.point(joints[joint])
+        note: dict[str, Any] = {"ha": "left" if side > 0 else "right", "va": "center", "color": QUIET}
+        label(axes, point[0], point[1], name, (13 * side, 12 * side), zorder=5, **note)
+
+
+def _draw_speeds(axes: Axes, found: TurnResult) -> None:
+    """Draw the largest ratio of handle speed to head speed over the head's distance travelled."""
+    heading(axes, "fastest handle, times the head's speed", 8)
+    distances = np.linspace(-DISTANCE_BEFORE, DISTANCE_AFTER, LINE_POINTS)
+    for march, colour, gid in ((found.march, BLUE, "speeds"), (found.shortest_march, AMBER, "short-speeds")):
+        if march is None:
+            continue
+        speeds = march.at(march.time(distances)).speeds
+        axes.plot(distances, (speeds / speeds[:, :1]).max(axis=1), color=colour, lw=1.8, gid=gid)
+    axes.axhline(found.max_ratio, color=COLOURS.contact, lw=1.0, ls=(0, (5, 3)), gid="allowed")
+    label(axes, DISTANCE_AFTER, found.max_ratio, f"{found.max_ratio:.4g}", (0, 4), ha="right", color=COLOURS.contact)
+    axes.set_xlim(-DISTANCE_BEFORE, DISTANCE_AFTER)
+    axes.set_ylim(0.98, None)
+    axes.set_xlabel("the head's way since it entered the circle (m)")
+
+
+STUDY = Study(
+    name="u-turn",
+    summary="the turn inside the circle, and the shortest one that is found (the contest's question 4)",
+    run=u_turn,
+    own_parameters=("pitch", "radius", "ratio", "speed", "fastest", "search", "arcs", "min_radius"),
+    options={
+        "fastest": Option(kind=float, metavar="X", text="times as fast as the head that anybody may be."),
+        "search": Option(kind=bool, text="search for a shorter turn on more arcs.  [search]"),
+        "arcs": Option(kind=int, metavar="N", text="largest number of arcs in the search, odd.  [7]"),
+        "min_radius": Option(kind=float, metavar="M", text="least radius in the search, m.  [0.5]"),
+    },
+    has_sheets=True,
+)

@@ -16,7 +16,7 @@ from measure import sized
 
 from pymunk_dragon.model.curves import UTurn
 from pymunk_dragon.model.dragon import Dragon
-from pymunk_dragon.studies.shortest import shortest_turn
+from pymunk_dragon.studies._shortest import shortest_turn
 from pymunk_dragon.studies.u_turn import MIN_RADIUS
 
 CONTESTS = 1.6047933789666373

@@ -23,7 +23,6 @@ from pymunk_dragon.drawing.figures.plan_views import (
     trajectories,
     velocities,
 )
-from pymunk_dragon.drawing.figures.study_figures import study_figure
 from pymunk_dragon.drawing.figures.style import styled
 from pymunk_dragon.drawing.figures.times import TimeInterval, model, time_interval
 from pymunk_dragon.drawing.film.stills import STILL_ENDINGS, write_still
@@ -35,7 +34,7 @@ from pymunk_dragon.model.run import Run
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["FIGURES", "FIGURE_ENDINGS", "Kind", "answer_figure", "figure", "write_answer", "write_figure"]
+__all__ = ["FIGURES", "FIGURE_ENDINGS", "Kind", "figure", "styled_figure", "write_figure", "write_styled"]
 
 # File endings of figures with axes.
 FIGURE_ENDINGS = (".png", ".svg")
@@ -133,26 +132,28 @@ def figure(name: str, source: Source | None = None) -> Figure:
     kind = _kind(name)
     if kind.still is not None:
         raise ParameterError("figure", name, "one with axes, or written by `write_figure`")
-    return _styled_figure(lambda: _draw(name, kind, source))
+    return styled_figure(lambda: _draw(name, kind, source))
 
 
-def answer_figure(found: object) -> Figure:
-    """Draw the result of a study as a matplotlib figure, which notebooks display.
+def styled_figure(draw: Callable[[], Figure]) -> Figure:
+    """Figure that `draw` draws, with the fonts and colours of all figures; notebooks display it.
 
     Raises
     ------
-    ParameterError
-        If `found` is not the result of a study.
     MissingExtraError
         If matplotlib is not installed.
 
     Examples
     --------
-    >>> from pymunk_dragon.drawing.figures import answer_figure
-    >>> from pymunk_dragon.studies import min_pitch
-    >>> answer_figure(min_pitch())  # doctest: +SKIP
+    >>> from matplotlib.figure import Figure
+    >>> styled_figure(Figure).axes
+    []
     """
-    return _styled_figure(lambda: study_figure(found))
+    with styled():
+        drawn = draw()
+        # matplotlib creates some ticks during drawing, with the settings of that time.
+        drawn.draw_without_rendering()
+    return drawn
 
 
 def write_figure(name: str, path: str | Path, source: Source | None = None) -> None:
@@ -185,16 +186,16 @@ def write_figure(name: str, path: str | Path, source: Source | None = None) -> N
         run, film = kind.still(*_march_and_interval(kind, source))
         write_still(run, float(run.times[0]), destination, film)
         return
-    _write(lambda: _draw(name, kind, source), destination)
+    write_styled(lambda: _draw(name, kind, source), destination)
 
 
-def write_answer(found: object, path: str | Path) -> None:
-    """Write the figure of a study's result as PNG or SVG.
+def write_styled(draw: Callable[[], Figure], path: str | Path) -> None:
+    """Write the figure that `draw` draws, with the fonts and colours of all figures, as PNG or SVG.
 
     Raises
     ------
     ParameterError
-        If `found` is not the result of a study, or the file cannot be created.
+        If the file cannot be created.
     MissingExtraError
         If matplotlib is not installed.
     OutputError
@@ -202,22 +203,10 @@ def write_answer(found: object, path: str | Path) -> None:
 
     Examples
     --------
-    >>> from pymunk_dragon.drawing.figures import write_answer
-    >>> from pymunk_dragon.studies import min_pitch
-    >>> write_answer(min_pitch(), "min_pitch.svg")  # doctest: +SKIP
+    >>> from matplotlib.figure import Figure
+    >>> write_styled(Figure, "empty.svg")  # doctest: +SKIP
     """
-    _write(lambda: study_figure(found), check_destination(path, FIGURE_ENDINGS))
-
-
-def _styled_figure(draw: Callable[[], Figure]) -> Figure:
-    with styled():
-        drawn = draw()
-        # matplotlib creates some ticks during drawing, with the settings of that time.
-        drawn.draw_without_rendering()
-    return drawn
-
-
-def _write(draw: Callable[[], Figure], destination: Path) -> None:
+    destination = check_destination(path, FIGURE_ENDINGS)
     with styled():
         drawn = draw()
         with written_in_place(destination) as draft:

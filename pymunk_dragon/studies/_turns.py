@@ -11,8 +11,6 @@ from numpy.typing import NDArray
 
 from pymunk_dragon.model.curves import Arc, Composite, Curve, Line, UTurn
 
-__all__ = ["ArcPath", "Turn", "closed_turn"]
-
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
@@ -30,16 +28,8 @@ CLOSED = 2e-14
 class Turn:
     """A turn on n circular arcs, tangent to each other and to both spirals where these meet the circle.
 
-    Attributes
-    ----------
-    base : UTurn
-        Spirals and circle.
-    curvatures : tuple of float
-        Curvatures of the arcs, positive to the left, 1/m; 0 for a line.
-    lengths : tuple of float
-        Lengths of the arcs, m.
-    path : Composite
-        Inward spiral, arcs and outward spiral; the arc-length coordinate is 0 where the circle is entered.
+    Curvatures are positive to the left, in 1/m, and 0 for a line. The arc-length coordinate of the path is 0 where the
+    circle is entered.
     """
 
     base: UTurn
@@ -56,14 +46,8 @@ class Turn:
 class ArcPath:
     """The inward spiral, n arcs, and the outward spiral attached rigidly to the end of the last arc.
 
-    The arcs need not end at the circle's exit: the path of the search is closed only in the limit of convergence.
-
-    Parameters
-    ----------
-    base : UTurn
-        Spirals and circle.
-    x : ndarray, shape (2 n,)
-        Curvatures, 1/m, and then lengths of the arcs, m.
+    `x` (2 n,) are the curvatures, 1/m, and then the lengths of the arcs, m. The arcs need not end at the circle's exit:
+    the path of the search is closed only in the limit of convergence.
     """
 
     def __init__(self, base: UTurn, x: Array) -> None:
@@ -149,10 +133,7 @@ class ArcPath:
 def closed_turn(base: UTurn, x: Array) -> Turn | None:
     """A turn that ends at the exit with its tangent, by least-norm Newton steps from curvatures and lengths `x` (2 n,).
 
-    Returns
-    -------
-    Turn or None
-        None where the Newton steps do not converge, an arc vanishes or the turn leaves the circle.
+    None where the Newton steps do not converge, an arc vanishes or the turn leaves the circle.
     """
     x, count = x.copy(), x.size // 2
     x[:count][np.abs(x[:count]) < STRAIGHT] = 0.0
@@ -168,30 +149,19 @@ def closed_turn(base: UTurn, x: Array) -> Turn | None:
     else:
         return None
     pieces: list[Curve] = [base.pieces[0]]
-    for curvature, length, heading, joint, stop in zip(
-        path.curvatures.tolist(),
-        path.lengths.tolist(),
-        path.headings.tolist(),
-        path.joints[:-1].tolist(),
-        path.joints[1:].tolist(),
-        strict=False,
-    ):
+    parts = (path.curvatures, path.lengths, path.headings[:-1], path.joints[:-1], path.joints[1:])
+    for curvature, length, heading, joint, stop in zip(*(part.tolist() for part in parts), strict=True):
         if curvature == 0:
             pieces.append(Line(start=(joint.real, joint.imag), stop=(stop.real, stop.imag)))
             continue
         side = math.copysign(1.0, curvature)
         centre = joint + 1j * complex(math.cos(heading), math.sin(heading)) / curvature
-        begin = heading - side * math.pi / 2
-        sweep = curvature * length
-        if _farthest(centre, abs(1 / curvature), begin, sweep) > base.radius * (1 + CLOSED):
+        radius, begin, sweep = abs(1 / curvature), heading - side * math.pi / 2, curvature * length
+        if _farthest(centre, radius, begin, sweep) > base.radius * (1 + CLOSED):
             return None
-        pieces.append(Arc(centre=(centre.real, centre.imag), radius=abs(1 / curvature), begin_angle=begin, sweep=sweep))
-    return Turn(
-        base=base,
-        curvatures=tuple(path.curvatures.tolist()),
-        lengths=tuple(path.lengths.tolist()),
-        path=Composite((*pieces, base.pieces[-1])),
-    )
+        pieces.append(Arc(centre=(centre.real, centre.imag), radius=radius, begin_angle=begin, sweep=sweep))
+    curvatures, lengths = tuple(path.curvatures.tolist()), tuple(path.lengths.tolist())
+    return Turn(base=base, curvatures=curvatures, lengths=lengths, path=Composite((*pieces, base.pieces[-1])))
 
 
 def _frame(curve: Curve, s: Array) -> tuple[Complex, Complex]:

@@ -21,6 +21,8 @@ The problem is not convex. The search starts from several turns, and its result 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,17 +30,13 @@ from numpy.typing import NDArray
 from pymunk_dragon._extras import library
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.curves import UTurn
-from pymunk_dragon.model.curves.base import Curve
 from pymunk_dragon.model.dragon import Dragon
-from pymunk_dragon.model.march import March
-from pymunk_dragon.studies.max_speed import SpeedRatio, largest_ratio
-from pymunk_dragon.studies.progress import Progress, silent
-from pymunk_dragon.studies.turns import ArcPath, Turn, closed_turn
-
-__all__ = ["Shortest", "shortest_turn"]
+from pymunk_dragon.studies._speed_ratio import SpeedRatio, largest_ratio
+from pymunk_dragon.studies._study import Progress, silent
+from pymunk_dragon.studies._turn_speeds import Constraints, constrained_speeds, sampled_speeds, speed_maxima
+from pymunk_dragon.studies._turns import ArcPath, Turn, closed_turn
 
 Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 Indices = NDArray[np.intp]
 Solution = tuple[Turn, float]
 
@@ -59,10 +57,6 @@ CHAIN_MARGIN = 3.0
 
 # m travelled by the head between samples of the speeds, before refinement.
 STEP = 0.02
-# Points per bracket of a maximum in each refinement pass, which narrows the bracket eightfold.
-POINTS = 17
-# Refinement passes about a maximum.
-PASSES = 4
 # m travelled by the head beyond the turn in the search. The certificate of the result has no such limit.
 HEAD_MARGIN = 9.0
 # Logarithm of a speed ratio, relative to the limit's, above which a maximum is constrained.
@@ -97,14 +91,6 @@ MAX_PENALTY = 0.1
 ITERATIONS = 40
 # m. Tolerance of SLSQP: far below the least gain.
 TOLERANCE = 1e-7
-# Newton steps for the coordinates of a chain, at most; the start is a solution of a similar path.
-NEWTON_STEPS = 12
-# m. Newton step at which the iteration ends: the error that is left is its square.
-NEWTON_TOLERANCE = 1e-6
-# m. Largest Newton step: a fraction of a bench.
-MAX_NEWTON_STEP = 0.3
-# Least cosine of an angle between a bench and the path: speeds are unbounded as it goes to zero.
-MIN_COSINE = 0.02
 # Logarithm of the ratio by which the search remains below the limit: several times the violations that SLSQP leaves.
 # It makes the turn some micrometres longer.
 MARGIN = 1e-6
@@ -112,28 +98,6 @@ MARGIN = 1e-6
 CURVATURE_MARGIN = 1e-6
 # Relative distance from the limit within which a handle's largest speed counts as equal to it: ten times the margin.
 BINDING = 1e-5
-
-
-@dataclass(frozen=True, eq=False)
-class _Constraints:
-    """Speed constraints at instants at which an anchor handle has a given distance from an end of an arc.
-
-    One row per constraint. `anchors`, `ends`, `offsets`: the anchor, the number of the end and the distance, m.
-    `handles`: the handles whose speeds are constrained. `guesses`: initial coordinates of all handles for Newton's
-    method, m.
-    """
-
-    anchors: Indices
-    ends: Indices
-    offsets: Array
-    handles: Indices
-    guesses: Array
-
-    def __getitem__(self, rows: NDArray[np.bool_] | Indices) -> _Constraints:
-        return _Constraints(*(part[rows] for part in vars(self).values()))
-
-    def __add__(self, other: _Constraints) -> _Constraints:
-        return _Constraints(*map(np.concatenate, zip(vars(self).values(), vars(other).values(), strict=True)))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -163,33 +127,29 @@ class Shortest:
     binding: tuple[int, ...]
     evaluations: int
 
+    def to_dict(self) -> dict[str, Any]:
+        """Values in SI units."""
+        turn = self.turn
+        return {
+            "length": turn.length,
+            "proven": False,
+            "arcs": [{"curvature": k, "length": m} for k, m in zip(turn.curvatures, turn.lengths, strict=True)],
+            "joints": turn.path.point(turn.path.joints).tolist(),
+            "lengths": [{"arcs": arcs, "length": length} for arcs, length in self.lengths],
+            "min_radius": self.min_radius,
+            "binding": self.binding,
+            "peak_speed_ratio": self.ratio.to_dict(),
+        }
+
 
 def shortest_turn(
     base: UTurn, dragon: Dragon, limit: float, arcs: int, min_radius: float, progress: Progress = silent
 ) -> Shortest:
     """Search for the shortest turn on at most `arcs` arcs on which no handle exceeds `limit` times the head's speed.
 
-    Parameters
-    ----------
-    base : UTurn
-        Spirals and circle.
-    dragon : Dragon
-        The dragon.
-    limit : float
-        Largest ratio of a handle's speed to the head's, above 1.
-    arcs : int
-        Largest number of arcs, odd, from 3. All odd numbers up to `arcs` are searched.
-    min_radius : float
-        Least radius of an arc, m.
-    progress : callable, optional
-        Called with the number of arcs that have been searched, and a number that represents the end.
-
-    Raises
-    ------
-    MissingExtraError
-        If SciPy is not installed.
-    ParameterError
-        If no such turn is found.
+    All odd numbers of arcs from 3 are searched, with radii of at least `min_radius` m. `progress` is called with the
+    number of arcs that have been searched, and a number that represents the end. Raises `MissingExtraError` without
+    SciPy, and `ParameterError` if no such turn is found.
     """
     count = 1 + int(np.searchsorted(np.cumsum(dragon.spacings), base.length + CHAIN_MARGIN))
     programme = _Programme(base, dragon.spacings[:count], limit, min_radius)
@@ -205,7 +165,7 @@ def shortest_turn(
         found = [best]
         for seed in range(STARTS[n > 5]):
             noise = np.concatenate([np.random.default_rng(seed).standard_normal(n), np.zeros(n)])
-            found += [turn for turn in (programme.solve(divided + NOISE * noise),) if turn is not None]
+            found.append(programme.solve(divided + NOISE * noise) or best)
         best = min(found, key=lambda solution: solution[1])
         progress(n, arcs + 2)
         lengths.append((n, best))
@@ -214,7 +174,7 @@ def shortest_turn(
         raise too_fast
     for _ in range(REPAIRS):
         # The certificate includes all handles at all times.
-        ratio = largest_ratio(March(dragon, best[0].path))
+        ratio = largest_ratio(dragon, best[0].path)
         if ratio.ratio <= limit:
             break
         programme.log_limit -= np.log(ratio.ratio / limit) + MARGIN
@@ -291,29 +251,28 @@ class _Programme:
         _, handles, logs = found[3]
         return tuple(np.unique(handles[logs > self.log_limit - BINDING]).tolist())
 
-    def _finite_solution(self, x: Array, constraints: _Constraints, size: float) -> Array:
+    def _finite_solution(self, x: Array, constraints: Constraints, size: float) -> Array:
         """Solution of the problem with finitely many constraints in the trust region about `x`."""
-        count, last = x.size // 2, b""
-        cached: tuple[Array, Array] = np.empty(0), np.empty((0, 0))
+        count, rows = x.size // 2, len(constraints.handles) + x.size - 1
         guesses = constraints.guesses
 
-        def inequalities(y: Array) -> tuple[Array, Array]:
-            nonlocal last, cached, guesses
-            if y.tobytes() != last:
-                last = y.tobytes()
-                path = ArcPath(self.base, y)
-                speeds = self._speeds(path, replace(constraints, guesses=guesses))
-                radii, slopes = path.squared_radii()
-                inside = 1 - radii / self.base.radius**2, -slopes / self.base.radius**2
-                if speeds is None:
-                    # The chain has no position on this path. Violated constraints shorten the step of the line search.
-                    cached = np.append(np.full(guesses.shape[0], -1.0), inside[0]), np.zeros((rows, y.size))
-                else:
-                    guesses = speeds[0]
-                    cached = np.append(self.log_limit - speeds[1], inside[0]), np.vstack([-speeds[2], inside[1]])
-            return cached
+        def end_error(y: Array) -> tuple[Array, Array]:
+            return ArcPath(self.base, y).end_error()
 
-        rows = guesses.shape[0] + x.size - 1
+        # SLSQP takes values and derivatives at the same points separately.
+        @lru_cache(1)
+        def inequalities(unknowns: bytes) -> tuple[Array, Array]:
+            nonlocal guesses
+            path = ArcPath(self.base, np.frombuffer(unknowns))
+            speeds = self._speeds(path, replace(constraints, guesses=guesses))
+            radii, slopes = path.squared_radii()
+            inside, of_inside = 1 - radii / self.base.radius**2, -slopes / self.base.radius**2
+            if speeds is None:
+                # The chain has no position on this path. Violated constraints shorten the step of the line search.
+                return np.append(np.full(len(guesses), -1.0), inside), np.zeros((rows, x.size))
+            guesses = speeds[0]
+            return np.append(self.log_limit - speeds[1], inside), np.vstack([-speeds[2], of_inside])
+
         sizes = np.repeat([CURVATURE_PER_LENGTH * size, size], count)
         lowest = np.repeat([-self.max_curvature, MIN_ARC], count)
         highest = np.repeat([self.max_curvature, np.inf], count)
@@ -324,12 +283,12 @@ class _Programme:
             jac=lambda y: slope,
             bounds=np.stack([np.clip(x - sizes, lowest, highest), np.clip(x + sizes, lowest, highest)], axis=-1),
             constraints=[
+                {"type": "eq", "fun": lambda y: end_error(y)[0], "jac": lambda y: end_error(y)[1]},
                 {
-                    "type": "eq",
-                    "fun": lambda y: ArcPath(self.base, y).end_error()[0],
-                    "jac": lambda y: ArcPath(self.base, y).end_error()[1],
+                    "type": "ineq",
+                    "fun": lambda y: inequalities(y.tobytes())[0],
+                    "jac": lambda y: inequalities(y.tobytes())[1],
                 },
-                {"type": "ineq", "fun": lambda y: inequalities(y)[0], "jac": lambda y: inequalities(y)[1]},
             ],
             method="SLSQP",
             options={"maxiter": ITERATIONS, "ftol": TOLERANCE},
@@ -337,73 +296,9 @@ class _Programme:
         result: Array = found.x
         return result
 
-    def _speeds(self, path: ArcPath, constraints: _Constraints) -> tuple[Array, Array, Array] | None:
-        """Coordinates (M, H) of the handles, logarithms (M,) of the constrained speed ratios and derivatives (M, 2 n).
-
-        The velocity ratio of a bench's rear handle to its front handle is a / b, with the cosines a and b of the
-        bench's angles to the path at the front and rear handle. None where the chain has no position on the path or is
-        perpendicular to it.
-        """
+    def _speeds(self, path: ArcPath, constraints: Constraints) -> tuple[Array, Array, Array] | None:
         self.evaluations += 1
-        # Several handles are constrained at the same instant.
-        same = np.stack([constraints.anchors, constraints.ends, constraints.offsets])
-        _, first, inverse = np.unique(same, axis=1, return_index=True, return_inverse=True)
-        given, constraints = constraints, constraints[first]
-        positions = self._positions(path, constraints)
-        if positions is None:
-            return None
-        s, points, tangents, curvatures = positions
-        rows, benches = np.arange(len(s)), self.spacings.size
-        facing = ((points[:, :-1] - points[:, 1:]) / self.spacings).conj()
-        front, rear = facing * tangents[:, :-1], facing * tangents[:, 1:]
-        logs = _logs(front.real, rear.real)
-        rates = np.exp(logs)[..., None]
-        of_points, of_headings = path.partials(s, points, tangents, curvatures)
-        # Derivatives of the coordinates, first for a fixed head from the constant length of each bench, and then for
-        # the anchor at its distance from the end of an arc.
-        moved = np.zeros_like(of_headings)
-        for i in range(benches):
-            along = (facing[:, i, None] * (of_points[:, i] - of_points[:, i + 1])).real
-            moved[:, i + 1] = (along + front[:, i, None].real * moved[:, i]) / rear[:, i, None].real
-        anchors = constraints.anchors
-        ends = np.zeros((rows.size, of_headings.shape[-1]))
-        ends[:, path.count :] = np.arange(path.count) < constraints.ends[:, None]
-        head = (ends - moved[rows, anchors]) / rates[rows, anchors]
-        moved += rates * head[:, None]
-        of_points += tangents[..., None] * moved
-        of_headings += curvatures[..., None] * moved
-        turned = (facing[..., None] * (of_points[:, :-1] - of_points[:, 1:])).imag / self.spacings[:, None]
-        change = (rear.imag / rear.real)[..., None] * (of_headings[:, 1:] - turned)
-        change -= (front.imag / front.real)[..., None] * (of_headings[:, :-1] - turned)
-        handles = given.handles
-        return s[inverse], logs[inverse, handles], np.cumsum(change, axis=1)[inverse, handles - 1]
-
-    def _positions(self, path: ArcPath, constraints: _Constraints) -> tuple[Array, Complex, Complex, Array] | None:
-        """Coordinates (M, H), points, tangents and curvatures of the handles, by Newton's method; None without any."""
-        s, rows = constraints.guesses.copy(), np.arange(len(constraints.guesses))
-        goals = path.edges[constraints.ends] + constraints.offsets
-        for _ in range(NEWTON_STEPS):
-            points, tangents, curvatures = path.at(s)
-            between = points[:, :-1] - points[:, 1:]
-            distances = np.abs(between)
-            facing = (between / distances).conj()
-            front, rear = (facing * tangents[:, :-1]).real, (facing * tangents[:, 1:]).real
-            if not min(front.min(), rear.min()) > MIN_COSINE:
-                return None
-            excess, steps = distances - self.spacings, np.zeros_like(s)
-            steps[rows, constraints.anchors] = goals - s[rows, constraints.anchors]
-            for i in range(self.spacings.size):
-                behind = (front[:, i] * steps[:, i] + excess[:, i]) / rear[:, i]
-                steps[:, i + 1] = np.where(constraints.anchors <= i, behind, steps[:, i + 1])
-            for i in range(self.spacings.size - 1, -1, -1):
-                ahead = (rear[:, i] * steps[:, i + 1] - excess[:, i]) / front[:, i]
-                steps[:, i] = np.where(constraints.anchors > i, ahead, steps[:, i])
-            steps = np.clip(steps, -MAX_NEWTON_STEP, MAX_NEWTON_STEP)
-            s += steps
-            if np.abs(steps).max() < NEWTON_TOLERANCE:
-                # Points and tangents are advanced by the last step to first order; the error is its square.
-                return s, points + steps * tangents, tangents * np.exp(1j * curvatures * steps), curvatures
-        return None
+        return constrained_speeds(path, self.spacings, constraints)
 
     def _evaluated(self, x: Array) -> tuple[Turn, float, tuple[Array, Array], tuple[Array, Indices, Array]] | None:
         """The turn at `x`, its length with a penalty, sampled coordinates and speeds of handles, and their maxima."""
@@ -411,15 +306,15 @@ class _Programme:
         if turn is None:
             return None
         heads = np.arange(0.0, turn.length + HEAD_MARGIN, STEP)
-        samples = _sampled_speeds(turn.path, self.spacings, heads)
+        samples = sampled_speeds(turn.path, self.spacings, heads)
         if samples is None:
             return None
-        maxima = _maxima(turn.path, self.spacings, heads, samples[1], self.log_limit - PEAK_MARGIN)
+        maxima = speed_maxima(turn.path, self.spacings, heads, samples[1], self.log_limit - PEAK_MARGIN)
         if maxima is None:
             return None
         return turn, turn.length + PENALTY * max(0.0, float(maxima[2].max()) - self.log_limit), samples, maxima
 
-    def _peak_constraints(self, turn: Turn, maxima: tuple[Array, Indices, Array]) -> _Constraints:
+    def _peak_constraints(self, turn: Turn, maxima: tuple[Array, Indices, Array]) -> Constraints:
         """Constraints at the maxima that are not at a kink; the anchor is the handle closest to an end of an arc."""
         heads, handles, _ = maxima
         s = turn.path.chain(heads, self.spacings)
@@ -430,11 +325,11 @@ class _Programme:
         closest = distances.argmin(axis=1)
         anchors, ends = np.divmod(closest, edges.size)
         offset = offsets.reshape(heads.size, -1)[np.arange(heads.size), closest]
-        return _Constraints(anchors, ends, offset, handles, s)[np.abs(offset) > AT_KINK]
+        return Constraints(anchors, ends, offset, handles, s)[np.abs(offset) > AT_KINK]
 
-    def _kink_constraints(self, turn: Turn, s: Array, logs: Array) -> _Constraints:
+    def _kink_constraints(self, turn: Turn, s: Array, logs: Array) -> Constraints:
         """Constraints where a handle passes an end of an arc, for the handles from it on that may exceed the limit."""
-        found: list[_Constraints] = []
+        found: list[Constraints] = []
         edges, fast = np.array([0.0, *np.cumsum(turn.lengths)]), logs > self.log_limit - KINK_MARGIN
         for anchor, end in np.ndindex(self.spacings.size, edges.size):
             after = int(np.searchsorted(s[:, anchor], edges[end]))
@@ -443,52 +338,13 @@ class _Programme:
             handles = np.flatnonzero(fast[after - 1] | fast[after])
             handles = handles[handles >= max(anchor, 1)]
             same = np.full(handles.size, anchor), np.full(handles.size, end), np.zeros(handles.size)
-            found.append(_Constraints(*same, handles, np.tile(s[after], (handles.size, 1))))
+            found.append(Constraints(*same, handles, np.tile(s[after], (handles.size, 1))))
         return sum(found[1:], found[0])
 
-    def _active(self, turn: Turn, constraints: _Constraints) -> _Constraints:
+    def _active(self, turn: Turn, constraints: Constraints) -> Constraints:
         """The constraints whose speeds on a turn are close to the limit, with the coordinates on that turn."""
         path = ArcPath(self.base, _unknowns(turn))
         speeds = self._speeds(path, constraints)
         if speeds is None:
             return constraints[np.zeros(len(constraints.handles), dtype=bool)]
         return replace(constraints, guesses=speeds[0])[speeds[1] > self.log_limit - PEAK_MARGIN]
-
-
-def _logs(front: Array, rear: Array) -> Array:
-    """Logarithms (..., H) of the speed ratios of the handles to the head, from the cosines at both ends of benches."""
-    logs = np.cumsum(np.log(front) - np.log(rear), axis=-1)
-    return np.concatenate([np.zeros((*logs.shape[:-1], 1)), logs], axis=-1)
-
-
-def _sampled_speeds(curve: Curve, spacings: Array, heads: Array) -> tuple[Array, Array] | None:
-    """Coordinates of the handles and logarithms of their speed ratios, each (T, H), at coordinates `heads` of the head.
-
-    None where a handle has no position or does not move forward.
-    """
-    s = curve.chain(heads, spacings)
-    points, tangents = curve.frame(s)
-    along = points[:, :-1] - points[:, 1:]
-    front, rear = (np.sum(part * along, axis=-1) / spacings for part in (tangents[:, :-1], tangents[:, 1:]))
-    # A comparison with nan is false.
-    return (s, _logs(front, rear)) if np.all(front > 0) and np.all(rear > 0) else None
-
-
-def _maxima(
-    curve: Curve, spacings: Array, heads: Array, logs: Array, lower: float
-) -> tuple[Array, Indices, Array] | None:
-    """Local maxima above `lower` of the logarithms (T, H): coordinates of the head, handles, and values."""
-    beside = np.pad(logs, ((1, 1), (0, 0)), constant_values=-np.inf)
-    rows, handles = np.nonzero((logs >= beside[:-2]) & (logs >= beside[2:]) & (logs > lower))
-    rows, handles = rows[handles > 0], handles[handles > 0]
-    low, high = heads[np.maximum(rows - 1, 0)], heads[np.minimum(rows + 1, heads.size - 1)]
-    chosen = np.arange(rows.size)
-    for _ in range(PASSES):
-        s = np.linspace(low, high, POINTS, axis=-1)
-        found = _sampled_speeds(curve, spacings, s.ravel())
-        if found is None:
-            return None
-        own = found[1].reshape(*s.shape, -1)[chosen, :, handles]
-        best = own.argmax(axis=1)
-        low, high = s[chosen, np.maximum(best - 1, 0)], s[chosen, np.minimum(best + 1, POINTS - 1)]
-    return s[chosen, best], handles, own[chosen, best]

@@ -1,0 +1,333 @@
+"""The largest ratio of a handle's speed to the head's in a turn, enclosed by branch and bound.
+
+The ratio of a handle's speed to the head's depends only on the distance s travelled by the head. Over an interval of s
+the ratio is at most its value at the midpoint plus half the interval's length times a bound on its derivative.
+Intervals whose bound is below the largest value found are discarded, the others are halved. The bounds on derivatives
+come from interval arithmetic on the rigid-bench equations (derived in `collision/bounds.py`): with the angles alpha and
+beta from a bench to the path's tangents at its front and rear hole, its spacing L and the path's curvatures kappa_f and
+kappa_r there, the rear hole has the velocity ratio rho = cos alpha / cos beta to the front hole, and
+
+    drho/ds = (rho^2 kappa_r sin beta - kappa_f sin alpha + omega^2 L) / cos beta,
+    omega = (sin alpha - rho sin beta) / L.
+
+Three facts limit the search:
+
+- On the inward spiral no handle is faster than the one before it: at the end of a spiral's arc with the larger
+  curvature, the angle to the chord is larger (W. Vogt, "Über monotongekrümmte Kurven", 1914).
+- On the outward spiral each handle is faster than the one before it, but all of them together by no more than a bound
+  that depends only on the curvature kappa at the exit. The angle to a chord lies between those on the circles with the
+  largest and the smallest curvature of the arc (A. Schur, 1921), so both cosines of a bench lie between c(L, kappa at
+  its front hole) and c(L, kappa at its rear hole), where c(L, k) = sqrt(1 - (k L / 2)^2). At a hole between benches of
+  the spacings L and M the product has the factor cos alpha / cos beta, which is at most
+  max(1, c(M, kappa) / c(L, kappa)). The remaining factor is at most 1 / c(L, kappa) of the last bench.
+- Benches but the head are alike, so once the head has left the turn, the motion in the turn is periodic with the period
+  of one bench.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pymunk_dragon.errors import ParameterError
+from pymunk_dragon.model import chain
+from pymunk_dragon.model.curves import Composite, Reversed
+from pymunk_dragon.model.dragon import Dragon
+from pymunk_dragon.model.march import March
+from pymunk_dragon.studies._study import Progress, silent
+
+Array = NDArray[np.float64]
+Interval = tuple[Array, Array]
+
+# Length of the initial intervals of the head's distance, in spacings. Longer intervals are halved more often, shorter
+# ones cost more at once.
+INTERVAL = 1 / 16
+# Parts of which progress is reported.
+PARTS = 2
+# Initial intervals times benches up to which a whole dragon is evaluated through the turn: some seconds of work.
+WORK = 100_000
+# Relative width of the enclosure of the largest ratio: the search takes longer below it, and rounding is far below.
+RELATIVE_TOLERANCE = 1e-11
+# Relative difference up to which the speeds of two handles count as equal: several widths of the enclosure.
+EQUAL = 1e-10
+# Relative bound on the rounding error of a ratio.
+ROUNDING = 1e-13
+# m. Length below which an interval is not halved: next to rounding of the head's distance.
+MIN_INTERVAL = 1e-12
+# rad. A right angle.
+RIGHT_ANGLE = np.pi / 2
+# Least cosine in a quotient: a smaller one belongs to an angle that may reach a right angle.
+MIN_COSINE = 1e-12
+# Condition on the curve in the message about a bench that is perpendicular to it.
+FORWARD = "one on which every hole moves forward at all times"
+
+
+@dataclass(frozen=True, kw_only=True)
+class SpeedRatio:
+    """Maximum, over time and handles, of a handle's speed over the head's in a turn.
+
+    Attributes
+    ----------
+    ratio : float
+        Largest ratio of a handle's speed to the head's.
+    excess : float
+        Relative amount by which the true maximum may be larger.
+    handle, handles : int and tuple of int
+        The foremost handle with that speed, and all handles with it.
+    distance : float
+        Distance travelled by the head from the entry of the circle at the maximum, m.
+    evaluations : int
+        Number of positions of the head at which the ratios were evaluated.
+    """
+
+    ratio: float
+    excess: float
+    handle: int
+    handles: tuple[int, ...]
+    distance: float
+    evaluations: int
+
+    def to_dict(self) -> dict[str, Any]:
+        """Ratio, relative excess, foremost handle, and distance travelled by the head, m."""
+        return {"ratio": self.ratio, "excess": self.excess, "handle": self.handle, "distance": self.distance}
+
+    def __str__(self) -> str:
+        where = f"handle {self.handle}, {self.ratio:.6f} times as fast as the head, as that is {self.distance:.3f} m in"
+        return f"{where}: certified to {self.excess:.1g}"
+
+
+def largest_ratio(dragon: Dragon, path: Composite, progress: Progress = silent) -> SpeedRatio:
+    """Maximum of a handle's speed over the head's, for all handles and all times, enclosed by branch and bound.
+
+    `path` is an inward spiral, arcs and lines, and an outward spiral; its coordinate is 0 at the end of the inward one.
+
+    Raises
+    ------
+    ParameterError
+        If the dragon has no position with its head at the end of the inward spiral, or if a bench becomes perpendicular
+        to the path at its front handle, where its rear handle begins to move back.
+    UnreachableError
+        If the dragon does not fit round the turn.
+    """
+    march = March(dragon, path)
+    search = _Search(march, path)
+    head, whole = float(dragon.spacings[0]), float(dragon.spacings.sum())
+    if not dragon.alike:
+        search.run(0.0, search.exit_distance(dragon.benches, whole))
+        return search.result(_outward_gain(path, dragon.spacings))
+    search.run(0.0, search.exit_distance(1, head))
+    # Once the head has left the turn, the benches behind it move as a chain of equal benches, whose motion is periodic.
+    gain, body = _outward_gain(path, dragon.spacings[:2]), float(dragon.spacings[1:2].sum()) or head
+    alike = March(replace(dragon, head_spacing=body), path, start_s=path.joints[-1])
+    followers = _Search(alike, path, search.ratio / gain)
+    followers.run(0.0, followers.exit_distance(1, body))
+    bound = gain
+    if followers.found:
+        # With benches on the outward spiral, handles may be faster than the followers alone, by at most the gain. The
+        # maximum of the followers is evaluated for each number of benches that have left the turn. The remaining
+        # positions are searched if they are few, and bounded by the gain otherwise.
+        progress(1, PARTS)
+        samples = _periodic_samples(dragon, path, followers.travelled)
+        search.enclose(samples, samples)
+        if whole / (INTERVAL * body) * dragon.benches <= WORK:
+            search.run(search.exit_distance(1, head), search.exit_distance(dragon.benches, whole))
+        else:
+            bound = followers.ratio * gain
+    progress(PARTS, PARTS)
+    search.evaluations += followers.evaluations
+    return search.result(bound)
+
+
+def _periodic_samples(dragon: Dragon, path: Composite, phase: float) -> Array:
+    """Distances travelled by the head at which handle 1, 2, ... is `phase` m behind the exit.
+
+    The benches between that handle and the head are on the outward spiral. Their positions follow from the handle's.
+    """
+    outward = path.pieces[-1]
+    ahead, head, body = Reversed(outward), float(dragon.spacings[0]), float(dragon.spacings[-1])
+    handles = ahead.chain([-(outward.begin_s + phase)], [body] * (dragon.benches - 2))[0]
+    heads = ahead.chain(handles, [head])[:, 1]
+    samples: Array = -heads - outward.begin_s + path.joints[-1]
+    return samples
+
+
+def _outward_gain(path: Composite, spacings: Array) -> float:
+    """Bound on the ratio of a handle's speed to the head's while all benches are on the outward spiral."""
+    outward = path.pieces[-1]
+    cosines = np.sqrt(1 - (outward.curvature(outward.begin_s) * spacings / 2) ** 2)
+    return float(np.prod(np.maximum(1.0, cosines[1:] / cosines[:-1])) / cosines[-1])
+
+
+class _Search:
+    """Branch and bound for the largest ratio of a march at 1 m/s above a lower bound."""
+
+    def __init__(self, march: March, path: Composite, lower: float = 1.0) -> None:
+        self.march, self.curve = march, path
+        self.ratio, self.found = lower, False
+        self.evaluations = 0
+        self.travelled, self._handles = 0.0, 1
+        self._spacings = march.dragon.spacings
+
+    def run(self, begin: float, end: float) -> None:
+        """Enclose the largest ratio while the head travels from `begin` to `end`, m."""
+        edges = np.linspace(begin, end, int(np.ceil((end - begin) / (INTERVAL * self._spacings.min()))) + 1)
+        self.enclose(edges[:-1], edges[1:])
+
+    def exit_distance(self, handle: int, step: float) -> float:
+        """Distance travelled by the head, m, at which `handle` has passed the exit of the turn by up to `step`.
+
+        Raises `ParameterError` if the handle is pushed back.
+        """
+        exit_s = self.curve.joints[-1]
+        travelled, s = exit_s - self.march.head_start + step, -np.inf
+        while True:
+            before, s = s, float(self.march.handles_s(self.march.time(travelled), handle + 1)[0, -1])
+            if s >= exit_s:
+                return travelled
+            if s <= before:
+                raise ParameterError("curve", self.curve, FORWARD)
+            travelled += step / 8
+
+    def enclose(self, begins: Array, ends: Array) -> None:
+        """Enclose the largest ratio on intervals of the head's distance."""
+        # The handles further back are on the inward spiral, and no faster than the last of these handles.
+        ahead = int(np.count_nonzero(self.march.handles_s(self.march.time(ends.max()))[0] > 0))
+        handles = min(max(2, ahead + 1), self.march.dragon.handles)
+        middles, halves = (begins + ends) / 2, (ends - begins) / 2
+        parts = [self.march.handles_s(travelled, handles) for travelled in (begins, middles, ends)]
+        while middles.size:
+            first, middle, last = parts
+            self.evaluations += middles.size
+            ratios, most = self._ratios(first, middle, last)
+            self._update(middles, ratios)
+            left = np.flatnonzero((most > self.ratio * (1 + RELATIVE_TOLERANCE)).any(axis=1))
+            if not left.size or 2 * halves.max() < MIN_INTERVAL:
+                break
+            handles = int(np.flatnonzero((most[left] > self.ratio).any(axis=0))[-1]) + 2
+            first, middle, last = (part[left, :handles] for part in parts)
+            halves = np.tile(halves[left] / 2, 2)
+            middles = np.concatenate([middles[left], middles[left]]) + np.repeat([-1, 1], left.size) * halves
+            joined = np.concatenate([first, middle]), np.concatenate([middle, last])
+            parts = [joined[0], self.march.handles_s(middles, handles), joined[1]]
+
+    def _update(self, middles: Array, ratios: Array) -> None:
+        """Replace the largest ratio if one of `ratios` is larger."""
+        largest = ratios.max(axis=1)
+        best = int(largest.argmax())
+        if largest[best] > self.ratio:
+            self.ratio, self.found, self.travelled = float(largest[best]), True, float(middles[best])
+            self._handles = ratios.shape[1] + 1
+
+    def _ratios(self, first: Array, middle: Array, last: Array) -> tuple[Array, Array]:
+        """Ratios (K, H - 1) of the speeds of handles 1 to H - 1 to the head's, at midpoints, and bounds on intervals.
+
+        `first`, `middle` and `last` (K, H) are coordinates of the handles at the beginning, midpoint and end of the
+        intervals.
+        """
+        spacings = self._spacings[: first.shape[1] - 1]
+        front, rear = map(np.angle, chain.angles(*self.curve.frame(middle), spacings))
+        if np.any(np.abs(front) >= RIGHT_ANGLE):
+            raise ParameterError("curve", self.curve, FORWARD)
+        # While both holes move forward, they remain between their coordinates at the ends of the interval. No bench
+        # rotates by more than the sum of the two distances, over its spacing.
+        moved = np.maximum(middle - first, last - middle)
+        swept = moved * self.curve.max_curvature(first, last)
+        turned = (moved[:, :-1] + moved[:, 1:]) / spacings
+        fronts = _interval(front, swept[:, :-1] + turned)
+        rears = _interval(rear, swept[:, 1:] + turned)
+        low, high = self._curvatures(first, last)
+        velocity_ratio, slope = _velocity_ratio(
+            fronts, rears, (low[:, :-1], high[:, :-1]), (low[:, 1:], high[:, 1:]), spacings
+        )
+        ratios = chain.velocity_ratios(np.cos(front), np.cos(rear))[:, 1:]
+        with np.errstate(over="ignore", invalid="ignore"):
+            slowest, fastest = (chain.velocity_ratios(bound[:, :-1], np.ones(1)) for bound in velocity_ratio)
+            low, high = _product((slowest, fastest), _quotient(slope, velocity_ratio))
+            change = np.maximum(np.abs(np.cumsum(low, axis=1)), np.abs(np.cumsum(high, axis=1)))
+            most = ratios * np.exp(change * moved[:, :1]) * (1 + ROUNDING)
+        # Where an angle may reach a right angle, there is no bound for this handle and the handles behind it.
+        known = np.logical_and.accumulate((_largest(fronts) < RIGHT_ANGLE) & (_largest(rears) < RIGHT_ANGLE), axis=1)
+        return ratios, np.where(known & np.isfinite(most), most, np.inf)
+
+    def _curvatures(self, first: Array, last: Array) -> Interval:
+        """Least and largest signed curvature of the path between coordinates.
+
+        The curvature of an arc is constant, and that of a spiral is monotonic.
+        """
+        ends = self.curve.curvature(first), self.curve.curvature(last)
+        low, high = np.minimum(*ends), np.maximum(*ends)
+        for joint, before, after in zip(self.curve.joints, self.curve.pieces[:-1], self.curve.pieces[1:], strict=True):
+            here = (first <= joint + MIN_INTERVAL) & (last >= joint - MIN_INTERVAL)
+            for end in (float(before.curvature(before.end_s)), float(after.curvature(after.begin_s))):
+                low, high = np.where(here, np.minimum(low, end), low), np.where(here, np.maximum(high, end), high)
+        return low, high
+
+    def result(self, bound: float) -> SpeedRatio:
+        """The largest ratio, if `bound` is a bound on all ratios that were not enclosed."""
+        speeds = self.march.at(self.travelled, self._handles).speeds[0]
+        fastest = np.flatnonzero(speeds > self.ratio * (1 - EQUAL)).tolist()
+        return SpeedRatio(
+            ratio=self.ratio,
+            excess=max(RELATIVE_TOLERANCE, bound / self.ratio - 1),
+            handle=fastest[0],
+            handles=tuple(fastest),
+            distance=self.travelled,
+            evaluations=self.evaluations,
+        )
+
+
+def _velocity_ratio(
+    fronts: Interval, rears: Interval, front_curvature: Interval, rear_curvature: Interval, spacings: Array
+) -> tuple[Interval, Interval]:
+    """Velocity ratio of a bench's rear hole to its front hole, and its derivative by the front hole's coordinate."""
+    sines, cosines = (_sine(fronts), _sine(rears)), (_cosine(fronts), _cosine(rears))
+    ratio = _quotient(cosines[0], cosines[1])
+    rate = _difference(sines[0], _product(ratio, sines[1]))
+    rear = _product(_product(ratio, ratio), _product(rear_curvature, sines[1]))
+    front = _product(front_curvature, sines[0])
+    (low, high), squared = _difference(rear, front), _product(rate, rate)
+    # A square is not negative.
+    total = low + np.maximum(squared[0], 0.0) / spacings, high + squared[1] / spacings
+    return ratio, _quotient(total, cosines[1])
+
+
+def _interval(middle: Array, half: Array) -> Interval:
+    """Interval of a midpoint and half a width."""
+    return middle - half, middle + half
+
+
+def _largest(angles: Interval) -> Array:
+    """Largest absolute value in an interval."""
+    return np.maximum(np.abs(angles[0]), np.abs(angles[1]))
+
+
+def _sine(angles: Interval) -> Interval:
+    """Sines of angles up to a right angle."""
+    return np.sin(angles[0]), np.sin(angles[1])
+
+
+def _cosine(angles: Interval) -> Interval:
+    """Cosines of angles up to a right angle, above 0."""
+    ends = np.cos(angles[0]), np.cos(angles[1])
+    # At a right angle the cosine is zero. Results for such angles are discarded.
+    low = np.maximum(np.minimum(*ends), MIN_COSINE)
+    return low, np.where(angles[0] * angles[1] <= 0, 1.0, np.maximum(np.maximum(*ends), low))
+
+
+def _difference(one: Interval, other: Interval) -> Interval:
+    """Difference of intervals."""
+    return one[0] - other[1], one[1] - other[0]
+
+
+def _product(one: Interval, other: Interval) -> Interval:
+    """Product of intervals."""
+    ends = [a * b for a in one for b in other]
+    return np.minimum.reduce(ends), np.maximum.reduce(ends)
+
+
+def _quotient(one: Interval, other: Interval) -> Interval:
+    """Quotient by an interval above 0."""
+    return _product(one, (1 / other[1], 1 / other[0]))

@@ -1,0 +1,152 @@
+"""What all studies share: results that show themselves, and the declaration of a study by its name."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from pymunk_dragon.drawing.figures import styled_figure, write_styled
+from pymunk_dragon.errors import MissingExtraError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+# Called with the work that is done and the whole work, in the same unit.
+Progress = Callable[[float, float], None]
+Evidence = TypeVar("Evidence")
+
+# Names of the sizes of a dragon, which all studies take.
+DRAGON = ("benches", "head_spacing", "body_spacing", "overhang", "width")
+# Spaces before continued lines of a text.
+INDENT = " " * 11
+
+
+def silent(done: float, total: float) -> None:
+    """Report nothing."""
+
+
+def bracketed(
+    test: Callable[[float], Evidence | None],
+    passing: float,
+    failing: float,
+    evidence: Evidence,
+    *,
+    width: float = 0.0,
+    relative: float = 0.0,
+) -> tuple[float, float, Evidence]:
+    """Bracket, by bisection, of the number at which `test` begins to return evidence instead of None.
+
+    `evidence` is what `test` returns for `failing`, before and after. The bracket is at most `width`, or the share
+    `relative` of `failing`, wide.
+    """
+    while abs(failing - passing) > width + relative * abs(failing):
+        middle = (passing + failing) / 2
+        found = test(middle)
+        passing, failing, evidence = (middle, failing, evidence) if found is None else (passing, middle, found)
+    return passing, failing, evidence
+
+
+class Result:
+    """Base class of the studies' results: ``str`` is the text that the program prints, and notebooks show `plot`."""
+
+    @abstractmethod
+    def to_dict(self) -> dict[str, Any]:
+        """Values in SI units, as `study --json` prints them."""
+
+    @abstractmethod
+    def _lines(self) -> list[str]:
+        """Lines of the text."""
+
+    @abstractmethod
+    def _draw(self) -> Figure:
+        """The figure, drawn with the settings of all figures."""
+
+    def __str__(self) -> str:
+        return "\n".join(self._lines())
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__}: {self._lines()[0]}>"
+
+    def plot(self) -> Figure:
+        """Draw the result as a matplotlib figure, which notebooks display.
+
+        Raises
+        ------
+        MissingExtraError
+            If matplotlib is not installed.
+        """
+        return styled_figure(self._draw)
+
+    def write_figure(self, path: str | Path) -> None:
+        """Write the figure as PNG or SVG.
+
+        Raises
+        ------
+        ParameterError
+            If the ending is neither .png nor .svg, or the file cannot be created.
+        MissingExtraError
+            If matplotlib is not installed.
+        OutputError
+            If writing fails.
+        """
+        write_styled(self._draw, path)
+
+    def _repr_png_(self) -> bytes | None:
+        try:
+            figure: Any = self.plot()
+        except MissingExtraError:
+            return None
+        picture: bytes = figure._repr_png_()
+        return picture
+
+
+@dataclass(frozen=True, kw_only=True)
+class Option:
+    """Parameter of a single study, as an option of the program: type, placeholder of the value, and description."""
+
+    kind: type
+    metavar: str | None = None
+    text: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Study:
+    """A study that can be run by name.
+
+    Attributes
+    ----------
+    name : str
+        Name of the study.
+    summary : str
+        What the study computes, in one line.
+    run : callable
+        Function of a `Dragon`, of `parameters` by name and of `progress`. It returns a `Result`.
+    own_parameters : tuple of str
+        Names of the parameters apart from the dragon's sizes.
+    options : mapping
+        Those parameters that no scenario has, as options of the program.
+    has_sheets : bool
+        Whether the result has a `march` and `times`, of which the contest's sheets are written.
+
+    Examples
+    --------
+    >>> def widest(dragon, *, margin=0.0, progress=silent): ...
+    >>> widest = Study(name="widest", summary="the widest bench", run=widest, own_parameters=("margin",))
+    >>> widest.parameters
+    ('benches', 'head_spacing', 'body_spacing', 'overhang', 'width', 'margin')
+    """
+
+    name: str
+    summary: str
+    run: Callable[..., Any]
+    own_parameters: tuple[str, ...]
+    options: Mapping[str, Option] = field(default_factory=dict)
+    has_sheets: bool = False
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of all parameters, including the dragon's sizes."""
+        return *DRAGON, *self.own_parameters
