@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from abc import abstractmethod
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from inspect import signature
@@ -50,7 +50,7 @@ def bracketed(
     return passing, failing, evidence
 
 
-class Result:
+class Result(ABC):
     """Base class of the studies' results: ``str`` is the text that the program prints, and notebooks show `plot`."""
 
     @abstractmethod
