@@ -429,7 +429,6 @@ def test_a_study_brings_its_options_and_its_formats(
         name="deepest",
         summary="a study of the tests",
         run=deepest,
-        own_parameters=("depth",),
         options={"depth": Option(kind=float, metavar="M", text="how deep, m.  [1]")},
     )
     monkeypatch.setattr(cli.commands["study"], "params", cli.commands["study"].params.copy())

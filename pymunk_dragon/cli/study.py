@@ -66,7 +66,8 @@ def study(
         else:
             click.echo("\n".join(f"{known:<11}  {summary}" for known, summary in summaries.items()))
         return
-    values = _of_file(scenario_file, STUDIES[name].parameters if name in STUDIES else ()) | chosen()
+    takes = STUDIES[name].parameters if scenario_file is not None and name in STUDIES else ()
+    values = _of_file(scenario_file, takes) | chosen()
     if isinstance(values.get("speed"), str | tuple):
         values["speed"] = _speed(values["speed"])
     values |= {given: value for given, value in options.items() if value is not None}

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from abc import abstractmethod
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -49,7 +50,7 @@ def bracketed(
     return passing, failing, evidence
 
 
-class Result:
+class Result(ABC):
     """Base class of the studies' results: ``str`` is the text that the program prints, and notebooks show `plot`."""
 
     @abstractmethod
@@ -123,30 +124,28 @@ class Study:
     summary : str
         What the study computes, in one line.
     run : callable
-        Function of a `Dragon`, of `parameters` by name and of `progress`. It returns a `Result`.
-    own_parameters : tuple of str
-        Names of the parameters apart from the dragon's sizes.
+        Function of a `Dragon`, of keyword-only parameters, and of `progress`. It returns a `Result`.
     options : mapping
-        Those parameters that no scenario has, as options of the program.
+        Those of its parameters that no scenario has, as options of the program.
     has_sheets : bool
         Whether the result has a `march` and `times`, of which the contest's sheets are written.
 
     Examples
     --------
     >>> def widest(dragon, *, margin=0.0, progress=silent): ...
-    >>> widest = Study(name="widest", summary="the widest bench", run=widest, own_parameters=("margin",))
-    >>> widest.parameters
+    >>> Study(name="widest", summary="the widest bench", run=widest).parameters
     ('benches', 'head_spacing', 'body_spacing', 'overhang', 'width', 'margin')
     """
 
     name: str
     summary: str
     run: Callable[..., Any]
-    own_parameters: tuple[str, ...]
     options: Mapping[str, Option] = field(default_factory=dict)
     has_sheets: bool = False
 
     @property
     def parameters(self) -> tuple[str, ...]:
         """Names of all parameters, including the dragon's sizes."""
-        return *DRAGON, *self.own_parameters
+        named = signature(self.run).parameters.values()
+        own = (each.name for each in named if each.kind is each.KEYWORD_ONLY and each.name != "progress")
+        return *DRAGON, *own

@@ -20,7 +20,7 @@ from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.speed import MAX_SPEED, MIN_SPEED
 from pymunk_dragon.studies._figures import circle, heading, square
-from pymunk_dragon.studies._speed_ratio import largest_ratio
+from pymunk_dragon.studies._speed_ratio import SpeedRatio, largest_ratio
 from pymunk_dragon.studies._study import INDENT, Option, Progress, Result, Study, silent
 
 if TYPE_CHECKING:
@@ -42,19 +42,15 @@ PATH_POINTS = 1500
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
-class MaxSpeed(Result):
-    """The largest speed of the head for a speed limit of all handles.
+class MaxSpeed(Result, SpeedRatio):
+    """The largest speed of the head for a speed limit of all handles, and the speed ratio that it follows from.
 
     Attributes
     ----------
-    speed : float
-        Largest speed of the head, m/s.
-    limit : float
-        Speed that no handle may exceed, m/s.
-    ratio : float
-        Largest ratio of a handle's speed to the head's; `speed` is `limit` over this ratio.
-    excess : float
-        Relative amount by which the true largest ratio may be larger.
+    speed, limit : float
+        Largest speed of the head, and speed that no handle may exceed, m/s; `speed` is `limit` over `ratio`.
+    ratio, excess : float
+        Largest ratio of a handle's speed to the head's, and the relative amount by which the true one may be larger.
     handle, handles : int and tuple of int
         The foremost handle at the limit, and all handles at the limit.
     distance, time : float
@@ -76,14 +72,8 @@ class MaxSpeed(Result):
 
     speed: float
     limit: float
-    ratio: float
-    excess: float
-    handle: int
-    handles: tuple[int, ...]
-    distance: float
     time: float
     speeds: tuple[float, ...]
-    evaluations: int
     curve: UTurn
     dragon: Dragon
 
@@ -248,6 +238,5 @@ STUDY = Study(
     name="max-speed",
     summary="the largest speed of the head in the U-turn at which no handle is too fast (question 5)",
     run=max_speed,
-    own_parameters=("limit", "pitch", "radius", "ratio"),
     options={"limit": Option(kind=float, metavar="M/S", text="no handle shall be faster, m/s.  [2]")},
 )

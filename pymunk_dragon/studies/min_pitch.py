@@ -437,5 +437,4 @@ STUDY = Study(
     name="min-pitch",
     summary="the smallest pitch at which the head reaches the turning circle (the contest's question 3)",
     run=min_pitch,
-    own_parameters=("turns", "speed", "radius"),
 )

@@ -373,5 +373,4 @@ STUDY = Study(
     name="sensitivity",
     summary="what each size of the benches does to the first contact, and to that pitch",
     run=sensitivity,
-    own_parameters=("pitch", "turns", "speed", "radius"),
 )

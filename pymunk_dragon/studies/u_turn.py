@@ -350,7 +350,6 @@ STUDY = Study(
     name="u-turn",
     summary="the turn inside the circle, and the shortest one that is found (the contest's question 4)",
     run=u_turn,
-    own_parameters=("pitch", "radius", "ratio", "speed", "fastest", "search", "arcs", "min_radius"),
     options={
         "fastest": Option(kind=float, metavar="X", text="times as fast as the head that anybody may be."),
         "search": Option(kind=bool, text="search for a shorter turn on more arcs.  [search]"),
