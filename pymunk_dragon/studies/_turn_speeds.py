@@ -69,7 +69,7 @@ def constrained_speeds(path: ArcPath, spacings: Array, constraints: Constraints)
     rows, benches = np.arange(len(s)), spacings.size
     facing = ((points[:, :-1] - points[:, 1:]) / spacings).conj()
     front, rear = facing * tangents[:, :-1], facing * tangents[:, 1:]
-    logs = _logs(front.real, rear.real)
+    logs = chain.log_velocity_ratios(front.real, rear.real)
     rates = np.exp(logs)[..., None]
     of_points, of_headings = path.partials(s, points, tangents, curvatures)
     # Derivatives of the coordinates, first for a fixed head from the constant length of each bench, and then for
@@ -122,12 +122,6 @@ def _positions(
     return None
 
 
-def _logs(front: Array, rear: Array) -> Array:
-    """Logarithms (..., H) of the speed ratios of the handles to the head, from the cosines at both ends of benches."""
-    logs: Array = np.log(chain.velocity_ratios(front, rear))
-    return logs
-
-
 def sampled_speeds(curve: Curve, spacings: Array, heads: Array) -> tuple[Array, Array] | None:
     """Coordinates of the handles and logarithms of their speed ratios, each (T, H), at coordinates `heads` of the head.
 
@@ -137,7 +131,7 @@ def sampled_speeds(curve: Curve, spacings: Array, heads: Array) -> tuple[Array, 
     points, tangents = curve.frame(s)
     front, rear = (angle.real for angle in chain.angles(points, tangents, spacings))
     # A comparison with nan is false.
-    return (s, _logs(front, rear)) if np.all(front > 0) and np.all(rear > 0) else None
+    return (s, chain.log_velocity_ratios(front, rear)) if np.all(front > 0) and np.all(rear > 0) else None
 
 
 def speed_maxima(
