@@ -206,7 +206,7 @@ class NearMisses:
         return gaps
 
 
-def reach(
+def find_reach(
     branch: Branch, minima: Gaps | None, limit: float, other_pair: Callable[[ContinuationPoint, float], Pair | None]
 ) -> Reach:
     """Range of a size towards the change `limit`, m: up to the end of the branch, if no other pair touches before it.

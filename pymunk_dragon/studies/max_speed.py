@@ -27,8 +27,10 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-# Of the figure: m of head travel shown before and after the time of the limit.
-DISTANCE_BEFORE, DISTANCE_AFTER = 14.0, 26.0
+# Of the figure: m of head travel shown before the time of the limit.
+DISTANCE_BEFORE = 14.0
+# Of the figure: m of head travel shown after the time of the limit.
+DISTANCE_AFTER = 26.0
 # Of the figure: times at which speeds are sampled, more than the line is pixels wide.
 TIME_SAMPLES = 1600
 # Of the figure: foremost handles whose speeds are drawn individually.

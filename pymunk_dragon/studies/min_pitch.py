@@ -67,8 +67,10 @@ CLOSE_UP_LENGTHS = 14.0
 GAP_SAMPLES = 1200
 # Of the figure: ends of the scale of gaps, mm.
 GAP_SCALE = (0.1, 400.0)
-# Of the figure: inches of height without the gap over time, and of the gap over time.
-UPPER_HEIGHT, LOWER_HEIGHT = 4.4, 3.9
+# Of the figure: inches of height without the gap over time.
+UPPER_HEIGHT = 4.4
+# Of the figure: inches of height of the gap over time.
+LOWER_HEIGHT = 3.9
 # Of the figure: width of the view of the contact in head lengths.
 VIEW_LENGTHS = 1.35
 # Of the figure: points of the circle.

@@ -32,7 +32,7 @@ from pymunk_dragon.studies._branches import (
     Pair,
     Reach,
     TangencyBranch,
-    reach,
+    find_reach,
 )
 from pymunk_dragon.studies._gaps import QUANTITIES, SIZES, InwardMarch, SampledGaps, gaps_of
 from pymunk_dragon.studies._study import Progress, Result, Study, silent
@@ -52,8 +52,12 @@ SAME_CONTACT = 1e-6
 # Parts of which progress is reported: first contact, smallest pitch, and the derivatives of both.
 PARTS = 4
 
-# Of the figure: inches of height of a row, above the rows of a table, and below them.
-ROW_HEIGHT, HEADING_HEIGHT, FOOTER_HEIGHT = 0.47, 0.45, 0.8
+# Of the figure: inches of height of a row.
+ROW_HEIGHT = 0.47
+# Of the figure: inches above the rows of a table, for its heading.
+HEADING_HEIGHT = 0.45
+# Of the figure: inches below the rows of a table, for its axis.
+FOOTER_HEIGHT = 0.8
 # Of the figure: inches from the page's top to the first table, for title and subtitle.
 TITLE_HEIGHT = 0.95
 # Of the figure: ratio of an axis limit to the largest slope, and of the smallest slope to the other limit.
@@ -292,7 +296,7 @@ def _slopes(
     for branch in branches:
         value, rate = sampled.inward.size(branch.size), branch.at(0.0).rate
         less, more = (
-            reach(branch, minima, sign * MAX_CHANGE * value, partial(other_pair, branch.size)) for sign in (-1, 1)
+            find_reach(branch, minima, sign * MAX_CHANGE * value, partial(other_pair, branch.size)) for sign in (-1, 1)
         )
         slopes.append(Slope(size=branch.size, value=value, slope=rate * factor, less=less, more=more))
     return tuple(slopes)

@@ -62,8 +62,10 @@ SMALLEST = 0.05
 EXIT_DISTANCE = 3.0
 # Of the figure: m of ground shown around the circle.
 BORDER = 1.5
-# Of the figure: m of head travel before and after it enters the circle for which speeds are drawn.
-DISTANCE_BEFORE, DISTANCE_AFTER = 5.0, 35.0
+# Of the figure: m of head travel before it enters the circle for which speeds are drawn.
+DISTANCE_BEFORE = 5.0
+# Of the figure: m of head travel after it enters the circle for which speeds are drawn.
+DISTANCE_AFTER = 35.0
 # Of the figure: points of a line.
 LINE_POINTS = 1200
 
