@@ -28,7 +28,7 @@ def contact_text(
     `decimals` is the number of decimals of the time of a contact that are certain.
     """
     if benches is None or point is None:
-        reason = ", where the curve leaves a handle no place" if status == "unreachable" else ""
+        reason = ", after which a handle has no position on the curve" if status == "unreachable" else ""
         return f"no contact until t = {time:.6g} s{reason}"
     (i, j), (x, y) = benches, point
     if status == "overlapping":

@@ -102,11 +102,11 @@ class UnreachableError(DragonError):
     Examples
     --------
     >>> print(UnreachableError(443.0, 0, "the curve ends at t = 442.59 s"))
-    handle 0 has no place at t = 443 s: the curve ends at t = 442.59 s
+    handle 0 has no position at t = 443 s: the curve ends at t = 442.59 s
     """
 
     def __init__(self, time: float, handle: int, reason: str) -> None:
-        super().__init__(f"handle {handle} has no place at t = {time:.6g} s: {reason}")
+        super().__init__(f"handle {handle} has no position at t = {time:.6g} s: {reason}")
         self.time = time
         self.handle = handle
         self.reason = reason

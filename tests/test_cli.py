@@ -184,7 +184,7 @@ def test_compare_puts_the_three_side_by_side(call, tmp_path):
     ("arguments", "words"),
     [
         (["--until", "10"], "no contact until t = 10 s"),
-        (["--benches", "3", "--turns", "8"], "s, where the curve leaves a handle no place"),
+        (["--benches", "3", "--turns", "8"], "s, after which a handle has no position on the curve"),
         (["--pitch", "0.31"], "overlap at the start, t = 0.000000000 s"),
     ],
 )
@@ -193,7 +193,7 @@ def test_other_endings_are_told(call, arguments, words):
     assert (code, err) == (0, "")
     assert words in out
     found = json.loads(call("contact", *arguments, "--json")[1])
-    assert (found["time"] is None) == (found["benches"] is None) == ("no contact" in words or "no place" in words)
+    assert (found["time"] is None) == (found["benches"] is None) == ("no contact" in words or "no position" in words)
 
 
 def test_contact_writes_the_contests_sheet(call, complaint, tmp_path):

@@ -22,3 +22,8 @@ MODULES = [
 def test_examples_of_a_module_work_as_written(name, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert doctest.testmod(import_module(name), optionflags=doctest.NORMALIZE_WHITESPACE).failed == 0
+
+
+@pytest.mark.parametrize("name", pymunk_dragon.__all__)
+def test_every_public_name_has_an_example(name):
+    assert ">>> " in (getattr(pymunk_dragon, name).__doc__ or "")

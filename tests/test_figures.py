@@ -173,7 +173,7 @@ def test_seven_handles_walk_from_where_they_start_to_where_the_contact_stops_the
     for column, time in ((0, 0.0), (-1, CONTACT_TIME)):
         positions, _ = oracle.solve(time, **SEED, difference=False)
         for handle in (0, 1, 51, 101, 151, 201, 223):
-            x, y = line(drawn["trajectories"], f"way-{handle}")
+            x, y = line(drawn["trajectories"], f"path-{handle}")
             expected = [float(part) for part in positions[handle]]
             np.testing.assert_allclose((x[column], y[column]), expected, atol=1e-8)
 
@@ -631,7 +631,7 @@ def test_other_curves_have_figures_or_are_told_why_not(
 
 
 def test_a_curve_without_end_is_looked_at_for_as_long_as_a_run() -> None:
-    line = artist(figure("trajectories", OTHERS["u-turn"]), "way-0").get_xydata()
+    line = artist(figure("trajectories", OTHERS["u-turn"]), "path-0").get_xydata()
     np.testing.assert_allclose(line[[0, -1]], U_TURN.at([-20, 20]).positions[:, 0], atol=1e-9)
     with pytest.raises(ParameterError) as error:
         figure("trajectories", U_TURN)

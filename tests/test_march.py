@@ -313,7 +313,7 @@ def test_head_that_bends_too_tightly_is_named_with_its_time(seed_march):
     with pytest.raises(UnreachableError) as caught:
         seed_march.at([0, 433.5])
     assert (caught.value.time, caught.value.handle) == (433.5, 1)
-    assert_says(caught.value, "handle 1 has no place at t = 433.5 s", "bends too tightly for a spacing of 2.86 m")
+    assert_says(caught.value, "handle 1 has no position at t = 433.5 s", "bends too tightly for a spacing of 2.86 m")
 
 
 def test_end_of_the_curve_is_named_for_the_head(seed_march):
@@ -321,7 +321,7 @@ def test_end_of_the_curve_is_named_for_the_head(seed_march):
     with pytest.raises(UnreachableError) as caught:
         seed_march.at(443)
     assert (caught.value.time, caught.value.handle) == (443, 0)
-    assert_says(caught.value, "handle 0 has no place at t = 443 s", "the curve ends at t = 442.59 s")
+    assert_says(caught.value, "handle 0 has no position at t = 443 s", "the curve ends at t = 442.59 s")
 
 
 def test_earliest_of_unordered_times_is_named(seed_march):

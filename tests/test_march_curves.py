@@ -179,7 +179,7 @@ def test_a_handle_before_the_begin_is_told_from_one_in_a_bend():
     with pytest.raises(UnreachableError) as caught:
         march.at(-0.1)
     assert_says(
-        caught.value, "handle 12 has no place at t = -0.1 s: the curve begins less than a spacing of 0.3 m behind"
+        caught.value, "handle 12 has no position at t = -0.1 s: the curve begins less than a spacing of 0.3 m behind"
     )
 
 

@@ -318,7 +318,7 @@ def test_times_at_half_the_speed_move_twice_as_much(sensed: Sensitivity) -> None
 def test_a_dragon_that_never_meets_itself_has_no_contact_to_move() -> None:
     with pytest.raises(ParameterError) as caught:
         sensitivity(Dragon(benches=2))
-    assert_says(caught.value, "pitch", "meets itself")
+    assert_says(caught.value, "pitch", "runs into itself")
 
 
 # Studies by name, and on the command line

@@ -93,7 +93,7 @@ class MaxSpeed(Result, SpeedRatio):
             f"limit:     {subject} {self.ratio:.10f} times as fast as the head {self.time:.4f} s after it entered",
             f"{INDENT}the circle, {self.distance:.4f} m into it",
             f"then:      handles 0, 1, 2, ... go {shown} m/s",
-            f"certified: no handle ever exceeds that by more than {self.excess:.2g} of it ({self.evaluations} looks)",
+            f"certified: no handle exceeds that by more than {self.excess:.2g} of it ({self.evaluations} evaluations)",
         ]
 
     def _draw(self) -> Figure:

@@ -165,7 +165,7 @@ class MinPitch(Result):
         arrival = self.march.time(self.arrival_distance)
         reached = f"handle 0 reaches the circle of {self.radius:g} m after {arrival:.3f} s"
         lines = [f"smallest pitch {self.pitch:.12f} m: {reached}"]
-        certified = f"certified: no contact on the way at {self.clear_pitch:.12f} m"
+        certified = f"certified: no contact at {self.clear_pitch:.12f} m"
         if self.benches is None or self.point is None:
             lines += [
                 "limit:     the circle, on which it starts; with a smaller pitch it would start inside",
@@ -183,7 +183,7 @@ class MinPitch(Result):
             f"map:       {len(known.pitches)} pitches from {known.pitches[0]:.4g} to {known.pitches[-1]:.4g} m;"
         )
         if known.growth is None:
-            lines.append(f"{INDENT}no gap on the way comes within {1e3 * known.threshold:.3g} mm of zero;")
+            lines.append(f"{INDENT}no gap comes within {1e3 * known.threshold:.3g} mm of zero;")
         else:
             least, most = known.growth
             near = f"{1e3 * known.threshold:.3g} mm of zero"
@@ -372,7 +372,7 @@ def _bisected(inward: InwardMarch, blocked: float, larger: list[float]) -> tuple
 def _draw_gap_over_pitch(axes: Axes, found: MinPitch) -> None:
     """Draw the smallest gap of a march over the pitch."""
     known = found.map
-    heading(axes, "smallest gap on the way, mm")
+    heading(axes, "smallest gap before the circle, mm")
     axes.axhline(0.0, color=QUIET, lw=0.8)
     axes.plot(known.pitches, MM * known.gaps, "o-", color=BLUE, lw=2.0, ms=3, gid="gap-over-pitch")
     gap = 0.0 if found.benches is not None else MM * float(known.gaps[0])
@@ -421,7 +421,7 @@ def _draw_gap_over_time(axes: Axes, found: MinPitch) -> None:
     shown = CLOSE_UP_LENGTHS * float(march.dragon.lengths[0])
     arrival = found.arrival_distance
     since, time, end = march.time([max(0.0, arrival - shown), found.distance, arrival]).tolist()
-    heading(axes, "the head's gap on the last of the way at that pitch, mm")
+    heading(axes, "the gap of the head just before the circle at that pitch, mm")
     times = np.linspace(since, end, GAP_SAMPLES)
     if since < time:
         times = np.unique([*times, time])

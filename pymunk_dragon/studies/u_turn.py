@@ -345,7 +345,7 @@ def _draw_speeds(axes: Axes, found: TurnResult) -> None:
     label(axes, DISTANCE_AFTER, found.max_ratio, f"{found.max_ratio:.4g}", (0, 4), ha="right", color=COLOURS.contact)
     axes.set_xlim(-DISTANCE_BEFORE, DISTANCE_AFTER)
     axes.set_ylim(0.98, None)
-    axes.set_xlabel("the head's way since it entered the circle (m)")
+    axes.set_xlabel("distance of the head since it entered the circle (m)")
 
 
 STUDY = Study(
@@ -353,7 +353,9 @@ STUDY = Study(
     summary="the turn inside the circle, and the shortest one that is found (the contest's question 4)",
     run=u_turn,
     options={
-        "fastest": Option(kind=float, metavar="X", text="times as fast as the head that anybody may be."),
+        "fastest": Option(
+            kind=float, metavar="X", text="largest speed of a handle over that of the head."
+        ),
         "search": Option(kind=bool, text="search for a shorter turn on more arcs.  [search]"),
         "arcs": Option(kind=int, metavar="N", text="largest number of arcs in the search, odd.  [7]"),
         "min_radius": Option(kind=float, metavar="M", text="least radius in the search, m.  [0.5]"),

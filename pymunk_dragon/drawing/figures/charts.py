@@ -159,7 +159,7 @@ def drift(run: Run) -> Figure:
         high = max(high, 2 * least)
         for axes in (over_time, along):
             axes.axhline(least, color=COLOURS.ink, lw=1.0, ls=(0, (1, 2)), gid="smallest-gap")
-        text = f"smallest gap on the way: {least:.3g} {unit}"
+        text = f"smallest gap: {least:.3g} {unit}"
         label(over_time, float(run.times[0]), least, text, (8, -6), va="top")
     logarithmic(over_time, low, high)
     name(along, lines, run.times[rows], -1, NAME_OFFSET)

@@ -127,7 +127,7 @@ def trajectories(march: March, interval: TimeInterval) -> Figure:
             continue
         path = _path(march, begin[handle], end[handle], SMALL_PATH_POINTS)
         axes.plot(*whole.T, color=RULE, lw=0.5)
-        axes.plot(*path.T, color=BLUE, lw=0.8, gid=f"way-{handle}")
+        axes.plot(*path.T, color=BLUE, lw=0.8, gid=f"path-{handle}")
         axes.plot(*path[0], "o", color=COLOURS.ink, mfc=COLOURS.background, ms=6, mew=1.4)
         axes.plot(*path[-1], "o", color=COLOURS.ink, ms=6)
         axes.set_title(f"handle {handle}", size=11.5, pad=3)
@@ -181,7 +181,7 @@ def outer_loop(march: March, interval: TimeInterval) -> Still:
 def inward(march: March, interval: TimeInterval) -> Still:
     """Return the picture of the dragon on the inward spiral, as it closes a full loop."""
     time = closing_time(march, interval[0], contact_or_end(march, interval).time)
-    return _still(march, time, "moving inward" if spirals_in(march) else "on their way")
+    return _still(march, time, "moving inward" if spirals_in(march) else "on the path")
 
 
 def collision(march: March, interval: TimeInterval) -> Still:
