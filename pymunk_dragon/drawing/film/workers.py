@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-import os
 import signal
-import threading
 from collections import deque
 from collections.abc import Callable, Generator, Iterator
-from concurrent.futures import Future, ProcessPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from itertools import islice
-from multiprocessing import get_context, parent_process, resource_tracker
-from multiprocessing.connection import wait
+from multiprocessing import get_context, resource_tracker
+from multiprocessing.connection import Connection
 from multiprocessing.reduction import ForkingPickler
 from typing import Any, TypeVar
 
@@ -26,9 +22,7 @@ Result = TypeVar("Result")
 MIN_PARALLEL_ITEMS = 150
 # Items per batch: enough to amortise the cost of sending a batch, few enough to limit memory.
 BATCH_ITEMS = 8
-# Batches queued for each worker, so that no worker waits for its next batch.
-BATCHES_PER_WORKER = 2
-# Batches that may be ready before they are needed: about 10 MB of frames of 640 x 640 pixels.
+# Batches that this process may have ready: about 10 MB of frames of 640 x 640 pixels.
 READY_BATCHES = 3
 
 
@@ -50,29 +44,62 @@ def map_in_processes(
         return
     batches = iter(lambda: list(islice(items, BATCH_ITEMS)), [])
     # Spawned, because forking a program with threads can deadlock.
-    pool = ProcessPoolExecutor(workers, get_context("spawn"), initializer=_initialise_worker, initargs=(function,))
-    pending: deque[Future[list[Result]] | list[Result]] = deque()
-    max_pending = BATCHES_PER_WORKER * workers + READY_BATCHES
+    context = get_context("spawn")
+    processes = []
+    # A worker has at most one batch. With a second one, it and this process could wait for each other to read.
+    starting: list[Connection] = []
+    idle: list[Connection] = []
+    pending: deque[Connection | list[Result]] = deque()
     try:
+        for _ in range(workers):
+            connection, other_end = context.Pipe()
+            process = context.Process(target=_work, args=(other_end, function), daemon=True)
+            processes.append(process)
+            with _signals_blocked():
+                process.start()
+            # So that the end of the worker ends the connection.
+            other_end.close()
+            starting.append(connection)
         while True:
-            running = sum(isinstance(batch, Future) and not batch.done() for batch in pending)
-            free = min(BATCHES_PER_WORKER * workers - running, max_pending - len(pending))
-            for batch in islice(batches, max(0, free)):
-                with _signals_blocked():
-                    pending.append(pool.submit(_apply, batch))
+            for connection in [connection for connection in starting if connection.poll()]:
+                with _ends_named():
+                    connection.recv()
+                starting.remove(connection)
+                idle.append(connection)
+            while idle and (batch := next(batches, None)):
+                with _ends_named():
+                    idle[-1].send(batch)
+                pending.append(idle.pop())
             if not pending:
-                return
+                # No worker has started, or all items are done.
+                if not (own := next(batches, None)):
+                    return
+                yield from map(function, own)
+                continue
             first = pending[0]
-            waiting = isinstance(first, Future) and not first.done() and len(pending) < max_pending
+            waiting = isinstance(first, Connection) and not first.poll() and len(pending) < workers + READY_BATCHES
             if waiting and (own := next(batches, None)):
                 pending.append([function(item) for item in own])
                 continue
             pending.popleft()
-            yield from first.result() if isinstance(first, Future) else first
-    except BrokenProcessPool as error:
-        raise DragonError("a process that drew the film was ended from outside; 0 workers need none") from error
+            if isinstance(first, list):
+                yield from first
+                continue
+            with _ends_named():
+                results = first.recv()
+            if isinstance(results, Exception):
+                raise results
+            if batch := next(batches, None):
+                # The worker continues while this process uses the results.
+                with _ends_named():
+                    first.send(batch)
+                pending.append(first)
+            yield from results
     finally:
-        pool.shutdown(cancel_futures=True)
+        for process in processes:
+            if process.pid is not None:
+                process.kill()
+                process.join()
 
 
 def _can_be_pickled(function: Callable[..., Any]) -> bool:
@@ -85,24 +112,31 @@ def _can_be_pickled(function: Callable[..., Any]) -> bool:
     return True
 
 
-_function: Callable[[Any], Any]
+@contextmanager
+def _ends_named() -> Iterator[None]:
+    """Raise a `DragonError` if the worker process at the other end of a connection has ended."""
+    try:
+        yield
+    except (EOFError, OSError) as error:
+        raise DragonError("a process that drew the film was ended from outside; 0 workers need none") from error
 
 
-def _initialise_worker(function: Callable[[Any], Any]) -> None:
-    global _function
-    _function = function
+def _work(connection: Connection, function: Callable[[Any], Any]) -> None:
+    """Evaluate a function for the batches that arrive, until the parent process ends or closes the connection."""
     if hasattr(signal, "pthread_sigmask"):
         # Signals were blocked while this process started. Ctrl-C stays blocked: the parent process handles it.
         signal.pthread_sigmask(signal.SIG_UNBLOCK, set(ENDING) - {signal.SIGINT})
-    threading.Thread(target=_exit_with_parent, daemon=True).start()
-
-
-def _exit_with_parent() -> None:
-    """End this process when its parent process ends for any reason."""
-    parent = parent_process()
-    assert parent is not None
-    wait([parent.sentinel])
-    os._exit(1)
+    with suppress(EOFError, OSError):
+        # This process has started.
+        connection.send(None)
+        while True:
+            batch = connection.recv()
+            results: list[Any] | Exception
+            try:
+                results = [function(item) for item in batch]
+            except Exception as error:
+                results = error
+            connection.send(results)
 
 
 @contextmanager
@@ -123,7 +157,3 @@ def _signals_blocked() -> Iterator[None]:
             yield
         finally:
             signal.pthread_sigmask(signal.SIG_SETMASK, before)
-
-
-def _apply(batch: list[Any]) -> list[Any]:
-    return [_function(item) for item in batch]
