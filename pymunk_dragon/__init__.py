@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from pymunk_dragon._display import Views
     from pymunk_dragon.collision import FirstContact, Grid, NearMiss, Separation, first_contact, scan, separation
-    from pymunk_dragon.drawing import Camera, Palette, Scene, render, write_film
+    from pymunk_dragon.drawing import Camera, Film, Palette, Scene, render, write_film
     from pymunk_dragon.drawing.debug_draw import PillowDrawOptions
     from pymunk_dragon.errors import DragonError, MissingExtraError, ParameterError, UnreachableError
     from pymunk_dragon.model.contact import Contact, ContactEvent, ContactLog
@@ -40,6 +40,7 @@ __all__ = [
     "Dragon",
     "DragonError",
     "EngineSettings",
+    "Film",
     "FirstContact",
     "Grid",
     "Line",
@@ -90,7 +91,7 @@ _MODULES = {
     "model.march": ("March", "States"),
     "physics": ("EngineSettings", "PathGuide", "World", "simulate"),
     "player": ("player_page", "write_player"),
-    "drawing": ("Camera", "Palette", "Scene", "render", "write_film"),
+    "drawing": ("Camera", "Film", "Palette", "Scene", "render", "write_film"),
     # Not imported by its package, which does not need Pymunk.
     "drawing.debug_draw": ("PillowDrawOptions",),
     "reports": ("report",),
