@@ -175,15 +175,36 @@ class FirstContact(Printed):
         )
 
     @classmethod
-    def at(cls, march: March, status: Status, time: float, pair: tuple[int, int] | None, **others: Any) -> FirstContact:
+    def at(
+        cls,
+        march: March,
+        status: Status,
+        time: float,
+        pair: tuple[int, int] | None,
+        *,
+        near_misses: tuple[NearMiss, ...] | None,
+        samples: int,
+        tests: int,
+        resolution: float | None = None,
+    ) -> FirstContact:
         """Result at `time`, with the contact point and the normal of the benches `pair` if there is one."""
-        if pair is None:
-            return cls(status=status, time=time, benches=None, point=None, normal=None, **others)
-        poses = march.at(time, handles=pair[1] + 2).poses[0]
-        corners = march.dragon.outlines(poses)
-        found = separation(*corners[list(pair)])
-        (x, y), (nx, ny) = found.point.tolist(), found.normal.tolist()
-        return cls(status=status, time=time, benches=pair, point=(x, y), normal=(nx, ny), **others)
+        point = normal = None
+        if pair is not None:
+            poses = march.at(time, handles=pair[1] + 2).poses[0]
+            found = separation(*march.dragon.outlines(poses)[list(pair)])
+            (x, y), (nx, ny) = found.point.tolist(), found.normal.tolist()
+            point, normal = (x, y), (nx, ny)
+        return cls(
+            status=status,
+            time=time,
+            benches=pair,
+            point=point,
+            normal=normal,
+            near_misses=near_misses,
+            samples=samples,
+            tests=tests,
+            resolution=resolution,
+        )
 
 
 def first_contact(
@@ -297,9 +318,16 @@ class _Search:
         return self._result("clear" if last >= until else "unreachable", start, last, None)
 
     def _result(self, status: Status, start: float, time: float, pair: tuple[int, int] | None) -> FirstContact:
-        counts = {"samples": self._samples, "tests": self._tests, "resolution": self._resolution}
-        misses = near_misses(self._march, np.concatenate(self._small_gaps), start, time, self._near)
-        return FirstContact.at(self._march, status, time, pair, near_misses=misses, **counts)
+        return FirstContact.at(
+            self._march,
+            status,
+            time,
+            pair,
+            near_misses=near_misses(self._march, np.concatenate(self._small_gaps), start, time, self._near),
+            samples=self._samples,
+            tests=self._tests,
+            resolution=self._resolution,
+        )
 
     def _batches(self, start: float, end: float) -> Iterator[Array]:
         """Bounds of consecutive intervals, one array for each batch; shorter intervals during the warm-up."""

@@ -136,5 +136,5 @@ class _Sampler:
         return self.result("contact", after, pair)
 
     def result(self, status: Status, time: float, pair: Pair | None) -> FirstContact:
-        counts = {"samples": self._samples, "tests": self._tests}
-        return FirstContact.at(self._march, status, time, pair, near_misses=None, **counts)
+        march, samples, tests = self._march, self._samples, self._tests
+        return FirstContact.at(march, status, time, pair, near_misses=None, samples=samples, tests=tests)

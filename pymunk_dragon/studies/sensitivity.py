@@ -216,9 +216,7 @@ def sensitivity(
     march = March(dragon, Spiral(pitch=pitch), turns=turns, speed=speed)
     hit = first_contact(march)
     if hit.status != "contact" or hit.benches is None:
-        raise ParameterError(
-            "pitch", pitch, f"one at which the dragon runs into itself ({hit.status} here)"
-        )
+        raise ParameterError("pitch", pitch, f"one at which the dragon runs into itself ({hit.status} here)")
     progress(1, PARTS)
     smallest = min_pitch(dragon, turns=turns, speed=speed, radius=radius)
     progress(2, PARTS)

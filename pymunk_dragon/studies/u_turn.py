@@ -353,9 +353,7 @@ STUDY = Study(
     summary="the turn inside the circle, and the shortest one that is found (the contest's question 4)",
     run=u_turn,
     options={
-        "fastest": Option(
-            kind=float, metavar="X", text="largest speed of a handle over that of the head."
-        ),
+        "fastest": Option(kind=float, metavar="X", text="largest speed of a handle over that of the head."),
         "search": Option(kind=bool, text="search for a shorter turn on more arcs.  [search]"),
         "arcs": Option(kind=int, metavar="N", text="largest number of arcs in the search, odd.  [7]"),
         "min_radius": Option(kind=float, metavar="M", text="least radius in the search, m.  [0.5]"),
