@@ -16,7 +16,14 @@ if TYPE_CHECKING:
     from pymunk_dragon.collision import FirstContact, Grid, NearMiss, Separation, first_contact, scan, separation
     from pymunk_dragon.drawing import Camera, Film, Palette, Scene, render, write_film
     from pymunk_dragon.drawing.debug_draw import PillowDrawOptions
-    from pymunk_dragon.errors import DragonError, MissingExtraError, ParameterError, UnreachableError
+    from pymunk_dragon.errors import (
+        DragonError,
+        FileFormatError,
+        MissingExtraError,
+        OutputError,
+        ParameterError,
+        UnreachableError,
+    )
     from pymunk_dragon.model.contact import Contact, ContactEvent, ContactLog
     from pymunk_dragon.model.curves import Arc, Composite, Curve, Line, Reversed, Sampled, Section, Spiral, UTurn
     from pymunk_dragon.model.dragon import Dragon, outlines
@@ -27,7 +34,7 @@ if TYPE_CHECKING:
     from pymunk_dragon.physics import EngineSettings, PathGuide, World, simulate
     from pymunk_dragon.player import player_page, write_player
     from pymunk_dragon.reports import report
-    from pymunk_dragon.studies import min_pitch, sensitivity
+    from pymunk_dragon.studies import max_speed, min_pitch, sensitivity, u_turn
 
 __all__ = [
     "Arc",
@@ -40,6 +47,7 @@ __all__ = [
     "Dragon",
     "DragonError",
     "EngineSettings",
+    "FileFormatError",
     "Film",
     "FirstContact",
     "Grid",
@@ -47,6 +55,7 @@ __all__ = [
     "March",
     "MissingExtraError",
     "NearMiss",
+    "OutputError",
     "Palette",
     "ParameterError",
     "PathGuide",
@@ -67,6 +76,7 @@ __all__ = [
     "World",
     "check_saveable",
     "first_contact",
+    "max_speed",
     "min_pitch",
     "outlines",
     "player_page",
@@ -76,6 +86,7 @@ __all__ = [
     "sensitivity",
     "separation",
     "simulate",
+    "u_turn",
     "write_film",
     "write_player",
 ]
@@ -87,7 +98,14 @@ _MODULES = {
     "model.contact": ("Contact", "ContactEvent", "ContactLog"),
     "model.curves": ("Arc", "Composite", "Curve", "Line", "Reversed", "Sampled", "Section", "Spiral", "UTurn"),
     "model.dragon": ("Dragon", "outlines"),
-    "errors": ("DragonError", "MissingExtraError", "ParameterError", "UnreachableError"),
+    "errors": (
+        "DragonError",
+        "FileFormatError",
+        "MissingExtraError",
+        "OutputError",
+        "ParameterError",
+        "UnreachableError",
+    ),
     "model.march": ("March", "States"),
     "physics": ("EngineSettings", "PathGuide", "World", "simulate"),
     "player": ("player_page", "write_player"),
@@ -98,7 +116,7 @@ _MODULES = {
     "model.run": ("Run", "check_saveable"),
     "model.scenario": ("Scenario",),
     "model.speed": ("Speed", "SpeedTable"),
-    "studies": ("min_pitch", "sensitivity"),
+    "studies": ("max_speed", "min_pitch", "sensitivity", "u_turn"),
 }
 
 

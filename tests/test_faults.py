@@ -23,6 +23,7 @@ from conftest import assert_says, not_under_coverage
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
+import pymunk_dragon
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
@@ -406,3 +407,9 @@ def test_shortest_run_has_one_substep(call):
     code, out, err = call("simulate", "--until", "1e-8", *SMALL)
     assert (code, err) == (0, "")
     assert re.search(r"\b1 substeps?\b", out) or "no contact" in out
+
+
+def test_no_module_needs_another_one_to_be_compiled():
+    """Python imports `unicodedata` for named characters; a signal in that import would be a SyntaxError."""
+    package = Path(pymunk_dragon.__file__).parent
+    assert [path.name for path in package.rglob("*.py") if "\\N{" in path.read_text(encoding="utf-8")] == []

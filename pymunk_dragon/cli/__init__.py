@@ -102,7 +102,7 @@ def _complain(message: str, code: int) -> int:
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(package_name="pymunk-dragon", prog_name=PROGRAM)
 def cli() -> None:
-    """A bench dragon on its spiral: where it is, how fast, and when it runs into itself."""
+    """A bench dragon on its spiral: positions, speeds, and the first contact with itself."""
 
 
 for command in (positions, contact, simulate, render, figure, report, study, demo):

@@ -20,8 +20,6 @@ from pymunk_dragon.cli.output import print_json
 if TYPE_CHECKING:
     from pymunk_dragon.drawing.snapshots import Source
 
-__all__ = ["figure"]
-
 
 @click.command()
 @click.argument("name", required=False)

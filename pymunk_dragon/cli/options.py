@@ -136,7 +136,7 @@ def run_of(run_file: str, scenario_file: str | None) -> Run:
     from pymunk_dragon.model.run import Run
 
     if chosen() or scenario_file:
-        raise click.UsageError("a run brings its own scenario: leave out the options of the dragon and its curve")
+        raise click.UsageError("a run file contains its scenario: leave out the options of the dragon and its curve")
     return Run.load(run_file)
 
 

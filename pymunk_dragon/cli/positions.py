@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 TABLE_TIMES = "0:300:60"
 # Heads of the columns of a table in a file.
 COLUMNS = ("time_s", "handle", "x_m", "y_m", "speed_m_s")
-# Positions in one table: more fill the memory, and are a slip of the finger.
+# Positions in one table: more fill the memory, and are probably a typing error.
 MAX_TABLE = 20_000_000
 
 
@@ -82,8 +82,8 @@ def _paper_tables(march: March) -> str:
     from pymunk_dragon.reports import paper_tables
 
     # On a curve without end there is no last time for the search.
-    impact = first_contact(march) if isfinite(march.end) else None
-    return paper_tables(march, impact.time if impact is not None and impact.status == "contact" else None)
+    hit = first_contact(march) if isfinite(march.end) else None
+    return paper_tables(march, hit.time if hit is not None and hit.status == "contact" else None)
 
 
 def _write_contest_tables(march: March, times: list[float], path: Path) -> None:

@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from pymunk_dragon.model.march import March
     from pymunk_dragon.model.run import Run
 
-__all__ = ["render"]
-
 MARKS = {
     "velocities": "Arrows to where the handles would be in half a second.",
     "grid": "The cells of the broad phase, darker where a bench is filed.",

@@ -89,12 +89,12 @@ def study(
 
 
 def _of_file(scenario_file: str | None, takes: tuple[str, ...]) -> dict[str, Any]:
-    """What a scenario's file says of the numbers that a study takes."""
+    """Values of a scenario file that are parameters of the study."""
     if scenario_file is None:
         return {}
     from pymunk_dragon.model.scenario import Scenario
 
-    # Checked as a whole: a slip in what is left aside is a slip all the same.
+    # The whole file is checked, also the values that the study does not take.
     scenario = Scenario.from_dict(Scenario.read(scenario_file))
     values = {option: getattr(scenario, option, None) for option in takes}
     return {option: value for option, value in values.items() if value is not None}

@@ -40,8 +40,6 @@ from pymunk_dragon.model.curves import Curve
 from pymunk_dragon.model.dragon import bench_poses
 from pymunk_dragon.model.march import March
 
-__all__ = ["Intervals", "MotionBounds", "handles_in_reach", "near_pairs"]
-
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 Flags = NDArray[np.bool_]

@@ -1,4 +1,4 @@
-"""The first contact in continuous time, certified: bounds on the motion rule out every earlier one.
+"""First contact in continuous time. Bounds on the motion prove that there is no earlier contact.
 
 Sampling the motion at discrete times misses a contact that opens again between two samples. Here a time interval is
 cleared only by proof: the gap between two benches at its midpoint, less a bound on how far each may move within the
@@ -59,14 +59,14 @@ ALL_PAIRS_INTERVAL = 0.3
 BATCH = 128
 # m. A gap that may be this far below zero, in addition to rounding, counts as open: coordinates are hardly more exact.
 GAP_TOLERANCE = 8e-12
-# Work of the whole search at one length of the intervals, in benches placed, above which the tolerance grows. Halving
-# reaches it where a gap stays near zero for long. A few seconds.
+# Work of the whole search at one length of the intervals, in bench poses computed, above which the tolerance grows: a
+# few seconds. Halving reaches it where a gap stays near zero for long.
 WORK_LIMIT = 2_000_000
 # Smallest share of `WORK_LIMIT` for a batch: the last batch before a contact may be short.
 MIN_SHARE = 0.05
 # Factor by which halving may increase the work in a batch before the tolerance grows.
 WORK_GROWTH = 8
-# Work of a pair test, in benches placed (measured).
+# Work of a pair test, in bench poses computed (measured).
 PAIR_WORK = 20
 # m. Tolerance at the work limit; above, it grows with the square of the excess.
 LIMITED_TOLERANCE = 1e-6
@@ -98,12 +98,12 @@ class FirstContact(Printed):
     Attributes
     ----------
     status : {"contact", "clear", "overlapping", "unreachable"}
-        "contact": two benches touch at `time`. "clear": none do until the end. "overlapping": two benches overlap at
-        the start. "unreachable": the chain has no state after `time`, and no benches touch before.
+        "contact": two benches touch at `time`. "clear": no benches touch until the end. "overlapping": two benches
+        overlap at the start. "unreachable": the chain has no state after `time`, and no benches touch before.
     time : float
         Of the contact, the end, the start or the last state, s.
     benches : tuple of int or None
-        The two that touch or overlap, the smaller number first.
+        Benches that touch or overlap, the smaller number first.
     point : tuple of float or None
         Contact point, m.
     normal : tuple of float or None
@@ -162,7 +162,7 @@ class FirstContact(Printed):
 
     @property
     def contact(self) -> Contact | None:
-        """The same as a `Contact`, as runs have them; None for every status but "contact"."""
+        """The result as a `Contact`, the type of `Run.first_contact`; None for every status but "contact"."""
         if self.status != "contact" or self.benches is None or self.point is None or self.normal is None:
             return None
         return Contact(
@@ -212,7 +212,7 @@ def first_contact(
 ) -> FirstContact:
     """First contact of benches that are not neighbours, certified: there is no earlier one, however short.
 
-    The head of this module has the method and the proof.
+    The module's docstring has the method and the proof.
 
     Parameters
     ----------
@@ -256,14 +256,14 @@ def first_contact(
             progress(float(march.time(cleared)), until)
 
     found = _Search(steady).run(begin, end, report)
-    # The times that were given stay as they were given.
+    # `start` and `until` are returned as they were passed.
     time = {begin: start, end: until}.get(found.time, float(march.time(found.time)))
     misses = [replace(miss, time=float(march.time(miss.time))) for miss in found.near_misses or ()]
     return replace(found, time=time, near_misses=tuple(misses))
 
 
 def checked_times(march: March, start: float, until: float | None) -> tuple[float, float]:
-    """Both as floats, `until` by default the end of the curve; a `ParameterError` if the one is not after the other."""
+    """Both as floats, `until` by default the end of the curve; a `ParameterError` if `until` is not after `start`."""
     check_march(march)
     start = finite("start", start, -np.inf, np.inf, "s")
     until = last_time(march, start) if until is None else finite("until", until, -np.inf, np.inf, "s")
@@ -287,7 +287,7 @@ class _Search:
         self._interval = INTERVAL * shortest
         self._all_pairs_interval = ALL_PAIRS_INTERVAL * shortest
         self._hit, self._pair = np.inf, (0, 0)
-        # Coordinates of the handles at the start, and whether all benches behind the head are the same function.
+        # Coordinates of the handles at the start, and whether all benches behind the head follow the same function g.
         self._start_s, self._alike = np.empty(0), False
         self._duration, self._warm_up_end = 1.0, np.inf
         self._samples = self._tests = 0
@@ -345,7 +345,7 @@ class _Search:
         march, start_s = self._march, self._start_s
         if not self._alike:
             return end
-        # A little longer than at the head's speed; where that is not enough, a little more.
+        # 5 % more than a spacing, and 5 % more until the condition holds.
         wait = 1.05 * float(march.dragon.spacings[-1])
         while start + wait < end:
             if np.all(march.handles_s_or_nan(start + wait)[0, 2:-1] >= start_s[1:-2]):
@@ -419,8 +419,8 @@ class _Search:
     ) -> Flags:
         """Whether pairs count as apart in the intervals `rows`, given lower bounds on their gaps, m.
 
-        A gap that may be below zero by the tolerance counts as open, but not in the interval before the first one with
-        a contact at its midpoint: that one is halved to the resolution.
+        A gap that may be below zero by the tolerance counts as open, except in the interval just before
+        the earliest contact that was found: that interval is halved to the resolution.
         """
         length = float(intervals.lengths[0])
         within = (gaps > -(bounds.rounding[rows] + tolerance)) & (intervals.ends[rows] + length < self._hit)

@@ -29,8 +29,10 @@ __all__ = ["Grid"]
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-# Metres: the range of a spiral's pitch, to which the paper ties the cell.
-MIN_CELL, MAX_CELL = 0.001, 1000.0
+# m. Least pitch of a spiral, to which the paper ties the cell.
+MIN_CELL = 0.001
+# m. Largest pitch of a spiral.
+MAX_CELL = 1000.0
 # Cells from the origin, in either direction. At the paper's pitch that is 550 km.
 MAX_INDEX = 1_000_000
 # Cells by which an edge is taken to be closer to a grid line than it is. A coordinate in cells is wrong by at most

@@ -7,8 +7,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from pymunk_dragon.errors import ParameterError
 
-__all__ = ["MAX_COORDINATE", "checked_outlines", "numbers"]
-
 # Metres. A thousand times the rim of the largest spiral; the bound keeps products of coordinates far from the ends of a
 # double.
 MAX_COORDINATE = 1e9

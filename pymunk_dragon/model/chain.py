@@ -25,7 +25,7 @@ Flags = NDArray[np.bool_]
 # Newton's method needs 3 or 4 passes, and bisection, its fallback within a bracket, 53.
 MAX_PASSES = 80
 # Share of a chord: after a Newton step as small as this, the next one is below the last digit.
-SETTLED = 1e-10
+STEP_TOLERANCE = 1e-10
 # Share of a chord. Shorter steps mean that the straight distance has its maximum.
 SMALLEST_STEP = 1e-9
 # Steps after which the search on a strongly curved path ends without a result.
@@ -39,7 +39,7 @@ FOOT_PASSES = 20
 
 
 class Path(Protocol):
-    """What the chain needs of a curve; see `Curve`."""
+    """Interface of a path that this module uses; `Curve` implements it."""
 
     # As in `Curve`; this module does not depend on it.
     # ruff: noqa: D102
@@ -53,7 +53,7 @@ class Path(Protocol):
 
 
 class RateBounds(NamedTuple):
-    """Upper bounds (...) on the absolute rates of benches by the front handle's coordinate; see this module's head."""
+    """Upper bounds (...) on the absolute rates of benches by the front handle's coordinate."""
 
     ratio: Array
     ratio_change: Array
@@ -147,8 +147,8 @@ def gentle_offsets(path: Path, s: Array, chord: float) -> tuple[Array, Array, Fl
     gentle = sine < 1
     # Longer by at least one last digit, so that the bracket on a straight line is not empty.
     longest = np.where(gentle, np.arcsin(np.where(gentle, sine, 0.0)) / np.where(sine > 0, sine, 1.0), 1.0)
-    longest = np.where(sine > 0, longest, 1.0) * chord * (1 + SETTLED)
-    return np.full(s.shape, chord * (1 - SETTLED)), longest, gentle
+    longest = np.where(sine > 0, longest, 1.0) * chord * (1 + STEP_TOLERANCE)
+    return np.full(s.shape, chord * (1 - STEP_TOLERANCE)), longest, gentle
 
 
 def rear_between(path: Path, s: Array, fronts: Array, chord: float, low: Array, high: Array) -> Array:
@@ -161,7 +161,7 @@ def rear_between(path: Path, s: Array, fronts: Array, chord: float, low: Array, 
     high = np.minimum(high, first)
     begins = path.point(np.full(s.shape, path.begin_s)) if np.isfinite(path.begin_s) else fronts
     # Rounding may put a handle at the path's begin before it.
-    lost = np.isnan(low) | (low > first) | ((high == first) & (_length(fronts - begins) < chord * (1 - SETTLED)))
+    lost = np.isnan(low) | (low > first) | ((high == first) & (_length(fronts - begins) < chord * (1 - STEP_TOLERANCE)))
     low, high = np.where(lost, np.nan, low), np.where(lost, np.nan, high)
     offset = high.copy()
     for _ in range(MAX_PASSES):
@@ -175,7 +175,7 @@ def rear_between(path: Path, s: Array, fronts: Array, chord: float, low: Array, 
         better = np.where((better >= low) & (better <= high), better, (low + high) / 2)
         step = np.abs(better - offset)
         offset = better
-        if not np.any(step > SETTLED * chord):
+        if not np.any(step > STEP_TOLERANCE * chord):
             break
     return np.maximum(s - offset, path.begin_s)
 

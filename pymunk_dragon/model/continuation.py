@@ -35,22 +35,24 @@ from numpy.typing import NDArray
 from pymunk_dragon.model.chain import gentle_offsets, rear_between
 from pymunk_dragon.model.curves.base import Array, Curve
 
-__all__ = ["Continuation"]
-
 Flags = NDArray[np.bool_]
 
-# Share of a spacing: grid on which the curvature is checked, and longest half cell in either coordinate.
-GRID, WINDOW = 0.25, 0.125
+# Share of a spacing: grid on which the curvature is checked.
+GRID = 0.25
+# Share of a spacing: longest half cell in either coordinate.
+WINDOW = 0.125
 # Cells of the grid that are checked at once.
 GRID_CELLS = 4096
 # Share of the longest step that is proven, to cover its rounding.
 SAFE = 0.9
 # Share of a spacing. Shorter steps only approach a fold: its coordinate is then known to about this.
 SHORTEST = 1e-12
-# Share of a spacing. Where A may vanish, a step is no longer than this: two reversals within it hide next to nothing.
+# Share of a spacing. Longest step where A may vanish: two reversals in it displace the rear handle negligibly.
 REVERSAL = 1e-4
-# Sections of a cell, and passes, in which A = 0 is located: to 1e-12 of the cell.
-SECTIONS, PASSES = 17, 10
+# Points per pass in which A = 0 is located in a cell.
+SECTIONS = 17
+# Passes: to 1e-12 of the cell.
+PASSES = 10
 # m by which two benches may differ in a state that they share.
 SAME = 1e-9
 # Cells after which a strongly curved path is not followed any further.
@@ -66,7 +68,7 @@ class Continuation:
     Parameters
     ----------
     curve : Curve
-        What the handles are on.
+        Path of the handles.
     head : float
         Coordinate of handle 0 at the start, m. The other handles are then where `Curve.chain` finds them.
     spacings : ndarray, shape (N,)
@@ -75,7 +77,7 @@ class Continuation:
 
     def __init__(self, curve: Curve, head: float, spacings: Array) -> None:
         self._curve, self._head, self._spacings = curve, head, spacings
-        self._chains: list[_Branch] = []
+        self._found: list[_Branch] = []
 
     @cached_property
     def start(self) -> Array:
@@ -86,7 +88,7 @@ class Continuation:
     def coordinates(self, heads: Array, handles: int) -> Array:
         """Coordinates (T, handles) of the foremost handles with the head at `heads` (T,), m.
 
-        They are nan for a handle that motion from the start does not bring there, and for all behind it.
+        They are nan for a handle that continuous motion from the start cannot reach, and for all behind it.
         """
         spacings = self._spacings[: handles - 1]
         direct = self._direct(np.minimum(heads, self._head), np.maximum(heads, self._head), handles)
@@ -146,7 +148,7 @@ class Continuation:
 
     def _branches(self, benches: int) -> list[_Branch]:
         """The functions of the foremost `benches`, or of fewer if others have no state at the start."""
-        if not self._chains:
+        if not self._found:
             known = np.flatnonzero(~np.isnan(self.start[1:]))
             found: dict[int, _Branch] = {}
             for bench in known.tolist():
@@ -161,11 +163,11 @@ class Continuation:
                     same = np.abs(branch.rear(fronts) - self.start[1:][others]) <= SAME
                     found |= {other: branch for other, shared in zip(others, same.tolist(), strict=True) if shared}
                     found[bench] = branch
-            self._chains = [found[bench] for bench in known.tolist()]
-        return self._chains[:benches]
+            self._found = [found[bench] for bench in known.tolist()]
+        return self._found[:benches]
 
     def _followed(self, heads: Array, handles: int) -> Array:
-        """What `coordinates` gives, bench by bench."""
+        """Coordinates as in `coordinates`, computed bench by bench."""
         handles_s = np.full((heads.size, handles), np.nan)
         handles_s[:, 0] = heads
         lows, highs = np.minimum(heads, self._head), np.maximum(heads, self._head)
@@ -173,7 +175,7 @@ class Continuation:
         for i, branch in enumerate(self._branches(handles - 1)):
             rows = np.flatnonzero(~done & ~np.isnan(handles_s[:, i]))
             gentle = self._gentle(lows[rows], highs[rows], range(i, handles - 1))
-            self._place_rest(handles_s, rows[gentle], i, lows)
+            self._fill_rest(handles_s, rows[gentle], i, lows)
             done[rows[gentle]] = True
             rows = rows[~gentle]
             if not rows.size:
@@ -186,8 +188,8 @@ class Continuation:
             handles_s[rows, i + 1] = np.where(np.isnan(lows[rows] + highs[rows]), np.nan, rears)
         return handles_s
 
-    def _place_rest(self, handles_s: Array, rows: NDArray[np.intp], i: int, lows: Array) -> None:
-        """Coordinate the handles behind handle `i` by `Curve.chain`; those once pushed off the path are lost."""
+    def _fill_rest(self, handles_s: Array, rows: NDArray[np.intp], i: int, lows: Array) -> None:
+        """Compute the handles behind handle `i` by `Curve.chain`; nan for those that were pushed beyond the begin."""
         fronts, low = handles_s[rows, i], lows[rows]
         spacings = self._spacings[i : handles_s.shape[1] - 1]
         handles_s[rows, i:] = self._curve.chain(fronts, spacings)
@@ -203,13 +205,13 @@ class _Branch:
     def __init__(self, curve: Curve, chord: float, front: float, rear: float) -> None:
         self._curve, self._chord, self._rear = curve, chord, rear
         # By direction: the state reached last, None where the function ends; edges of cells, and brackets of the rear.
-        self._tips: dict[int, tuple[float, float] | None] = {-1: (front, rear), 1: (front, rear)}
+        self._last_states: dict[int, tuple[float, float] | None] = {-1: (front, rear), 1: (front, rear)}
         self._ends = {-1: [front], 1: [front]}
         self._brackets: dict[int, list[tuple[float, float]]] = {-1: [], 1: []}
         # Coordinates of both handles at reversals; fronts between which there may be one; how far two of them in one
         # cell may move the rear handle, m.
-        self._turns: list[tuple[float, float]] = []
-        self._doubtful: list[tuple[float, float]] = []
+        self._reversals: list[tuple[float, float]] = []
+        self._possible_reversals: list[tuple[float, float]] = []
         self.hidden = 0.0
         self._join()
 
@@ -217,7 +219,7 @@ class _Branch:
         """Follow the function to both coordinates of the front handle, or to where it ends."""
         grown = False
         for direction, aim in ((-1, low), (1, high)):
-            while self._tips[direction] is not None and (aim - self._ends[direction][-1]) * direction > 0:
+            while self._last_states[direction] is not None and (aim - self._ends[direction][-1]) * direction > 0:
                 self._extend(direction, aim)
                 grown = True
         if grown:
@@ -259,21 +261,21 @@ class _Branch:
         """Whether the rear handle may reverse while the front handle is between `lows` and `highs` (T,)."""
         self.cover(lows.min(), highs.max())
         found: Flags = np.zeros(lows.shape, dtype=bool)
-        for low, high in self._doubtful:
+        for low, high in self._possible_reversals:
             found |= (lows <= high) & (highs >= low)
         return found
 
     def _join(self) -> None:
-        """Make arrays of what both directions know."""
+        """Join the cells of both directions into arrays."""
         (left, right), (before, after) = self._ends.values(), self._brackets.values()
         self._edges = np.array(left[::-1] + right[1:])
         # Before it is followed anywhere, the function is known at the start only.
         self._cells = np.array(before[::-1] + after or [(self._rear, self._rear)])
-        self.reversals = np.array(sorted(self._turns)).reshape(-1, 2).T
+        self.reversals = np.array(sorted(self._reversals)).reshape(-1, 2).T
 
     def _extend(self, direction: int, aim: float) -> None:
-        """Go on by some gentle cells of the grid, at most to the one with `aim` in it, or by a cell that is proven."""
-        tip = self._tips[direction]
+        """Append gentle cells of the grid up to the one that contains `aim`, or one cell that is proven."""
+        tip = self._last_states[direction]
         assert tip is not None
         front, rear = tip
         end = self._gentle_run(front, rear, direction, aim)
@@ -290,21 +292,21 @@ class _Branch:
             there = float(self._within(np.array([following]), bracket)[0])
             if not np.isnan(there):
                 if hidden:
-                    self._doubtful.append((min(front, following), max(front, following)))
+                    self._possible_reversals.append((min(front, following), max(front, following)))
                     self.hidden = max(self.hidden, hidden)
                 if (ahead >= 0) != (self._growth(np.array([following]), np.array([there]))[0][0] >= 0):
-                    self._turns.append(self._reversal(front, following, bracket))
+                    self._reversals.append(self._reversal(front, following, bracket))
                 self._append(direction, following, there, bracket)
                 return
             # The rear handle is before the begin of the curve.
             step /= 2
-        self._tips[direction] = None
+        self._last_states[direction] = None
 
     def _append(self, direction: int, front: float, rear: float, bracket: tuple[float, float]) -> None:
         """Add a cell."""
         self._ends[direction].append(front)
         self._brackets[direction].append(bracket)
-        self._tips[direction] = None if np.isnan(rear) else (front, rear)
+        self._last_states[direction] = None if np.isnan(rear) else (front, rear)
 
     def _gentle_run(self, front: float, rear: float, direction: int, aim: float) -> float:
         """Where, from `front` on, a row of gentle cells of the grid ends; `front` itself if there is none."""
@@ -329,12 +331,12 @@ class _Branch:
         return float(rear_between(self._curve, fronts, self._curve.point(fronts), self._chord, shortest, longest)[0])
 
     def _within(self, fronts: Array, bracket: tuple[float, float]) -> Array:
-        """Rear coordinates (T,) of which there is one each between two."""
+        """Rear coordinates (T,), each unique within `bracket`."""
         low, high = fronts - bracket[1], fronts - bracket[0]
         return rear_between(self._curve, fronts, self._curve.point(fronts), self._chord, low, high)
 
     def _growth(self, fronts: Array, rears: Array) -> tuple[Array, Array]:
-        """A and B (T,) of the head of this module."""
+        """A and B (T,) of the module's docstring."""
         points, tangents = self._curve.frame(np.stack([fronts, rears]))
         between = points[0] - points[1]
         ahead, behind = np.sum(tangents * between, axis=-1)

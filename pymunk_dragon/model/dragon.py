@@ -19,12 +19,14 @@ Array = NDArray[np.float64]
 # m: the same for all benches, or one for each.
 Sizes = float | Sequence[float]
 
-# A head and a tail are the shortest chain. Ten thousand benches are 16 km of dragon, 45 times the contest's, and
-# still fit into memory; more is taken for a typing error.
-MIN_BENCHES, MAX_BENCHES = 2, 10_000
-# Metres. No bench is longer; the bound catches centimetres and millimetres given as metres. The lower end keeps every
-# length far above what a double resolves at the rim of the largest spiral.
-MIN_LENGTH, MAX_LENGTH = 0.001, 100.0
+# The shortest chain: a head and a tail.
+MIN_BENCHES = 2
+# 16 km of dragon, 45 times the contest's, which still fit into memory; more is taken for a typing error.
+MAX_BENCHES = 10_000
+# m. Keeps every length far above the resolution of a double at the rim of the largest spiral.
+MIN_LENGTH = 0.001
+# m. No bench is longer; catches centimetres and millimetres given as metres.
+MAX_LENGTH = 100.0
 _ALLOWED = f"a number from {MIN_LENGTH:g} to {MAX_LENGTH:g} m"
 # The paper's choice, beside the last handle: the head's two, and every fiftieth.
 TABLE_HANDLES = (0, 1, 51, 101, 151, 201)

@@ -22,7 +22,7 @@ PIN_LENGTH = 1.0
 
 @dataclass(frozen=True, kw_only=True)
 class GuidedChain:
-    """What a guide knows of a chain of N benches before the first step.
+    """Data that a guide gets of a chain of N benches before the first step.
 
     Attributes
     ----------

@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 # Pose and velocity of the head, (3,), and velocity of its rear hole, (2,), at the end of a substep.
 HeadState = tuple[Array, Array, Array]
 
-# Where contacts are resolved: the distance from its exact pose at which the head counts as held up, in widths (1 mm for
+# Where contacts are resolved: the distance from its exact pose at which the head counts as blocked, in widths (1 mm for
 # the contest's benches).
 HEAD_LAG = 1 / 300
 # How much of its speed the march then loses per metre at full speed. At 1 m/s the dancers brake at 20 m/s^2, with at
@@ -203,8 +203,9 @@ class _Loop:
     def _refine(self, before: Array, velocities: Array, times: tuple[float, float]) -> None:
         """Find the first of the contacts that began in the last substep.
 
-        The velocities after the substep include the impact already. Those at the contact follow from the `velocities`
-        before the substep and from the change of the poses since `before`, on which the impact has no effect yet.
+        The velocities after the substep include the collision response already. Those at the contact follow from the
+        `velocities` before the substep and from the change of the poses since `before`, on which the impact has no
+        effect yet.
         """
         world, after = self._world, self._world.poses
         begun = [refined_contact(world.march.dragon, pair, before, after, times) for pair in self._recorder.begun]

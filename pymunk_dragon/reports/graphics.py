@@ -41,7 +41,7 @@ VIEW_BOX = 1000.0
 # Ratio of the top of a drift chart to the largest value: keeps the line and the topmost level within the chart.
 TOP_MARGIN = 1.05
 # (smallest value in m, units per metre, unit): mm from 0.01 mm on, since 0.01 mm is easier to read than 10 micrometres.
-UNITS = ((1.0, 1.0, "m"), (1e-5, 1e3, "mm"), (0.0, 1e6, "\N{MICRO SIGN}m"))
+UNITS = ((1.0, 1.0, "m"), (1e-5, 1e3, "mm"), (0.0, 1e6, "\u00b5m"))
 
 
 class Tick(NamedTuple):
@@ -132,7 +132,7 @@ def timeline(summary: Summary) -> Timeline | None:
         return None
     low = begin - LEADING_MARGIN * (high - begin)
     shown = list(pairs.items())[:MAX_PAIRS]
-    rows = {f"{i} \N{MIDDLE DOT} {j}": _bars(windows, low, high) for (i, j), windows in shown}
+    rows = {f"{i} \u00b7 {j}": _bars(windows, low, high) for (i, j), windows in shown}
     return Timeline(rows, _ticks(low, high), len(pairs) - len(rows))
 
 

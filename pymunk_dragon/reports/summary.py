@@ -43,7 +43,7 @@ MAX_DEPTH = 16
 TOO_DEEP = "(nested too deeply)"
 # Characters that some format cannot represent: controls except tab and newline, surrogates, noncharacters.
 UNPRINTABLE = {
-    code: "\N{REPLACEMENT CHARACTER}"
+    code: "\ufffd"
     for code in (*range(0x20), *range(0x7F, 0xA0), *range(0xD800, 0xE000), 0xFFFE, 0xFFFF)
     if chr(code) not in "\t\n"
 }

@@ -15,7 +15,7 @@ from pymunk_dragon.model.contact import ContactEvent
 from pymunk_dragon.reports.summary import Summary
 
 # Text of a missing value.
-MISSING = "\N{EN DASH}"
+MISSING = "\u2013"
 # Magnitude from which numbers are written with an exponent: beyond any simulated run, but possible in a damaged file.
 EXPONENT_THRESHOLD = 1e9
 # Least number of contact points with columns of their own: the engine reports at most two for a pair of benches.

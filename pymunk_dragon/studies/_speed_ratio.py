@@ -3,12 +3,7 @@
 The ratio of a handle's speed to the head's depends only on the distance s travelled by the head. Over an interval of s
 the ratio is at most its value at the midpoint plus half the interval's length times a bound on its derivative.
 Intervals whose bound is below the largest value found are discarded, the others are halved. The bounds on derivatives
-come from interval arithmetic on the rigid-bench equations (derived in `collision/bounds.py`): with the angles alpha and
-beta from a bench to the path's tangents at its front and rear hole, its spacing L and the path's curvatures kappa_f and
-kappa_r there, the rear hole has the velocity ratio rho = cos alpha / cos beta to the front hole, and
-
-    drho/ds = (rho^2 kappa_r sin beta - kappa_f sin alpha + omega^2 L) / cos beta,
-    omega = (sin alpha - rho sin beta) / L.
+come from interval arithmetic on the equations of a rigid bench in `model/chain.py`, whose notation is used here.
 
 Three facts limit the search:
 

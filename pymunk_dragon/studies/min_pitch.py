@@ -188,7 +188,7 @@ class MinPitch(Result):
             least, most = known.growth
             near = f"{1e3 * known.threshold:.3g} mm of zero"
             lines += [
-                f"{INDENT}all {known.samples} gaps seen within {near} change with the pitch,",
+                f"{INDENT}all {known.samples} gaps sampled within {near} change with the pitch,",
                 f"{INDENT}the head being on the same circle, by {least:.2f} to {most:.2f} mm for each mm;",
             ]
         shown = "so" if self.half_line else "which does not show that"

@@ -329,7 +329,7 @@ def _draw_slopes(axes: Axes, unit: str, per: float, rows: Sequence[Slope]) -> No
         axes.plot([axes.get_xlim()[0], size], [row_index, row_index], color=RULE, lw=1.4, zorder=1)
         face = BLUE if value > 0 else COLOURS.background
         axes.plot(size, row_index, "o", color=BLUE, mfc=face, ms=7, mew=1.8, gid=f"slope-{rows[row_index].size}")
-        text = f"{value:+.5f}".replace("-", "\N{MINUS SIGN}")
+        text = f"{value:+.5f}".replace("-", "\u2212")
         axes.annotate(text, (size, row_index), (0, 7), textcoords="offset points", ha="center", size=10.5)
     axes.xaxis.set_major_formatter("{x:g}")
     axes.xaxis.set_minor_locator(NullLocator())
@@ -362,7 +362,7 @@ def _draw_reaches(axes: Axes, rows: Sequence[Slope]) -> None:
 
 
 def _describe_end(end: Reach) -> str:
-    change = f"{1e3 * end.unchanged:+.3g} mm".replace("-", "\N{MINUS SIGN}")
+    change = f"{1e3 * end.unchanged:+.3g} mm".replace("-", "\u2212")
     return change + ENDS[end.by][1].format(*end.benches or ())
 
 

@@ -53,7 +53,7 @@ TIME_SAMPLES = 600
 # Position of a line's label, as a fraction of the line: at the ends the lines are too close to each other.
 LABEL_POSITION = 0.42
 # Units of position errors: smallest error in m, units per metre, and symbol.
-UNITS = ((1.0, 1.0, "m"), (1e-3, 1e3, "mm"), (0.0, 1e6, "\N{MICRO SIGN}m"))
+UNITS = ((1.0, 1.0, "m"), (1e-3, 1e3, "mm"), (0.0, 1e6, "\u00b5m"))
 # N: larger forces are displayed as whole numbers.
 MIN_WHOLE_FORCE = 10.0
 # N: smaller forces are rounding errors, as on a straight path at constant speed.

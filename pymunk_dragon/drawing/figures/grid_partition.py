@@ -50,7 +50,7 @@ def grid(march: March, interval: TimeInterval) -> Figure:
     poses = march.at(hit.time).poses[0]
     corners = dragon.outlines(poses)
     pairs = cells.pairs(corners)
-    origin = "({:g}, {:g})".format(*cells.origin).replace("-", "\N{MINUS SIGN}")
+    origin = "({:g}, {:g})".format(*cells.origin).replace("-", "\u2212")
     touching = hit.benches or ()
     touch = " of {} and {}".format(*touching) if touching else ""
     apart = (dragon.benches - 1) * (dragon.benches - 2) // 2

@@ -1,7 +1,7 @@
 """Films of a run or march, or of several side by side.
 
 A film passes through these modules: `settings` (parameters and times), `drawing.snapshots` (states at these times),
-`layout` (places the scenes, which draw the states), `workers` (draws frames in parallel), and `formats` (file).
+`layout` (arranges the scenes, which draw the states), `workers` (draws frames in parallel), and `formats` (file).
 """
 
 from __future__ import annotations
@@ -105,7 +105,7 @@ def write_film(
     ----------
     source : Run or March, or a sequence of them
         A run is played from its frames, a march by the exact model. Several sources are shown side by side at the same
-        time; a run that has ended keeps its last frame.
+        simulated time; a run that has ended keeps its last frame.
     path : path
         File to write: .gif, .apng, .webp, or .mp4 with the extra `mp4`. If writing is interrupted, an old file is kept
         and no incomplete file is left. The memory for a GIF or MP4 does not depend on the length of the film; for a

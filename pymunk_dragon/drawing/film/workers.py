@@ -32,7 +32,7 @@ def map_in_processes(
     """Yield `function(item)` for the `count` items, in order.
 
     `workers` other processes and this one evaluate the function. This process does it alone if there are few items, or
-    if `function` cannot be pickled, as the drawing of a march whose speed is a lambda.
+    if `function` cannot be pickled, for example if the speed of the march is a lambda.
 
     Raises
     ------
@@ -62,12 +62,12 @@ def map_in_processes(
             starting.append(connection)
         while True:
             for connection in [connection for connection in starting if connection.poll()]:
-                with _ends_named():
+                with _worker_failures_reported():
                     connection.recv()
                 starting.remove(connection)
                 idle.append(connection)
             while idle and (batch := next(batches, None)):
-                with _ends_named():
+                with _worker_failures_reported():
                     idle[-1].send(batch)
                 pending.append(idle.pop())
             if not pending:
@@ -85,13 +85,13 @@ def map_in_processes(
             if isinstance(first, list):
                 yield from first
                 continue
-            with _ends_named():
+            with _worker_failures_reported():
                 results = first.recv()
             if isinstance(results, Exception):
                 raise results
             if batch := next(batches, None):
                 # The worker continues while this process uses the results.
-                with _ends_named():
+                with _worker_failures_reported():
                     first.send(batch)
                 pending.append(first)
             yield from results
@@ -113,7 +113,7 @@ def _can_be_pickled(function: Callable[..., Any]) -> bool:
 
 
 @contextmanager
-def _ends_named() -> Iterator[None]:
+def _worker_failures_reported() -> Iterator[None]:
     """Raise a `DragonError` if the worker process at the other end of a connection has ended."""
     try:
         yield

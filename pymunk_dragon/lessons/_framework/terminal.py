@@ -30,8 +30,10 @@ from pymunk_dragon.lessons._framework.translations import (
 MAX_COLUMNS = 88
 INDENT = "  "
 PROGRAM = "pymunk-dragon"
-# Unicode categories of characters that do not begin a line, as stops, and that do not end one, as opening brackets.
-CLOSING, OPENING = ("Pe", "Pf", "Po"), ("Ps", "Pi")
+# Unicode categories of characters that do not begin a line, as stops.
+CLOSING = ("Pe", "Pf", "Po")
+# Unicode categories of characters that do not end a line, as opening brackets.
+OPENING = ("Ps", "Pi")
 
 
 class Terminal(Output):

@@ -9,17 +9,18 @@ import numpy as np
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.curves.base import Array
 
-__all__ = ["Cells", "cut", "speed", "travelled"]
-
 # Gauss-Legendre on [0, 1]. Eight nodes are exact to degree 15.
 _nodes, _weights = np.polynomial.legendre.leggauss(8)
-NODES, WEIGHTS = (_nodes + 1) / 2, _weights / 2
+NODES = (_nodes + 1) / 2
+WEIGHTS = _weights / 2
 # Share of a cell's length. Halves that agree with the whole so well have 16 more bits than this, and rounding has none.
 LENGTH_TOLERANCE = 4e-15
 # Share of the parametric speed along the chords. A slower path is close to a cusp.
 MIN_SPEED = 0.01
-# Excess of the bound on a cell's curvature: as a share of the cell's, and of the path's largest curvature.
-LOOSE, LOOSE_OVERALL = 0.02, 0.001
+# Excess of the bound on a cell's curvature, as a share of the cell's curvature.
+LOOSE = 0.02
+# The same as a share of the path's largest curvature.
+LOOSE_OVERALL = 0.001
 # Parameters in a cell at which the curvature is sampled.
 SEEN = (0.0, 0.5, 1.0)
 # Share of a bound that covers its rounding.

@@ -15,8 +15,6 @@ from pymunk_dragon._checks import answer, finite, number
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model import chain
 
-__all__ = ["Array", "Curve", "check_curve"]
-
 Array = NDArray[np.float64]
 
 # m from the origin. At this distance a double still resolves 0.02 nm.
@@ -178,7 +176,7 @@ class Curve(ABC):
         for i, chord in enumerate(np.asarray(spacings, dtype=float).tolist()):
             parameters[:, i + 1] = self.behind(parameters[:, i], chord)
         handles_s = self.coordinate(parameters)
-        # The heads stay where they are, to the last digit.
+        # The inverse of `parameter` rounds; the heads keep their coordinates.
         handles_s[:, 0] = np.where(np.isnan(parameters[:, 0]), np.nan, s)
         return handles_s
 
@@ -342,7 +340,7 @@ def plane_point(name: str, value: object) -> tuple[float, float]:
 
 
 def _is_of_package(cls: type[Any]) -> bool:
-    """Whether the tests vouch for a class."""
+    """Whether a class belongs to the package; the results of others are checked at each call."""
     return cls.__module__.startswith(__package__)
 
 
@@ -384,7 +382,7 @@ def _checked_bound(method: Callable[[Any, ArrayLike, ArrayLike], Any]) -> Callab
 def _to_dict(curve: Curve, where: str, depth: int) -> dict[str, Any]:
     if curve.kind is None or not is_dataclass(curve):
         known = ", ".join(sorted(Curve.kinds))
-        bound = f"a curve of the package ({known}) to be written down: a class of your own has no table"
+        bound = f"a curve of the package ({known}) to be written down, or of a class with a kind of its own"
         raise ParameterError(where, type(curve).__name__, bound)
     _check_depth(type(curve).__name__, depth)
 
@@ -410,8 +408,8 @@ def _from_dict(values: Mapping[str, Any], where: str, depth: int) -> Curve:
     for name, value in given.items():
         if name not in parameters:
             owners = ", ".join(sorted(other for other, cls in Curve.kinds.items() if name in _parameters(cls)))
-            known = f"kinds with it: {owners}" if owners else f"its parameters are {', '.join(parameters)}"
-            raise ParameterError(f"{where}.{name}", value, f"absent on a {kind} curve; {known}")
+            hint = f"kinds with it: {owners}" if owners else f"its parameters are {', '.join(parameters)}"
+            raise ParameterError(f"{where}.{name}", value, f"absent on a {kind} curve; {hint}")
     for name, required in parameters.items():
         if required and name not in given:
             raise ParameterError(f"{where}.{name}", None, f"given: the kind {kind} has no default for it")

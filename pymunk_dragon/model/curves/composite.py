@@ -15,9 +15,10 @@ from pymunk_dragon.model.curves.base import Array, Curve, check_curve, overlap, 
 
 __all__ = ["Composite"]
 
-# Metres and rad that two pieces may be apart where they meet. Rounding leaves some 1e-13 on a dance floor; a thousandth
-# of a micrometre is far below the precision of any result, and far above that.
-MAX_GAP, MAX_KINK = 1e-9, 1e-9
+# m that two pieces may be apart where they meet: far above rounding, 1e-13 m, and far below what results need.
+MAX_GAP = 1e-9
+# rad, the same for their directions.
+MAX_KINK = 1e-9
 
 
 @dataclass(frozen=True)

@@ -15,9 +15,11 @@ __all__ = ["Spiral"]
 
 Complex = NDArray[np.complex128]
 
-# Metres. A turn wider than this is no dance floor, and no bench fits into a narrower one; the bounds also keep squares
-# of lengths far from the ends of a double.
-MIN_PITCH, MAX_PITCH = 0.001, 1000.0
+# m. No bench fits into a narrower turn.
+MIN_PITCH = 0.001
+# m. No dance floor has a wider turn. Both bounds also keep squares of lengths far from the ends of a double.
+MAX_PITCH = 1000.0
+# rad.
 TURN = 2 * np.pi
 # A thousand turns of the contest's pitch are a dance floor of a kilometre; more is taken for a typing error.
 MAX_TURNS = 1000.0
@@ -26,9 +28,9 @@ MAX_PASSES = 80
 # Most benches need 2; what needs more than this is better kept within a bracket.
 FREE_PASSES = 6
 # Share of an angle: after so small a step of Newton's the next one would be below the last digit.
-SETTLED = 1e-10
+STEP_TOLERANCE = 1e-10
 # The same for Halley's, which trebles the digits.
-HALLEY_SETTLED = 5e-6
+HALLEY_TOLERANCE = 5e-6
 # Spacings over k between which a rear handle may vanish near the centre and exist again further in: from m(theta*) to
 # 2 pi, and by rounding a little more (see `chain_follows_motion`).
 INNERMOST = 5.78, 6.29
@@ -141,7 +143,7 @@ class Spiral(Curve, kind="spiral"):
             # Halley's method; the derivative of `rise` is theta / rise.
             step = newton / (1 - newton * theta / (2 * rise**2))
             theta = np.maximum(theta - step, 0.0)
-            if np.all(np.abs(step) <= HALLEY_SETTLED * theta + SETTLED):
+            if np.all(np.abs(step) <= HALLEY_TOLERANCE * theta + STEP_TOLERANCE):
                 break
         return np.where(length >= 0, theta, np.nan)
 
@@ -206,7 +208,7 @@ class Spiral(Curve, kind="spiral"):
                 value, growth = _squared_distance(phi, theta)
                 step = (value - reach) / growth
                 phi = phi - step
-                settled = np.abs(step) <= SETTLED * phi
+                settled = np.abs(step) <= STEP_TOLERANCE * phi
                 if settled.all():
                     break
             # Every term of the growth is positive up to half a turn back, so a root that Newton's method finds there is

@@ -29,7 +29,7 @@ MIN_CHORD = 1e-3
 # Coordinates evaluated together: their temporaries fit into a processor's cache.
 CHUNK = 8192
 # Share of a cell: after so small a step of Newton's the next one would be below the last digit.
-SETTLED = 1e-9
+STEP_TOLERANCE = 1e-9
 # Newton's method doubles the digits of a guess that is right to a hundredth; 3 are enough.
 MAX_PASSES = 8
 
@@ -171,7 +171,7 @@ def _solved(cubics: Array, s: Array, lengths: Array) -> Array:
     for _ in range(MAX_PASSES):
         step = (travelled(cubics, w) - s) / speed(cubics, w)
         w = np.clip(w - step, 0.0, 1.0)
-        if not np.any(np.abs(step) > SETTLED):
+        if not np.any(np.abs(step) > STEP_TOLERANCE):
             break
     return w
 

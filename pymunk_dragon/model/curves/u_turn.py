@@ -16,8 +16,10 @@ from pymunk_dragon.model.curves.spiral import Spiral
 
 __all__ = ["UTurn"]
 
-# m. Smaller circles are too narrow for benches; on larger ones, coordinates on the spiral lose digits.
-MIN_RADIUS, MAX_RADIUS = 0.1, 100.0
+# m. Smaller circles are too narrow for benches.
+MIN_RADIUS = 0.1
+# m. On larger circles, coordinates on the spiral lose digits.
+MAX_RADIUS = 100.0
 # A turn on arcs more different than this is one on a single arc.
 MAX_RATIO = 50.0
 
