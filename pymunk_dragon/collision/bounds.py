@@ -30,8 +30,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pymunk_dragon._arrays import Array, Complex, Flags, Indices
 from pymunk_dragon.collision.grid import MAX_CELL, MIN_CELL, Grid
 from pymunk_dragon.collision.sat import Separation, separation
 from pymunk_dragon.model import chain
@@ -39,11 +39,6 @@ from pymunk_dragon.model.chain import RateBounds
 from pymunk_dragon.model.curves import Curve
 from pymunk_dragon.model.dragon import bench_poses
 from pymunk_dragon.model.march import March
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
-Flags = NDArray[np.bool_]
-Indices = NDArray[np.intp]
 
 # Error of a bench's equation in last digits of the largest coordinate: 8 for each point, 2 for the distance.
 ROUNDED = 18

@@ -30,8 +30,8 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pymunk_dragon._arrays import Array, Flags, Indices
 from pymunk_dragon._checks import finite
 from pymunk_dragon._display import Printed
 from pymunk_dragon._text import contact_text
@@ -45,9 +45,6 @@ from pymunk_dragon.model.march import March, check_march, last_time
 
 __all__ = ["FirstContact", "Status", "first_contact"]
 
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
-Indices = NDArray[np.intp]
 Progress = Callable[[float, float], None]
 Status = Literal["contact", "clear", "overlapping", "unreachable"]
 

@@ -19,6 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from pymunk_dragon._arrays import Array
 from pymunk_dragon._checks import finite, whole
 from pymunk_dragon.collision.outlines import MAX_COORDINATE, checked_outlines, numbers
 from pymunk_dragon.errors import ParameterError
@@ -26,8 +27,7 @@ from pymunk_dragon.model.march import March, check_march
 
 __all__ = ["Grid"]
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
+Cells = NDArray[np.int64]
 
 # m. Least pitch of a spiral, to which the paper ties the cell.
 MIN_CELL = 0.001
@@ -96,7 +96,7 @@ class Grid:
             return cls(cell=float(march.dragon.lengths.max()), origin=(0.0, 0.0))
         return cls(cell=width, origin=(-turns * width, turns * width))
 
-    def cell_of(self, points: ArrayLike) -> Indices:
+    def cell_of(self, points: ArrayLike) -> Cells:
         """Cells (..., 2) as (i, j) of `points` (..., 2) in m; on a grid line the one below it or to its right.
 
         Raises
@@ -107,7 +107,7 @@ class Grid:
         columns, rows = self._in_cells("points", points)
         return np.floor(np.stack([rows, columns], axis=-1)).astype(np.int64)
 
-    def walk(self, start: ArrayLike, end: ArrayLike) -> Indices:
+    def walk(self, start: ArrayLike, end: ArrayLike) -> Cells:
         """Cells (K, 2) as (i, j) that the edge from `start` (2,) to `end` (2,) in m touches, in the order of the walk.
 
         The edge is followed from column to column. Within a column it touches all rows from a first to a last one.
@@ -129,7 +129,7 @@ class Grid:
         order = np.lexsort((rows if v1 >= v0 else -rows, owner if u1 >= u0 else -owner))
         return cells[order]
 
-    def file(self, outlines: ArrayLike) -> tuple[Indices, Indices]:
+    def file(self, outlines: ArrayLike) -> tuple[Cells, Cells]:
         """File N benches under the cells that they touch or cover.
 
         Parameters
@@ -153,7 +153,7 @@ class Grid:
         rows, columns, benches, _ = self._filed(outlines)
         return np.stack([rows, columns], axis=-1), benches
 
-    def pairs(self, outlines: ArrayLike, neighbours: int = 1) -> Indices:
+    def pairs(self, outlines: ArrayLike, neighbours: int = 1) -> Cells:
         """Pairs (P, 2) of benches that share a cell, the smaller number first, each once and in order.
 
         No two that overlap or touch are missing; most of those that are there neither overlap nor touch.
@@ -194,7 +194,7 @@ class Grid:
         codes = np.unique(one[far] * n + two[far])
         return np.stack(np.divmod(codes, n), axis=-1)
 
-    def _filed(self, outlines: ArrayLike) -> tuple[Indices, Indices, Indices, int]:
+    def _filed(self, outlines: ArrayLike) -> tuple[Cells, Cells, Cells, int]:
         """Rows, columns and benches of all entries, each (K,), by bench, column and row; and the number of benches."""
         corners = checked_outlines("outlines", outlines)
         if corners.ndim != 3 or len(corners) > MAX_OUTLINES:
@@ -227,25 +227,25 @@ class Grid:
             raise ParameterError(name, xy[~inside][0].item(), bound)
         return offset[..., 0] / self.cell, offset[..., 1] / -self.cell
 
-    def _check_entries(self, counts: Indices, size: str) -> None:
+    def _check_entries(self, counts: Cells, size: str) -> None:
         total = int(counts.sum())
         if total > MAX_ENTRIES:
             raise ParameterError("cell", self.cell, f"{size} enough for {MAX_ENTRIES:,} entries, not {total:,}")
 
 
-def _range(low: Array, high: Array) -> tuple[Indices, Indices]:
+def _range(low: Array, high: Array) -> tuple[Cells, Cells]:
     """First and last cell, in one direction, that a segment from `low` to `high` touches."""
     return np.floor(low - SLACK).astype(np.int64), np.floor(high + SLACK).astype(np.int64)
 
 
-def _runs(starts: Indices, counts: Indices) -> tuple[Indices, Indices]:
+def _runs(starts: Cells, counts: Cells) -> tuple[Cells, Cells]:
     """Concatenated ranges of `counts[k]` integers from `starts[k]` on: the k of each integer, and the integers."""
     owner = np.repeat(np.arange(counts.size), counts)
     before = np.cumsum(counts) - counts
     return owner, np.arange(owner.size) + (starts - before)[owner]
 
 
-def _rows(u0: Array, v0: Array, u1: Array, v1: Array, columns: Indices) -> tuple[Array, Array]:
+def _rows(u0: Array, v0: Array, u1: Array, v1: Array, columns: Cells) -> tuple[Array, Array]:
     """The DDA's step: where edges are highest and lowest within a column, as distances downward in cells.
 
     Edges run from (u0, v0) to (u1, v1), distances from the origin in cells to the right and downward. One that misses

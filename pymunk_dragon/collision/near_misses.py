@@ -5,15 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pymunk_dragon._arrays import Array, Indices
 from pymunk_dragon.collision.sat import separation
 from pymunk_dragon.model.march import March
 
 __all__ = ["NearMiss", "near_misses"]
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.intp]
 
 # Points per bracket in the search for a local minimum, and passes: each pass narrows the bracket eightfold.
 MINIMUM_POINTS = 17

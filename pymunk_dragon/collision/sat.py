@@ -22,14 +22,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from pymunk_dragon._arrays import Array, Complex
 from pymunk_dragon._frozen import ArrayRecord, read_only
 from pymunk_dragon.collision.outlines import checked_outlines
 from pymunk_dragon.errors import ParameterError
 
 __all__ = ["Separation", "axis_gaps", "overlap", "separation"]
 
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 # Pairs worked on at once: their temporaries, about 0.7 kB a pair, stay in a processor's second cache.
 CHUNK = 2048

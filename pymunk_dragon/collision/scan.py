@@ -8,8 +8,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pymunk_dragon._arrays import Array
 from pymunk_dragon._checks import positive
 from pymunk_dragon.collision.first_contact import FirstContact, Status, checked_times
 from pymunk_dragon.collision.grid import Grid
@@ -19,7 +19,6 @@ from pymunk_dragon.model.march import March
 
 __all__ = ["STEP", "TOLERANCE", "scan"]
 
-Array = NDArray[np.float64]
 Pair = tuple[int, int]
 
 # s. The paper gives the second in which the dragon collides.

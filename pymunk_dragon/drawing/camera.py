@@ -8,9 +8,9 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from pymunk_dragon._arrays import Array
 from pymunk_dragon._checks import finite, word
 
-Array = NDArray[np.float64]
 Subject = Literal["field", "head"]
 
 # Metres: a smaller view shows less than two holes of a bench. The bound detects lengths in another unit.

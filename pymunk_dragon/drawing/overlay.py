@@ -10,13 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
+from pymunk_dragon._arrays import Array
 from pymunk_dragon.collision import Grid
 from pymunk_dragon.drawing.camera import View
 from pymunk_dragon.drawing.palette import BLOCK, Accent, blends
 from pymunk_dragon.drawing.snapshots import Mark, Snapshot
 from pymunk_dragon.model.march import March
-
-Array = NDArray[np.float64]
 
 # s: an arrow ends where its handle would be after this time, so its length is proportional to the speed.
 ARROW_TIME = 0.5

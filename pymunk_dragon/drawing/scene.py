@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
+from pymunk_dragon._arrays import Array
 from pymunk_dragon.collision import separation
 from pymunk_dragon.drawing.camera import Camera, View
 from pymunk_dragon.drawing.lettering import Lettering
@@ -15,8 +15,6 @@ from pymunk_dragon.drawing.snapshots import Mark, Snapshot
 from pymunk_dragon.model.contact import Contact
 from pymunk_dragon.model.dragon import Dragon, outlines
 from pymunk_dragon.model.march import March
-
-Array = NDArray[np.float64]
 
 # Metres: diameter of a hole in the paper. Only pictures depend on it.
 HOLE_DIAMETER = 0.055

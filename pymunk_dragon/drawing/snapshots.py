@@ -11,13 +11,13 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from pymunk_dragon._arrays import Array
 from pymunk_dragon._checks import word
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.contact import Contact
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 
-Array = NDArray[np.float64]
 Vector = tuple[float, float]
 # What a picture or film is drawn from.
 Source = Run | March

@@ -16,11 +16,9 @@ from __future__ import annotations
 from typing import NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
-Flags = NDArray[np.bool_]
+from pymunk_dragon._arrays import Array, Complex, Flags
 
 # Newton's method needs 3 or 4 passes, and bisection, its fallback within a bracket, 53.
 MAX_PASSES = 80

@@ -32,10 +32,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from pymunk_dragon._arrays import Array, Flags
 from pymunk_dragon.model.chain import gentle_offsets, rear_between
-from pymunk_dragon.model.curves.base import Array, Curve
-
-Flags = NDArray[np.bool_]
+from pymunk_dragon.model.curves.base import Curve
 
 # Share of a spacing: grid on which the curvature is checked.
 GRID = 0.25

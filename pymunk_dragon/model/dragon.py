@@ -8,14 +8,14 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from pymunk_dragon._arrays import Array
 from pymunk_dragon._checks import finite, whole
 from pymunk_dragon.errors import ParameterError
 
 __all__ = ["BENCHES", "Dragon", "Sizes", "bench_poses", "hermite", "interpolated", "outlines"]
 
-Array = NDArray[np.float64]
 # m: the same for all benches, or one for each.
 Sizes = float | Sequence[float]
 

@@ -8,8 +8,9 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from pymunk_dragon._arrays import Array
 from pymunk_dragon._checks import finite, positive, whole
 from pymunk_dragon._display import Displayed
 from pymunk_dragon._frozen import ArrayRecord, read_only
@@ -25,7 +26,6 @@ from pymunk_dragon.model.speed import ConstantSpeed, Speed, speed_of
 
 __all__ = ["March", "States", "check_march", "last_time"]
 
-Array = NDArray[np.float64]
 
 # m before the start. At this distance a double still resolves 0.1 nm.
 MAX_RETREAT = 1e5

@@ -13,8 +13,9 @@ from pathlib import Path
 from typing import Any, Literal, get_args
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from pymunk_dragon._arrays import Array
 from pymunk_dragon._checks import finite, whole, word
 from pymunk_dragon._display import Displayed
 from pymunk_dragon._frozen import ArrayRecord, frozen, read_only
@@ -27,7 +28,6 @@ from pymunk_dragon.model.run_file import opened_archive, write_archive
 from pymunk_dragon.model.scenario import Scenario
 from pymunk_dragon.model.settings import EngineSettings
 
-Array = NDArray[np.float64]
 # How a run ended: at a contact, without one, or where the head has no coordinate on the curve.
 Outcome = Literal["contact", "clear", "unreachable"]
 

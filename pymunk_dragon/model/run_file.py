@@ -16,10 +16,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pymunk_dragon._arrays import Array
 from pymunk_dragon._files import check_destination, written_in_place
 from pymunk_dragon.errors import DragonError, FileFormatError, ParameterError
-
-Array = NDArray[np.float64]
 
 RUN_ENDINGS = (".npz",)
 # Name of the format.

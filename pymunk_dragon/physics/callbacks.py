@@ -6,16 +6,14 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-import numpy as np
 import pymunk
-from numpy.typing import NDArray
 
+from pymunk_dragon._arrays import Array
 from pymunk_dragon._signals import signals_held
 from pymunk_dragon.model.contact import Contact, ContactEvent, Phase
 from pymunk_dragon.model.dragon import Dragon, interpolated
 from pymunk_dragon.physics.world import World, bench_shape
 
-Array = NDArray[np.float64]
 Vector = tuple[float, float]
 
 # Halvings of a substep: a hundredth of a second becomes 1e-11 s, far below what the engine's poses are worth.

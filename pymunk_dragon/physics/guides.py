@@ -7,14 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import pymunk
-from numpy.typing import NDArray
 
+from pymunk_dragon._arrays import Array, Complex
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.chain import velocity_ratios
 from pymunk_dragon.model.march import March, States
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 # m, from a hole to the point that its rail is pinned to. Any length does; one metre needs no scaling of the normal.
 PIN_LENGTH = 1.0

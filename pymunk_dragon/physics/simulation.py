@@ -8,8 +8,8 @@ from contextlib import closing
 from time import perf_counter
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pymunk_dragon._arrays import Array
 from pymunk_dragon._checks import finite
 from pymunk_dragon.errors import DragonError, ParameterError, UnreachableError
 from pymunk_dragon.model.contact import Contact, ContactEvent, ContactLog
@@ -21,7 +21,6 @@ from pymunk_dragon.physics.callbacks import Recorder, refined_contact
 from pymunk_dragon.physics.guides import PathGuide, guide_name
 from pymunk_dragon.physics.world import World
 
-Array = NDArray[np.float64]
 # Pose and velocity of the head, (3,), and velocity of its rear hole, (2,), at the end of a substep.
 HeadState = tuple[Array, Array, Array]
 

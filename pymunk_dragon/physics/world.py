@@ -6,16 +6,14 @@ import math
 
 import numpy as np
 import pymunk
-from numpy.typing import NDArray
 from pymunk import batch
 from pymunk.batch import BodyFields
 
+from pymunk_dragon._arrays import Array
 from pymunk_dragon.errors import UnreachableError
 from pymunk_dragon.model.march import March, States, check_march
 from pymunk_dragon.model.settings import EngineSettings, check_settings
 from pymunk_dragon.physics.guides import GuidedChain, PathGuide, guide_of
-
-Array = NDArray[np.float64]
 
 # kg per cubic metre: pine and fir. All benches are of one wood, so the value scales impulses and nothing else.
 WOOD_DENSITY = 500.0

@@ -15,15 +15,13 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pymunk_dragon._arrays import Array
 from pymunk_dragon.collision import Grid
 from pymunk_dragon.drawing.scene import hole_diameter
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 from pymunk_dragon.reports.summary import Summary
-
-Array = NDArray[np.float64]
 
 # Step of positions as a fraction of a bench's width: 0.2 micrometres at the contest's 0.3 m. A gap between two benches,
 # each of which is off by up to 0.2 micrometres, is then known to a thousandth of a millimetre.

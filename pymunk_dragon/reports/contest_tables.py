@@ -9,8 +9,9 @@ from decimal import ROUND_DOWN, Decimal
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from pymunk_dragon._arrays import Array
 from pymunk_dragon._files import check_destination, written_in_place
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.march import March
@@ -18,7 +19,6 @@ from pymunk_dragon.reports.summary import TABLE_TIMES
 from pymunk_dragon.reports.tables import Column
 from pymunk_dragon.reports.xlsx_report import MAX_COLUMNS, add_worksheet, open_workbook
 
-Array = NDArray[np.float64]
 Progress = Callable[[int, int], None]
 
 TABLE_ENDINGS = (".xlsx",)

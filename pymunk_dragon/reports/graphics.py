@@ -10,14 +10,12 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pymunk_dragon._arrays import Array
 from pymunk_dragon.drawing import Camera, Film, still_png
 from pymunk_dragon.model.contact import ContactWindow
 from pymunk_dragon.reports.summary import Summary
 from pymunk_dragon.reports.tables import format_pair
-
-Array = NDArray[np.float64]
 
 # Pixels: width and height of a still, twice the displayed size for screens with a pixel ratio of two.
 STILL_SIZE = 880

@@ -15,8 +15,8 @@ from numbers import Integral, Real
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pymunk_dragon._arrays import Array
 from pymunk_dragon._html import asset
 from pymunk_dragon.collision import FirstContact, NearMiss, first_contact
 from pymunk_dragon.errors import ParameterError, UnreachableError
@@ -24,8 +24,6 @@ from pymunk_dragon.model.contact import ContactWindow
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import HEAD_BENCHES, Run
 from pymunk_dragon.model.speed import ConstantSpeed, SpeedTable
-
-Array = NDArray[np.float64]
 
 # Name of the JSON format, as in `schema.json`.
 SCHEMA = "pymunk_dragon report"

@@ -16,12 +16,12 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from pymunk_dragon._arrays import Array
 from pymunk_dragon.errors import DragonError
 from pymunk_dragon.model.curves.spiral import MIN_PITCH
 from pymunk_dragon.studies._gaps import QUANTITIES, TRAVELLED, Gaps, InwardMarch, gaps_of, minimal_gaps
 from pymunk_dragon.studies._study import bracketed
 
-Array = NDArray[np.float64]
 Change = Literal["another pair", "another corner", "no contact", "nothing"]
 Pair = tuple[int, int]
 

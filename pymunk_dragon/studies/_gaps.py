@@ -23,16 +23,13 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from pymunk_dragon._arrays import Array, Complex, Indices
 from pymunk_dragon.collision import separation
 from pymunk_dragon.model.curves import Spiral
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
-Indices = NDArray[np.intp]
 
 # Sizes by which a gap is differentiated.
 SIZES = ("width", "overhang", "head_spacing", "body_spacing", "pitch")

@@ -5,15 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pymunk_dragon._arrays import Array
 from pymunk_dragon._frozen import ArrayRecord, read_only
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.studies._gaps import InwardMarch, SampledGaps
 from pymunk_dragon.studies._study import Progress
-
-Array = NDArray[np.float64]
 
 # Ratio of successive pitches of the map.
 PITCH_RATIO = 1.04

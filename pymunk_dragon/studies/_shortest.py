@@ -25,8 +25,8 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pymunk_dragon._arrays import Array, Indices
 from pymunk_dragon._extras import library
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.curves import UTurn
@@ -36,8 +36,6 @@ from pymunk_dragon.studies._study import Progress, silent
 from pymunk_dragon.studies._turn_speeds import Constraints, constrained_speeds, sampled_speeds, speed_maxima
 from pymunk_dragon.studies._turns import ArcPath, Turn, closed_turn
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.intp]
 Solution = tuple[Turn, float]
 
 # Random starts on 5 arcs, and on each larger number of arcs.

@@ -25,8 +25,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pymunk_dragon._arrays import Array
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model import chain
 from pymunk_dragon.model.curves import Composite, Reversed
@@ -34,7 +34,6 @@ from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.studies._study import Progress, silent
 
-Array = NDArray[np.float64]
 Interval = tuple[Array, Array]
 
 # Length of the initial intervals of the head's distance, in spacings. Longer intervals are halved more often, shorter

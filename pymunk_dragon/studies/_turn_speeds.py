@@ -7,13 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pymunk_dragon._arrays import Array, Complex, Indices
 from pymunk_dragon.model import chain
 from pymunk_dragon.model.curves import Curve
 from pymunk_dragon.studies._turns import ArcPath
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
-Indices = NDArray[np.intp]
 
 # Newton steps for the coordinates of a chain, at most; the start is a solution of a similar path.
 NEWTON_STEPS = 12

@@ -7,12 +7,9 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pymunk_dragon._arrays import Array, Complex
 from pymunk_dragon.model.curves import Arc, Composite, Curve, Line, UTurn
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 # 1/m. An arc with a smaller curvature is replaced by a line, because `Arc` does not accept a radius above 100 km.
 STRAIGHT = 1e-5

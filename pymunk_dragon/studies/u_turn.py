@@ -17,8 +17,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pymunk_dragon._arrays import Array
 from pymunk_dragon._checks import finite, whole
 from pymunk_dragon._extras import library
 from pymunk_dragon._frozen import ArrayRecord, read_only
@@ -38,7 +38,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-Array = NDArray[np.float64]
 
 # m travelled by the head after it enters the circle: at 1 m/s, the times in s that the contest's table requires.
 TIMES = np.arange(-100.0, 101.0)

@@ -6,8 +6,8 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pymunk_dragon._arrays import Array, Indices
 from pymunk_dragon.collision import FirstContact, separation
 from pymunk_dragon.drawing.figures.lines import NAME_OFFSET, bundle, label, logarithmic, name, several_times, time_name
 from pymunk_dragon.drawing.figures.style import AMBER, BLUE, COLOURS, FAINT, QUIET, page, panel
@@ -28,9 +28,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.intp]
 
 # Times at which gaps are sampled: as many as the line is pixels wide.
 GAP_SAMPLES = 1400

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pymunk_dragon._arrays import Array
 from pymunk_dragon.collision import Grid
 from pymunk_dragon.drawing.figures.lines import label
 from pymunk_dragon.drawing.figures.style import (
@@ -28,8 +29,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
+Cells = NDArray[np.int64]
 
 # Distance between the lines of the key, as a fraction of the axes.
 KEY_STEP = 0.065
@@ -97,7 +97,7 @@ def grid(march: March, interval: TimeInterval) -> Figure:
     return figure
 
 
-def _kinds(cells: Grid, corners: Array) -> tuple[Indices, tuple[int, int]]:
+def _kinds(cells: Grid, corners: Array) -> tuple[Cells, tuple[int, int]]:
     """Return the content of the cells around the benches, and the index (i, j) of the first cell.
 
     0: empty; 1: one bench; 2: neighbours; 3: benches that are not neighbours.

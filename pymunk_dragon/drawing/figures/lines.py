@@ -6,16 +6,14 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pymunk_dragon._arrays import Array
 from pymunk_dragon.drawing.figures.style import COLOURS, RULE, WIDE_HALO, blend, halo
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.text import Annotation
 
-
-Array = NDArray[np.float64]
 
 # Fraction of a time interval: times closer than this are drawn only once.
 MIN_TIME_DIFFERENCE = 0.02

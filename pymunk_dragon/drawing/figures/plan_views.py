@@ -6,8 +6,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pymunk_dragon._arrays import Array
 from pymunk_dragon.drawing.figures.lines import label
 from pymunk_dragon.drawing.figures.style import (
     BLUE,
@@ -38,7 +38,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-Array = NDArray[np.float64]
 # A run of one frame, and the parameters of its picture.
 Still = tuple[Run, Film]
 

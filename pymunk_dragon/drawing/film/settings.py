@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pymunk_dragon._arrays import Array
 from pymunk_dragon._checks import finite, positive, whole
 from pymunk_dragon.drawing.camera import Camera
 from pymunk_dragon.drawing.palette import Palette
@@ -18,8 +18,6 @@ from pymunk_dragon.drawing.snapshots import Mark, Source
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
-
-Array = NDArray[np.float64]
 
 # Frames per second: the refresh rate of common screens.
 MAX_FPS = 60

@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from pymunk_dragon._arrays import Array
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.model.curves.base import Array
 
 # Gauss-Legendre on [0, 1]. Eight nodes are exact to degree 15.
 _nodes, _weights = np.polynomial.legendre.leggauss(8)

@@ -8,9 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from pymunk_dragon._arrays import Array
 from pymunk_dragon._checks import finite
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.model.curves.base import FARTHEST, Array, Curve, overlap, plane_point, within
+from pymunk_dragon.model.curves.base import FARTHEST, Curve, overlap, plane_point, within
 
 __all__ = ["Arc"]
 

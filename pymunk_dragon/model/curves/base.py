@@ -9,13 +9,12 @@ from functools import wraps
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from pymunk_dragon._arrays import Array
 from pymunk_dragon._checks import answer, finite, number
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model import chain
-
-Array = NDArray[np.float64]
 
 # m from the origin. At this distance a double still resolves 0.02 nm.
 FARTHEST = 1e5

@@ -10,8 +10,9 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike
 
+from pymunk_dragon._arrays import Array
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.model.curves.base import Array, Curve, check_curve, overlap, within
+from pymunk_dragon.model.curves.base import Curve, check_curve, overlap, within
 
 __all__ = ["Composite"]
 

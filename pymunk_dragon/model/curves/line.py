@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from pymunk_dragon._arrays import Array
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.model.curves.base import Array, Curve, plane_point, within
+from pymunk_dragon.model.curves.base import Curve, plane_point, within
 
 __all__ = ["Line"]
 

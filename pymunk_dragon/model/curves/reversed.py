@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pymunk_dragon.model.curves.base import Array, Curve, check_curve
+from pymunk_dragon._arrays import Array
+from pymunk_dragon.model.curves.base import Curve, check_curve
 
 __all__ = ["Reversed"]
 

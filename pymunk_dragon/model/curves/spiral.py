@@ -5,15 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from pymunk_dragon._arrays import Array, Complex
 from pymunk_dragon._checks import finite, positive
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.model.curves.base import Array, Curve
+from pymunk_dragon.model.curves.base import Curve
 
 __all__ = ["Spiral"]
 
-Complex = NDArray[np.complex128]
 
 # m. No bench fits into a narrower turn.
 MIN_PITCH = 0.001

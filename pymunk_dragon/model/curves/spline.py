@@ -8,17 +8,17 @@ from pathlib import Path
 from typing import Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from pymunk_dragon._arrays import Array, Indices
 from pymunk_dragon._extras import library
 from pymunk_dragon._files import number_rows
 from pymunk_dragon.errors import FileFormatError, ParameterError
 from pymunk_dragon.model.curves._cells import Cells, cubic_curvature, cut, speed, travelled
-from pymunk_dragon.model.curves.base import FARTHEST, Array, Curve, overlap, within
+from pymunk_dragon.model.curves.base import FARTHEST, Curve, overlap, within
 
 __all__ = ["Sampled"]
 
-Indices = NDArray[np.intp]
 
 # A cubic that is the same on both sides of the second and the last but one point needs two more.
 MIN_POINTS = 4

@@ -7,9 +7,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from pymunk_dragon._arrays import Array
 from pymunk_dragon._checks import finite
 from pymunk_dragon.model.curves.arc import Arc
-from pymunk_dragon.model.curves.base import Array, Curve
+from pymunk_dragon.model.curves.base import Curve
 from pymunk_dragon.model.curves.composite import Composite
 from pymunk_dragon.model.curves.section import Section
 from pymunk_dragon.model.curves.spiral import Spiral

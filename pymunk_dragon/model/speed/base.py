@@ -8,12 +8,12 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from pymunk_dragon._arrays import Array
 from pymunk_dragon._checks import answer, finite
 from pymunk_dragon.errors import ParameterError
 
 __all__ = ["MAX_SPEED", "MIN_SPEED", "Array", "ConstantSpeed", "OwnSpeed", "Speed", "largest_between"]
 
-Array = NDArray[np.float64]
 
 # m/s, a thousandth of a snail's speed.
 MIN_SPEED = 1e-6
