@@ -409,6 +409,19 @@ def test_shortest_run_has_one_substep(call):
     assert re.search(r"\b1 substeps?\b", out) or "no contact" in out
 
 
+def test_film_of_a_program_from_the_standard_input_is_drawn_without_workers(tmp_path):
+    """Worker processes import the main program, which is no file here; the film once waited for them for ever."""
+    lines = (
+        "from pymunk_dragon import Dragon, March, render",
+        "render(March(Dragon(benches=12)), 'film.gif', workers=2, until=40, speedup=4, fps=20, size=64)",
+    )
+    done = subprocess.run(
+        [sys.executable, "-"], input="\n".join(lines), cwd=tmp_path, capture_output=True, text=True, timeout=LIMIT
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    assert is_whole(tmp_path / "film.gif")
+
+
 def test_no_module_needs_another_one_to_be_compiled():
     """Python imports `unicodedata` for named characters; a signal in that import would be a SyntaxError."""
     package = Path(pymunk_dragon.__file__).parent

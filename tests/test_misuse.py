@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass, field
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from pymunk_dragon.drawing import Camera, render
 from pymunk_dragon.drawing.figures import figure
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.lessons._framework import check_language
-from pymunk_dragon.model.curves import Composite, Curve, Reversed, Section
+from pymunk_dragon.model.curves import Composite, Curve, Reversed, Section, Spiral
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
@@ -265,3 +266,54 @@ def test_what_is_no_word_is_refused(name, value):
         WORDS[name](value)
     assert caught.value.name == name
     assert_says(caught.value, "must be ")
+
+
+class Shifted(Spiral):
+    """A spiral that is moved by a metre: nothing that `Spiral` computes faster holds for it."""
+
+    def point(self, s):
+        return super().point(s) + np.array([1.0, 0.0])
+
+
+def test_class_that_changes_the_points_of_a_curve_of_the_package_is_marched_on_as_changed():
+    for curve in (Shifted(), type("Again", (Shifted,), {})()):
+        states = March(SMALL, curve).at([0.0, 5.0])
+        moved = states.positions - March(SMALL).at([0.0, 5.0]).positions
+        np.testing.assert_allclose(moved, np.broadcast_to([1.0, 0.0], moved.shape), atol=1e-9)
+
+
+def test_methods_of_a_mixin_are_checked_and_may_be_static():
+    class Shape:
+        begin_s, end_s = 0.0, 100.0
+        tangent, curvature = Straight.tangent, Straight.curvature
+
+        def point(self, s):
+            return np.where(np.asarray(s)[..., None] > 30, np.nan, Straight.point(self, s))
+
+        @staticmethod
+        def max_curvature(s, other):
+            return 0.0
+
+    class Mine(Shape, Curve):
+        pass
+
+    with pytest.raises(ParameterError) as caught:
+        March(SMALL, Mine()).at([0, 40])
+    assert_says(caught.value, "Mine.point(", "must be finite")
+
+
+def test_kind_of_a_curve_has_one_class(monkeypatch):
+    monkeypatch.setattr(Curve, "kinds", dict(Curve.kinds))
+
+    @dataclass(frozen=True, slots=True)
+    class Slotted(Straight, kind="slotted"):
+        size: list = field(default_factory=list)
+
+    assert type(Curve.from_dict({"kind": "slotted"})) is Slotted
+    for kind in ("spiral", 3):
+        with pytest.raises(ParameterError) as caught:
+            type("Other", (Straight,), {}, kind=kind)
+        assert caught.value.name == "kind"
+    type("Bare", (Straight,), {}, kind="bare")
+    with pytest.raises(ParameterError):
+        Curve.from_dict({"kind": "line", "bad": 1})

@@ -255,6 +255,31 @@ def test_toml_file_holds_names_and_values(tmp_path):
     assert Scenario.read(str(file)) == {"benches": 16, "pitch": 0.6, "turns": 8}
 
 
+def test_flags_replace_single_values_of_nested_tables(tmp_path):
+    (tmp_path / "s.toml").write_text('[dragon]\nbenches = 5\n[curve]\nkind = "u-turn"\nradius = 5\nratio = 1\n')
+    read = Scenario.read(tmp_path / "s.toml")
+    assert Scenario.from_dict(read | {"curve": "u-turn", "ratio": 3}) == Scenario(
+        benches=5, curve="u-turn", radius=5, ratio=3
+    )
+
+
+def test_kind_of_a_table_is_no_file(tmp_path):
+    (tmp_path / "s.toml").write_text('[curve]\nkind = "path.csv"\n')
+    with pytest.raises(ParameterError) as caught:
+        Scenario.from_dict(Scenario.read(tmp_path / "s.toml"))
+    assert caught.value.name == "curve.kind"
+
+
+def test_runs_with_the_former_names_of_arc_lengths_are_read(tmp_path, monkeypatch):
+    march = March(Dragon(benches=5), Section(Spiral(), -400.0, -10.0), start_s=-60.0)
+    run = Run.exact(march, [0.0, 0.5])
+    table = {"kind": "section", "curve": {"kind": "spiral"}, "begin": -400.0, "end": -10.0}
+    former = {"benches": 5, "curve": table, "start": -60.0, "speed": 1.0}
+    monkeypatch.setattr(Scenario, "to_dict", lambda self: former)
+    run.save(tmp_path / "run.npz")
+    assert Run.load(tmp_path / "run.npz") == run
+
+
 BROKEN = {
     "no value": b"pitch =",
     "no TOML": b"pitch: 0.6",

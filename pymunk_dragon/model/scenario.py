@@ -159,7 +159,7 @@ class Scenario:
             text = read_text(path, "scenario")
             if LONG_KEY.search(text):
                 raise FileFormatError(path, "a key has more parts than that of any parameter")
-            values = tomllib.loads(text)
+            values = _flat(tomllib.loads(text))
         except ParameterError:
             raise
         except (ValueError, RecursionError) as error:
@@ -227,9 +227,11 @@ def _flat(values: Mapping[str, Any]) -> dict[str, Any]:
         if name not in DRAGON:
             raise ParameterError(f"dragon.{name}", value, "absent: the parameters are " + ", ".join(DRAGON))
     curve = flat.get("curve")
-    if isinstance(curve, Mapping) and "kind" in curve and set(curve) <= {"kind", *SHORT}:
-        parameters = {name: value for name, value in curve.items() if name != "kind"}
-        return {**dragon, **parameters, **flat, "curve": curve["kind"]}
+    if isinstance(curve, Mapping) and set(curve) <= {"kind", *SHORT}:
+        kind = curve.get("kind")
+        if isinstance(kind, str) and not _is_file(kind):
+            parameters = {name: value for name, value in curve.items() if name != "kind"}
+            return {**dragon, **parameters, **flat, "curve": kind}
     return {**dragon, **flat}
 
 

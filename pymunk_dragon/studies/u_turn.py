@@ -122,7 +122,7 @@ class TurnResult(Result, ArrayRecord):
             shortest = {
                 **self.shortest.to_dict(),
                 "max_ratio": self.max_ratio,
-                "contact": self._contact_values(self.shortest_contact),
+                "contact": self.shortest_contact.to_dict(),
             }
         return {
             "length": turn.length,
@@ -131,14 +131,10 @@ class TurnResult(Result, ArrayRecord):
             "sweeps": turn.sweeps.tolist(),
             "tangent_points": turn.tangent_points.tolist(),
             "lengths": [{"ratio": ratio, "length": length} for ratio, length in self.lengths],
-            "contact": self._contact_values(self.contact),
+            "contact": self.contact.to_dict(),
             "peak_speed_ratio": self.peak_speed_ratio.to_dict(),
             "shortest": shortest,
         }
-
-    def _contact_values(self, found: FirstContact) -> dict[str, Any]:
-        until = float(self.times[-1])
-        return {"status": found.status, "time": found.time, "benches": found.benches, "until": until}
 
     def _lines(self) -> list[str]:
         turn = self.turn

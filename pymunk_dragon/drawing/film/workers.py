@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import signal
+import sys
 from collections import deque
 from collections.abc import Callable, Generator, Iterator
 from contextlib import contextmanager, suppress
@@ -10,6 +11,7 @@ from itertools import islice
 from multiprocessing import get_context, resource_tracker
 from multiprocessing.connection import Connection
 from multiprocessing.reduction import ForkingPickler
+from pathlib import Path
 from typing import Any, TypeVar
 
 from pymunk_dragon._signals import ENDING, signals_held
@@ -39,7 +41,8 @@ def map_in_processes(
     DragonError
         If a worker process was ended from outside.
     """
-    if not workers or count < MIN_PARALLEL_ITEMS or not _can_be_pickled(function):
+    pickled = _pickled(function) if workers and count >= MIN_PARALLEL_ITEMS else None
+    if pickled is None:
         yield from map(function, items)
         return
     batches = iter(lambda: list(islice(items, BATCH_ITEMS)), [])
@@ -53,7 +56,7 @@ def map_in_processes(
     try:
         for _ in range(workers):
             connection, other_end = context.Pipe()
-            process = context.Process(target=_work, args=(other_end, function), daemon=True)
+            process = context.Process(target=_work, args=(other_end,), daemon=True)
             processes.append(process)
             with _signals_blocked():
                 process.start()
@@ -62,10 +65,11 @@ def map_in_processes(
             starting.append(connection)
         while True:
             for connection in [connection for connection in starting if connection.poll()]:
-                with _worker_failures_reported():
-                    connection.recv()
-                starting.remove(connection)
-                idle.append(connection)
+                state = _state(connection, pickled)
+                if state != "started":
+                    starting.remove(connection)
+                if state == "ready":
+                    idle.append(connection)
             while idle and (batch := next(batches, None)):
                 with _worker_failures_reported():
                     idle[-1].send(batch)
@@ -102,14 +106,32 @@ def map_in_processes(
                 process.join()
 
 
-def _can_be_pickled(function: Callable[..., Any]) -> bool:
-    """Return whether a function can be sent to other processes."""
+def _pickled(function: Callable[..., Any]) -> bytes | None:
+    """Return a function in the form in which it is sent to other processes, or None if it cannot be sent."""
+    main = sys.modules["__main__"]
+    path = getattr(main, "__file__", None)
+    if main.__spec__ is None and path is not None and not Path(path).exists():
+        # A program from the standard input, which other processes cannot import.
+        return None
     try:
-        ForkingPickler.dumps(function)
+        return bytes(ForkingPickler.dumps(function))
     except Exception:
         # The exception type differs between a lambda, a class defined in a notebook and a user's own class.
-        return False
-    return True
+        return None
+
+
+def _state(connection: Connection, pickled: bytes) -> str:
+    """Return the state that a starting worker has sent: "started", and then "ready" or "unable"; send it the function.
+
+    A worker that ends before it is ready is unable: the other processes do its work.
+    """
+    try:
+        state: str = connection.recv()
+        if state == "started":
+            connection.send_bytes(pickled)
+    except (EOFError, OSError):
+        return "unable"
+    return state
 
 
 @contextmanager
@@ -121,14 +143,20 @@ def _worker_failures_reported() -> Iterator[None]:
         raise DragonError("a process that drew the film was ended from outside; 0 workers need none") from error
 
 
-def _work(connection: Connection, function: Callable[[Any], Any]) -> None:
-    """Evaluate a function for the batches that arrive, until the parent process ends or closes the connection."""
+def _work(connection: Connection) -> None:
+    """Receive a function, and evaluate it for the batches that follow, until the parent process ends."""
     if hasattr(signal, "pthread_sigmask"):
         # Signals were blocked while this process started. Ctrl-C stays blocked: the parent process handles it.
         signal.pthread_sigmask(signal.SIG_UNBLOCK, set(ENDING) - {signal.SIGINT})
     with suppress(EOFError, OSError):
-        # This process has started.
-        connection.send(None)
+        connection.send("started")
+        try:
+            function: Callable[[Any], Any] = connection.recv()
+        except (AttributeError, ImportError):
+            # A class of the main program, which is not a file, as in a notebook.
+            connection.send("unable")
+            return
+        connection.send("ready")
         while True:
             batch = connection.recv()
             results: list[Any] | Exception

@@ -18,10 +18,15 @@ from pymunk_dragon.model import chain
 
 # m from the origin. At this distance a double still resolves 0.02 nm.
 FARTHEST = 1e5
+# Attribute of methods that check their results.
+CHECK = "_checks_results"
 # Levels of curves inside curves. A level takes up to 4 of Python's 1000 nested calls in an evaluation.
 MAX_DEPTH = 32
 # Methods whose results are checked in classes outside the package, and the axes that they add to their argument's.
-CHECKED: Mapping[str, tuple[int, ...]] = {"point": (2,), "tangent": (2,), "curvature": ()}
+CHECKED: Mapping[str, tuple[int, ...]] = {"point": (2,), "tangent": (2,), "curvature": (), "max_curvature": ()}
+# Members that depend on the points of a curve. A class outside the package that changes its points inherits the general
+# ones of `Curve`.
+DERIVED = ("frame", "chain", "parameter", "coordinate", "behind", "chain_follows_motion", "foot", "inward")
 
 
 class Curve(ABC):
@@ -33,7 +38,7 @@ class Curve(ABC):
 
     A derived class defines `begin_s`, `end_s`, `point`, `tangent`, `curvature` and `max_curvature`; a dragon can then
     march on it. ``class Name(Curve, kind="name")`` also registers a dataclass, so that scenario files and saved runs
-    may contain it. The results of classes outside the package are checked at each call.
+    may contain it. The results of these methods are checked at each call in classes outside the package.
 
     Attributes
     ----------
@@ -93,15 +98,23 @@ class Curve(ABC):
 
     def __init_subclass__(cls, kind: str | None = None, **others: Any) -> None:
         super().__init_subclass__(**others)
-        cls.kind = kind
-        if kind is not None:
-            Curve.kinds[kind] = cls
-        if not _is_of_package(cls):
-            for name, tail in CHECKED.items():
-                if name in cls.__dict__:
-                    setattr(cls, name, _checked(name, getattr(cls, name), tail))
-            if "max_curvature" in cls.__dict__:
-                setattr(cls, "max_curvature", _checked_bound(cls.max_curvature))  # noqa: B010  # mypy refuses a method.
+        # A dataclass with slots is a second class with the members of the first one.
+        cls.kind = cls.__dict__.get("kind") if kind is None else kind
+        if cls.kind is not None:
+            _register(cls.kind, cls)
+        own = {}
+        for name in (*CHECKED, *DERIVED):
+            base = next(base for base in cls.__mro__ if name in vars(base))
+            if not _is_of_package(base):
+                own[name] = vars(base)[name]
+        if "point" in own or "tangent" in own:
+            for name in DERIVED:
+                if name not in own:
+                    setattr(cls, name, getattr(Curve, name))
+        for name, tail in CHECKED.items():
+            if name in own and not hasattr(own[name], CHECK):
+                check = _checked_bound if name == "max_curvature" else _checked
+                setattr(cls, name, check(name, own[name], tail))
 
     @property
     def turn_width(self) -> float | None:
@@ -338,21 +351,29 @@ def plane_point(name: str, value: object) -> tuple[float, float]:
     raise ParameterError(name, value, bound)
 
 
+def _register(kind: object, cls: type[Any]) -> None:
+    """Add a class to `Curve.kinds`; a class of the same name, as in a notebook's cell, is replaced."""
+    if not isinstance(kind, str):
+        raise ParameterError("kind", kind, "a text")
+    known = Curve.kinds.get(kind, cls)
+    if (known.__module__, known.__name__) != (cls.__module__, cls.__name__):
+        raise ParameterError("kind", kind, f"a text that no other class has; this is the kind of {known.__name__}")
+    Curve.kinds[kind] = cls
+
+
 def _is_of_package(cls: type[Any]) -> bool:
     """Whether a class belongs to the package; the results of others are checked at each call."""
     return cls.__module__.startswith(__package__)
 
 
-def _checked(
-    name: str, method: Callable[[Any, ArrayLike], Any], tail: tuple[int, ...]
-) -> Callable[[Any, ArrayLike], Array]:
+def _checked(name: str, method: Any, tail: tuple[int, ...]) -> Callable[[Any, ArrayLike], Array]:
     """The method `name`, with its results checked: finite numbers (...) + `tail` for coordinates (...) on the curve."""
 
-    @wraps(method)
+    @wraps(getattr(method, "__func__", method))
     def checked(self: Curve, s: ArrayLike) -> Array:
         coordinates = np.asarray(s, dtype=float)
         called = f"{type(self).__name__}.{name}"
-        values = answer(f"{called}(s)", method(self, s), coordinates.shape, tail)
+        values = answer(f"{called}(s)", method.__get__(self, type(self))(s), coordinates.shape, tail)
         on = np.isfinite(coordinates) & (coordinates >= self.begin_s) & (coordinates <= self.end_s)
         bad = on & ~(np.isfinite(values).all(axis=-1) if tail else np.isfinite(values))
         if bad.any():
@@ -360,21 +381,24 @@ def _checked(
             raise ParameterError(f"{called}({coordinates[bad][0]:.9g})", values[bad][0].tolist(), bound)
         return values
 
+    setattr(checked, CHECK, True)
     return checked
 
 
-def _checked_bound(method: Callable[[Any, ArrayLike, ArrayLike], Any]) -> Callable[[Any, ArrayLike, ArrayLike], Array]:
+def _checked_bound(name: str, method: Any, tail: tuple[int, ...]) -> Callable[[Any, ArrayLike, ArrayLike], Array]:
     """`method` with a check that it returns bounds (...), finite and not negative, for two coordinates."""
 
-    @wraps(method)
+    @wraps(getattr(method, "__func__", method))
     def checked(self: Curve, s: ArrayLike, other: ArrayLike) -> Array:
-        name = f"{type(self).__name__}.max_curvature(s, other)"
-        bounds = answer(name, method(self, s, other), np.broadcast_shapes(np.shape(s), np.shape(other)))
+        called = f"{type(self).__name__}.{name}(s, other)"
+        shape = np.broadcast_shapes(np.shape(s), np.shape(other))
+        bounds = answer(called, method.__get__(self, type(self))(s, other), shape, tail)
         bad = ~(np.isfinite(bounds) & (bounds >= 0) | np.isnan(np.add(s, other)))
         if bad.any():
-            raise ParameterError(name, bounds[bad][0].item(), "finite and not negative, 1/m")
+            raise ParameterError(called, bounds[bad][0].item(), "finite and not negative, 1/m")
         return bounds
 
+    setattr(checked, CHECK, True)
     return checked
 
 
@@ -399,6 +423,8 @@ def _to_dict(curve: Curve, where: str, depth: int) -> dict[str, Any]:
 
 def _from_dict(values: Mapping[str, Any], where: str, depth: int) -> Curve:
     _check_depth(values, depth)
+    if not isinstance(values, Mapping):
+        raise ParameterError(where, values, "a table with the kind of a curve and its parameters")
     given = dict(values)
     kind = given.pop("kind", None)
     if not (isinstance(kind, str) and kind in Curve.kinds):
@@ -430,7 +456,8 @@ def _from_dict(values: Mapping[str, Any], where: str, depth: int) -> Curve:
 
 def _parameters(cls: type[Any]) -> dict[str, bool]:
     """Names of the parameters of a registered class, and whether each is required."""
-    return {f.name: f.default is MISSING for f in fields(cls) if f.init}
+    known = fields(cls) if is_dataclass(cls) else ()
+    return {f.name: f.default is MISSING and f.default_factory is MISSING for f in known if f.init}
 
 
 def _check_depth(value: object, depth: int) -> None:

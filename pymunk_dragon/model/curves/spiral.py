@@ -160,7 +160,8 @@ class Spiral(Curve, kind="spiral"):
 
     def tangent(self, s: ArrayLike) -> Array:
         """Unit vector (..., 2) in the direction of travel."""
-        return self.frame(s)[1]
+        # Not self.frame: a derived class may have one that calls this method.
+        return Spiral.frame(self, s)[1]
 
     def frame(self, s: ArrayLike) -> tuple[Array, Array]:
         """Positions and unit vectors in the direction of travel, each (..., 2)."""
