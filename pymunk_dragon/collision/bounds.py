@@ -355,6 +355,18 @@ def near_pairs(centres: Array, radii: Array) -> Indices:
     return pairs[_meet(centres[first], radii[first], centres[second], radii[second])]
 
 
+def overlapping_pair(march: March, handles_s: Array) -> tuple[int, int] | None:
+    """The pair with the deepest overlap where the handles are at the coordinates (1, H), or None."""
+    dragon, poses = march.dragon, bench_poses(march.curve.point(handles_s[0]))
+    corners = dragon.outlines(poses)
+    first, second = near_pairs(poses[:, :2], np.hypot(dragon.lengths, dragon.widths) / 2).T
+    distances = separation(corners[first], corners[second]).distance
+    if not np.any(distances <= 0):
+        return None
+    deepest = int(distances.argmin())
+    return int(first[deepest]), int(second[deepest])
+
+
 def _meet(one: Array, one_radius: Array, other: Array, other_radius: Array) -> Flags:
     """Whether circles about the points `one` and `other` intersect."""
     between = one - other

@@ -32,16 +32,13 @@ from typing import Any, Literal
 import numpy as np
 
 from pymunk_dragon._arrays import Array, Flags, Indices
-from pymunk_dragon._checks import finite
 from pymunk_dragon._display import Printed
 from pymunk_dragon._text import contact_text
-from pymunk_dragon.collision.bounds import Intervals, MotionBounds, handles_in_reach, near_pairs
+from pymunk_dragon.collision.bounds import Intervals, MotionBounds, handles_in_reach, overlapping_pair
 from pymunk_dragon.collision.near_misses import NearMiss, near_misses
 from pymunk_dragon.collision.sat import separation
-from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.contact import Contact
-from pymunk_dragon.model.dragon import bench_poses
-from pymunk_dragon.model.march import March, check_march, last_time
+from pymunk_dragon.model.march import March, checked_times
 
 __all__ = ["FirstContact", "Status", "first_contact"]
 
@@ -259,16 +256,6 @@ def first_contact(
     return replace(found, time=time, near_misses=tuple(misses))
 
 
-def checked_times(march: March, start: float, until: float | None) -> tuple[float, float]:
-    """Both as floats, `until` by default the end of the curve; a `ParameterError` if `until` is not after `start`."""
-    check_march(march)
-    start = finite("start", start, -np.inf, np.inf, "s")
-    until = last_time(march, start) if until is None else finite("until", until, -np.inf, np.inf, "s")
-    if until <= start:
-        raise ParameterError("until", until, f"later than the start, {start:g} s")
-    return start, until
-
-
 class _Search:
     """State of the search on a march at 1 m/s: earliest contact and samples of small gaps.
 
@@ -296,7 +283,7 @@ class _Search:
         """Result of the search between two times."""
         march = self._march
         start_s = march.handles_s(start)
-        if (pair := _overlapping(march, start_s)) is not None:
+        if (pair := overlapping_pair(march, start_s)) is not None:
             return self._result("overlapping", start, start, pair)
         last = start
         self._start_s = start_s[0]
@@ -442,18 +429,6 @@ class _Search:
         """Keep the `chosen` samples, whose gap may be small within an interval of this length about their time."""
         lengths = np.full(times.size, length)
         self._small_gaps.append(np.column_stack([pairs, times, lengths, distances])[chosen])
-
-
-def _overlapping(march: March, handles_s: Array) -> tuple[int, int] | None:
-    """The pair with the deepest overlap where the handles are at the coordinates (1, H), or None."""
-    dragon, poses = march.dragon, bench_poses(march.curve.point(handles_s[0]))
-    corners = dragon.outlines(poses)
-    first, second = near_pairs(poses[:, :2], np.hypot(dragon.lengths, dragon.widths) / 2).T
-    distances = separation(corners[first], corners[second]).distance
-    if not np.any(distances <= 0):
-        return None
-    deepest = int(distances.argmin())
-    return int(first[deepest]), int(second[deepest])
 
 
 def _last_reachable(march: March, reachable: float, later: float) -> float:

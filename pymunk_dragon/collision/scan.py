@@ -11,11 +11,11 @@ import numpy as np
 
 from pymunk_dragon._arrays import Array
 from pymunk_dragon._checks import positive
-from pymunk_dragon.collision.first_contact import FirstContact, Status, checked_times
+from pymunk_dragon.collision.first_contact import FirstContact, Status
 from pymunk_dragon.collision.grid import Grid
 from pymunk_dragon.collision.sat import separation
 from pymunk_dragon.errors import ParameterError, UnreachableError
-from pymunk_dragon.model.march import March
+from pymunk_dragon.model.march import March, checked_times
 
 __all__ = ["STEP", "TOLERANCE", "scan"]
 

@@ -385,3 +385,13 @@ def last_time(march: March, start: float) -> float:
     if start >= march.end:
         raise ParameterError("start", start, f"earlier than the end of the curve, {march.end:g} s")
     return march.end
+
+
+def checked_times(march: March, start: float, until: float | None) -> tuple[float, float]:
+    """Both as floats, `until` by default the end of the curve; a `ParameterError` if `until` is not after `start`."""
+    check_march(march)
+    start = finite("start", start, -np.inf, np.inf, "s")
+    until = last_time(march, start) if until is None else finite("until", until, -np.inf, np.inf, "s")
+    if until <= start:
+        raise ParameterError("until", until, f"later than the start, {start:g} s")
+    return start, until

@@ -24,7 +24,7 @@ from pymunk_dragon.errors import DragonError, ParameterError
 from pymunk_dragon.model.contact import Contact, ContactEvent, ContactLog
 from pymunk_dragon.model.dragon import hermite
 from pymunk_dragon.model.march import March, check_march
-from pymunk_dragon.model.run_file import opened_archive, write_archive
+from pymunk_dragon.model.run_file import opened_archive, present_names, write_archive
 from pymunk_dragon.model.scenario import Scenario
 from pymunk_dragon.model.settings import EngineSettings
 
@@ -335,7 +335,7 @@ class Run(ArrayRecord, Displayed):
         """
         with opened_archive(path) as archive:
             notes = archive.notes
-            march = Scenario.from_dict(_renamed(notes["scenario"]), files=False).march()
+            march = Scenario.from_dict(present_names(notes["scenario"]), files=False).march()
             arrays: dict[str, Any] = {}
             for name, shape in _shapes(march, len(archive.array("times"))).items():
                 if name in archive or name not in MAY_LACK:
@@ -355,17 +355,6 @@ class Run(ArrayRecord, Displayed):
                 outcome=notes["outcome"],
                 provenance=dict(notes["provenance"]),
             )
-
-
-def _renamed(values: Any) -> Any:
-    """A scenario with the present names of arc lengths, from a file of an older version."""
-    if isinstance(values, list):
-        return [_renamed(value) for value in values]
-    if not isinstance(values, dict):
-        return values
-    kind = values.get("kind")
-    names = {"begin": "begin_s", "end": "end_s"} if kind == "section" else {} if kind else {"start": "start_s"}
-    return {names.get(name, name): _renamed(value) for name, value in values.items()}
 
 
 def _shapes(march: March, frames: int) -> dict[str, tuple[int, ...]]:

@@ -115,3 +115,14 @@ class Archive:
                 raise DragonError(f"its {name} are not as long as they say")
         with self._archive.open(member) as file:
             return np.lib.format.read_array(file, allow_pickle=False)
+
+
+def present_names(values: Any) -> Any:
+    """A scenario with the present names of arc lengths, from a file of an older version."""
+    if isinstance(values, list):
+        return [present_names(value) for value in values]
+    if not isinstance(values, dict):
+        return values
+    kind = values.get("kind")
+    names = {"begin": "begin_s", "end": "end_s"} if kind == "section" else {} if kind else {"start": "start_s"}
+    return {names.get(name, name): present_names(value) for name, value in values.items()}

@@ -3,23 +3,21 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import MISSING, fields, is_dataclass
-from functools import wraps
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from pymunk_dragon._arrays import Array
-from pymunk_dragon._checks import answer, finite, number
+from pymunk_dragon._checks import finite, number
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model import chain
+from pymunk_dragon.model.curves._checked import CHECK, checked_bound, checked_method
 
 # m from the origin. At this distance a double still resolves 0.02 nm.
 FARTHEST = 1e5
-# Attribute of methods that check their results.
-CHECK = "_checks_results"
 # Levels of curves inside curves. A level takes up to 4 of Python's 1000 nested calls in an evaluation.
 MAX_DEPTH = 32
 # Methods whose results are checked in classes outside the package, and the axes that they add to their argument's.
@@ -113,7 +111,7 @@ class Curve(ABC):
                     setattr(cls, name, getattr(Curve, name))
         for name, tail in CHECKED.items():
             if name in own and not hasattr(own[name], CHECK):
-                check = _checked_bound if name == "max_curvature" else _checked
+                check = checked_bound if name == "max_curvature" else checked_method
                 setattr(cls, name, check(name, own[name], tail))
 
     @property
@@ -364,42 +362,6 @@ def _register(kind: object, cls: type[Any]) -> None:
 def _is_of_package(cls: type[Any]) -> bool:
     """Whether a class belongs to the package; the results of others are checked at each call."""
     return cls.__module__.startswith(__package__)
-
-
-def _checked(name: str, method: Any, tail: tuple[int, ...]) -> Callable[[Any, ArrayLike], Array]:
-    """The method `name`, with its results checked: finite numbers (...) + `tail` for coordinates (...) on the curve."""
-
-    @wraps(getattr(method, "__func__", method))
-    def checked(self: Curve, s: ArrayLike) -> Array:
-        coordinates = np.asarray(s, dtype=float)
-        called = f"{type(self).__name__}.{name}"
-        values = answer(f"{called}(s)", method.__get__(self, type(self))(s), coordinates.shape, tail)
-        on = np.isfinite(coordinates) & (coordinates >= self.begin_s) & (coordinates <= self.end_s)
-        bad = on & ~(np.isfinite(values).all(axis=-1) if tail else np.isfinite(values))
-        if bad.any():
-            bound = f"finite from begin_s = {self.begin_s:g} m to end_s = {self.end_s:g} m"
-            raise ParameterError(f"{called}({coordinates[bad][0]:.9g})", values[bad][0].tolist(), bound)
-        return values
-
-    setattr(checked, CHECK, True)
-    return checked
-
-
-def _checked_bound(name: str, method: Any, tail: tuple[int, ...]) -> Callable[[Any, ArrayLike, ArrayLike], Array]:
-    """`method` with a check that it returns bounds (...), finite and not negative, for two coordinates."""
-
-    @wraps(getattr(method, "__func__", method))
-    def checked(self: Curve, s: ArrayLike, other: ArrayLike) -> Array:
-        called = f"{type(self).__name__}.{name}(s, other)"
-        shape = np.broadcast_shapes(np.shape(s), np.shape(other))
-        bounds = answer(called, method.__get__(self, type(self))(s, other), shape, tail)
-        bad = ~(np.isfinite(bounds) & (bounds >= 0) | np.isnan(np.add(s, other)))
-        if bad.any():
-            raise ParameterError(called, bounds[bad][0].item(), "finite and not negative, 1/m")
-        return bounds
-
-    setattr(checked, CHECK, True)
-    return checked
 
 
 def _to_dict(curve: Curve, where: str, depth: int) -> dict[str, Any]:
