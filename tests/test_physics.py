@@ -692,3 +692,13 @@ def test_shortest_run_has_one_substep():
     run = simulate(March(Dragon(benches=4)), until=1e-8)
     assert run.substeps == 1
     assert run.times.size == 2
+
+
+@pytest.mark.parametrize(
+    "members", [{"joints": lambda self, bench, body: None}, {"anchors": 3}, {"anchors": [3]}], ids=["None", "3", "[3]"]
+)
+def test_guide_with_parts_of_another_kind_is_refused(members):
+    guide = type("Mine", (PathGuide,), members)()
+    with pytest.raises(ParameterError) as caught:
+        simulate(March(Dragon(benches=4)), guide=guide, until=0.1)
+    assert_says(caught.value, f"Mine.{next(iter(members))} is ", "must be a list or tuple of pymunk.")

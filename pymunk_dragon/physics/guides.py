@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 import pymunk
@@ -12,6 +13,8 @@ from pymunk_dragon._arrays import Array, Complex
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.chain import velocity_ratios
 from pymunk_dragon.model.march import March, States
+
+Part = TypeVar("Part")
 
 # m, from a hole to the point that its rail is pinned to. Any length does; one metre needs no scaling of the normal.
 PIN_LENGTH = 1.0
@@ -206,6 +209,19 @@ def guide_of(guide: object) -> PathGuide:
         more = "" if isinstance(guide, str) else ", or a PathGuide"
         raise ParameterError("guide", guide, f"one of {', '.join(GUIDES)}{more}")
     return GUIDES[guide]()
+
+
+def parts_of_guide(guide: PathGuide, member: str, value: object, kind: type[Part]) -> Sequence[Part]:
+    """`value` of a guide's `member`, if it is a list or tuple of objects of the `kind`.
+
+    Raises
+    ------
+    ParameterError
+        If it is anything else.
+    """
+    if isinstance(value, list | tuple) and all(isinstance(part, kind) for part in value):
+        return value
+    raise ParameterError(f"{type(guide).__name__}.{member}", value, f"a list or tuple of pymunk.{kind.__name__}")
 
 
 def guide_name(guide: PathGuide) -> str:

@@ -13,7 +13,7 @@ from pymunk_dragon._arrays import Array
 from pymunk_dragon.errors import UnreachableError
 from pymunk_dragon.model.march import March, States, check_march
 from pymunk_dragon.model.settings import EngineSettings, check_settings
-from pymunk_dragon.physics.guides import GuidedChain, PathGuide, guide_of
+from pymunk_dragon.physics.guides import GuidedChain, PathGuide, guide_of, parts_of_guide
 
 # kg per cubic metre: pine and fir. All benches are of one wood, so the value scales impulses and nothing else.
 WOOD_DENSITY = 500.0
@@ -153,7 +153,7 @@ class World:
         self.bodies = [pymunk.Body(mass, moment) for mass, moment in zip(masses, moments, strict=True)]
         # A kinematic body that has the exact poses of the head: the head itself, or one that controls it by motors.
         self._control = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
-        moved = [*self.guide.anchors]
+        moved = list(parts_of_guide(self.guide, "anchors", self.guide.anchors, pymunk.Body))
         force = self.settings.head_force
         if force is None:
             self.bodies[0] = self._control
@@ -194,7 +194,8 @@ class World:
             pivot = pymunk.PivotJoint(before, body, (-half[bench - 1], 0.0), (half[bench], 0.0))
             pivot.collide_bodies = False
             self.pivots.append(pivot)
-            self._add_joints(pivot, *self.guide.joints(bench, body))
+            joints = self.guide.joints(bench, body)
+            self._add_joints(pivot, *parts_of_guide(self.guide, "joints", joints, pymunk.Constraint))
 
     def _add_joints(self, *joints: pymunk.Constraint) -> None:
         """Add joints that correct errors at a rate per metre marched, as the drag: a faster march is the same march."""

@@ -39,7 +39,7 @@ class Sampled(Curve, kind="sampled"):
     """Smooth path through points: the cubic spline by chord length, whose curvature is continuous (not-a-knot ends).
 
     It begins at the first point and ends at the last one; the coordinate is the arc length from the first. Two paths
-    are equal only if they are the same object.
+    are equal if their points are.
 
     Parameters
     ----------
@@ -108,6 +108,14 @@ class Sampled(Curve, kind="sampled"):
             if number.isdigit():
                 raise FileFormatError(path, f"line {lines[int(number) - 1]}: {error}") from error
             raise ParameterError("curve", str(path), error.bound) from error
+
+    def __eq__(self, other: object) -> bool:
+        if type(other) is not type(self):
+            return NotImplemented
+        return np.array_equal(self.points, other.points)
+
+    def __hash__(self) -> int:
+        return hash(self.points.tobytes())
 
     @property
     def begin_s(self) -> float:
