@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import doctest
 import gc
 import math
 import signal
@@ -854,10 +853,6 @@ def test_it_is_offered_at_the_top_and_pymunk_does_not_come_with_every_picture() 
     assert pymunk_dragon.PillowDrawOptions is PillowDrawOptions
     code = "import sys, pymunk_dragon.drawing; assert 'pymunk' not in sys.modules"
     subprocess.run([sys.executable, "-c", code], check=True)
-
-
-def test_the_example_in_the_documentation_is_right() -> None:
-    assert doctest.testmod(debug_draw, extraglobs={"Image": Image, "pymunk": pymunk}) == (0, 7)
 
 
 # ---------------------------------------------------------------------------------------------- pictures looked at

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import doctest
 import hashlib
 import io
 import math
@@ -27,7 +26,7 @@ from marches import ARM, TRACTOR, U_TURN
 from PIL import Image, ImageFont
 
 from pymunk_dragon.collision import Grid, first_contact
-from pymunk_dragon.drawing import Palette, figures
+from pymunk_dragon.drawing import Palette
 from pymunk_dragon.drawing.figures import FIGURES, figure, style, write_figure
 from pymunk_dragon.drawing.figures.lines import FIRST_COLOUR, spread
 from pymunk_dragon.drawing.figures.times import closing_time, model
@@ -650,7 +649,3 @@ def test_an_interrupted_figure_leaves_the_old_file(tmp_path: Path, monkeypatch: 
         write_figure("speeds", file)
     assert file.read_text() == "old"
     assert list(tmp_path.iterdir()) == [file]
-
-
-def test_the_examples_in_the_documentation_are_right() -> None:
-    assert doctest.testmod(figures).failed == 0

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import doctest
 import errno
 import os
 import signal
@@ -15,7 +14,6 @@ import pytest
 from conftest import assert_says
 
 import pymunk_dragon
-from pymunk_dragon import errors
 from pymunk_dragon._files import check_destination, number_rows, written_in_place
 from pymunk_dragon.errors import FileFormatError, OutputError, ParameterError
 
@@ -253,11 +251,6 @@ def test_cell_that_is_too_long_is_an_error(tmp_path):
 def test_file_without_end_is_refused_at_once():
     with pytest.raises(FileFormatError, match=r"/dev/zero: larger than 4 MB"):
         number_rows("/dev/zero", "points", ("x in m", "y in m"))
-
-
-def test_examples_of_errors_run():
-    assert doctest.testmod(errors).failed == 0
-    assert doctest.testmod(errors).attempted > 5
 
 
 def test_package_says_that_it_is_typed_and_which_version_it_is():

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import doctest
 import gc
 import inspect
 import subprocess
@@ -10,7 +9,6 @@ import sys
 import weakref
 from collections.abc import Iterator, Sequence
 from dataclasses import fields, replace
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -402,13 +400,3 @@ def test_bad_words_get_one_line_that_names_them(run: Run, tmp_path: Path, name: 
     assert caught.value.name == name
     assert_says(caught.value)
     assert list(tmp_path.iterdir()) == []
-
-
-# Documentation
-
-
-@pytest.mark.parametrize("name", ["camera", "film", "film.settings", "film.stills", "palette", "scene", "snapshots"])
-def test_the_examples_of_drawing_are_right(name: str) -> None:
-    module = import_module(f"pymunk_dragon.drawing.{name}")
-    assert doctest.testmod(module).failed == 0
-    assert doctest.testmod(module).attempted > 0
