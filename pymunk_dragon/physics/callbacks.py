@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, NamedTuple
 
 import pymunk
 
 from pymunk_dragon._arrays import Array
 from pymunk_dragon._signals import signals_held
 from pymunk_dragon.model.contact import Contact, ContactEvent, Phase
-from pymunk_dragon.model.dragon import Dragon, interpolated
+from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.physics.world import World, bench_shape
 
 Vector = tuple[float, float]
@@ -138,13 +138,26 @@ class Recorder:
         )
 
 
-def refined_contact(
-    dragon: Dragon, benches: tuple[int, int], before: Array, after: Array, times: tuple[float, float]
-) -> Contact:
+class Motion(NamedTuple):
+    """Poses of benches within a substep, with even acceleration: before + share * first + share**2 * second."""
+
+    before: Array
+    first: Array
+    second: Array
+
+    def poses(self, share: float) -> Array:
+        """Poses (N, 3) after a `share` of the substep, m, m, rad."""
+        return self.before + share * (self.first + share * self.second)
+
+    def rates(self, share: float) -> Array:
+        """Their rates of change by the share."""
+        return self.first + 2 * share * self.second
+
+
+def refined_contact(dragon: Dragon, benches: tuple[int, int], motion: Motion, times: tuple[float, float]) -> Contact:
     """Contact of two benches that touch at the end of a substep, at the time within it when they began to.
 
-    The benches move evenly from the poses `before` to the poses `after`; Pymunk's own shape test tells whether they
-    touch in between.
+    Pymunk's own shape test tells whether they touch in between.
 
     Parameters
     ----------
@@ -152,8 +165,8 @@ def refined_contact(
         The dragon of the two benches.
     benches : tuple of int
         The two, the smaller number first.
-    before, after : ndarray, shape (N, 3)
-        Poses at the ends of the substep: m, m, rad.
+    motion : Motion
+        Motion of all benches in the substep.
     times : tuple of float
         Times at its ends, s.
 
@@ -163,7 +176,6 @@ def refined_contact(
         At the start of the substep if they touched there already.
     """
     pair = list(benches)
-    begin, end = before[pair], after[pair]
     # Shape.shapes_collide fails an assertion of its own where shapes are apart (Pymunk 7.3.1); a query does not.
     space = pymunk.Space()
     bodies = [pymunk.Body(body_type=pymunk.Body.KINEMATIC) for _ in pair]
@@ -172,7 +184,7 @@ def refined_contact(
     space.add(bodies[1], second)
 
     def touch(share: float) -> pymunk.ContactPointSet | None:
-        for body, (x, y, angle) in zip(bodies, interpolated(begin, end, share).tolist(), strict=True):
+        for body, (x, y, angle) in zip(bodies, motion.poses(share)[pair].tolist(), strict=True):
             body.position = x, y
             body.angle = angle
         space.reindex_shapes_for_body(bodies[1])

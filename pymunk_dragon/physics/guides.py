@@ -11,7 +11,6 @@ import pymunk
 
 from pymunk_dragon._arrays import Array, Complex
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.model.chain import velocity_ratios
 from pymunk_dragon.model.march import March, States
 
 Part = TypeVar("Part")
@@ -142,59 +141,75 @@ class Rails(PathGuide):
         dragon, state = chain.march.dragon, chain.state
         self.anchors = [pymunk.Body(body_type=pymunk.Body.KINEMATIC) for _ in range(1, dragon.benches)]
         self._curve = chain.march.curve
-        self._half, self._over_spacings = dragon.spacings[1:] / 2, 1 / dragon.spacings[1:]
+        self._over_spacings = 1 / dragon.spacings[1:]
+        # From the rear hole to the centre, along the bench, m; complex, as NumPy converts real factors at every call.
+        self._half = (dragon.spacings[1:] / 2).astype(complex)
         # Coordinates of the rear holes, only to identify the turn of the curve on which each hole is, and their speeds
         # along the path, negative where a jackknifed bench pushes them back.
         self._rear_s = state.handles_s[0, 2:].copy()
         self._rear_speeds = np.sum(state.velocities[0, 2:] * self._curve.tangent(self._rear_s), axis=-1)
         # Force per m/s and torque per rad/s that a bench gains, or loses to the drag, in a substep: N s/m, N m s.
         self._gains = np.array([chain.masses[1:], chain.moments[1:]]) / chain.substep
-        self._kept = np.exp(-chain.drag_rate * chain.substep)
+        self._kept = float(np.exp(-chain.drag_rate * chain.substep))
         self._substep = chain.substep
-        self._headings = np.empty(dragon.benches - 1, dtype=complex)
-        # m/s of the benches along themselves, and rad/s, in the step before.
-        self._motion: Array | None = None
+        benches = dragon.benches - 1
+        # Scratch. Complex numbers are vectors: NumPy then calls once for both components.
+        self._headings, self._holes, self._facing, self._front, self._rear = np.empty((5, benches), dtype=complex)
+        self._change = np.empty((2, benches))
+        # m/s of the benches along themselves, and rad/s: now, and what the drag leaves of those of the step before.
+        self._motion, self._kept_motion = np.empty((2, 2, benches))
+        self._is_moving = False
 
     def joints(self, bench: int, body: pymunk.Body) -> Sequence[pymunk.Constraint]:
         """Pin from the rear hole to its anchor."""
-        pin = pymunk.PinJoint(body, self.anchors[bench - 1], (-float(self._half[bench - 1]), 0.0), (0.0, 0.0))
+        pin = pymunk.PinJoint(body, self.anchors[bench - 1], (-float(self._half[bench - 1].real), 0.0), (0.0, 0.0))
         pin.distance = PIN_LENGTH
         return (pin,)
 
     def update(self, poses: Array, hinge_velocity: Array, anchors: Array, forces: Array) -> None:
         """Write the anchors beside the holes, and the dancers' forces and torques."""
-        headings = self._headings
-        np.cos(poses[1:, 2], out=headings.real)
-        np.sin(poses[1:, 2], out=headings.imag)
-        rear_holes = _complex(poses[1:, :2]) - self._half * headings
-        near = self._rear_s + self._substep * self._rear_speeds
-        self._rear_s, feet, directions = self._curve.foot(rear_holes.view(float).reshape(-1, 2), near)
-        tangents = _complex(directions)
-        np.add(_complex(feet), 1j * PIN_LENGTH * tangents, out=_complex(anchors))
-        motion = self._speeds(hinge_velocity, tangents)
-        before = motion if self._motion is None else self._motion
-        push, forces[1:, 2] = self._gains * (motion - self._kept * before)
-        np.multiply(push, headings, out=_complex(forces[1:, :2]))
-        self._motion = motion
+        headings, holes = self._headings, self._holes
+        angles = poses[1:, 2]
+        np.cos(angles, out=headings.real)
+        np.sin(angles, out=headings.imag)
+        np.multiply(headings, self._half, out=holes)
+        np.subtract(_complex(poses[1:, :2]), holes, out=holes)
+        near = self._rear_speeds * self._substep
+        near += self._rear_s
+        self._rear_s, feet, directions = self._curve.foot(holes.view(float).reshape(-1, 2), near)
+        tangents, beside = _complex(directions), _complex(anchors)
+        np.multiply(tangents, PIN_LENGTH * 1j, out=beside)
+        beside += _complex(feet)
+        self._find_motion(complex(*hinge_velocity), tangents)
+        if not self._is_moving:
+            self._is_moving = True
+            np.multiply(self._motion, self._kept, out=self._kept_motion)
+        push, torque = np.subtract(self._motion, self._kept_motion, out=self._change)
+        self._change *= self._gains
+        np.multiply(headings, push, out=_complex(forces[1:, :2]))
+        forces[1:, 2] = torque
+        np.multiply(self._motion, self._kept, out=self._kept_motion)
 
-    def _speeds(self, hinge_velocity: Array, tangents: Complex) -> Array:
-        """Speeds of the benches along themselves, m/s, and their angular rates, rad/s, (2, N - 1).
+    def _find_motion(self, hinge_velocity: complex, tangents: Complex) -> None:
+        """Find speeds of the benches along themselves, m/s, and their angular rates, rad/s.
 
         Each bench's front hole moves with the rear hole of the bench before, the first one's with the head's, and its
         rear hole moves along the path.
         """
-        facing = self._headings.conj()
-        rear = tangents * facing
-        front = np.empty_like(rear)
-        front[0] = complex(*hinge_velocity) * facing[0]
+        facing, front, rear = self._facing, self._front, self._rear
+        np.conjugate(self._headings, out=facing)
+        np.multiply(tangents, facing, out=rear)
+        front[0] = hinge_velocity * facing[0]
         np.multiply(tangents[:-1], facing[1:], out=front[1:])
-        self._rear_speeds = velocity_ratios(front.real, rear.real)[1:]
+        speeds, rates = self._motion
+        # As `velocity_ratios`, in place and times the head's speed.
+        np.divide(front.real, rear.real, out=self._rear_speeds)
+        np.multiply.accumulate(self._rear_speeds, out=self._rear_speeds)
         front[1:] *= self._rear_speeds[:-1]
-        motion = np.empty((2, rear.size))
-        motion[0] = front.real
-        np.subtract(front.imag, self._rear_speeds * rear.imag, out=motion[1])
-        motion[1] *= self._over_spacings
-        return motion
+        speeds[:] = front.real
+        np.multiply(self._rear_speeds, rear.imag, out=rates)
+        np.subtract(front.imag, rates, out=rates)
+        rates *= self._over_spacings
 
 
 # Guides that have a name, as in `simulate(guide=...)`.

@@ -17,7 +17,7 @@ from pymunk_dragon.model.dragon import interpolated
 from pymunk_dragon.model.march import March, States, check_march, last_time
 from pymunk_dragon.model.run import Outcome, Run, engine_provenance
 from pymunk_dragon.model.settings import FRAME_STRIDE, ITERATIONS, Contacts, EngineSettings
-from pymunk_dragon.physics.callbacks import Recorder, refined_contact
+from pymunk_dragon.physics.callbacks import Motion, Recorder, refined_contact
 from pymunk_dragon.physics.guides import PathGuide, guide_name
 from pymunk_dragon.physics.world import World
 
@@ -202,22 +202,18 @@ class _Loop:
     def _refine(self, before: Array, velocities: Array, times: tuple[float, float]) -> None:
         """Find the first of the contacts that began in the last substep.
 
-        The velocities after the substep include the collision response already. Those at the contact follow from the
-        `velocities` before the substep and from the change of the poses since `before`, on which the impact has no
-        effect yet.
+        The velocities after the substep include the collision response already. So the benches' motion within it is
+        taken from the `velocities` before the substep and from the change of the poses since `before`, on which the
+        impact has no effect yet.
         """
-        world, after = self._world, self._world.poses
-        begun = [refined_contact(world.march.dragon, pair, before, after, times) for pair in self._recorder.begun]
+        world, substep = self._world, times[1] - times[0]
+        moved = interpolated(before, world.collided_poses, 1.0) - before
+        motion = Motion(before, substep * velocities, moved - substep * velocities)
+        begun = [refined_contact(world.march.dragon, pair, motion, times) for pair in self._recorder.begun]
         self.first_contact = min(begun, key=lambda contact: contact.time)
         if world.settings.contacts == "stop":
-            share = (self.first_contact.time - times[0]) / (times[1] - times[0])
-            # The mean over the substep is the velocity at its middle.
-            mean = (interpolated(before, after, 1.0) - before) / (times[1] - times[0])
-            self._record(
-                self.first_contact.time,
-                interpolated(before, after, share),
-                velocities + 2 * share * (mean - velocities),
-            )
+            share = (self.first_contact.time - times[0]) / substep
+            self._record(self.first_contact.time, motion.poses(share), motion.rates(share) / substep)
 
     def _record(self, time: float, poses: Array, velocities: Array) -> None:
         """Keep a frame, if it is not the last one again."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import pymunk
@@ -29,10 +30,10 @@ MAX_WARM_START_WORK = 500_000_000
 # Work in one call of the engine, some 25 ms: Ctrl-C takes effect between calls.
 WARM_START_WORK_PER_STEP = 1_000_000
 
-# Fields of all bodies that are read after a step.
-READ = BodyFields.POSITION | BodyFields.ANGLE | BodyFields.VELOCITY | BodyFields.ANGULAR_VELOCITY
-# Fields of all bodies that are written before a step.
-WRITE = BodyFields.POSITION | BodyFields.ANGLE | BodyFields.FORCE | BodyFields.TORQUE
+# Fields of all bodies that are read after a step or written before it; `pymunk.batch` combines them slowly.
+POSES = BodyFields.POSITION | BodyFields.ANGLE
+VELOCITIES = BodyFields.VELOCITY | BodyFields.ANGULAR_VELOCITY
+POSES_AND_FORCES = POSES | BodyFields.FORCE | BodyFields.TORQUE
 
 
 def top_speed(march: March, start: float, until: float | None) -> float:
@@ -78,7 +79,9 @@ class World:
     bodies, shapes : list of pymunk.Body and of pymunk.Poly
         Those of the benches, in their order.
     poses, velocities : ndarray, shape (N, 3)
-        State of the benches after the last step; the velocities satisfy the joints at these poses.
+        State of the benches after the last step.
+    collided_poses : ndarray, shape (N, 3)
+        Poses at which the space found contacts and solved the joints in the last step.
     pivots : list of pymunk.PivotJoint
         The joints of the chain; number i joins benches i and i + 1.
 
@@ -94,7 +97,10 @@ class World:
     Pymunk integrates positions with the velocities of the step before and then solves the joints, which is Euler's
     method: a bench that turns by a in a step leaves its joint by a**2 / 2 of half its length, and the errors of 223
     benches add up. Before each step the poses are therefore shifted by half a step times the change of velocity, which
-    makes it the second-order Adams-Bashforth method, from the engine's own velocities.
+    makes it the second-order Adams-Bashforth method, from the engine's own velocities. After the step they are shifted
+    once more, by half a step times the change of that change: the Adams-Moulton method, the trapezoidal rule, has a
+    fifth of the error, and where the path's curvature jumps and the prediction is wrong by the whole jump, it is not.
+    This correction is left out where contacts are resolved, because velocities jump at impacts.
 
     Examples
     --------
@@ -153,17 +159,18 @@ class World:
         self.bodies = [pymunk.Body(mass, moment) for mass, moment in zip(masses, moments, strict=True)]
         # A kinematic body that has the exact poses of the head: the head itself, or one that controls it by motors.
         self._control = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
-        moved = list(parts_of_guide(self.guide, "anchors", self.guide.anchors, pymunk.Body))
+        # A step takes time for every body of its space, and anchors need no steps: theirs is never stepped.
+        self._anchor_space = pymunk.Space()
+        self._anchor_space.add(*parts_of_guide(self.guide, "anchors", self.guide.anchors, pymunk.Body))
         force = self.settings.head_force
         if force is None:
             self.bodies[0] = self._control
-        else:
-            moved.append(self._control)
-        self.space.add(*self.bodies, *moved)
+        self.space.add(*self.bodies)
         if force is not None:
+            self.space.add(self._control)
             self._drive(force)
         self._join()
-        self._open_buffers(moved)
+        self._open_buffers()
         self._warm_start(state)
         self.shapes = self._add_shapes()
 
@@ -186,16 +193,20 @@ class World:
         self._add_joints(pull, turn)
 
     def _join(self) -> None:
-        """Add each bench's pivot and then its guide, from head to tail: the solver takes them in this order."""
+        """Add the pivots and then the guide's joints, from head to tail.
+
+        The solver takes them in this order. With rails this leaves half the error of one where they alternate.
+        """
         half = self.march.dragon.spacings / 2
         self.pivots: list[pymunk.PivotJoint] = []
-        for bench in range(1, len(self.bodies)):
-            before, body = self.bodies[bench - 1], self.bodies[bench]
-            pivot = pymunk.PivotJoint(before, body, (-half[bench - 1], 0.0), (half[bench], 0.0))
+        for bench, (before, body) in enumerate(pairwise(self.bodies)):
+            pivot = pymunk.PivotJoint(before, body, (-half[bench], 0.0), (half[bench + 1], 0.0))
             pivot.collide_bodies = False
             self.pivots.append(pivot)
+        self._add_joints(*self.pivots)
+        for bench, body in enumerate(self.bodies[1:], start=1):
             joints = self.guide.joints(bench, body)
-            self._add_joints(pivot, *parts_of_guide(self.guide, "joints", joints, pymunk.Constraint))
+            self._add_joints(*parts_of_guide(self.guide, "joints", joints, pymunk.Constraint))
 
     def _add_joints(self, *joints: pymunk.Constraint) -> None:
         """Add joints that correct errors at a rate per metre marched, as the drag: a faster march is the same march."""
@@ -210,33 +221,52 @@ class World:
         self.space.add(*shapes)
         return shapes
 
-    def _open_buffers(self, moved: list[pymunk.Body]) -> None:
+    def _open_buffers(self) -> None:
         """Lay NumPy arrays over the memory that `pymunk.batch` reads and writes."""
         benches = len(self.bodies)
-        ids = batch.Buffer()
-        batch.get_space_bodies(self.space, BodyFields.BODY_ID, ids)
-        order = [body.id for body in (*self.bodies, *moved)]
-        if list(memoryview(ids.int_buf()).cast("P")) != order:
-            raise RuntimeError("pymunk.batch lists the bodies in another order than they were added")
-        self._inbox = batch.Buffer()
-        self._outbox = batch.Buffer()
-        out = np.zeros((benches + len(moved), 6))
+        moved = self.bodies if self._control is self.bodies[0] else [*self.bodies, self._control]
+        for space, bodies in ((self.space, moved), (self._anchor_space, self.guide.anchors)):
+            ids = batch.Buffer()
+            batch.get_space_bodies(space, BodyFields.BODY_ID, ids)
+            if list(memoryview(ids.int_buf()).cast("P")) != [body.id for body in bodies]:
+                raise RuntimeError("pymunk.batch lists the bodies in another order than they were added")
+        # Velocities alternate between two inboxes, so that those of the step before are still there.
+        self._poses_inbox, self._velocities_inbox, self._velocities_before = (batch.Buffer() for _ in range(3))
+        self._outbox, self._anchor_outbox = batch.Buffer(), batch.Buffer()
+        out = np.zeros((len(moved), 6))
         self._outbox.set_float_buf(out)
         self._out_poses, self._out_forces = out[:benches, :3], out[:benches, 3:]
-        self._out_anchors = out[benches : benches + len(self.guide.anchors), :2]
         self._out_control = out[0 if self._control is self.bodies[0] else -1, :3]
-        self.poses, self.velocities, self._velocities_before = (np.empty((benches, 3)) for _ in range(3))
-        # Scratch: the poses given to the space, and those to which it moves the benches before it solves the joints.
-        self._given, self._coming = (np.empty((benches, 3)) for _ in range(2))
+        self._out_anchors = np.zeros((len(self.guide.anchors), 2))
+        self._anchor_outbox.set_float_buf(self._out_anchors)
+        self.poses, self.velocities, self.collided_poses = (np.zeros((benches, 3)) for _ in range(3))
+        # Half a step times the change of velocity in the last step, and in the one before.
+        self._shift, self._shift_before = (np.zeros((benches, 3)) for _ in range(2))
+        # Scratch: the poses to which the space will move the benches before it solves the joints.
+        self._coming = np.empty((benches, 3))
 
     def read(self) -> None:
         """Take `poses` and `velocities` from the space."""
-        self.velocities, self._velocities_before = self._velocities_before, self.velocities
-        self._inbox.clear()
-        batch.get_space_bodies(self.space, READ, self._inbox)
-        state = np.frombuffer(self._inbox.float_buf(), count=6 * len(self.poses)).reshape(-1, 6)
-        self.poses[:] = state[:, :3]
-        self.velocities[:] = state[:, 3:]
+        self._velocities_inbox, self._velocities_before = self._velocities_before, self._velocities_inbox
+        poses, velocities = self._read(POSES, self._poses_inbox), self._read(VELOCITIES, self._velocities_inbox)
+        shift, before = self._shift_before, self._shift
+        np.subtract(velocities, self.velocities, out=shift)
+        shift *= self.substep / 2
+        self._shift, self._shift_before = shift, before
+        self.velocities, self.collided_poses = velocities, poses
+        if self.settings.contacts == "resolve":
+            self.poses[:] = poses
+        else:
+            np.subtract(shift, before, out=self.poses)
+            # The head has its exact pose.
+            self.poses[0] = 0.0
+            self.poses += poses
+
+    def _read(self, fields: BodyFields, inbox: batch.Buffer) -> Array:
+        """Three fields of the benches (N, 3). NumPy is slow on parts of rows, so more of them are read separately."""
+        inbox.clear()
+        batch.get_space_bodies(self.space, fields, inbox)
+        return np.frombuffer(inbox.float_buf(), count=self.poses.size).reshape(-1, 3)
 
     def prepare(self, head_pose: Array, head_velocity: Array, hinge_velocity: Array) -> None:
         """Make the next step end with the head at a given pose.
@@ -251,24 +281,22 @@ class World:
         hinge_velocity : ndarray, shape (2,)
             Velocity of its rear hole then, m/s.
         """
-        given, coming = self._given, self._coming
-        np.subtract(self.velocities, self._velocities_before, out=given)
-        given *= self.substep / 2
-        given += self.poses
-        np.multiply(self.velocities, self.substep, out=coming)
-        coming += given
+        given = self.poses + self._shift
+        np.multiply(self.velocities, self.substep, out=self._coming)
+        self._coming += given
+        self._out_poses[:] = given
         self._send(head_pose, head_velocity, hinge_velocity)
 
     def _send(self, head_pose: Array, head_velocity: Array, hinge_velocity: Array) -> None:
         """Write the head's pose, the guide's anchors and the forces for the next step to the space."""
         self.guide.update(self._coming, hinge_velocity, self._out_anchors, self._out_forces)
-        self._out_poses[:] = self._given
         self._out_control[:] = head_pose - self.substep * head_velocity
         if self._control is not self.bodies[0]:
             # A gear joint counts whole turns: the control body's are those of the head.
-            turns = (self._out_control[2] - self._given[0, 2]) / (2 * math.pi)
+            turns = (self._out_control[2] - self._out_poses[0, 2]) / (2 * math.pi)
             self._out_control[2] -= 2 * math.pi * round(turns)
-        batch.set_space_bodies(self.space, WRITE, self._outbox)
+        batch.set_space_bodies(self.space, POSES_AND_FORCES, self._outbox)
+        batch.set_space_bodies(self._anchor_space, BodyFields.POSITION, self._anchor_outbox)
         vx, vy, spin = head_velocity.tolist()
         self._control.velocity = vx, vy
         self._control.angular_velocity = spin
@@ -295,10 +323,11 @@ class World:
                 body.angular_velocity = spin
             # The guide balances the change from one step to the next: it is updated for the earlier state first.
             self.guide.update(earlier.poses[0], earlier.velocities[0, 1], self._out_anchors, self._out_forces)
-            np.subtract(poses, self.substep * before, out=self._given)
+            np.subtract(poses, self.substep * before, out=self._out_poses)
             self._coming[:] = poses
             self._send(poses[0], velocities[0], state.velocities[0, 1])
             self.space.step(self.substep)
         self.space.iterations = iterations
         self.velocities[:] = before
         self.read()
+        self.poses[:] = poses

@@ -243,25 +243,32 @@ class Spiral(Curve, kind="spiral"):
     def foot(self, points: ArrayLike, near: ArrayLike) -> tuple[Array, Array, Array]:
         """Feet of `points` (..., 2) on the turns nearest to the coordinates `near`: coordinates, points, tangents.
 
-        The foot is at the polar angle of the point, so one division replaces four sines; guides call this at every
-        substep.
+        The foot is at the polar angle of the point, so one division replaces four sines. Guides call this at every
+        substep, and most of its time is NumPy's for each call: so there are few of them, in place.
         """
         z = np.ascontiguousarray(points, dtype=float).view(complex)[..., 0]
         z = self._unplaced(z)
-        bearing = np.arctan2(z.imag, z.real)
+        theta = np.arctan2(z.imag, z.real)
         # The angle at `near` to a few hundredths, except on the innermost turn: enough to identify the turn.
-        about = np.sqrt(2 / self.k * np.abs(near))
-        theta = bearing + TURN * np.rint((about - bearing) / TURN)
-        rise = np.hypot(theta, 1)
-        direction = z / np.abs(z)
-        tangents = self._tangent(theta, direction, rise)
+        turns = np.sqrt(2 / self.k * np.abs(near))
+        turns -= theta
+        turns *= 1 / TURN
+        theta = theta + TURN * np.rint(turns)
+        rise = np.sqrt(theta * theta + 1)
         # The arc length of eq. 3-5; a logarithm costs less than its arcsinh.
-        coordinate = self.k / 2 * (theta * rise + np.log(theta + rise))
-        return (
-            coordinate if self.outward else -coordinate,
-            self._placed(self.k * theta * direction),
-            self._placed(tangents),
-        )
+        coordinate = np.log(theta + rise)
+        coordinate += theta * rise
+        coordinate *= self.k / 2 if self.outward else -self.k / 2
+        radius = np.abs(z)
+        # As in `_tangent`, from a vector of length `radius`.
+        rise *= radius
+        ahead = np.empty(theta.shape, dtype=complex)
+        np.divide(1 if self.outward else -1, rise, out=ahead.real)
+        np.multiply(theta, ahead.real, out=ahead.imag)
+        ahead *= z
+        theta *= self.k
+        theta /= radius
+        return coordinate, self._placed(theta * z), self._placed(ahead)
 
     def _length(self, s: ArrayLike) -> Array:
         """Arc length from the centre, m; negative beyond it."""
