@@ -225,11 +225,13 @@ def test_paper_tables_are_the_papers_147_numbers(call):
     assert sum(len(row) for table in told for row in table) - names == 147
 
 
-def test_fine_divides_the_substep_by_four_at_any_speed(call, tmp_path):
+def test_fine_is_a_substep_of_two_and_a_half_millimetres_at_any_speed(call, tmp_path):
     scenario = tmp_path / "fast.toml"
     scenario.write_text("speed = 2.0\n")
     _, out, _ = call("simulate", "--scenario", scenario, "--until", "0.1", "--fine", "--json")
-    assert json.loads(out)["substep"] == pytest.approx(1 / 800)
+    found = json.loads(out)
+    assert found["substep"] == pytest.approx(1 / 800)
+    assert found["iterations"] == 60
 
 
 def test_render_films_a_march_and_draws_a_picture(call, tmp_path):

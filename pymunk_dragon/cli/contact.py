@@ -37,7 +37,7 @@ SETTINGS_OF = {"step": "grid", "tolerance": "grid", "fine": "engine"}
 @click.option("--until", type=float, metavar="T", help="Last time, s.  [the end of the curve]")
 @click.option("--step", type=float, metavar="T", help="Of the grid: s between samples.  [1]")
 @click.option("--tolerance", type=float, metavar="T", help="Of the grid: how far it bisects, s.  [1e-6]")
-@click.option("--fine", is_flag=True, default=None, help="Of the engine: a quarter of the usual substep.")
+@click.option("--fine", is_flag=True, default=None, help="Of the engine: short substeps and many iterations.")
 @json_option
 @output_option(".json, or .xlsx for the contest's sheet of that moment")
 def contact(

@@ -40,10 +40,15 @@ if TYPE_CHECKING:
     "--substep",
     type=float,
     metavar="T",
-    help="s.  [the time in which the head goes 10 mm, or 5 mm where contacts are resolved]",
+    help="s.  [the time in which the head goes 20 mm, or 5 mm where contacts are resolved]",
 )
-@click.option("--iterations", type=int, metavar="N", help="Solver iterations in a substep.  [60]")
-@click.option("--fine", is_flag=True, help="A quarter of the usual substep.")
+@click.option(
+    "--iterations",
+    type=int,
+    metavar="N",
+    help="Solver iterations in a substep.  [10, or 60 where contacts are resolved]",
+)
+@click.option("--fine", is_flag=True, help="The substep in which the head goes 2.5 mm, and 60 iterations.")
 @click.option("--frame-interval", type=float, metavar="T", help="s between frames.  [until the head goes 0.1 m]")
 @json_option
 @output_option(".npz")
@@ -66,12 +71,12 @@ def simulate(
     destination_of(output, (".npz",))
     if fine and not (substep is None and iterations is None):
         raise click.UsageError("--fine chooses the substep and the iterations: leave out --substep and --iterations")
-    from pymunk_dragon.model.settings import ITERATIONS, EngineSettings
+    from pymunk_dragon.model.settings import EngineSettings
 
     settings = EngineSettings(
         contacts=contacts,
         substep=substep,
-        iterations=ITERATIONS if iterations is None else iterations,
+        iterations=iterations,
         frame_interval=frame_interval,
         head_force=head_force,
     )
@@ -96,13 +101,14 @@ def played(
     """Play `march` in Pymunk, with progress."""
     from dataclasses import replace
 
-    from pymunk_dragon.model.settings import FINE_STRIDE, EngineSettings
+    from pymunk_dragon.model.settings import FINE_ITERATIONS, FINE_STRIDE, EngineSettings
     from pymunk_dragon.physics import simulate as play
     from pymunk_dragon.physics.world import top_speed
 
     settings = settings or EngineSettings()
     if fine:
-        settings = replace(settings, substep=FINE_STRIDE / top_speed(march, start, until))
+        substep = FINE_STRIDE / top_speed(march, start, until)
+        settings = replace(settings, substep=substep, iterations=FINE_ITERATIONS)
     with progress("t") as show:
 
         def report(time: float, last: float) -> None:

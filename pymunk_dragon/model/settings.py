@@ -12,19 +12,22 @@ from pymunk_dragon.errors import ParameterError
 Contacts = Literal["stop", "report", "resolve"]
 
 # Metres that the head travels in one substep. README has the table of drift and time error that it was chosen from.
-STRIDE = 1 / 100
+STRIDE = 1 / 50
+# Solver iterations per substep, chosen with `STRIDE`.
+ITERATIONS = 10
 # The same where contacts are resolved. README has the table of joint gaps and depths.
 RESOLVE_STRIDE = 1 / 200
-# The same for a contact time that is right to a millisecond.
+# The same: contact forces load the joints, and with 10 iterations gaps are five times as wide.
+RESOLVE_ITERATIONS = 60
+# The same for a drift below a micrometre on the reference march.
 FINE_STRIDE = 1 / 400
+FINE_ITERATIONS = 60
 # Longer substeps skip over a bench, m.
 MAX_STRIDE = 0.1
 # Shorter substeps take days for a march, m.
 MIN_STRIDE = 1e-5
 # Metres that the head travels between recorded frames; between them poses are interpolated to a micrometre.
 FRAME_STRIDE = 0.1
-# Solver iterations per substep, chosen with `STRIDE`.
-ITERATIONS = 60
 # Ground drag, per metre marched (per second at 1 m/s). Pymunk corrects joint errors at a rate of 6.3 per second
 # (its error_bias, 0.9 ** 60), as ordinary velocity; a chain whose solver has not converged turns that into growing
 # oscillations unless the drag is faster than the correction. Where dancers balance it, the drift is the same with
@@ -53,9 +56,9 @@ class EngineSettings:
         and let the engine push the benches apart. Resolved, the head is pulled along the march by a motor of finite
         force, and the dancers stop where the head cannot go on.
     substep : float, optional
-        Length of a step, s; by default the time in which the head travels 10 mm, or 5 mm where contacts are resolved.
-    iterations : int
-        Solver iterations per substep.
+        Length of a step, s; by default the time in which the head travels 20 mm, or 5 mm where contacts are resolved.
+    iterations : int, optional
+        Solver iterations per substep; by default 10, or 60 where contacts are resolved.
     drag : float
         Ground drag on the benches, per metre marched: velocities decay at this rate times the head's top speed.
     frame_interval : float, optional
@@ -72,9 +75,9 @@ class EngineSettings:
     Examples
     --------
     >>> from dataclasses import replace
-    >>> coarse = EngineSettings(substep=0.02, iterations=15)
+    >>> coarse = EngineSettings(substep=0.05, iterations=5)
     >>> replace(coarse, contacts="report").iterations
-    15
+    5
     >>> EngineSettings(iterations=0)
     Traceback (most recent call last):
     pymunk_dragon.errors.ParameterError: iterations is 0, but must be a whole number from 1 to 100000
@@ -82,17 +85,16 @@ class EngineSettings:
 
     contacts: Contacts = "stop"
     substep: float | None = None
-    iterations: int = ITERATIONS
+    iterations: int | None = None
     drag: float = DRAG
     frame_interval: float | None = None
     head_force: float | None = None
 
     def __post_init__(self) -> None:
         word("contacts", self.contacts, get_args(Contacts))
-        checked: dict[str, float] = {
-            "iterations": whole("iterations", self.iterations, 1, MAX_ITERATIONS),
-            "drag": positive("drag", self.drag, MAX_DRAG, "per metre"),
-        }
+        checked: dict[str, float] = {"drag": positive("drag", self.drag, MAX_DRAG, "per metre")}
+        if self.iterations is not None:
+            checked["iterations"] = whole("iterations", self.iterations, 1, MAX_ITERATIONS)
         for name in ("substep", "frame_interval"):
             if (value := getattr(self, name)) is not None:
                 checked[name] = positive(name, value, MAX_INTERVAL, "s")
@@ -104,7 +106,7 @@ class EngineSettings:
             object.__setattr__(self, name, value)
 
     def resolved(self, *, top_speed: float, pulled_mass: float) -> EngineSettings:
-        """The settings with numbers for `substep` and, where contacts are resolved, for `head_force`.
+        """The settings with numbers for `substep`, `iterations` and, where contacts are resolved, for `head_force`.
 
         Parameters
         ----------
@@ -121,15 +123,18 @@ class EngineSettings:
         Examples
         --------
         >>> EngineSettings().resolved(top_speed=2.0, pulled_mass=20.0).substep
-        0.005
+        0.01
         """
-        substep, force = self.substep, self.head_force
+        resolves = self.contacts == "resolve"
+        substep, iterations, force = self.substep, self.iterations, self.head_force
         if substep is None:
-            substep = (RESOLVE_STRIDE if self.contacts == "resolve" else STRIDE) / top_speed
-        if force is None and self.contacts == "resolve":
+            substep = (RESOLVE_STRIDE if resolves else STRIDE) / top_speed
+        if iterations is None:
+            iterations = RESOLVE_ITERATIONS if resolves else ITERATIONS
+        if force is None and resolves:
             force = HEAD_FORCE * self.drag * top_speed**2 * pulled_mass
         finite("substep", substep, MIN_STRIDE / top_speed, MAX_STRIDE / top_speed, "s")
-        return replace(self, substep=substep, head_force=force)
+        return replace(self, substep=substep, iterations=iterations, head_force=force)
 
 
 def check_settings(value: object) -> None:

@@ -16,7 +16,7 @@ from pymunk_dragon.model.contact import Contact, ContactEvent, ContactLog
 from pymunk_dragon.model.dragon import interpolated
 from pymunk_dragon.model.march import March, States, check_march, last_time
 from pymunk_dragon.model.run import Outcome, Run, engine_provenance
-from pymunk_dragon.model.settings import FRAME_STRIDE, ITERATIONS, Contacts, EngineSettings
+from pymunk_dragon.model.settings import FRAME_STRIDE, Contacts, EngineSettings
 from pymunk_dragon.physics.callbacks import Motion, Recorder, refined_contact
 from pymunk_dragon.physics.guides import PathGuide, guide_name
 from pymunk_dragon.physics.world import World
@@ -49,7 +49,7 @@ def simulate(
     until: float | None = None,
     contacts: Contacts = "stop",
     substep: float | None = None,
-    iterations: int = ITERATIONS,
+    iterations: int | None = None,
     frame_interval: float | None = None,
     head_force: float | None = None,
     on_event: Callable[[ContactEvent], None] | None = None,

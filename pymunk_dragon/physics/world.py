@@ -69,7 +69,7 @@ class World:
     Attributes
     ----------
     settings : EngineSettings
-        The settings with numbers for `substep` and, where contacts are resolved, for `head_force`.
+        The settings with numbers for `substep`, `iterations` and, where contacts are resolved, for `head_force`.
     substep : float
         Length of a step, s.
     top_speed : float
@@ -137,6 +137,7 @@ class World:
         pulled = masses[:1] if self.guide.balances_drag else masses
         self.settings = settings.resolved(top_speed=self.top_speed, pulled_mass=sum(pulled))
         assert self.settings.substep is not None
+        assert self.settings.iterations is not None
         self.substep = self.settings.substep
         drag_rate = self.settings.drag * self.top_speed
         self.space = pymunk.Space()
@@ -318,9 +319,7 @@ class World:
         steps = math.ceil(min(2 * benches**3, MAX_WARM_START_WORK) / WARM_START_WORK_PER_STEP) + 1
         self.space.iterations = max(WARM_START_WORK_PER_STEP // benches, iterations)
         for _ in range(steps):
-            for body, (vx, vy, spin) in zip(self.bodies, before.tolist(), strict=True):
-                body.velocity = vx, vy
-                body.angular_velocity = spin
+            self._set_velocities(before)
             # The guide balances the change from one step to the next: it is updated for the earlier state first.
             self.guide.update(earlier.poses[0], earlier.velocities[0, 1], self._out_anchors, self._out_forces)
             np.subtract(poses, self.substep * before, out=self._out_poses)
@@ -328,6 +327,12 @@ class World:
             self._send(poses[0], velocities[0], state.velocities[0, 1])
             self.space.step(self.substep)
         self.space.iterations = iterations
+        self._set_velocities(velocities)
         self.velocities[:] = before
         self.read()
         self.poses[:] = poses
+
+    def _set_velocities(self, velocities: Array) -> None:
+        for body, (vx, vy, spin) in zip(self.bodies, velocities.tolist(), strict=True):
+            body.velocity = vx, vy
+            body.angular_velocity = spin
