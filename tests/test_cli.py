@@ -105,7 +105,7 @@ def test_simulate_json_has_the_promised_keys_and_nothing_else_on_stdout(call):
     assert set(found["drift"]) == {"head", "max"}
     for key in ("substeps", "iterations", "wall_seconds", "realtime_factor", "driver_overhead"):
         assert found[key] > 0
-    assert found["substeps"] == 18
+    assert found["substeps"] == 9
 
 
 def test_simulate_without_contact_says_null(call):

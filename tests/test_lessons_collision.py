@@ -253,7 +253,7 @@ def test_sloppy_engine_meets_benches_that_are_apart_with_joints_that_are_loose()
 
 @pytest.mark.thorough
 def test_near_miss_that_is_changed_finds_the_right_benches(tmp_path):
-    better = changed("near-miss", tmp_path, ("substep=0.1, iterations=1", "substep=0.1, iterations=2"))
+    better = changed("near-miss", tmp_path, ("substep=0.1, iterations=1", "substep=0.1, iterations=5"))
     assert "(0, 8)" in next(line for line in better if "sloppy" in line)
     finer = changed(
         "near-miss", tmp_path, ("(1000 * march", "(10_000 * march"), ("positions) / 1000", "positions) / 10_000")

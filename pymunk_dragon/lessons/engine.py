@@ -57,13 +57,13 @@ left.minorticks_off()
 right.set(xlabel="step", ylabel="off the line, mm", ylim=(-100, 100))
 lesson.show(
     figure,
-    "Left, the error of the dragon; the line for 240 tries lies on the one for 60. Right, a body that two kinds of "
+    "Left, the error of the dragon; the lines for 60 and 240 tries begin together. Right, a body that two kinds of "
     "joint shall keep on a line.",
 )
 
 lesson.answer(
-    "More tries help until the joints hold, here up to some 60, but each halving of the steps leaves a quarter of the "
-    "error or less. A `GrooveJoint` even pushes a body that slides just as it should, because it works out what would "
+    "More tries help until the joints hold: up to some 60, four times as many leave less than half of the error, but "
+    "each halving of the steps leaves about a quarter. A `GrooveJoint` even pushes a body that slides just as it should, because it works out what would "
     "stop the hole and keeps the part across the groove; a `PinJoint` minds that one direction only, so the dancers of "
     "this project hold their benches with pins."
 )

@@ -37,12 +37,12 @@ lesson.show(film, "On the left dancers keep every bench on the spiral; on the ri
 
 lesson.answer(
     "They do not follow: a chain that is pulled at one end straightens, so the benches behind the head cut across, and "
-    "after 10.9 s bench 1 runs into bench 28, while bench 60 has coasted for 8 cm and stands. A chain can only pull "
+    "after 10.9 s bench 1 runs into bench 28, while bench 60 has coasted for 9 cm and stands. A chain can only pull "
     "along itself, and in a bend that is always a little inwards, so somebody has to walk beside each bench and hold "
     "it on the path."
 )
 lesson.check(
-    "The head is 8.691 m from the middle both times, so it is not to blame. It has gone 10.884 m in a lane 0.55 m "
-    "wide, which is the ring from 8.8 m in to its own distance r: π (8.8² - r²) = 0.55 · 10.884."
+    "The head is 8.691 m from the middle both times, so it is not to blame. It has gone 10.894 m in a lane 0.55 m "
+    "wide, which is the ring from 8.8 m in to its own distance r: π (8.8² - r²) = 0.55 · 10.894."
 )
 lesson.change("Make it a short dragon: `Dragon(benches=20)`, and `some = [0, 4, 8, 16]`. Whom does the head meet now?")

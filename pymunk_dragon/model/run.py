@@ -110,7 +110,7 @@ class Run(ArrayRecord, Displayed):
     first contact at t = 412.47... s: benches 0 and 8 at (...) m
     drift 0.00... mm in the first twelve benches, 0.00... mm anywhere; ... times as fast as real time
     >>> run.player, run.guide, run.settings.iterations, run.substeps
-    ('pymunk', 'rails', 60, 148)
+    ('pymunk', 'rails', 10, 74)
     >>> run.poses_at([411.05, 411.15]).shape
     (2, 16, 3)
     """

@@ -43,7 +43,7 @@ class GuidedChain:
     ...     def attach(self, chain):
     ...         print(chain.masses.round(1), chain.substep)
     >>> run = simulate(March(Dragon(benches=3)), guide=Printing(), until=1)
-    [20.5 13.2 13.2] 0.01
+    [20.5 13.2 13.2] 0.02
     """
 
     march: March
