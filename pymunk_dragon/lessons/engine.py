@@ -63,9 +63,9 @@ lesson.show(
 
 lesson.answer(
     "More tries help until the joints hold: up to some 60, four times as many leave less than half of the error, but "
-    "each halving of the steps leaves about a quarter. A `GrooveJoint` even pushes a body that slides just as it should, because it works out what would "
-    "stop the hole and keeps the part across the groove; a `PinJoint` minds that one direction only, so the dancers of "
-    "this project hold their benches with pins."
+    "each halving of the steps leaves about a quarter. A `GrooveJoint` even pushes a body that slides just as it "
+    "should, because it works out what would stop the hole and keeps the part across the groove; a `PinJoint` minds "
+    "that one direction only, so the dancers of this project hold their benches with pins."
 )
 lesson.check(
     "The push to the side of -0.333 m/s: an impulse (p, q) on a hole 1 m ahead of the centre and 1 m beside it changes "

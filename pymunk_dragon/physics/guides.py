@@ -63,7 +63,8 @@ class PathGuide:
     Attributes
     ----------
     anchors : sequence of pymunk.Body
-        Kinematic bodies at the other ends of the guide's joints; the world adds and moves them.
+        Kinematic bodies at the other ends of the guide's joints; the world moves them, and keeps them in a space of
+        their own, which is never stepped.
     balances_drag : bool
         Whether the guide's forces balance the ground drag, so that the head has to pull itself only.
 
