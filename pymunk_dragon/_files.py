@@ -6,12 +6,9 @@ leaves the old file or none.
 
 from __future__ import annotations
 
-import csv
 import os
 import re
-import shutil
 import stat
-import tempfile
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -74,6 +71,9 @@ def written_in_place(path: str | Path) -> Iterator[Path]:
     status = _status(destination)
     try:
         if status is not None and _is_stream(status):
+            import shutil
+            import tempfile
+
             with tempfile.TemporaryDirectory(prefix="pymunk-dragon-") as folder:
                 draft = Path(folder, f"draft{destination.suffix}")
                 yield draft
@@ -135,6 +135,8 @@ def number_rows(path: str | Path, name: str, columns: Sequence[str]) -> tuple[li
     FileFormatError
         If a line has another content, which names the first such line; if there is no row; as in `read_text`.
     """
+    import csv
+
     meant = " and ".join(columns)
     lines, rows = [], []
     for line, content in enumerate(read_text(path, name).splitlines(), start=1):

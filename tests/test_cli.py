@@ -553,11 +553,35 @@ def test_foreign_run_files_are_named_in_one_line(complaint, content, tmp_path):
 # As a process
 
 
-def test_help_answers_without_the_heavy_libraries():
-    code = (
-        "import sys, pymunk_dragon.cli; print([m for m in ('numpy', 'pymunk', 'PIL', 'imageio') if m in sys.modules])"
-    )
-    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "[]\n"
+# Libraries, and parts of the standard library, that take longest to import.
+DRAWING = ("PIL", "imageio", "matplotlib", "multiprocessing", "pymunk_dragon.drawing")
+HEAVY = (*DRAWING, "pymunk", "scipy", "json", "tomllib", "numpy.polynomial", "pymunk_dragon.reports")
+NO_NUMBERS = (*HEAVY, "numpy", "email", "importlib.metadata", "pymunk_dragon.model")
+
+
+@not_under_coverage  # It imports some of these itself.
+@pytest.mark.parametrize(
+    ("arguments", "absent"),
+    [
+        ("--version", NO_NUMBERS),
+        ("--help", NO_NUMBERS),
+        ("contact --help", (*NO_NUMBERS, "pymunk_dragon.cli.render")),
+        ("positions --times 0", (*HEAVY, "pymunk_dragon.collision", "pymunk_dragon.studies")),
+        ("contact --until 1", (*HEAVY, "pymunk_dragon.studies")),
+        ("study", HEAVY),
+        ("study min-pitch --benches 30", HEAVY),
+        ("simulate --until 0.01", (*DRAWING, "scipy", "matplotlib", "pymunk_dragon.studies")),
+    ],
+)
+def test_command_imports_only_what_it_uses(arguments, absent):
+    command = [sys.executable, "-X", "importtime", *PROGRAM[1:], *arguments.split()]
+    told = subprocess.run(command, capture_output=True, text=True, check=True).stderr
+    imported = {line.rpartition("|")[2].strip() for line in told.splitlines() if line.startswith("import time:")}
+    assert "pymunk_dragon.cli" in imported
+    assert imported.isdisjoint(absent)
+
+
+def test_help_names_the_commands():
     told = subprocess.run([*PROGRAM, "--help"], capture_output=True, text=True, check=True)
     for command in ("positions", "contact", "simulate", "render", "report"):
         assert command in told.stdout

@@ -14,7 +14,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pymunk_dragon.errors import FileFormatError, ParameterError
-from pymunk_dragon.model.speed import ConstantSpeed, Speed, SpeedFunction, SpeedTable, speed_of
+from pymunk_dragon.model.speed import ConstantSpeed, Speed, SpeedTable, speed_of
+from pymunk_dragon.model.speed.function import SpeedFunction
 
 TABLE = SpeedTable((-50.0, 10.0, 20.0, 20.5, 300.0), (0.5, 1.0, 3.0, 0.2, 1.5))
 

@@ -1,26 +1,23 @@
 """The command line: one module for each command; here the exit codes.
 
-Commands import NumPy, Pymunk and the like in their functions, so that `pymunk-dragon --help` starts quickly.
+A command is imported when it is named, and imports NumPy, Pymunk and the like in its function. So every command loads
+only what it uses, and `pymunk-dragon --help` none of these libraries.
 """
 
 from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
+from functools import cache
+from importlib import import_module
 from io import TextIOWrapper
 
 import click
 
-from pymunk_dragon.cli.contact import contact
-from pymunk_dragon.cli.demo import demo
-from pymunk_dragon.cli.figure import figure
+from pymunk_dragon import __version__
 from pymunk_dragon.cli.options import PROGRAM, named_flags
-from pymunk_dragon.cli.positions import positions
-from pymunk_dragon.cli.render import render
-from pymunk_dragon.cli.report import report
-from pymunk_dragon.cli.simulate import simulate
-from pymunk_dragon.cli.study import study
 from pymunk_dragon.errors import (
     DragonError,
     FileFormatError,
@@ -30,6 +27,8 @@ from pymunk_dragon.errors import (
     one_line,
 )
 
+# The commands. Each is a function in the module of its name.
+COMMANDS = ("positions", "contact", "simulate", "render", "figure", "report", "study", "demo")
 # Exit codes.
 DONE = 0
 FAILED = 1
@@ -99,13 +98,31 @@ def _complain(message: str, code: int) -> int:
     return code
 
 
-@click.group(context_settings={"help_option_names": ["-h", "--help"]})
-@click.version_option(package_name="pymunk-dragon", prog_name=PROGRAM)
-def cli() -> None:
-    """A bench dragon on its spiral: positions, speeds, and the first contact with itself."""
-
-
-for command in (positions, contact, simulate, render, figure, report, study, demo):
+@cache
+def _command(name: str) -> click.Command:
+    """Import a command."""
+    command: click.Command = getattr(import_module(f"{__name__}.{name}"), name)
     assert command.callback is not None
     command.callback = named_flags(command.callback)
-    cli.add_command(command)
+    return command
+
+
+class _Commands(Mapping[str, click.Command]):
+    """The commands by their names, each of which is imported when it is looked up."""
+
+    def __getitem__(self, name: str) -> click.Command:
+        if name not in COMMANDS:
+            raise KeyError(name)
+        return _command(name)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(COMMANDS)
+
+    def __len__(self) -> int:
+        return len(COMMANDS)
+
+
+@click.group(commands=_Commands(), context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(__version__, prog_name=PROGRAM)
+def cli() -> None:
+    """A bench dragon on its spiral: positions, speeds, and the first contact with itself."""

@@ -17,7 +17,6 @@ from pymunk_dragon.cli.options import (
     start_option,
 )
 from pymunk_dragon.cli.output import print_json, progress, write_json
-from pymunk_dragon.cli.simulate import played
 from pymunk_dragon.errors import DragonError
 
 if TYPE_CHECKING:
@@ -94,6 +93,8 @@ def _answer(
     own = {name: value for name, value in settings.items() if SETTINGS_OF[name] == method}
     begin = perf_counter()
     if method == "engine":
+        from pymunk_dragon.cli.simulate import played
+
         run = played(march, fine=own.get("fine", False), start=start, until=until)
         values, text = _run_values(run), str(run).partition("\n")[0]
     else:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -31,6 +30,8 @@ def progress(label: str) -> Iterator[Callable[[float, float, str], None]]:
 
 def write_json(path: Path, result: dict[str, Any]) -> None:
     """Write one JSON object to a file."""
+    import json
+
     from pymunk_dragon._files import written_in_place
 
     with written_in_place(path) as draft:
@@ -39,4 +40,6 @@ def write_json(path: Path, result: dict[str, Any]) -> None:
 
 def print_json(result: dict[str, Any]) -> None:
     """Print one JSON object on stdout."""
+    import json
+
     click.echo(json.dumps(result))

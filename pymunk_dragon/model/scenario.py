@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import tomllib
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
@@ -155,6 +154,8 @@ class Scenario:
         FileFormatError
             If it is no TOML.
         """
+        import tomllib
+
         try:
             text = read_text(path, "scenario")
             if LONG_KEY.search(text):

@@ -9,7 +9,6 @@ from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from pymunk_dragon.drawing.figures import styled_figure, write_styled
 from pymunk_dragon.errors import MissingExtraError
 
 if TYPE_CHECKING:
@@ -79,6 +78,8 @@ class Result(ABC):
         MissingExtraError
             If matplotlib is not installed.
         """
+        from pymunk_dragon.drawing.figures import styled_figure
+
         return styled_figure(self._draw)
 
     def write_figure(self, path: str | Path) -> None:
@@ -93,6 +94,8 @@ class Result(ABC):
         OutputError
             If writing fails.
         """
+        from pymunk_dragon.drawing.figures import write_styled
+
         write_styled(self._draw, path)
 
     def _repr_png_(self) -> bytes | None:

@@ -12,14 +12,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pymunk_dragon._checks import finite
-from pymunk_dragon.drawing.figures.lines import label
-from pymunk_dragon.drawing.figures.style import BLUE, COLOURS, FAINT, RULE, halo, page, panel
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.curves import UTurn
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.speed import MAX_SPEED, MIN_SPEED
-from pymunk_dragon.studies._figures import circle, heading, square
 from pymunk_dragon.studies._speed_ratio import SpeedRatio, largest_ratio
 from pymunk_dragon.studies._study import INDENT, Option, Progress, Result, Study, silent
 
@@ -98,6 +95,8 @@ class MaxSpeed(Result, SpeedRatio):
 
     def _draw(self) -> Figure:
         """Speeds of the handles over time, and positions at the time of the limit."""
+        from pymunk_dragon.drawing.figures.style import page, panel
+
         first, last = self.handles[0], self.handles[-1]
         subject = f"handle {first} is" if first == last else f"handles {first} to {last} are"
         where = f"head {self.distance:.2f} m into the circle, {self.time:.2f} s after it entered"
@@ -188,6 +187,10 @@ def max_speed(
 
 def _draw_speeds(axes: Axes, found: MaxSpeed) -> None:
     """Draw the speeds of the foremost handles, and the largest speed, over time."""
+    from pymunk_dragon.drawing.figures.lines import label
+    from pymunk_dragon.drawing.figures.style import BLUE, COLOURS, RULE
+    from pymunk_dragon.studies._figures import heading
+
     heading(axes, "speeds of the foremost handles, m/s; the blue line is the fastest of all")
     at = found.distance
     distances = np.sort(np.append(np.linspace(at - DISTANCE_BEFORE, at + DISTANCE_AFTER, TIME_SAMPLES), at))
@@ -206,6 +209,9 @@ def _draw_speeds(axes: Axes, found: MaxSpeed) -> None:
 
 def _draw_positions(axes: Axes, found: MaxSpeed) -> None:
     """Draw the benches in the turn at the time of the limit, with the handles' speeds."""
+    from pymunk_dragon.drawing.figures.style import COLOURS, FAINT, RULE, halo
+    from pymunk_dragon.studies._figures import circle, square
+
     curve = found.curve
     states = March(found.dragon, curve).at(found.distance)
     half = BORDER * curve.radius

@@ -24,14 +24,10 @@ import numpy as np
 
 from pymunk_dragon._checks import finite, positive
 from pymunk_dragon.collision import FirstContact, first_contact
-from pymunk_dragon.drawing.figures.charts import MM, gap_line
-from pymunk_dragon.drawing.figures.lines import label, logarithmic
-from pymunk_dragon.drawing.figures.style import BLUE, COLOURS, FAINT, QUIET, halo, page, panel
 from pymunk_dragon.errors import DragonError, ParameterError
 from pymunk_dragon.model.curves.spiral import MAX_PITCH
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
-from pymunk_dragon.studies._figures import circle, heading, square
 from pymunk_dragon.studies._gaps import PITCH, Gaps, InwardMarch, SampledGaps, gaps_of
 from pymunk_dragon.studies._pitch_map import PITCH_RATIO, PitchMap, at_least_pitch, pitch_map, smallest_gaps
 from pymunk_dragon.studies._study import INDENT, Progress, Result, Study, bracketed, silent
@@ -196,6 +192,8 @@ class MinPitch(Result):
 
     def _draw(self) -> Figure:
         """The gap over the pitch, the contact of two benches, and the head's gap over time."""
+        from pymunk_dragon.drawing.figures.style import page, panel
+
         title, height = f"At a pitch of {self.pitch:.6f} m the head starts on the circle itself", UPPER_HEIGHT
         if self.benches is not None:
             first, second = self.benches
@@ -371,6 +369,11 @@ def _bisected(inward: InwardMarch, blocked: float, larger: list[float]) -> tuple
 
 def _draw_gap_over_pitch(axes: Axes, found: MinPitch) -> None:
     """Draw the smallest gap of a march over the pitch."""
+    from pymunk_dragon.drawing.figures.charts import MM
+    from pymunk_dragon.drawing.figures.lines import label
+    from pymunk_dragon.drawing.figures.style import BLUE, COLOURS, FAINT, QUIET
+    from pymunk_dragon.studies._figures import heading
+
     known = found.map
     heading(axes, "smallest gap before the circle, mm")
     axes.axhline(0.0, color=QUIET, lw=0.8)
@@ -392,6 +395,9 @@ def _draw_gap_over_pitch(axes: Axes, found: MinPitch) -> None:
 
 def _draw_contact(axes: Axes, found: MinPitch) -> None:
     """Draw the benches around the head at the contact."""
+    from pymunk_dragon.drawing.figures.style import COLOURS, halo
+    from pymunk_dragon.studies._figures import circle, square
+
     dragon = found.march.dragon
     poses = found.march.at(found.march.time(found.distance)).poses[0]
     x, y, _ = poses[0].tolist()
@@ -417,6 +423,11 @@ def _draw_contact(axes: Axes, found: MinPitch) -> None:
 
 def _draw_gap_over_time(axes: Axes, found: MinPitch) -> None:
     """Draw the head's gap at the end of the march at the smallest pitch."""
+    from pymunk_dragon.drawing.figures.charts import gap_line
+    from pymunk_dragon.drawing.figures.lines import label, logarithmic
+    from pymunk_dragon.drawing.figures.style import COLOURS
+    from pymunk_dragon.studies._figures import heading
+
     march = found.march
     shown = CLOSE_UP_LENGTHS * float(march.dragon.lengths[0])
     arrival = found.arrival_distance

@@ -19,7 +19,6 @@ import numpy as np
 
 from pymunk_dragon._text import table
 from pymunk_dragon.collision import first_contact
-from pymunk_dragon.drawing.figures.style import BLUE, COLOURS, QUIET, RULE, page, panel
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.curves import Spiral
 from pymunk_dragon.model.dragon import Dragon
@@ -150,6 +149,8 @@ class Sensitivity(Result):
 
     def _draw(self) -> Figure:
         """The derivatives, and the range of each size in which they hold."""
+        from pymunk_dragon.drawing.figures.style import page, panel
+
         first, second = self.benches
         parts = [(f"first contact, {self.time:.4f} s, benches {first} and {second}", "s", 1e3, self.times)]
         if self.smallest.benches is not None:
@@ -320,6 +321,8 @@ def _draw_slopes(axes: Axes, unit: str, per: float, rows: Sequence[Slope]) -> No
     """Draw the magnitude of each slope; markers of negative slopes are hollow."""
     from matplotlib.ticker import NullLocator
 
+    from pymunk_dragon.drawing.figures.style import BLUE, COLOURS, RULE
+
     values = np.array([row.slope / per for row in rows])
     sizes = np.abs(values)
     axes.set_xscale("log")
@@ -338,6 +341,8 @@ def _draw_slopes(axes: Axes, unit: str, per: float, rows: Sequence[Slope]) -> No
 
 def _draw_reaches(axes: Axes, rows: Sequence[Slope]) -> None:
     """Draw the range in which each size may change without a change of the contact."""
+    from pymunk_dragon.drawing.figures.style import BLUE, COLOURS, QUIET
+
     _label_rows(axes, [""] * len(rows))
     for row_index, row in enumerate(rows):
         if row.less is None or row.more is None:
@@ -367,6 +372,8 @@ def _describe_end(end: Reach) -> str:
 
 
 def _label_rows(axes: Axes, names: Sequence[str]) -> None:
+    from pymunk_dragon.drawing.figures.style import COLOURS
+
     axes.set_ylim(len(names) - 0.5, -0.5)
     axes.set_yticks(range(len(names)), names)
     axes.tick_params(axis="y", length=0, labelcolor=COLOURS.ink)

@@ -23,13 +23,10 @@ from pymunk_dragon._checks import finite, whole
 from pymunk_dragon._extras import library
 from pymunk_dragon._frozen import ArrayRecord, read_only
 from pymunk_dragon.collision import FirstContact, first_contact
-from pymunk_dragon.drawing.figures.lines import label
-from pymunk_dragon.drawing.figures.style import AMBER, BLUE, COLOURS, FAINT, QUIET, RULE, page, panel
 from pymunk_dragon.errors import ParameterError, UnreachableError
 from pymunk_dragon.model.curves import UTurn
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
-from pymunk_dragon.studies._figures import circle, heading, square
 from pymunk_dragon.studies._shortest import Shortest, shortest_turn
 from pymunk_dragon.studies._speed_ratio import SpeedRatio, largest_ratio
 from pymunk_dragon.studies._study import INDENT, Option, Progress, Result, Study, silent
@@ -178,6 +175,8 @@ class TurnResult(Result, ArrayRecord):
 
     def _draw(self) -> Figure:
         """Both paths with the dragon, and the speed of the fastest handle."""
+        from pymunk_dragon.drawing.figures.style import AMBER, BLUE, page, panel
+
         panels = [(0.3, self.march, self.turn.joints, f"two arcs, {self.turn.length:.4f} m", BLUE)]
         title = f"The turn is {self.turn.length:.4f} m long on any two arcs"
         note = f"no handle goes more than {self.max_ratio:.4g} times as fast as the head"
@@ -308,6 +307,10 @@ def _points(points: Array) -> str:
 
 def _draw_plan_view(axes: Axes, radius: float, march: March, joints: tuple[float, ...], colour: str) -> None:
     """Draw a turn between both spirals, and the dragon as it leaves the turn."""
+    from pymunk_dragon.drawing.figures.lines import label
+    from pymunk_dragon.drawing.figures.style import COLOURS, FAINT, QUIET, RULE
+    from pymunk_dragon.studies._figures import circle, square
+
     half = radius + BORDER
     square(axes, half)
     circle(axes, radius)
@@ -329,6 +332,10 @@ def _draw_plan_view(axes: Axes, radius: float, march: March, joints: tuple[float
 
 def _draw_speeds(axes: Axes, found: TurnResult) -> None:
     """Draw the largest ratio of handle speed to head speed over the head's distance travelled."""
+    from pymunk_dragon.drawing.figures.lines import label
+    from pymunk_dragon.drawing.figures.style import AMBER, BLUE, COLOURS
+    from pymunk_dragon.studies._figures import heading
+
     heading(axes, "fastest handle, times the head's speed", 8)
     distances = np.linspace(-DISTANCE_BEFORE, DISTANCE_AFTER, LINE_POINTS)
     for march, colour, gid in ((found.march, BLUE, "speeds"), (found.shortest_march, AMBER, "short-speeds")):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Self
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,8 +14,11 @@ from pymunk_dragon._arrays import Array, Indices
 from pymunk_dragon._extras import library
 from pymunk_dragon._files import number_rows
 from pymunk_dragon.errors import FileFormatError, ParameterError
-from pymunk_dragon.model.curves._cells import Cells, cubic_curvature, cut, speed, travelled
 from pymunk_dragon.model.curves.base import FARTHEST, Curve, overlap, within
+
+# The module of cells needs NumPy's polynomials, and is imported where such a path is used.
+if TYPE_CHECKING:
+    from pymunk_dragon.model.curves._cells import Cells
 
 __all__ = ["Sampled"]
 
@@ -73,6 +76,8 @@ class Sampled(Curve, kind="sampled"):
     _curvatures: list[Array] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
+        from pymunk_dragon.model.curves._cells import cut
+
         points = _checked(self.points)
         chords = np.hypot(*np.diff(points, axis=0).T)
         spline = library("scipy.interpolate").CubicSpline(np.concatenate([[0.0], np.cumsum(chords)]), points)
@@ -137,6 +142,8 @@ class Sampled(Curve, kind="sampled"):
 
     def curvature(self, s: ArrayLike) -> Array:
         """Curvature (...) in 1/m, positive to the left."""
+        from pymunk_dragon.model.curves._cells import cubic_curvature
+
         return self._evaluated(s, cubic_curvature, ())
 
     def max_curvature(self, s: ArrayLike, other: ArrayLike) -> Array:
@@ -172,6 +179,8 @@ class Sampled(Curve, kind="sampled"):
 
 def _solved(cubics: Array, s: Array, lengths: Array) -> Array:
     """Parameter from 0 to 1 at which each cubic (n, 4, 2), of the lengths (n,), has the arc length `s` (n,)."""
+    from pymunk_dragon.model.curves._cells import speed, travelled
+
     share = s / lengths
     # The initial guess is the cubic with the correct values and slopes at both ends.
     first, last = lengths / speed(cubics, 0.0), lengths / speed(cubics, 1.0)

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.speed.base import MAX_SPEED, MIN_SPEED, ConstantSpeed, OwnSpeed, Speed
-from pymunk_dragon.model.speed.function import SpeedFunction
 from pymunk_dragon.model.speed.table import SpeedTable
 
-__all__ = ["MAX_SPEED", "MIN_SPEED", "ConstantSpeed", "Speed", "SpeedFunction", "SpeedTable", "speed_of"]
+__all__ = ["MAX_SPEED", "MIN_SPEED", "ConstantSpeed", "Speed", "SpeedTable", "speed_of"]
 
 
 def speed_of(value: object) -> Speed:
@@ -23,5 +22,8 @@ def speed_of(value: object) -> Speed:
     if isinstance(value, Speed):
         return value if type(value).__module__.startswith(__name__) else OwnSpeed(value)
     if callable(value):
+        # Imported only here, with NumPy's polynomials: few marches have such a speed.
+        from pymunk_dragon.model.speed.function import SpeedFunction
+
         return SpeedFunction(value)
     return ConstantSpeed(value)  # type: ignore[arg-type]  # ConstantSpeed refuses what is no number.
