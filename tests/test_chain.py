@@ -66,6 +66,52 @@ def test_bounds_hold_for_the_rates_and_their_changes(curve, head):
         assert (np.abs(measured) <= bound + 1e-9).all()
 
 
+@on_every_curve
+def test_whole_chains_are_those_laid_out_bench_by_bench(curve, head):
+    heads, spacings = head + np.linspace(-0.9, 0.9, 41), np.tile(SPACINGS, 2)
+    motion, succeeded = chain.whole_chains(curve, heads, spacings)
+    assert succeeded.all()
+    expected = curve._bench_by_bench(heads, spacings)
+    np.testing.assert_allclose(motion.handles_s, expected, rtol=0, atol=1e-11)
+    exact = chain.chain_motion(curve, expected, spacings)
+    for part, other in zip(motion, exact, strict=True):
+        np.testing.assert_allclose(part, other, rtol=0, atol=1e-11)
+
+
+def test_whole_chain_of_one_head_is_that_among_many():
+    curve, heads = UTurn(), np.linspace(-30, 40, 301)
+    spacings = np.full(222, 1.65)
+    together, _ = chain.whole_chains(curve, heads, spacings)
+    for row in (0, 150, 300):
+        alone, _ = chain.whole_chains(curve, heads[row : row + 1], spacings)
+        np.testing.assert_allclose(alone.handles_s[0], together.handles_s[row], rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("back", [0.3, 0.5, 0.99, 1.0, 1.01, 2.0])
+def test_whole_chains_never_end_on_another_turn(back, monkeypatch):
+    """From an estimate on another turn Newton's method finds other handles at the same distances: they are refused."""
+    spiral = Spiral(pitch=0.3)
+    heads, spacings = np.array([spiral.at_turn(turns) for turns in (3, 5, 9)]), np.array([1.65, 1.65])
+    expected = spiral._bench_by_bench(heads, spacings)
+    estimate = spiral.estimate(heads, spacings)
+    estimate[:, 1:] -= back * 2 * np.pi
+    monkeypatch.setattr(Spiral, "estimate", lambda self, heads, spacings: estimate.copy())
+    found, succeeded = chain.whole_chains(spiral, heads, spacings)
+    np.testing.assert_allclose(found.handles_s[succeeded], expected[succeeded], rtol=0, atol=1e-11)
+    np.testing.assert_allclose(spiral.chain(heads, spacings), expected, rtol=0, atol=1e-11)
+
+
+def test_chains_that_cannot_be_computed_as_a_whole_are_computed_bench_by_bench():
+    """A bench across a hairpin is nearly perpendicular to the path, and one before the path's begin has no handle."""
+    hairpin = Composite([Line(stop=(10, 0)), Arc(centre=(10, 0.6), radius=0.6, begin_angle=-np.pi / 2, sweep=np.pi)])
+    heads, spacings = np.linspace(1.0, hairpin.end_s, 60), np.array([1.1, 0.9])
+    _, succeeded = chain.whole_chains(hairpin, heads, spacings)
+    assert 0 < succeeded.sum() < heads.size
+    expected = hairpin._bench_by_bench(heads, spacings)
+    np.testing.assert_allclose(hairpin.chain(heads, spacings), expected, rtol=0, atol=1e-11)
+    assert np.isnan(expected).any()
+
+
 @given(st.floats(-1.5, 1.5), st.floats(-1.5, 1.5))
 def test_rigid_bench_has_one_velocity_along_itself(alpha, beta):
     """Both handles have the same velocity component along the bench: cos alpha = rho cos beta."""

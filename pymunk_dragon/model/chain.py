@@ -13,15 +13,29 @@ e . T(r) = d cos beta, and the rigid bench has
 
 from __future__ import annotations
 
-from typing import NamedTuple, Protocol
+from collections.abc import Callable
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
-from pymunk_dragon._arrays import Array, Complex, Flags
+from pymunk_dragon._arrays import Array, Complex, Flags, as_complex
 
 # Newton's method needs 3 or 4 passes, and bisection, its fallback within a bracket, 53.
 MAX_PASSES = 80
+# Newton's method for whole chains needs 2 or 3 passes.
+WHOLE_PASSES = 6
+# Error of a distance, as a share of the shortest spacing, whose square, the error after the next step, is negligible.
+WHOLE_ERROR = 1e-6
+# Error of the distance between neighbouring handles up to which a whole chain is accepted, in last digits of the
+# largest coordinate.
+WHOLE_RESIDUAL = 64
+# m by which two computed coordinates of one handle may differ.
+SAME_HANDLE = 1e-9
+# Sine of half the angle of an arc that is as long as its chord.
+LEAST_SINE = 1e-9
+# Handles of whole chains that are computed together: their temporaries stay in a processor's second cache.
+WHOLE_HANDLES = 16384
 # Share of a chord: after a Newton step as small as this, the next one is below the last digit.
 STEP_TOLERANCE = 1e-10
 # Share of a chord. Shorter steps mean that the straight distance has its maximum.
@@ -47,6 +61,11 @@ class Path(Protocol):
     def end_s(self) -> float: ...
     def point(self, s: ArrayLike) -> Array: ...
     def frame(self, s: ArrayLike) -> tuple[Array, Array]: ...
+    def parameter(self, s: Array) -> Array: ...
+    def coordinate(self, parameter: Array) -> Array: ...
+    def estimate(self, heads: Array, spacings: Array) -> Array: ...
+    def motion(self, parameter: Array) -> tuple[Complex, Complex]: ...
+    def nearest(self, parameters: Array, spacings: Array) -> Flags: ...
     def max_curvature(self, s: ArrayLike, other: ArrayLike) -> Array: ...
 
 
@@ -61,7 +80,7 @@ class RateBounds(NamedTuple):
 
 def angles(points: Array, tangents: Array, spacings: Array) -> tuple[Complex, Complex]:
     """e^(i alpha) and e^(i beta), each (..., N), from the handles' points and unit tangents (..., N + 1, 2)."""
-    handles, directions = (array.view(complex)[..., 0] for array in (points, tangents))
+    handles, directions = as_complex(points), as_complex(tangents)
     heading = ((handles[..., :-1] - handles[..., 1:]) / spacings).conj()
     return directions[..., :-1] * heading, directions[..., 1:] * heading
 
@@ -125,6 +144,113 @@ def rate_bounds(
     return RateBounds(ratio, ratio_change, omega, omega_change)
 
 
+class ChainMotion(NamedTuple):
+    """Chains of H handles with T positions of the head, and their motion.
+
+    Attributes
+    ----------
+    handles_s : ndarray, shape (T, H)
+        Coordinates of the handles; nan for a handle that has none, and for all behind it.
+    points, tangents : ndarray of complex, shape (T, H)
+        Positions, and the path's unit tangents there.
+    ratios : ndarray, shape (T, H)
+        Velocities along the path, in units of the head's.
+    """
+
+    handles_s: Array
+    points: Complex
+    tangents: Complex
+    ratios: Array
+
+    def each(self, change: Callable[[NDArray[Any]], NDArray[Any]]) -> ChainMotion:
+        """The arrays after a change of each, such as a selection of rows."""
+        return ChainMotion(*map(change, self))
+
+
+def chain_motion(path: Path, handles_s: Array, spacings: Array) -> ChainMotion:
+    """Motion of chains whose handles have the coordinates (T, H)."""
+    points, tangents = path.frame(handles_s)
+    front, rear = angles(points, tangents, spacings)
+    ratios = velocity_ratios(front.real, rear.real)
+    return ChainMotion(handles_s, as_complex(points), as_complex(tangents), ratios)
+
+
+def whole_chains(path: Path, heads: Array, spacings: Array) -> tuple[ChainMotion, Flags]:
+    """Chains with the heads at the coordinates (T,), each computed as a whole; and for which (T,) this succeeded.
+
+    The equation of bench i, F_i = (|P_i - P_{i+1}|^2 - d_i^2) / 2 = 0, depends on the parameters of handles i and i + 1
+    only. So each step of Newton's method solves a bidiagonal system: with A_i and -B_i, the derivatives of F_i by
+    these two, the steps are x_0 = 0, x_{i+1} = (A_i x_i + F_i) / B_i. The products R of the ratios A / B solve it in
+    closed form, x = R cumsum(F / (B R)). They are also the velocity ratios of the chain in this parameter.
+
+    A chain is accepted where all distances are the spacings to rounding, and each handle is the nearest one back along
+    the path (`Path.nearest`). Apart from rounding, the result for a head does not depend on the other heads.
+    """
+    handles = spacings.size + 1
+    found = ChainMotion(*(np.empty((heads.size, handles), kind) for kind in (float, complex, complex, float)))
+    settled = np.empty(heads.size, dtype=bool)
+    rows = max(1, WHOLE_HANDLES // handles)
+    with np.errstate(all="ignore"):
+        for begin in range(0, heads.size, rows):
+            block = slice(begin, begin + rows)
+            parts, settled[block] = _whole_block(path, heads[block], spacings)
+            for into, part in zip(found, parts, strict=True):
+                into[block] = part
+    return found, settled
+
+
+def _whole_block(path: Path, heads: Array, spacings: Array) -> tuple[ChainMotion, Flags]:
+    parameters = path.estimate(heads, spacings)
+    settled = np.zeros(heads.shape, dtype=bool)
+    for _ in range(WHOLE_PASSES):
+        points, derivatives = path.motion(parameters)
+        residual, ratios, behind = _bench_equations(points, derivatives, spacings)
+        error = np.abs(residual / spacings).max(axis=1, initial=0)
+        if settled.all():
+            break
+        residual /= behind
+        residual /= ratios[:, 1:]
+        np.cumsum(residual, axis=1, out=residual)
+        residual *= ratios[:, 1:]
+        residual[settled] = 0
+        parameters[:, 1:] += residual
+        settled |= error <= WHOLE_ERROR * spacings.min(initial=np.inf)
+    handles_s = path.coordinate(parameters)
+    # The inverse of `parameter` rounds; the heads keep their coordinates.
+    handles_s[:, 0] = heads
+    largest = np.maximum(np.abs(handles_s[:, [0, -1]]).max(axis=1), np.abs(points[:, 0]) + spacings.sum())
+    # Written so that nan fails.
+    settled &= error <= WHOLE_RESIDUAL * np.spacing(largest)
+    settled[settled] = path.nearest(parameters[settled], spacings)
+    speeds = np.abs(derivatives)
+    derivatives /= speeds
+    ratios *= speeds
+    ratios /= speeds[:, :1]
+    return ChainMotion(handles_s, points, derivatives, ratios), settled
+
+
+def arcs(spacings: Array, curvature: Array) -> Array:
+    """Lengths (T, N) of arcs of circles with this curvature (T, N) and the spacings as chords, at most half circles."""
+    sine = np.clip(curvature * (spacings / 2), LEAST_SINE, 1.0)
+    lengths: Array = np.arcsin(sine)
+    lengths /= sine
+    lengths *= spacings
+    return lengths
+
+
+def _bench_equations(points: Complex, derivatives: Complex, spacings: Array) -> tuple[Array, Array, Array]:
+    """F (T, N), the velocity ratios (T, N + 1) and B (T, N) of `whole_chains`."""
+    benches = points[:, :-1] - points[:, 1:]
+    np.conjugate(benches, out=benches)
+    residual, behind = np.square(benches.real), np.square(benches.imag)
+    residual += behind
+    residual -= spacings**2
+    residual /= 2
+    ahead = (benches * derivatives[:, :-1]).real
+    benches *= derivatives[:, 1:]
+    return residual, velocity_ratios(ahead, benches.real), benches.real
+
+
 def rear_handle(path: Path, s: Array, chord: float) -> Array:
     """Nearest coordinates (T,) back along the path from `s` (T,) at the straight distance `chord`; nan if none."""
     fronts = path.point(s)
@@ -133,6 +259,25 @@ def rear_handle(path: Path, s: Array, chord: float) -> Array:
     if sharp.size:
         shortest[sharp], longest[sharp] = _bracket(path, s[sharp], fronts[sharp], chord)
     return rear_between(path, s, fronts, chord, shortest, longest)
+
+
+def nearest(path: Path, handles_s: Array, spacings: Array) -> Flags:
+    """Whether each rear handle of chains (T, H) at these distances is the one that `rear_handle` finds; (T,)."""
+    if not spacings.size:
+        return np.ones(len(handles_s), dtype=bool)
+    fronts, rears, reach = handles_s[:, :-1], handles_s[:, 1:], np.pi / 2 * spacings
+    # Where the path is gentle as in `gentle_offsets`, it is the only one within reach. First with one bound on the
+    # curvature for the whole chain, then with one for each bench.
+    found = (fronts > rears) & (fronts - rears <= reach)
+    curvature = path.max_curvature((fronts - reach).min(axis=1), fronts.max(axis=1))
+    rows = np.flatnonzero(~(curvature * spacings.max() < 2))
+    sharp = np.zeros(fronts.shape, dtype=bool)
+    if rows.size:
+        sharp[rows] = ~(path.max_curvature(fronts[rows] - reach, fronts[rows]) * spacings < 2)
+    for spacing in np.unique(spacings).tolist() if sharp.any() else []:
+        chosen = np.nonzero(sharp & (spacings == spacing))
+        found[chosen] = np.abs(rear_handle(path, fronts[chosen], spacing) - rears[chosen]) <= SAME_HANDLE
+    return np.asarray(found.all(axis=1))
 
 
 def gentle_offsets(path: Path, s: Array, chord: float) -> tuple[Array, Array, Flags]:

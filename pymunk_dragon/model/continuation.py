@@ -33,7 +33,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pymunk_dragon._arrays import Array, Flags
-from pymunk_dragon.model.chain import gentle_offsets, rear_between
+from pymunk_dragon.model.chain import ChainMotion, chain_motion, gentle_offsets, rear_between
 from pymunk_dragon.model.curves.base import Curve
 
 # Share of a spacing: grid on which the curvature is checked.
@@ -89,14 +89,18 @@ class Continuation:
 
         They are nan for a handle that continuous motion from the start cannot reach, and for all behind it.
         """
+        return self.motion(heads, handles).handles_s
+
+    def motion(self, heads: Array, handles: int) -> ChainMotion:
+        """The same with positions, m, tangents and velocity ratios."""
         spacings = self._spacings[: handles - 1]
         direct = self._direct(np.minimum(heads, self._head), np.maximum(heads, self._head), handles)
         if direct.all():
-            return self._curve.chain(heads, spacings)
+            return self._curve.chain_motion(heads, spacings)
         handles_s = np.empty((heads.size, handles))
         handles_s[direct] = self._curve.chain(heads[direct], spacings)
         handles_s[~direct] = self._followed(heads[~direct], handles)
-        return handles_s
+        return chain_motion(self._curve, handles_s, spacings)
 
     def ranges(self, first: Array, last: Array) -> tuple[Array, Array]:
         """Lowest and highest coordinates (T, H) of handles while the chain moves between two states (T, H)."""
@@ -130,9 +134,14 @@ class Continuation:
             return True
         return len({id(branch) for branch in self._branches(self._spacings.size)[1:]}) <= 1
 
+    @cached_property
+    def _follows_motion(self) -> bool:
+        """Whether `Curve.chain` always gives the states of all handles, and so of fewer."""
+        return self._curve.chain_follows_motion(self._spacings)
+
     def _direct(self, lows: Array, highs: Array, handles: int) -> Flags:
         """Whether `Curve.chain` gives the states of the first handles for any head from `lows` to `highs` (T,)."""
-        if self._curve.chain_follows_motion(self._spacings[: handles - 1]):
+        if self._follows_motion or self._curve.chain_follows_motion(self._spacings[: handles - 1]):
             return np.ones(lows.shape, dtype=bool)
         return self._gentle(lows, highs, range(handles - 1))
 

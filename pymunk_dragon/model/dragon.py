@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pymunk_dragon._arrays import Array
+from pymunk_dragon._arrays import Array, Complex
 from pymunk_dragon._checks import finite, whole
 from pymunk_dragon.errors import ParameterError
 
@@ -162,6 +162,20 @@ class Dragon:
         pose = np.asarray(poses, dtype=float)
         first = slice(pose.shape[-2])
         return outlines(pose, self.lengths[first], self.widths[first])
+
+    def outlines_between(self, handles: Complex) -> Complex:
+        """Corners (..., M, 4), in the order of `outlines`, of the first M benches, between `handles` (..., M + 1).
+
+        Points of the plane are complex numbers, m.
+        """
+        benches = handles[..., :-1] - handles[..., 1:]
+        along = benches * (self.lengths[: benches.shape[-1]] / 2 / np.abs(benches))
+        left = along * (1j * self.widths[: benches.shape[-1]] / self.lengths[: benches.shape[-1]])
+        centres = handles[..., :-1] - benches / 2
+        corners: Complex = np.empty((*benches.shape, 4), dtype=complex)
+        for k, corner in enumerate((-along - left, along - left, along + left, left - along)):
+            np.add(centres, corner, out=corners[..., k])
+        return corners
 
     def holes(self, poses: ArrayLike) -> tuple[Array, Array]:
         """Front and rear hole, each (..., N, 2) in m, of the benches at `poses` (..., N, 3)."""

@@ -10,13 +10,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pymunk_dragon._arrays import Array
+from pymunk_dragon._arrays import Array, as_vectors
 from pymunk_dragon._checks import finite, positive, whole
 from pymunk_dragon._display import Displayed
 from pymunk_dragon._frozen import ArrayRecord, read_only
 from pymunk_dragon._text import table
 from pymunk_dragon.errors import ParameterError, UnreachableError
-from pymunk_dragon.model.chain import velocity_ratios
+from pymunk_dragon.model.chain import ChainMotion
 from pymunk_dragon.model.continuation import Continuation
 from pymunk_dragon.model.curves import Curve, Reversed, Spiral
 from pymunk_dragon.model.curves.base import check_curve
@@ -263,11 +263,7 @@ class March(Displayed):
         UnreachableError
             If continuous motion has ended for a handle: the first such time, and the first such handle then.
         """
-        t = self._checked(times)
-        coordinates = self.handles_s_or_nan(t, handles)
-        if np.isnan(coordinates).any():
-            self._raise_unreachable(t, coordinates)
-        return coordinates
+        return self.motion(times, handles).handles_s
 
     def handles_s_or_nan(self, times: ArrayLike, handles: int | None = None) -> Array:
         """The same, with nan for handles that have no coordinate at a time, and for all behind them.
@@ -277,6 +273,20 @@ class March(Displayed):
         ParameterError
             As `handles_s` does.
         """
+        return self.motion_or_nan(times, handles).handles_s
+
+    def motion(self, times: ArrayLike, handles: int | None = None) -> ChainMotion:
+        """Coordinates, positions, tangents and velocity ratios of the handles.
+
+        Parameters, and errors raised, are those of `handles_s`.
+        """
+        motion = self.motion_or_nan(times, handles)
+        if np.isnan(motion.handles_s).any():
+            self._raise_unreachable(self._checked(times), motion.handles_s)
+        return motion
+
+    def motion_or_nan(self, times: ArrayLike, handles: int | None = None) -> ChainMotion:
+        """The same, with nan as in `handles_s_or_nan`."""
         t = self._checked(times)
         number = self.dragon.handles
         if handles is not None:
@@ -286,7 +296,7 @@ class March(Displayed):
         if beyond.any():
             # Not past the end by rounding.
             heads[beyond] = np.where(t[beyond] <= self.end, self.curve.end_s, np.nan)
-        return self.continuation.coordinates(heads, number)
+        return self.continuation.motion(heads, number)
 
     def _checked(self, times: ArrayLike) -> Array:
         """A copy of `times` as an array (T,) in s."""
@@ -341,14 +351,11 @@ class March(Displayed):
             As `handles_s` does.
         """
         t = self._checked(times)
-        coordinates = self.handles_s(t, handles)
-        positions, tangents = self.curve.frame(coordinates)
-        along = positions[:, :-1] - positions[:, 1:]
-        front = np.sum(tangents[:, :-1] * along, axis=-1)
-        rear = np.sum(tangents[:, 1:] * along, axis=-1)
+        handles_s, points, tangents, rates = self.motion(t, handles)
         # Signed along the path: a head at more than a right angle to its bench pushes the rear handle back.
-        rates = self.speed_profile.at(t)[:, None] * velocity_ratios(front, rear)
-        return States(t, coordinates, positions, rates[..., None] * tangents, np.abs(rates))
+        rates *= self.speed_profile.at(t)[:, None]
+        tangents *= rates
+        return States(t, handles_s, as_vectors(points), as_vectors(tangents), np.abs(rates, out=rates))
 
     def speeds_by_difference(self, times: ArrayLike, step: float) -> Array:
         """Speeds (T, H) in m/s by the paper's forward difference over `step` s (eq. 15), for comparison.

@@ -76,13 +76,18 @@ class Arc(Curve, kind="arc"):
 
     def point(self, s: ArrayLike) -> Array:
         """Position (..., 2) in m."""
-        angle = self._angle(s)
-        return self.centre + self.radius * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+        return self.frame(s)[0]
 
     def tangent(self, s: ArrayLike) -> Array:
         """Unit vector (..., 2) in the direction of travel."""
+        return self.frame(s)[1]
+
+    def frame(self, s: ArrayLike) -> tuple[Array, Array]:
+        """Positions and unit vectors in the direction of travel, each (..., 2)."""
         angle = self._angle(s)
-        return self._side * np.stack([-np.sin(angle), np.cos(angle)], axis=-1)
+        outward = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+        leftward = np.stack([-outward[..., 1], outward[..., 0]], axis=-1)
+        return self.centre + self.radius * outward, self._side * leftward
 
     def curvature(self, s: ArrayLike) -> Array:
         """Curvature (...) in 1/m, positive for an arc to the left."""

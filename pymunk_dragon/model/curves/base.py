@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pymunk_dragon._arrays import Array
+from pymunk_dragon._arrays import Array, Complex, Flags, as_complex
 from pymunk_dragon._checks import finite, number
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model import chain
+from pymunk_dragon.model.chain import ChainMotion
 from pymunk_dragon.model.curves._checked import CHECK, checked_bound, checked_method
 
 # m from the origin. At this distance a double still resolves 0.02 nm.
@@ -24,7 +25,20 @@ MAX_DEPTH = 32
 CHECKED: Mapping[str, tuple[int, ...]] = {"point": (2,), "tangent": (2,), "curvature": (), "max_curvature": ()}
 # Members that depend on the points of a curve. A class outside the package that changes its points inherits the general
 # ones of `Curve`.
-DERIVED = ("frame", "chain", "parameter", "coordinate", "behind", "chain_follows_motion", "foot", "inward")
+DERIVED = (
+    "frame",
+    "chain",
+    "chain_motion",
+    "parameter",
+    "coordinate",
+    "estimate",
+    "motion",
+    "nearest",
+    "behind",
+    "chain_follows_motion",
+    "foot",
+    "inward",
+)
 
 
 class Curve(ABC):
@@ -181,9 +195,27 @@ class Curve(ABC):
         >>> Line(stop=(30, 40)).chain([10.0], [3.0, 2.0]).round(9).tolist()
         [[10.0, 7.0, 5.0]]
         """
-        parameters = np.empty((np.size(s), np.size(spacings) + 1))
-        parameters[:, 0] = self.parameter(np.asarray(s, dtype=float))
-        for i, chord in enumerate(np.asarray(spacings, dtype=float).tolist()):
+        return self.chain_motion(s, spacings).handles_s
+
+    def chain_motion(self, s: ArrayLike, spacings: ArrayLike) -> ChainMotion:
+        """The chains of `chain` with the positions of their handles, tangents and velocity ratios.
+
+        Each chain is computed as a whole. Where this does not succeed, it is computed bench by bench.
+        """
+        heads, chords = np.array(s, dtype=float).ravel(), np.asarray(spacings, dtype=float).ravel()
+        found, settled = chain.whole_chains(self, heads, chords)
+        if not settled.all():
+            rest = ~settled
+            handles_s = self._bench_by_bench(heads[rest], chords)
+            for into, part in zip(found, chain.chain_motion(self, handles_s, chords), strict=True):
+                into[rest] = part
+        return found
+
+    def _bench_by_bench(self, s: Array, chords: Array) -> Array:
+        """Coordinates (T, H) as in `chain`, from each handle to the next."""
+        parameters = np.empty((s.size, chords.size + 1))
+        parameters[:, 0] = self.parameter(s)
+        for i, chord in enumerate(chords.tolist()):
             parameters[:, i + 1] = self.behind(parameters[:, i], chord)
         handles_s = self.coordinate(parameters)
         # The inverse of `parameter` rounds; the heads keep their coordinates.
@@ -191,18 +223,41 @@ class Curve(ABC):
         return handles_s
 
     def parameter(self, s: Array) -> Array:
-        """The parameter in which `chain` computes, (T,): the coordinates unless a curve has a faster one."""
+        """The parameter in which `chain` computes, (...), growing in the direction of travel; nan off the curve.
+
+        It is the coordinate unless a curve has a faster one.
+        """
         return np.where((s >= self.begin_s) & (s <= self.end_s), s, np.nan)
 
     def coordinate(self, parameter: Array) -> Array:
         """Coordinates (...) of parameters, m: the inverse of `parameter`."""
         return parameter
 
+    def estimate(self, heads: Array, spacings: Array) -> Array:
+        """Estimated parameters (T, H) of chains: each arc is as long as on a circle of the path's curvature there."""
+        s = heads[:, None] - np.concatenate([[0.0], np.cumsum(spacings)])
+        square = self.curvature(np.clip(s, self.begin_s, self.end_s)) ** 2
+        curvature = np.sqrt((square[:, 1:] + square[:, :-1]) / 2)
+        s[:, 1:] = heads[:, None] - np.cumsum(chain.arcs(spacings, curvature), axis=1)
+        return self.parameter(np.maximum(s, self.begin_s))
+
+    def motion(self, parameter: Array) -> tuple[Complex, Complex]:
+        """Positions and their derivatives by the parameter, each (...), as complex numbers."""
+        points, tangents = self.frame(parameter)
+        return as_complex(points), as_complex(tangents)
+
+    def nearest(self, parameters: Array, spacings: Array) -> Flags:
+        """Whether each handle of chains (T,) with these parameters (T, H) is the nearest one back along the path.
+
+        The straight distances are the spacings; what is asked is whether they grow over the whole arcs between.
+        """
+        return chain.nearest(self, self.coordinate(parameters), spacings)
+
     def behind(self, parameter: Array, chord: float) -> Array:
         """Parameters (T,) of the nearest points back along the path at the straight distance `chord`; nan if none."""
         found = np.full(parameter.shape, np.nan)
         on = ~np.isnan(parameter)
-        found[on] = chain.rear_handle(self, parameter[on], chord)
+        found[on] = self.parameter(chain.rear_handle(self, self.coordinate(parameter[on]), chord))
         return found
 
     def chain_follows_motion(self, spacings: Array) -> bool:

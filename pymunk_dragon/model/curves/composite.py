@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
-from pymunk_dragon._arrays import Array
+from pymunk_dragon._arrays import Array, Complex, as_complex, as_vectors
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.curves.base import Curve, check_curve, overlap, within
 
@@ -58,6 +59,10 @@ class Composite(Curve, kind="composite"):
     joints: tuple[float, ...] = field(init=False, repr=False, compare=False)
     # Offsets from the curve's coordinates to those of each piece.
     _shifts: tuple[float, ...] = field(init=False, repr=False, compare=False)
+    # The parameter is that of the pieces, scaled and shifted so that it and its rate are continuous at the joints.
+    _scales: tuple[float, ...] = field(init=False, repr=False, compare=False)
+    _parameter_shifts: tuple[float, ...] = field(init=False, repr=False, compare=False)
+    _parameter_joints: tuple[float, ...] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         given: object = self.pieces
@@ -78,6 +83,20 @@ class Composite(Curve, kind="composite"):
         object.__setattr__(self, "pieces", pieces)
         object.__setattr__(self, "joints", tuple(joints))
         object.__setattr__(self, "_shifts", tuple(shifts))
+        self._join_parameters()
+
+    def _join_parameters(self) -> None:
+        scales, shifts, joints = [1.0], [0.0], []
+        for before, after in pairwise(self.pieces):
+            (end, end_rate), (begin, begin_rate) = (
+                _parameter_at(before, before.end_s),
+                _parameter_at(after, after.begin_s),
+            )
+            joints.append(scales[-1] * end - shifts[-1])
+            scales.append(scales[-1] * begin_rate / end_rate)
+            shifts.append(scales[-1] * begin - joints[-1])
+        for name, values in (("_scales", scales), ("_parameter_shifts", shifts), ("_parameter_joints", joints)):
+            object.__setattr__(self, name, tuple(values))
 
     @property
     def begin_s(self) -> float:
@@ -91,23 +110,64 @@ class Composite(Curve, kind="composite"):
 
     def point(self, s: ArrayLike) -> Array:
         """Position (..., 2) in m."""
-        [points] = self._by_piece(s, lambda piece, coordinates: [piece.point(coordinates)], (2,))
-        return points
+        return self.frame(s)[0]
 
     def tangent(self, s: ArrayLike) -> Array:
         """Unit vector (..., 2) in the direction of travel."""
-        [tangents] = self._by_piece(s, lambda piece, coordinates: [piece.tangent(coordinates)], (2,))
-        return tangents
+        return self.frame(s)[1]
 
     def frame(self, s: ArrayLike) -> tuple[Array, Array]:
         """Positions and unit vectors in the direction of travel, each (..., 2)."""
-        points, tangents = self._by_piece(s, lambda piece, coordinates: piece.frame(coordinates), (2,), (2,))
-        return points, tangents
+        points, tangents = self._by_piece(
+            within(s, self.begin_s, self.end_s),
+            self.joints,
+            lambda k, part: [*map(as_complex, self.pieces[k].frame(self._on_piece(k, part)))],
+            complex,
+            complex,
+        )
+        return as_vectors(points), as_vectors(tangents)
 
     def curvature(self, s: ArrayLike) -> Array:
         """Curvature (...) in 1/m, positive to the left."""
-        [curvatures] = self._by_piece(s, lambda piece, coordinates: [piece.curvature(coordinates)], ())
+        [curvatures] = self._by_piece(
+            within(s, self.begin_s, self.end_s),
+            self.joints,
+            lambda k, part: [self.pieces[k].curvature(self._on_piece(k, part))],
+            float,
+        )
         return curvatures
+
+    def parameter(self, s: Array) -> Array:
+        """Parameters (...): those of the pieces, scaled and shifted."""
+        [parameters] = self._by_piece(
+            within(s, self.begin_s, self.end_s),
+            self.joints,
+            lambda k, part: [
+                self._scales[k] * self.pieces[k].parameter(self._on_piece(k, part)) - self._parameter_shifts[k]
+            ],
+            float,
+        )
+        return parameters
+
+    def coordinate(self, parameter: Array) -> Array:
+        """Coordinates (...) of parameters, m."""
+        [coordinates] = self._by_piece(
+            parameter,
+            self._parameter_joints,
+            lambda k, part: [self.pieces[k].coordinate(self._of_piece(k, part)) - self._shifts[k]],
+            float,
+        )
+        return coordinates
+
+    def motion(self, parameter: Array) -> tuple[Complex, Complex]:
+        """Positions and their derivatives by the parameter, each (...), as complex numbers."""
+
+        def motion(k: int, part: Array) -> list[Complex]:
+            points, derivatives = self.pieces[k].motion(self._of_piece(k, part))
+            return [points, derivatives / self._scales[k]]
+
+        points, derivatives = self._by_piece(parameter, self._parameter_joints, motion, complex, complex)
+        return points, derivatives
 
     def max_curvature(self, s: ArrayLike, other: ArrayLike) -> Array:
         """Upper bound (...) on the absolute curvature between two coordinates, 1/m."""
@@ -127,47 +187,36 @@ class Composite(Curve, kind="composite"):
         ends = (end for piece in self.pieces for end in (piece.begin_s, piece.end_s, *piece.inner_ends))
         return tuple(end for end in ends if math.isfinite(end))
 
-    def chain(self, s: ArrayLike, spacings: ArrayLike) -> Array:
-        """As `Curve.chain`, computed on the first piece in the parameter of that piece, which may be faster."""
-        if not self.joints:
-            return super().chain(s, spacings)
-        piece, chords = self.pieces[0], np.asarray(spacings, dtype=float)
-        handles_s = np.full((np.size(s), chords.size + 1), np.nan)
-        handles_s[:, 0] = self.parameter(np.asarray(s, dtype=float))
-        parameters, on = np.full(handles_s.shape, np.nan), np.zeros(len(handles_s), dtype=bool)
-        for i, chord in enumerate(chords.tolist()):
-            here = handles_s[:, i]
-            fresh = ~on & (here <= self.joints[0])
-            parameters[fresh, i] = piece.parameter(self._on_piece(0, here[fresh]))
-            on |= fresh
-            parameters[on, i + 1] = piece.behind(parameters[on, i], chord)
-            rest = np.flatnonzero(~on & ~np.isnan(here))
-            if rest.size:
-                handles_s[rest, i + 1] = self.behind(here[rest], chord)
-        missing = np.isnan(handles_s)
-        handles_s[missing] = piece.coordinate(parameters[missing]) - self._shifts[0]
-        return handles_s
-
     def _by_piece(
-        self, s: ArrayLike, method: Callable[[Curve, Array], Sequence[Array]], *tails: tuple[int, ...]
-    ) -> Sequence[Array]:
-        """Joined results of `method` for the pieces: an array for each of `tails`, of the coordinates' shape + tail."""
-        coordinates = within(s, self.begin_s, self.end_s)
+        self,
+        values: Array,
+        joints: tuple[float, ...],
+        method: Callable[[int, Array], list[NDArray[Any]]],
+        *kinds: type,
+    ) -> list[NDArray[Any]]:
+        """Joined results of `method` for the number of each piece and the values (...) between its joints.
+
+        They are arrays (...) of these `kinds`.
+        """
         # nan is sorted behind all joints, and gives nan on the last piece.
-        index = np.searchsorted(self.joints, coordinates, side="right")
+        index = np.searchsorted(joints, values, side="right")
         first, last = (int(index.min()), int(index.max())) if index.size else (0, 0)
         if first == last:
-            return method(self.pieces[first], self._on_piece(first, coordinates))
-        answers = [np.empty(coordinates.shape + tail) for tail in tails]
+            return method(first, values)
+        answers: list[NDArray[Any]] = [np.empty(values.shape, kind) for kind in kinds]
         for k in range(first, last + 1):
-            here = index == k
-            for answer, part in zip(answers, method(self.pieces[k], self._on_piece(k, coordinates[here])), strict=True):
-                answer[here] = part
+            here = np.flatnonzero(index == k)
+            for answer, part in zip(answers, method(k, values.take(here)), strict=True):
+                answer.reshape(-1)[here] = part
         return answers
 
     def _on_piece(self, k: int, coordinates: Array) -> Array:
         """Coordinates on piece `k`, clipped to it against rounding."""
         return np.clip(coordinates + self._shifts[k], self.pieces[k].begin_s, self.pieces[k].end_s)
+
+    def _of_piece(self, k: int, parameters: Array) -> Array:
+        """Parameters on piece `k`."""
+        return (parameters + self._parameter_shifts[k]) / self._scales[k]
 
     def _check_joint(self, number: int, before: Curve, after: Curve) -> None:
         """Refuse two pieces that do not meet at joint `number`, counted from 1."""
@@ -182,3 +231,9 @@ class Composite(Curve, kind="composite"):
         if not (gap <= MAX_GAP and kink <= MAX_KINK):
             apart = f"{gap:.3g} m and {kink:.3g} rad ({math.degrees(kink):.3g} degrees)"
             raise ParameterError("pieces", self.pieces, f"joined smoothly: at joint {number} {names} are {apart} apart")
+
+
+def _parameter_at(curve: Curve, s: float) -> tuple[float, float]:
+    """The parameter of a coordinate, and metres per unit of the parameter there."""
+    parameter = curve.parameter(np.array([s]))
+    return float(parameter[0]), float(np.abs(curve.motion(parameter)[1][0]))

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pymunk_dragon._arrays import Array
+from pymunk_dragon._arrays import Array, Complex
 from pymunk_dragon._checks import number
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.curves.base import Curve, check_curve, overlap, within
@@ -84,6 +84,10 @@ class Section(Curve, kind="section"):
         s = self.curve.coordinate(parameter)
         # Rounding may put a handle at the beginning before it.
         return np.where(s < self.begin_s - ROUNDING, np.nan, np.maximum(s, self.begin_s))
+
+    def motion(self, parameter: Array) -> tuple[Complex, Complex]:
+        """Positions and their derivatives by the parameter, each (...), as complex numbers."""
+        return self.curve.motion(parameter)
 
     def behind(self, parameter: Array, chord: float) -> Array:
         """Parameters (T,) of the nearest points back along the whole curve."""

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pymunk_dragon._arrays import Array, Complex
+from pymunk_dragon._arrays import Array, Complex, Flags, as_complex, as_vectors
 from pymunk_dragon._checks import finite, positive
 from pymunk_dragon.errors import ParameterError
+from pymunk_dragon.model import chain
 from pymunk_dragon.model.curves.base import Curve
 
 __all__ = ["Spiral"]
@@ -106,6 +107,11 @@ class Spiral(Curve, kind="spiral"):
         """Whether the spiral is travelled inward."""
         return not self.outward
 
+    @property
+    def _sign(self) -> int:
+        """1 if the angle grows in the direction of travel, otherwise -1."""
+        return 1 if self.outward else -1
+
     def turns(self, s: float) -> float:
         """Number of turns from the centre at the coordinate `s` m."""
         return float(self.angle(s)) / TURN
@@ -132,31 +138,44 @@ class Spiral(Curve, kind="spiral"):
 
     def angle(self, s: ArrayLike) -> Array:
         """Polar angle theta in rad, counted from the centre along the winding (eq. 6); nan beyond the centre."""
-        length = self._length(s)
+        length = np.atleast_1d(self._length(s))
         # Twice the arc length over k: theta sqrt(theta^2 + 1) + arcsinh theta (eq. 3-5).
-        target = 2 / self.k * np.where(length >= 0, length, 0.0)
-        far = np.maximum(target, FAR_OUT)
-        theta = np.where(target > FAR_OUT, np.sqrt(far - 0.5 * np.log(4 * far) - 0.5), np.minimum(target, FAR_OUT) / 2)
+        target = np.maximum(length, 0.0) * (2 / self.k)
+        theta = _estimated_angle(target)
         for _ in range(MAX_PASSES):
-            rise = np.hypot(theta, 1)
-            newton = (theta + (np.arcsinh(theta) - target) / rise) / 2
+            rise = _rise(theta)
+            newton = theta + rise
+            np.log(newton, out=newton)
+            newton -= target
+            newton /= rise
+            newton += theta
+            newton /= 2
             # Halley's method; the derivative of `rise` is theta / rise.
-            step = newton / (1 - newton * theta / (2 * rise**2))
-            theta = np.maximum(theta - step, 0.0)
-            if np.all(np.abs(step) <= HALLEY_TOLERANCE * theta + STEP_TOLERANCE):
+            rise *= rise
+            np.divide(theta, rise, out=rise)
+            rise *= newton
+            rise /= -2
+            rise += 1
+            newton /= rise
+            theta -= newton
+            np.maximum(theta, 0.0, out=theta)
+            if np.all(np.abs(newton, out=newton) <= HALLEY_TOLERANCE * theta + STEP_TOLERANCE):
                 break
-        return np.where(length >= 0, theta, np.nan)
+        beyond = ~(length >= 0)
+        if beyond.any():
+            theta[beyond] = np.nan
+        return theta.reshape(np.shape(s))
 
     def speeds_by_difference(self, now: Array, later: Array, step: float) -> Array:
         """Speeds (...), m/s, of handles at `now`, and at `later` after `step` s, from their polar angles (eq. 15)."""
         theta = self.angle(now)
-        speeds: Array = self.k * np.hypot(theta, 1) * np.abs(self.angle(later) - theta) / step
+        speeds: Array = self.k * _rise(theta) * np.abs(self.angle(later) - theta) / step
         return speeds
 
     def point(self, s: ArrayLike) -> Array:
         """Position (..., 2) in m (eq. 7, 8, 11)."""
         theta = self.angle(s)
-        return self._placed(self.k * theta * _direction(theta))
+        return as_vectors(self._placed(self.k * theta * _direction(theta)))
 
     def tangent(self, s: ArrayLike) -> Array:
         """Unit vector (..., 2) in the direction of travel."""
@@ -167,9 +186,8 @@ class Spiral(Curve, kind="spiral"):
         """Positions and unit vectors in the direction of travel, each (..., 2)."""
         theta = self.angle(s)
         direction = _direction(theta)
-        return self._placed(self.k * theta * direction), self._placed(
-            self._tangent(theta, direction, np.hypot(theta, 1))
-        )
+        points, tangents = self.k * theta * direction, self._tangent(theta, direction, _rise(theta))
+        return as_vectors(self._placed(points)), as_vectors(self._placed(tangents))
 
     def curvature(self, s: ArrayLike) -> Array:
         """Curvature (...) in 1/m, positive to the left: the paper's spiral curves to the right."""
@@ -183,12 +201,44 @@ class Spiral(Curve, kind="spiral"):
         return np.where(np.maximum(length, other_length) < 0, 0.0, curvatures)
 
     def parameter(self, s: Array) -> Array:
-        """Polar angles (T,) on an inward spiral, on which `chain` takes all steps (eq. 10, 12, 13)."""
-        return super().parameter(s) if self.outward else self.angle(s)
+        """Polar angles (...), negative on an inward spiral, in which `chain` computes (eq. 10, 12, 13)."""
+        return self._sign * self.angle(s)
 
     def coordinate(self, parameter: Array) -> Array:
         """Coordinates (...) of parameters, m."""
-        return parameter if self.outward else -self.arc(parameter)
+        return self._sign * self.arc(self._sign * parameter)
+
+    def estimate(self, heads: Array, spacings: Array) -> Array:
+        """Estimated parameters (T, H) of chains: each arc is as long as on a circle of the spiral's radius there."""
+        if self.outward:
+            return super().estimate(heads, spacings)
+        length = np.concatenate([[0.0], np.cumsum(spacings)]) - heads[:, None]
+        # The radius is nearly the root of 2 k times the arc length.
+        curvature = 1 / np.sqrt(self.k * (length[:, 1:] + length[:, :-1]))
+        length[:, 1:] = np.cumsum(chain.arcs(spacings, curvature), axis=1) - heads[:, None]
+        length *= 2 / self.k
+        parameters = -_estimated_angle(length)
+        parameters[:, 0] = self.parameter(heads)
+        return parameters
+
+    def motion(self, parameter: Array) -> tuple[Complex, Complex]:
+        """Positions and their derivatives by the parameter, each (...), as complex numbers."""
+        derivatives = _direction(self._sign * parameter)
+        derivatives *= self._sign * self.k
+        points = parameter * derivatives
+        derivatives += self._sign * 1j * points
+        return self._placed(points), self._placed(derivatives)
+
+    def nearest(self, parameters: Array, spacings: Array) -> Flags:
+        """Whether each handle of chains (T,) with these parameters (T, H) is the nearest one back along the path.
+
+        On an inward spiral the distance grows over half a turn back: every term of its growth is positive.
+        """
+        if self.outward:
+            return super().nearest(parameters, spacings)
+        back = parameters[:, :-1] - parameters[:, 1:]
+        within: Flags = (back > 0) & (back < np.pi)
+        return np.asarray(within.all(axis=1))
 
     def behind(self, parameter: Array, chord: float) -> Array:
         """Parameters (T,) of the nearest points back along the path at the straight distance `chord` m; nan if none.
@@ -200,9 +250,9 @@ class Spiral(Curve, kind="spiral"):
         """
         if self.outward:
             return super().behind(parameter, chord)
-        theta, reach = parameter, (chord / self.k) ** 2
+        theta, reach = -parameter, (chord / self.k) ** 2
         # The chord of a circle with the radius that the spiral has halfway, to third order.
-        phi = chord / (self.k * np.hypot(theta + chord / (2 * self.k * np.hypot(theta, 1)), 1))
+        phi = chord / (self.k * _rise(theta + chord / (2 * self.k * _rise(theta))))
         phi += phi**3 / 24
         with np.errstate(all="ignore"):
             for _ in range(FREE_PASSES):
@@ -218,7 +268,7 @@ class Spiral(Curve, kind="spiral"):
         missed = ~(found | np.isnan(theta))
         if missed.any():
             phi[missed] = _first_reached(theta[missed], reach)
-        return theta + phi
+        return -(theta + phi)
 
     def chain_follows_motion(self, spacings: Array) -> bool:
         """Whether `chain` always finds the state to which continuous motion leads, for spacings (N,) in m.
@@ -246,29 +296,28 @@ class Spiral(Curve, kind="spiral"):
         The foot is at the polar angle of the point, so one division replaces four sines. Guides call this at every
         substep, and most of its time is NumPy's for each call: so there are few of them, in place.
         """
-        z = np.ascontiguousarray(points, dtype=float).view(complex)[..., 0]
-        z = self._unplaced(z)
+        z = self._unplaced(as_complex(np.asarray(points, dtype=float)))
         theta = np.arctan2(z.imag, z.real)
         # The angle at `near` to a few hundredths, except on the innermost turn: enough to identify the turn.
         turns = np.sqrt(2 / self.k * np.abs(near))
         turns -= theta
         turns *= 1 / TURN
         theta = theta + TURN * np.rint(turns)
-        rise = np.sqrt(theta * theta + 1)
+        rise = _rise(theta)
         # The arc length of eq. 3-5; a logarithm costs less than its arcsinh.
         coordinate = np.log(theta + rise)
         coordinate += theta * rise
-        coordinate *= self.k / 2 if self.outward else -self.k / 2
+        coordinate *= self._sign * self.k / 2
         radius = np.abs(z)
         # As in `_tangent`, from a vector of length `radius`.
         rise *= radius
         ahead = np.empty(theta.shape, dtype=complex)
-        np.divide(1 if self.outward else -1, rise, out=ahead.real)
+        np.divide(self._sign, rise, out=ahead.real)
         np.multiply(theta, ahead.real, out=ahead.imag)
         ahead *= z
         theta *= self.k
         theta /= radius
-        return coordinate, self._placed(theta * z), self._placed(ahead)
+        return coordinate, as_vectors(self._placed(theta * z)), as_vectors(self._placed(ahead))
 
     def _length(self, s: ArrayLike) -> Array:
         """Arc length from the centre, m; negative beyond it."""
@@ -281,12 +330,12 @@ class Spiral(Curve, kind="spiral"):
 
     def arc(self, theta: Array) -> Array:
         """Arc length from the centre, m: the closed form of eq. 3-5."""
-        length: Array = self.k / 2 * (theta * np.hypot(theta, 1) + np.arcsinh(theta))
+        length: Array = self.k / 2 * (theta * _rise(theta) + np.arcsinh(theta))
         return length
 
     def _curvature_at(self, theta: Array) -> Array:
-        square = theta**2
-        curvature: Array = (square + 2) / (self.k * (square + 1) ** 1.5)
+        rise = _rise(theta)
+        curvature: Array = (rise + 1 / rise) / (self.k * rise**2)
         return curvature
 
     def _tangent(self, theta: Array, direction: Complex, rise: Array) -> Complex:
@@ -300,13 +349,13 @@ class Spiral(Curve, kind="spiral"):
         ahead *= direction
         return ahead
 
-    def _placed(self, vectors: Complex) -> Array:
-        """Vectors (..., 2) of the plane, from those of a spiral that is neither mirrored nor turned."""
+    def _placed(self, vectors: Complex) -> Complex:
+        """Vectors (...) of the plane, from those of a spiral that is neither mirrored nor turned."""
         if self.mirrored:
             vectors = vectors.conj()
         if self.rotation:
             vectors = vectors * np.exp(1j * self.rotation)
-        return vectors[..., None].view(float)
+        return vectors
 
     def _unplaced(self, vectors: Complex) -> Complex:
         """The inverse of `_placed`."""
@@ -380,9 +429,36 @@ def _least_growth(theta: Array) -> Array:
     return low
 
 
+def _estimated_angle(target: Array) -> Array:
+    """Angle by twice its arc length over k: by two terms of the asymptotic form, or by the tangent at the centre."""
+    # theta^2 = target - log(4 theta^2) / 2 - 1 / 2 - ..., used twice.
+    far = np.maximum(target, FAR_OUT)
+    logs = np.log(4 * far)
+    logs *= -2
+    logs -= 2
+    logs += 4 * far
+    np.log(logs, out=logs)
+    logs /= 2
+    far -= logs
+    far -= 0.5
+    theta = np.sqrt(far, out=far)
+    near = target <= FAR_OUT
+    if near.any():
+        theta[near] = target[near] / 2
+    return theta
+
+
+def _rise(theta: Array) -> Array:
+    """Arc length per radian, over k. Angles are far too small for their squares to overflow."""
+    rise: Array = np.sqrt(theta * theta + 1)
+    return rise
+
+
 def _direction(theta: Array) -> Complex:
-    """e^(i theta)."""
+    """e^(i theta), from the tangent of half the angle: NumPy computes it several times as fast as sine and cosine."""
+    half = np.tan(theta / 2)
+    share = 2 / (1 + half * half)
     direction = np.empty(theta.shape, dtype=complex)
-    np.cos(theta, out=direction.real)
-    np.sin(theta, out=direction.imag)
+    np.subtract(share, 1, out=direction.real)
+    np.multiply(share, half, out=direction.imag)
     return direction
