@@ -331,6 +331,16 @@ def test_benches_stay_within_their_bounds(choice, share, exponent):
         assert np.all(apart[:, columns].min(axis=0) >= bound(rows, pairs, normals) - 1e-12)
 
 
+def test_errors_of_computed_points_widen_the_bound_on_rounding(seed_march):
+    """The certificate does not assume that the chain's equations were solved: it measures their residuals."""
+    intervals = Intervals.between(seed_march, np.array([100.0, 100.5]))
+    exact = MotionBounds(seed_march, intervals).rounding[0]
+    points = intervals.middle.points.copy()
+    points[0, 50] += 1e-7
+    moved = replace(intervals, middle=intervals.middle._replace(points=points))
+    assert exact < 1e-7 < MotionBounds(seed_march, moved).rounding[0]
+
+
 def test_bounds_hold_at_the_end_of_a_way_of_many_kilometres():
     dragon = Dragon(
         benches=4, head_spacing=13.735165996067813, body_spacing=4.780263451866065, overhang=1.9, width=0.44

@@ -9,8 +9,8 @@ bounds hold for either direction of motion: `Continuation.ranges` bounds the ran
 
 Rounding. The error of a point of the curve is at most 8 last digits u of the largest coordinate, in space, along the
 path or along one of its pieces. The tests measure this for the package's curves; `Curve.point` requires it of others.
-So the computed coordinates satisfy |F| <= h = 18 u, with F = (|P(s) - P(r)|^2 - L^2) / (2 L): 8 u for each point, and
-2 u for the distance. Newton's last step is the square of 1e-10, which is negligible.
+So the computed coordinates satisfy |F| <= h, where F = (|P(s) - P(r)|^2 - L^2) / (2 L) and h is the largest |F| of the
+computed points plus 18 u: 8 u for each point, and 2 u for the distance.
 
 The exact coordinates are reached if F goes to 0 in proportion to 1 - tau, with tau from 0 to 1. While each coordinate
 stays within E of its computed value, cos alpha and cos beta stay within (2 / L + kappa) E of theirs; half as much again
@@ -31,11 +31,11 @@ from functools import cached_property
 
 import numpy as np
 
-from pymunk_dragon._arrays import Array, Complex, Flags, Indices
+from pymunk_dragon._arrays import Array, Complex, Flags, Indices, as_complex, as_vectors
 from pymunk_dragon.collision.grid import MAX_CELL, MIN_CELL, Grid
 from pymunk_dragon.collision.sat import Separation, separation
 from pymunk_dragon.model import chain
-from pymunk_dragon.model.chain import RateBounds
+from pymunk_dragon.model.chain import ChainMotion, RateBounds
 from pymunk_dragon.model.curves import Curve
 from pymunk_dragon.model.dragon import bench_poses
 from pymunk_dragon.model.march import March
@@ -54,12 +54,12 @@ SQUARE = np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
 
 @dataclass(frozen=True)
 class Intervals:
-    """Time intervals (T,) with the coordinates (T, H) of the foremost handles at their beginning, midpoint and end."""
+    """Time intervals (T,) with the foremost handles: coordinates (T, H) at both ends, and motion at the midpoint."""
 
     begins: Array
     ends: Array
     first_s: Array
-    middle_s: Array
+    middle: ChainMotion
     last_s: Array
 
     @classmethod
@@ -67,20 +67,30 @@ class Intervals:
         """Intervals between consecutive `times`, up to the first time at which a handle has no coordinate."""
         all_times = np.empty(2 * times.size - 1)
         all_times[::2], all_times[1::2] = times, (times[:-1] + times[1:]) / 2
-        handles_s = march.handles_s_or_nan(all_times, handles)
+        motion = march.motion_or_nan(all_times, handles)
         # If a handle has no coordinate, the last one has none.
-        lost = np.isnan(handles_s[:, -1])
+        lost = np.isnan(motion.handles_s[:, -1])
         count = (int(lost.argmax()) - 1) // 2 if lost.any() else times.size - 1
-        handles_s = handles_s[: 2 * count + 1]
-        return cls(times[:count], times[1 : count + 1], handles_s[:-1:2], handles_s[1::2], handles_s[2::2])
+        edges = motion.handles_s[: 2 * count + 1 : 2]
+        middle = motion.each(lambda part: part[1 : 2 * count : 2])
+        return cls(times[:count], times[1 : count + 1], edges[:-1], middle, edges[1:])
 
-    def halved(self, march: March, chosen: Indices, handles: int) -> Intervals:
-        """First halves of the `chosen` intervals, then their second halves, with the foremost `handles`."""
-        begins, middles, ends = self.begins[chosen], self.middles[chosen], self.ends[chosen]
-        first, middle, last = (part[chosen, :handles] for part in (self.first_s, self.middle_s, self.last_s))
-        begins, ends = np.concatenate([begins, middles]), np.concatenate([middles, ends])
-        first, last = np.concatenate([first, middle]), np.concatenate([middle, last])
-        return Intervals(begins, ends, first, march.handles_s((begins + ends) / 2, handles), last)
+    def divided(self, march: March, chosen: Indices, parts: int, handles: int) -> Intervals:
+        """Equal parts of the `chosen` intervals, one after the other, with the foremost `handles`."""
+        index = np.arange(2 * parts + 1)
+        shares = index / (2 * parts)
+        times = (1 - shares) * self.begins[chosen, None] + shares * self.ends[chosen, None]
+        # The ends of the parts have even numbers; those at the ends and the midpoint of the interval are known.
+        new = index[(index % parts > 0) | (index % 2 > 0)]
+        shape = len(chosen), new.size, handles
+        motion = march.motion(times[:, new], handles).each(lambda part: part.reshape(shape))
+        handles_s = np.empty((*times.shape, handles))
+        for k, states in ((0, self.first_s), (parts, self.middle.handles_s), (2 * parts, self.last_s)):
+            handles_s[:, k] = states[chosen, :handles]
+        handles_s[:, new] = motion.handles_s
+        first, last = (handles_s[:, k : k + 2 * parts : 2].reshape(-1, handles) for k in (0, 2))
+        middle = motion.each(lambda part: part[:, new % 2 > 0].reshape(-1, handles))
+        return Intervals(times[:, :-1:2].ravel(), times[:, 2::2].ravel(), first, middle, last)
 
     @property
     def middles(self) -> Array:
@@ -125,8 +135,6 @@ class MotionBounds:
 
     Attributes
     ----------
-    outlines : ndarray, shape (T, N, 4, 2)
-        Corners of the benches at the midpoint, m.
     rounding : ndarray, shape (T,)
         Bound on the rounding error of gaps and of the bounds on them, m.
     lows : ndarray, shape (T, H)
@@ -137,25 +145,35 @@ class MotionBounds:
 
     def __init__(self, march: March, intervals: Intervals) -> None:
         self._march = march
-        handles = intervals.middle_s.shape[1]
-        self._spacings = march.dragon.spacings[: handles - 1]
-        self._points, self._tangents = march.curve.frame(intervals.middle_s)
-        self.outlines = march.dragon.outlines(bench_poses(self._points))
-        self._front_angles, self._rear_angles = chain.angles(self._points, self._tangents, self._spacings)
+        middle = intervals.middle
+        self._points, self._tangents, self._ratios = middle.points, middle.tangents, middle.ratios
+        self._spacings = march.dragon.spacings[: middle.points.shape[1] - 1]
+        self._corner_points = march.dragon.outlines_between(self._points)
+        self._front_angles, self._rear_angles = chain.angles(
+            as_vectors(self._points), as_vectors(self._tangents), self._spacings
+        )
         # Coordinates near zero are differences of larger ones: the head's at the start, and the distance travelled.
         coordinates = intervals.first_s[:, [0, -1]], march.head_start, self._points, (0.0, *march.curve.inner_ends)
         largest = max(float(np.abs(part).max()) for part in coordinates)
-        errors = self._errors(ROUNDED * float(np.spacing(largest)))
-        arms = np.hypot(*(self.outlines[0] - self._points[0, :-1, None]).T).max(axis=0)
+        squares = np.abs(self._points[:, :-1] - self._points[:, 1:]) ** 2
+        residual = float(np.max(np.abs(squares - self._spacings**2) / (2 * self._spacings)))
+        errors = self._errors(residual + ROUNDED * float(np.spacing(largest)))
+        # Distances (N, 4) of the corners from the front handles.
+        self._arms = np.abs(self._corner_points[0] - self._points[0, :-1, None])
         self.lows, highs = march.continuation.ranges(intervals.first_s, intervals.last_s)
         # Rounding may put the midpoint outside its range.
-        self.travel = np.maximum(np.maximum(intervals.middle_s - self.lows, highs - intervals.middle_s), 0)
+        self.travel = np.maximum(np.maximum(middle.handles_s - self.lows, highs - middle.handles_s), 0)
         self._curvature = march.curve.max_curvature(self.lows[:, 1:] - errors[:, 1:], highs[:, :-1] + errors[:, :-1])
         worst = errors.max(axis=1)
         change = 1.5 * (2 / self._spacings.min() + self._curvature.max(axis=1)) * worst
-        rounding = 6 * (1 + 2 * float(np.max(arms / self._spacings))) * worst
+        rounding = 6 * (1 + 2 * float(np.max(self._arms / self._spacings[:, None]))) * worst
         self.rounding = np.where(change <= SLACK, rounding, np.inf)
-        self._known, self._rates = self._bounds(intervals.middle_s, self.travel[:, :-1] + 2 * errors[:, :-1])
+        self._known, self._rates = self._bounds(middle.handles_s, self.travel[:, :-1] + 2 * errors[:, :-1])
+
+    @property
+    def outlines(self) -> Array:
+        """Corners (T, N, 4, 2) of the benches at the midpoint, m."""
+        return as_vectors(self._corner_points)
 
     def _errors(self, residual: float) -> Array:
         """Bounds (T, H) on the errors of the coordinates, m, if the benches' equations have this residual, m."""
@@ -208,7 +226,8 @@ class MotionBounds:
         of the first bench and the rearmost of the second, less both displacement bounds.
         """
         first, second = pairs.T
-        one, other = self._corners(rows, first, normals), self._corners(rows, second, normals)
+        directions = as_complex(normals)
+        one, other = self._corners(rows, first, directions), self._corners(rows, second, directions)
         farthest = np.max(one.heights + one.displacement(self.travel[rows, first]), axis=1)
         nearest = np.min(other.heights - other.displacement(self.travel[rows, second]), axis=1)
         return np.where(one.known & other.known, nearest - farthest - self.rounding[rows], -np.inf)
@@ -220,10 +239,11 @@ class MotionBounds:
         have constant projections, and only those of the other bench move.
         """
         first, second = pairs.T
-        swapped = self._squareness(rows, second, normals) > self._squareness(rows, first, normals)
+        directions = as_complex(normals)
+        swapped = self._squareness(rows, second, directions) > self._squareness(rows, first, directions)
         own, other = np.where(swapped, second, first), np.where(swapped, first, second)
-        normals = np.where(swapped[:, None], -normals, normals)
-        seen = self._corners(rows, other, normals)
+        directions = np.where(swapped, -directions, directions)
+        seen = self._corners(rows, other, directions)
         known = seen.known & self._known[rows, own]
         travel = np.where(known, self.travel[rows, first], 0.0)[:, None]
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
@@ -231,52 +251,60 @@ class MotionBounds:
             ratio, most, change = self._velocity_ratios(rows, first, own)
             other_ratio, other_most, other_change = self._velocity_ratios(rows, first, other)
             omega, omega_change = self._rates.omega[rows, own][:, None], self._rates.omega_change[rows, own][:, None]
-            front = self._points[rows, own][:, None]
-            arms = self.outlines[rows, other] - front
-            ahead = _dot(self._tangents[rows, own][:, None], normals)
-            aside = self._omega[rows, own][:, None] * _dot(arms, _left_of(normals))
+            facing = directions.conj()[:, None]
+            arms = self._corner_points[rows, other] - self._points[rows, own][:, None]
+            ahead = (self._tangents[rows, own][:, None] * facing).real
+            aside = self._omega[rows, own][:, None] * (arms * facing).imag
             speeds = other_ratio * seen.speeds + ratio * (aside - ahead)
             fastest = other_most * seen.fastest + most
             second = other_most**2 * seen.second + other_change * seen.fastest
             second += most**2 * self._curvature[rows, own][:, None] + change + 2 * omega * most * fastest
-            second += (most**2 * (omega_change + omega**2) + change * omega) * (np.hypot(*arms.T).T + travel * fastest)
-            gaps = seen.heights - _dot(self.outlines[rows, own], normals).max(axis=1, keepdims=True)
+            second += (most**2 * (omega_change + omega**2) + change * omega) * (np.abs(arms) + travel * fastest)
+            gaps = seen.heights - (self._corner_points[rows, own] * facing).real.max(axis=1, keepdims=True)
             gaps = (gaps - np.abs(speeds) * travel - second * travel**2 / 2).min(axis=1) - self.rounding[rows]
         # Velocity ratios over thousands of benches may overflow, and one between may be unknown.
         return np.where(known & np.isfinite(gaps), gaps, -np.inf)
 
-    def _squareness(self, rows: Indices, benches: Indices, normals: Array) -> Array:
-        """Largest squared cosine (P,) of the angles from `normals` (P, 2) to the edges' normals of `benches` (P,)."""
-        rear, front = self._points[rows, benches + 1], self._points[rows, benches]
-        along = (_dot((front - rear)[:, None], normals)[:, 0] / self._spacings[benches]) ** 2
-        return np.maximum(along, 1 - along)
+    def _squareness(self, rows: Indices, benches: Indices, directions: Complex) -> Array:
+        """Largest squared cosine (P,) of the angles from `directions` (P,) to the edges' normals of `benches` (P,)."""
+        along = self._points[rows, benches] - self._points[rows, benches + 1]
+        square: Array = ((along * directions.conj()).real / self._spacings[benches]) ** 2
+        return np.maximum(square, 1 - square)
 
     def _velocity_ratios(self, rows: Indices, first: Indices, benches: Indices) -> tuple[Array, Array, Array]:
         """Velocity ratio of the front handles of `benches` to those of `first`: value, bound, bound on its derivative.
 
         Each (P, 1); the value at the midpoint, the derivative in 1/m.
         """
-        ratios = chain.velocity_ratios(self._front_angles.real, self._rear_angles.real)
-        most = chain.velocity_ratios(self._rates.ratio, np.ones(1))
-        change = np.cumsum(self._rates.ratio_change * most[:, :-1] / self._rates.ratio, axis=1)
-        change = np.concatenate([np.zeros((len(change), 1)), change], axis=1)
+        most, change = self._most_ratios
         begin, end = (rows, first), (rows, benches)
         changes = (change[end] - change[begin]) * most[end] / most[begin] ** 2
-        return (ratios[end] / ratios[begin])[:, None], (most[end] / most[begin])[:, None], changes[:, None]
+        ratios = self._ratios[end] / self._ratios[begin]
+        return ratios[:, None], (most[end] / most[begin])[:, None], changes[:, None]
 
-    def _corners(self, rows: Indices, benches: Indices, normals: Array) -> _Corners:
-        """Corners of `benches` (P,) in the intervals `rows`, projected on `normals` (P, 2)."""
+    @cached_property
+    def _most_ratios(self) -> tuple[Array, Array]:
+        """Bounds (T, H) on the velocity ratios, and the sums of the relative bounds on their derivatives, 1/m."""
+        most = chain.velocity_ratios(self._rates.ratio, np.ones(1))
+        change = np.zeros(most.shape)
+        np.cumsum(self._rates.ratio_change * most[:, :-1] / self._rates.ratio, axis=1, out=change[:, 1:])
+        return most, change
+
+    def _corners(self, rows: Indices, benches: Indices, directions: Complex) -> _Corners:
+        """Corners of `benches` (P,) in the intervals `rows`, projected on `directions` (P,)."""
         rates = self._rates
-        corners = self.outlines[rows, benches]
-        arms = corners - self._points[rows, benches][:, None]
-        lengths = np.hypot(arms[..., 0], arms[..., 1])
-        # Rotation moves a corner by omega J arm, whose projection on n is -omega (J n) arm.
-        rotation = -self._omega[rows, benches][:, None] * _dot(arms, _left_of(normals))
+        facing = directions.conj()[:, None]
+        front = self._points[rows, benches][:, None]
+        # Ahead and to the left, seen along the direction.
+        arms = (self._corner_points[rows, benches] - front) * facing
         omega, omega_change = rates.omega[rows, benches][:, None], rates.omega_change[rows, benches][:, None]
+        lengths = self._arms[benches]
+        # Rotation moves a corner by omega J arm, whose projection on n is -omega (J n) arm.
+        rotation = -self._omega[rows, benches][:, None] * arms.imag
         return _Corners(
             known=self._known[rows, benches],
-            heights=_dot(corners, normals),
-            speeds=_dot(self._tangents[rows, benches][:, None], normals) + rotation,
+            heights=(front * facing).real + arms.real,
+            speeds=(self._tangents[rows, benches][:, None] * facing).real + rotation,
             fastest=1 + lengths * omega,
             second=self._curvature[rows, benches][:, None] + lengths * (omega_change + omega**2),
         )
@@ -292,8 +320,9 @@ class MotionBounds:
         Only pairs whose first bench is `tested` (T, N) in the interval. Circles about the benches that contain all
         their motion rule the others out.
         """
-        centres = self.outlines.mean(axis=2)
-        own = np.hypot(*(self.outlines[0, :, 0] - centres[0]).T)
+        middles = (self._points[:, :-1] + self._points[:, 1:]) / 2
+        own = np.abs(self._corner_points[0, :, 0] - middles[0])
+        centres = as_vectors(middles)
         radii = own + (self.travel[:, :-1] + self.travel[:, 1:] + near + self.rounding[:, None]) / 2
         leaders = centres[:, :2, None], radii[:, :2, None]
         many = tested[:, 2:].any(axis=1)
@@ -396,12 +425,3 @@ def _followed_rates(
     rates = chain.rate_bounds(sines, ratio, cosine, curvature, spacing)
     known &= travel * (curvature * np.maximum(1, ratio) + rates.omega) <= slack
     return known, rates._replace(ratio=np.where(known, ratio, np.inf))
-
-
-def _left_of(directions: Array) -> Array:
-    return np.stack([-directions[:, 1], directions[:, 0]], axis=-1)
-
-
-def _dot(vectors: Array, directions: Array) -> Array:
-    """Products (P, K) of vectors (P, K, 2) with directions (P, 2)."""
-    return vectors[..., 0] * directions[:, None, 0] + vectors[..., 1] * directions[:, None, 1]

@@ -49,8 +49,10 @@ Status = Literal["contact", "clear", "overlapping", "unreachable"]
 INTERVAL = 1.2
 # The same while all pairs are tested: shorter, because each pair is tested again in both halves.
 ALL_PAIRS_INTERVAL = 0.3
-# Intervals evaluated together: few enough to stop soon after a contact, enough to amortise NumPy's overhead per call.
-BATCH = 128
+# Most and fewest intervals evaluated together, otherwise half of those that are left: many at first, and few where a
+# march ends, because an inward one ends soon after its contact.
+MOST_INTERVALS = 128
+FEWEST_INTERVALS = 16
 # m. A gap that may be this far below zero, in addition to rounding, counts as open: coordinates are hardly more exact.
 GAP_TOLERANCE = 8e-12
 # Work of the whole search at one length of the intervals, in bench poses computed, above which the tolerance grows: a
@@ -63,14 +65,17 @@ WORK_GROWTH = 8
 # Work of a pair test, in bench poses computed (measured).
 PAIR_WORK = 20
 # m. Tolerance at the work limit; above, it grows with the square of the excess.
-LIMITED_TOLERANCE = 1e-6
+LIMITED_TOLERANCE = 2.5e-7
 # m of the head's distance. The state at the midpoint decides shorter intervals: coordinates are no more exact.
 RESOLUTION = 1e-12
 # The same in last digits of the head's distance.
 LAST_DIGITS = 4
-# Pairs up to which intervals are halved `HALVINGS` times before the next evaluation, which costs NumPy the same.
-FEW_PAIRS = 8
-HALVINGS = 3
+# Intervals that are not cleared are divided into so many parts that there are about as many pairs to test as this: for
+# fewer, NumPy's overhead per call dominates.
+PAIRS = 300
+# Bounds on the number of parts.
+FEWEST_PARTS = 2
+MOST_PARTS = 64
 # Share of the narrowest bench's width below which a local minimum of a gap is a near miss: 1 cm at the paper's 0.3 m.
 NEAR_MISS = 1 / 30
 # Length of intervals in which near misses are sampled, in widths: a local minimum lasts about one width.
@@ -319,8 +324,11 @@ class _Search:
         phases = (start, warm_up_end, self._all_pairs_interval), (warm_up_end, end, self._interval)
         for begin, last, length in phases:
             count = int(np.ceil((last - begin) / length))
-            for done in range(0, count, BATCH):
-                shares = np.arange(done, min(done + BATCH, count) + 1) / count
+            done = 0
+            while done < count:
+                batch = min(max((count - done) // 2, FEWEST_INTERVALS), MOST_INTERVALS, count - done)
+                shares = np.arange(done, done + batch + 1) / count
+                done += batch
                 # Exact at both ends.
                 yield (1 - shares) * begin + shares * last
 
@@ -386,11 +394,11 @@ class _Search:
             left = ~open_ & (intervals.begins[rows] < self._hit)
             rows, pairs, sampled = rows[left], pairs[left], sampled[left]
             if rows.size:
-                for _ in range(1 if rows.size > FEW_PAIRS else HALVINGS):
-                    chosen, rows = np.unique(rows, return_inverse=True)
-                    intervals = intervals.halved(march, chosen, int(pairs.max()) + 2)
-                    rows, pairs = np.concatenate([rows, rows + chosen.size]), np.concatenate([pairs, pairs])
-                    sampled = np.concatenate([sampled, sampled])
+                parts = min(max(PAIRS // rows.size, FEWEST_PARTS), MOST_PARTS)
+                chosen, rows = np.unique(rows, return_inverse=True)
+                intervals = intervals.divided(march, chosen, parts, int(pairs.max()) + 2)
+                rows = (parts * rows[:, None] + np.arange(parts)).ravel()
+                pairs, sampled = np.repeat(pairs, parts, axis=0), np.repeat(sampled, parts)
                 bounds = MotionBounds(march, intervals)
         return last
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pymunk_dragon._arrays import Array, Indices
+from pymunk_dragon._arrays import Array, Indices, as_vectors
 from pymunk_dragon.collision.sat import separation
 from pymunk_dragon.model.march import March
 
@@ -88,7 +88,7 @@ def _local_minima(march: March, pairs: Indices, low: Array, high: Array) -> tupl
     first, second = np.repeat(pairs, MINIMUM_POINTS, axis=0).T
     for _ in range(MINIMUM_PASSES):
         times = np.linspace(low, high, MINIMUM_POINTS, axis=-1)
-        corners = march.dragon.outlines(march.at(times, handles).poses)
+        corners = as_vectors(march.dragon.outlines_between(march.motion(times, handles).points))
         gaps = separation(corners[rows, first], corners[rows, second]).distance.reshape(times.shape)
         best = gaps.argmin(axis=1)
         low, high = times[chosen, np.maximum(best - 1, 0)], times[chosen, np.minimum(best + 1, MINIMUM_POINTS - 1)]

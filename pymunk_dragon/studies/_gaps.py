@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pymunk_dragon._arrays import Array, Complex, Indices
+from pymunk_dragon._arrays import Array, Complex, Indices, as_vectors
 from pymunk_dragon.collision import separation
 from pymunk_dragon.model.curves import Spiral
 from pymunk_dragon.model.dragon import Dragon
@@ -209,16 +209,15 @@ class SampledGaps:
 
     def _gaps(self, travelled: Array) -> Array:
         """Gaps (T, B, 2) at distances travelled (T,)."""
-        dragon, poses = self.inward.dragon, self.inward.march.at(travelled).poses
+        dragon, handles = self.inward.dragon, self.inward.march.motion(travelled).points
         benches = dragon.benches
         gaps = np.full((len(travelled), benches, 2), np.inf)
-        corners = dragon.outlines(poses)
+        corners, centres = as_vectors(dragon.outlines_between(handles)), (handles[:, :-1] + handles[:, 1:]) / 2
         # Benches whose bounding circles are further apart than the largest width are skipped.
         reach = np.hypot(dragon.lengths, dragon.widths) / 2 + dragon.widths.max()
         for own in range(min(2, benches)):
-            between = poses[:, own + 2 :, :2] - poses[:, own : own + 1, :2]
-            in_reach = np.hypot(between[..., 0], between[..., 1]) < (reach[own + 2 :] + reach[own])
-            row, other = np.nonzero(in_reach)
+            apart = np.abs(centres[:, own + 2 :] - centres[:, own : own + 1])
+            row, other = np.nonzero(apart < (reach[own + 2 :] + reach[own]))
             gaps[row, own + 2 + other, own] = separation(corners[row, own], corners[row, own + 2 + other]).distance
         return gaps
 
