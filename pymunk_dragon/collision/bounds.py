@@ -48,6 +48,8 @@ QUARTER = np.pi / 2
 SLACK = 1e-5
 # Largest sine of the angle from a bench to its path up to which the simpler bounds hold tightly.
 SHALLOW = 0.7
+# Benches up to which all pairs of circles are compared: the grid takes longer.
+FEW_BENCHES = 500
 # Corners of a square of side 2, counter-clockwise.
 SQUARE = np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
 
@@ -180,9 +182,10 @@ class MotionBounds:
         with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
             cosines = np.maximum(np.abs(self._rear_angles.real) - SLACK, 0.0)
             ratios = chain.velocity_ratios(np.abs(self._front_angles.real) + SLACK, cosines)
-            errors = residual + np.pad(
-                ratios[:, 1:] * np.cumsum(residual / cosines / ratios[:, 1:], axis=1), ((0, 0), (1, 0))
-            )
+            errors = np.zeros(ratios.shape)
+            np.cumsum(residual / cosines / ratios[:, 1:], axis=1, out=errors[:, 1:])
+            errors *= ratios
+            errors += residual
         return np.where(np.isnan(errors), np.inf, errors)
 
     def _bounds(self, middle_s: Array, travel: Array) -> tuple[Flags, RateBounds]:
@@ -375,6 +378,9 @@ def _radius(curve: Curve, s: Array) -> Array:
 
 def near_pairs(centres: Array, radii: Array) -> Indices:
     """Pairs (P, 2) of benches whose circles intersect, without neighbours."""
+    if len(centres) <= FEW_BENCHES:
+        pairs = np.argwhere(_meet(centres[:, None], radii[:, None], centres, radii))
+        return pairs[pairs[:, 1] - pairs[:, 0] >= 2]
     # No bench is further away than the chain's length, even if its bound is infinite.
     half = np.minimum(radii, np.ptp(centres, axis=0).sum() + 1)
     squares = (centres - centres.mean(axis=0))[:, None] + half[:, None, None] * SQUARE

@@ -191,7 +191,9 @@ class Grid:
         owner, other = _runs(entries + 1, later)
         one, two = benches[owner], benches[other]
         far = two - one > neighbours
-        codes = np.unique(one[far] * n + two[far])
+        # As `np.unique`, which imports masked arrays.
+        codes = np.sort(one[far] * n + two[far])
+        codes = codes[np.diff(codes, prepend=-1) > 0]
         return np.stack(np.divmod(codes, n), axis=-1)
 
     def _filed(self, outlines: ArrayLike) -> tuple[Cells, Cells, Cells, int]:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pymunk_dragon._arrays import Array, Complex
+from pymunk_dragon._arrays import Array, Complex, Indices
 from pymunk_dragon._checks import finite, whole
 from pymunk_dragon.errors import ParameterError
 
@@ -168,11 +168,15 @@ class Dragon:
 
         Points of the plane are complex numbers, m.
         """
-        benches = handles[..., :-1] - handles[..., 1:]
-        along = benches * (self.lengths[: benches.shape[-1]] / 2 / np.abs(benches))
-        left = along * (1j * self.widths[: benches.shape[-1]] / self.lengths[: benches.shape[-1]])
-        centres = handles[..., :-1] - benches / 2
-        corners: Complex = np.empty((*benches.shape, 4), dtype=complex)
+        return self.corners(handles[..., :-1], handles[..., 1:], np.arange(handles.shape[-1] - 1))
+
+    def corners(self, fronts: Complex, rears: Complex, benches: Indices) -> Complex:
+        """The same (..., 4) of `benches` (...), by their numbers, between their front and rear handles (...)."""
+        along = fronts - rears
+        centres = rears + along / 2
+        along *= self.lengths[benches] / 2 / np.abs(along)
+        left = along * (1j * self.widths[benches] / self.lengths[benches])
+        corners: Complex = np.empty((*along.shape, 4), dtype=complex)
         for k, corner in enumerate((-along - left, along - left, along + left, left - along)):
             np.add(centres, corner, out=corners[..., k])
         return corners

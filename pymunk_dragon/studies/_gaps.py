@@ -212,13 +212,18 @@ class SampledGaps:
         dragon, handles = self.inward.dragon, self.inward.march.motion(travelled).points
         benches = dragon.benches
         gaps = np.full((len(travelled), benches, 2), np.inf)
-        corners, centres = as_vectors(dragon.outlines_between(handles)), (handles[:, :-1] + handles[:, 1:]) / 2
+        centres = (handles[:, :-1] + handles[:, 1:]) / 2
         # Benches whose bounding circles are further apart than the largest width are skipped.
         reach = np.hypot(dragon.lengths, dragon.widths) / 2 + dragon.widths.max()
         for own in range(min(2, benches)):
-            apart = np.abs(centres[:, own + 2 :] - centres[:, own : own + 1])
-            row, other = np.nonzero(apart < (reach[own + 2 :] + reach[own]))
-            gaps[row, own + 2 + other, own] = separation(corners[row, own], corners[row, own + 2 + other]).distance
+            row, other = np.nonzero(
+                np.abs(centres[:, own + 2 :] - centres[:, own, None]) < reach[own + 2 :] + reach[own]
+            )
+            both = [
+                as_vectors(dragon.corners(handles[row, numbers], handles[row, numbers + 1], numbers))
+                for numbers in (np.full(row.shape, own), own + 2 + other)
+            ]
+            gaps[row, own + 2 + other, own] = separation(*both).distance
         return gaps
 
     def close_to_zero(self, tolerance: float) -> Gaps | None:

@@ -265,14 +265,16 @@ def min_pitch(
     last = int(np.flatnonzero(known.gaps <= 0)[-1])
     contact_pitch, clear_pitch = known.pitches[last : last + 2].tolist()
     pitch = _zero(least, contact_pitch, clear_pitch) + TANGENCY_MARGIN
-    hit = _first_contact(least, pitch - CERTIFIED)
-    if hit.benches is None or _first_contact(least, pitch + CERTIFIED).status != "clear":
-        pitch, hit = _bisected(least, contact_pitch, known.pitches[last + 1 :].tolist())
     inward = replace(least, pitch=pitch)
     contact = SampledGaps(inward).minimum()
-    if contact is None or abs(contact.gaps[0]) > CERTIFIED:
-        assert hit.benches is not None
-        contact = gaps_of(inward, hit.time, hit.benches)
+    touches = contact is not None and _overlap(replace(least, pitch=pitch - CERTIFIED), contact)
+    if contact is None or not touches or _first_contact(least, pitch + CERTIFIED).status != "clear":
+        pitch, hit = _bisected(least, contact_pitch, known.pitches[last + 1 :].tolist())
+        inward = replace(least, pitch=pitch)
+        contact = SampledGaps(inward).minimum()
+        if contact is None or abs(contact.gaps[0]) > CERTIFIED:
+            assert hit.benches is not None
+            contact = gaps_of(inward, hit.time, hit.benches)
     travelled = float(contact.travelled[0])
     limit: Limit = "passing"
     if travelled <= AT_END * inward.length:
@@ -341,6 +343,12 @@ def _slope(smallest: Gaps) -> float:
     """Derivative of a minimal gap by the pitch: at the start for a fixed turn, elsewhere for a fixed radius."""
     slope = smallest.slopes[0, PITCH] if smallest.travelled[0] == 0 else smallest.slopes_at_radius[0]
     return float(slope)
+
+
+def _overlap(inward: InwardMarch, contact: Gaps) -> bool:
+    """Whether the benches of a contact at another pitch overlap where the head has travelled as far."""
+    travelled = min(float(contact.travelled[0]), inward.length)
+    return bool(gaps_of(inward, travelled, contact.pairs).gaps[0] < 0)
 
 
 def _first_contact(inward: InwardMarch, pitch: float) -> FirstContact:
