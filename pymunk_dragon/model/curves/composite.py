@@ -159,6 +159,13 @@ class Composite(Curve, kind="composite"):
         )
         return coordinates
 
+    def estimate(self, heads: Array, spacings: Array) -> Array:
+        """Estimated parameters (T, H) of chains: as the first piece does where all of them are on it."""
+        if not self.joints or not (heads <= self.joints[0]).all():
+            return super().estimate(heads, spacings)
+        first = self.pieces[0].estimate(self._on_piece(0, heads), spacings)
+        return self._scales[0] * first - self._parameter_shifts[0]
+
     def motion(self, parameter: Array) -> tuple[Complex, Complex]:
         """Positions and their derivatives by the parameter, each (...), as complex numbers."""
 

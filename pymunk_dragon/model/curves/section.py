@@ -85,6 +85,10 @@ class Section(Curve, kind="section"):
         # Rounding may put a handle at the beginning before it.
         return np.where(s < self.begin_s - ROUNDING, np.nan, np.maximum(s, self.begin_s))
 
+    def estimate(self, heads: Array, spacings: Array) -> Array:
+        """Estimated parameters (T, H) of chains on the whole curve."""
+        return self.curve.estimate(heads, spacings)
+
     def motion(self, parameter: Array) -> tuple[Complex, Complex]:
         """Positions and their derivatives by the parameter, each (...), as complex numbers."""
         return self.curve.motion(parameter)
