@@ -65,7 +65,7 @@ class Path(Protocol):
     def coordinate(self, parameter: Array) -> Array: ...
     def estimate(self, heads: Array, spacings: Array) -> Array: ...
     def motion(self, parameter: Array) -> tuple[Complex, Complex]: ...
-    def nearest(self, parameters: Array, spacings: Array) -> Flags: ...
+    def nearest(self, parameters: Array, handles_s: Array, spacings: Array) -> Flags: ...
     def max_curvature(self, s: ArrayLike, other: ArrayLike) -> Array: ...
 
 
@@ -221,9 +221,10 @@ def _whole_block(path: Path, heads: Array, spacings: Array) -> tuple[ChainMotion
     largest = np.maximum(np.abs(handles_s[:, [0, -1]]).max(axis=1), np.abs(points[:, 0]) + spacings.sum())
     # Written so that nan fails.
     settled &= error <= WHOLE_RESIDUAL * np.spacing(largest)
-    settled[settled] = path.nearest(parameters[settled], spacings)
+    settled[settled] = path.nearest(parameters[settled], handles_s[settled], spacings)
     speeds = np.abs(derivatives)
-    derivatives /= speeds
+    # NumPy multiplies complex numbers several times as fast as it divides them.
+    derivatives *= 1 / speeds
     ratios *= speeds
     ratios /= speeds[:, :1]
     return ChainMotion(handles_s, points, derivatives, ratios), settled

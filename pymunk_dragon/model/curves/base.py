@@ -246,12 +246,12 @@ class Curve(ABC):
         points, tangents = self.frame(parameter)
         return as_complex(points), as_complex(tangents)
 
-    def nearest(self, parameters: Array, spacings: Array) -> Flags:
-        """Whether each handle of chains (T,) with these parameters (T, H) is the nearest one back along the path.
+    def nearest(self, parameters: Array, handles_s: Array, spacings: Array) -> Flags:
+        """Whether each handle of chains (T,), with parameters and coordinates (T, H), is the nearest one back.
 
         The straight distances are the spacings; what is asked is whether they grow over the whole arcs between.
         """
-        return chain.nearest(self, self.coordinate(parameters), spacings)
+        return chain.nearest(self, handles_s, spacings)
 
     def behind(self, parameter: Array, chord: float) -> Array:
         """Parameters (T,) of the nearest points back along the path at the straight distance `chord`; nan if none."""

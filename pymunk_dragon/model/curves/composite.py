@@ -171,7 +171,7 @@ class Composite(Curve, kind="composite"):
 
         def motion(k: int, part: Array) -> list[Complex]:
             points, derivatives = self.pieces[k].motion(self._of_piece(k, part))
-            return [points, derivatives / self._scales[k]]
+            return [points, derivatives * (1 / self._scales[k])]
 
         points, derivatives = self._by_piece(parameter, self._parameter_joints, motion, complex, complex)
         return points, derivatives

@@ -229,13 +229,13 @@ class Spiral(Curve, kind="spiral"):
         derivatives += self._sign * 1j * points
         return self._placed(points), self._placed(derivatives)
 
-    def nearest(self, parameters: Array, spacings: Array) -> Flags:
-        """Whether each handle of chains (T,) with these parameters (T, H) is the nearest one back along the path.
+    def nearest(self, parameters: Array, handles_s: Array, spacings: Array) -> Flags:
+        """Whether each handle of chains (T,), with parameters and coordinates (T, H), is the nearest one back.
 
         On an inward spiral the distance grows over half a turn back: every term of its growth is positive.
         """
         if self.outward:
-            return super().nearest(parameters, spacings)
+            return super().nearest(parameters, handles_s, spacings)
         back = parameters[:, :-1] - parameters[:, 1:]
         within: Flags = (back > 0) & (back < np.pi)
         return np.asarray(within.all(axis=1))
