@@ -7,8 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from pymunk_dragon._arrays import as_vectors
 from pymunk_dragon.model import chain
-from pymunk_dragon.model.curves import Arc, Composite, Line, Sampled, Spiral, UTurn
+from pymunk_dragon.model.curves import Arc, Composite, Line, Sampled, Section, Spiral, UTurn
 
 SPACINGS = np.array([2.86, 1.65, 1.65, 1.2])
 # Curves with a coordinate of the head, m, at which all handles are on one piece.
@@ -64,6 +65,29 @@ def test_bounds_hold_for_the_rates_and_their_changes(curve, head):
         (np.diff(omega, axis=0) / along, bounds.omega_change),
     ):
         assert (np.abs(measured) <= bound + 1e-9).all()
+
+
+@pytest.mark.parametrize(
+    ("curve", "low", "high"),
+    [
+        (UTurn(), -20.0, 30.0),
+        (Spiral(), -60.0, -2.0),
+        (Spiral(pitch=1.7, rotation=1.0, mirrored=True, outward=True), 2.0, 60.0),
+        (Section(Spiral(), -60.0, -3.0), -60.0, -3.0),
+        (Arc(radius=6, sweep=-5), 0.0, 30.0),
+    ],
+    ids=repr,
+)
+def test_parameters_grow_along_the_path_with_the_derivatives_that_motion_gives(curve, low, high):
+    s = np.linspace(low, high, 1001)[1:-1]
+    parameters, step = curve.parameter(s), 1e-5
+    assert (np.diff(parameters) > 0).all()
+    np.testing.assert_allclose(curve.coordinate(parameters), s, rtol=0, atol=1e-11)
+    points, derivatives = curve.motion(parameters)
+    np.testing.assert_allclose(as_vectors(points), curve.point(s), rtol=0, atol=1e-11)
+    differences = (curve.motion(parameters + step)[0] - curve.motion(parameters - step)[0]) / (2 * step)
+    # Also across the joints of pieces with parameters of different units.
+    np.testing.assert_allclose(derivatives, differences, rtol=0, atol=1e-4)
 
 
 @on_every_curve
