@@ -46,9 +46,6 @@ def main() -> None:
         sys.unraisablehook = notice
         # The program opens no windows; and matplotlib cannot be imported with an unknown backend in the environment.
         os.environ["MPLBACKEND"] = "agg"
-        # No matrix here is large enough for threads, and starting them takes as long as importing NumPy. With one,
-        # results do not depend on the number of cores either.
-        os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
         import logging
 
         # Errors are one line; log messages of libraries are dropped.

@@ -163,6 +163,7 @@ def test_out_is_the_way_in_travelled_back():
 @example(1.0, 0.9999)
 @example(1.0, 1.0005)
 @example(1.0001, 1.0005)
+@example(280.5777257371152, 0.228515625)
 def test_place_behind_is_the_first_intersection_and_none_lies_past_the_first_top(theta, share):
     distances = scanned(theta)
     top = first_top(distances)

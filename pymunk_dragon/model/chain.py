@@ -23,10 +23,10 @@ from pymunk_dragon._arrays import Array, Complex, Flags, as_complex
 
 # Newton's method needs 3 or 4 passes, and bisection, its fallback within a bracket, 53.
 MAX_PASSES = 80
-# Newton's method for whole chains needs 2 or 3 passes.
-WHOLE_PASSES = 6
+# Newton's method for whole chains needs 3 to 6 passes, the last one to check the result.
+WHOLE_PASSES = 8
 # Error of a distance, as a share of the shortest spacing, whose square, the error after the next step, is negligible.
-WHOLE_ERROR = 1e-6
+WHOLE_ERROR = 1e-7
 # Error of the distance between neighbouring handles up to which a whole chain is accepted, in last digits of the
 # largest coordinate.
 WHOLE_RESIDUAL = 64
