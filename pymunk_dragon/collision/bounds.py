@@ -363,7 +363,7 @@ def handles_in_reach(march: March, first: float, last: float, near: float) -> in
     radii = _radius(curve, highest[:-1])
     halves = np.maximum(dragon.spacings / 2, dragon.overhangs)
     inner = np.sqrt(np.maximum(radii**2 - halves**2, 0.0)) - widest / 2
-    # Where the path second less than a circle with the bench as its diameter, each handle behind goes forward as well.
+    # Where the path is less curved than a circle with the bench as its diameter, each handle behind moves forward too.
     needed = (inner <= outer) | (curve.max_curvature(highest[:-1], highest[:-1]) * dragon.spacings >= 2)
     needed[:3] = True
     return min(int(np.flatnonzero(needed)[-1]) + 2, dragon.handles)

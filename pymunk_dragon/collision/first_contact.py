@@ -2,7 +2,7 @@
 
 Sampling the motion at discrete times misses a contact that opens again between two samples. Here a time interval is
 cleared only by proof: the gap between two benches at its midpoint, less a bound on how far each may move within the
-interval (`bounds.py`), is positive. An interval that is not cleared is halved, down to a picosecond. This is
+interval (`bounds.py`), is positive. An interval that is not cleared is divided, down to a picosecond. This is
 conservative advancement (B. Mirtich, "Impulse-based Dynamic Simulation of Rigid Body Systems", 1996), applied to all
 pairs at once.
 
@@ -45,9 +45,9 @@ __all__ = ["FirstContact", "Status", "first_contact"]
 Progress = Callable[[float, float], None]
 Status = Literal["contact", "clear", "overlapping", "unreachable"]
 
-# Length of the initial intervals, in shortest spacings. Other values only change the number of halvings.
+# Length of the initial intervals, in shortest spacings. Other values only change the number of divisions.
 INTERVAL = 1.2
-# The same while all pairs are tested: shorter, because each pair is tested again in both halves.
+# The same while all pairs are tested: shorter, because each pair is tested again in all parts.
 ALL_PAIRS_INTERVAL = 0.3
 # Most and fewest intervals evaluated together, otherwise half of those that are left: many at first, and few where a
 # march ends, because an inward one ends soon after its contact.
@@ -56,11 +56,11 @@ FEWEST_INTERVALS = 16
 # m. A gap that may be this far below zero, in addition to rounding, counts as open: coordinates are hardly more exact.
 GAP_TOLERANCE = 8e-12
 # Work of the whole search at one length of the intervals, in bench poses computed, above which the tolerance grows: a
-# few seconds. Halving reaches it where a gap stays near zero for long.
+# few seconds. Division reaches it where a gap stays near zero for long.
 WORK_LIMIT = 2_000_000
 # Smallest share of `WORK_LIMIT` for a batch: the last batch before a contact may be short.
 MIN_SHARE = 0.05
-# Factor by which halving may increase the work in a batch before the tolerance grows.
+# Factor by which division may increase the work in a batch before the tolerance grows.
 WORK_GROWTH = 8
 # Work of a pair test, in bench poses computed (measured).
 PAIR_WORK = 20
@@ -415,7 +415,7 @@ class _Search:
         """Whether pairs count as apart in the intervals `rows`, given lower bounds on their gaps, m.
 
         A gap that may be below zero by the tolerance counts as open, except in the interval just before
-        the earliest contact that was found: that interval is halved to the resolution.
+        the earliest contact that was found: that interval is divided to the resolution.
         """
         length = float(intervals.lengths[0])
         within = (gaps > -(bounds.rounding[rows] + tolerance)) & (intervals.ends[rows] + length < self._hit)
