@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from pymunk_dragon.player import player_page, write_player
     from pymunk_dragon.reports import report
     from pymunk_dragon.studies import max_speed, min_pitch, sensitivity, u_turn
+    from pymunk_dragon.sweeps import Sweep, sweep
 
 __all__ = [
     "Arc",
@@ -71,6 +72,7 @@ __all__ = [
     "SpeedTable",
     "Spiral",
     "States",
+    "Sweep",
     "UTurn",
     "UnreachableError",
     "World",
@@ -86,6 +88,7 @@ __all__ = [
     "sensitivity",
     "separation",
     "simulate",
+    "sweep",
     "u_turn",
     "write_film",
     "write_player",
@@ -117,6 +120,7 @@ _MODULES = {
     "model.scenario": ("Scenario",),
     "model.speed": ("Speed", "SpeedTable"),
     "studies": ("max_speed", "min_pitch", "sensitivity", "u_turn"),
+    "sweeps": ("Sweep", "sweep"),
 }
 
 

@@ -15,13 +15,16 @@ from pymunk_dragon.errors import MissingExtraError, OutputError
 
 # For each library: the feature that needs it, and the extra that installs it.
 FEATURES = {
+    "distributed": ("a Dask scheduler", "cluster"),
     "imageio_ffmpeg": ("an MP4", "mp4"),
     "jinja2": ("an HTML page", "report"),
     "matplotlib": ("a figure", "figures"),
     "nbformat": ("a notebook", "demos"),
+    "pyarrow": ("a Parquet table", "parquet"),
     "pygments": ("a page of lessons", "demos"),
     "scipy": ("a path through points", "curves"),
     "scipy.optimize": ("the search for the shortest turn", "studies"),
+    "scipy.stats": ("a Sobol sequence", "studies"),
     "xlsxwriter": ("an XLSX file", "report"),
 }
 

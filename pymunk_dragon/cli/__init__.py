@@ -28,7 +28,7 @@ from pymunk_dragon.errors import (
 )
 
 # The commands. Each is a function in the module of its name.
-COMMANDS = ("positions", "contact", "simulate", "render", "figure", "report", "study", "demo")
+COMMANDS = ("positions", "contact", "simulate", "render", "figure", "report", "study", "sweep", "demo")
 # Exit codes.
 DONE = 0
 FAILED = 1
@@ -60,8 +60,9 @@ def status(arguments: list[str] | None = None) -> int:
         return _complain(f"{PROGRAM}: {error}", BAD_INPUT)
     except DragonError as error:
         return _complain(f"{PROGRAM}: {error}", FAILED)
-    except KeyboardInterrupt:
-        return _complain(f"{PROGRAM}: interrupted", INTERRUPTED)
+    except KeyboardInterrupt as end:
+        # With what is left to be resumed, if there is something.
+        return _complain(": ".join((PROGRAM, "interrupted", *map(str, end.args))), INTERRUPTED)
     except BrokenPipeError:
         # The reader of stdout has closed it, as `head` does.
         _drop_output()

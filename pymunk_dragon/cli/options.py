@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from decimal import Decimal
 from functools import wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -164,12 +165,11 @@ def number_list(name: str, text: str) -> list[float]:
         if len(values) == 1:
             numbers += values
         elif len(values) == 3 and all(abs(value) < float("inf") for value in values) and values[2] > 0:
-            first, last, step = values
-            # Rounding, as in 0:1:0.1, is less than a millionth of a step.
-            count = (last - first) / step + 1e-6
-            if not 0 <= count < MAX_LIST:
+            if not 0 <= (values[1] - values[0]) / values[2] < MAX_LIST:
                 raise ParameterError(name, text, f"at least one and at most {MAX_LIST} numbers, first:last:step")
-            numbers += [first + step * i for i in range(int(count) + 1)]
+            # Decimal numbers, as they are written: the second after 0.2 in steps of 0.1 is 0.4 and not 0.4 + 6e-17.
+            first, last, step = map(Decimal, part.split(":"))
+            numbers += [float(first + step * i) for i in range(int((last - first) / step) + 1)]
         else:
             raise ParameterError(name, text, bound)
     return numbers

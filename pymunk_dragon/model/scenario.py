@@ -141,6 +141,16 @@ class Scenario:
         start = {name: getattr(march, name) for name in ("turns", "start_s") if getattr(march, name) is not None}
         return {"dragon": asdict(march.dragon), "curve": march.curve.to_dict(), **start, "speed": self.speed}
 
+    def values(self) -> dict[str, Any]:
+        """The same values by the names of all parameters, without those that the curve does not have.
+
+        Examples
+        --------
+        >>> Scenario(benches=5, pitch=0.6).values()["pitch"]
+        0.6
+        """
+        return _flat(self.to_dict())
+
     @classmethod
     def read(cls, path: str | Path) -> dict[str, Any]:
         """Names and values in a TOML file of a scenario. `from_dict` checks them, after flags have replaced some.

@@ -12,7 +12,7 @@ from typing import Any
 from pymunk_dragon._checks import word
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.dragon import Dragon
-from pymunk_dragon.studies._study import DRAGON, Progress, Study, silent
+from pymunk_dragon.studies._study import DRAGON, Progress, Result, Study, silent
 from pymunk_dragon.studies.max_speed import STUDY as MAX_SPEED
 from pymunk_dragon.studies.max_speed import MaxSpeed, max_speed
 from pymunk_dragon.studies.min_pitch import STUDY as MIN_PITCH
@@ -26,6 +26,7 @@ __all__ = [
     "STUDIES",
     "MaxSpeed",
     "MinPitch",
+    "Result",
     "Sensitivity",
     "Slope",
     "Study",

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-import signal
 import sys
 from collections import deque
 from collections.abc import Callable, Generator, Iterator
 from contextlib import contextmanager, suppress
 from itertools import islice
-from multiprocessing import get_context, resource_tracker
+from multiprocessing import get_context
 from multiprocessing.connection import Connection
 from multiprocessing.reduction import ForkingPickler
 from pathlib import Path
 from typing import Any, TypeVar
 
-from pymunk_dragon._signals import ENDING, signals_held
+from pymunk_dragon._signals import signals_blocked, unblock_in_worker
 from pymunk_dragon.errors import DragonError
 
 Item = TypeVar("Item")
@@ -58,7 +57,7 @@ def map_in_processes(
             connection, other_end = context.Pipe()
             process = context.Process(target=_work, args=(other_end,), daemon=True)
             processes.append(process)
-            with _signals_blocked():
+            with signals_blocked():
                 process.start()
             # So that the end of the worker ends the connection.
             other_end.close()
@@ -145,9 +144,7 @@ def _worker_failures_reported() -> Iterator[None]:
 
 def _work(connection: Connection) -> None:
     """Receive a function, and evaluate it for the batches that follow, until the parent process ends."""
-    if hasattr(signal, "pthread_sigmask"):
-        # Signals were blocked while this process started. Ctrl-C stays blocked: the parent process handles it.
-        signal.pthread_sigmask(signal.SIG_UNBLOCK, set(ENDING) - {signal.SIGINT})
+    unblock_in_worker()
     with suppress(EOFError, OSError):
         connection.send("started")
         try:
@@ -165,23 +162,3 @@ def _work(connection: Connection) -> None:
             except Exception as error:
                 results = error
             connection.send(results)
-
-
-@contextmanager
-def _signals_blocked() -> Iterator[None]:
-    """Block signals while a worker starts, so that the data written to the new process arrives completely.
-
-    The worker inherits the blocked Ctrl-C, which a terminal sends to all processes; the parent process stops the
-    workers.
-    """
-    if not hasattr(signal, "pthread_sigmask"):
-        yield
-        return
-    # The resource tracker unblocks interrupts when it starts, so it must run before signals are blocked.
-    resource_tracker.ensure_running()
-    with signals_held():
-        before = signal.pthread_sigmask(signal.SIG_BLOCK, ENDING)
-        try:
-            yield
-        finally:
-            signal.pthread_sigmask(signal.SIG_SETMASK, before)

@@ -1,0 +1,195 @@
+"""The loop that evaluates the points of a sweep in batches."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Future, wait
+from dataclasses import dataclass
+from itertools import islice
+from time import monotonic
+
+from pymunk_dragon.errors import DragonError
+from pymunk_dragon.sweeps.axes import Point
+from pymunk_dragon.sweeps.evaluation import Outcome, Task, evaluate, too_long
+from pymunk_dragon.sweeps.journal import Journal
+from pymunk_dragon.sweeps.workers import Workers
+
+# s that a batch should take: long beside the cost of sending it, short beside what a user waits.
+BATCH_SECONDS = 0.5
+# Batches a second of all workers, at most: for more of them a batch takes longer. A Dask scheduler can do a few times
+# as many.
+MOST_BATCHES_PER_SECOND = 200
+# Points of a batch, at most.
+MOST_POINTS = 4096
+# Batches for each worker at a time: one that it evaluates, and one that waits for it.
+DEPTH = 2
+# Share of the last batch in the estimate of the time of a point.
+NEWEST = 0.3
+# s between looks at the workers.
+POLL = 1.0
+# s after the time limit until a worker that does not return is stopped.
+GRACE = 10.0
+# How often a worker may be lost that evaluates a single point and no other, until the point has failed.
+MOST_LOSSES = 2
+
+# s of a point, in the choice of the size of a batch.
+SHORTEST = 1e-9
+
+# A point and its number.
+Item = tuple[int, Point]
+Running = Future[tuple[list[Outcome], float]]
+
+
+@dataclass(kw_only=True)
+class _Batch:
+    """Points that are evaluated together; a suspect, whose worker was lost, with no others at the same time."""
+
+    items: Sequence[Item]
+    suspect: bool = False
+    losses: int = 0
+    submitted: float = 0.0
+
+
+class Computation:
+    """Evaluates points on workers, and writes their outcomes to a journal.
+
+    Parameters
+    ----------
+    task : Task
+        What is the same for all points.
+    workers : Workers
+        Where the points are evaluated.
+    journal : Journal
+        Gets the outcomes, in the order in which they are finished.
+    batch_size : int or None
+        Points of a batch; by default as many as take `BATCH_SECONDS`.
+    report : callable
+        Called after outcomes were written.
+    """
+
+    def __init__(
+        self, task: Task, workers: Workers, journal: Journal, batch_size: int | None, report: Callable[[], None]
+    ) -> None:
+        self._task = task
+        self._workers = workers
+        self._journal = journal
+        self._batch_size = batch_size
+        self._report = report
+        # s for one point, measured by the workers.
+        self._seconds: float | None = None
+        self._items: Iterator[Item] = iter(())
+        self._left = 0
+        self._suspects: deque[_Batch] = deque()
+        self._running: dict[Running, _Batch] = {}
+
+    def run(self, items: Iterator[Item], count: int) -> None:
+        """Evaluate `count` points.
+
+        Raises
+        ------
+        OutputError
+            If outcomes cannot be written.
+        DragonError
+            If the workers cannot evaluate any point, or are lost for good.
+        """
+        self._items, self._left = items, count
+        while self._fill():
+            done, _ = wait(self._running, timeout=POLL, return_when=FIRST_COMPLETED)
+            if done:
+                self._collect(done)
+            else:
+                self._workers.check()
+            self._end_overdue()
+
+    def _fill(self) -> bool:
+        """Submit as many batches as the workers can use; returns whether any is evaluated."""
+        while len(self._running) < self._most_running() and (batch := self._next()):
+            points = [point for _, point in batch.items]
+            batch.submitted = monotonic()
+            self._running[self._workers.submit(evaluate, self._task, points)] = batch
+        return bool(self._running)
+
+    def _most_running(self) -> int:
+        alone = self._suspects or any(batch.suspect for batch in self._running.values())
+        return 1 if alone else DEPTH * self._workers.count
+
+    def _next(self) -> _Batch | None:
+        if self._suspects:
+            return self._suspects.popleft()
+        items = list(islice(self._items, self._size()))
+        self._left -= len(items)
+        return _Batch(items=items) if items else None
+
+    def _size(self) -> int:
+        """Points of the next batch: less at the end, so that all workers finish at about the same time."""
+        if self._batch_size is not None:
+            return self._batch_size
+        if self._seconds is None:
+            return 1
+        count = self._workers.count
+        aim = max(BATCH_SECONDS, count / MOST_BATCHES_PER_SECOND)
+        return max(1, min(int(aim / max(self._seconds, SHORTEST)), -(-self._left // (DEPTH * count)), MOST_POINTS))
+
+    def _collect(self, done: Iterable[Running]) -> None:
+        """Write the outcomes of batches that have ended."""
+        outcomes: list[tuple[int, Outcome]] = []
+        broken = False
+        for future in done:
+            batch = self._running.pop(future)
+            try:
+                found, seconds = future.result()
+            except self._workers.lost as error:
+                broken |= isinstance(error, BrokenExecutor)
+                self._suspect(batch, "its worker was ended whenever it was evaluated")
+                continue
+            except CancelledError as error:
+                raise DragonError("the workers, or their scheduler, were stopped") from error
+            except Exception as error:
+                raise DragonError(f"the workers cannot evaluate a point: {type(error).__name__}: {error}") from error
+            outcomes += zip((index for index, _ in batch.items), found, strict=True)
+            share = 1.0 if self._seconds is None else NEWEST
+            self._seconds = share * seconds / len(found) + (1 - share) * (self._seconds or 0.0)
+        self._write(outcomes)
+        if broken:
+            # All workers end with the one that was lost.
+            self._restart("its worker was ended whenever it was evaluated")
+
+    def _write(self, outcomes: Sequence[tuple[int, Outcome]]) -> None:
+        if outcomes:
+            self._journal.append(outcomes)
+            self._report()
+
+    def _restart(self, reason: str) -> None:
+        """Start workers anew, and evaluate what they were evaluating again."""
+        self._workers.restart(list(self._running))
+        for batch in self._running.values():
+            self._suspect(batch, reason)
+        self._running.clear()
+
+    def _suspect(self, batch: _Batch, reason: str) -> None:
+        """Evaluate a batch without others; if that ended a worker before, in halves; a single point fails."""
+        if not batch.suspect:
+            parts = [batch.items]
+        elif len(batch.items) > 1:
+            middle = len(batch.items) // 2
+            parts = [batch.items[:middle], batch.items[middle:]]
+        elif batch.losses + 1 == MOST_LOSSES:
+            self._write([(index, (None, reason)) for index, _ in batch.items])
+            return
+        else:
+            batch.losses += 1
+            self._suspects.append(batch)
+            return
+        self._suspects += [_Batch(items=items, suspect=True) for items in parts]
+
+    def _end_overdue(self) -> None:
+        """Stop workers that have not ended a point at its time limit, as if they were lost."""
+        if self._task.timeout is None:
+            return
+        now = monotonic()
+        for batch in self._running.values():
+            depth = 1 if batch.suspect else DEPTH
+            if now - batch.submitted > depth * len(batch.items) * self._task.timeout + GRACE:
+                self._restart(too_long(self._task.timeout))
+                return

@@ -1,0 +1,146 @@
+"""Evaluates batches of points, in a worker or anywhere else."""
+
+from __future__ import annotations
+
+import ctypes
+import signal
+import threading
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from time import perf_counter
+from types import FrameType
+from typing import Any
+
+import numpy as np
+
+from pymunk_dragon import __version__
+from pymunk_dragon.errors import DragonError, one_line
+from pymunk_dragon.sweeps.axes import Point
+from pymunk_dragon.sweeps.quantities import Quantity, quantity_of
+
+# s. An exception that ends a point is raised again after this time, because code called from C may drop it.
+REPEAT = 0.1
+# Characters of an error message in a table.
+MAX_MESSAGE = 300
+# Values of one point by name, or None and the reason.
+Outcome = tuple[Mapping[str, Any] | None, str | None]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Task:
+    """What is the same for all points of a sweep: `base` has the values of parameters that are not axes."""
+
+    version: str
+    quantity: str
+    base: Mapping[str, Any]
+    names: tuple[str, ...]
+    timeout: float | None
+
+
+class _TimeIsUp(BaseException):
+    """Ends the evaluation of a point; not an `Exception`, which the evaluated code may handle."""
+
+
+def evaluate(task: Task, points: Sequence[Point]) -> tuple[list[Outcome], float]:
+    """The outcome at each of the points, and the time that all took, s.
+
+    Raises
+    ------
+    DragonError
+        If the quantity cannot be imported here, or the program here has another version.
+    """
+    if task.version != __version__:
+        raise DragonError(f"a worker has version {__version__} of the program, but the sweep {task.version}")
+    quantity = quantity_of(task.quantity)
+    begin = perf_counter()
+    return [_evaluated(task, quantity, point) for point in points], perf_counter() - begin
+
+
+def _evaluated(task: Task, quantity: Quantity, point: Point) -> Outcome:
+    """The outcome at one point."""
+    axes = dict(zip(task.names, point, strict=True))
+    try:
+        with time_limit(task.timeout):
+            found = quantity.evaluate({**task.base, **axes})
+        return {str(name): _scalar(name, value, axes) for name, value in found.items()}, None
+    except _TimeIsUp:
+        return None, too_long(task.timeout)
+    except DragonError as error:
+        return None, str(error)
+    except (Exception, SystemExit) as error:
+        return None, one_line(f"{type(error).__name__}: {error}")[:MAX_MESSAGE]
+
+
+def too_long(timeout: float | None) -> str:
+    """Reason of a point that exceeded the time limit."""
+    return f"takes longer than the time limit of {timeout:g} s"
+
+
+def _scalar(name: str, value: object, axes: Mapping[str, float]) -> float | str | None:
+    """A value of a quantity as a plain number, a text or None."""
+    if name in axes or name == "error":
+        raise DragonError(f"the quantity returned a value {name}, which is another column of the table")
+    plain = value.item() if isinstance(value, np.generic) else value
+    if plain is None or isinstance(plain, bool | int | float | str):
+        return plain
+    raise DragonError(f"the quantity returned a {type(value).__name__} as {name}, not a number")
+
+
+@contextmanager
+def time_limit(seconds: float | None) -> Iterator[None]:
+    """Raise an exception in the block after this time: in the main thread by a signal, elsewhere by the interpreter.
+
+    A signal also ends waiting for the system, as `time.sleep`; the interpreter raises exceptions only between two
+    instructions of Python.
+    """
+    if seconds is None:
+        yield
+    elif threading.current_thread() is threading.main_thread() and hasattr(signal, "setitimer"):
+        with _limit_by_signal(seconds):
+            yield
+    else:
+        with _limit_by_interpreter(seconds):
+            yield
+
+
+@contextmanager
+def _limit_by_signal(seconds: float) -> Iterator[None]:
+    active = True
+
+    def expire(number: int, frame: FrameType | None) -> None:
+        if active:
+            raise _TimeIsUp
+
+    before = signal.signal(signal.SIGALRM, expire)
+    signal.setitimer(signal.ITIMER_REAL, seconds, REPEAT)
+    try:
+        yield
+        active = False
+    finally:
+        active = False
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
+
+
+@contextmanager
+def _limit_by_interpreter(seconds: float) -> Iterator[None]:
+    thread = ctypes.c_ulong(threading.get_ident())
+    finished, lock = threading.Event(), threading.Lock()
+
+    def expire() -> None:
+        wait = seconds
+        while not finished.wait(wait):
+            with lock:
+                if not finished.is_set():
+                    ctypes.pythonapi.PyThreadState_SetAsyncExc(thread, ctypes.py_object(_TimeIsUp))
+            wait = REPEAT
+
+    threading.Thread(target=expire, daemon=True).start()
+    try:
+        yield
+    finally:
+        with lock:
+            finished.set()
+            # An exception that has not been raised yet is dropped.
+            ctypes.pythonapi.PyThreadState_SetAsyncExc(thread, None)
