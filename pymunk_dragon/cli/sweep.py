@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import sys
 from time import perf_counter
 
 import click
@@ -35,7 +37,7 @@ AXIS = "NAME=VALUES, such as pitch=0.4:0.8:0.01 or benches=50,100, or with --sam
 @click.option(
     "-o",
     "--output",
-    "outputs",
+    "output",
     multiple=True,
     metavar="FILE",
     help="File to write: .csv, .parquet, or .png, .svg or .pdf for a map. May be repeated.",
@@ -53,7 +55,7 @@ def sweep(
     scheduler: str | None,
     workers: int | None,
     as_json: bool,
-    outputs: tuple[str, ...],
+    output: tuple[str, ...],
 ) -> None:
     """Compute a quantity at many values of parameters, in parallel.
 
@@ -63,9 +65,12 @@ def sweep(
     from pymunk_dragon.model.scenario import Scenario
     from pymunk_dragon.sweeps import sweep as run_sweep
 
+    # A module of the user's, which other programs would find as well.
+    sys.path.append(os.getcwd())
     axes = _axes(axis, intervals=samples is not None)
     values = Scenario.read(scenario_file) if scenario_file is not None else {}
-    begin, resumed = perf_counter(), None
+    begin = perf_counter()
+    resumed: int | None = None
     with progress("sweep") as show:
 
         def report(done: int, total: int) -> None:
@@ -78,7 +83,7 @@ def sweep(
             values | chosen(),
             axes,
             quantity,
-            out=outputs,
+            out=output,
             samples=samples,
             seed=seed,
             sampling=sampling,  # type: ignore[arg-type]  # It is checked there.
@@ -91,7 +96,7 @@ def sweep(
         )
     if as_json:
         print_json(found.to_dict())
-    elif outputs:
+    elif output:
         click.echo(found)
     else:
         for line in found.csv():

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from functools import cached_property
 from itertools import product
 from math import floor, prod
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import numpy as np
 
@@ -22,14 +20,18 @@ Point = tuple[float, ...]
 
 # Points of one sweep, at most: their number has a place in memory for each, 8 bytes.
 MAX_POINTS = 100_000_000
+# Samples, at most: their coordinates are in memory.
+MAX_SAMPLES = 10_000_000
 # Largest seed of the samples.
 MAX_SEED = 2**63 - 1
 
 
 class Axes(ABC):
-    """Points of a sweep, by their number; `names` are those of the axes."""
+    """Points of a sweep, by their number. `values` are those of each axis, or the two ends of its interval."""
 
-    names: tuple[str, ...]
+    def __init__(self, values: Mapping[str, tuple[float, ...]]) -> None:
+        self.values = values
+        self.names = tuple(values)
 
     @abstractmethod
     def __len__(self) -> int: ...
@@ -37,21 +39,15 @@ class Axes(ABC):
     @abstractmethod
     def __getitem__(self, index: int) -> Point: ...
 
-    @property
-    @abstractmethod
-    def ends(self) -> Sequence[tuple[float, float]]:
-        """Smallest and largest value of each axis."""
-
-    @abstractmethod
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values that determine the points."""
-
     def corners(self) -> Iterator[Point]:
         """The points at the ends of all axes."""
-        yield from dict.fromkeys(product(*self.ends))
+        yield from dict.fromkeys(product(*((min(values), max(values)) for values in self.values.values())))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values that determine the points."""
+        return {name: list(values) for name, values in self.values.items()}
 
 
-@dataclass(frozen=True)
 class Grid(Axes):
     """All combinations of the values of the axes; those of the last axis change first.
 
@@ -61,77 +57,56 @@ class Grid(Axes):
     [(0.5, 10), (0.5, 20), (0.6, 10), (0.6, 20)]
     """
 
-    values: Mapping[str, tuple[float, ...]]
-
-    @property
-    def names(self) -> tuple[str, ...]:  # type: ignore[override]  # Not to be set.
-        return tuple(self.values)
-
-    @cached_property
-    def _length(self) -> int:
+    def __len__(self) -> int:
         return prod(map(len, self.values.values()))
 
-    def __len__(self) -> int:
-        return self._length
-
     def __getitem__(self, index: int) -> Point:
-        if not 0 <= index < self._length:
+        if not 0 <= index < len(self):
             raise IndexError(index)
         point = []
-        for values in reversed(self.values.values()):
+        for values in reversed(list(self.values.values())):
             index, place = divmod(index, len(values))
             point.append(values[place])
         return tuple(reversed(point))
 
-    @property
-    def ends(self) -> Sequence[tuple[float, float]]:
-        return [(min(values), max(values)) for values in self.values.values()]
 
-    def to_dict(self) -> dict[str, Any]:
-        return {name: list(values) for name, values in self.values.items()}
-
-
-@dataclass(frozen=True)
 class Samples(Axes):
     """`count` points of a box: a scrambled Sobol sequence, or independent random ones."""
 
-    intervals: Mapping[str, tuple[float, float]]
-    integers: frozenset[str]
-    count: int
-    seed: int
-    sampling: Sampling
-
-    @property
-    def names(self) -> tuple[str, ...]:  # type: ignore[override]  # Not to be set.
-        return tuple(self.intervals)
-
-    @cached_property
-    def _shares(self) -> Array:
-        """Coordinates (count, axes) in the unit cube."""
-        dimensions = len(self.intervals)
-        if self.sampling == "random":
-            return np.random.default_rng(self.seed).random((self.count, dimensions))
-        sequence = library("scipy.stats").qmc.Sobol(dimensions, rng=np.random.default_rng(self.seed))
-        # A Sobol sequence is balanced if its length is a power of two.
-        shares: Array = sequence.random_base2((self.count - 1).bit_length())[: self.count]
-        return shares
+    def __init__(
+        self,
+        values: Mapping[str, tuple[float, ...]],
+        integers: frozenset[str],
+        count: int,
+        seed: int,
+        sampling: Sampling,
+    ) -> None:
+        super().__init__(values)
+        self._integers = integers
+        self._count = count
+        self._drawn = {"samples": count, "sampling": sampling, "seed": seed}
+        generator = np.random.default_rng(seed)
+        # Coordinates (count, axes) in the unit cube.
+        self._shares: Array
+        if sampling == "random":
+            self._shares = generator.random((count, len(values)))
+        else:
+            sequence = library("scipy.stats").qmc.Sobol(len(values), rng=generator)
+            # A Sobol sequence is balanced if its length is a power of two.
+            self._shares = sequence.random_base2((count - 1).bit_length())[:count]
 
     def __len__(self) -> int:
-        return self.count
+        return self._count
 
     def __getitem__(self, index: int) -> Point:
         return tuple(
-            low + floor(share * (high - low + 1)) if name in self.integers else low + share * (high - low)
-            for share, (name, (low, high)) in zip(self._shares[index].tolist(), self.intervals.items(), strict=True)
+            low + floor(share * (high - low + 1)) if name in self._integers else low + share * (high - low)
+            for share, (name, (low, high)) in zip(self._shares[index].tolist(), self.values.items(), strict=True)
         )
 
-    @property
-    def ends(self) -> Sequence[tuple[float, float]]:
-        return list(self.intervals.values())
-
     def to_dict(self) -> dict[str, Any]:
-        sampled = {"samples": self.count, "sampling": self.sampling, "seed": self.seed}
-        return {name: list(interval) for name, interval in self.intervals.items()} | sampled
+        """Plain values that determine the points."""
+        return super().to_dict() | self._drawn
 
 
 def axes_of(
@@ -139,7 +114,7 @@ def axes_of(
     parameters: Mapping[str, type],
     samples: int | None,
     seed: int,
-    sampling: str,
+    sampling: Sampling,
 ) -> Axes:
     """The points of a sweep over `values` of `parameters`, which have these types.
 
@@ -154,23 +129,17 @@ def axes_of(
         raise ParameterError("axis", None, "at least one: a parameter and its values")
     checked = {name: _numbers(name, values[name], parameters) for name in values}
     if samples is None:
-        grid = Grid(checked)
-        if grid._length > MAX_POINTS:
-            raise ParameterError("axis", f"{grid._length} points", f"at most {MAX_POINTS} points")
-        return grid
+        count = prod(map(len, checked.values()))
+        if count > MAX_POINTS:
+            raise ParameterError("axis", f"{count} points", f"at most {MAX_POINTS} points")
+        return Grid(checked)
     for name, numbers in checked.items():
         if len(numbers) != 2 or numbers[0] >= numbers[1]:
             raise ParameterError(name, values[name], "the two ends of an interval, of which samples are taken")
-    drawn = Samples(
-        {name: (low, high) for name, (low, high) in checked.items()},
-        frozenset(name for name in checked if parameters[name] is int),
-        whole("samples", samples, 1, MAX_POINTS),
-        whole("seed", seed, 0, MAX_SEED),
-        "random" if word("sampling", sampling, ("sobol", "random")) == "random" else "sobol",
-    )
-    if drawn.sampling == "sobol":
-        library("scipy.stats")
-    return drawn
+    integers = frozenset(name for name in checked if parameters[name] is int)
+    count = whole("samples", samples, 1, MAX_SAMPLES)
+    word("sampling", sampling, get_args(Sampling))
+    return Samples(checked, integers, count, whole("seed", seed, 0, MAX_SEED), sampling)
 
 
 def _numbers(name: str, values: object, parameters: Mapping[str, type]) -> tuple[float, ...]:

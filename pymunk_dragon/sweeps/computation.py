@@ -33,6 +33,8 @@ GRACE = 10.0
 # How often a worker may be lost that evaluates a single point and no other, until the point has failed.
 MOST_LOSSES = 2
 
+# Reason of a point that failed so.
+LOST = "its worker was ended whenever it was evaluated"
 # s of a point, in the choice of the size of a batch.
 SHORTEST = 1e-9
 
@@ -141,7 +143,7 @@ class Computation:
                 found, seconds = future.result()
             except self._workers.lost as error:
                 broken |= isinstance(error, BrokenExecutor)
-                self._suspect(batch, "its worker was ended whenever it was evaluated")
+                self._suspect(batch)
                 continue
             except CancelledError as error:
                 raise DragonError("the workers, or their scheduler, were stopped") from error
@@ -153,43 +155,50 @@ class Computation:
         self._write(outcomes)
         if broken:
             # All workers end with the one that was lost.
-            self._restart("its worker was ended whenever it was evaluated")
+            self._workers.restart(list(self._running))
+            self._suspect_all()
 
     def _write(self, outcomes: Sequence[tuple[int, Outcome]]) -> None:
         if outcomes:
             self._journal.append(outcomes)
             self._report()
 
-    def _restart(self, reason: str) -> None:
-        """Start workers anew, and evaluate what they were evaluating again."""
-        self._workers.restart(list(self._running))
+    def _fail(self, batch: _Batch, reason: str) -> None:
+        self._write([(index, (None, reason)) for index, _ in batch.items])
+
+    def _suspect_all(self) -> None:
+        """Evaluate again what was evaluated by workers that were stopped."""
         for batch in self._running.values():
-            self._suspect(batch, reason)
+            self._suspect(batch)
         self._running.clear()
 
-    def _suspect(self, batch: _Batch, reason: str) -> None:
+    def _suspect(self, batch: _Batch) -> None:
         """Evaluate a batch without others; if that ended a worker before, in halves; a single point fails."""
+        middle = len(batch.items) // 2
         if not batch.suspect:
-            parts = [batch.items]
-        elif len(batch.items) > 1:
-            middle = len(batch.items) // 2
-            parts = [batch.items[:middle], batch.items[middle:]]
-        elif batch.losses + 1 == MOST_LOSSES:
-            self._write([(index, (None, reason)) for index, _ in batch.items])
-            return
+            parts = [_Batch(items=batch.items, suspect=True)]
+        elif middle:
+            parts = [_Batch(items=items, suspect=True) for items in (batch.items[:middle], batch.items[middle:])]
+        elif batch.losses + 1 < MOST_LOSSES:
+            parts = [_Batch(items=batch.items, suspect=True, losses=batch.losses + 1)]
         else:
-            batch.losses += 1
-            self._suspects.append(batch)
+            self._fail(batch, LOST)
             return
-        self._suspects += [_Batch(items=items, suspect=True) for items in parts]
+        self._suspects += parts
 
     def _end_overdue(self) -> None:
-        """Stop workers that have not ended a point at its time limit, as if they were lost."""
-        if self._task.timeout is None:
+        """Stop workers that have not ended a point at its time limit; a point that was the only one has failed."""
+        if (timeout := self._task.timeout) is None:
             return
         now = monotonic()
-        for batch in self._running.values():
-            depth = 1 if batch.suspect else DEPTH
-            if now - batch.submitted > depth * len(batch.items) * self._task.timeout + GRACE:
-                self._restart(too_long(self._task.timeout))
-                return
+        overdue = [
+            future
+            for future, batch in self._running.items()
+            if now - batch.submitted > (1 if batch.suspect else DEPTH) * len(batch.items) * timeout + GRACE
+        ]
+        if overdue:
+            self._workers.restart(list(self._running))
+            for future in overdue:
+                if len(self._running[future].items) == 1:
+                    self._fail(self._running.pop(future), too_long(timeout))
+            self._suspect_all()

@@ -8,13 +8,14 @@ import threading
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cache
+from importlib.metadata import version
 from time import perf_counter
 from types import FrameType
 from typing import Any
 
 import numpy as np
 
-from pymunk_dragon import __version__
 from pymunk_dragon.errors import DragonError, one_line
 from pymunk_dragon.sweeps.axes import Point
 from pymunk_dragon.sweeps.quantities import Quantity, quantity_of
@@ -38,6 +39,12 @@ class Task:
     timeout: float | None
 
 
+@cache
+def program_version() -> str:
+    """Version of this program."""
+    return version("pymunk-dragon")
+
+
 class _TimeIsUp(BaseException):
     """Ends the evaluation of a point; not an `Exception`, which the evaluated code may handle."""
 
@@ -50,8 +57,8 @@ def evaluate(task: Task, points: Sequence[Point]) -> tuple[list[Outcome], float]
     DragonError
         If the quantity cannot be imported here, or the program here has another version.
     """
-    if task.version != __version__:
-        raise DragonError(f"a worker has version {__version__} of the program, but the sweep {task.version}")
+    if task.version != program_version():
+        raise DragonError(f"a worker has version {program_version()} of the program, but the sweep {task.version}")
     quantity = quantity_of(task.quantity)
     begin = perf_counter()
     return [_evaluated(task, quantity, point) for point in points], perf_counter() - begin
@@ -63,6 +70,8 @@ def _evaluated(task: Task, quantity: Quantity, point: Point) -> Outcome:
     try:
         with time_limit(task.timeout):
             found = quantity.evaluate({**task.base, **axes})
+        if not isinstance(found, Mapping):
+            raise DragonError(f"the quantity returned a {type(found).__name__}, not values by name")
         return {str(name): _scalar(name, value, axes) for name, value in found.items()}, None
     except _TimeIsUp:
         return None, too_long(task.timeout)

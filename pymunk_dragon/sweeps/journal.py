@@ -84,7 +84,9 @@ class Journal:
                 fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except BlockingIOError as error:
                 self.close()
-                raise ParameterError("output", name.removesuffix(ENDING), "a table of no other running sweep") from error
+                raise ParameterError(
+                    "output", name.removesuffix(ENDING), "a table of no other running sweep"
+                ) from error
             except OSError:  # Some file systems have no locks.
                 pass
 
@@ -96,13 +98,15 @@ class Journal:
         if first and not first.startswith(b"{"):
             raise FileFormatError(self.path, "not a journal of a sweep")
         if end:
-            before = self._line(first, 1, dict)
+            before = self._line(first, 1)
             places = self._read_places(end)
             if resume and first != description:
                 raise FileFormatError(self.path, f"of another sweep: {_difference(before, json.loads(description))}")
             if self._count and not resume:
-                kept = f"{self.path} has {self._count} finished points of a sweep that was ended"
-                raise ParameterError("output", str(self.path).removesuffix(ENDING), f"another file, or resumed: {kept}")
+                kept = f"{self.path} has {self._count} finished points of an interrupted sweep"
+                raise ParameterError(
+                    "output", str(self.path).removesuffix(ENDING), f"one to resume, or another: {kept}"
+                )
             end = places
         if not resume:
             end = 0
@@ -118,19 +122,21 @@ class Journal:
             number += 1
             if not line.endswith(b"\n"):
                 break
-            index, _, _ = self._line(line, number, list)
+            index, _, _ = self._line(line, number)
             self._note(index, end)
             end += len(line)
         return end
 
-    def _line(self, line: bytes, number: int, kind: type) -> Any:
+    def _line(self, line: bytes, number: int) -> Any:
         """The content of a line."""
         try:
             content = json.loads(line)
-            if isinstance(content, kind) and (kind is dict or (len(content) == 3 and 0 <= content[0] < 2 * MAX_POINTS)):
-                return content
-        except (ValueError, TypeError, RecursionError):
-            pass
+        except (ValueError, RecursionError):
+            content = None
+        if number == 1 and isinstance(content, dict):
+            return content
+        if number > 1 and isinstance(content, list) and len(content) == 3 and content[0] in range(2 * MAX_POINTS):
+            return content
         raise FileFormatError(self.path, f"not a journal of a sweep: line {number} is damaged")
 
     def _note(self, index: int, place: int) -> None:

@@ -6,12 +6,11 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from pymunk_dragon import __version__
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.scenario import Scenario
-from pymunk_dragon.sweeps.axes import Axes, Point, axes_of
-from pymunk_dragon.sweeps.evaluation import Task
+from pymunk_dragon.sweeps.axes import Axes, Point, Sampling, axes_of
+from pymunk_dragon.sweeps.evaluation import Task, program_version
 from pymunk_dragon.sweeps.quantities import Quantity, Values, name_of, quantity_of
 
 # Version of the lines of a journal.
@@ -38,7 +37,7 @@ class Plan:
         quantity: str | Callable[..., Values],
         samples: int | None,
         seed: int,
-        sampling: str,
+        sampling: Sampling,
     ) -> Plan:
         """The plan of the arguments of `sweep`.
 
@@ -66,14 +65,18 @@ class Plan:
     def task(self, timeout: float | None) -> Task:
         """What workers need beside the points."""
         return Task(
-            version=__version__, quantity=self.quantity.name, base=self.base, names=self.axes.names, timeout=timeout
+            version=program_version(),
+            quantity=self.quantity.name,
+            base=self.base,
+            names=self.axes.names,
+            timeout=timeout,
         )
 
     def to_dict(self, refine: int) -> dict[str, Any]:
         """Plain values that determine all outcomes, for the journal."""
         return {
             "journal": JOURNAL_VERSION,
-            "version": __version__,
+            "version": program_version(),
             "quantity": self.quantity.to_dict(),
             "scenario": dict(self.base),
             "axis": self.axes.to_dict(),

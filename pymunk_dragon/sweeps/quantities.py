@@ -150,7 +150,7 @@ def _of_march(name: str, function: Callable[..., Values], columns: tuple[str, ..
 
     summary = (getdoc(function) or name).partition("\n")[0]
     return Quantity(
-        name=name, summary=summary, columns=columns, parameters=SCENARIO | own, evaluate=evaluate, base=base
+        name=name, summary=summary, columns=columns, parameters={**SCENARIO, **own}, evaluate=evaluate, base=base
     )
 
 
@@ -169,9 +169,7 @@ def _of_study(name: str, columns: tuple[str, ...], values_of: Callable[[Any], Va
         return values_of(study(name, values))
 
     summary = STUDIES[name].summary
-    return Quantity(
-        name=name, summary=summary, columns=columns, parameters=parameters, evaluate=evaluate, base=base
-    )
+    return Quantity(name=name, summary=summary, columns=columns, parameters=parameters, evaluate=evaluate, base=base)
 
 
 def _benches(benches: tuple[int, int] | None) -> dict[str, int | None]:

@@ -117,7 +117,9 @@ class Sweep(Result):
 
     def _lines(self) -> list[str]:
         counts = [f"{self.points} points of {self.quantity} over {' and '.join(self.names)}"]
-        counts += [f"{number} {what}" for number, what in ((self.resumed, "resumed"), (self.failed, "failed")) if number]
+        counts += [
+            f"{number} {what}" for number, what in ((self.resumed, "resumed"), (self.failed, "failed")) if number
+        ]
         return [", ".join(counts) + f": {self.seconds:.1f} s"]
 
     def _draw(self) -> Figure:
@@ -139,7 +141,8 @@ class Sweep(Result):
                 ],
                 reference=self.reference,
                 title=self._summary,
-                subtitle=f"{self.quantity} at {self.points} points" + (f", {self.failed} failed" if self.failed else ""),
+                subtitle=f"{self.quantity} at {self.points} points"
+                + (f", {self.failed} failed" if self.failed else ""),
             )
         )
 

@@ -55,7 +55,7 @@ def sweep(
     batch_size: int | None = None,
     progress: Progress | None = None,
 ) -> Sweep:
-    """Compute a quantity of a dragon at many values of its parameters, in parallel.
+    r"""Compute a quantity of a dragon at many values of its parameters, in parallel.
 
     Finished points are written to a journal beside the first file, `out` with the ending ``.journal``. An interrupted
     sweep goes on from there with `resume`; the journal is removed when all files are written.
@@ -115,7 +115,7 @@ def sweep(
     Examples
     --------
     >>> found = sweep(Scenario(benches=16, turns=8), {"width": [0.3, 0.4]}, executor=ThreadPoolExecutor(1))
-    >>> print(*found.csv(), sep="\\n")
+    >>> print(*found.csv(), sep="\n")
     width,contact_time,bench_a,bench_b,status,error
     0.3,211.41384866405812,0,8,contact,
     0.4,210.05936397128488,0,8,contact,

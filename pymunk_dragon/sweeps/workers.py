@@ -66,6 +66,7 @@ class Processes(Workers):
 
     @property
     def count(self) -> int:
+        """Number of processes."""
         return self._count
 
     def _start(self) -> None:
@@ -77,6 +78,7 @@ class Processes(Workers):
         self._processes: list[BaseProcess] = [process for process in active_children() if process not in others]
 
     def submit(self, function: Callable[..., Any], *arguments: Any) -> Future[Any]:
+        """Future result of a function."""
         try:
             return self._pool.submit(function, *arguments)
         except BrokenExecutor as error:
@@ -86,10 +88,12 @@ class Processes(Workers):
             return future
 
     def restart(self, running: Sequence[Future[Any]]) -> None:
+        """Kill all processes, and start others."""
         self.close(abort=True)
         self._start()
 
     def close(self, *, abort: bool) -> None:
+        """End all processes."""
         self._pool.shutdown(wait=not abort, cancel_futures=True)
         if abort:
             for process in self._processes:
@@ -123,6 +127,7 @@ class Dask(Workers):
 
     @property
     def count(self) -> int:
+        """Number of threads of all workers."""
         if monotonic() - self._counted_at > COUNT_INTERVAL:
             with suppress(OSError, TimeoutError):
                 self._counted = sum(self._client.nthreads().values())
@@ -130,15 +135,18 @@ class Dask(Workers):
         return max(1, self._counted)
 
     def submit(self, function: Callable[..., Any], *arguments: Any) -> Future[Any]:
+        """Future result of a function, which Dask computes again if it lost a worker."""
         return self._executor.submit(function, *arguments)
 
     def check(self) -> None:
+        """Raise a `DragonError` if the scheduler was lost."""
         if self._client.status == "running":
             self._seen = monotonic()
         elif monotonic() - self._seen > LOST_AFTER:
             raise DragonError(f"the Dask scheduler {self._address} does not answer any more")
 
     def restart(self, running: Sequence[Future[Any]]) -> None:
+        """Restart the workers that evaluate points."""
         if not running:
             return
         busy = [worker for worker, keys in self._client.processing().items() if any(map(_is_ours, keys))]
@@ -148,6 +156,7 @@ class Dask(Workers):
         self._client.restart_workers(busy, raise_for_error=False)
 
     def close(self, *, abort: bool) -> None:
+        """Close the connection, and a scheduler of its own."""
         with suppress(OSError, TimeoutError, CancelledError):
             self._executor.shutdown(wait=not abort)
             self._client.close()
@@ -167,12 +176,15 @@ class Borrowed(Workers):
 
     @property
     def count(self) -> int:
+        """Number of workers, as far as it is known."""
         return self._count
 
     def submit(self, function: Callable[..., Any], *arguments: Any) -> Future[Any]:
+        """Future result of a function."""
         return self._executor.submit(function, *arguments)
 
     def restart(self, running: Sequence[Future[Any]]) -> None:
+        """Raise a `DragonError`."""
         raise DragonError("a worker of the executor was lost; a sweep restarts only workers of its own")
 
 
