@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import os
 import tempfile
+import weakref
 from array import array
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
@@ -77,6 +78,7 @@ class Journal:
             descriptor = os.open(name, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o666)
         self._descriptor = descriptor
         self._file: BinaryIO = open(name, "rb")  # noqa: SIM115  # Open as long as the journal.
+        self.close = weakref.finalize(self, _close, self._file, descriptor)
         if self.path is None:
             os.unlink(name)
         if fcntl is not None:
@@ -191,11 +193,12 @@ class Journal:
             with suppress(OSError):  # Windows removes no open file.
                 os.unlink(self.path)
 
-    def close(self) -> None:
-        """Close the file."""
-        self._file.close()
-        with suppress(OSError):
-            os.close(self._descriptor)
+
+def _close(file: BinaryIO, descriptor: int) -> None:
+    """Close the file of a journal, which is done at the latest when nobody has the journal any more."""
+    file.close()
+    with suppress(OSError):
+        os.close(descriptor)
 
 
 def _encoded(content: Any) -> bytes:

@@ -114,6 +114,7 @@ WRITTEN = {
     "report": to_file("json", "csv", "md", "html", "xlsx"),
     "figure": to_file("png", "svg"),
     "study": to_file("json"),
+    "sweep": to_file("csv", "parquet"),
     "demo": to_file("py", "ipynb"),
 }
 SHOWN = dict.fromkeys(("--velocities", "--grid", "--contacts", "--normals", "--impulses", "--exact"), FLAG)
@@ -171,6 +172,26 @@ COMMANDS: dict[str, tuple[list[st.SearchStrategy], Options, Options]] = {
         [st.sampled_from([*(name for name in STUDIES if name != "u-turn"), "none", ""])],
         {"--benches": whole(3, 9)},
         DRAGON | {"--limit": number(1.1, 3), "--fastest": number(1, 2), "-o": WRITTEN["study"]},
+    ),
+    "sweep": (
+        [],
+        {
+            "--benches": whole(2, 9),
+            "--workers": one_of("1", "1", "2", "0"),
+            "--axis": st.one_of(
+                st.tuples(one_of("pitch=", "turns=", "head-spacing=", "none="), listed(number(0.7, 2))).map("".join),
+                one_of("pitch=0.5:0.6", "pitch", "width=0.1,0.2,x", "benches=2:4:1", "benches=2.5", "=", ""),
+            ),
+        },
+        {
+            "--quantity": one_of("contact-time", "nearest-gap", "max-speed", "none", "math:pi", "none:none"),
+            "--samples": whole(0, 5),
+            "--seed": whole(-1, 9),
+            "--sampling": one_of("sobol", "random", "none"),
+            "--refine": whole(-1, 5),
+            "--timeout": number(0, 9),
+            "--resume": FLAG,
+        },
     ),
     "demo": (
         [st.sampled_from(["", "none", "Spiral", "../spiral"])],
