@@ -9,7 +9,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 MAKEFLAGS += --jobs=$(shell getconf _NPROCESSORS_ONLN) $(if $(filter output-sync,$(.FEATURES)),--output-sync=line)
 
 .DEFAULT_GOAL := help
-.PHONY: help render figures screenshot report test test-all fuzz lint bench demos clean FORCE
+.PHONY: help render figures map screenshot report test test-all fuzz lint bench demos clean FORCE
 # A film or a run that was interrupted is not a film or a run.
 .DELETE_ON_ERROR:
 
@@ -60,6 +60,10 @@ $(foreach name,$(STILLS) $(CHARTS),$(eval figures/$(name).png := figure $(name))
 $(foreach name,$(CHARTS_OF_RUN),$(eval figures/$(name).png := figure $(name) renders/march.npz))
 $(foreach name,$(STUDIES),$(eval figures/$(name).png := study $(name)))
 
+# The first contacts of 10,000 dragons; two thirds of them lie where other benches touch.
+MAP := figures/contact-map.png
+$(MAP) := sweep --axis pitch=0.41:0.81:0.005 --axis width=0.20:0.40:0.005 --refine 6679 --resume
+
 PICTURES := march.gif first_contact.gif guides.gif exact.gif marks.png u-turn.gif
 FIGURES := $(patsubst %,figures/%.png,$(STILLS) $(CHARTS) $(CHARTS_OF_RUN) $(STUDIES))
 RUNS := march.npz first_contact.npz unguided.npz u-turn.npz report.npz
@@ -67,7 +71,7 @@ PAGES := march.html report.html lessons.html
 
 # A file with the arguments, renewed only when they change.
 COMMANDS := renders/.commands
-FILES := $(PICTURES) $(FIGURES) $(RUNS) $(PAGES)
+FILES := $(PICTURES) $(FIGURES) $(RUNS) $(PAGES) $(MAP)
 $(FILES:%=$(COMMANDS)/%): $(COMMANDS)/%: FORCE
 	@mkdir -p $(@D); echo '$($*)' | cmp -s - $@ || echo '$($*)' > $@
 
@@ -86,7 +90,7 @@ renders/guides.gif: renders/unguided.npz
 renders/u-turn.gif: renders/u-turn.npz
 renders/report.html: renders/report.npz
 renders/lessons.html: $(wildcard pymunk_dragon/lessons/*.py)
-$(FIGURES:%=renders/%) renders/report.html renders/lessons.html: | $(VENV)/extras
+$(FIGURES:%=renders/%) renders/$(MAP) renders/report.html renders/lessons.html: | $(VENV)/extras
 -include $(FILES:%=$(COMMANDS)/%.d)
 
 render: renders/march.gif renders/march.html $(PICTURES:%=renders/%) ## simulate the dragon in Pymunk, film it, and write a page that plays it
@@ -94,6 +98,9 @@ render: renders/march.gif renders/march.html $(PICTURES:%=renders/%) ## simulate
 
 figures: $(FIGURES:%=renders/%) ## draw the paper's figures and the studies' answers: renders/figures/
 	@echo "open renders/figures/gap.png first"
+
+map: renders/$(MAP) ## compute the first contacts of 10,000 dragons in ten minutes, and draw a map of them
+	@echo "open renders/$(MAP)"
 
 report: renders/report.html ## simulate past the first contact and report on it: renders/report.html
 	@echo "open renders/report.html in a browser"
@@ -128,7 +135,7 @@ lint: $(VENV)/tools ## style, types, and which package imports which
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-BENCHMARKS := engine drift pile_up film collision march answers debug_draw lessons
+BENCHMARKS := engine drift pile_up film collision speed answers sweep debug_draw lessons
 bench: $(VENV)/tools renders/march.npz ## measure the figures that README quotes
 	set -e; for name in $(BENCHMARKS); do $(BIN)/python tests/bench/bench_$$name.py; done
 	$(BIN)/python tests/bench/bench_player.py renders/march.npz

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import hashlib
 import signal
 import threading
 from collections.abc import Iterator, Mapping, Sequence
@@ -10,6 +11,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import version
+from pathlib import Path
 from time import perf_counter
 from types import FrameType
 from typing import Any
@@ -24,6 +26,8 @@ from pymunk_dragon.sweeps.quantities import Quantity, quantity_of
 REPEAT = 0.1
 # Characters of an error message in a table.
 MAX_MESSAGE = 300
+# Packages whose code determines the values of quantities.
+DETERMINING = ("model", "collision", "physics", "studies", "sweeps")
 # Values of one point by name, or None and the reason.
 Outcome = tuple[Mapping[str, Any] | None, str | None]
 
@@ -41,8 +45,11 @@ class Task:
 
 @cache
 def program_version() -> str:
-    """Version of this program."""
-    return version("pymunk-dragon")
+    """Version of this program, and a digest of the code that determines the values of quantities."""
+    root = Path(__file__).parents[1]
+    files = sorted(file for package in DETERMINING for file in (root / package).rglob("*.py"))
+    code = b"".join(file.read_bytes() for file in files)
+    return f"{version('pymunk-dragon')}+{hashlib.sha256(code).hexdigest()[:8]}"
 
 
 class _TimeIsUp(BaseException):

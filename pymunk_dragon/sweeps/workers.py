@@ -110,7 +110,10 @@ class Dask(Workers):
         self._cluster: Any = None
         if scheduler == "local":
             self._cluster = distributed.LocalCluster(
-                n_workers=count or _cores(), threads_per_worker=1, dashboard_address=None, silence_logs="CRITICAL"
+                n_workers=count or _cores(),
+                threads_per_worker=1,
+                dashboard_address="127.0.0.1:0",
+                silence_logs="CRITICAL",
             )
         try:
             self._client: Any = distributed.Client(
