@@ -22,8 +22,6 @@ BATCH_SECONDS = 0.5
 MOST_BATCHES_PER_SECOND = 200
 # Points of a batch, at most.
 MOST_POINTS = 4096
-# Batches for each worker at a time: one that it evaluates, and one that waits for it.
-DEPTH = 2
 # Share of the last batch in the estimate of the time of a point.
 NEWEST = 0.3
 # s between looks at the workers.
@@ -114,7 +112,7 @@ class Computation:
 
     def _most_running(self) -> int:
         alone = self._suspects or any(batch.suspect for batch in self._running.values())
-        return 1 if alone else DEPTH * self._workers.count
+        return 1 if alone else self._workers.depth * self._workers.count
 
     def _next(self) -> _Batch | None:
         if self._suspects:
@@ -131,7 +129,10 @@ class Computation:
             return 1
         count = self._workers.count
         aim = max(BATCH_SECONDS, count / MOST_BATCHES_PER_SECOND)
-        return max(1, min(int(aim / max(self._seconds, SHORTEST)), -(-self._left // (DEPTH * count)), MOST_POINTS))
+        return max(
+            1,
+            min(int(aim / max(self._seconds, SHORTEST)), -(-self._left // (self._workers.depth * count)), MOST_POINTS),
+        )
 
     def _collect(self, done: Iterable[Running]) -> None:
         """Write the outcomes of batches that have ended."""
@@ -194,7 +195,8 @@ class Computation:
         overdue = [
             future
             for future, batch in self._running.items()
-            if now - batch.submitted > (1 if batch.suspect else DEPTH) * len(batch.items) * timeout + GRACE
+            if now - batch.submitted
+            > (1 if batch.suspect else self._workers.depth) * len(batch.items) * timeout + GRACE
         ]
         if overdue:
             self._workers.restart(list(self._running))

@@ -28,6 +28,8 @@ LOST_AFTER = 15.0
 class Workers(ABC):
     """Evaluate functions elsewhere; a context that ends with all of them stopped."""
 
+    # Batches for each worker at a time: one that it evaluates, and one that waits for it.
+    depth = 2
     # Exceptions of futures which say that a worker was lost.
     lost: tuple[type[BaseException], ...] = (BrokenExecutor,)
 
@@ -104,6 +106,9 @@ class Processes(Workers):
 
 class Dask(Workers):
     """Workers of a Dask scheduler at an address, or "local" for a scheduler and workers of its own."""
+
+    # One more is on its way to the worker, and one on its way back.
+    depth = 4
 
     def __init__(self, scheduler: str, count: int | None = None) -> None:
         distributed = library("distributed")

@@ -28,7 +28,7 @@ from pymunk_dragon.sweeps.plan import Plan
 
 WORKERS = 2
 SHORT = {"benches": 2, "turns": 8}
-REPEATS = sized(5, 1)
+REPEATS = sized(3, 1)
 
 
 def seconds(points: int, scheduler: str | None, batch_size: int | None) -> float:
@@ -54,7 +54,7 @@ def overhead() -> None:
     print("| workers | points of a batch | overhead of a point, ms |")
     print("| --- | --- | --- |")
     for name, scheduler in (("processes", None), ("Dask", "local")):
-        for batch_size, count in ((1, 1000), (None, 8000)):
+        for batch_size, count in ((1, 500), (None, 4000)):
             count = sized(count, 20)
             found = []
             for _ in range(REPEATS):
