@@ -443,9 +443,20 @@ class _Search:
 
 def _last_reachable(march: March, reachable: float, later: float) -> float:
     """Last time at which the chain has a state, between one at which it has and one at which it has not."""
+    lost = np.isnan(march.handles_s_or_nan(later)[0])
+    # A handle behind the first one that is lost later may be lost earlier, but hardly ever is.
+    for handles in (int(lost.argmax()) + 1, march.dragon.handles):
+        found = _last_time(march, reachable, later, handles)
+        if not np.isnan(march.handles_s_or_nan(found)).any():
+            break
+    return found
+
+
+def _last_time(march: March, reachable: float, later: float, handles: int) -> float:
+    """The same for the foremost `handles`."""
     while later - reachable > RESOLUTION and reachable < (reachable + later) / 2 < later:
         times = np.linspace(reachable, later, LAST_POINTS)
-        lost: Flags = np.isnan(march.handles_s_or_nan(times)[:, -1])
+        lost: Flags = np.isnan(march.handles_s_or_nan(times, handles)[:, -1])
         lost[-1] = True
         first = max(1, int(lost.argmax()))
         reachable, later = float(times[first - 1]), float(times[first])

@@ -19,6 +19,8 @@ from pymunk_dragon.model.curves._checked import CHECK, checked_bound, checked_me
 
 # m from the origin. At this distance a double still resolves 0.02 nm.
 FARTHEST = 1e5
+# Benches that are computed one by one before the chain behind them is computed as a whole again.
+BLOCK = 16
 # Levels of curves inside curves. A level takes up to 4 of Python's 1000 nested calls in an evaluation.
 MAX_DEPTH = 32
 # Methods whose results are checked in classes outside the package, and the axes that they add to their argument's.
@@ -200,13 +202,18 @@ class Curve(ABC):
     def chain_motion(self, s: ArrayLike, spacings: ArrayLike) -> ChainMotion:
         """The chains of `chain` with the positions of their handles, tangents and velocity ratios.
 
-        Each chain is computed as a whole. Where this does not succeed, it is computed bench by bench.
+        Each chain is computed as a whole. Where this does not succeed, as its front is where the path bends sharply, a
+        block of benches is computed one by one, and then the chain behind them.
         """
         heads, chords = np.array(s, dtype=float).ravel(), np.asarray(spacings, dtype=float).ravel()
         found, settled = chain.whole_chains(self, heads, chords)
         if not settled.all():
             rest = ~settled
-            handles_s = self._bench_by_bench(heads[rest], chords)
+            handles_s = np.full((int(rest.sum()), chords.size + 1), np.nan)
+            handles_s[:, : BLOCK + 1] = self._bench_by_bench(heads[rest], chords[:BLOCK])
+            behind = ~np.isnan(handles_s[:, min(BLOCK, chords.size)])
+            if chords.size > BLOCK and behind.any():
+                handles_s[behind, BLOCK:] = self.chain(handles_s[behind, BLOCK], chords[BLOCK:])
             for into, part in zip(found, chain.chain_motion(self, handles_s, chords), strict=True):
                 into[rest] = part
         return found
