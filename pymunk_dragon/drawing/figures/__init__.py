@@ -246,5 +246,9 @@ def _write_png(drawn: Figure, draft: Path) -> None:
     drawn.savefig(buffer, format="png")
     with Image.open(buffer) as picture:
         flat = picture.convert("RGB")
+    if any(part.get_rasterized() for part in drawn.findobj()):
+        # Gradients, which are rasterized in the other formats, would have visible bands.
+        flat.save(draft, format="PNG")
+        return
     few = flat.quantize(PNG_COLOURS, method=Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
     few.save(draft, format="PNG", optimize=True)

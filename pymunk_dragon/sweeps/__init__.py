@@ -1,0 +1,1 @@
+"""Parameter sweeps: a quantity of marches at many points of one or more axes."""
