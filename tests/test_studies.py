@@ -377,7 +377,7 @@ def test_a_scenario_gives_the_dragon_and_flags_win(capsys: pytest.CaptureFixture
         (["min-pitch", "--radius", "many"], ("radius", "many")),
         (["min-pitch", "--pitch", "0.5"], ("pitch", "left out")),
         (["min-pitch", "--benches", "5"], ("benches", "5")),
-        (["min-pitch", "-o", "answer.gif"], ("-o is", "answer.gif", ".json or .png or .svg")),
+        (["min-pitch", "-o", "answer.gif"], ("-o is", "answer.gif", ".json or .png or .svg or .pdf")),
         (["nothing"], ("study", "nothing", "min-pitch")),
     ],
 )
@@ -464,7 +464,7 @@ def test_the_picture_of_slopes_shows_each_of_them(sensed: Sensitivity) -> None:
     assert found[0].get_xdata()[0] == pytest.approx(abs(sensed.times[0].slope) / 1e3)
 
 
-@pytest.mark.parametrize("ending", [".png", ".svg"])
+@pytest.mark.parametrize("ending", [".png", ".svg", ".pdf"])
 def test_pictures_are_written(answer: MinPitch, sensed: Sensitivity, tmp_path: Path, ending: str) -> None:
     for found in (answer, sensed, min_pitch(radius=8.0)):
         file = tmp_path / f"answer{ending}"
@@ -482,7 +482,7 @@ def test_the_command_writes_what_the_ending_says(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, answer: MinPitch, tmp_path: Path
 ) -> None:
     monkeypatch.setitem(STUDIES, "min-pitch", replace(STUDIES["min-pitch"], run=lambda dragon, progress: answer))
-    for ending in (".json", ".png", ".svg"):
+    for ending in (".json", ".png", ".svg", ".pdf"):
         assert run(capsys, "min-pitch", "-o", str(tmp_path / f"answer{ending}"))[0] == 0
     assert json.loads((tmp_path / "answer.json").read_text(encoding="utf-8"))["pitch"] == answer.pitch
     assert (tmp_path / "answer.png").read_bytes()[:4] == b"\x89PNG"

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 @click.argument("run_file", metavar="[RUN.npz]", required=False)
 @scenario_options
 @json_option
-@output_option(".png, or .svg where the figure has axes")
+@output_option(".png, or .svg or .pdf where the figure has axes")
 def figure(
     name: str | None, run_file: str | None, scenario_file: str | None, as_json: bool, output: str | None
 ) -> None:
@@ -34,7 +34,7 @@ def figure(
 
     Drift and impulses are drawn from a run of the engine, the others from a run's march or from the options.
     """
-    from pymunk_dragon.drawing.figures import FIGURES, write_figure
+    from pymunk_dragon.drawing.figures import FIGURE_ENDINGS, FIGURES, write_figure
 
     if name is None:
         shown = {known: kind.shows for known, kind in FIGURES.items()}
@@ -44,9 +44,9 @@ def figure(
             click.echo("\n".join(f"{known:<13} {shows}" for known, shows in shown.items()))
         return
     if output is None:
-        raise click.UsageError("name a file to write: -o FILE.png or -o FILE.svg")
+        raise click.UsageError("name a file to write: -o FILE.png, -o FILE.svg or -o FILE.pdf")
     source = _source(run_file, scenario_file)
-    endings = FIGURES[name].endings if name in FIGURES else (".png", ".svg")
+    endings = FIGURES[name].endings if name in FIGURES else FIGURE_ENDINGS
     destination = destination_of(output, endings)
     assert destination is not None
     write_figure(name, destination, source)

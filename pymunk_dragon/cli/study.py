@@ -12,7 +12,7 @@ from pymunk_dragon.cli.options import chosen, destination_of, json_option, outpu
 from pymunk_dragon.cli.output import print_json, progress, write_json
 
 # Library that is needed to write each format.
-LIBRARIES = {".png": "matplotlib", ".svg": "matplotlib", ".xlsx": "xlsxwriter"}
+LIBRARIES = {".png": "matplotlib", ".svg": "matplotlib", ".pdf": "matplotlib", ".xlsx": "xlsxwriter"}
 
 
 class _StudyCommand(click.Command):
@@ -47,7 +47,7 @@ def _study_options() -> Sequence[click.Option]:
 @click.argument("name", required=False)
 @scenario_options
 @json_option
-@output_option(".json, .png or .svg for a picture of the answer, or .xlsx for the contest's sheets of the u-turn")
+@output_option(".json, .png, .svg or .pdf for a picture of the answer, or .xlsx for the contest's sheets of the u-turn")
 def study(
     name: str | None, scenario_file: str | None, as_json: bool, output: str | None, **options: float | bool | None
 ) -> None:
@@ -72,7 +72,7 @@ def study(
         values["speed"] = _speed(values["speed"])
     values |= {given: value for given, value in options.items() if value is not None}
     sheets = (".xlsx",) if name in STUDIES and STUDIES[name].has_sheets else ()
-    destination = destination_of(output, (".json", ".png", ".svg", *sheets))
+    destination = destination_of(output, (".json", ".png", ".svg", ".pdf", *sheets))
     if destination is not None and destination.suffix.lower() in LIBRARIES:
         from pymunk_dragon._extras import library
 

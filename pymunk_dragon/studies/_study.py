@@ -83,12 +83,12 @@ class Result(ABC):
         return styled_figure(self._draw)
 
     def write_figure(self, path: str | Path) -> None:
-        """Write the figure as PNG or SVG.
+        """Write the figure as PNG, SVG or PDF.
 
         Raises
         ------
         ParameterError
-            If the ending is neither .png nor .svg, or the file cannot be created.
+            If the ending is not .png, .svg or .pdf, or the file cannot be created.
         MissingExtraError
             If matplotlib is not installed.
         OutputError

@@ -6,7 +6,7 @@ import io
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from PIL import Image
 
@@ -37,7 +37,9 @@ if TYPE_CHECKING:
 __all__ = ["FIGURES", "FIGURE_ENDINGS", "Kind", "figure", "styled_figure", "write_figure", "write_styled"]
 
 # File endings of figures with axes.
-FIGURE_ENDINGS = (".png", ".svg")
+FIGURE_ENDINGS = (".png", ".svg", ".pdf")
+# Metadata that leave out the date, for the same bytes each time.
+WITHOUT_DATE: Mapping[str, dict[str, Any]] = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
 # Colours of a PNG: with 256 no pixel changes by more than two levels, and the file is a third as large.
 PNG_COLOURS = 256
 
@@ -157,7 +159,7 @@ def styled_figure(draw: Callable[[], Figure]) -> Figure:
 
 
 def write_figure(name: str, path: str | Path, source: Source | None = None) -> None:
-    """Write one of `FIGURES` as PNG, or as SVG if it has axes.
+    """Write one of `FIGURES` as PNG, or as SVG or PDF if it has axes.
 
     Parameters
     ----------
@@ -190,7 +192,7 @@ def write_figure(name: str, path: str | Path, source: Source | None = None) -> N
 
 
 def write_styled(draw: Callable[[], Figure], path: str | Path) -> None:
-    """Write the figure that `draw` draws, with the fonts and colours of all figures, as PNG or SVG.
+    """Write the figure that `draw` draws, with the fonts and colours of all figures, as PNG, SVG or PDF.
 
     Raises
     ------
@@ -210,8 +212,9 @@ def write_styled(draw: Callable[[], Figure], path: str | Path) -> None:
     with styled():
         drawn = draw()
         with written_in_place(destination) as draft:
-            if destination.suffix.lower() == ".svg":
-                drawn.savefig(draft, format="svg", metadata={"Date": None})
+            ending = destination.suffix.lower()
+            if ending in WITHOUT_DATE:
+                drawn.savefig(draft, format=ending[1:], metadata=WITHOUT_DATE[ending])
             else:
                 _write_png(drawn, draft)
 
@@ -243,5 +246,9 @@ def _write_png(drawn: Figure, draft: Path) -> None:
     drawn.savefig(buffer, format="png")
     with Image.open(buffer) as picture:
         flat = picture.convert("RGB")
+    if any(part.get_rasterized() for part in drawn.findobj()):
+        # Gradients, which are rasterized in the other formats, would have visible bands.
+        flat.save(draft, format="PNG")
+        return
     few = flat.quantize(PNG_COLOURS, method=Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
     few.save(draft, format="PNG", optimize=True)
