@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+from contextlib import redirect_stdout
 from time import perf_counter
 
 import click
@@ -71,7 +72,8 @@ def sweep(
     values = Scenario.read(scenario_file) if scenario_file is not None else {}
     begin = perf_counter()
     resumed: int | None = None
-    with progress("sweep") as show:
+    # What a quantity prints is not part of a table on stdout.
+    with progress("sweep") as show, redirect_stdout(sys.stderr):
 
         def report(done: int, total: int) -> None:
             nonlocal resumed

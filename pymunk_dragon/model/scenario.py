@@ -118,7 +118,7 @@ class Scenario:
         >>> Scenario.from_dict({"dragon": {"benches": 5}, "curve": {"kind": "u-turn", "ratio": 3}}).radius
         4.5
         """
-        flat = _flat(values)
+        flat = flat_values(values)
         known = [f.name for f in fields(cls)]
         for name, value in flat.items():
             if name not in known:
@@ -149,7 +149,7 @@ class Scenario:
         >>> Scenario(benches=5, pitch=0.6).values()["pitch"]
         0.6
         """
-        return _flat(self.to_dict())
+        return flat_values(self.to_dict())
 
     @classmethod
     def read(cls, path: str | Path) -> dict[str, Any]:
@@ -170,7 +170,7 @@ class Scenario:
             text = read_text(path, "scenario")
             if LONG_KEY.search(text):
                 raise FileFormatError(path, "a key has more parts than that of any parameter")
-            values = _flat(tomllib.loads(text))
+            values = flat_values(tomllib.loads(text))
         except ParameterError:
             raise
         except (ValueError, RecursionError) as error:
@@ -228,7 +228,7 @@ def _curve(values: Mapping[str, Any]) -> Curve:
         raise ParameterError(error.name.removeprefix("curve."), error.value, error.bound) from error
 
 
-def _flat(values: Mapping[str, Any]) -> dict[str, Any]:
+def flat_values(values: Mapping[str, Any]) -> dict[str, Any]:
     """Values by the names of the parameters of a `Scenario`, from nested tables or from such values."""
     flat = dict(values)
     dragon = flat.pop("dragon", {})
@@ -260,7 +260,7 @@ def _speed(value: Any) -> Any:
 def _values(march: March) -> dict[str, Any]:
     """Names and values of a scenario that makes `march`."""
     speed = speed_of(march.speed)
-    curve = _flat({"curve": march.curve.to_dict()})
+    curve = flat_values({"curve": march.curve.to_dict()})
     if not isinstance(curve["curve"], str):
         curve = {"curve": march.curve}
     elif "points" in curve:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
-from itertools import product
+from itertools import islice, product
 from math import floor, prod
 from typing import Any, Literal, get_args
 
@@ -22,6 +22,8 @@ Point = tuple[float, ...]
 MAX_POINTS = 100_000_000
 # Samples, at most: their coordinates are in memory.
 MAX_SAMPLES = 10_000_000
+# Points at the ends of axes, at most, of which the first valid one gives the values of other parameters.
+MAX_CORNERS = 4096
 # Largest seed of the samples.
 MAX_SEED = 2**63 - 1
 
@@ -40,8 +42,9 @@ class Axes(ABC):
     def __getitem__(self, index: int) -> Point: ...
 
     def corners(self) -> Iterator[Point]:
-        """The points at the ends of all axes."""
-        yield from dict.fromkeys(product(*((min(values), max(values)) for values in self.values.values())))
+        """The points at the ends of all axes, or the first ones of them if they are very many."""
+        ends = [sorted({min(values), max(values)}) for values in self.values.values()]
+        yield from islice(product(*ends), MAX_CORNERS)
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values that determine the points."""
@@ -91,7 +94,8 @@ class Samples(Axes):
         if sampling == "random":
             self._shares = generator.random((count, len(values)))
         else:
-            sequence = library("scipy.stats").qmc.Sobol(len(values), rng=generator)
+            # SciPy calls it rng from 1.15 on, but takes both names.
+            sequence = library("scipy.stats").qmc.Sobol(len(values), seed=generator)
             # A Sobol sequence is balanced if its length is a power of two.
             self._shares = sequence.random_base2((count - 1).bit_length())[:count]
 
@@ -125,8 +129,8 @@ def axes_of(
     MissingExtraError
         If SciPy, which has Sobol sequences, is not installed.
     """
-    if not values:
-        raise ParameterError("axis", None, "at least one: a parameter and its values")
+    if not values or not isinstance(values, Mapping):
+        raise ParameterError("axis", values or None, "at least one: a parameter and its values")
     checked = {name: _numbers(name, values[name], parameters) for name in values}
     if samples is None:
         count = prod(map(len, checked.values()))
@@ -135,7 +139,8 @@ def axes_of(
         return Grid(checked)
     for name, numbers in checked.items():
         if len(numbers) != 2 or numbers[0] >= numbers[1]:
-            raise ParameterError(name, values[name], "the two ends of an interval, of which samples are taken")
+            bound = "the two ends of an interval, of which samples are taken"
+            raise ParameterError("axis", f"{name}={values[name]}", bound)
     integers = frozenset(name for name in checked if parameters[name] is int)
     count = whole("samples", samples, 1, MAX_SAMPLES)
     word("sampling", sampling, get_args(Sampling))
@@ -152,9 +157,9 @@ def _numbers(name: str, values: object, parameters: Mapping[str, type]) -> tuple
         listed = []
     numbers = [number(value) for value in listed]
     if not numbers or not np.isfinite(numbers).all():
-        raise ParameterError(name, values, "finite numbers, at least one")
+        raise ParameterError("axis", f"{name}={values}", "finite numbers, at least one")
     if parameters[name] is float:
         return tuple(numbers)
     if any(value != floor(value) for value in numbers):
-        raise ParameterError(name, values, "whole numbers")
+        raise ParameterError("axis", f"{name}={values}", "whole numbers")
     return tuple(map(int, numbers))

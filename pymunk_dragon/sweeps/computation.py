@@ -7,11 +7,12 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Future, wait
 from dataclasses import dataclass
 from itertools import islice
+from math import inf
 from time import monotonic
 
 from pymunk_dragon.errors import DragonError
 from pymunk_dragon.sweeps.axes import Point
-from pymunk_dragon.sweeps.evaluation import Outcome, Task, evaluate, too_long
+from pymunk_dragon.sweeps.evaluation import LONGEST_BATCH, REPEAT, Outcome, Task, evaluate, too_long
 from pymunk_dragon.sweeps.journal import Journal
 from pymunk_dragon.sweeps.workers import Workers
 
@@ -28,8 +29,6 @@ NEWEST = 0.3
 POLL = 1.0
 # s after the time limit until a worker that does not return is stopped.
 GRACE = 10.0
-# How often a worker may be lost that evaluates a single point and no other, until the point has failed.
-MOST_LOSSES = 2
 
 # Reason of a point that failed so.
 LOST = "its worker was ended whenever it was evaluated"
@@ -48,7 +47,8 @@ class _Batch:
     items: Sequence[Item]
     suspect: bool = False
     losses: int = 0
-    submitted: float = 0.0
+    # Time at which it has ended at the latest, if all points take as long as the time limit.
+    end: float = inf
 
 
 class Computation:
@@ -80,6 +80,8 @@ class Computation:
         self._seconds: float | None = None
         self._items: Iterator[Item] = iter(())
         self._left = 0
+        # Points of batches that ended early.
+        self._returned: deque[Item] = deque()
         self._suspects: deque[_Batch] = deque()
         self._running: dict[Running, _Batch] = {}
 
@@ -106,9 +108,18 @@ class Computation:
         """Submit as many batches as the workers can use; returns whether any is evaluated."""
         while len(self._running) < self._most_running() and (batch := self._next()):
             points = [point for _, point in batch.items]
-            batch.submitted = monotonic()
+            self._limit(batch)
             self._running[self._workers.submit(evaluate, self._task, points)] = batch
         return bool(self._running)
+
+    def _limit(self, batch: _Batch) -> None:
+        """Set when a batch has ended at the latest: it begins when less batches than workers are left before it."""
+        if self._task.timeout is not None:
+            ends = sorted(other.end for other in self._running.values())
+            before = len(ends) - self._workers.count
+            begin = max(monotonic(), ends[before]) if before >= 0 else monotonic()
+            longest = self._task.timeout + REPEAT
+            batch.end = begin + min(len(batch.items) * longest, LONGEST_BATCH + longest)
 
     def _most_running(self) -> int:
         alone = self._suspects or any(batch.suspect for batch in self._running.values())
@@ -117,7 +128,9 @@ class Computation:
     def _next(self) -> _Batch | None:
         if self._suspects:
             return self._suspects.popleft()
-        items = list(islice(self._items, self._size()))
+        size = self._size()
+        items = [self._returned.popleft() for _ in range(min(size, len(self._returned)))]
+        items += islice(self._items, size - len(items))
         self._left -= len(items)
         return _Batch(items=items) if items else None
 
@@ -150,7 +163,8 @@ class Computation:
                 raise DragonError("the workers, or their scheduler, were stopped") from error
             except Exception as error:
                 raise DragonError(f"the workers cannot evaluate a point: {type(error).__name__}: {error}") from error
-            outcomes += zip((index for index, _ in batch.items), found, strict=True)
+            outcomes += zip((index for index, _ in batch.items), found, strict=False)
+            self._return(batch, batch.items[len(found) :])
             share = 1.0 if self._seconds is None else NEWEST
             self._seconds = share * seconds / len(found) + (1 - share) * (self._seconds or 0.0)
         self._write(outcomes)
@@ -158,6 +172,14 @@ class Computation:
             # All workers end with the one that was lost.
             self._workers.restart(list(self._running))
             self._suspect_all()
+
+    def _return(self, batch: _Batch, rest: Sequence[Item]) -> None:
+        """Evaluate the points later that are left of a batch that ended early."""
+        if batch.suspect and rest:
+            self._suspects.appendleft(_Batch(items=rest, suspect=True))
+        else:
+            self._returned += rest
+            self._left += len(rest)
 
     def _write(self, outcomes: Sequence[tuple[int, Outcome]]) -> None:
         if outcomes:
@@ -180,7 +202,7 @@ class Computation:
             parts = [_Batch(items=batch.items, suspect=True)]
         elif middle:
             parts = [_Batch(items=items, suspect=True) for items in (batch.items[:middle], batch.items[middle:])]
-        elif batch.losses + 1 < MOST_LOSSES:
+        elif batch.losses + 1 < self._workers.most_losses:
             parts = [_Batch(items=batch.items, suspect=True, losses=batch.losses + 1)]
         else:
             self._fail(batch, LOST)
@@ -192,15 +214,19 @@ class Computation:
         if (timeout := self._task.timeout) is None:
             return
         now = monotonic()
-        overdue = [
-            future
-            for future, batch in self._running.items()
-            if now - batch.submitted
-            > (1 if batch.suspect else self._workers.depth) * len(batch.items) * timeout + GRACE
-        ]
-        if overdue:
-            self._workers.restart(list(self._running))
-            for future in overdue:
-                if len(self._running[future].items) == 1:
-                    self._fail(self._running.pop(future), too_long(timeout))
-            self._suspect_all()
+        overdue = [future for future, batch in self._running.items() if now > batch.end + GRACE]
+        if not overdue:
+            return
+        if not self._workers.restart(list(self._running)):
+            # None has begun, as on a cluster without workers.
+            waiting, self._running = self._running, {}
+            for future, batch in waiting.items():
+                self._limit(batch)
+                self._running[future] = batch
+            return
+        for future in overdue:
+            batch = self._running[future]
+            # Otherwise it may have waited for its turn.
+            if batch.suspect and len(batch.items) == 1:
+                self._fail(self._running.pop(future), too_long(timeout))
+        self._suspect_all()

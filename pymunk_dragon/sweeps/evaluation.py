@@ -24,8 +24,12 @@ from pymunk_dragon.sweeps.quantities import Quantity, quantity_of
 
 # s. An exception that ends a point is raised again after this time, because code called from C may drop it.
 REPEAT = 0.1
+# s after which a batch ends early, if its points take longer than those before: its outcomes would wait for it.
+LONGEST_BATCH = 10.0
 # Characters of an error message in a table.
 MAX_MESSAGE = 300
+# Whole numbers in a Parquet file are not larger, nor further below 0.
+MAX_WHOLE = 2**63 - 1
 # Packages whose code determines the values of quantities.
 DETERMINING = ("model", "collision", "physics", "studies", "sweeps")
 # Values of one point by name, or None and the reason.
@@ -57,7 +61,7 @@ class _TimeIsUp(BaseException):
 
 
 def evaluate(task: Task, points: Sequence[Point]) -> tuple[list[Outcome], float]:
-    """The outcome at each of the points, and the time that all took, s.
+    """The outcomes at the points, or at the first ones of them if they take long, and the time that all took, s.
 
     Raises
     ------
@@ -68,7 +72,12 @@ def evaluate(task: Task, points: Sequence[Point]) -> tuple[list[Outcome], float]
         raise DragonError(f"a worker has version {program_version()} of the program, but the sweep {task.version}")
     quantity = quantity_of(task.quantity)
     begin = perf_counter()
-    return [_evaluated(task, quantity, point) for point in points], perf_counter() - begin
+    outcomes = []
+    for point in points:
+        outcomes.append(_evaluated(task, quantity, point))
+        if (seconds := perf_counter() - begin) > LONGEST_BATCH:
+            break
+    return outcomes, seconds
 
 
 def _evaluated(task: Task, quantity: Quantity, point: Point) -> Outcome:
@@ -84,8 +93,18 @@ def _evaluated(task: Task, quantity: Quantity, point: Point) -> Outcome:
         return None, too_long(task.timeout)
     except DragonError as error:
         return None, str(error)
-    except (Exception, SystemExit) as error:
-        return None, one_line(f"{type(error).__name__}: {error}")[:MAX_MESSAGE]
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:
+        return None, _reason(error)
+
+
+def _reason(error: BaseException) -> str:
+    """An exception of any class in one line."""
+    try:
+        return one_line(f"{type(error).__name__}: {error}")[:MAX_MESSAGE]
+    except Exception:  # Of its own text.
+        return type(error).__name__
 
 
 def too_long(timeout: float | None) -> str:
@@ -98,7 +117,12 @@ def _scalar(name: str, value: object, axes: Mapping[str, float]) -> float | str 
     if name in axes or name == "error":
         raise DragonError(f"the quantity returned a value {name}, which is another column of the table")
     plain = value.item() if isinstance(value, np.generic) else value
-    if plain is None or isinstance(plain, bool | int | float | str):
+    if isinstance(plain, str):
+        # Files of UTF-8 have no surrogates.
+        return plain.encode(errors="backslashreplace").decode()
+    if isinstance(plain, int) and abs(plain) > MAX_WHOLE:
+        raise DragonError(f"the quantity returned a whole number of more than 64 bits as {name}")
+    if plain is None or isinstance(plain, int | float):
         return plain
     raise DragonError(f"the quantity returned a {type(value).__name__} as {name}, not a number")
 
@@ -129,11 +153,14 @@ def _limit_by_signal(seconds: float) -> Iterator[None]:
             raise _TimeIsUp
 
     before = signal.signal(signal.SIGALRM, expire)
-    signal.setitimer(signal.ITIMER_REAL, seconds, REPEAT)
     try:
-        yield
-        active = False
+        try:
+            signal.setitimer(signal.ITIMER_REAL, seconds, REPEAT)
+            yield
+        finally:
+            active = False
     finally:
+        # Again, if the exception came before it could be set there.
         active = False
         signal.setitimer(signal.ITIMER_REAL, 0)
         signal.signal(signal.SIGALRM, before)
@@ -152,11 +179,18 @@ def _limit_by_interpreter(seconds: float) -> Iterator[None]:
                     ctypes.pythonapi.PyThreadState_SetAsyncExc(thread, ctypes.py_object(_TimeIsUp))
             wait = REPEAT
 
-    threading.Thread(target=expire, daemon=True).start()
-    try:
-        yield
-    finally:
+    def finish() -> None:
         with lock:
             finished.set()
             # An exception that has not been raised yet is dropped.
             ctypes.pythonapi.PyThreadState_SetAsyncExc(thread, None)
+
+    try:
+        try:
+            threading.Thread(target=expire, daemon=True).start()
+            yield
+        finally:
+            finish()
+    finally:
+        # Again, if the exception came before it had finished.
+        finish()

@@ -16,6 +16,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, BinaryIO
 
+from pymunk_dragon._signals import signals_held
 from pymunk_dragon.errors import FileFormatError, OutputError, ParameterError
 from pymunk_dragon.sweeps.axes import MAX_POINTS
 from pymunk_dragon.sweeps.evaluation import Outcome
@@ -64,8 +65,12 @@ class Journal:
         except OSError as error:
             raise ParameterError("output", str(path), f"in a folder that can be written ({error.strerror})") from error
         try:
+            self._lock()
             self._begin(sweep, resume)
-        except BaseException:
+        except BaseException as error:
+            if isinstance(error, OutputError):
+                # It has no line yet.
+                self.remove()
             self.close()
             raise
         self.resumed = self._count
@@ -81,16 +86,21 @@ class Journal:
         self.close = weakref.finalize(self, _close, self._file, descriptor)
         if self.path is None:
             os.unlink(name)
-        if fcntl is not None:
-            try:
-                fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except BlockingIOError as error:
-                self.close()
-                raise ParameterError(
-                    "output", name.removesuffix(ENDING), "a table of no other running sweep"
-                ) from error
-            except OSError:  # Some file systems have no locks.
-                pass
+
+    def _lock(self) -> None:
+        """Hold a lock on the file, unless another sweep does, or has removed the file since it was opened."""
+        if self.path is None:
+            return
+        try:
+            if fcntl is not None:
+                fcntl.flock(self._descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            is_free = self.path.exists() and os.path.samestat(os.stat(self.path), os.fstat(self._descriptor))
+        except BlockingIOError:
+            is_free = False
+        except OSError:  # Some file systems have no locks.
+            is_free = True
+        if not is_free:
+            raise ParameterError("output", str(self.path).removesuffix(ENDING), "a table of no other running sweep")
 
     def _begin(self, sweep: Mapping[str, Any], resume: bool) -> None:
         """Read the points of an earlier sweep, or write the first line."""
@@ -113,6 +123,8 @@ class Journal:
         if not resume:
             end = 0
         os.ftruncate(self._descriptor, end)
+        # Bytes that were behind this end stay in no buffer.
+        self._file.seek(0, os.SEEK_END)
         self._end = end
         if not end:
             self._write(description)
@@ -137,8 +149,11 @@ class Journal:
             content = None
         if number == 1 and isinstance(content, dict):
             return content
-        if number > 1 and isinstance(content, list) and len(content) == 3 and content[0] in range(2 * MAX_POINTS):
-            return content
+        if number > 1 and isinstance(content, list) and len(content) == 3:
+            index, values, error = content
+            known = isinstance(values, dict | None) and isinstance(error, str | None)
+            if known and isinstance(index, int) and index in range(2 * MAX_POINTS):
+                return content
         raise FileFormatError(self.path, f"not a journal of a sweep: line {number} is damaged")
 
     def _note(self, index: int, place: int) -> None:
@@ -169,10 +184,12 @@ class Journal:
         """
         lines = [(index, _encoded([index, *outcome])) for index, outcome in outcomes]
         place = self._end
-        self._write(b"".join(line for _, line in lines))
-        for index, line in lines:
-            self._note(index, place)
-            place += len(line)
+        # Lines in the file are also counted when Ctrl-C comes.
+        with signals_held():
+            self._write(b"".join(line for _, line in lines))
+            for index, line in lines:
+                self._note(index, place)
+                place += len(line)
 
     def _write(self, content: bytes) -> None:
         """Append whole lines, or nothing."""

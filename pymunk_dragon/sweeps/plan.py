@@ -8,7 +8,7 @@ from typing import Any
 
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.march import March
-from pymunk_dragon.model.scenario import Scenario
+from pymunk_dragon.model.scenario import Scenario, flat_values
 from pymunk_dragon.sweeps.axes import Axes, Point, Sampling, axes_of
 from pymunk_dragon.sweeps.evaluation import Task, program_version
 from pymunk_dragon.sweeps.quantities import Quantity, Values, name_of, quantity_of
@@ -50,7 +50,9 @@ class Plan:
         points = axes_of(axes, chosen.parameters, samples, seed, sampling)
         if isinstance(scenario, March):
             scenario = Scenario.of(scenario)
-        given = scenario.values() if isinstance(scenario, Scenario) else dict(scenario or {})
+        if not isinstance(scenario, Scenario | Mapping | None):
+            raise ParameterError("scenario", scenario, "a Scenario, a March, or a mapping of their values")
+        given = scenario.values() if isinstance(scenario, Scenario) else flat_values(scenario or {})
         if "start_s" in points.names:
             given.pop("turns", None)
         base = _base(chosen, given, points)
@@ -110,7 +112,8 @@ def _base(quantity: Quantity, given: Mapping[str, Any], axes: Axes) -> dict[str,
         try:
             found = quantity.base({**given, **dict(zip(axes.names, corner, strict=True))})
         except ParameterError as error:
-            first = first or error
+            on_axis = error.name in axes.names
+            first = first or (ParameterError("axis", f"{error.name}={error.value}", error.bound) if on_axis else error)
         else:
             return {name: value for name, value in found.items() if name not in axes.names}
     assert first is not None

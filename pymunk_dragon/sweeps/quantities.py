@@ -7,14 +7,16 @@ beside those of a scenario.
 from __future__ import annotations
 
 import hashlib
+import re
 import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from functools import cache
 from importlib import import_module
 from inspect import Parameter, getdoc, getsourcefile, signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from pymunk_dragon._checks import word
 from pymunk_dragon.errors import ParameterError
@@ -77,12 +79,14 @@ class Quantity:
         """Name and, for a user's function, a digest of the file that defines it."""
         if ":" not in self.name:
             return {"name": self.name}
-        path = getsourcefile(_function(self.name))
+        try:
+            path = getsourcefile(_function(self.name))
+        except TypeError:  # Such as a function of C, or an object that can be called.
+            path = None
         digest = hashlib.sha256(Path(path).read_bytes()).hexdigest()[:16] if path and Path(path).exists() else None
         return {"name": self.name, "source": digest}
 
 
-@cache
 def quantity_of(name: str) -> Quantity:
     """The quantity of a name: one of `QUANTITIES`, or the function `module:function` of a march.
 
@@ -124,8 +128,8 @@ def _function(name: str) -> Callable[..., Values]:
         found: Any = import_module(module)
         for part in path.split("."):
             found = getattr(found, part)
-    except (ImportError, AttributeError, ValueError) as error:
-        raise ParameterError("quantity", name, f"an importable function ({error})") from error
+    except (Exception, SystemExit) as error:  # The module may raise any.
+        raise ParameterError("quantity", name, f"an importable function ({type(error).__name__}: {error})") from error
     if not callable(found):
         raise ParameterError("quantity", name, "a function")
     return found  # type: ignore[no-any-return]  # A function of a march, or its result says otherwise.
@@ -133,11 +137,11 @@ def _function(name: str) -> Callable[..., Values]:
 
 def _of_march(name: str, function: Callable[..., Values], columns: tuple[str, ...] = ()) -> Quantity:
     """The quantity that is a function of a march and of keyword-only parameters."""
-    own = {
-        each.name: int if isinstance(each.default, int) or "int" in str(each.annotation) else float
-        for each in signature(function).parameters.values()
-        if each.kind is Parameter.KEYWORD_ONLY
-    }
+    try:
+        parameters = signature(function).parameters.values()
+    except (ValueError, TypeError) as error:  # Such as a class of C.
+        raise ParameterError("quantity", name, "a function of a march") from error
+    own = {each.name: _type_of(each) for each in parameters if each.kind is Parameter.KEYWORD_ONLY}
 
     def evaluate(values: Values) -> Values:
         chosen = {each: value for each, value in values.items() if each in own}
@@ -146,12 +150,26 @@ def _of_march(name: str, function: Callable[..., Values], columns: tuple[str, ..
 
     def base(values: Values) -> dict[str, Any]:
         rest = {each: value for each, value in values.items() if each not in own}
-        return Scenario.from_dict(rest).values() | {each: values[each] for each in own if each in values}
+        return Scenario.from_dict(rest).values() | {each: _plain(each, values[each]) for each in own if each in values}
 
     summary = (getdoc(function) or name).partition("\n")[0]
     return Quantity(
         name=name, summary=summary, columns=columns, parameters={**SCENARIO, **own}, evaluate=evaluate, base=base
     )
+
+
+def _type_of(parameter: Parameter) -> type:
+    """The type of a parameter's values: the annotated one or, if there is none, that of the default."""
+    numbers = re.findall(r"\b(?:int|float)\b", str(parameter.annotation)) or [type(parameter.default).__name__]
+    return int if {"int", "bool"}.issuperset(numbers) else float
+
+
+def _plain(name: str, value: object) -> object:
+    """A value that is the same for all points, as it is written to a journal."""
+    plain = value.item() if isinstance(value, np.generic) else value
+    if not isinstance(plain, bool | int | float | str | None):
+        raise ParameterError(name, value, "a number or a text")
+    return plain
 
 
 def _of_study(name: str, columns: tuple[str, ...], values_of: Callable[[Any], Values]) -> Quantity:
@@ -161,9 +179,13 @@ def _of_study(name: str, columns: tuple[str, ...], values_of: Callable[[Any], Va
     parameters = {each: SCENARIO.get(each, float) for each in STUDIES[name].parameters}
 
     def base(values: Values) -> dict[str, Any]:
-        known = {each: value for each, value in values.items() if each in parameters}
-        Dragon(**{each: value for each, value in known.items() if each in Dragon.__dataclass_fields__})
-        return known
+        for each, value in values.items():
+            if each not in parameters and each not in Scenario.__dataclass_fields__:
+                raise ParameterError(each, value, "absent: the parameters are " + ", ".join(parameters))
+        sizes = {each: values[each] for each in parameters if each in values and each in Dragon.__dataclass_fields__}
+        rest = {each: _plain(each, values[each]) for each in parameters if each in values and each not in sizes}
+        dragon = Dragon(**sizes)
+        return {each: getattr(dragon, each) for each in sizes} | rest
 
     def evaluate(values: Values) -> Values:
         return values_of(study(name, values))
@@ -248,8 +270,8 @@ QUANTITIES: Mapping[str, Quantity] = {
         ),
         _of_study(
             "max-speed",
-            ("max_speed", "handle", "ratio"),
-            lambda found: {"max_speed": found.speed, "handle": found.handle, "ratio": found.ratio},
+            ("max_speed", "handle", "speed_ratio"),
+            lambda found: {"max_speed": found.speed, "handle": found.handle, "speed_ratio": found.ratio},
         ),
         _of_march("engine-contact-time", engine_contact_time, ("engine_contact_time", *CONTACT)),
         _of_march("engine-error", engine_error, ("time_error", "head_drift", "max_drift", "status")),

@@ -45,11 +45,13 @@ class Sweep(Result):
 
     Examples
     --------
+    >>> from concurrent.futures import ThreadPoolExecutor
+    >>> from pymunk_dragon import Scenario, sweep
     >>> found = sweep(Scenario(benches=16, turns=8), {"pitch": [0.5, 0.55]}, executor=ThreadPoolExecutor(1))
     >>> found.columns
     ('pitch', 'contact_time', 'bench_a', 'bench_b', 'status', 'error')
     >>> found.column("bench_b").tolist()
-    [8, 8]
+    [14, 8]
     """
 
     def __init__(self, plan: Plan, points: Points, journal: Journal, seconds: float) -> None:

@@ -13,6 +13,7 @@ from pymunk_dragon._extras import library
 
 # Rows of a part of a Parquet file.
 ROW_GROUP = 65536
+LINE_END = "\r\n"
 
 Row = Sequence[Any]
 
@@ -20,12 +21,13 @@ Row = Sequence[Any]
 def csv_lines(columns: Sequence[str], rows: Iterable[Row]) -> Iterator[str]:
     """Lines of a CSV table, without their ends: numbers with all their digits, empty cells for None."""
     line = StringIO()
-    writer = csv.writer(line, lineterminator="")
+    # Cells with parts of this line end are quoted.
+    writer = csv.writer(line, lineterminator=LINE_END)
     for row in chain([columns], rows):
         line.seek(0)
         line.truncate()
         writer.writerow(row)
-        yield line.getvalue()
+        yield line.getvalue().removesuffix(LINE_END)
 
 
 def write_csv(path: Path, columns: Sequence[str], rows: Callable[[], Iterable[Row]]) -> None:
@@ -45,8 +47,11 @@ def write_parquet(path: Path, columns: Sequence[str], rows: Callable[[], Iterabl
     with parquet.ParquetWriter(path, schema) as writer:
         for part in _parts(rows()):
             values = dict(zip(columns, map(list, zip(*part, strict=True)), strict=True))
-            texts = {name: _texts(values[name]) for name in columns if schema.field(name).type == arrow.string()}
-            writer.write_table(arrow.table(values | texts, schema=schema))
+            for name in columns:
+                convert = {arrow.string(): str, arrow.float64(): float}.get(schema.field(name).type)
+                if convert is not None:
+                    values[name] = [None if value is None else convert(value) for value in values[name]]
+            writer.write_table(arrow.table(values, schema=schema))
 
 
 def _arrow_type(arrow: Any, kinds: set[type]) -> Any:
@@ -59,10 +64,6 @@ def _arrow_type(arrow: Any, kinds: set[type]) -> Any:
     if found and found <= {int, float}:
         return arrow.float64()
     return arrow.string()
-
-
-def _texts(values: Iterable[Any]) -> list[str | None]:
-    return [None if value is None else str(value) for value in values]
 
 
 def _parts(rows: Iterable[Row]) -> Iterator[list[Row]]:
