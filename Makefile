@@ -62,7 +62,7 @@ $(foreach name,$(STUDIES),$(eval figures/$(name).png := study $(name)))
 
 # The first contacts of 10,000 dragons; two thirds of them lie where other benches touch.
 MAP := figures/contact-map.png
-$(MAP) := sweep --axis pitch=0.41:0.81:0.005 --axis width=0.20:0.40:0.005 --refine 6679 --resume
+$(MAP) := sweep --axis pitch=0.41:0.65:0.003 --axis width=0.20:0.40:0.005 --refine 6679 --resume
 
 PICTURES := march.gif first_contact.gif guides.gif exact.gif marks.png u-turn.gif
 FIGURES := $(patsubst %,figures/%.png,$(STILLS) $(CHARTS) $(CHARTS_OF_RUN) $(STUDIES))
