@@ -568,6 +568,7 @@ NO_NUMBERS = (*HEAVY, "numpy", "email", "importlib.metadata", "pymunk_dragon.mod
         ("contact --help", (*NO_NUMBERS, "pymunk_dragon.cli.render")),
         ("positions --times 0", (*HEAVY, "pymunk_dragon.collision", "pymunk_dragon.studies")),
         ("contact --until 1", (*HEAVY, "pymunk_dragon.studies")),
+        ("sweep --help", NO_NUMBERS),
         ("study", HEAVY),
         ("study min-pitch --benches 30", HEAVY),
         ("simulate --until 0.01", (*DRAWING, "scipy", "matplotlib", "pymunk_dragon.studies")),
@@ -583,7 +584,7 @@ def test_command_imports_only_what_it_uses(arguments, absent):
 
 def test_help_names_the_commands():
     told = subprocess.run([*PROGRAM, "--help"], capture_output=True, text=True, check=True)
-    for command in ("positions", "contact", "simulate", "render", "report"):
+    for command in ("positions", "contact", "simulate", "render", "report", "sweep"):
         assert command in told.stdout
 
 

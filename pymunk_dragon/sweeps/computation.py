@@ -18,9 +18,8 @@ from pymunk_dragon.sweeps.workers import Workers
 
 # s that a batch should take: long beside the cost of sending it, short beside what a user waits.
 BATCH_SECONDS = 0.5
-# Batches a second of all workers, at most: for more of them a batch takes longer. A Dask scheduler can do a few times
-# as many.
-MOST_BATCHES_PER_SECOND = 200
+# Batches a second of all workers, at most: with more workers a batch takes longer. Dask takes about 5 ms for each.
+MOST_BATCHES_PER_SECOND = 50
 # Points of a batch, at most.
 MOST_POINTS = 4096
 # Share of the last batch in the estimate of the time of a point.
