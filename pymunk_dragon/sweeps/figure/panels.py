@@ -64,12 +64,12 @@ class Tint:
 
 # Regions without values, by status; distinguishable in greyscale by lightness and hatching.
 TINTS = {
-    "clear": Tint(text="no contact", colour="#f1ebdc", marker="o"),
-    "overlapping": Tint(text="overlap at the start", colour="#e9c9c2", marker="s"),
+    "clear": Tint(text="clear", colour="#f1ebdc", marker="o"),
+    "overlapping": Tint(text="overlapping", colour="#e9c9c2", marker="s"),
     "unreachable": Tint(
-        text="no contact until the curve ends", colour="#dcdfe2", hatch="---", line="#c9cdd2", marker="D"
+        text="unreachable: bends become too tight", colour="#dcdfe2", hatch="---", line="#c9cdd2", marker="D"
     ),
-    "failed": Tint(text="no dragon", colour=COLOURS.background, hatch="////", line="#d5cbb6", marker="X"),
+    "failed": Tint(text="failed", colour=COLOURS.background, hatch="////", line="#d5cbb6", marker="X"),
     "": Tint(text="no value", colour=COLOURS.background, hatch="xxxx", line="#e2ddd0", marker="v"),
 }
 
