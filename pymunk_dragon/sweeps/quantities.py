@@ -152,7 +152,7 @@ def _of_march(name: str, function: Callable[..., Values], columns: tuple[str, ..
         rest = {each: value for each, value in values.items() if each not in own}
         return Scenario.from_dict(rest).values() | {each: _plain(each, values[each]) for each in own if each in values}
 
-    summary = (getdoc(function) or name).partition("\n")[0]
+    summary = (getdoc(function) or name).partition("\n")[0].rstrip(".")
     return Quantity(
         name=name, summary=summary, columns=columns, parameters={**SCENARIO, **own}, evaluate=evaluate, base=base
     )
@@ -190,7 +190,8 @@ def _of_study(name: str, columns: tuple[str, ...], values_of: Callable[[Any], Va
     def evaluate(values: Values) -> Values:
         return values_of(study(name, values))
 
-    summary = STUDIES[name].summary
+    summary = STUDIES[name].summary.partition(" (")[0]
+    summary = summary[0].upper() + summary[1:]
     return Quantity(name=name, summary=summary, columns=columns, parameters=parameters, evaluate=evaluate, base=base)
 
 
@@ -200,7 +201,10 @@ def _benches(benches: tuple[int, int] | None) -> dict[str, int | None]:
 
 
 def contact_time(march: March, *, start: float = 0.0, until: float | None = None) -> Values:
-    """Time of the first contact, s, its benches, and the status of the search."""
+    """Time of the first contact.
+
+    In s, with its benches and the status of the search.
+    """
     from pymunk_dragon.collision import first_contact
 
     hit = first_contact(march, start=start, until=until)
@@ -209,7 +213,10 @@ def contact_time(march: March, *, start: float = 0.0, until: float | None = None
 
 
 def nearest_gap(march: March, *, start: float = 0.0, until: float | None = None) -> Values:
-    """Gap of the nearest miss before the first contact, m, its time, s, and its benches."""
+    """Gap of the nearest miss before the first contact.
+
+    In m, with its time in s and its benches.
+    """
     from pymunk_dragon.collision import first_contact
 
     hit = first_contact(march, start=start, until=until)
@@ -233,7 +240,10 @@ def engine_contact_time(
     substep: float | None = None,
     iterations: int | None = None,
 ) -> Values:
-    """Time of the first contact in Pymunk, s, its benches, and the outcome of the run."""
+    """Time of the first contact in Pymunk.
+
+    In s, with its benches and the outcome of the run.
+    """
     run = _played(march, start, until, substep, iterations)
     time, benches = (run.first_contact.time, run.first_contact.benches) if run.first_contact else (None, None)
     return {"engine_contact_time": time, **_benches(benches), "status": run.outcome}
@@ -247,7 +257,10 @@ def engine_error(
     substep: float | None = None,
     iterations: int | None = None,
 ) -> Values:
-    """Error of Pymunk's time of the first contact, s, and its position errors, m."""
+    """Error of the time of the first contact in Pymunk.
+
+    In s, with position errors in m.
+    """
     from pymunk_dragon.collision import first_contact
 
     run = _played(march, start, until, substep, iterations)

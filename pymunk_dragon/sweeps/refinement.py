@@ -51,10 +51,11 @@ class Refinement:
                 del self._cells[cell]
                 sides = [list(pairwise(values)) or [edge] for values, edge in self._divided(cell)]
                 self._cells |= dict.fromkeys(product(*sides), largest + 1)
-        if len(new) >= self._left:
+        points = list(new)
+        if len(points) >= self._left:
+            # As many as are left, from everywhere; the cells would not be divided as they should be.
+            points = [points[number * len(points) // self._left] for number in range(self._left)]
             self._cells = {}
-        # If there are too many, every so many of them, so that the last points lie everywhere.
-        points = list(new)[:: -(-len(new) // max(1, self._left)) or 1]
         self._left -= len(points)
         return points
 
