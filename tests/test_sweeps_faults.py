@@ -131,8 +131,8 @@ def assert_resumed(folder, finished, *arguments):
 
 
 def assert_gone(processes):
-    psutil.wait_procs(processes, timeout=20)
-    assert [process for process in processes if process.is_running()] == []
+    _, alive = psutil.wait_procs(processes, timeout=20)
+    assert alive == []
 
 
 # Signals, and a program that is killed
@@ -263,18 +263,18 @@ def test_point_that_ends_its_worker_is_a_row_and_harms_no_other():
 @pytest.mark.thorough
 @pytest.mark.parametrize("quantity", [functions.sleeping, functions.spinning, functions.ignoring])
 def test_point_that_exceeds_its_time_in_a_process_fails_alone(quantity):
-    found = sweep(SMALL, X, quantity, workers=2, timeout=0.3)
+    found = sweep(SMALL, X, quantity, workers=2, timeout=1.5)
     errors = {row[0]: row[-1] for row in found.rows() if row[-1]}
-    assert errors == {3.0: "takes longer than the time limit of 0.3 s"}
+    assert errors == {3.0: "takes longer than the time limit of 1.5 s"}
 
 
 @pytest.mark.thorough
 def test_process_that_ignores_all_exceptions_is_killed(monkeypatch):
     monkeypatch.setattr(computation, "GRACE", 0.3)
     monkeypatch.setattr(computation, "POLL", 0.1)
-    found = sweep(SMALL, X, functions.stubborn, workers=2, timeout=0.2)
+    found = sweep(SMALL, X, functions.stubborn, workers=2, timeout=1.5)
     errors = {row[0]: row[-1] for row in found.rows() if row[-1]}
-    assert errors == {3.0: "takes longer than the time limit of 0.2 s"}
+    assert errors == {3.0: "takes longer than the time limit of 1.5 s"}
     ours = psutil.Process().children(recursive=True)
     assert_gone([process for process in ours if any("spawn_main" in part for part in process.cmdline())])
 
@@ -451,25 +451,26 @@ def test_point_that_ends_its_worker_of_dask_is_a_row_and_harms_no_other(cluster)
 @pytest.mark.thorough
 @pytest.mark.parametrize("quantity", [functions.sleeping, functions.spinning])
 def test_point_that_exceeds_its_time_on_dask_fails_alone(cluster, monkeypatch, quantity):
-    monkeypatch.setattr(computation, "GRACE", 0.5)
-    found = sweep(SMALL, X, quantity, scheduler=cluster.address, timeout=0.3)
+    monkeypatch.setattr(computation, "GRACE", 2.0)
+    found = sweep(SMALL, X, quantity, scheduler=cluster.address, timeout=1.5)
     errors = {row[0]: row[-1] for row in found.rows() if row[-1]}
-    assert errors == {3.0: "takes longer than the time limit of 0.3 s"}
+    assert errors == {3.0: "takes longer than the time limit of 1.5 s"}
 
 
 @pytest.mark.thorough
 def test_scheduler_without_workers_fails_no_point(tmp_path, monkeypatch):
-    monkeypatch.setattr(computation, "GRACE", 0.2)
+    monkeypatch.setattr(computation, "GRACE", 5.0)
     monkeypatch.setattr(computation, "POLL", 0.2)
     monkeypatch.setattr(workers, "COUNT_INTERVAL", 0.2)
     with cluster_in(tmp_path / "cluster", 0) as empty:
         with monkeypatch.context() as hurried:
             hurried.setattr(workers, "UNMANNED_AFTER", 1.0)
             with pytest.raises(DragonError, match="has no workers"):
-                sweep(SMALL, X, functions.total, scheduler=empty.address, timeout=0.1)
+                sweep(SMALL, X, functions.total, scheduler=empty.address, timeout=0.5)
         with ThreadPoolExecutor(1) as threads:
-            found = threads.submit(sweep, SMALL, X, functions.total, scheduler=empty.address, timeout=0.1)
-            time.sleep(0.8)
+            found = threads.submit(sweep, SMALL, X, functions.total, scheduler=empty.address, timeout=0.5)
+            # Longer than all points may take.
+            time.sleep(10)
             assert not found.done()
             empty.add(1)
             assert found.result(LIMIT).failed == 0
