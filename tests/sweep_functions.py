@@ -177,9 +177,9 @@ def ending(march: March, *, x: float):
     return {"v": x}
 
 
-def slow_at_the_end(march: March, *, x: float):
+def slow_at_the_end(march: March, *, x: float, pause: float = 0.03):
     if x >= 40:
-        time.sleep(0.03)
+        time.sleep(pause)
     return {"v": x}
 
 
