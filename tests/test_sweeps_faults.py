@@ -130,6 +130,12 @@ def assert_resumed(folder, finished, *arguments):
     assert names(folder) == ["evaluated.log", "map.csv"]
 
 
+def new_workers(before):
+    """Processes of this one that were not there before, but for one that Python keeps."""
+    found = set(psutil.Process().children(recursive=True)) - set(before)
+    return [process for process in found if "resource_tracker" not in " ".join(process.cmdline())]
+
+
 def assert_gone(processes):
     _, alive = psutil.wait_procs(processes, timeout=20)
     assert alive == []
@@ -232,12 +238,7 @@ def test_interrupted_sweep_in_python_leaves_no_process():
 
     with pytest.raises(KeyboardInterrupt):
         sweep(SMALL, X, functions.spinning, workers=2, progress=interrupt)
-    left = [
-        process
-        for process in psutil.Process().children(recursive=True)
-        if process not in before and "resource_tracker" not in " ".join(process.cmdline())
-    ]
-    assert_gone(left)
+    assert_gone(new_workers(before))
 
 
 # Processes
@@ -272,11 +273,11 @@ def test_point_that_exceeds_its_time_in_a_process_fails_alone(quantity):
 def test_process_that_ignores_all_exceptions_is_killed(monkeypatch):
     monkeypatch.setattr(computation, "GRACE", 0.3)
     monkeypatch.setattr(computation, "POLL", 0.1)
+    before = psutil.Process().children(recursive=True)
     found = sweep(SMALL, X, functions.stubborn, workers=2, timeout=1.5)
     errors = {row[0]: row[-1] for row in found.rows() if row[-1]}
     assert errors == {3.0: "takes longer than the time limit of 1.5 s"}
-    ours = psutil.Process().children(recursive=True)
-    assert_gone([process for process in ours if any("spawn_main" in part for part in process.cmdline())])
+    assert_gone(new_workers(before))
 
 
 def test_thread_that_sleeps_fails_its_point_when_it_wakes():
@@ -464,7 +465,7 @@ def test_scheduler_without_workers_fails_no_point(tmp_path, monkeypatch):
     monkeypatch.setattr(workers, "COUNT_INTERVAL", 0.2)
     with cluster_in(tmp_path / "cluster", 0) as empty:
         with monkeypatch.context() as hurried:
-            hurried.setattr(workers, "UNMANNED_AFTER", 1.0)
+            hurried.setattr(workers, "UNMANNED_AFTER", 1.5)
             with pytest.raises(DragonError, match="has no workers"):
                 sweep(SMALL, X, functions.total, scheduler=empty.address, timeout=0.5)
         with ThreadPoolExecutor(1) as threads:

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import sys
 import threading
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future, ProcessPoolExecutor
 from contextlib import suppress
 from multiprocessing import get_context, parent_process
 from multiprocessing.process import BaseProcess
 from multiprocessing.synchronize import Event
-from time import monotonic
+from time import monotonic, sleep
 from typing import Any
 
 from pymunk_dragon._extras import library
@@ -25,6 +26,9 @@ CONNECT_TIMEOUT = 10
 COUNT_INTERVAL = 2.0
 # s for which a Dask scheduler may be gone.
 LOST_AFTER = 15.0
+# s until a Dask scheduler has cancelled functions, and between looks at them.
+CANCEL_TIMEOUT = 5.0
+CANCEL_POLL = 0.02
 # s for which a Dask scheduler may have no workers: one that starts them on demand takes minutes.
 UNMANNED_AFTER = 300.0
 
@@ -167,6 +171,8 @@ class Dask(Workers):
             if isinstance(scheduler, str):
                 # A client with an address of another form waits for itself when it is closed.
                 distributed.comm.get_address_host_port(scheduler)
+                # It warns of results that were lost with a worker, which is no news: they are computed again.
+                logging.getLogger("distributed.client").setLevel(logging.CRITICAL)
             return distributed.Client(scheduler, timeout=CONNECT_TIMEOUT, set_as_default=False)
         except (OSError, ValueError, TypeError) as error:
             bound = "local, or the address of a Dask scheduler that answers, such as tcp://HOST:8786"
@@ -194,17 +200,25 @@ class Dask(Workers):
 
     def restart(self, running: Sequence[Future[Any]]) -> bool:
         """Restart the workers that evaluate points."""
-        busy = [worker for worker, keys in self._client.processing().items() if any(map(_is_ours, keys))]
+        ours = set(self._client.futures)
+        busy = self._evaluating(ours)
         if not busy:
             return False
         for future in running:
-            # Or the scheduler would send them to other workers.
             future.cancel()
+        # Otherwise the scheduler would send them to other workers.
+        end = monotonic() + CANCEL_TIMEOUT
+        while self._evaluating(ours) and monotonic() < end:
+            sleep(CANCEL_POLL)
         try:
             self._client.restart_workers(busy, raise_for_error=False)
         except ValueError as error:
             raise DragonError(f"a point takes too long, and its worker cannot be restarted: {error}") from error
         return True
+
+    def _evaluating(self, ours: Collection[str]) -> list[str]:
+        """The workers that have some of these tasks."""
+        return [worker for worker, keys in self._client.processing().items() if not set(keys).isdisjoint(ours)]
 
     def close(self, *, abort: bool) -> None:
         """Close the connection, and a scheduler of its own."""
@@ -234,11 +248,6 @@ class Borrowed(Workers):
     def restart(self, running: Sequence[Future[Any]]) -> bool:
         """Raise a `DragonError`."""
         raise DragonError("a worker of the executor was lost; a sweep restarts only workers of its own")
-
-
-def _is_ours(key: object) -> bool:
-    """Whether a task of Dask evaluates points: its key begins with the name of the function."""
-    return str(key).startswith("evaluate-")
 
 
 def _cores() -> int:
