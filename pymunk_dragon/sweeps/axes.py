@@ -18,7 +18,7 @@ from pymunk_dragon.errors import ParameterError
 Sampling = Literal["sobol", "random"]
 Point = tuple[float, ...]
 
-# Points of one sweep, at most: their number has a place in memory for each, 8 bytes.
+# Points of one sweep, at most: the journal keeps 8 bytes in memory for each.
 MAX_POINTS = 100_000_000
 # Samples, at most: their coordinates are in memory.
 MAX_SAMPLES = 10_000_000
@@ -68,8 +68,8 @@ class Grid(Axes):
             raise IndexError(index)
         point = []
         for values in reversed(list(self.values.values())):
-            index, place = divmod(index, len(values))
-            point.append(values[place])
+            index, position = divmod(index, len(values))
+            point.append(values[position])
         return tuple(reversed(point))
 
 

@@ -24,7 +24,7 @@ MOST_BATCHES_PER_SECOND = 50
 MOST_POINTS = 4096
 # Share of the last batch in the estimate of the time of a point.
 NEWEST = 0.3
-# s between looks at the workers.
+# s between checks of the workers.
 POLL = 1.0
 # s after the time limit until a worker that does not return is stopped.
 GRACE = 10.0

@@ -30,14 +30,14 @@ except ImportError:  # Windows has no such locks.
 ENDING = ".journal"
 # Characters of a value in the message on what has changed.
 SHOWN = 60
-# Place of a point that is not in the file.
+# Offset of a point that is not in the file.
 ABSENT = -1
 
 
 class Journal:
     """Outcomes of points by their numbers, in a file.
 
-    Only the place of each line is in memory. Without a path the file has no name and ends with the program.
+    Only the offset of each line is in memory. Without a path the file has no name and ends with the program.
 
     Parameters
     ----------
@@ -58,7 +58,7 @@ class Journal:
 
     def __init__(self, path: Path | None, sweep: Mapping[str, Any], *, resume: bool) -> None:
         self.path = path
-        self._places = array("q")
+        self._offsets = array("q")
         self._count = 0
         try:
             self._open()
@@ -111,7 +111,7 @@ class Journal:
             raise FileFormatError(self.path, "not a journal of a sweep")
         if end:
             before = self._line(first, 1)
-            places = self._read_places(end)
+            last = self._read_offsets(end)
             if resume and first != description:
                 raise FileFormatError(self.path, f"of another sweep: {_difference(before, json.loads(description))}")
             if self._count and not resume:
@@ -119,7 +119,7 @@ class Journal:
                 raise ParameterError(
                     "output", str(self.path).removesuffix(ENDING), f"one to resume, or another: {kept}"
                 )
-            end = places
+            end = last
         if not resume:
             end = 0
         os.ftruncate(self._descriptor, end)
@@ -129,8 +129,8 @@ class Journal:
         if not end:
             self._write(description)
 
-    def _read_places(self, end: int) -> int:
-        """Note the place of each line after the first, which ends at `end`; returns the end of the last whole line."""
+    def _read_offsets(self, end: int) -> int:
+        """Note the offset of each line after the first, which ends at `end`; returns the end of the last whole line."""
         number = 1
         for line in self._file:
             number += 1
@@ -156,21 +156,21 @@ class Journal:
                 return content
         raise FileFormatError(self.path, f"not a journal of a sweep: line {number} is damaged")
 
-    def _note(self, index: int, place: int) -> None:
-        missing = index + 1 - len(self._places)
+    def _note(self, index: int, offset: int) -> None:
+        missing = index + 1 - len(self._offsets)
         if missing > 0:
-            self._places.extend([ABSENT] * missing)
-        self._count += self._places[index] == ABSENT
-        self._places[index] = place
+            self._offsets.extend([ABSENT] * missing)
+        self._count += self._offsets[index] == ABSENT
+        self._offsets[index] = offset
 
     def __len__(self) -> int:
         return self._count
 
     def __contains__(self, index: int) -> bool:
-        return index < len(self._places) and self._places[index] != ABSENT
+        return index < len(self._offsets) and self._offsets[index] != ABSENT
 
     def __getitem__(self, index: int) -> Outcome:
-        self._file.seek(self._places[index])
+        self._file.seek(self._offsets[index])
         _, values, error = json.loads(self._file.readline())
         return values, error
 
@@ -183,13 +183,13 @@ class Journal:
             If they cannot be written.
         """
         lines = [(index, _encoded([index, *outcome])) for index, outcome in outcomes]
-        place = self._end
+        offset = self._end
         # Lines in the file are also counted when Ctrl-C comes.
         with signals_held():
             self._write(b"".join(line for _, line in lines))
             for index, line in lines:
-                self._note(index, place)
-                place += len(line)
+                self._note(index, offset)
+                offset += len(line)
 
     def _write(self, content: bytes) -> None:
         """Append whole lines, or nothing."""
@@ -212,7 +212,7 @@ class Journal:
 
 
 def _close(file: BinaryIO, descriptor: int) -> None:
-    """Close the file of a journal, which is done at the latest when nobody has the journal any more."""
+    """Close the file of a journal, which is done at the latest when the journal is not used any more."""
     file.close()
     with suppress(OSError):
         os.close(descriptor)

@@ -84,8 +84,8 @@ class Sweep(Result):
 
     def column(self, name: str) -> NDArray[Any]:
         """A column (P,): numbers, with nan where there is none, or objects if it has texts or only whole numbers."""
-        place = self.columns.index(word("column", name, self.columns))
-        values = [row[place] for row in self.rows()]
+        position = self.columns.index(word("column", name, self.columns))
+        values = [row[position] for row in self.rows()]
         if any(isinstance(value, float) for value in values) and not any(isinstance(value, str) for value in values):
             return np.array(values, dtype=float)
         return np.array(values, dtype=object)

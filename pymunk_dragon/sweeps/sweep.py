@@ -102,7 +102,7 @@ def sweep(
     Raises
     ------
     ParameterError
-        If an argument is out of range, no corner of the axes is a valid scenario, or a journal is in the way.
+        If an argument is out of range, no corner of the axes is a valid scenario, or another sweep left a journal.
     FileFormatError
         If the journal is of another scenario, axis, quantity or version, which is named.
     MissingExtraError

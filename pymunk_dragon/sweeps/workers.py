@@ -26,7 +26,7 @@ CONNECT_TIMEOUT = 10
 COUNT_INTERVAL = 2.0
 # s for which a Dask scheduler may be gone.
 LOST_AFTER = 15.0
-# s until a Dask scheduler has cancelled functions, and between looks at them.
+# s until a Dask scheduler has cancelled functions, and between checks.
 CANCEL_TIMEOUT = 5.0
 CANCEL_POLL = 0.02
 # s for which a Dask scheduler may have no workers: one that starts them on demand takes minutes.
@@ -135,7 +135,7 @@ class Processes(Workers):
 class Dask(Workers):
     """Workers of a Dask scheduler at an address, or "local" for a scheduler and workers of its own."""
 
-    # One more is on its way to the worker, and one on its way back.
+    # One more is sent to the worker, and the result of one is sent back.
     depth = 4
     # Dask itself evaluates it four times.
     most_losses = 1
