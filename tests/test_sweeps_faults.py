@@ -352,16 +352,16 @@ class Cluster:
             command = ["worker", "--scheduler-file", self.file, "--nthreads", "1", "--local-directory", name]
             self.nannies.append(self._start(name, [*command, *self._options]))
         if self.nannies:
-            from distributed import Client
-
-            with Client(self.address, set_as_default=False, timeout=20) as client:
-                client.wait_for_workers(sum(nanny.poll() is None for nanny in self.nannies), timeout=LIMIT)
+            self.pids()
 
     def pids(self):
-        """Numbers of the processes that evaluate points."""
+        """Numbers of the processes that evaluate points, when all are there."""
         from distributed import Client
 
+        count = sum(nanny.poll() is None for nanny in self.nannies)
         with Client(self.address, set_as_default=False, timeout=20) as client:
+            # A worker that was lost is started again by its nanny.
+            client.wait_for_workers(count, timeout=LIMIT)
             return list(client.run(os.getpid).values())
 
     def close(self):
