@@ -164,6 +164,24 @@ def test_the_order_of_questions_changes_nothing():
     assert one == other
 
 
+@pytest.mark.parametrize(
+    ("curve", "times"), [(UTurn(ratio=3.0), [1.0, 30.0, 12.0]), (Spiral(pitch=0.7), [549.0, 553.0])]
+)
+def test_marches_that_share_their_states_have_those_of_each_alone(curve, times):
+    dragons = [Dragon(benches=20, width=0.2), Dragon(benches=20), Dragon(benches=20, body_spacing=1.5)]
+    one, other, shorter = marches = [March(dragon, curve) for dragon in dragons]
+    other.handles_s_or_nan(times[::-1])
+    for march in marches:
+        march.share_states(other)
+    assert one.continuation is other.continuation is not shorter.continuation
+    for march in marches:
+        alone = March(march.dragon, curve)
+        states, expected = march.handles_s_or_nan(times), alone.handles_s_or_nan(times)
+        assert np.array_equal(states, expected)
+        ranges = march.continuation.ranges(states[:1], states[1:2])
+        assert np.array_equal(ranges, alone.continuation.ranges(expected[:1], expected[1:2]))
+
+
 def test_a_spiral_and_the_same_by_the_code_for_any_curve_are_followed_alike_close_to_the_centre():
     """Where a rear handle vanishes near the centre and another one exists further in, motion has ended."""
     spiral = Spiral(pitch=1.0)

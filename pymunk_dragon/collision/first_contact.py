@@ -2,7 +2,8 @@
 
 Sampling the motion at discrete times misses a contact that opens again between two samples. Here a time interval is
 cleared only by proof: the gap between two benches at its midpoint, less a bound on how far each may move within the
-interval (`bounds.py`), is positive. An interval that is not cleared is divided, down to a picosecond. This is
+interval (`bounds.py`), is positive. An interval that is not cleared is divided, down to a picosecond (at the end of the
+motion, where coordinates are known to micrometres only, to 1e-10 s). This is
 conservative advancement (B. Mirtich, "Impulse-based Dynamic Simulation of Rigid Body Systems", 1996), applied to all
 pairs at once.
 
@@ -70,9 +71,14 @@ LIMITED_TOLERANCE = 2.5e-7
 RESOLUTION = 1e-12
 # The same in last digits of the head's distance.
 LAST_DIGITS = 4
+# The same where the rounding of the coordinates has no bound, as within 1e-8 m of the end of the motion: they are
+# known to micrometres there, and change by as much in such an interval.
+UNBOUNDED_RESOLUTION = 1e-10
 # Intervals that are not cleared are divided into so many parts that there are about as many pairs to test as this: for
 # fewer, NumPy's overhead per call dominates.
 PAIRS = 300
+# The same where no gap has a bound, as close to the end of the motion: only much shorter intervals have one.
+UNBOUNDED_PAIRS = 1000
 # Bounds on the number of parts.
 FEWEST_PARTS = 2
 MOST_PARTS = 256
@@ -245,6 +251,7 @@ def first_contact(
     """
     start, until = checked_times(march, start, until)
     steady = March(march.dragon, march.curve, start_s=march.head_start)
+    steady.share_states(march)
     begin, end = march.distance([start, until]).tolist()
     if until == march.end:
         # Not beyond it by rounding.
@@ -380,9 +387,10 @@ class _Search:
             self._samples += int(np.count_nonzero(used))
             self._note_contact(middles, pairs, found.distance)
             if length > self._near_miss_interval:
-                open_ = bounds.smallest_gaps(rows, pairs, found.normal) > self._near
-                rest = ~open_
-                open_[rest] = bounds.smallest_gaps_together(rows[rest], pairs[rest], found.normal[rest]) > self._near
+                gaps = bounds.smallest_gaps(rows, pairs, found.normal)
+                rest = ~(gaps > self._near)
+                gaps[rest] = bounds.smallest_gaps_together(rows[rest], pairs[rest], found.normal[rest])
+                open_ = gaps > self._near
             else:
                 gaps = bounds.smallest_gaps_together(rows, pairs, found.normal)
                 fresh = np.isfinite(gaps) & ~sampled
@@ -396,7 +404,8 @@ class _Search:
             left = ~open_ & (intervals.begins[rows] < self._hit)
             rows, pairs, sampled = rows[left], pairs[left], sampled[left]
             if rows.size:
-                parts = min(max(PAIRS // rows.size, FEWEST_PARTS), MOST_PARTS)
+                most = PAIRS if np.isfinite(gaps[left]).any() else UNBOUNDED_PAIRS
+                parts = min(max(most // rows.size, FEWEST_PARTS), MOST_PARTS)
                 used = np.bincount(rows) > 0
                 chosen, rows = np.flatnonzero(used), (np.cumsum(used) - 1)[rows]
                 intervals = intervals.divided(march, chosen, parts, int(pairs.max()) + 2)
@@ -421,7 +430,8 @@ class _Search:
         within = (gaps > -(bounds.rounding[rows] + tolerance)) & (intervals.ends[rows] + length < self._hit)
         self._resolution = max(self._resolution, -float(gaps[within].min(initial=0.0)))
         latest = float(np.abs(intervals.middles[rows]).max())
-        open_: Flags = (gaps > 0) | within | (length <= max(RESOLUTION, LAST_DIGITS * float(np.spacing(latest))))
+        finest = np.where(np.isinf(bounds.rounding[rows]), UNBOUNDED_RESOLUTION, RESOLUTION)
+        open_: Flags = (gaps > 0) | within | (length <= np.maximum(finest, LAST_DIGITS * float(np.spacing(latest))))
         return open_
 
     def _note_contact(self, times: Array, pairs: Indices, distances: Array) -> None:

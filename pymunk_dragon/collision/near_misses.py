@@ -15,7 +15,7 @@ __all__ = ["NearMiss", "near_misses"]
 
 # Points per bracket in the search for a local minimum, and passes: each pass narrows the bracket eightfold.
 MINIMUM_POINTS = 17
-MINIMUM_PASSES = 8
+MINIMUM_PASSES = 7
 # Handles placed together in that search: 20 MB of corners.
 MINIMUM_HANDLES = 300_000
 # m of the head's distance, and share of the bracket: so close to its end, the minimum lies outside the bracket.
@@ -74,22 +74,33 @@ def near_misses(march: March, samples: Array, start: float, end: float, near: fl
     some = max(1, MINIMUM_HANDLES // (MINIMUM_POINTS * (int(pairs.max()) + 2)))
     parts = [slice(at, at + some) for at in range(0, len(pairs), some)]
     minima = [_local_minima(march, pairs[part], low[part], high[part]) for part in parts]
-    times, gaps = np.concatenate(minima, axis=1)
+    found = np.concatenate(minima)
+    found = found[(found[:, 3] > 0) & (found[:, 3] < near)]
+    return tuple(NearMiss(time=time, benches=(int(i), int(j)), gap=gap) for time, i, j, gap in sorted(found.tolist()))
+
+
+def _local_minima(march: March, pairs: Indices, low: Array, high: Array) -> Array:
+    """Minima (B, 4) of the gaps of `pairs` (K, 2) inside the brackets from `low` to `high` (K,).
+
+    Each is time, first bench, second bench, and gap in m. A bracket whose gap is smallest at one of its ends has none.
+    """
     margin = np.maximum(BRACKET_END_SHARE * (high - low), BRACKET_END)
-    inside = (times > low + margin) & (times < high - margin) & (gaps > 0) & (gaps < near)
-    found = zip(times[inside].tolist(), pairs[inside].tolist(), gaps[inside].tolist(), strict=True)
-    return tuple(NearMiss(time=time, benches=(i, j), gap=gap) for time, (i, j), gap in sorted(found))
+    times = np.column_stack([low, np.linspace(low + margin, high - margin, MINIMUM_POINTS, axis=-1), high])
+    gaps = _gaps(march, pairs, times)
+    best = gaps.argmin(axis=1)
+    inside = (best > 0) & (best < MINIMUM_POINTS + 1) & (high - low > 2 * margin)
+    pairs, times, gaps = pairs[inside], times[inside], gaps[inside]
+    rows = np.arange(len(pairs))
+    for _ in range(MINIMUM_PASSES if rows.size else 0):
+        best = np.clip(gaps.argmin(axis=1), 1, times.shape[1] - 2)
+        times = np.linspace(times[rows, best - 1], times[rows, best + 1], MINIMUM_POINTS, axis=-1)
+        gaps = _gaps(march, pairs, times)
+    best = gaps.argmin(axis=1)
+    return np.stack([times[rows, best], *pairs.T, gaps[rows, best]], axis=1)
 
 
-def _local_minima(march: March, pairs: Indices, low: Array, high: Array) -> tuple[Array, Array]:
-    """Times (B,) of the minima of the gaps of `pairs` (B, 2) between `low` and `high` (B,), and the gaps (B,), m."""
-    handles, chosen = int(pairs.max()) + 2, np.arange(len(pairs))
-    rows = np.arange(len(pairs) * MINIMUM_POINTS)
-    first, second = np.repeat(pairs, MINIMUM_POINTS, axis=0).T
-    for _ in range(MINIMUM_PASSES):
-        times = np.linspace(low, high, MINIMUM_POINTS, axis=-1)
-        corners = as_vectors(march.dragon.outlines_between(march.motion(times, handles).points))
-        gaps = separation(corners[rows, first], corners[rows, second]).distance.reshape(times.shape)
-        best = gaps.argmin(axis=1)
-        low, high = times[chosen, np.maximum(best - 1, 0)], times[chosen, np.minimum(best + 1, MINIMUM_POINTS - 1)]
-    return times[chosen, best], gaps[chosen, best]
+def _gaps(march: March, pairs: Indices, times: Array) -> Array:
+    """Gaps (B, K) of `pairs` (B, 2) at `times` (B, K), m."""
+    rows, (first, second) = np.arange(times.size), np.repeat(pairs, times.shape[1], axis=0).T
+    corners = as_vectors(march.dragon.outlines_between(march.motion(times, int(pairs.max()) + 2).points))
+    return separation(corners[rows, first], corners[rows, second]).distance.reshape(times.shape)

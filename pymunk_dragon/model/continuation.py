@@ -110,7 +110,7 @@ class Continuation:
         if rows.size:
             reversing = np.zeros(rows.size, dtype=bool)
             for i, branch in enumerate(self._branches(handles - 1)):
-                reversing |= branch.may_reverse(lows[rows, i], highs[rows, i])
+                reversing |= branch.hidden(lows[rows, i], highs[rows, i]) > 0
             rows = rows[reversing]
         for i, branch in enumerate(self._branches(handles - 1) if rows.size else []):
             gentle = self._gentle(lows[rows, i], highs[rows, i], range(i, handles - 1))
@@ -121,7 +121,7 @@ class Continuation:
                 break
             known = (first[rows, i], first[rows, i + 1]), (last[rows, i], last[rows, i + 1])
             low, high = branch.image(lows[rows, i], highs[rows, i], known)
-            hidden = np.where(branch.may_reverse(lows[rows, i], highs[rows, i]), branch.hidden, 0.0)
+            hidden = branch.hidden(lows[rows, i], highs[rows, i])
             lows[rows, i + 1], highs[rows, i + 1] = low - hidden, high + hidden
         return lows, highs
 
@@ -216,11 +216,10 @@ class _Branch:
         self._last_states: dict[int, tuple[float, float] | None] = {-1: (front, rear), 1: (front, rear)}
         self._ends = {-1: [front], 1: [front]}
         self._brackets: dict[int, list[tuple[float, float]]] = {-1: [], 1: []}
-        # Coordinates of both handles at reversals; fronts between which there may be one; how far two of them in one
-        # cell may move the rear handle, m.
+        # Coordinates of both handles at reversals; fronts between which there may be one, and how far two of them there
+        # may move the rear handle, m.
         self._reversals: list[tuple[float, float]] = []
-        self._possible_reversals: list[tuple[float, float]] = []
-        self.hidden = 0.0
+        self._possible_reversals: list[tuple[float, float, float]] = []
         self._join()
 
     def cover(self, low: float, high: float) -> None:
@@ -265,12 +264,15 @@ class _Branch:
             low, high = np.where(between, np.minimum(low, rear), low), np.where(between, np.maximum(high, rear), high)
         return low, high
 
-    def may_reverse(self, lows: Array, highs: Array) -> Flags:
-        """Whether the rear handle may reverse while the front handle is between `lows` and `highs` (T,)."""
+    def hidden(self, lows: Array, highs: Array) -> Array:
+        """How far reversals may move the rear handle while the front handle is between `lows` and `highs` (T,), m.
+
+        It is 0 where there is no reversal.
+        """
         self.cover(lows.min(), highs.max())
-        found: Flags = np.zeros(lows.shape, dtype=bool)
-        for low, high in self._possible_reversals:
-            found |= (lows <= high) & (highs >= low)
+        found = np.zeros(lows.shape)
+        for low, high, hidden in self._possible_reversals:
+            found = np.where((lows <= high) & (highs >= low), np.maximum(found, hidden), found)
         return found
 
     def _join(self) -> None:
@@ -300,8 +302,7 @@ class _Branch:
             there = float(self._within(np.array([following]), bracket)[0])
             if not np.isnan(there):
                 if hidden:
-                    self._possible_reversals.append((min(front, following), max(front, following)))
-                    self.hidden = max(self.hidden, hidden)
+                    self._possible_reversals.append((min(front, following), max(front, following), hidden))
                 if (ahead >= 0) != (self._growth(np.array([following]), np.array([there]))[0][0] >= 0):
                     self._reversals.append(self._reversal(front, following, bracket))
                 self._append(direction, following, there, bracket)

@@ -160,7 +160,8 @@ class Run(ArrayRecord, Displayed):
         """First contact, drift and speed of the engine, and contact windows if the run went on after contacts."""
         touch, until = self.first_contact, float(self.times[-1])
         if touch is not None:
-            lines = [contact_text(self.outcome, touch.benches, touch.point, touch.time)]
+            status = "overlapping" if touch.time <= self.start else self.outcome
+            lines = [contact_text(status, touch.benches, touch.point, touch.time)]
         elif self.player == "exact":
             lines = [f"exact model until t = {until:.6g} s, without a search for contacts"]
         else:

@@ -6,8 +6,9 @@ made of the journal in the end. `refinement` adds points where what is discrete 
 
 A million points on a cluster
 -----------------------------
-This arithmetic begins with 0.16 s of one core for a contact time, about 5 ms of the process that sweeps for a batch on
-Dask (`python tests/bench/bench_sweep.py` measures both), 93 bytes of the journal and 8 bytes of memory for a point.
+This arithmetic begins with 0.16 s of one core for a contact time, at most 5 ms of the process that sweeps for a batch
+on Dask (3.2 ms measured; `python tests/bench/bench_sweep.py` measures both), 93 bytes of the journal and 8 bytes of
+memory for a point.
 
 - Work: 1e6 x 0.16 s = 44 hours of one core, 27 minutes of 100 workers.
 - Batches: one should take 0.5 s, and all workers should end at most 50 batches a second. So 100 workers get batches of

@@ -9,6 +9,7 @@ from __future__ import annotations
 import hashlib
 import re
 import sys
+import threading
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from importlib import import_module
@@ -142,11 +143,20 @@ def _of_march(name: str, function: Callable[..., Values], columns: tuple[str, ..
     except (ValueError, TypeError) as error:  # Such as a class of C.
         raise ParameterError("quantity", name, "a function of a march") from error
     own = {each.name: _type_of(each) for each in parameters if each.kind is Parameter.KEYWORD_ONLY}
+    kept = threading.local()
 
     def evaluate(values: Values) -> Values:
         chosen = {each: value for each, value in values.items() if each in own}
         rest = {each: value for each, value in values.items() if each not in own}
-        return function(Scenario.from_dict(rest, files=False).march(), **chosen)
+        march = Scenario.from_dict(rest, files=False).march()
+        # Points that differ in width only, for example, have the same states.
+        previous, kept.march = getattr(kept, "march", None), None
+        if previous is not None:
+            march.share_states(previous)
+        found = function(march, **chosen)
+        # Not after an exception: the time limit may have stopped the computation of the states.
+        kept.march = march
+        return found
 
     def base(values: Values) -> dict[str, Any]:
         rest = {each: value for each, value in values.items() if each not in own}

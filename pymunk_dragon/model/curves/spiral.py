@@ -32,6 +32,8 @@ FREE_PASSES = 6
 STEP_TOLERANCE = 1e-10
 # The same for Halley's, which trebles the digits.
 HALLEY_TOLERANCE = 5e-6
+# Last digits by which rounding may change the square of a distance: five operations, of which the sine has two.
+ROUNDED_SQUARE = 8
 # Spacings over k between which a rear handle may vanish near the centre and exist again further in: from m(theta*) to
 # 2 pi, and by rounding a little more (see `chain_follows_motion`).
 INNERMOST = 5.78, 6.29
@@ -376,6 +378,12 @@ def _growth(phi: Array, theta: Array) -> Array:
     return _squared_distance(phi, theta)[1]
 
 
+def _growth_rate(phi: Array, theta: Array) -> Array:
+    """Half the derivative of `_growth` by phi."""
+    rate: Array = 1 + 2 * theta * np.sin(phi) + theta * (theta + phi) * np.cos(phi)
+    return rate
+
+
 def _first_reached(theta: Array, reach: float) -> Array:
     """How far back, in rad, the squared distance over k^2 first is `reach`, by Newton within a bracket; else nan."""
     limit = np.full(theta.shape, np.pi)
@@ -393,7 +401,9 @@ def _first_reached(theta: Array, reach: float) -> Array:
             better = phi - (value - reach) / growth
         # A step that leaves the bracket (or is nan, where the distance has its maximum) becomes a bisection.
         better = np.where((better >= low) & (better <= high), better, (low + high) / 2)
-        done = np.abs(better - phi) <= 2 * np.spacing(theta + phi)
+        # Close to the maximum, where the growth is small, the rounding of the distance moves the root.
+        rounding = growth * 2 * np.spacing(theta + phi) + ROUNDED_SQUARE * np.spacing(reach)
+        done = np.abs(better - phi) * growth <= rounding
         phi = better
         if np.all(done | beyond):
             break
@@ -411,11 +421,17 @@ def _first_maximum(theta: Array) -> Array:
         high[central] = _least_growth(theta[central])
     low = np.full(theta.shape, np.pi)
     endless = _growth(high, theta) > 0
+    middle = (low + high) / 2
     for _ in range(MAX_PASSES):
-        middle = (low + high) / 2
-        rising = _growth(middle, theta) > 0
-        low, high = np.where(rising, middle, low), np.where(rising, high, middle)
-    return np.where(endless, 2 * np.pi, low)
+        growth = _growth(middle, theta)
+        low, high = np.where(growth > 0, middle, low), np.where(growth > 0, high, middle)
+        newton = middle - growth / (2 * _growth_rate(middle, theta))
+        better = np.where((newton >= low) & (newton <= high), newton, (low + high) / 2)
+        done = np.abs(better - middle) <= STEP_TOLERANCE
+        middle = better
+        if np.all(done | endless):
+            break
+    return np.where(endless, 2 * np.pi, middle)
 
 
 def _least_growth(theta: Array) -> Array:
@@ -423,8 +439,7 @@ def _least_growth(theta: Array) -> Array:
     low, high = np.full(theta.shape, 1.5 * np.pi), np.full(theta.shape, 2 * np.pi)
     for _ in range(MAX_PASSES):
         phi = (low + high) / 2
-        # Half the derivative of `_growth`.
-        falling = 1 + 2 * theta * np.sin(phi) + theta * (theta + phi) * np.cos(phi) < 0
+        falling = _growth_rate(phi, theta) < 0
         low, high = np.where(falling, phi, low), np.where(falling, high, phi)
     return low
 
