@@ -28,7 +28,7 @@ install_extras = $(BIN)/python -c "import tomllib; extras = tomllib.load(open('p
 	&& $(BIN)/pip install --quiet --requirement $@.txt && mv $@.txt $@
 
 $(VENV)/extras: $(VENV)/core
-	@$(call install_extras,cluster curves figures mp4 parquet report studies demos)
+	@$(call install_extras,cluster curves figures live mp4 parquet report studies demos)
 
 $(VENV)/tools: $(VENV)/extras
 	@$(call install_extras,test lint)
@@ -46,6 +46,7 @@ first_contact.gif := render renders/first_contact.npz --from 405.4 --camera head
 guides.gif := render renders/march.npz renders/unguided.npz --until 12.5 --size 330 --speedup 1 --hold 2 --title "Dancers keep the dragon on its path"
 exact.gif := render renders/first_contact.npz --exact --from 409 --camera head --span 5 --size 330 --speedup 0.5 --hold 3 --title "The engine and the exact model"
 marks.png := render renders/first_contact.npz --camera head --size 660 --velocities --grid --impulses --contacts --normals --title "The head meets bench 8" --caption "Arrows end where the handles would be in half a second; discs are impulses in the joints; cells are darker where a bench is filed."
+live.gif := live --replay renders/live.json --exit
 u-turn.gif := render renders/u-turn.npz --from -6 --until 36 --span 15 --speedup 6 --fps 20
 march.html := render renders/march.npz
 report.html := report renders/report.npz
@@ -60,11 +61,11 @@ $(foreach name,$(STILLS) $(CHARTS),$(eval figures/$(name).png := figure $(name))
 $(foreach name,$(CHARTS_OF_RUN),$(eval figures/$(name).png := figure $(name) renders/march.npz))
 $(foreach name,$(STUDIES),$(eval figures/$(name).png := study $(name)))
 
-# The first contacts of 2,000 dragons; six of seven lie where other benches touch.
+# The first contacts of 2,786 dragons: two whole rounds of new points where other benches touch.
 MAP := figures/contact-map.png
-$(MAP) := sweep --axis pitch=0.50:0.60:0.004 --axis width=0.25:0.35:0.01 --refine 1714 --resume
+$(MAP) := sweep --axis pitch=0.50:0.60:0.004 --axis width=0.25:0.35:0.01 --refine 2500 --resume
 
-PICTURES := march.gif first_contact.gif guides.gif exact.gif marks.png u-turn.gif
+PICTURES := march.gif first_contact.gif guides.gif exact.gif marks.png u-turn.gif live.gif
 FIGURES := $(patsubst %,figures/%.png,$(STILLS) $(CHARTS) $(CHARTS_OF_RUN) $(STUDIES))
 RUNS := march.npz first_contact.npz unguided.npz u-turn.npz report.npz
 PAGES := march.html report.html lessons.html
@@ -89,6 +90,7 @@ renders/first_contact.gif renders/exact.gif renders/marks.png: renders/first_con
 renders/guides.gif: renders/unguided.npz
 renders/u-turn.gif: renders/u-turn.npz
 renders/report.html: renders/report.npz
+renders/live.gif: renders/live.json
 renders/lessons.html: $(wildcard pymunk_dragon/lessons/*.py)
 $(FIGURES:%=renders/%) renders/$(MAP) renders/report.html renders/lessons.html: | $(VENV)/extras
 -include $(FILES:%=$(COMMANDS)/%.d)
@@ -99,7 +101,7 @@ render: renders/march.gif renders/march.html $(PICTURES:%=renders/%) ## simulate
 figures: $(FIGURES:%=renders/%) ## draw the paper's figures and the studies' answers: renders/figures/
 	@echo "open renders/figures/gap.png first"
 
-map: renders/$(MAP) ## compute the first contacts of 2,000 dragons in minutes, and draw a map of them
+map: renders/$(MAP) ## compute the first contacts of 2,786 dragons in minutes, and draw a map of them
 	@echo "open renders/$(MAP)"
 
 report: renders/report.html ## simulate past the first contact and report on it: renders/report.html

@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from pymunk_dragon.physics import EngineSettings, PathGuide, World, simulate
     from pymunk_dragon.player import player_page, write_player
     from pymunk_dragon.reports import report
+    from pymunk_dragon.sessions import live
     from pymunk_dragon.studies import max_speed, min_pitch, sensitivity, u_turn
     from pymunk_dragon.sweeps import Sweep, sweep
 
@@ -78,6 +79,7 @@ __all__ = [
     "World",
     "check_saveable",
     "first_contact",
+    "live",
     "max_speed",
     "min_pitch",
     "outlines",
@@ -121,6 +123,7 @@ _MODULES = {
     "model.speed": ("Speed", "SpeedTable"),
     "studies": ("max_speed", "min_pitch", "sensitivity", "u_turn"),
     "sweeps": ("Sweep", "sweep"),
+    "sessions": ("live",),
 }
 
 

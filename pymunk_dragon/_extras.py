@@ -15,6 +15,7 @@ from pymunk_dragon.errors import MissingExtraError, OutputError
 
 # For each library: the feature that needs it, and the extra that installs it.
 FEATURES = {
+    "aiohttp": ("a live session", "live"),
     "distributed": ("a Dask scheduler", "cluster"),
     "imageio_ffmpeg": ("an MP4", "mp4"),
     "jinja2": ("an HTML page", "report"),

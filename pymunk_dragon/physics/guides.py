@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TypeVar
@@ -97,6 +98,12 @@ class PathGuide:
         """
         return ()
 
+    def retune(self, substep: float, drag_rate: float) -> None:
+        """Take another length of a step, s, and another rate of the ground drag, 1/s, from the next step on."""
+
+    def relocate(self, handles_s: Array) -> None:
+        """Take other coordinates (H,) of the handles, m, near which the path is to be found."""
+
     def update(self, poses: Array, hinge_velocity: Array, anchors: Array, forces: Array) -> None:
         """Write the anchors' positions and the forces for the next step; called before each.
 
@@ -149,16 +156,27 @@ class Rails(PathGuide):
         # along the path, negative where a jackknifed bench pushes them back.
         self._rear_s = state.handles_s[0, 2:].copy()
         self._rear_speeds = np.sum(state.velocities[0, 2:] * self._curve.tangent(self._rear_s), axis=-1)
-        # Force per m/s and torque per rad/s that a bench gains, or loses to the drag, in a substep: N s/m, N m s.
-        self._gains = np.array([chain.masses[1:], chain.moments[1:]]) / chain.substep
-        self._kept = float(np.exp(-chain.drag_rate * chain.substep))
-        self._substep = chain.substep
+        self._inertia = np.array([chain.masses[1:], chain.moments[1:]])
+        self.retune(chain.substep, chain.drag_rate)
         benches = dragon.benches - 1
         # Scratch. Complex numbers are vectors: NumPy then calls once for both components.
         self._headings, self._holes, self._facing, self._front, self._rear = np.empty((5, benches), dtype=complex)
         self._change = np.empty((2, benches))
         # m/s of the benches along themselves, and rad/s: now, and what the drag leaves of those of the step before.
         self._motion, self._kept_motion = np.empty((2, 2, benches))
+        self._is_moving = False
+
+    def retune(self, substep: float, drag_rate: float) -> None:
+        """Take another length of a step, s, and another rate of the ground drag, 1/s, from the next step on."""
+        # Force per m/s and torque per rad/s that a bench gains, or loses to the drag, in a substep: N s/m, N m s.
+        self._gains = self._inertia / substep
+        self._kept = math.exp(-drag_rate * substep)
+        self._substep = substep
+
+    def relocate(self, handles_s: Array) -> None:
+        """Take other coordinates (H,) of the handles, m, near which the path is to be found."""
+        self._rear_s = handles_s[2:].copy()
+        self._rear_speeds[:] = 0.0
         self._is_moving = False
 
     def joints(self, bench: int, body: pymunk.Body) -> Sequence[pymunk.Constraint]:

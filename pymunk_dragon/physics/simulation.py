@@ -232,9 +232,9 @@ def _exact_head(world: World, total: int) -> Iterator[HeadState]:
         except UnreachableError as error:
             reachable = times[times < error.time]
             if reachable.size:
-                yield from _head_states(world.march.at(reachable, handles=2))
+                yield from head_states(world.march.at(reachable, handles=2))
             return
-        yield from _head_states(head)
+        yield from head_states(head)
 
 
 def _waiting_head(world: World, total: int) -> Iterator[HeadState]:
@@ -249,13 +249,14 @@ def _waiting_head(world: World, total: int) -> Iterator[HeadState]:
         share = min(max(share + change * world.top_speed * world.substep, 0.0), 1.0)
         time += share * world.substep
         try:
-            [(pose, velocity, hinge_velocity)] = _head_states(world.march.at(time, handles=2))
+            [(pose, velocity, hinge_velocity)] = head_states(world.march.at(time, handles=2))
         except UnreachableError:
             return
         yield pose, share * velocity, share * hinge_velocity
 
 
-def _head_states(states: States) -> Iterator[HeadState]:
+def head_states(states: States) -> Iterator[HeadState]:
+    """States of the head at the times of `states`."""
     return zip(states.poses[:, 0], states.pose_velocities[:, 0], states.velocities[:, 1], strict=True)
 
 

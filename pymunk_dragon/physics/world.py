@@ -133,7 +133,7 @@ class World:
         self.guide = guide_of(guide)
         dragon = march.dragon
         self._sizes = list(zip(dragon.lengths.tolist(), dragon.widths.tolist(), strict=True))
-        masses = [WOOD_DENSITY * BENCH_THICKNESS * length * width for length, width in self._sizes]
+        self._masses = masses = [WOOD_DENSITY * BENCH_THICKNESS * length * width for length, width in self._sizes]
         moments = [pymunk.moment_for_box(mass, size) for mass, size in zip(masses, self._sizes, strict=True)]
         pulled = masses[:1] if self.guide.balances_drag else masses
         self.settings = settings.resolved(top_speed=self.top_speed, pulled_mass=sum(pulled))
@@ -143,7 +143,7 @@ class World:
         drag_rate = self.settings.drag * self.top_speed
         self.space = pymunk.Space()
         self.space.iterations = self.settings.iterations
-        self.space.damping = float(np.exp(-drag_rate))
+        self.space.damping = math.exp(-drag_rate)
         # A contact is reported when the benches touch, not when they are a tenth of a metre deep.
         self.space.collision_slop = 0.0
 
@@ -191,8 +191,13 @@ class World:
         head = self.bodies[0]
         pull = pymunk.PivotJoint(self._control, head, (0.0, 0.0), (0.0, 0.0))
         turn = pymunk.GearJoint(self._control, head, 0.0, 1.0)
-        pull.max_force, turn.max_force = force, force * float(self.march.dragon.lengths[0]) / 2
+        self._motors = pull, turn
+        self._set_head_force(force)
         self._add_joints(pull, turn)
+
+    def _set_head_force(self, force: float) -> None:
+        pull, turn = self._motors
+        pull.max_force, turn.max_force = force, force * float(self.march.dragon.lengths[0]) / 2
 
     def _join(self) -> None:
         """Add the pivots and the guide's joints, from head to tail: the solver takes them in this order.
@@ -203,6 +208,7 @@ class World:
         half = self.march.dragon.spacings / 2
         self.pivots: list[pymunk.PivotJoint] = []
         guiding: list[Sequence[pymunk.Constraint]] = []
+        self._guiding = guiding
         for bench, (before, body) in enumerate(pairwise(self.bodies), start=1):
             pivot = pymunk.PivotJoint(before, body, (-half[bench - 1], 0.0), (half[bench], 0.0))
             pivot.collide_bodies = False
@@ -232,6 +238,7 @@ class World:
         """Lay NumPy arrays over the memory that `pymunk.batch` reads and writes."""
         benches = len(self.bodies)
         moved = self.bodies if self._control is self.bodies[0] else [*self.bodies, self._control]
+        moved = [*moved, *self._fixed_bodies()]
         for space, bodies in ((self.space, moved), (self._anchor_space, self.guide.anchors)):
             ids = batch.Buffer()
             batch.get_space_bodies(space, BodyFields.BODY_ID, ids)
@@ -243,7 +250,7 @@ class World:
         out = np.zeros((len(moved), 6))
         self._outbox.set_float_buf(out)
         self._out_poses, self._out_forces = out[:benches, :3], out[:benches, 3:]
-        self._out_control = out[0 if self._control is self.bodies[0] else -1, :3]
+        self._out_control = out[0 if self._control is self.bodies[0] else benches, :3]
         self._out_anchors = np.zeros((len(self.guide.anchors), 2))
         self._anchor_outbox.set_float_buf(self._out_anchors)
         self.poses, self.velocities, self.collided_poses = (np.zeros((benches, 3)) for _ in range(3))
@@ -251,6 +258,10 @@ class World:
         self._shift, self._shift_before = (np.zeros((benches, 3)) for _ in range(2))
         # Scratch: the poses to which the space will move the benches before it solves the joints.
         self._coming = np.empty((benches, 3))
+
+    def _fixed_bodies(self) -> list[pymunk.Body]:
+        """Bodies of the space at the origin that never move: what is written to the space has a row for each body."""
+        return []
 
     def read(self) -> None:
         """Take `poses` and `velocities` from the space."""
@@ -297,6 +308,7 @@ class World:
     def _send(self, head_pose: Array, head_velocity: Array, hinge_velocity: Array) -> None:
         """Write the head's pose, the guide's anchors and the forces for the next step to the space."""
         self.guide.update(self._coming, hinge_velocity, self._out_anchors, self._out_forces)
+        self._limit_forces()
         self._out_control[:] = head_pose - self.substep * head_velocity
         if self._control is not self.bodies[0]:
             # A gear joint counts whole turns: the control body's are those of the head.
@@ -307,6 +319,9 @@ class World:
         vx, vy, spin = head_velocity.tolist()
         self._control.velocity = vx, vy
         self._control.angular_velocity = spin
+
+    def _limit_forces(self) -> None:
+        """Change the guide's forces; for worlds in which it does not always act on all benches."""
 
     def _warm_start(self, state: States) -> None:
         """Set the benches to the exact `state` at the start, and warm-start the joints' impulses there.

@@ -21,7 +21,7 @@ from pymunk_dragon.reports.summary import Summary, summarize
 PLAYER_ENDINGS = (".html",)
 # Parts of the script; each uses only those before it.
 SCRIPTS = (
-    *("decode", "motion", "geometry", "view", "format", "grid", "marks", "paint"),
+    *("common", "decode", "motion", "geometry", "view", "format", "grid", "marks", "paint", "picture"),
     *("timeline", "link", "table", "player", "pointer", "controls", "main"),
 )
 # Steps of `write_player`: the page, and the file.
@@ -119,7 +119,7 @@ def player_page(run: Run, *, title: str | None = None) -> str:
     payload, packed = player_data(summary)
     # A file cannot hold halves of surrogate pairs.
     heading = (title or headline(summary)).encode("utf-8", "replace").decode("utf-8")
-    style = _colour_variables() + asset(__package__, "assets/player.css")
+    style = colour_variables() + asset(__package__, "assets/player.css")
     script = "".join(asset(__package__, f"assets/{name}.js") for name in SCRIPTS)
     # "<" is escaped, since an HTML parser would take "</script>" or "<!--" for markup.
     payload_json = json.dumps(payload, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
@@ -138,7 +138,7 @@ def player_page(run: Run, *, title: str | None = None) -> str:
     return PLACEHOLDER.sub(lambda match: values[match[1]], asset(__package__, "assets/player.html"))
 
 
-def _colour_variables() -> str:
+def colour_variables() -> str:
     """Style that defines each colour as `--canvas-...`, by the scheme that the reader prefers."""
     light, dark = (
         "".join(f" --canvas-{name}: {colour};" for name, colour in asdict(palette).items()) for palette in (LIGHT, DARK)

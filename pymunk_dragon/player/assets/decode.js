@@ -38,3 +38,9 @@ function vectorsIn(packed, frame) {
   for (let i = 0; i < vectors.length; i++) vectors[i] = origin[i & 1] + step * counts[begin + i];
   return vectors;
 }
+
+// Vectors of all frames, in m.
+function vectorsOf(packed) {
+  const { origin, step, counts } = packed;
+  return Float64Array.from(counts, (count, i) => origin[i & 1] + step * count);
+}

@@ -3,6 +3,17 @@
 // Margin around a bench in cells, as in the package's grid: rounding never loses a cell.
 const CELL_SLACK = 1e-8;
 
+// Positions of the handles: handle i is the front hole of bench i, the last handle is the tail's rear hole.
+function handlesOf(spacings, poses) {
+  const last = spacings.length - 1;
+  return Array.from({ length: last + 2 }, (_, i) => {
+    const bench = Math.min(i, last);
+    const half = (i <= last ? 1 : -1) * spacings[bench] / 2;
+    return [poses.x[bench] + half * poses.cos[bench], poses.y[bench] + half * poses.sin[bench]];
+  });
+}
+
+// Benches at their poses; `motion` has their number `benches` and their `lengths`, `widths` and `spacings`.
 class Benches {
   constructor(motion, poses) {
     this.motion = motion;
@@ -10,7 +21,7 @@ class Benches {
   }
 
   get handles() {
-    return (this.cachedHandles ??= this.motion.handlesOf(this.poses));
+    return (this.cachedHandles ??= handlesOf(this.motion.spacings, this.poses));
   }
 
   // Corners: rear right, front right, front left, rear left.

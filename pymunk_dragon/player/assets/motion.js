@@ -1,6 +1,5 @@
 // Poses of the benches, velocities of the handles and benches in contact at any time.
 
-const TURN = 2 * Math.PI;
 // s: a contact is shown this much before it begins, because the time in a link to it is rounded.
 const LINK_TOLERANCE = 1e-6;
 // Frames whose poses are cached: slow motion needs the two around a time and their neighbours in every picture.
@@ -48,6 +47,22 @@ class Motion {
     this.lengths = this.spacings.map((spacing, i) => spacing + 2 * overhangs[i]);
     this.windows = payload.windows;
     this.cache = new Map();
+  }
+
+  // The area that the benches cover during the run: the handles, and the ends of benches beyond them.
+  get field() {
+    const { counts, origin, step } = this.packed;
+    const low = [Infinity, Infinity], high = [-Infinity, -Infinity];
+    for (let i = 0; i < counts.length; i++) {
+      const axis = i & 1;
+      if (counts[i] < low[axis]) low[axis] = counts[i];
+      if (counts[i] > high[axis]) high[axis] = counts[i];
+    }
+    const beyond = Math.max(...this.lengths.map((length, i) => (length - this.spacings[i] + this.widths[i]) / 2));
+    return {
+      centre: [0, 1].map((axis) => origin[axis] + step * (low[axis] + high[axis]) / 2),
+      size: [0, 1].map((axis) => step * (high[axis] - low[axis]) + 2 * beyond),
+    };
   }
 
   // First frame at `time` or after it.
@@ -132,17 +147,6 @@ class Motion {
       poses.sin[i] = Math.sin(found.angle);
     }
     return poses;
-  }
-
-  // Positions of the handles: handle i is the front hole of bench i, the last handle is the tail's rear hole.
-  handlesOf(poses) {
-    const positions = [];
-    for (let i = 0; i <= this.benches; i++) {
-      const bench = Math.min(i, this.benches - 1);
-      const half = (i < this.benches ? 1 : -1) * this.spacings[bench] / 2;
-      positions.push([poses.x[bench] + half * poses.cos[bench], poses.y[bench] + half * poses.sin[bench]]);
-    }
-    return positions;
   }
 
   // Velocities of the handles, [x, y] in m/s; null if unknown.

@@ -1,4 +1,4 @@
-// Draws the canvas. Many benches share a path, because drawing a path costs more than extending it.
+// Draws the benches and the curve. Many benches share a path, because drawing a path costs more than extending it.
 
 const CURVE_WIDTH = 0.04; // width of the curve over that of a bench, as in the films
 const THINNEST_CURVE = 1; // pixels
@@ -19,7 +19,7 @@ class Painter {
     this.motion = motion;
     this.view = view;
     this.payload = payload;
-    this.curve = vectorsOf(curve);
+    this.curve = curve; // m: x0, y0, x1, y1, ...
     this.curveError = payload.curve_error;
     this.readColours();
   }
@@ -45,27 +45,20 @@ class Painter {
     this.ratio = ratio;
   }
 
-  // Draw `benches` at `time` with the overlays in `show` and the bench `pointed` highlighted.
-  draw({ time, benches, show, pointed }) {
-    const { context, view, colours, motion } = this;
+  clear() {
+    const { context, view, colours } = this;
     context.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
     context.fillStyle = colours.background;
     context.fillRect(0, 0, view.width, view.height);
     context.lineJoin = context.lineCap = "round";
-    const { x, y } = benches.poses;
-    const visible = [];
-    for (let i = motion.benches - 1; i >= 0; i--) if (view.isVisible(x[i], y[i], motion.lengths[i])) visible.push(i);
-    const touching = motion.touchingAt(time);
-    const inContact = new Set(touching.flatMap(({ benches: two }) => two));
-    if (show.grid && this.payload.grid) drawGrid(this, benches, visible);
-    if (show.curve) this.drawCurve();
-    this.drawBenches(benches, visible, inContact);
-    if (pointed !== null) this.drawPointed(benches, pointed, inContact);
-    if (show.handles) drawHandles(this, benches, visible);
-    if (show.velocities) drawVelocities(this, benches, visible);
-    if (show.labels) drawNumbers(this, benches, visible, inContact);
-    if (show.grid && this.payload.grid) drawGridNames(this);
-    if (show.contacts) drawContacts(this, time, benches, touching);
+  }
+
+  // Numbers of the benches in the view, from the tail to the head.
+  visible({ poses: { x, y } }) {
+    const { view, motion } = this;
+    const found = [];
+    for (let i = motion.benches - 1; i >= 0; i--) if (view.isVisible(x[i], y[i], motion.lengths[i])) found.push(i);
+    return found;
   }
 
   drawCurve() {
@@ -171,10 +164,4 @@ class Painter {
     context.fillStyle = colours.type;
     context.fillText(text, px, py);
   }
-}
-
-// Vectors of all frames, in m.
-function vectorsOf(packed) {
-  const { origin, step, counts } = packed;
-  return Float64Array.from(counts, (count, i) => origin[i & 1] + step * count);
 }

@@ -11,18 +11,11 @@ const LONGEST_TICK = 0.25;
 const LINK_EVERY = 500;
 const ANNOUNCE_AFTER = 700; // ms: delay after the last input before the state is announced to screen readers
 
-const element = (id) => document.getElementById(id);
-
-// Set a text only if it changes: a change costs the browser more than drawing does.
-function setText(id, text) {
-  if (element(id).textContent !== text) element(id).textContent = text;
-}
-
 class Player {
   constructor(payload, packed, velocities, curve) {
     this.motion = new Motion(payload, packed, velocities);
     this.view = new View(this.motion);
-    this.painter = new Painter(element("field"), this.motion, this.view, payload, curve);
+    this.painter = new RunPainter(element("field"), this.motion, this.view, payload, vectorsOf(curve));
     this.events = eventsOf(payload);
     this.timeline = new Timeline(element("strip"), this.motion, this.events);
     this.time = this.motion.begin;

@@ -1,12 +1,19 @@
-// Mouse, pen and touch on the canvas: drag to pan, pinch or use the wheel to zoom, tap to select a bench.
+// Mouse, pen and touch on the canvas: drag to pan, pinch or use the wheel to zoom, tap to select.
 
 const TAP_SLIP = 6; // pixels: largest movement during a tap
 const WHEEL_ZOOM = 0.0016; // exponent of the zoom per pixel of the wheel
 const WHEEL_LINE = 16; // pixels: a line of wheels that count lines
 
-function listenToPointers(canvas, view, { moved, hovered, tapped }) {
+// `taken` tells whether a pointer that goes down takes hold of something; its movements are then `carried` instead of
+// panning the view, until it is `dropped`.
+function listenToPointers(canvas, view, { moved, hovered, tapped, taken = () => false, carried, dropped }) {
   const down = new Map();
   let slipped = false;
+  let holds = false;
+  const drop = () => {
+    if (holds) dropped();
+    holds = false;
+  };
   const position = (event) => {
     const box = canvas.getBoundingClientRect();
     return [event.clientX - box.left, event.clientY - box.top];
@@ -17,9 +24,10 @@ function listenToPointers(canvas, view, { moved, hovered, tapped }) {
   canvas.addEventListener("pointerdown", (event) => {
     if (event.button !== 0) return;
     canvas.setPointerCapture(event.pointerId);
-    if (!down.size) slipped = false;
-    else slipped = true;
+    slipped = down.size > 0;
     down.set(event.pointerId, { start: position(event), now: position(event) });
+    if (slipped) drop();
+    else holds = taken(position(event), event.pointerType);
   });
   canvas.addEventListener("pointermove", (event) => {
     const here = position(event);
@@ -31,7 +39,9 @@ function listenToPointers(canvas, view, { moved, hovered, tapped }) {
     const before = [...down.values()].map(({ now }) => now);
     const last = pointer.now;
     pointer.now = here;
-    if (down.size === 1) {
+    if (holds) {
+      carried(here);
+    } else if (down.size === 1) {
       if (!slipped && spread([pointer.start, here]) <= TAP_SLIP) {
         pointer.now = last;
         return;
@@ -48,7 +58,9 @@ function listenToPointers(canvas, view, { moved, hovered, tapped }) {
     }
   });
   const up = (event) => {
-    if (down.delete(event.pointerId) && !slipped && event.type === "pointerup") tapped(position(event), event.pointerType);
+    const tap = down.delete(event.pointerId) && !slipped && !holds && event.type === "pointerup";
+    drop();
+    if (tap) tapped(position(event), event.pointerType);
   };
   canvas.addEventListener("pointerup", up);
   canvas.addEventListener("pointercancel", up);

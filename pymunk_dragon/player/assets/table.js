@@ -8,7 +8,7 @@ function tableOf(motion, times) {
   const parts = [COLUMNS];
   for (const time of times) {
     const poses = motion.posesAt(time);
-    const handles = motion.handlesOf(poses);
+    const handles = handlesOf(motion.spacings, poses);
     const velocities = motion.velocitiesOf(poses);
     const digits = decimals(Math.max(...handles.map((_, i) => motion.errorAt(time, Math.min(i, motion.benches - 1)))));
     parts.push(handles.map(([x, y], i) => {

@@ -8,25 +8,18 @@ const SMALLEST = 0.2;
 const BORDER = 0.04;
 
 class View {
-  constructor(motion) {
+  constructor(subject) {
     this.x = this.y = 0;
     this.scale = 1; // pixels per m
     this.width = this.height = 1; // pixels
-    this.headSpan = 20 * motion.widths[0]; // m: the head and three turns around it
-    this.maxScale = WIDEST_BENCH / motion.narrowest;
-    const { counts, origin, step } = motion.packed;
-    const low = [Infinity, Infinity], high = [-Infinity, -Infinity];
-    for (let i = 0; i < counts.length; i++) {
-      const axis = i & 1;
-      if (counts[i] < low[axis]) low[axis] = counts[i];
-      if (counts[i] > high[axis]) high[axis] = counts[i];
-    }
-    // The area that the benches cover during the run: the handles, and the ends of benches beyond them.
-    const beyond = Math.max(...motion.lengths.map((length, i) => (length - motion.spacings[i] + motion.widths[i]) / 2));
-    this.field = {
-      centre: [0, 1].map((axis) => origin[axis] + step * (low[axis] + high[axis]) / 2),
-      size: [0, 1].map((axis) => step * (high[axis] - low[axis]) + 2 * beyond),
-    };
+    this.setSubject(subject);
+  }
+
+  // What is seen: the area of the field {centre, size}, and the widths of the benches, all in m.
+  setSubject({ field, widths, narrowest }) {
+    this.field = field;
+    this.headSpan = 20 * widths[0]; // m: the head and three turns around it
+    this.maxScale = WIDEST_BENCH / narrowest;
   }
 
   get fittingScale() {

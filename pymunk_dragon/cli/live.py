@@ -1,0 +1,144 @@
+"""`pymunk-dragon live`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from pymunk_dragon.cli.options import chosen, destination_of, march_of, scenario_options, start_option
+from pymunk_dragon.cli.output import progress
+
+if TYPE_CHECKING:
+    from pymunk_dragon.sessions.recording import Log
+    from pymunk_dragon.sessions.scenes import Ready
+    from pymunk_dragon.sessions.session import Session
+
+
+@click.command()
+@click.argument("scene", required=False)
+@scenario_options
+@start_option
+@click.option(
+    "--contacts", default="resolve", metavar="NAME", help="What contacts do: stop, report or resolve.  [resolve]"
+)
+@click.option("--free-from", type=int, metavar="N", help="First bench without dancers.  [all have dancers]")
+@click.option("--replay", metavar="FILE", help="Play a recording again, .npz or .json.")
+@click.option("--exit", "ends", is_flag=True, help="Play the recording without a page, as fast as possible, and exit.")
+@click.option("-o", "--record", metavar="FILE", help="File to write at the end: .npz, .gif, .apng, .webp or .mp4.")
+@click.option("--port", type=int, default=0, metavar="N", help="Port.  [a free one]")
+@click.option(
+    "--host", default="127.0.0.1", metavar="ADDRESS", help="Address to listen on.  [127.0.0.1: this machine only]"
+)
+@click.option(
+    "--allow-host", multiple=True, metavar="NAME", help="Name under which a proxy shows the page; repeatable."
+)
+@click.option("--no-browser", is_flag=True, help="Do not open a browser.")
+@click.option("--paused", is_flag=True, help="Begin paused.")
+def live(
+    scene: str | None,
+    scenario_file: str | None,
+    start: float,
+    contacts: str,
+    free_from: int | None,
+    replay: str | None,
+    ends: bool,
+    record: str | None,
+    port: int,
+    host: str,
+    allow_host: tuple[str, ...],
+    no_browser: bool,
+    paused: bool,
+) -> None:
+    """Play the dragon in real time, and touch it in a browser.
+
+    SCENE is a ready scene: dragon, unguided, sloppy-engine, near-miss, jam, robot-arm, pendulum, cradle or boxes.
+    """
+    own = chosen() or scenario_file or start or free_from is not None or contacts != "resolve"
+    if (scene is not None) + bool(own) + (replay is not None) > 1:
+        raise click.UsageError("a ready scene and a recording have their own dragon: leave out the other options")
+    if ends and replay is None:
+        raise click.UsageError("--exit ends a replay: give a recording with --replay")
+    from pymunk_dragon._extras import library
+
+    if not ends:
+        library("aiohttp")
+    from pymunk_dragon.sessions import recording, scenes
+    from pymunk_dragon.sessions.handle import serve
+    from pymunk_dragon.sessions.session import Session
+
+    path = destination_of(record, recording.RECORDING_ENDINGS)
+    log = None if replay is None else recording.Log.load(replay)
+    source = _source(scene, log) or scenes.dragon(
+        march_of(scenario_file), contacts=contacts, free_from=free_from, start=start
+    )
+    session = Session(source, record=path is not None, running=not paused)
+    if log is not None:
+        session.play_again(log.inputs, log.values, log.steps)
+    if ends:
+        _replay(session, log, path)
+        return
+    running = serve(session, host=host, port=port, allow_hosts=allow_host, browser=not no_browser, path=None)
+    try:
+        if host not in ("127.0.0.1", "localhost", "::1"):
+            click.echo("Anybody who can reach this address and knows it can control the session:", err=True)
+        click.echo(f"control: {running.address}")
+        click.echo(f"watch:   {running.watch_address}")
+        if log is not None:
+            _wait_for_replay(session, log)
+        session.wait()
+    finally:
+        running.stop()
+        if path is not None:
+            _write(session, path)
+
+
+def _source(scene: str | None, log: Log | None) -> Ready | None:
+    """A ready scene, or that of a recording."""
+    from pymunk_dragon.errors import ParameterError
+    from pymunk_dragon.sessions.scenes import planned, ready
+
+    if scene is not None:
+        return ready(scene)
+    if log is None:
+        return None
+    if log.plan is None:
+        raise ParameterError("replay", "a recording of a space or a curve of your own", "one of a scene that is known")
+    return planned(log.plan)
+
+
+def _replay(session: Session, log: Log | None, path: Path | None) -> None:
+    """Play a recording without a page, and write it as another file."""
+    from pymunk_dragon.sessions.session import SPEEDS
+
+    assert log is not None
+    session.speed = SPEEDS[1]
+    session.start()
+    try:
+        _wait_for_replay(session, log)
+    finally:
+        session.stop()
+    if path is not None:
+        _write(session, path)
+
+
+def _wait_for_replay(session: Session, log: Log) -> None:
+    """Wait for the end of a replay, and compare it with the recording."""
+    from pymunk_dragon.errors import DragonError
+
+    digest = session.wait_for_replay()
+    if digest is None:
+        return
+    if digest != log.digest:
+        raise DragonError(f"the replay of {log.steps} steps ends in another state: other versions of the libraries?")
+    click.echo(f"replay:  {log.steps} steps, equal to the recording to the bit")
+
+
+def _write(session: Session, path: Path) -> None:
+    """Write the recording, with progress for a film."""
+    from pymunk_dragon.sessions.recording import record
+
+    with progress(f"writing {path.name}") as show:
+        record(session, path, lambda done, total: show(done, total, f"writing {path.name}"))
+    click.echo(f"wrote {path}", err=True)

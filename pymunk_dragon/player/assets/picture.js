@@ -1,0 +1,20 @@
+// Draws a moment of a run, with its overlays.
+
+class RunPainter extends Painter {
+  // Draw `benches` at `time` with the overlays in `show` and the bench `pointed` highlighted.
+  draw({ time, benches, show, pointed }) {
+    this.clear();
+    const visible = this.visible(benches);
+    const touching = this.motion.touchingAt(time);
+    const inContact = new Set(touching.flatMap(({ benches: two }) => two));
+    if (show.grid && this.payload.grid) drawGrid(this, benches, visible);
+    if (show.curve) this.drawCurve();
+    this.drawBenches(benches, visible, inContact);
+    if (pointed !== null) this.drawPointed(benches, pointed, inContact);
+    if (show.handles) drawHandles(this, benches, visible);
+    if (show.velocities) drawVelocities(this, benches, visible);
+    if (show.labels) drawNumbers(this, benches, visible, inContact);
+    if (show.grid && this.payload.grid) drawGridNames(this);
+    if (show.contacts) drawContacts(this, time, benches, touching);
+  }
+}

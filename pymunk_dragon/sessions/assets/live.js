@@ -1,0 +1,200 @@
+// The page: scene, state and newest frame of the server, the view and the pictures.
+
+const PAN_STEP = 1 / 8; // fraction of its size by which the view moves
+const ERROR_SHOWN = 6000; // ms: an error of the server is shown for so long
+const EVENTS_LISTED = 30;
+const ANNOUNCE_EVERY = 1500; // ms: events in between are not announced to screen readers
+const SLOW = 0.9; // less than this fraction of the chosen speed is marked as slow
+const SWITCHES = ["curve", "handles", "labels", "ghost", "forces", "contacts", "centres"];
+const SHOWN_BY_DEFAULT = ["curve", "ghost", "contacts"];
+
+class Live {
+  constructor() {
+    this.scene = this.state = this.frame = this.model = null;
+    this.view = new View({ field: { centre: [0, 0], size: [1, 1] }, widths: [1], narrowest: 1 });
+    this.painter = new LivePainter(element("field"), this.view);
+    this.charts = new LiveCharts(this.painter);
+    this.sliders = new Sliders(element("parameters"), (message) => this.send(message));
+    this.tools = new Tools(this);
+    this.follow = "field"; // or "head", or null for a fixed view
+    this.shown = Object.fromEntries(SWITCHES.map((name) => [name, SHOWN_BY_DEFAULT.includes(name)]));
+    this.drawn = 0;
+    this.announce = throttled((text) => setText("announcement", text), ANNOUNCE_EVERY);
+    this.connection = new Connection({
+      received: (message) => this.receive(message),
+      framed: (buffer) => this.receiveFrame(buffer),
+      changed: (open) => this.showConnection(open),
+    });
+  }
+
+  // Whether this page may change anything.
+  get controls() {
+    return this.connection.connected && this.scene?.role === "control";
+  }
+
+  // Poses of the newest frame.
+  get poses() {
+    return (this.framePoses ??= posesOf(this.frame.poses));
+  }
+
+  send(message) {
+    this.connection.send(message);
+  }
+
+  // ---- messages
+
+  receive(message) {
+    const readers = {
+      scene: () => this.setScene(message),
+      state: () => this.setState(message),
+      event: () => this.addEvent(message),
+      error: () => this.showError(message.text),
+    };
+    readers[message.kind]?.();
+  }
+
+  receiveFrame(buffer) {
+    const frame = decodeFrame(buffer);
+    if (frame.generation !== this.scene?.generation || !this.fits(frame)) return;
+    this.frame = frame;
+    this.framePoses = null;
+    this.charts.add(frame, performance.now());
+    this.requestDraw();
+  }
+
+  setScene(scene) {
+    const same = this.scene?.name === scene.name;
+    this.scene = scene;
+    this.frame = this.framePoses = null;
+    this.model = new Model(scene);
+    this.view.setSubject(this.model);
+    this.painter.setModel(this.model);
+    this.charts.setModel(this.model);
+    this.tools.setModel(this.model, same);
+    this.sliders.setParameters(scene.parameters);
+    if (!same) {
+      this.follow = "field";
+      element("events").replaceChildren();
+      setText("announcement", scene.title);
+    }
+    showScene(this);
+    this.requestDraw();
+  }
+
+  setState(state) {
+    if (state.generation !== this.scene?.generation) return;
+    this.state = state;
+    this.sliders.setValues(state.values);
+    showState(this);
+    this.requestDraw();
+  }
+
+  addEvent({ time, text }) {
+    const row = created("li", {}, created("span", { className: "quiet" }, `${time.toFixed(2)} s`), ` ${text}`);
+    const list = element("events");
+    list.prepend(row);
+    while (list.children.length > EVENTS_LISTED) list.lastChild.remove();
+    element("no-events").hidden = true;
+    this.announce(`${text}, at ${time.toFixed(2)} s`);
+  }
+
+  // After an error the controls show what the server has.
+  showError(text) {
+    if (this.state) setTimeout(() => this.setState(this.state), SETTLE);
+    setText("error", text);
+    element("error").hidden = false;
+    clearTimeout(this.errorTimer);
+    this.errorTimer = setTimeout(() => { element("error").hidden = true; }, ERROR_SHOWN);
+  }
+
+  showConnection(open) {
+    element("lost").hidden = open;
+    if (!open) this.tools.drop();
+    setText("latency", "");
+    showAccess(this);
+  }
+
+  // ---- drawing
+
+  requestDraw() {
+    this.frameRequest ??= requestAnimationFrame((now) => this.draw(now));
+  }
+
+  draw(now) {
+    this.frameRequest = null;
+    const { frame, state, view, painter, tools } = this;
+    painter.resize();
+    if (!frame || !state) return;
+    const { poses } = this;
+    if (this.follow === "field") view.fit();
+    if (this.follow === "head") [view.x, view.y] = [poses.x[0], poses.y[0]];
+    this.aims = tools.pixel === null && element("field").matches(":focus-visible");
+    tools.flush();
+    painter.draw({ frame, poses, state, show: this.switches, held: tools.held, target: tools.target, aims: this.aims });
+    this.charts.draw(frame, state, now);
+    showFrame(this);
+    this.drawn += 1;
+  }
+
+  // Whether a frame has as many bodies and joints as the scene.
+  fits({ poses, forces }) {
+    return poses.length === 3 * this.scene.bodies.length && forces.length === this.scene.joints.length;
+  }
+
+  // The switches that are on and make sense for the scene.
+  get switches() {
+    return Object.fromEntries(SWITCHES.map((name) => [name, this.shown[name] && this.hasSwitch(name)]));
+  }
+
+  hasSwitch(name) {
+    const { model } = this;
+    if (name === "ghost") return model.can("ghost");
+    if (name === "forces") return model.joints.length > 0;
+    return name === "contacts" || name === "centres" || model.benches > 0;
+  }
+
+  show(name, shown) {
+    this.shown[name] = shown;
+    this.requestDraw();
+  }
+
+  // ---- view
+
+  setFollow(subject) {
+    this.follow = subject;
+    // A closer view stays as it is.
+    if (subject === "head") this.view.span = Math.min(this.view.span, this.view.headSpan);
+    this.afterView();
+  }
+
+  toggleHead() {
+    if (this.model?.benches) this.setFollow(this.follow === "head" ? "field" : "head");
+  }
+
+  zoom(factor) {
+    this.view.zoom(factor);
+    this.viewMoved("zoom");
+  }
+
+  pan(right, down) {
+    this.view.pan(-right * PAN_STEP * this.view.width, -down * PAN_STEP * this.view.height);
+    this.viewMoved("pan");
+  }
+
+  // The user has moved the view, which no longer follows anything, except that zooming keeps the head centred.
+  viewMoved(how) {
+    if (!(how === "zoom" && this.follow === "head")) this.follow = null;
+    this.afterView();
+  }
+
+  afterView() {
+    element("fit").setAttribute("aria-pressed", this.follow === "field");
+    element("follow").setAttribute("aria-pressed", this.follow === "head");
+    this.requestDraw();
+  }
+
+  recolour() {
+    this.painter.readColours();
+    this.requestDraw();
+  }
+}

@@ -1,0 +1,28 @@
+// Starts the page and publishes what tests read.
+
+function start() {
+  try {
+    const live = new Live();
+    connect(live);
+    return publicLive(live);
+  } catch (error) {
+    element("failure").hidden = false;
+    element("failure").textContent = `The page cannot start: ${error.message}. A newer browser may help.`;
+    throw error;
+  }
+}
+
+function publicLive(live) {
+  return Object.freeze({
+    get scene() { return live.scene; },
+    get state() { return live.state; },
+    get frame() { return live.frame; },
+    get connected() { return live.connection.connected; },
+    get drawn() { return live.drawn; },
+    // Pixel of the canvas at a point in m.
+    pixel: (x, y) => live.view.toScreen(x, y),
+    send: (message) => live.send(message),
+  });
+}
+
+globalThis.live = start();

@@ -1,0 +1,71 @@
+// Draws the newest frame.
+
+const PALE = 0.55; // weight of the background in the colour of benches whose dancers let go
+
+class LivePainter extends Painter {
+  constructor(canvas, view) {
+    super(canvas, null, view, {}, []);
+    this.forceScale = new LogScale();
+    this.impulseScale = new LogScale();
+  }
+
+  setModel(model) {
+    const { dragon } = model.scene;
+    this.model = this.motion = model;
+    this.payload = { dragon };
+    this.curve = dragon?.curve ?? [];
+    this.curveError = Math.max(dragon?.curve_error ?? 0, Number.EPSILON);
+    this.forceScale = new LogScale();
+    this.impulseScale = new LogScale();
+  }
+
+  readColours() {
+    super.readColours();
+    const style = getComputedStyle(document.documentElement);
+    for (const name of ["quiet", "rule", "any"]) this.colours[name] = style.getPropertyValue(`--${name}`).trim();
+  }
+
+  colourOf(i, inContact) {
+    const colour = super.colourOf(i, inContact);
+    return this.pale ? mixed(colour, this.colours.background, PALE) : colour;
+  }
+
+  // Draw a frame: `state` is the server's, `show` the switches, `held` and `target` belong to the pointer.
+  draw({ frame, poses, state, show, held, target, aims }) {
+    const { model } = this;
+    const cuts = new Set(state.cuts);
+    const now = performance.now();
+    this.forceScale.include(largestOf(frame.forces), now);
+    this.impulseScale.include(largestOf(frame.contacts.filter((_, k) => k % CONTACT_SIZE === CONTACT_SIZE - 1)), now);
+    this.clear();
+    if (show.curve && model.benches) this.drawCurve();
+    drawObstacles(this, state.obstacles);
+    drawBodies(this, poses);
+    if (model.benches) this.drawDragon({ frame, poses, state, show, target });
+    else if (model.joints.length) drawJoints(this, poses, cuts);
+    if (show.forces) drawForces(this, frame, poses, cuts);
+    if (show.centres) drawCentres(this, poses);
+    if (model.benches) drawCuts(this, poses, cuts);
+    if (show.contacts) drawImpulses(this, frame);
+    if (held) drawHeld(this, held, poses);
+    if (target) drawTarget(this, target, poses);
+    if (aims) drawAim(this);
+    if (show.forces) drawLegend(this);
+    drawScaleBar(this, show.forces ? LEGEND_ROOM : 0);
+  }
+
+  drawDragon({ frame, poses, state, show, target }) {
+    const benches = new Benches(this.model, poses);
+    const visible = this.visible(benches);
+    const inContact = new Set([...contactsOf(frame)].flatMap(({ bodies }) => bodies).filter((i) => i >= 0));
+    const free = (i) => state.free_from !== null && i >= state.free_from;
+    this.pale = true;
+    this.drawBenches(benches, visible.filter(free), inContact);
+    this.pale = false;
+    this.drawBenches(benches, visible.filter((i) => !free(i)), inContact);
+    if (target?.bench !== undefined) this.drawPointed(benches, target.bench, inContact);
+    if (show.ghost) drawGhost(this, frame, benches);
+    if (show.handles) drawHandles(this, benches, visible);
+    if (show.labels) drawNumbers(this, benches, visible, inContact);
+  }
+}

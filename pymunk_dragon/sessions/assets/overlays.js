@@ -1,0 +1,166 @@
+// Overlays: exact benches, joint forces, contacts, cut joints, the held body and what the tool points at.
+
+const GHOST_SHOWN = 0.75; // pixels: least distance between a bench and the exact one that is drawn
+const ERROR_LABELLED = 3; // pixels: least distance with a label
+const SMALLEST_DISC = 2; // pixels: radius at a joint with a small force
+const DISC_GROWTH = 4.5; // pixels: a large force adds so much
+const SHORTEST_IMPULSE = 8; // pixels: arrow of a small impulse
+const LONGEST_IMPULSE = 52; // pixels: arrow of a large one
+const MANY_CONTACTS = 24; // more contacts have dots in place of rings
+const CUT_MARK = 5; // pixels: half the size of the cross at a cut joint
+
+// Outlines of exact benches that differ visibly from those of the engine.
+function drawGhost(painter, { exact, errors }, benches) {
+  const { context, colours, view, model } = painter;
+  const ghosts = new Benches(model, posesOf(exact));
+  const path = new Path2D();
+  let worst = null;
+  for (let i = 0; i < ghosts.poses.x.length; i++) {
+    if (!(errors[i] * view.scale >= GHOST_SHOWN)) continue;
+    if (view.isVisible(ghosts.poses.x[i], ghosts.poses.y[i], model.lengths[i])) painter.outline(path, ghosts, i);
+    if (worst === null || errors[i] > errors[worst]) worst = i;
+  }
+  if (worst === null) return;
+  strokeTwice(context, path, colours.background, colours.motion, 1.5);
+  if (errors[worst] * view.scale >= ERROR_LABELLED) drawError(painter, ghosts, benches, worst, errors[worst]);
+}
+
+// A line from the exact bench to the engine's, and its length.
+function drawError(painter, ghosts, { poses }, i, error) {
+  const { context, colours, view } = painter;
+  const [gx, gy] = view.toScreen(ghosts.poses.x[i], ghosts.poses.y[i]);
+  const path = new Path2D();
+  path.moveTo(gx, gy);
+  path.lineTo(...view.toScreen(poses.x[i], poses.y[i]));
+  strokeTwice(context, path, colours.background, colours.motion, 2);
+  drawLabel(painter, `bench ${i}: ${formatLength(error, 0)}`, gx, gy);
+}
+
+// A disc at each joint: colour and size show the force.
+function drawForces({ context, view, model, colours, forceScale }, { forces }, poses, cuts) {
+  const paths = new Map();
+  for (const joint of model.joints) {
+    const force = forces[joint.number];
+    if (cuts.has(joint.number) || !(force >= 0)) continue;
+    const [one, two] = model.ends(joint, poses);
+    const x = (one[0] + two[0]) / 2, y = (one[1] + two[1]) / 2;
+    if (!view.isVisible(x, y, 0)) continue;
+    const share = forceScale.share(force);
+    const shade = Math.round(share * (SHADES - 1));
+    if (!paths.has(shade)) paths.set(shade, new Path2D());
+    const radius = SMALLEST_DISC + DISC_GROWTH * share;
+    const [px, py] = view.toScreen(x, y);
+    paths.get(shade).moveTo(px + radius, py);
+    paths.get(shade).arc(px, py, radius, 0, TURN);
+  }
+  context.strokeStyle = colours.ink;
+  context.lineWidth = 0.75;
+  for (const [shade, path] of [...paths].sort(([one], [two]) => one - two)) {
+    context.fillStyle = SHADE_COLOURS[shade];
+    context.fill(path);
+    context.stroke(path);
+  }
+}
+
+// A ring or dot at each contact, and an arrow along its normal.
+function drawImpulses(painter, frame) {
+  const { context, colours, view, impulseScale } = painter;
+  const many = frame.contacts.length / CONTACT_SIZE > MANY_CONTACTS;
+  const path = new Path2D();
+  let largest = null;
+  for (const contact of contactsOf(frame)) {
+    if (!view.isVisible(...contact.point, 0)) continue;
+    const [px, py] = view.toScreen(...contact.point);
+    const [nx, ny] = contact.normal;
+    const length = SHORTEST_IMPULSE + (LONGEST_IMPULSE - SHORTEST_IMPULSE) * impulseScale.share(contact.impulse);
+    if (many) {
+      path.moveTo(px + 2, py);
+      path.arc(px, py, 2, 0, TURN);
+    } else drawRing(painter, [px, py]);
+    addArrow(path, px, py, nx, -ny, length);
+    if (contact.impulse > (largest?.impulse ?? 0)) largest = { ...contact, px, py };
+  }
+  strokeTwice(context, path, colours.background, COLLISION_COLOUR, 2);
+  if (largest && !many) drawLabel(painter, `${formatImpulse(largest.impulse)} N s`, largest.px, largest.py);
+}
+
+// Text beside a point: at the right, or at the left if there is no room.
+function drawLabel(painter, text, px, py) {
+  const { context, view } = painter;
+  context.font = `600 13px ${painter.font}`;
+  context.textBaseline = "middle";
+  const fits = px + LABEL_OFFSET + context.measureText(text).width < view.width;
+  context.textAlign = fits ? "left" : "right";
+  painter.drawText(text, px + (fits ? LABEL_OFFSET : -LABEL_OFFSET), py - LABEL_OFFSET);
+}
+
+const formatImpulse = (impulse) => (impulse >= 0.001 ? String(Number(impulse.toPrecision(2))) : "< 0.001");
+
+function addArrow(path, px, py, ux, uy, length) {
+  const qx = px + length * ux, qy = py + length * uy;
+  const head = Math.min(7, 0.5 * length), half = 0.45 * head;
+  path.moveTo(px, py);
+  path.lineTo(qx, qy);
+  path.moveTo(qx - head * ux - half * uy, qy - head * uy + half * ux);
+  path.lineTo(qx, qy);
+  path.lineTo(qx - head * ux + half * uy, qy - head * uy - half * ux);
+}
+
+// A cross at both ends of each cut joint.
+function drawCuts({ context, view, model, colours }, poses, cuts) {
+  const path = new Path2D();
+  for (const joint of model.joints) {
+    if (!cuts.has(joint.number)) continue;
+    for (const end of model.ends(joint, poses)) {
+      const [px, py] = view.toScreen(...end);
+      path.moveTo(px - CUT_MARK, py - CUT_MARK);
+      path.lineTo(px + CUT_MARK, py + CUT_MARK);
+      path.moveTo(px - CUT_MARK, py + CUT_MARK);
+      path.lineTo(px + CUT_MARK, py - CUT_MARK);
+    }
+  }
+  strokeTwice(context, path, colours.background, colours.contact, 2);
+}
+
+// A line from the anchor on the held body to the pointer.
+function drawHeld({ context, view, colours }, { body, anchor, target }, poses) {
+  const from = view.toScreen(...placed(poses, body, anchor)), to = view.toScreen(...target);
+  const path = new Path2D();
+  path.moveTo(...from);
+  path.lineTo(...to);
+  for (const [[px, py], radius] of [[from, 4], [to, 7]]) {
+    path.moveTo(px + radius, py);
+    path.arc(px, py, radius, 0, TURN);
+  }
+  strokeTwice(context, path, colours.background, colours.type, 2);
+}
+
+// A cross at the point where keys apply the tool.
+function drawAim({ context, view, colours }) {
+  const px = view.width / 2, py = view.height / 2;
+  const path = new Path2D();
+  for (const [dx, dy] of [[1, 0], [-1, 0], [0, 1], [0, -1]]) {
+    path.moveTo(px + 4 * dx, py + 4 * dy);
+    path.lineTo(px + 14 * dx, py + 14 * dy);
+  }
+  strokeTwice(context, path, colours.background, colours.type, 2);
+}
+
+// What a click would change, and its name. A bench is highlighted where it is drawn.
+function drawTarget(painter, target, poses) {
+  const { context, colours, view, model } = painter;
+  if (target.label) drawLabel(painter, target.label, ...target.pixel);
+  if (target.joint) {
+    const middle = model.ends(target.joint, poses).map((end) => view.toScreen(...end));
+    drawRing(painter, [0, 1].map((axis) => (middle[0][axis] + middle[1][axis]) / 2));
+  } else if (target.body !== undefined) {
+    for (const shape of model.shapesOf(target.body)) {
+      strokeTwice(context, shapePath(view, shape, poses, target.body), colours.background, colours.type, 2);
+    }
+  } else if (target.obstacle) {
+    const path = shapePath(view, obstacleShape(target.obstacle), null, -1);
+    context.setLineDash([5, 4]);
+    strokeTwice(context, path, colours.background, target.removes ? colours.contact : colours.type, 2);
+    context.setLineDash([]);
+  }
+}

@@ -1,0 +1,125 @@
+// Sliders of the scene's parameters.
+
+const SEND_EVERY = 100; // ms between two values of a slider that is moved
+const SETTLE = 500; // ms: after a change by the user, values of the server do not move the slider for so long
+const POSITIONS = 400; // steps of a slider
+
+// What a slider of a parameter shows at a position from 0 to 1, and the reverse.
+function scaleOf({ low, high, logarithmic, whole }) {
+  const log = logarithmic && low > 0;
+  const exact = (position) => (log ? low * (high / low) ** position : low + position * (high - low));
+  return {
+    step: whole && !log && high > low ? 1 / (high - low) : 1 / POSITIONS,
+    valueAt(position) {
+      if (position <= 0) return low;
+      if (position >= 1) return high;
+      const value = exact(position);
+      return Math.min(Math.max(whole ? Math.round(value) : Number(value.toPrecision(3)), low), high);
+    },
+    positionOf(value) {
+      const position = log ? Math.log(value / low) / Math.log(high / low) : (value - low) / (high - low || 1);
+      return Math.min(Math.max(position, 0), 1);
+    },
+  };
+}
+
+// Call `action` with the newest value, at most once in `interval` ms.
+function throttled(action, interval) {
+  let timer = null, newest, last = -interval;
+  const run = () => {
+    timer = null;
+    last = performance.now();
+    action(newest);
+  };
+  return (value) => {
+    newest = value;
+    timer ??= setTimeout(run, Math.max(0, last + interval - performance.now()));
+  };
+}
+
+function created(tag, properties = {}, ...children) {
+  const made = Object.assign(document.createElement(tag), properties);
+  made.append(...children);
+  return made;
+}
+
+class Slider {
+  constructor(parameter, send) {
+    this.parameter = parameter;
+    this.scale = scaleOf(parameter);
+    this.touched = -SETTLE;
+    const id = `parameter-${parameter.name}`;
+    this.output = created("output", { htmlFor: id });
+    this.input = created("input", { id, type: "range", min: 0, max: 1, step: this.scale.step, className: "sends" });
+    const label = created("label", { htmlFor: id }, parameter.label);
+    if (parameter.rebuilds) label.append(" ", created("span", { className: "note" }, "starts again"));
+    this.element = created("div", { className: "slider" }, label, this.output, this.input);
+    this.listen(send);
+    this.show(parameter.value);
+  }
+
+  get value() {
+    return this.scale.valueAt(this.input.valueAsNumber);
+  }
+
+  listen(send) {
+    const message = () => send({ do: "set", name: this.parameter.name, value: this.value });
+    const soon = throttled(message, SEND_EVERY);
+    this.input.addEventListener("input", () => {
+      this.touched = performance.now();
+      this.write(this.value);
+      if (!this.parameter.rebuilds) soon();
+    });
+    this.input.addEventListener("change", () => {
+      if (this.parameter.rebuilds) message();
+    });
+  }
+
+  // A value of the server.
+  show(value) {
+    if (performance.now() - this.touched < SETTLE) return;
+    if (this.value !== value) this.input.value = this.scale.positionOf(value);
+    this.write(value);
+  }
+
+  write(value) {
+    const text = `${numberText(value)} ${this.parameter.unit}`.trim();
+    this.output.textContent = text;
+    this.input.setAttribute("aria-valuetext", text);
+  }
+}
+
+// A number with three significant digits; large and small ones in exponents.
+function numberText(value) {
+  const size = Math.abs(value);
+  if (size >= 1e6 || (size > 0 && size < 1e-4)) {
+    const [digits, power] = value.toExponential(2).split("e");
+    return `${Number(digits)}·10${power.startsWith("-") ? "⁻" : ""}${superscript(Math.abs(Number(power)))}`;
+  }
+  return String(size >= 100 ? Math.round(value) : Number(value.toPrecision(3))).replace("-", "−");
+}
+
+class Sliders {
+  constructor(container, send) {
+    Object.assign(this, { container, send });
+    this.sliders = [];
+  }
+
+  // A rebuilt scene with the same parameters keeps its sliders, and with them the focus.
+  setParameters(parameters) {
+    const shape = JSON.stringify(parameters.map(({ value, ...rest }) => rest));
+    if (shape !== this.shape) {
+      this.shape = shape;
+      this.sliders = parameters.map((parameter) => new Slider(parameter, this.send));
+      this.container.replaceChildren(...this.sliders.map(({ element: made }) => made));
+    }
+    this.setValues(Object.fromEntries(parameters.map(({ name, value }) => [name, value])));
+  }
+
+  setValues(values) {
+    for (const slider of this.sliders) {
+      const value = values[slider.parameter.name];
+      if (Number.isFinite(value)) slider.show(value);
+    }
+  }
+}

@@ -1,0 +1,32 @@
+// Colours of bodies, forces and charts.
+
+// Pymunk's debug colours.
+const TYPE_COLOURS = { dynamic: "#3498db", kinematic: "#27ae60", static: "#95a5a6" };
+const CONSTRAINT_COLOUR = "#8e44ad";
+const COLLISION_COLOUR = "#e74c3c";
+// Forces from small to large.
+const RAMP = ["#ffffcc", "#fed976", "#fd8d3c", "#e31a1c", "#800026"];
+const SHADES = 32; // colours of discs: those of one shade share a path
+
+const channels = (hex) => [1, 3, 5].map((at) => parseInt(hex.slice(at, at + 2), 16));
+const hexOf = (numbers) => `#${numbers.map((number) => Math.round(number).toString(16).padStart(2, "0")).join("")}`;
+
+// A mixture of two colours: the second has the weight `share`.
+function mixed(one, two, share) {
+  const from = channels(one), to = channels(two);
+  return hexOf(from.map((value, k) => value + share * (to[k] - value)));
+}
+
+function rampColour(share) {
+  const place = Math.min(Math.max(share, 0), 1) * (RAMP.length - 1);
+  const k = Math.min(Math.floor(place), RAMP.length - 2);
+  return mixed(RAMP[k], RAMP[k + 1], place - k);
+}
+
+const SHADE_COLOURS = Array.from({ length: SHADES }, (_, k) => rampColour(k / (SHADES - 1)));
+
+function shapeColour(shape, type) {
+  if (!shape.color) return TYPE_COLOURS[type];
+  const [r, g, b, a = 255] = shape.color;
+  return `rgba(${r}, ${g}, ${b}, ${a / 255})`;
+}

@@ -1,0 +1,183 @@
+// Tools of the pointer: drag bodies, cut joints, place obstacles, let go.
+
+const JOINT_SLIP = 15; // pixels: largest distance of a click from the joint that it cuts
+const BODY_SLIP = 12; // pixels: largest distance of a touch from the body that it takes
+const MOUSE_SLIP = 3; // pixels: the same for a mouse
+const TOOLS = ["drag", "cut", "round", "square", "release"];
+const ABILITY_OF_TOOL = { cut: "cut", round: "obstacles", square: "obstacles", release: "dancers" };
+// Obstacle sizes as parts of the field's shorter side.
+const SMALLEST_OBSTACLE = 0.005;
+const LARGEST_OBSTACLE = 0.25;
+const USUAL_OBSTACLE = 0.04;
+
+class Tools {
+  constructor(live) {
+    this.live = live;
+    this.chosen = "drag";
+    this.pixel = null; // position of the mouse
+    this.carried = null; // position of the pointer that holds a body
+  }
+
+  // A rebuilt scene keeps the size of obstacles.
+  setModel(model, rebuilt) {
+    this.drop();
+    for (const tool of TOOLS) element(`tool-${tool}`).closest("label").hidden = !this.offers(tool, model);
+    if (!this.offers(this.chosen, model)) this.choose("drag");
+    if (rebuilt) return;
+    const side = Math.min(...model.field.size);
+    this.sizes = scaleOf({ low: SMALLEST_OBSTACLE * side, high: LARGEST_OBSTACLE * side, logarithmic: true });
+    element("obstacle-size").value = this.sizes.positionOf(USUAL_OBSTACLE * side);
+    this.showSize();
+  }
+
+  offers(tool, model) {
+    const ability = ABILITY_OF_TOOL[tool];
+    return !ability || model.can(ability);
+  }
+
+  choose(tool) {
+    if (element(`tool-${tool}`).closest("label").hidden) return;
+    this.drop();
+    this.chosen = tool;
+    element(`tool-${tool}`).checked = true;
+    element("field").dataset.tool = tool;
+    element("obstacle-row").hidden = !this.places;
+    this.live.requestDraw();
+  }
+
+  // Whether the tool places obstacles.
+  get places() {
+    return this.chosen === "round" || this.chosen === "square";
+  }
+
+  get size() {
+    return this.sizes.valueAt(element("obstacle-size").valueAsNumber);
+  }
+
+  showSize() {
+    const text = formatLength(this.size, 0);
+    setText("obstacle-value", text);
+    element("obstacle-size").setAttribute("aria-valuetext", text);
+    this.live.requestDraw();
+  }
+
+  // ---- holding a body
+
+  // Take hold of the body at a pixel; tells whether there is one.
+  take(pixel, kind) {
+    const { live } = this;
+    if (this.chosen !== "drag" || !live.controls) return false;
+    const slip = kind === "mouse" ? MOUSE_SLIP : BODY_SLIP;
+    const found = live.model.bodyAt(live.view.toWorld(...pixel), slip / live.view.scale, live.poses);
+    if (!found) return false;
+    const [x, y] = found.point;
+    live.send({ do: "grab", body: found.body, x, y });
+    this.carried = pixel;
+    this.body = found.body;
+    this.anchor = localPoint(live.poses, found.body, found.point);
+    this.sent = null;
+    live.requestDraw();
+    return true;
+  }
+
+  carry(pixel) {
+    this.carried = pixel;
+    this.live.requestDraw();
+  }
+
+  drop() {
+    if (!this.carried) return;
+    this.carried = null;
+    this.live.send({ do: "drop" });
+    this.live.requestDraw();
+  }
+
+  // Send where the held body is to go; once in each picture.
+  flush() {
+    if (!this.carried) return;
+    const [x, y] = this.live.view.toWorld(...this.carried);
+    if (this.sent && this.sent[0] === x && this.sent[1] === y) return;
+    this.sent = [x, y];
+    this.live.send({ do: "drag", x, y });
+  }
+
+  get held() {
+    if (!this.carried) return this.live.frame.held;
+    return { body: this.body, anchor: this.anchor, target: this.live.view.toWorld(...this.carried) };
+  }
+
+  // ---- clicks
+
+  // What a click at a pixel would change, with the tool that is chosen; null if nothing.
+  targetAt(pixel, slip = 0) {
+    const { model, view, poses, state, controls } = this.live;
+    if (!controls) return null;
+    const point = view.toWorld(...pixel);
+    if (this.chosen === "cut") {
+      const joint = model.jointAt(point, JOINT_SLIP / view.scale, poses, new Set(state.cuts));
+      return joint && { joint };
+    }
+    if (this.chosen === "release") {
+      const bench = new Benches(model, poses).at(point, slip / view.scale);
+      return bench === null ? null : { bench };
+    }
+    return this.places ? this.obstacleAt(point, slip) : null;
+  }
+
+  obstacleAt(point, slip) {
+    const { state, view } = this.live;
+    const standing = state.obstacles.find(
+      (obstacle) => nearestOnShape(obstacleShape(obstacle), point).distance <= slip / view.scale);
+    if (standing) return { obstacle: standing, removes: true };
+    return { obstacle: { shape: this.chosen, x: point[0], y: point[1], size: this.size } };
+  }
+
+  tap(pixel, kind) {
+    const target = this.targetAt(pixel, kind === "mouse" ? 0 : BODY_SLIP);
+    const message = target && this.messageFor(target);
+    if (message) this.live.send(message);
+  }
+
+  messageFor({ joint, bench, obstacle, removes }) {
+    if (joint) return { do: "cut", joint: joint.number };
+    // The head has no dancer of its own that could let go.
+    if (bench !== undefined) return { do: "release", bench: Math.max(1, bench) };
+    return removes ? { do: "remove", obstacle: obstacle.id } : { do: "obstacle", ...obstacle };
+  }
+
+  // Keys apply the tool where the mouse is, or in the middle of the view.
+  get aim() {
+    const { view } = this.live;
+    return this.pixel ?? [view.width / 2, view.height / 2];
+  }
+
+  // Apply the tool, for use with keys: a body is taken, and dropped by the next call.
+  apply() {
+    if (this.carried) this.drop();
+    else if (this.chosen === "drag") this.take(this.aim, "touch");
+    else this.tap(this.aim, "touch");
+  }
+
+  // What the mouse or the cross of the keys points at, with its name.
+  get target() {
+    if (this.carried || !(this.pixel || this.live.aims)) return null;
+    const target = this.chosen === "drag" ? this.bodyAtAim() : this.targetAt(this.aim, this.pixel ? 0 : BODY_SLIP);
+    return target && { ...target, pixel: this.aim, label: this.labelOf(target) };
+  }
+
+  // The body that would be dragged: a bench or another one.
+  bodyAtAim() {
+    const { model, view, poses } = this.live;
+    const slip = this.pixel ? MOUSE_SLIP : BODY_SLIP;
+    const body = model.bodyAt(view.toWorld(...this.aim), slip / view.scale, poses)?.body;
+    if (body === undefined) return null;
+    return body < model.benches ? { bench: body } : { body };
+  }
+
+  labelOf({ joint, bench }) {
+    const { forces, errors } = this.live.frame;
+    if (joint) return `joint ${joint.number}: ${formatForce(forces[joint.number])}`;
+    if (bench === undefined) return "";
+    return errors[bench] > 0 ? `bench ${bench}: error ${formatLength(errors[bench], 0)}` : `bench ${bench}`;
+  }
+}

@@ -1,0 +1,224 @@
+"""Ready scenes by their names."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import pymunk
+
+from pymunk_dragon._checks import finite, word
+from pymunk_dragon.errors import ParameterError
+from pymunk_dragon.model.curves import Line, Spiral
+from pymunk_dragon.model.dragon import Dragon
+from pymunk_dragon.model.march import March
+from pymunk_dragon.model.scenario import Scenario
+from pymunk_dragon.sessions.scenes.base import Scene
+from pymunk_dragon.sessions.scenes.dragon import DragonScene
+
+Values = Mapping[str, float]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ready:
+    """How a scene is made.
+
+    Attributes
+    ----------
+    name : str
+        Name by which it is chosen.
+    title, text : str
+        Title, and one sentence on what to do.
+    lesson : str or None
+        Name of the lesson on it.
+    build : callable
+        Function of values of parameters that makes the scene.
+    plan : mapping or None
+        JSON values from which `planned` makes it again; None for a space that only its owner can make.
+    """
+
+    name: str
+    title: str
+    text: str
+    lesson: str | None = None
+    build: Callable[[Values], Scene]
+    plan: Mapping[str, Any] | None = None
+
+
+def ready(name: str) -> Ready:
+    """The ready scene of a name.
+
+    Raises
+    ------
+    ParameterError
+        If there is none.
+    """
+    return SCENES[word("scene", name, list(SCENES))]
+
+
+def dragon(march: March, *, contacts: str = "resolve", free_from: int | None = None, start: float = 0.0) -> Ready:
+    """The scene of a march; `contacts`, `free_from` and `start` are those of `DragonScene`."""
+    finite("start", start, -math.inf, math.inf, "s")
+    options = {"contacts": contacts, "free_from": free_from, "start": start}
+    try:
+        plan = {"scenario": Scenario.of(march).to_dict(), **options}
+    except ParameterError:  # A curve or a speed of the user's own.
+        plan = None
+    return Ready(
+        name="own",
+        title="A march",
+        text="Pull a bench, cut a joint, let the dancers go.",
+        build=lambda values: DragonScene(march, values, contacts=contacts, free_from=free_from, start=start),
+        plan=plan,
+    )
+
+
+def planned(plan: Mapping[str, Any]) -> Ready:
+    """The scene of a plan."""
+    if "scene" in plan:
+        return ready(plan["scene"])
+    options = {name: value for name, value in plan.items() if name != "scenario"}
+    return dragon(Scenario.from_dict(plan["scenario"], files=False).march(), **options)
+
+
+def _space(gravity: float = -9.81) -> pymunk.Space:
+    space = pymunk.Space()
+    space.gravity = 0, gravity
+    space.iterations = 20
+    return space
+
+
+def _pendulum(values: Values) -> Scene:
+    """Three rods below a hook."""
+    space = _space()
+    before, anchor = space.static_body, (0.0, 0.0)
+    for link in range(3):
+        rod = pymunk.Body(1.0, pymunk.moment_for_box(1.0, (1.0, 0.08)))
+        rod.position = link + 0.5, 0.0
+        shape = pymunk.Poly.create_box(rod, (1.0, 0.08))
+        shape.filter = pymunk.ShapeFilter(group=1)
+        space.add(rod, shape, pymunk.PivotJoint(before, rod, anchor, (-0.5, 0.0)))
+        before, anchor = rod, (0.5, 0.0)
+    return Scene(space, 1 / 240, field=(0.0, -1.0, 7.0, 5.0))
+
+
+def _cradle(values: Values) -> Scene:
+    """Five balls on strings."""
+    space = _space()
+    for ball in range(5):
+        body = pymunk.Body(1.0, pymunk.moment_for_circle(1.0, 0.0, 0.2))
+        hook = 0.402 * (ball - 2), 2.0
+        body.position = hook[0], 0.0
+        if ball == 0:
+            body.position = hook[0] - 2 * np.sin(0.9), 2 - 2 * np.cos(0.9)
+        shape = pymunk.Circle(body, 0.2)
+        shape.elasticity = 1.0
+        space.add(body, shape, pymunk.PinJoint(space.static_body, body, hook, (0.0, 0.0)))
+    return Scene(space, 1 / 600, field=(0.0, 0.9, 5.0, 3.0))
+
+
+def _boxes(values: Values) -> Scene:
+    """A wall of boxes on the ground."""
+    space = _space()
+    ground = pymunk.Segment(space.static_body, (-6.0, 0.0), (6.0, 0.0), 0.05)
+    ground.friction = 0.8
+    space.add(ground)
+    for row in range(8):
+        for column in range(8 - row):
+            box = pymunk.Body(1.0, pymunk.moment_for_box(1.0, (0.5, 0.5)))
+            box.position = 0.55 * (column - (7 - row) / 2), 0.3 + 0.5 * row
+            shape = pymunk.Poly.create_box(box, (0.5, 0.5))
+            shape.friction = 0.6
+            space.add(box, shape)
+    return Scene(space, 1 / 120)
+
+
+def _arm(values: Values) -> Scene:
+    """The arm of the lesson, on a spiral instead of a curve drawn by hand."""
+    arm = Dragon(
+        head_spacing=0.14,
+        body_spacing=[0.10] * 6 + [0.13] * 5 + [0.16] * 4,
+        overhang=0.02,
+        width=[0.05] * 7 + [0.06] * 5 + [0.07] * 4,
+    )
+    return DragonScene(March(arm, Spiral(pitch=0.3), turns=3, speed=0.2), values)
+
+
+def _jam(values: Values) -> Scene:
+    """A short dragon that walks against a wall."""
+    march = March(Dragon(benches=12), Line(start=(-24.0, 0.0), stop=(8.0, 0.0)), start_s=24.0)
+    scene = DragonScene(march, values)
+    scene.obstacle("square", 4.0, 0.1, 2.0)
+    return scene
+
+
+_READY = (
+    Ready(
+        name="dragon",
+        title="The dragon",
+        text="The dragon of the contest marches in. Pull a bench, cut a joint, let the dancers go.",
+        build=lambda values: DragonScene(March(), values),
+    ),
+    Ready(
+        name="unguided",
+        title="Without dancers",
+        text="Nobody guides the benches. Which two touch first?",
+        lesson="unguided",
+        build=lambda values: DragonScene(March(), values, contacts="stop", free_from=1),
+    ),
+    Ready(
+        name="sloppy-engine",
+        title="A coarse engine",
+        text="Long steps and one iteration: watch the position error, then raise the iterations.",
+        lesson="engine",
+        build=lambda values: DragonScene(
+            March(), {"step": 60.0, "iterations": 2} | dict(values), contacts="report", start=380.0
+        ),
+    ),
+    Ready(
+        name="near-miss",
+        title="Near misses",
+        text="The head passes bench 9 with a gap of 3 mm and bench 11 with 0.9 mm. Can this engine tell?",
+        lesson="near-miss",
+        build=lambda values: DragonScene(March(), values, contacts="stop", start=404.0),
+    ),
+    Ready(
+        name="jam",
+        title="A jam",
+        text="An obstacle is in the way. Move it, or see what the joints bear.",
+        lesson="callbacks",
+        build=_jam,
+    ),
+    Ready(
+        name="robot-arm",
+        title="A robot's arm",
+        text="Links that go where the tip went before.",
+        lesson="robot",
+        build=_arm,
+    ),
+    Ready(
+        name="pendulum",
+        title="A pendulum of three rods",
+        text="Pull it up and drop it. Then cut a joint.",
+        lesson="tension",
+        build=_pendulum,
+    ),
+    Ready(
+        name="cradle",
+        title="Newton's cradle",
+        text="One ball swings in. How many swing out? Then take longer steps.",
+        lesson="engine",
+        build=_cradle,
+    ),
+    Ready(
+        name="boxes",
+        title="A stack of boxes",
+        text="Pull a box out of the stack. Fewer iterations make it soft.",
+        lesson="engine",
+        build=_boxes,
+    ),
+)
+SCENES: dict[str, Ready] = {each.name: replace(each, plan={"scene": each.name}) for each in _READY}

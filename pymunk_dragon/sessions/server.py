@@ -1,0 +1,338 @@
+"""The server of a live session: a page, and a WebSocket for each client, with aiohttp in a thread of its own.
+
+Starlette with Uvicorn and websockets would do the same: seven packages instead of eight, and they are imported in 0.2 s
+as well. aiohttp is one project with one set of releases, and waits while a client does not take what is sent.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import errno
+import ipaddress
+import json
+import secrets
+import socket
+import threading
+from collections import deque
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from typing import Any
+from urllib.parse import urlsplit
+
+from aiohttp import WSMsgType, web
+
+from pymunk_dragon.errors import ParameterError
+from pymunk_dragon.sessions.messages import MAX_MESSAGE, parsed
+from pymunk_dragon.sessions.page import live_page
+from pymunk_dragon.sessions.recording import Log
+from pymunk_dragon.sessions.session import Session
+
+# Bytes of a message: a character takes up to four.
+MAX_BYTES = 4 * MAX_MESSAGE
+# Messages of a client in a second; further ones are dropped.
+MOST_MESSAGES = 500
+# Texts that wait for a client; one that does not take them is disconnected.
+MAX_TEXTS = 1000
+# Clients at once.
+MAX_CLIENTS = 200
+# s after which a client that does not answer is disconnected.
+HEARTBEAT = 20.0
+# s in which the server has to begin, and clients to take the last bytes.
+START_TIME = 10.0
+STOP_TIME = 0.5
+# Errors for which a port is to blame.
+PORT_ERRORS = (errno.EADDRINUSE, errno.EACCES)
+# Bytes of randomness in a token.
+TOKEN_BYTES = 16
+LOOPBACK = ("localhost", "127.0.0.1", "::1")
+HEADERS = {"Cache-Control": "no-store", "Referrer-Policy": "no-referrer", "X-Content-Type-Options": "nosniff"}
+
+
+class _Client:
+    """A browser: texts that it has to get, and the newest frame."""
+
+    def __init__(self, connection: web.WebSocketResponse, controls: bool, drop: Callable[[], object]) -> None:
+        self._drop = drop
+        self.connection, self.controls = connection, controls
+        self._texts: deque[str] = deque()
+        self._frame: bytes | None = None
+        self._news = asyncio.Event()
+        self._second, self._messages = 0.0, 0
+
+    def tell(self, message: dict[str, Any]) -> None:
+        """Send a text; a client that does not take them is disconnected."""
+        if len(self._texts) >= MAX_TEXTS:
+            self._drop()
+            return
+        self._texts.append(json.dumps(message, allow_nan=False))
+        self._news.set()
+
+    def show(self, frame: bytes) -> None:
+        """Send a frame, unless a newer one comes before this client takes it."""
+        self._frame = frame
+        self._news.set()
+
+    def floods(self, now: float) -> bool:
+        """Whether another message at this time, s, is one too many."""
+        if now - self._second >= 1:
+            self._second, self._messages = now, 0
+        self._messages += 1
+        return self._messages > MOST_MESSAGES
+
+    async def send(self) -> None:
+        """Send what there is, as fast as the client takes it."""
+        with suppress(ConnectionError):
+            while not self.connection.closed:
+                await self._news.wait()
+                self._news.clear()
+                while self._texts:
+                    await self.connection.send_str(self._texts.popleft())
+                frame, self._frame = self._frame, None
+                if frame is not None:
+                    await self.connection.send_bytes(frame)
+
+
+class Server:
+    """Serves a session to browsers.
+
+    Parameters
+    ----------
+    session : Session
+        The session, which is started and stopped with the server.
+    host : str
+        Address to listen on; by default only this machine can connect.
+    port : int
+        Port; 0 for a free one.
+    allowed : sequence of str
+        Names of hosts under which a proxy shows the page.
+
+    Attributes
+    ----------
+    port : int
+        The port.
+    token, watch_token : str
+        What an address must have to control the session, or to watch it.
+    """
+
+    def __init__(
+        self, session: Session, *, host: str = "127.0.0.1", port: int = 0, allowed: Sequence[str] = ()
+    ) -> None:
+        self.session, self.host, self.port = session, host, port
+        self.token, self.watch_token = secrets.token_urlsafe(TOKEN_BYTES), secrets.token_urlsafe(TOKEN_BYTES)
+        self._proxies = {name.lower() for name in allowed}
+        self._allowed = {*LOOPBACK, host.lower(), *self._proxies}
+        self._any_address = host not in LOOPBACK
+        if self._any_address:
+            self._allowed.add(socket.gethostname().lower())
+        self._clients: set[_Client] = set()
+        self._holder: _Client | None = None
+        self._loop: asyncio.AbstractEventLoop | None = None
+        self._end: asyncio.Event | None = None
+        self._begun = threading.Event()
+        self._failure: BaseException | None = None
+        self._thread = threading.Thread(target=self._run, name="pymunk-dragon live server", daemon=True)
+        session.tell, session.show = self._tell, self._show
+
+    # ---- from other threads
+
+    @property
+    def address(self) -> str:
+        """Address of the page, with which one controls the session."""
+        return self._address(self.token)
+
+    @property
+    def watch_address(self) -> str:
+        """Address of the page, with which one only watches."""
+        return self._address(self.watch_token)
+
+    def start(self) -> None:
+        """Begin to serve, and to step.
+
+        Raises
+        ------
+        ParameterError
+            If the address cannot be used.
+        """
+        self._thread.start()
+        if not self._begun.wait(START_TIME):
+            raise ParameterError("host", self.host, f"an address that is found within {START_TIME:g} s")
+        if self._failure is not None:
+            reason = (isinstance(self._failure, OSError) and self._failure.strerror) or self._failure
+            if isinstance(self._failure, OSError) and self._failure.errno in PORT_ERRORS:
+                bound = f"one that is free on {self.host} ({reason})"
+                raise ParameterError("port", self.port, bound) from self._failure
+            raise ParameterError("host", self.host, f"an address of this machine ({reason})") from self._failure
+        self.session.start()
+
+    def stop(self) -> None:
+        """End the session and the server; both threads are gone afterwards."""
+        self.session.stop()
+        if self._loop is not None and self._end is not None:
+            with suppress(RuntimeError):  # It has ended.
+                self._loop.call_soon_threadsafe(self._end.set)
+        if self._thread.is_alive():
+            self._thread.join()
+
+    def _address(self, token: str) -> str:
+        host = "127.0.0.1" if self.host in ("0.0.0.0", "::") else self.host
+        return f"http://{f'[{host}]' if ':' in host else host}:{self.port}/?token={token}"
+
+    def _tell(self, message: dict[str, Any]) -> None:
+        def tell() -> None:
+            for client in self._clients:
+                client.tell(self._for(client, message))
+
+        self._call(tell)
+
+    def _show(self, frame: bytes) -> None:
+        def show() -> None:
+            for client in self._clients:
+                client.show(frame)
+
+        self._call(show)
+
+    def _call(self, action: Callable[[], object]) -> None:
+        """Have something done in the server's thread."""
+        if self._loop is not None:
+            with suppress(RuntimeError):  # The loop has ended.
+                self._loop.call_soon_threadsafe(action)
+
+    @staticmethod
+    def _for(client: _Client, message: dict[str, Any]) -> dict[str, Any]:
+        return message | {"role": "control" if client.controls else "watch"} if message["kind"] == "scene" else message
+
+    # ---- the server's thread
+
+    def _run(self) -> None:
+        try:
+            asyncio.run(self._serve())
+        except BaseException as error:
+            self._failure = error
+        finally:
+            self._begun.set()
+
+    async def _serve(self) -> None:
+        self._loop, self._end = asyncio.get_running_loop(), asyncio.Event()
+        application = web.Application(middlewares=[self._check])
+        application.router.add_get("/", self._page)
+        application.router.add_get("/socket", self._socket)
+        application.router.add_get("/recording", self._recording)
+        runner = web.AppRunner(application, access_log=None, shutdown_timeout=STOP_TIME)
+        await runner.setup()
+        try:
+            site = web.TCPSite(runner, self.host, self.port)
+            await site.start()
+            assert site._server is not None
+            self.port = site._server.sockets[0].getsockname()[1]  # type: ignore[attr-defined]  # asyncio's own server has it.
+            self._begun.set()
+            await self._end.wait()
+            # All at once: a client that does not read would have the next one wait.
+            closing = [asyncio.wait_for(client.connection.close(), STOP_TIME) for client in self._clients]
+            await asyncio.gather(*closing, return_exceptions=True)
+        finally:
+            await runner.cleanup()
+
+    @web.middleware
+    async def _check(self, request: web.Request, handler: Any) -> web.StreamResponse:
+        """Refuse requests that come under another name or from another page, or have no token."""
+        host, origin = request.headers.get("Host", ""), request.headers.get("Origin")
+        if not self._is_known(_parts(f"//{host}")[0]):
+            return web.Response(status=403, text="This host is not known. See --allow-host.\n", headers=HEADERS)
+        # A proxy with an allowed name may replace the host, but not the origin.
+        if origin is not None and _parts(origin)[1] != host and _parts(origin)[0] not in self._proxies:
+            return web.Response(status=403, text="Requests of other pages are refused.\n", headers=HEADERS)
+        if not (_has_token(request, self.token) or _has_token(request, self.watch_token)):
+            return web.Response(status=403, text="The address needs the token that was printed.\n", headers=HEADERS)
+        response: web.StreamResponse = await handler(request)
+        return response
+
+    def _is_known(self, name: str | None) -> bool:
+        """Whether a request may name this host; another name may be that of a page that rebinds it to this machine."""
+        if name is None or name.lower() in self._allowed:
+            return name is not None
+        try:
+            ipaddress.ip_address(name)
+        except ValueError:
+            return False
+        return self._any_address
+
+    async def _page(self, request: web.Request) -> web.Response:
+        page, rules = live_page(self.session.source.title)
+        headers = {**HEADERS, "Content-Security-Policy": rules}
+        return web.Response(text=page, content_type="text/html", headers=headers)
+
+    async def _recording(self, request: web.Request) -> web.Response:
+        """What was done so far, as JSON from which the session is played again."""
+        found: asyncio.Future[Log] = asyncio.get_running_loop().create_future()
+
+        def take() -> None:
+            log = Log.of(self.session)
+            self._call(lambda: None if found.done() else found.set_result(log))
+
+        self.session.call(take)
+        text = (await asyncio.wait_for(found, START_TIME)).to_json()
+        headers = {**HEADERS, "Content-Disposition": 'attachment; filename="live.json"'}
+        return web.Response(text=text, content_type="application/json", headers=headers)
+
+    async def _socket(self, request: web.Request) -> web.StreamResponse:
+        if len(self._clients) >= MAX_CLIENTS:
+            return web.Response(status=503, text="There are too many clients.\n", headers=HEADERS)
+        connection = web.WebSocketResponse(compress=False, heartbeat=HEARTBEAT, max_msg_size=MAX_BYTES)
+        await connection.prepare(request)
+        transport = request.transport
+        assert transport is not None
+        client = _Client(connection, _has_token(request, self.token), transport.abort)
+        client.tell(self._for(client, self.session.description()))
+        self._clients.add(client)
+        self._count()
+        sending = asyncio.create_task(client.send())
+        try:
+            async for message in connection:
+                if client.floods(asyncio.get_running_loop().time()):
+                    continue
+                if message.type is WSMsgType.TEXT:
+                    self._receive(client, message.data)
+                else:
+                    client.tell({"kind": "error", "text": "message must be a text"})
+        finally:
+            self._clients.discard(client)
+            sending.cancel()
+            if self._holder is client:
+                self.session.post({"do": "drop"}, always=True)
+            self._count()
+        return connection
+
+    def _count(self) -> None:
+        self.session.clients = len(self._clients)
+        self.session.touch()
+
+    def _receive(self, client: _Client, text: str) -> None:
+        def answer(reason: str) -> None:
+            self._call(lambda: client.tell({"kind": "error", "text": reason}))
+
+        try:
+            message = parsed(text)
+        except ParameterError as error:
+            client.tell({"kind": "error", "text": str(error)[:MAX_MESSAGE]})
+            return
+        if message["do"] == "ping":
+            client.tell({"kind": "pong", "id": message["id"]})
+        elif not client.controls:
+            client.tell({"kind": "error", "text": "this address only watches"})
+        else:
+            # One hand: who grabs another body takes it over.
+            self._holder = {"grab": client, "drop": None}.get(message["do"], self._holder)
+            self.session.post(message, answer)
+
+
+def _has_token(request: web.Request, token: str) -> bool:
+    return secrets.compare_digest(request.query.get("token", "").encode(), token.encode())
+
+
+def _parts(address: str) -> tuple[str | None, str | None]:
+    """Name of the host in an address, and the same with its port; None if there is none."""
+    try:
+        found = urlsplit(address)
+        return found.hostname, found.netloc
+    except ValueError:
+        return None, None

@@ -1,0 +1,188 @@
+"""Live sessions: start, pictures a second, delay from the mouse to the body, many clients, and memory.
+
+python tests/bench/bench_live.py start clients memory    # two minutes
+python tests/bench/bench_live.py browser delay           # with Chromium
+"""
+
+from __future__ import annotations
+
+import asyncio
+import re
+import struct
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from statistics import median
+from typing import Any
+
+import psutil
+from aiohttp import ClientSession
+from measure import arguments, sized, spread
+
+from pymunk_dragon.sessions import live
+
+COMMAND = [sys.executable, "-m", "pymunk_dragon", "live", "--no-browser"]
+CLIENTS = sized(20, 2)
+SECONDS = sized(10.0, 0.5)
+# s of real time, at 20 times: an hour of play.
+PLAYED = sized(180.0, 1.0)
+
+
+@contextmanager
+def program(*more: str) -> Iterator[tuple[subprocess.Popen[str], str]]:
+    """The program, and its address."""
+    with subprocess.Popen([*COMMAND, *more], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True) as process:
+        assert process.stdout is not None
+        found = re.search(r"http\S+", process.stdout.readline())
+        assert found is not None
+        try:
+            yield process, found[0]
+        finally:
+            process.terminate()
+
+
+def start() -> None:
+    """Time from the start of the process to the first frame."""
+    times = []
+    for _ in range(sized(5, 1)):
+        begin = time.perf_counter()
+        with program() as (_, address):
+            asyncio.run(_frames(address, 1))
+            times.append(time.perf_counter() - begin)
+    print(f"first frame of 223 benches: {spread(times, 2)} s after the start of the process")
+
+
+async def _frames(address: str, count: int) -> None:
+    async with ClientSession() as web, web.ws_connect(address.replace("/?", "/socket?")) as socket:
+        while count:
+            message = await socket.receive()
+            count -= isinstance(message.data, bytes)
+
+
+def clients() -> None:
+    """Rate of the physics with one client and with many."""
+    for number in (1, CLIENTS):
+        with program() as (process, address):
+            frames, rates = asyncio.run(_watch(address, number, SECONDS))
+            used = psutil.Process(process.pid).cpu_percent(1.0)
+        print(f"{number} clients: {frames:.0f} frames/s each, {rates:.3f} times real time, {used:.0f} % of a core")
+
+
+async def _watch(address: str, number: int, seconds: float) -> tuple[float, float]:
+    """Frames a second of each client, and simulated over real time."""
+    counts = [0] * number
+    seen: list[tuple[float, float]] = []
+
+    async def watch(client: int) -> None:
+        async with ClientSession() as web, web.ws_connect(address.replace("/?", "/socket?"), max_msg_size=0) as socket:
+            async for message in socket:
+                if isinstance(message.data, bytes):
+                    counts[client] += 1
+                    if client == 0:
+                        seen.append((time.perf_counter(), struct.unpack_from("<d", message.data, 32)[0]))
+
+    tasks = [asyncio.create_task(watch(client)) for client in range(number)]
+    await asyncio.sleep(2)
+    counts[:] = [0] * number
+    seen.clear()
+    await asyncio.sleep(seconds)
+    for task in tasks:
+        task.cancel()
+    (begin, first), (end, last) = seen[0], seen[-1]
+    return sum(counts) / number / seconds, (last - first) / (end - begin)
+
+
+def memory() -> None:
+    """Memory of the process while a client watches, and while it drags all the time; nothing is reset."""
+    for drags in (False, True):
+        with program("pendulum") as (process, address):
+            print(f"a client {'drags' if drags else 'watches'}: {asyncio.run(_play(address, process.pid, drags))}")
+
+
+async def _play(address: str, pid: int, drags: bool) -> str:
+    """Simulated time, number of inputs, and memory at both ends, after a quarter of the time to begin."""
+    sizes: list[float] = []
+    inputs, simulated, begin = 0, 0.0, time.perf_counter()
+    async with ClientSession() as web, web.ws_connect(address.replace("/?", "/socket?"), max_msg_size=0) as socket:
+        await socket.send_json({"do": "speed", "value": 20})
+        await socket.send_json({"do": "grab", "body": 1, "x": 1.5, "y": 0})
+        async for message in socket:
+            if isinstance(message.data, bytes):
+                simulated = struct.unpack_from("<d", message.data, 32)[0]
+            passed = time.perf_counter() - begin
+            if drags:
+                inputs += 1
+                await socket.send_json({"do": "drag", "x": passed % 3, "y": passed % 2})
+            if passed > PLAYED * (0.25, 1.0)[len(sizes)]:
+                sizes.append(psutil.Process(pid).memory_info().rss / 1e6)
+            if len(sizes) == 2:
+                break
+    return f"{simulated:.0f} s simulated, {inputs} inputs, {sizes[0]:.1f} and {sizes[1]:.1f} MB"
+
+
+def browser() -> None:
+    """Pictures a second in Chromium, and the rate of the physics."""
+    with program() as (_, address), _page(address) as page:
+        page.wait_for_timeout(2000)
+        drawn, begin = page.evaluate("live.drawn"), time.perf_counter()
+        page.wait_for_timeout(1000 * SECONDS)
+        pictures = (page.evaluate("live.drawn") - drawn) / (time.perf_counter() - begin)
+        rate = page.evaluate("live.frame.rate")
+        print(f"Chromium: {pictures:.1f} pictures a second of 223 benches, {rate:.3f} times real time")
+
+
+def delay() -> None:
+    """Time from a movement of the mouse to the first picture in which the body has moved."""
+    with live("boxes", browser=False) as session, _page(session.address) as page:
+        page.wait_for_timeout(2500)
+        x, y = page.evaluate("live.pixel(...live.frame.poses.slice(3 * 35, 3 * 35 + 2))")
+        box = page.locator("#field").bounding_box()
+        assert box is not None
+        left, top = box["x"] + x, box["y"] + y
+        page.mouse.move(left, top)
+        page.mouse.down()
+        page.wait_for_timeout(300)
+        page.evaluate(WATCH)
+        times = []
+        for k in range(sized(20, 2)):
+            page.mouse.move(left + (15 if k % 2 == 0 else -15), top - 40)
+            page.wait_for_timeout(500)
+            times.append(page.evaluate("delays.at(-1)"))
+        print(f"from the mouse to the moved body: {median(times):.0f} ms ({min(times):.0f} to {max(times):.0f})")
+
+
+# The time of an event, and of the first picture afterwards in which the held body has moved by a millimetre.
+WATCH = """() => {
+  window.delays = [];
+  document.querySelector("#field").addEventListener("pointermove", (event) => {
+    const begin = performance.now(), from = live.frame.poses[3 * live.frame.held.body], drawn = live.drawn;
+    const look = () => {
+      const now = live.frame.poses[3 * live.frame.held.body];
+      if (Math.abs(now - from) > 1e-3 && live.drawn > drawn) delays.push(performance.now() - begin);
+      else requestAnimationFrame(look);
+    };
+    requestAnimationFrame(look);
+  });
+}"""
+
+
+@contextmanager
+def _page(address: str) -> Iterator[Any]:
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as playwright:
+        options = ["--no-sandbox", "--disable-background-networking", "--disable-dev-shm-usage"]
+        chromium = playwright.chromium.launch(executable_path="/usr/bin/chromium", args=options)
+        page = chromium.new_page(viewport={"width": 1280, "height": 800})
+        page.goto(address)
+        yield page
+        chromium.close()
+
+
+PARTS = {"start": start, "clients": clients, "memory": memory, "browser": browser, "delay": delay}
+
+if __name__ == "__main__":
+    for name in arguments() or PARTS:
+        PARTS[name]()

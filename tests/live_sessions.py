@@ -1,0 +1,182 @@
+"""Sessions that are stepped as fast as they go, replays of them, and clients of their server."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import struct
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import asynccontextmanager, contextmanager
+from types import SimpleNamespace
+
+import aiohttp
+import numpy as np
+
+from pymunk_dragon.sessions.handle import Live, serve, source_of
+from pymunk_dragon.sessions.recording import Log
+from pymunk_dragon.sessions.scenes import planned
+from pymunk_dragon.sessions.session import Session
+
+# s that anything may take on a busy machine.
+PATIENCE = 20.0
+# Layout of a frame's head, from the description of the protocol.
+HEAD = struct.Struct("<6I5d5f")
+
+
+class Played:
+    """A paused session without a server: `do` sends a message, `step` makes steps as fast as they go."""
+
+    def __init__(self, source: object, **options: object) -> None:
+        self.session = Session(source_of(source) if not hasattr(source, "build") else source, running=False, **options)
+        self.told: list[dict] = []
+        self.frames: list[bytes] = []
+        self.session.tell, self.session.show = self.told.append, self.frames.append
+        self.session.start()
+
+    @property
+    def scene(self):
+        return self.session.scene
+
+    def settle(self) -> None:
+        """Wait until everything that was sent before has been taken."""
+        for _ in range(2):
+            taken = threading.Event()
+            self.session.call(taken.set)
+            assert taken.wait(PATIENCE), "the session's thread does not answer"
+
+    def do(self, action: str, **arguments: object) -> str | None:
+        """Send a message; the error that it is answered with."""
+        errors: list[str] = []
+        self.session.post({"do": action, **arguments}, errors.append)
+        self.settle()
+        return errors[0] if errors else None
+
+    def step(self, count: int) -> int:
+        """Make up to `count` steps; how many were made before the session paused."""
+        begin = self.scene.steps
+        assert self.do("step", count=count) is None
+        end = time.monotonic() + 10 * PATIENCE
+        while self.session._single_steps:
+            assert time.monotonic() < end, "the session does not step"
+            time.sleep(0.002)
+        self.settle()
+        return self.scene.steps - begin
+
+    def run(self, seconds: float) -> int:
+        """Make the steps of so many seconds."""
+        return self.step(round(seconds / self.scene.step_length))
+
+    @property
+    def errors(self) -> list[str]:
+        return [message["text"] for message in self.told if message["kind"] == "error"]
+
+    @property
+    def events(self) -> list[str]:
+        return [message["text"] for message in self.told if message["kind"] == "event"]
+
+    def frame(self) -> SimpleNamespace:
+        """What a client would be shown now."""
+        found: list[bytes] = []
+        self.session.call(lambda: found.append(self.scene.frame(self.session.generation, 1.0, 0.0)))
+        self.settle()
+        return decoded(found[0])
+
+
+@contextmanager
+def played(source: object, **options: object) -> Iterator[Played]:
+    """A `Played` session, which is stopped in the end."""
+    found = Played(source, **options)
+    try:
+        yield found
+    finally:
+        found.session.stop()
+
+
+def replayed(log: Log) -> tuple[str | None, Session]:
+    """Digest of the last state of a replay, as fast as it goes, and its session."""
+    session = Session(planned(log.plan))
+    session.speed = 20.0
+    session.play_again(log.inputs, log.values, log.steps)
+    session.start()
+    try:
+        return session.wait_for_replay(), session
+    finally:
+        session.stop()
+
+
+def decoded(frame: bytes) -> SimpleNamespace:
+    """A frame's parts."""
+    head = HEAD.unpack_from(frame)
+    generation, bodies, joints, contacts, exact, flags, steps, now, march_time, rate, step_time = head[:11]
+    sizes = {"poses": 3 * bodies, "forces": joints, "exact": 3 * exact, "errors": exact, "contacts": 7 * contacts}
+    rest = np.frombuffer(frame, "<f4", offset=HEAD.size)
+    assert len(rest) == sum(sizes.values())
+    parts = dict(zip(sizes, np.split(rest, np.cumsum(list(sizes.values()))[:-1]), strict=True))
+    for name, columns in {"poses": 3, "exact": 3, "contacts": 7}.items():
+        parts[name] = parts[name].reshape(-1, columns)
+    held = head[11:] if flags & 1 else None
+    return SimpleNamespace(
+        generation=generation, steps=steps, time=now, march_time=march_time, rate=rate, step_time=step_time,
+        held=held, **parts,
+    )  # fmt: skip
+
+
+@contextmanager
+def served(source: object = "pendulum", **options: object) -> Iterator[Live]:
+    """A session with a server, without a browser."""
+    given = {"host": "127.0.0.1", "port": 0, "allow_hosts": (), "browser": False, "path": None}
+    session = Session(source if hasattr(source, "build") else source_of(source))
+    found = serve(session, **given | options)
+    try:
+        yield found
+    finally:
+        found.stop()
+
+
+class Client:
+    """One end of a WebSocket."""
+
+    def __init__(self, socket: aiohttp.ClientWebSocketResponse) -> None:
+        self.socket = socket
+        self.errors = 0
+
+    async def send(self, action: str, **arguments: object) -> None:
+        await self.socket.send_str(json.dumps({"do": action, **arguments}))
+
+    async def get(self, wanted: Callable[[object], bool]) -> object:
+        """The next message that is wanted: a dict, or a frame."""
+        async with asyncio.timeout(PATIENCE):
+            while True:
+                message = await self.socket.receive()
+                if message.type is aiohttp.WSMsgType.TEXT:
+                    found: object = json.loads(message.data)
+                    self.errors += found["kind"] == "error"
+                elif message.type is aiohttp.WSMsgType.BINARY:
+                    found = decoded(message.data)
+                else:
+                    raise ConnectionError(f"closed with {message.data}")
+                if wanted(found):
+                    return found
+
+    async def told(self, kind: str, **values: object) -> dict:
+        """The next text of a kind with these values."""
+        return await self.get(
+            lambda found: isinstance(found, dict) and found["kind"] == kind and values.items() <= found.items()
+        )
+
+    async def shown(self, wanted: Callable[[SimpleNamespace], bool] = lambda frame: True) -> SimpleNamespace:
+        """The next frame that is wanted."""
+        return await self.get(lambda found: isinstance(found, SimpleNamespace) and wanted(found))
+
+
+@asynccontextmanager
+async def joined(address: str, **options: object):
+    """A client of the session at the address of a page."""
+    page, _, query = address.partition("?")
+    async with (
+        aiohttp.ClientSession() as http,
+        http.ws_connect(f"{page}socket?{query}", max_msg_size=0, **options) as socket,
+    ):
+        yield Client(socket)

@@ -1,0 +1,285 @@
+"""Live sessions in a real browser: what a mouse or a finger does there reaches the engine, and the page shows it."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+from contextlib import contextmanager
+from urllib.parse import urlsplit
+
+import aiohttp
+import numpy as np
+import pytest
+from aiohttp import WSMsgType, web
+from browser import needs_browser, opened, wait_until
+from live_sessions import PATIENCE, replayed, served
+
+from pymunk_dragon.model.dragon import Dragon
+from pymunk_dragon.model.march import March
+from pymunk_dragon.sessions.recording import Log
+from pymunk_dragon.sessions.scenes import dragon
+
+pytestmark = [pytest.mark.thorough, needs_browser]
+
+PREFIX = "/user/x/proxy/8123/"
+# Where on the page a point of the world is.
+PLACE = """([x, y]) => {
+  const { left, top } = document.getElementById("field").getBoundingClientRect();
+  const [px, py] = live.pixel(x, y);
+  return [left + px, top + py];
+}"""
+
+
+@contextmanager
+def visit(browser, address, **options):
+    """Open a page and wait for its first picture; in the end nothing may have gone wrong in it."""
+    with opened(browser, address, **options) as found:
+        wait_until(found.page, "globalThis.live?.frame != null && live.drawn > 0")
+        yield found
+        assert found.complaints == []
+        assert found.boxes == []
+        own = urlsplit(address).netloc
+        assert {urlsplit(url).netloc for url in found.addresses if not url.startswith("data:")} == {own}
+
+
+def poses(page):
+    return np.array(page.evaluate("Array.from(live.frame.poses)")).reshape(-1, 3)
+
+
+def place(page, x, y):
+    return page.evaluate(PLACE, [float(x), float(y)])
+
+
+def log_of(session):
+    """The log of a session between two steps."""
+    with session.paused():
+        return Log.of(session._session)
+
+
+def assert_replays(session):
+    log = log_of(session)
+    assert log.steps > 0
+    assert replayed(log)[0] == log.digest
+
+
+def test_rod_follows_the_mouse_and_the_replay_is_equal(browser):
+    with served("pendulum") as session, visit(browser, session.address) as found:
+        page = found.page
+        page.keyboard.press("Space")
+        wait_until(page, "!live.state.running")
+        # A frame of the time when it stood still.
+        page.wait_for_timeout(200)
+        x, y, angle = poses(page)[2]
+        page.mouse.move(*place(page, x + 0.4 * np.cos(angle), y + 0.4 * np.sin(angle)))
+        page.mouse.down()
+        wait_until(page, "live.frame.held !== null")
+        page.keyboard.press("Space")
+        goal = place(page, 1.0, -1.0)
+        page.mouse.move(*goal, steps=8)
+        page.wait_for_timeout(1500)
+        x, y, angle = poses(page)[2]
+        end = place(page, x + 0.4 * np.cos(angle), y + 0.4 * np.sin(angle))
+        assert np.hypot(*np.subtract(end, goal)) < 15
+        page.mouse.up()
+        wait_until(page, "live.frame.held === null")
+        page.keyboard.press("Space")
+        wait_until(page, "!live.state.running")
+        assert {message["do"] for _, message in log_of(session).inputs} == {"grab", "drag", "drop"}
+        assert_replays(session)
+
+
+def test_bench_without_dancers_follows_the_mouse_and_its_neighbours_come_along(browser):
+    with served(dragon(March(Dragon(benches=30)))) as session, visit(browser, session.address) as found:
+        page = found.page
+        page.click("#release")
+        wait_until(page, "live.state.free_from === 1")
+        page.evaluate("live.send({do: 'set', name: 'speed', value: 0})")
+        page.wait_for_timeout(1000)
+        before = poses(page)
+        x, y, _ = before[-1]
+        page.mouse.move(*place(page, x, y))
+        page.mouse.down()
+        wait_until(page, "live.frame.held !== null")
+        goal = x + 1.0, y + 1.0
+        page.mouse.move(*place(page, *goal), steps=8)
+        page.wait_for_timeout(3000)
+        after = poses(page)
+        page.mouse.up()
+        wait_until(page, "live.frame.held === null")
+        moved = np.hypot(*(after - before)[:, :2].T)
+        assert moved[-1] > 0.5
+        assert moved[-2] > 0.2
+        assert np.hypot(*(after[-1, :2] - goal)) < np.hypot(*(before[-1, :2] - goal)) / 2
+        assert_replays(session)
+
+
+def test_tail_stays_when_its_joint_is_cut_with_the_tool(browser):
+    with served(dragon(March(Dragon(benches=60)))) as session, visit(browser, session.address) as found:
+        page = found.page
+        page.wait_for_timeout(500)
+        page.keyboard.press("Space")
+        wait_until(page, "!live.state.running")
+        page.wait_for_timeout(200)
+        page.click("label:has(#tool-cut)")
+        front, _ = session._session.scene.march.dragon.holes(poses(page))
+        page.mouse.click(*place(page, *front[30]))
+        wait_until(page, "live.state.cuts.length === 1")
+        [cut] = page.evaluate("live.state.cuts")
+        assert abs(cut - 29) <= 1
+        page.keyboard.press("Space")
+        page.wait_for_timeout(2500)
+        before = poses(page)
+        page.wait_for_timeout(1000)
+        moved = np.hypot(*(poses(page) - before)[:, :2].T)
+        assert moved[: cut + 1].min() > 0.5
+        assert moved[cut + 1 :].max() < 0.01
+        assert_replays(session)
+
+
+def test_benches_1_and_28_meet_after_all_are_let_go_in_the_page(browser):
+    with served("dragon") as session, visit(browser, session.address) as found:
+        page = found.page
+        page.keyboard.press("Space")
+        page.click("#reset")
+        page.select_option("#contacts", "stop")
+        page.click("#release")
+        page.select_option("#speed", "20")
+        wait_until(page, "!live.state.running && live.state.free_from === 1 && live.state.contacts === 'stop'")
+        # The space key belongs to the list of speeds, which has the focus.
+        page.click("#play")
+        wait_until(page, "!live.state.running && live.frame.step > 100", seconds=60)
+        assert page.evaluate("live.frame.time") == pytest.approx(10.894, abs=0.05)
+        assert "benches 1 and 28 touch" in page.text_content("#events")
+        contacts = np.array(page.evaluate("Array.from(live.frame.contacts)")).reshape(-1, 7)
+        assert sorted(contacts[0, :2].tolist()) == [1, 28]
+        assert_replays(session)
+
+
+def test_finger_drags_a_box_on_a_phone(browser):
+    options = {"width": 390, "height": 844, "has_touch": True, "is_mobile": True}
+    with served("boxes") as session, visit(browser, session.address, **options) as found:
+        page = found.page
+        assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+        x, y, _ = poses(page)[-1]
+        begin, goal = place(page, x, y), place(page, x + 0.8, y + 0.8)
+        touch = page.context.new_cdp_session(page)
+
+        def point(kind, where):
+            points = [] if where is None else [{"x": where[0], "y": where[1]}]
+            touch.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+
+        point("touchStart", begin)
+        for share in np.linspace(0, 1, 9)[1:]:
+            point("touchMove", [a + share * (b - a) for a, b in zip(begin, goal, strict=True)])
+        wait_until(page, "live.frame.held !== null")
+        page.wait_for_timeout(1500)
+        later = poses(page)[-1]
+        assert np.hypot(*(later[:2] - (x + 0.8, y + 0.8))) < 0.2
+        point("touchEnd", None)
+        wait_until(page, "live.frame.held === null")
+
+
+def test_watching_page_has_no_controls(browser):
+    with served("pendulum") as session, visit(browser, session.watch_address) as found:
+        page = found.page
+        assert page.evaluate("[...document.querySelectorAll('.sends')].every((each) => each.disabled)")
+        for key in ("Space", "r", "l", "ArrowRight"):
+            page.keyboard.press(key)
+        x, y, _ = poses(page)[0]
+        page.mouse.move(*place(page, x, y))
+        page.mouse.down()
+        page.mouse.move(300, 300)
+        page.mouse.up()
+        page.wait_for_timeout(300)
+        assert log_of(session).inputs == []
+        assert session._session.running
+
+
+@contextmanager
+def proxied(address, **headers):
+    """A reverse proxy that strips a prefix, and the address of the page behind it."""
+    target = urlsplit(address)
+    started, port, loops = threading.Event(), [], []
+
+    async def forward(request):
+        if not request.path.startswith(PREFIX):
+            return web.Response(status=404)
+        url = f"http://{target.netloc}/{request.path.removeprefix(PREFIX)}?{request.query_string}"
+        passed = {name: request.headers[name] for name in ("Host", "Origin") if name in request.headers} | headers
+        if request.headers.get("Upgrade", "").lower() != "websocket":
+            async with aiohttp.ClientSession() as http, http.get(url, headers=passed) as answer:
+                kept = {name: value for name, value in answer.headers.items() if name.lower().startswith("content-sec")}
+                content = await answer.read()
+                return web.Response(body=content, status=answer.status, headers=kept, content_type=answer.content_type)
+        near = web.WebSocketResponse()
+        async with aiohttp.ClientSession() as http, http.ws_connect(url, headers=passed, max_msg_size=0) as far:
+            await near.prepare(request)
+
+            async def pump(source, sink):
+                async for message in source:
+                    if message.type is WSMsgType.TEXT:
+                        await sink.send_str(message.data)
+                    elif message.type is WSMsgType.BINARY:
+                        await sink.send_bytes(message.data)
+                await sink.close()
+
+            await asyncio.gather(pump(near, far), pump(far, near), return_exceptions=True)
+        return near
+
+    async def serve():
+        application = web.Application()
+        application.router.add_get("/{path:.*}", forward)
+        runner = web.AppRunner(application, shutdown_timeout=0.2)
+        await runner.setup()
+        site = web.TCPSite(runner, "127.0.0.1", 0)
+        await site.start()
+        port.append(site._server.sockets[0].getsockname()[1])
+        end = asyncio.Event()
+        loops.append((asyncio.get_running_loop(), end))
+        started.set()
+        await end.wait()
+        await runner.cleanup()
+
+    thread = threading.Thread(target=lambda: asyncio.run(serve()))
+    thread.start()
+    assert started.wait(PATIENCE)
+    try:
+        yield f"http://127.0.0.1:{port[0]}{PREFIX}?{target.query}"
+    finally:
+        loop, end = loops[0]
+        loop.call_soon_threadsafe(end.set)
+        thread.join()
+
+
+def test_page_works_behind_a_proxy_with_a_prefix(browser):
+    with (
+        served("pendulum") as session,
+        proxied(session.address) as address,
+        visit(browser, address) as found,
+    ):
+        page = found.page
+        page.click("#play")
+        wait_until(page, "!live.state.running")
+        page.click("#reset")
+        wait_until(page, "live.frame.step === 0")
+        page.click("#play")
+        wait_until(page, "live.frame.step > 10")
+        with page.expect_download() as download:
+            page.click("#save")
+        assert Log.load(download.value.path().rename(download.value.path().with_suffix(".json"))).plan
+
+
+def test_page_switches_scenes_and_sets_parameters_without_complaints(browser):
+    with served(dragon(March(Dragon(benches=20)))) as session, visit(browser, session.address) as found:
+        page = found.page
+        for name in page.evaluate("live.scene.scenes.map((each) => each.name)"):
+            page.select_option("#scene", name)
+            wait_until(page, f"live.scene.name === '{name}' && live.frame?.generation === live.scene.generation")
+            for box in page.query_selector_all("fieldset input[type=checkbox]"):
+                if box.is_visible():
+                    box.check()
+            for slider in page.query_selector_all("#parameters input[type=range]"):
+                slider.focus()
+                page.keyboard.press("ArrowRight")
+            drawn = page.evaluate("live.drawn")
+            wait_until(page, f"live.drawn > {drawn} + 3")
