@@ -469,7 +469,6 @@ def test_every_scenario_option_refuses_what_it_cannot_be(complaint, name, value)
         (["figure", "nothing", "-o", "f.png"], ["figure", "nothing", "spiral"]),
         (["figure", "collision", "-o", "f.svg"], ["f.svg", ".png"]),
         (["figure", "drift", "-o", "f.png"], ["run", "engine"]),
-        (["figure", "gap"], ["-o"]),
         (["render", "-o", "f.gif", "--exact"], ["--exact", "run"]),
         (["render", "-o", "f.gif", "--impulses"], ["--impulses must be left out", "engine"]),
         (["render", "-o", "f.gif", "--workers", "-1"], ["--workers is -1"]),
@@ -480,7 +479,6 @@ def test_every_scenario_option_refuses_what_it_cannot_be(complaint, name, value)
         (["render", "-o", "f.gif", "--camera", "tail"], ["--camera is 'tail'", "head"]),
         (["render", "-o", "f.gif", "--speedup", "0"], ["--speedup is 0.0"]),
         (["render", "run.npz", "--pitch", "1", "-o", "f.gif"], ["scenario"]),
-        (["render"], ["--output"]),
         (["report", "nowhere.npz", "-o", "r.html"], ["nowhere.npz"]),
         (["report", "-o", "r.html"], ["RUN.npz"]),
         (["positions", "--handles", "0", "-o", "r.xlsx"], ["--handles"]),
@@ -589,6 +587,46 @@ def test_help_names_the_commands():
         assert command in told.stdout
 
 
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["simulat"], ["simulat", "did you mean simulate?"]),
+        (["frobnicate"], ["frobnicate", "positions"]),
+        (["simulate", "--dt", "0.1"], ["--dt", "use --substep"]),
+        (["simulate", "--to", "3"], ["--to", "use --until"]),
+        (["demo", "99"], ["99", "1 to 15"]),
+    ],
+)
+def test_wrong_word_gets_the_right_one(complaint, arguments, words):
+    said = complaint(*arguments)
+    assert all(word in said for word in words)
+
+
+def test_version_has_a_short_flag(call):
+    assert call("-V") == call("--version")
+
+
+def test_file_without_a_name_is_named_after_the_run(call, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert call("simulate", *SHORT, "-o", "run.npz")[0] == 0
+    for command, name in ((["render", "run.npz", "--size", "64"], "run.gif"), (["report", "run.npz"], "run.html")):
+        assert call(*command) == (0, "", "")
+        assert Path(name).stat().st_size
+    assert call("figure", "grid") == (0, "", "")
+    assert Path("grid.png").stat().st_size
+
+
+def test_dragon_that_overlaps_at_the_start_is_told_to(call):
+    code, out, _ = call("simulate", "--benches", "60", "--pitch", "0.32")
+    assert code == 0
+    assert out.startswith("benches 27 and 49 overlap at the start")
+
+
+def test_lesson_is_chosen_by_its_number(call):
+    assert call("demo", "list") == call("demo")
+    assert json.loads(call("demo", "1", "--json")[1])["lesson"] == "spiral"
+
+
 def test_no_arguments_show_the_help_and_fail():
     told = subprocess.run(PROGRAM, capture_output=True, text=True)
     assert told.returncode == 2
@@ -601,7 +639,8 @@ def test_no_progress_bar_where_stderr_is_no_terminal(call):
 
 def test_terminal_sees_the_simulated_time_and_the_time_left():
     mine, theirs = pty.openpty()
-    with subprocess.Popen([*PROGRAM, "simulate", "--until", "30"], stdout=subprocess.DEVNULL, stderr=theirs) as process:
+    command = [*PROGRAM, "simulate", "--until", "150"]
+    with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=theirs) as process:
         os.close(theirs)
         seen = b""
         try:
@@ -611,7 +650,7 @@ def test_terminal_sees_the_simulated_time_and_the_time_left():
             pass
     os.close(mine)
     assert process.returncode == 0
-    assert re.search(rb"t = 1\d\.\d s .*%.*\d\d:\d\d:\d\d", seen)
+    assert re.search(rb"t = \d+\.\d s, 150 s at the latest .*%.*\d\d:\d\d:\d\d", seen)
 
 
 def test_ctrl_c_leaves_no_file_and_exits_with_130(tmp_path):

@@ -28,7 +28,17 @@ from pymunk_dragon.errors import (
 )
 
 # The commands. Each is a function in the module of its name.
-COMMANDS = ("positions", "contact", "simulate", "render", "figure", "report", "study", "sweep", "demo")
+COMMANDS = ("positions", "contact", "simulate", "render", "figure", "report", "study", "sweep", "demo", "live")
+# Words for options in other programs, and the options here.
+OTHER_WORDS = {
+    "--dt": "--substep",
+    "--timestep": "--substep",
+    "--to": "--until",
+    "--duration": "--until",
+    "--end": "--until",
+    "--start": "--from",
+    "--out": "--output",
+}
 # Exit codes.
 DONE = 0
 FAILED = 1
@@ -54,6 +64,11 @@ def status(arguments: list[str] | None = None) -> int:
         return end.exit_code
     except click.exceptions.NoArgsIsHelpError as error:
         return _complain(error.format_message(), BAD_INPUT)
+    except click.NoSuchOption as error:
+        message, same = one_line(error.format_message()), OTHER_WORDS.get(error.option_name)
+        if same in _flags(error.ctx):
+            message = f"there is no option {error.option_name}: use {same}"
+        return _complain(f"{PROGRAM}: {message}", BAD_INPUT)
     except click.ClickException as error:
         return _complain(f"{PROGRAM}: {one_line(error.format_message())}", BAD_INPUT)
     except (ParameterError, UnreachableError, FileFormatError, MissingExtraError) as error:
@@ -74,6 +89,11 @@ def status(arguments: list[str] | None = None) -> int:
         return _complain(f"{PROGRAM}: cannot read or write: {what}{error.strerror or error}", FAILED)
     except MemoryError:
         return _complain(f"{PROGRAM}: not enough memory for a dragon of this size", FAILED)
+
+
+def _flags(context: click.Context | None) -> list[str]:
+    """All flags of the command in which an error arose."""
+    return [] if context is None else [flag for option in context.command.params for flag in option.opts]
 
 
 def _open_streams() -> None:
@@ -123,7 +143,22 @@ class _Commands(Mapping[str, click.Command]):
         return len(COMMANDS)
 
 
-@click.group(commands=_Commands(), context_settings={"help_option_names": ["-h", "--help"]})
-@click.version_option(__version__, prog_name=PROGRAM)
+class _Group(click.Group):
+    """The program: a name that no command has gets the most similar one as a hint."""
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        if args and args[0] not in COMMANDS and not args[0].startswith("-"):
+            from difflib import get_close_matches
+
+            similar = get_close_matches(args[0], COMMANDS, n=1)
+            hint = f"did you mean {similar[0]}?" if similar else f"the commands are {', '.join(COMMANDS)}"
+            ctx.fail(f"there is no command {args[0]!r}: {hint}")
+        return super().resolve_command(ctx, args)
+
+
+@click.group(cls=_Group, commands=_Commands(), context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(__version__, "-V", "--version", prog_name=PROGRAM)
 def cli() -> None:
     """A bench dragon on its spiral: positions, speeds, and the first contact with itself."""

@@ -6,9 +6,13 @@ from typing import Any
 
 import click
 
+from pymunk_dragon._extras import library
 from pymunk_dragon.cli.options import destination_of, json_option, output_option
 from pymunk_dragon.cli.output import print_json, progress
 from pymunk_dragon.errors import ParameterError
+
+# In place of a lesson's name.
+ALL = "all"
 
 
 @click.command()
@@ -19,7 +23,7 @@ from pymunk_dragon.errors import ParameterError
 @json_option
 @output_option(".html, a page of the lesson, or of all; .ipynb, its notebook; .py, its program")
 def demo(name: str | None, save: str | None, language: str, pause: bool, as_json: bool, output: str | None) -> None:
-    """Play a lesson; without a name, list them.
+    """Play a lesson by its name or number, or all; without a name, list them.
 
     Each has a question, a prediction, a run, the answer, a number to check and something to try.
     """
@@ -27,9 +31,8 @@ def demo(name: str | None, save: str | None, language: str, pause: bool, as_json
     from pymunk_dragon.lessons._framework import PARTS, check_language, endings
 
     check_language(language)
-    if name is not None and name not in LESSONS:
-        raise ParameterError("lesson", name, "one of " + ", ".join(LESSONS))
-    lessons = list(LESSONS.values()) if name is None else [LESSONS[name]]
+    name = _lesson_of(name, list(LESSONS))
+    lessons = list(LESSONS.values()) if name in (None, ALL) else [LESSONS[name]]
     if (save is not None or pause) and (name is None or output is not None):
         raise click.UsageError("--save and --pause are for a lesson that is played: give its name, and no -o")
     destination = destination_of(output, endings(lessons))
@@ -46,11 +49,30 @@ def demo(name: str | None, save: str | None, language: str, pause: bool, as_json
     elif name is None:
         _list({lesson.name: lesson.text("title", language) for lesson in lessons}, language, as_json)
     elif as_json:
+        if name == ALL:
+            raise click.UsageError("--json is for one lesson: give its name")
         recording = record(LESSONS[name], save)
         result: dict[str, Any] = {"lesson": name, "said": {part: LESSONS[name].text(part, language) for part in PARTS}}
         print_json(result | {"printed": recording.printed, "picture": str(recording.file) if save else None})
     else:
-        play(LESSONS[name], Terminal(save, language, pause))
+        for each in lessons:
+            for needed in each.libraries:
+                library(needed)
+        for each in lessons:
+            play(each, Terminal(save, language, pause))
+
+
+def _lesson_of(name: str | None, known: list[str]) -> str | None:
+    """The name of a lesson that was given by name or number; None for `list`, which lists them as no name does."""
+    if name is None or name == "list":
+        return None
+    if name.isdecimal() and 1 <= int(name) <= len(known):
+        return known[int(name) - 1]
+    if name not in (ALL, *known):
+        raise ParameterError(
+            "lesson", name, f"a number from 1 to {len(known)}, {ALL}, list, or one of " + ", ".join(known)
+        )
+    return name
 
 
 def _list(titles: dict[str, str], language: str, as_json: bool) -> None:

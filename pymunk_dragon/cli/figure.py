@@ -15,7 +15,7 @@ from pymunk_dragon.cli.options import (
     run_of,
     scenario_options,
 )
-from pymunk_dragon.cli.output import print_json
+from pymunk_dragon.cli.output import print_json, wrote
 
 if TYPE_CHECKING:
     from pymunk_dragon.drawing.snapshots import Source
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 @click.argument("run_file", metavar="[RUN.npz]", required=False)
 @scenario_options
 @json_option
-@output_option(".png, or .svg or .pdf where the figure has axes")
+@output_option(".png, or .svg or .pdf where the figure has axes.  [NAME.png]")
 def figure(
     name: str | None, run_file: str | None, scenario_file: str | None, as_json: bool, output: str | None
 ) -> None:
@@ -43,13 +43,12 @@ def figure(
         else:
             click.echo("\n".join(f"{known:<13} {shows}" for known, shows in shown.items()))
         return
-    if output is None:
-        raise click.UsageError("name a file to write: -o FILE.png, -o FILE.svg or -o FILE.pdf")
     source = _source(run_file, scenario_file)
     endings = FIGURES[name].endings if name in FIGURES else FIGURE_ENDINGS
-    destination = destination_of(output, endings)
+    destination = destination_of(output or f"{name}.png", endings)
     assert destination is not None
     write_figure(name, destination, source)
+    wrote(destination)
     if as_json:
         print_json({"output": str(destination), "bytes": destination.stat().st_size})
 

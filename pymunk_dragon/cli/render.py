@@ -17,7 +17,7 @@ from pymunk_dragon.cli.options import (
     run_of,
     scenario_options,
 )
-from pymunk_dragon.cli.output import print_json, progress
+from pymunk_dragon.cli.output import print_json, progress, wrote
 from pymunk_dragon.errors import ParameterError
 
 if TYPE_CHECKING:
@@ -83,7 +83,7 @@ def marks() -> tuple[Any, ...]:
     "--workers", type=int, metavar="N", help="Other processes that draw a long film.  [spare cores, at most 3]"
 )
 @json_option
-@output_option(".gif, .mp4, .apng or .webp; .png for a picture at --until; .html for a player", required=True)
+@output_option(".gif, .mp4, .apng or .webp; .png for a picture at --until; .html for a player.  [RUN.gif]")
 def render(
     run_files: tuple[str, ...],
     scenario_file: str | None,
@@ -93,7 +93,7 @@ def render(
     size: str | None,
     workers: int | None,
     as_json: bool,
-    output: str,
+    output: str | None,
     **choices: Any,
 ) -> None:
     """Film a run, several side by side, or the exact march where no run is named; or write a page that plays it."""
@@ -101,9 +101,10 @@ def render(
     from pymunk_dragon.model.march import March
     from pymunk_dragon.player import PLAYER_ENDINGS
 
-    destination = destination_of(output, (*FILM_ENDINGS, *STILL_ENDINGS, *PLAYER_ENDINGS))
+    name = Path(run_files[0]).stem if run_files else "march"
+    destination = destination_of(output or f"{name}.gif", (*FILM_ENDINGS, *STILL_ENDINGS, *PLAYER_ENDINGS))
     assert destination is not None
-    ending = destination.suffix.lower()
+    ending, facts = destination.suffix.lower(), list[str]()
     given = {name: value for name, value in choices.items() if value is not None}
     if size is not None:
         given["size"] = _size(size)
@@ -119,12 +120,14 @@ def render(
         _refuse("a picture", "start", *OF_FILMS)
         write_still(sources, float(film.times(sources)[-1]), destination, film)
     else:
+        facts = [f"{len(film.times(sources))} frames", f"{film.ends(film.times(sources))[-1]:.1f} s"]
         with progress("frame") as show:
 
             def report(done: int, total: int) -> None:
                 show(done, total, f"frame {done}")
 
             write_film(sources, destination, film, report, workers if workers is not None else _spare_cores())
+    wrote(destination, *facts)
     if as_json:
         print_json({"output": str(destination), "bytes": destination.stat().st_size})
 

@@ -2,25 +2,28 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import click
 
 from pymunk_dragon.cli.options import destination_of, json_option, output_option
-from pymunk_dragon.cli.output import print_json, progress
+from pymunk_dragon.cli.output import print_json, progress, wrote
 
 
 @click.command()
 @click.argument("run_file", metavar="RUN.npz")
 @json_option
-@output_option(".html, .md, .xlsx, .csv or .json", required=True)
-def report(run_file: str, as_json: bool, output: str) -> None:
+@output_option(".html, .md, .xlsx, .csv or .json.  [RUN.html]")
+def report(run_file: str, as_json: bool, output: str | None) -> None:
     """Report on a run, as a document or a table."""
     from pymunk_dragon.model.run import Run
     from pymunk_dragon.reports import REPORT_ENDINGS
     from pymunk_dragon.reports import report as write_report
 
-    destination = destination_of(output, REPORT_ENDINGS)
+    destination = destination_of(output or f"{Path(run_file).stem}.html", REPORT_ENDINGS)
     assert destination is not None
     with progress("report") as show:
         write_report(Run.load(run_file), destination, progress=lambda done, total: show(done, total, "report"))
+    wrote(destination)
     if as_json:
         print_json({"output": str(destination), "bytes": destination.stat().st_size})

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
@@ -14,7 +15,7 @@ from pymunk_dragon.cli.options import (
     scenario_options,
     start_option,
 )
-from pymunk_dragon.cli.output import print_json, progress
+from pymunk_dragon.cli.output import note, print_json, progress, wrote
 
 if TYPE_CHECKING:
     from pymunk_dragon.model.march import March
@@ -83,6 +84,9 @@ def simulate(
     run = played(march, fine=fine, start=start, until=until, guide=guide, settings=settings)
     if output is not None:
         run.save(output)
+        wrote(Path(output), f"{len(run.times)} frames")
+    else:
+        note("the run is not kept: -o RUN.npz saves it")
     if as_json:
         print_json(run.to_dict())
     else:
@@ -112,6 +116,6 @@ def played(
     with progress("t") as show:
 
         def report(time: float, last: float) -> None:
-            show(time - start, last - start, f"t = {time:.1f} s")
+            show(time - start, last - start, f"t = {time:.1f} s, {last:.0f} s at the latest")
 
         return play(march, guide=guide, start=start, until=until, settings=settings, progress=report)

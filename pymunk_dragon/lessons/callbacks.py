@@ -1,4 +1,4 @@
-"""When an engine calls back, what it knows by then, and what becomes of an error in the function that it called."""
+"""The events of Pymunk's collision callbacks, and errors in a function that Pymunk calls."""
 
 import sys
 from typing import Any
@@ -9,7 +9,7 @@ from PIL import Image, ImageDraw
 from pymunk_dragon import Dragon, March, PillowDrawOptions, simulate
 from pymunk_dragon.lessons import Lesson
 
-lesson = Lesson("callbacks", "Who calls when they touch?", order=100)
+lesson = Lesson("callbacks", "Which events does a contact cause?", order=100, live="jam")
 
 lesson.question(
     "Nobody asks Pymunk whether two bodies touch: one gives it functions, and it calls them back. When does it call, "

@@ -1,4 +1,4 @@
-"""Where the next handle goes: of all points on the spiral at a bench's distance, the next one along the path."""
+"""The next handle among all points on the spiral at a bench's distance."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""What makes an engine exact: the length of its steps, how often it tries, and joints that mean well."""
+"""What makes an engine exact: the length of its steps, its iterations, and its joints."""
 
 import pymunk
 
@@ -6,7 +6,7 @@ from pymunk_dragon import Dragon, March, simulate
 from pymunk_dragon.drawing.figures.style import AMBER, BLUE
 from pymunk_dragon.lessons import Lesson
 
-lesson = Lesson("engine", "What makes an engine exact?", order=90)
+lesson = Lesson("engine", "What makes an engine exact?", order=90, live="sloppy-engine")
 
 lesson.question(
     "A physics engine goes in short steps of time (`substep`), and in each of them it goes over all joints several "

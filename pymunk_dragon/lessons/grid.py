@@ -1,4 +1,4 @@
-"""A walk from cell to cell along an edge, and how many tests it saves."""
+"""The number of pairs of benches that have to be tested for contact."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -7,7 +7,7 @@ from pymunk_dragon import Dragon, Grid, March, first_contact, separation
 from pymunk_dragon.drawing.figures.style import BLUE, CANDIDATE, COLOURS, QUIET, RULE, halo
 from pymunk_dragon.lessons import Lesson
 
-lesson = Lesson("grid", "Ask only the neighbours", order=50)
+lesson = Lesson("grid", "How many pairs have to be tested?", order=50)
 
 lesson.question(
     "Each bench is hinged to the one before it; any two others could touch. Of 16 benches these are 105 pairs, of 223 "

@@ -1,4 +1,4 @@
-"""A contact of a tenth of a second, which samples at each second miss, and a search that cannot miss it."""
+"""A contact that samples at each second miss, and a search that does not."""
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -7,7 +7,7 @@ from pymunk_dragon import Dragon, March, first_contact, scan, separation
 from pymunk_dragon.drawing.figures.style import BLUE, CANDIDATE, COLOURS
 from pymunk_dragon.lessons import Lesson
 
-lesson = Lesson("missed-window", "The contact that nobody saw", order=70)
+lesson = Lesson("missed-window", "How long must a contact last to be seen?", order=70)
 
 lesson.question(
     "Make all benches one millimetre wider: 0.301 m. A program that looks each second whether any two overlap finds "

@@ -1,4 +1,4 @@
-"""Nearly is not hit: 3 mm, then 0.9 mm, then contact."""
+"""How closely the head passes two benches before it hits one."""
 
 import numpy as np
 
@@ -6,7 +6,7 @@ from pymunk_dragon import Camera, Dragon, March, Spiral, first_contact, render, 
 from pymunk_dragon.lessons import Lesson
 from pymunk_dragon.model.dragon import bench_poses
 
-lesson = Lesson("near-miss", "Nearly is not hit", order=60)
+lesson = Lesson("near-miss", "A hit or a near miss?", order=60, live="near-miss")
 
 lesson.question(
     "On its way in the head, which is bench 0, passes bench 9, then bench 11, and then runs into bench 8. A bench is "

@@ -1,4 +1,4 @@
-"""How tight it can coil: the smallest pitch, and a smaller one that only seems free."""
+"""How tightly the dragon can coil."""
 
 import numpy as np
 

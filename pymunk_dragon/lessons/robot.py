@@ -6,7 +6,7 @@ from pymunk_dragon import Dragon, March, first_contact, render, simulate
 from pymunk_dragon.lessons import Lesson
 from pymunk_dragon.model.curves import Sampled
 
-lesson = Lesson("robot", "A dragon in the machine", order=150)
+lesson = Lesson("robot", "Does the arm reach the end of its path?", order=150, live="robot-arm")
 
 lesson.question(
     "A snake arm looks into engines where no hand can reach: its 16 links go where the tip went before. You draw the "

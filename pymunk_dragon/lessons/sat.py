@@ -1,4 +1,4 @@
-"""The separating axis theorem: the shadows of two benches on four axes tell whether they touch."""
+"""The separating axis theorem for two benches."""
 
 import numpy as np
 from matplotlib.animation import FuncAnimation, PillowWriter
@@ -8,7 +8,7 @@ from pymunk_dragon import outlines, separation
 from pymunk_dragon.drawing.figures.style import AMBER, BLUE, COLOURS
 from pymunk_dragon.lessons import Lesson
 
-lesson = Lesson("sat", "Four shadows decide", order=40)
+lesson = Lesson("sat", "From how many sides must one look?", order=40)
 
 lesson.question(
     "Two benches are rectangles, 2.20 m long and 0.30 m wide, at any angle to each other. How does a program find out, "

@@ -1,4 +1,4 @@
-"""Who has to run in the turn of the contest's question 4, and how fast the head may go so that nobody runs too fast."""
+"""The fastest handle in the turn of the contest's question 4, and the largest speed of the head."""
 
 import numpy as np
 
@@ -7,7 +7,7 @@ from pymunk_dragon.drawing.figures.style import AMBER, BLUE, COLOURS, RULE
 from pymunk_dragon.lessons import Lesson
 from pymunk_dragon.studies import max_speed
 
-lesson = Lesson("speed-limit", "The head sets the pace, and others have to run", order=140)
+lesson = Lesson("speed-limit", "Who is the fastest in the turn?", order=140)
 
 lesson.question(
     "In the turn inside the circle 9 m wide the head keeps a steady pace, but not everybody behind it can. If nobody "

@@ -1,4 +1,4 @@
-"""The head walks at a steady pace, and yet whoever watches it from the centre turns ever faster."""
+"""How fast one turns at the centre to watch the head."""
 
 import numpy as np
 
@@ -6,7 +6,7 @@ from pymunk_dragon import Spiral
 from pymunk_dragon.drawing.figures.style import AMBER, BLUE
 from pymunk_dragon.lessons import Lesson
 
-lesson = Lesson("spiral", "A steady walk that turns ever faster", order=10)
+lesson = Lesson("spiral", "How fast do you turn to watch the head?", order=10)
 
 lesson.question(
     "In the bench dragon, a folk dance, some 200 benches hinged end to end coil inward on a spiral. The head walks at "

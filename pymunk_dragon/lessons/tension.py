@@ -1,4 +1,4 @@
-"""Who pulls how hard: the forces in the joints of a chain, and what the ground and dancers have to do with them."""
+"""The forces in the joints of a chain."""
 
 from itertools import pairwise
 

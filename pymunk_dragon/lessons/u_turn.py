@@ -1,11 +1,11 @@
-"""The turn of the contest's question 4: on whatever two arcs, it is just as long."""
+"""The length of the turn of the contest's question 4."""
 
 import numpy as np
 
 from pymunk_dragon import Camera, March, UTurn, render
 from pymunk_dragon.lessons import Lesson
 
-lesson = Lesson("u-turn", "Two dragons race through the turn", order=130)
+lesson = Lesson("u-turn", "Which turn is the shortest?", order=130)
 
 lesson.question(
     "The dragon comes in on a spiral of 1.7 m a turn, goes round within a circle 9 m wide on two arcs that touch each "

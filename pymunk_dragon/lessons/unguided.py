@@ -1,11 +1,11 @@
-"""What the dancers do: without them the dragon straightens, and runs into itself."""
+"""What happens without dancers."""
 
 import numpy as np
 
 from pymunk_dragon import Dragon, March, render, simulate
 from pymunk_dragon.lessons import Lesson
 
-lesson = Lesson("unguided", "What do the dancers do?", order=80)
+lesson = Lesson("unguided", "What do the dancers do?", order=80, live="unguided")
 
 lesson.question(
     "Every bench hangs on the one before it, and the head walks its spiral without a fault. Does it take dancers to "

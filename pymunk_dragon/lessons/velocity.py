@@ -1,4 +1,4 @@
-"""Why the tail is slower than the head, and how good a speed is that is taken from two positions."""
+"""The speed of the tail, and how exactly two positions give it."""
 
 import numpy as np
 
@@ -6,7 +6,7 @@ from pymunk_dragon import March
 from pymunk_dragon.drawing.figures.style import AMBER, BLUE
 from pymunk_dragon.lessons import Lesson
 
-lesson = Lesson("velocity", "Slower towards the tail", order=30)
+lesson = Lesson("velocity", "How fast is the tail?", order=30)
 
 lesson.question(
     "All 223 benches are rigid and hang together, and the head walks at 1 m/s. Five minutes after the start the tail "

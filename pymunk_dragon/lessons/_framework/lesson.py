@@ -36,10 +36,12 @@ class Lesson:
     order : float, optional
         The lessons of the package are listed by increasing order; steps of ten leave room for more. It has no effect
         while the lesson runs.
+    live : str, optional
+        Name of the ready scene of `pymunk-dragon live` on the lesson.
 
     Notes
     -----
-    Name, title, order and texts must be literals: they are also read from the file without running it.
+    Name, title, order, scene and texts must be literals: they are also read from the file without running it.
 
     Examples
     --------
@@ -56,9 +58,10 @@ class Lesson:
     >>> lesson.change("Make it four times as long.")  # doctest: +SKIP
     """
 
-    def __init__(self, name: str, title: str, *, order: float | None = None) -> None:
+    def __init__(self, name: str, title: str, *, order: float | None = None, live: str | None = None) -> None:
         self.name = name
         self.order = order
+        self.live = live
         default = NotebookOutput if "ipykernel" in sys.modules else Terminal.of_program
         self._output = current_output.get() or default()
         self._style = ExitStack()

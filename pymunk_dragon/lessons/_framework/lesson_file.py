@@ -16,6 +16,8 @@ FOLDER = Path(__file__).parent.parent
 # Methods of `Lesson` whose only argument is a text that ends a block of code.
 TEXTS = ("question", "predict", "answer", "check", "change")
 CODE = "code"
+# Words in a program, and the library of an extra that they need.
+NEEDED = {".subplots(": "matplotlib", "Sampled(": "scipy"}
 
 
 @dataclass(frozen=True)
@@ -34,6 +36,8 @@ class LessonFile:
         The lessons of the package are listed by increasing order; infinite if the file has none.
     picture : str
         What the picture shows, in English.
+    live : str
+        Name of the ready scene of `pymunk-dragon live` on it; empty if there is none.
     blocks : tuple of (str, str)
         Kind and text of each block of the file in its order: "code", or a part of the lesson such as "question" and
         its text in one line of English.
@@ -45,7 +49,7 @@ class LessonFile:
     >>> lesson.path.name, lesson.order
     ('near_miss.py', 60)
     >>> lesson.text("title"), lesson.text("title", "zh")
-    ('Nearly is not hit', '差一点，不等于碰上')
+    ('A hit or a near miss?', '碰上了，还是擦肩而过？')
     >>> print(lesson.code.splitlines()[0])
     import numpy as np
     """
@@ -55,6 +59,7 @@ class LessonFile:
     title: str
     order: float
     picture: str
+    live: str
     blocks: tuple[tuple[str, str], ...]
 
     @classmethod
@@ -62,7 +67,7 @@ class LessonFile:
         """The lesson in a file, which is parsed but not run."""
         source = path.read_text(encoding="utf-8")
         lines = source.splitlines()
-        name, title, order, picture = "", "", float("inf"), ""
+        name, title, order, picture, live = "", "", float("inf"), "", ""
         blocks: list[tuple[str, str]] = []
         begin = 0
 
@@ -74,7 +79,8 @@ class LessonFile:
             match statement:
                 case ast.Assign(value=ast.Call(ast.Name("Lesson") | ast.Attribute(attr="Lesson"), arguments, keywords)):
                     name, title = map(ast.literal_eval, arguments)
-                    order = next((ast.literal_eval(word.value) for word in keywords if word.arg == "order"), order)
+                    values = {word.arg: ast.literal_eval(word.value) for word in keywords}
+                    order, live = values.get("order", order), values.get("live", live)
                 case ast.Expr(ast.Call(func=ast.Attribute(attr="show"), args=[_, ast.Constant(str(shown))])):
                     picture = _one_line(shown)
                 case ast.Expr(ast.Call(func=ast.Attribute(attr=part), args=[ast.Constant(str(text))])) if part in TEXTS:
@@ -85,7 +91,7 @@ class LessonFile:
                     add_code(statement.lineno - 1)
                     begin = statement.end_lineno or 0
         add_code(len(lines))
-        return cls(path, name, title, order, picture, tuple(blocks))
+        return cls(path, name, title, order, picture, live, tuple(blocks))
 
     @property
     def source(self) -> str:
@@ -96,6 +102,11 @@ class LessonFile:
     def code(self) -> str:
         """The file without its docstring and the texts of the lesson, except for the picture's."""
         return "\n\n".join(text for kind, text in self.blocks if kind == CODE)
+
+    @property
+    def libraries(self) -> list[str]:
+        """Libraries of extras without which the lesson cannot run."""
+        return [library for word, library in NEEDED.items() if word in self.code]
 
     def text(self, part: str, language: str = "en") -> str:
         """One of `PARTS` in `language`, or in English if there is no translation."""
@@ -112,6 +123,11 @@ def lesson_files() -> Mapping[str, LessonFile]:
     """The lessons of the package by name, in their order."""
     found = sorted(map(LessonFile.read, FOLDER.glob("[!_]*.py")), key=lambda lesson: lesson.order)
     return MappingProxyType({lesson.name: lesson for lesson in found})
+
+
+def live_scene(name: str) -> str:
+    """Name of the live scene on the lesson `name`; empty if there is none, or it is not of the package."""
+    return lesson_files()[name].live if name in lesson_files() else ""
 
 
 def next_lesson(name: str) -> str | None:

@@ -42,7 +42,7 @@ def make_notebook(lesson: LessonFile, language: str = "en") -> str:
     >>> from pymunk_dragon.lessons import LESSONS
     >>> cells = json.loads(make_notebook(LESSONS["spiral"]))["cells"]
     >>> cells[0]["source"][0].strip()
-    '# A steady walk that turns ever faster'
+    '# How fast do you turn to watch the head?'
     """
     with optional_imports():
         import nbformat
@@ -76,6 +76,8 @@ def _cells(lesson: LessonFile, language: str) -> Iterator[tuple[str, str]]:
     yield MARKDOWN, section("picture")
     answer = "\n\n".join(map(section, ("answer", "check", "change")))
     yield MARKDOWN, f"<details><summary>{heading('answer', language)}</summary>\n\n{answer}\n\n</details>"
+    if lesson.live:
+        yield MARKDOWN, f"**{heading('live', language)}**\n\n`pymunk-dragon live {lesson.live}`"
     if (after := next_lesson(lesson.name)) is not None:
         yield MARKDOWN, f"**{heading('next', language)}**\n\n`pymunk-dragon demo {after} -o {after}.ipynb`"
 

@@ -13,7 +13,7 @@ from pymunk_dragon.lessons._framework.play import Recording
 from pymunk_dragon.lessons._framework.translations import LANGUAGES, PARTS, heading, unbroken, with_code
 
 # Texts of the page itself in the files of translations.
-PAGE_WORDS = ("page_title", "page_subtitle", "contents", "run", "code", "top")
+PAGE_WORDS = ("live", "page_title", "page_subtitle", "contents", "run", "code", "top")
 MEDIA_TYPES = {".gif": "image/gif", ".png": "image/png", ".py": "text/x-python", ".ipynb": "application/x-ipynb+json"}
 
 
@@ -68,6 +68,7 @@ def _values(recording: Recording) -> dict[str, Any]:
     lesson, picture, ending = recording.lesson, recording.picture, recording.file.suffix
     return {
         "name": lesson.name,
+        "live": lesson.live,
         "texts": {part: {each: with_code(unbroken(lesson.text(part, each))) for each in LANGUAGES} for part in PARTS},
         "printed": recording.printed.strip("\n"),
         "picture": _address(picture, ending),

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import NoReturn
 
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.lessons._framework.lesson_file import next_lesson
+from pymunk_dragon.lessons._framework.lesson_file import live_scene, next_lesson
 from pymunk_dragon.lessons._framework.play import Output, make_folder
 from pymunk_dragon.lessons._framework.translations import (
     LANGUAGES,
@@ -101,6 +101,8 @@ class Terminal(Output):
             if self._pause and sys.stdin is not None:
                 with suppress(EOFError):
                     input(heading("pause", self._language) + " ")
+        if part == "change" and (scene := live_scene(lesson)):
+            self._print("live", f"{self._program} live {scene}")
         if part == "change" and (after := next_lesson(lesson)) is not None:
             self._print("next", f"{self._program} demo {after}")
 
