@@ -15,7 +15,7 @@ import aiohttp
 import numpy as np
 
 from pymunk_dragon.sessions.handle import Live, serve, source_of
-from pymunk_dragon.sessions.recording import Log
+from pymunk_dragon.sessions.log import Log
 from pymunk_dragon.sessions.scenes import planned
 from pymunk_dragon.sessions.session import Session
 

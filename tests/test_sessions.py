@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import asyncio
+import errno
 import json
 import math
+import os
 import random
 import signal
 import socket
@@ -30,8 +32,9 @@ from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 from pymunk_dragon.sessions import live
+from pymunk_dragon.sessions.log import InputLog, Log
 from pymunk_dragon.sessions.messages import ACTIONS
-from pymunk_dragon.sessions.recording import Log, record
+from pymunk_dragon.sessions.recording import record, save
 from pymunk_dragon.sessions.scenes import SCENES, dragon, planned, ready
 from pymunk_dragon.sessions.session import SPEEDS, Session
 
@@ -113,7 +116,7 @@ def test_replay_ends_in_the_same_state_to_the_bit(touched):
     log, _ = touched
     digest, session = replayed(log)
     assert digest == log.digest
-    assert session.inputs == log.inputs
+    assert list(session.inputs) == log.inputs
 
 
 def test_replay_of_other_inputs_ends_elsewhere(touched):
@@ -431,7 +434,7 @@ def test_messages_for_things_that_do_not_exist_are_refused_with_one_line(source)
         for action, arguments in IMPOSSIBLE:
             assert_says(ValueError(on.do(action, **arguments)))
         assert on.session.state() == before
-        assert on.session.inputs == []
+        assert list(on.session.inputs) == []
 
 
 def test_reset_undoes_everything():
@@ -442,7 +445,7 @@ def test_reset_undoes_everything():
         state = on.session.state()
         assert state.pop("generation") == fresh[0].pop("generation") + 1
         assert (state, on.session.digest()) == fresh
-        assert (on.scene.steps, on.scene.time, on.session.inputs) == (0, 0.0, [])
+        assert (on.scene.steps, on.scene.time, list(on.session.inputs)) == (0, 0.0, [])
 
 
 def test_reset_undoes_everything_in_a_space_of_ones_own():
@@ -554,9 +557,10 @@ def test_random_messages_crash_nothing_and_each_malformed_one_is_answered(client
     failures = []
     monkeypatch.setattr(threading, "excepthook", failures.append)
 
-    async def attack(address, seed):
+    async def attack(session, seed):
         dice = random.Random(seed)
-        async with joined(address) as client:
+        watches = seed % 2 == 1
+        async with joined(session.watch_address if watches else session.address) as client:
             bad = 0
             # A client may send 500 in a second.
             for _ in range(480):
@@ -567,14 +571,18 @@ def test_random_messages_crash_nothing_and_each_malformed_one_is_answered(client
                     bad += 1
                     await client.socket.send_bytes(dice.randbytes(dice.randrange(100)))
                 else:
-                    await client.send(**{"action" if k == "do" else k: v for k, v in valid(dice, 20).items()})
-            await client.send("ping", id=seed)
-            await client.told("pong", id=seed)
-            assert client.errors >= bad
+                    message = valid(dice, 20)
+                    # Who watches may do nothing else.
+                    bad += watches and message["do"] != "ping"
+                    await client.socket.send_str(json.dumps(message))
+            await client.send("ping", id=-1)
+            await client.told("pong", id=-1)
+            # Who controls may also be answered that a body or a joint does not exist.
+            assert client.errors == bad or (client.errors > bad and not watches)
 
-    async def all_attacks(address):
-        await asyncio.gather(*(attack(address, seed) for seed in range(clients)))
-        async with joined(address) as client:
+    async def all_attacks(session):
+        await asyncio.gather(*(attack(session, seed) for seed in range(clients)))
+        async with joined(session.address) as client:
             # Messages of before may still wait.
             for _ in range(100):
                 await client.send("scene", name="pendulum")
@@ -589,7 +597,7 @@ def test_random_messages_crash_nothing_and_each_malformed_one_is_answered(client
             await client.shown(lambda frame: frame.time > first.time + 0.3)
 
     with served(dragon(SHORT)) as session:
-        run(all_attacks(session.address))
+        run(all_attacks(session))
     assert failures == []
     assert list(tmp_path.iterdir()) == []
 
@@ -619,7 +627,7 @@ def test_requests_without_the_token_of_other_hosts_and_of_other_pages_are_refuse
         query = "" if token is None else f"?token={token}"
         found = set()
         async with aiohttp.ClientSession() as http:
-            for path in ("", "recording"):
+            for path in ("", "inputs", "run"):
                 async with http.get(f"{page}{path}{query}", headers=headers) as answer:
                     found.add(answer.status)
             try:
@@ -631,6 +639,8 @@ def test_requests_without_the_token_of_other_hosts_and_of_other_pages_are_refuse
         return status
 
     with served(allow_hosts=["Hub.example"]) as session:
+        session._session.post({"do": "record"})
+        session._session.post({"do": "finish"})
         address, token = session.address, session.address.partition("token=")[2]
         watch = session.watch_address.partition("token=")[2]
         own = address.partition("//")[2].partition("/")[0]
@@ -724,7 +734,7 @@ def test_body_is_dropped_even_if_too_many_messages_wait():
     while not session.scene.steps:
         time.sleep(0.01)
     session.stop()
-    assert session.inputs[-1] == (0, {"do": "drop"})
+    assert list(session.inputs)[-1] == (0, {"do": "drop"})
 
 
 # ---- many clients
@@ -1004,6 +1014,66 @@ def test_recorded_dragon_is_a_run(tmp_path):
     assert run.drift.max() < 1e-5
 
 
+def test_client_records_a_span_as_a_run(tmp_path):
+    with played(dragon(SHORT)) as on:
+        assert_says(ValueError(on.do("finish")))
+        on.run(0.5)
+        assert on.do("record") is None
+        assert on.session.state()["recording"]
+        on.run(1.0)
+        on.do("cut", joint=3)
+        assert on.do("finish") is None
+        state = on.session.state()
+        on.run(0.5)
+    assert (state["recording"], state["recorded"]) == (False, pytest.approx(1.0))
+    with (tmp_path / "run.npz").open("wb") as file:
+        save(on.session.recorded, file)
+    run = Run.load(tmp_path / "run.npz")
+    assert (run.times[0], run.times[-1]) == pytest.approx((0.5, 1.5))
+    assert len(run.times) == pytest.approx(33, abs=3)
+    log = on.session.recorded.log
+    assert log.inputs == [(log.steps, {"do": "cut", "joint": 3})]
+    assert replayed(log)[0] == log.digest
+
+
+def test_recording_of_a_client_ends_when_it_is_full(monkeypatch):
+    monkeypatch.setattr("pymunk_dragon.sessions.session.MAX_RECORDED", 20_000)
+    with played(dragon(SHORT)) as on:
+        on.do("record")
+        on.run(5.0)
+        assert not on.session.state()["recording"]
+    assert on.errors == ["the recording is full, and has ended"]
+    assert on.session.recorded.poses.nbytes < 25_000
+
+
+def test_full_disk_ends_the_frames_and_not_the_session(monkeypatch):
+    with played(dragon(SHORT), record=True) as on:
+        on.run(0.1)
+        monkeypatch.setattr(on.session.frames, "append", full_disk)
+        on.run(1.0)
+    assert on.errors == ["frames are no longer kept: No space left on device"]
+    assert on.scene.time == pytest.approx(1.1)
+
+
+def full_disk(scene):
+    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+
+def test_inputs_are_kept_in_some_ten_bytes_and_movements_before_the_same_step_are_one():
+    log = InputLog()
+    rng = np.random.default_rng(3)
+    kept = []
+    for step in range(20_000):
+        for _ in range(2):
+            x, y = (float(f"{value:.6g}") for value in rng.uniform(-9, 9, 2))
+            log.append(step, {"do": "drag", "x": x, "y": y})
+        kept.append((step, {"do": "drag", "x": x, "y": y}))
+    log.append(step, {"do": "drop"})
+    assert list(log) == [*kept, (step, {"do": "drop"})]
+    assert len(log) == 20_001
+    assert len(log._packed) < 12 * len(log)
+
+
 # ---- odd spaces
 
 
@@ -1076,6 +1146,12 @@ def test_space_may_be_changed_while_it_is_paused():
 
     with served(space) as session:
         run(talk(session))
+
+
+def test_session_can_be_stopped_while_it_is_paused():
+    with served("pendulum") as session, session.paused():
+        session.stop()
+    assert not session._session._thread.is_alive()
 
 
 def test_bodies_that_fly_apart_pause_the_session_and_reset_brings_them_back():

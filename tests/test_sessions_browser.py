@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from urllib.parse import urlsplit
 
 import aiohttp
+import imageio.v3 as iio
 import numpy as np
 import pytest
 from aiohttp import WSMsgType, web
@@ -16,7 +17,8 @@ from live_sessions import PATIENCE, replayed, served
 
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
-from pymunk_dragon.sessions.recording import Log
+from pymunk_dragon.model.run import Run
+from pymunk_dragon.sessions.log import Log
 from pymunk_dragon.sessions.scenes import dragon
 
 pytestmark = [pytest.mark.thorough, needs_browser]
@@ -134,6 +136,33 @@ def test_tail_stays_when_its_joint_is_cut_with_the_tool(browser):
         assert moved[: cut + 1].min() > 0.5
         assert moved[cut + 1 :].max() < 0.01
         assert_replays(session)
+
+
+def test_button_records_a_film_and_a_run(browser, tmp_path):
+    with served(dragon(March(Dragon(benches=30)))) as session, visit(browser, session.address) as found:
+        page = found.page
+        page.click("#record")
+        wait_until(page, "live.state.recording")
+        page.wait_for_timeout(2000)
+        page.click("#record")
+        for name in ("film", "run"):
+            page.wait_for_selector(f"#{name}")
+            with page.expect_download() as download:
+                page.click(f"#{name}")
+            saved = tmp_path / download.value.suggested_filename
+            download.value.save_as(saved)
+            if name == "run":
+                run = Run.load(saved)
+            else:
+                pictures = list(iio.imiter(saved))
+        page.click("#recorded-close")
+        assert page.is_hidden("#recorded")
+    assert np.ptp(run.times) == pytest.approx(2.0, abs=0.8)
+    assert run.drift.max() < 1e-4
+    # The film is of the canvas, and the dragon moves in it.
+    assert 20 < len(pictures) < 100
+    assert pictures[0].shape[:2] == pytest.approx((500, 900), rel=0.4)
+    assert np.abs(pictures[0].astype(float) - pictures[-1]).max() > 100
 
 
 def test_benches_1_and_28_meet_after_all_are_let_go_in_the_page(browser):

@@ -11,7 +11,7 @@ from pymunk_dragon.cli.options import chosen, destination_of, march_of, scenario
 from pymunk_dragon.cli.output import progress
 
 if TYPE_CHECKING:
-    from pymunk_dragon.sessions.recording import Log
+    from pymunk_dragon.sessions.log import Log
     from pymunk_dragon.sessions.scenes import Ready
     from pymunk_dragon.sessions.session import Session
 
@@ -66,10 +66,11 @@ def live(
         library("aiohttp")
     from pymunk_dragon.sessions import recording, scenes
     from pymunk_dragon.sessions.handle import serve
+    from pymunk_dragon.sessions.log import Log
     from pymunk_dragon.sessions.session import Session
 
     path = destination_of(record, recording.RECORDING_ENDINGS)
-    log = None if replay is None else recording.Log.load(replay)
+    log = None if replay is None else Log.load(replay)
     source = _source(scene, log) or scenes.dragon(
         march_of(scenario_file), contacts=contacts, free_from=free_from, start=start
     )

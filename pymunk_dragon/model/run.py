@@ -10,7 +10,7 @@ from dataclasses import asdict, dataclass, field, fields
 from functools import cached_property
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, Literal, get_args
+from typing import IO, Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -297,8 +297,13 @@ class Run(ArrayRecord, Displayed):
             velocities += weight[:, None, None] * poses[node]
         return read_only(velocities)
 
-    def save(self, path: str | Path) -> None:
+    def save(self, path: str | Path | IO[bytes]) -> None:
         """Write the run as a NumPy archive (.npz, no pickle); an interrupted save leaves the old file or none.
+
+        Parameters
+        ----------
+        path : path or binary file
+            File to write, or an open one.
 
         Raises
         ------

@@ -11,7 +11,7 @@ import zipfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,12 +34,16 @@ MAX_NOTES = 32_000_000
 MAX_RATIO = 10
 
 
-def write_archive(path: str | Path, notes: Mapping[str, Any], arrays: Mapping[str, Array]) -> None:
-    """Write arrays and notes; an interrupted write leaves the old file or none."""
+def write_archive(path: str | Path | IO[bytes], notes: Mapping[str, Any], arrays: Mapping[str, Array]) -> None:
+    """Write arrays and notes, to a path or an open file; an interrupted write leaves the old file or none."""
     whole = {"format": FORMAT, "format_version": FORMAT_VERSION, **notes}
     packed = np.frombuffer(json.dumps(whole).encode(), dtype=np.uint8)
-    with written_in_place(check_destination(path, RUN_ENDINGS)) as draft, draft.open("wb") as file:
-        np.savez_compressed(file, notes=packed, **arrays)  # type: ignore[arg-type]  # Its stubs have no ** of arrays.
+    whole_arrays: dict[str, Any] = {"notes": packed, **arrays}
+    if isinstance(path, str | Path):
+        with written_in_place(check_destination(path, RUN_ENDINGS)) as draft, draft.open("wb") as file:
+            np.savez_compressed(file, **whole_arrays)
+    else:
+        np.savez_compressed(path, **whole_arrays)
 
 
 @contextmanager

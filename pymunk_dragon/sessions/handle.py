@@ -69,7 +69,7 @@ class Live:
 
     @contextmanager
     def paused(self) -> Iterator[None]:
-        """Context in which the space is not stepped, so that a program may change it, but not stop the session."""
+        """Context in which the space is not stepped, so that a program may change it."""
         with self._session.held():
             yield
 

@@ -21,6 +21,8 @@ ACTIONS: Mapping[str, Mapping[str, type]] = {
     "speed": {"value": float},
     "reset": {},
     "scene": {"name": str},
+    "record": {},
+    "finish": {},
     "set": {"name": str, "value": float},
     "contacts": {"value": str},
     "grab": {"body": int, "x": float, "y": float},

@@ -14,8 +14,8 @@ PLACEHOLDER = re.compile(r"\{\{(\w+)\}\}")
 # Parts of the script: those of the player, and those of this page; each uses only those before it.
 PLAYER_SCRIPTS = ("common", "geometry", "view", "format", "marks", "paint", "pointer")
 SCRIPTS = (
-    *("frame", "connection", "nearest", "model", "shades", "force_scale", "shapes", "overlays", "legend"),
-    *("live_paint", "charts", "parameters", "live_charts", "tools", "live_show", "live", "live_controls", "live_main"),
+    *("frame", "connection", "nearest", "model", "shades", "force_scale", "shapes", "overlays", "legend", "live_paint"),
+    *("charts", "parameters", "live_charts", "tools", "recorder", "live_show", "live", "live_controls", "live_main"),
 )
 
 

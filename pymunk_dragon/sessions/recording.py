@@ -1,116 +1,37 @@
-"""Recordings of a session: what was done, from which it is played again to the bit, and frames for films."""
+"""Files of what happened in a session: an .npz, which is a run if it was a dragon, and films."""
 
 from __future__ import annotations
 
-import json
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import asdict, dataclass
+import io
+from collections.abc import Callable, Iterator
+from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+from typing import IO
 
 import numpy as np
 import pymunk
 from PIL import Image
 
 from pymunk_dragon._arrays import Array
-from pymunk_dragon._checks import whole
-from pymunk_dragon._files import check_destination, read_text, written_in_place
+from pymunk_dragon._files import check_destination, written_in_place
 from pymunk_dragon.drawing.debug_draw import PillowDrawOptions
-from pymunk_dragon.drawing.film import write_film
-from pymunk_dragon.drawing.film.formats import WRITERS, Frames
+from pymunk_dragon.drawing.film import formats, write_film
 from pymunk_dragon.drawing.film.settings import Film
-from pymunk_dragon.errors import DragonError, FileFormatError, ParameterError
+from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.run import Run, engine_provenance
-from pymunk_dragon.model.run_file import opened_archive, write_archive
-from pymunk_dragon.sessions.messages import INPUTS, checked
-from pymunk_dragon.sessions.scenes import DragonScene, Scene, planned
-from pymunk_dragon.sessions.session import MAX_INPUTS, Session
+from pymunk_dragon.model.run_file import write_archive
+from pymunk_dragon.sessions.log import Frames, Recorded
+from pymunk_dragon.sessions.scenes import DragonScene, Scene
+from pymunk_dragon.sessions.session import Session
 
 # Endings of files of recordings.
-RECORDING_ENDINGS = (".npz", *WRITERS)
+RECORDING_ENDINGS = (".npz", *formats.WRITERS)
 # Frames a second, and pixels of a film of a space that is no dragon.
 FPS, SIZE = 20, (640, 480)
 # Colours of such a film: one index means transparent.
 COLOURS = 255
-# Steps of a recording, at most.
-MAX_STEPS = 100_000_000
 
 Progress = Callable[[int, int], None]
-
-
-@dataclass(frozen=True, kw_only=True)
-class Log:
-    """What was done to a scene since it was built.
-
-    Attributes
-    ----------
-    plan : mapping or None
-        As `Ready.plan`.
-    values : mapping
-        Values of parameters with which the scene was built.
-    steps : int
-        Number of steps.
-    inputs : list of (int, dict)
-        Numbers of the steps before which messages took effect, and these.
-    digest : str
-        Digest of all poses after the last step.
-    """
-
-    plan: Mapping[str, Any] | None
-    values: Mapping[str, float]
-    steps: int
-    inputs: list[tuple[int, dict[str, Any]]]
-    digest: str
-
-    @classmethod
-    def of(cls, session: Session) -> Log:
-        """The log of a session that does not step at the moment."""
-        return cls(
-            plan=session.source.plan,
-            values=dict(session.values),
-            steps=session.scene.steps,
-            inputs=list(session.inputs),
-            digest=session.digest(),
-        )
-
-    @classmethod
-    def load(cls, path: str | Path) -> Log:
-        """Read the log in a file that `record` wrote as .npz, or that the page saved as .json.
-
-        Raises
-        ------
-        ParameterError
-            If there is no such file, or it cannot be read.
-        FileFormatError
-            If it is no recording, or a damaged one.
-        """
-        if str(path).endswith(".json"):
-            text = read_text(path, "recording")
-            try:
-                return cls._of(json.loads(text))
-            except Exception as error:  # Whatever it is, the content is to blame.
-                raise FileFormatError(path, "no recording of a live session, or a damaged one") from error
-        with opened_archive(path) as archive:
-            return cls._of(archive.notes["provenance"]["live"])
-
-    @classmethod
-    def _of(cls, notes: Mapping[str, Any]) -> Log:
-        inputs = [(whole("step", step, 0, MAX_STEPS), checked(message)) for step, message in notes["inputs"]]
-        if len(inputs) > MAX_INPUTS or any(message["do"] not in INPUTS for _, message in inputs):
-            raise DragonError("it has inputs that change nothing")
-        if notes["plan"] is not None:
-            planned(notes["plan"])
-        return cls(
-            plan=notes["plan"],
-            values={str(name): float(value) for name, value in notes["values"].items()},
-            steps=whole("steps", notes["steps"], 0, MAX_STEPS),
-            inputs=inputs,
-            digest=str(notes["digest"]),
-        )
-
-    def to_json(self) -> str:
-        """The log as JSON, which `load` reads."""
-        return json.dumps(asdict(self), allow_nan=False)
 
 
 def record(session: Session, path: str | Path, progress: Progress | None = None) -> None:
@@ -135,44 +56,53 @@ def record(session: Session, path: str | Path, progress: Progress | None = None)
         If writing fails.
     """
     destination = check_destination(path, RECORDING_ENDINGS)
-    is_film = destination.suffix.lower() != ".npz"
-    scene, frames = session.scene, list(session.frames)
-    if not frames or frames[-1][0] < scene.time:
-        frames.append((scene.time, scene.march_time, scene.poses().copy()))
-    times, march_times, poses = (np.array(values) for values in zip(*frames, strict=True))
-    if is_film and len(times) < 2:
+    recorded = Recorded.of(session, session.frames or Frames(io.BytesIO()))
+    if destination.suffix.lower() == ".npz":
+        save(recorded, destination)
+    elif len(recorded.times) < 2:
         raise ParameterError("record", str(path), "a file of a session with at least two frames")
-    log = asdict(Log.of(session))
-    if isinstance(scene, DragonScene):
-        run = _run(scene, times, march_times, poses, log)
-        if is_film:
-            write_film(run, destination, Film(speedup=1, fps=FPS), progress)
-        else:
-            run.save(destination)
-    elif is_film:
-        ends = np.append(times[1:], 2 * times[-1] - times[-2]) - times[0]
-        table = _picture(scene, poses[0]).quantize(COLOURS)
-        pictures = _indexed(scene, poses, table, progress)
-        colours = np.zeros((256, 3), dtype=np.uint8)
-        known = np.array(table.getpalette(), dtype=np.uint8).reshape(-1, 3)
-        colours[: len(known)] = known
-        with written_in_place(destination) as draft:
-            film = Frames(pictures=pictures, ends=ends.tolist(), size=SIZE, colours=colours, fps=FPS)
-            WRITERS[destination.suffix.lower()](draft, film)
+    elif isinstance(recorded.scene, DragonScene):
+        write_film(_run(recorded), destination, Film(speedup=1, fps=FPS), progress)
     else:
-        write_archive(destination, {"provenance": {"live": log}}, {"times": times, "poses": poses.ravel()})
+        _film(recorded, destination, progress)
 
 
-def _run(scene: DragonScene, times: Array, march_times: Array, poses: Array, log: dict[str, Any]) -> Run:
+def save(recorded: Recorded, file: Path | IO[bytes]) -> None:
+    """Write frames and log as .npz, to a path or an open file; those of a dragon are a run."""
+    if isinstance(recorded.scene, DragonScene):
+        _run(recorded).save(file)
+    else:
+        arrays = {"times": recorded.times, "poses": recorded.poses.ravel()}
+        write_archive(file, {"provenance": {"live": asdict(recorded.log)}}, arrays)
+
+
+def _run(recorded: Recorded) -> Run:
     """The frames of a dragon as a run, with errors against the exact model at the times of the march."""
-    march = scene.march
-    exact = march.at(march_times).positions
-    front, rear = march.dragon.holes(poses)
+    scene, log, times, poses = recorded.scene, recorded.log, recorded.times, recorded.poses
+    assert isinstance(scene, DragonScene)
+    exact = scene.march.at(recorded.march_times).positions
+    front, rear = scene.march.dragon.holes(poses)
     errors = np.linalg.norm(front - exact[:, :-1], axis=-1), np.linalg.norm(rear - exact[:, 1:], axis=-1)
     span = {"start": float(times[0]), "until": float(times[-1])}
-    notes = engine_provenance(scene.world.settings, guide="rails", substeps=scene.steps, **span)
-    log = {**log, "march_times": march_times.tolist()}
-    return Run(march=march, times=times, poses=poses, drift=np.maximum(*errors), provenance={**notes, "live": log})
+    notes = engine_provenance(scene.world.settings, guide="rails", substeps=log.steps, **span)
+    live = {**asdict(log), "march_times": recorded.march_times.tolist()}
+    return Run(
+        march=scene.march, times=times, poses=poses, drift=np.maximum(*errors), provenance={**notes, "live": live}
+    )
+
+
+def _film(recorded: Recorded, destination: Path, progress: Progress | None) -> None:
+    """Write a film of a space that is no dragon."""
+    scene, times, poses = recorded.scene, recorded.times, recorded.poses
+    ends = np.append(times[1:], 2 * times[-1] - times[-2]) - times[0]
+    table = _picture(scene, poses[0]).quantize(COLOURS)
+    colours = np.zeros((256, 3), dtype=np.uint8)
+    known = np.array(table.getpalette(), dtype=np.uint8).reshape(-1, 3)
+    colours[: len(known)] = known
+    pictures = _indexed(scene, poses, table, progress)
+    with written_in_place(destination) as draft:
+        film = formats.Frames(pictures=pictures, ends=ends.tolist(), size=SIZE, colours=colours, fps=FPS)
+        formats.WRITERS[destination.suffix.lower()](draft, film)
 
 
 def _indexed(scene: Scene, poses: Array, table: Image.Image, progress: Progress | None) -> Iterator[Image.Image]:

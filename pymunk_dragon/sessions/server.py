@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import errno
+import io
 import ipaddress
 import json
 import secrets
@@ -22,14 +23,15 @@ from urllib.parse import urlsplit
 from aiohttp import WSMsgType, web
 
 from pymunk_dragon.errors import ParameterError
+from pymunk_dragon.sessions.log import Log
 from pymunk_dragon.sessions.messages import MAX_MESSAGE, parsed
 from pymunk_dragon.sessions.page import live_page
-from pymunk_dragon.sessions.recording import Log
+from pymunk_dragon.sessions.recording import save
 from pymunk_dragon.sessions.session import Session
 
 # Bytes of a message: a character takes up to four.
 MAX_BYTES = 4 * MAX_MESSAGE
-# Messages of a client in a second; further ones are dropped.
+# Messages of a client in a second; further ones are ignored, and answered once.
 MOST_MESSAGES = 500
 # Texts that wait for a client; one that does not take them is disconnected.
 MAX_TEXTS = 1000
@@ -77,6 +79,10 @@ class _Client:
         if now - self._second >= 1:
             self._second, self._messages = now, 0
         self._messages += 1
+        if self._messages == MOST_MESSAGES + 1:
+            self.tell(
+                {"kind": "error", "text": f"more than {MOST_MESSAGES} messages in a second: the others are ignored"}
+            )
         return self._messages > MOST_MESSAGES
 
     async def send(self) -> None:
@@ -216,7 +222,8 @@ class Server:
         application = web.Application(middlewares=[self._check])
         application.router.add_get("/", self._page)
         application.router.add_get("/socket", self._socket)
-        application.router.add_get("/recording", self._recording)
+        application.router.add_get("/inputs", self._inputs)
+        application.router.add_get("/run", self._run_file)
         runner = web.AppRunner(application, access_log=None, shutdown_timeout=STOP_TIME)
         await runner.setup()
         try:
@@ -261,7 +268,16 @@ class Server:
         headers = {**HEADERS, "Content-Security-Policy": rules}
         return web.Response(text=page, content_type="text/html", headers=headers)
 
-    async def _recording(self, request: web.Request) -> web.Response:
+    async def _run_file(self, request: web.Request) -> web.Response:
+        """What a client recorded last, as .npz."""
+        recorded = self.session.recorded
+        if recorded is None:
+            return web.Response(status=404, text="Nothing was recorded.\n", headers=HEADERS)
+        file = io.BytesIO()
+        await asyncio.to_thread(save, recorded, file)
+        return _download(file.getvalue(), "live.npz", "application/octet-stream")
+
+    async def _inputs(self, request: web.Request) -> web.Response:
         """What was done so far, as JSON from which the session is played again."""
         found: asyncio.Future[Log] = asyncio.get_running_loop().create_future()
 
@@ -271,8 +287,7 @@ class Server:
 
         self.session.call(take)
         text = (await asyncio.wait_for(found, START_TIME)).to_json()
-        headers = {**HEADERS, "Content-Disposition": 'attachment; filename="live.json"'}
-        return web.Response(text=text, content_type="application/json", headers=headers)
+        return _download(text.encode(), "live.json", "application/json")
 
     async def _socket(self, request: web.Request) -> web.StreamResponse:
         if len(self._clients) >= MAX_CLIENTS:
@@ -323,6 +338,11 @@ class Server:
             # One hand: who grabs another body takes it over.
             self._holder = {"grab": client, "drop": None}.get(message["do"], self._holder)
             self.session.post(message, answer)
+
+
+def _download(content: bytes, name: str, kind: str) -> web.Response:
+    headers = {**HEADERS, "Content-Disposition": f'attachment; filename="{name}"'}
+    return web.Response(body=content, content_type=kind, headers=headers)
 
 
 def _has_token(request: web.Request, token: str) -> bool:

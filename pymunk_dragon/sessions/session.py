@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import hashlib
+import io
+import tempfile
 import threading
+import weakref
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
@@ -12,9 +15,9 @@ from typing import Any
 
 import numpy as np
 
-from pymunk_dragon._arrays import Array
 from pymunk_dragon._checks import finite, whole, word
 from pymunk_dragon.errors import DragonError, ParameterError
+from pymunk_dragon.sessions.log import MAX_INPUTS, Frames, InputLog, Recorded
 from pymunk_dragon.sessions.messages import INPUTS
 from pymunk_dragon.sessions.scenes import SCENES, Parameter, Ready, ready
 
@@ -42,8 +45,12 @@ RECORDED = 1 / 30
 PATIENCE = 0.2
 # Steps between two checks whether the bodies flew apart.
 CHECKED = 10
-# Inputs that are kept: some hours of a mouse that never rests.
-MAX_INPUTS = 1_000_000
+# Bytes of frames after which a recording that a client began ends: ten minutes of 223 benches.
+MAX_RECORDED = 100_000_000
+
+
+class _StoppedError(Exception):
+    """The session was stopped while a program held it."""
 
 
 class Session:
@@ -54,7 +61,7 @@ class Session:
     source : Ready
         How the scene is made.
     record : bool
-        Whether frames are kept from the beginning.
+        Whether frames are kept from the beginning, in a temporary file.
     running : bool
         Whether time goes on from the beginning.
 
@@ -70,8 +77,12 @@ class Session:
         Whether time goes on.
     speed : float
         Simulated over real time.
-    inputs : list
-        What was done since the scene was built: number of the step before which it acts, and message.
+    inputs : InputLog
+        What was done since the scene was built.
+    frames : Frames or None
+        Frames since the scene was built, if they are kept.
+    recorded : Recorded or None
+        What a client recorded last.
     """
 
     def __init__(self, source: Ready, *, record: bool = False, running: bool = True) -> None:
@@ -81,7 +92,9 @@ class Session:
         self.clients = 0
         self.running, self.speed = running, 1.0
         self.generation = 0
-        self.recording = record
+        self.frames = self._frames_in_a_file() if record else None
+        self.recorded: Recorded | None = None
+        self._recording: Frames | None = None
         self.replay: deque[tuple[int, dict[str, Any]]] = deque()
         self.replayed_steps: int | None = None
         self._waiting: deque[tuple[dict[str, Any], Callable[[str], None]]] = deque()
@@ -141,7 +154,8 @@ class Session:
             "generation": self.generation,
             "running": self.running,
             "speed": self.speed,
-            "recording": self.recording,
+            "recording": self._recording is not None,
+            "recorded": None if self.recorded is None else float(np.ptp(self.recorded.times)),
             "replaying": self.replayed_steps is not None,
             "clients": self.clients,
             **self.scene.state(),
@@ -188,10 +202,25 @@ class Session:
     # ---- the thread
 
     def _run(self) -> None:
+        with suppress(_StoppedError):
+            self._play()
+
+    @contextmanager
+    def _unheld(self) -> Iterator[None]:
+        """Context in which a program does not change the space, even if it stops the session meanwhile."""
+        while not self._stepping.acquire(timeout=PATIENCE):
+            if self._ended.is_set():
+                raise _StoppedError
+        try:
+            yield
+        finally:
+            self._stepping.release()
+
+    def _play(self) -> None:
         """Step in time with the clock, and make frames."""
         debt, last, due = 0.0, perf_counter(), perf_counter()
         while not self._ended.is_set():
-            with self._stepping:
+            with self._unheld():
                 self._take_messages()
             now = perf_counter()
             passed, last = now - last, now
@@ -204,7 +233,7 @@ class Session:
                 debt -= self.scene.step_length
                 self._single_steps = max(self._single_steps - 1, 0)
                 stepped = True
-                with self._stepping:
+                with self._unheld():
                     self._step()
                 if perf_counter() - begin > LONGEST_TURN or self._waiting:
                     break
@@ -243,8 +272,8 @@ class Session:
                 self._fail_replay(f"the replay ends at step {scene.steps}: {error}")
             return
         self._step_seconds += SMOOTHING * (perf_counter() - begin - self._step_seconds)
-        if self.recording and scene.steps % self._recorded_steps == 0:
-            self._record()
+        if scene.steps % self._steps_of_frame == 0:
+            self._keep_frame()
         for text in scene.events:
             self.tell({"kind": "event", "time": scene.time, "text": text})
         scene.events.clear()
@@ -316,6 +345,11 @@ class Session:
         elif action == "scene":
             self._choose(message["name"])
             self.running = True
+        elif action == "record":
+            self._recording = Frames(io.BytesIO(), MAX_RECORDED)
+            self._recording.append(self.scene)
+        elif action == "finish":
+            self._finish()
         self._changed = True
 
     def _input(self, message: dict[str, Any]) -> None:
@@ -342,7 +376,7 @@ class Session:
                 raise ParameterError("name", parameter.name, "a parameter with which the scene does not begin anew")
             arguments["value"] = parameter.checked(message["value"])
         action(**arguments)
-        self.inputs.append((self.scene.steps, message))
+        self.inputs.append(self.scene.steps, message)
 
     def _parameter(self, name: str) -> Parameter:
         known = {each.name: each for each in self.scene.parameters}
@@ -363,12 +397,11 @@ class Session:
         scene = self.source.build(values)
         self.scene, self.values = scene, dict(values)
         self.generation += 1
-        self.inputs: list[tuple[int, dict[str, Any]]] = []
+        self.inputs = InputLog()
         self.replay.clear()
         self.replayed_steps = None
         self._replayed.set()
-        self.frames: list[tuple[float, float, Array]] = []
-        self._recorded_steps = max(1, round(RECORDED / scene.step_length))
+        self._steps_of_frame = max(1, round(RECORDED / scene.step_length))
         self._single_steps = 0
         self._description = {
             "kind": "scene",
@@ -380,8 +413,9 @@ class Session:
             "scenes": self._choices(),
             **scene.to_dict(),
         }
-        if self.recording:
-            self._record()
+        for frames in self._kept():
+            frames.clear()
+        self._keep_frame()
         self._changed = True
         self.tell(self._description)
 
@@ -389,5 +423,30 @@ class Session:
         choices = {self._own.name: self._own} | SCENES
         return [{"name": name, "title": each.title} for name, each in choices.items()]
 
-    def _record(self) -> None:
-        self.frames.append((self.scene.time, self.scene.march_time, self.scene.poses().copy()))
+    def _frames_in_a_file(self) -> Frames:
+        """Frames in a file without a name, which is gone with the session."""
+        file = tempfile.TemporaryFile()  # noqa: SIM115 (it is closed with the session)
+        weakref.finalize(self, file.close)
+        return Frames(file)
+
+    def _kept(self) -> list[Frames]:
+        """Where frames are kept at the moment."""
+        return [frames for frames in (self.frames, self._recording) if frames is not None]
+
+    def _keep_frame(self) -> None:
+        try:
+            for frames in self._kept():
+                frames.append(self.scene)
+        except OSError as error:
+            self.frames = None
+            self.tell({"kind": "error", "text": f"frames are no longer kept: {error.strerror}"})
+        if self._recording is not None and self._recording.is_full:
+            self._finish()
+            self.tell({"kind": "error", "text": "the recording is full, and has ended"})
+
+    def _finish(self) -> None:
+        """End the recording that a client began."""
+        if self._recording is None:
+            raise ParameterError("message", "finish", "sent while a recording goes on")
+        self.recorded, self._recording = Recorded.of(self, self._recording), None
+        self._changed = True

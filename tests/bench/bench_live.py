@@ -1,6 +1,6 @@
 """Live sessions: start, pictures a second, delay from the mouse to the body, many clients, and memory.
 
-python tests/bench/bench_live.py start clients memory    # two minutes
+python tests/bench/bench_live.py start clients memory    # a quarter of an hour
 python tests/bench/bench_live.py browser delay           # with Chromium
 """
 
@@ -26,8 +26,9 @@ from pymunk_dragon.sessions import live
 COMMAND = [sys.executable, "-m", "pymunk_dragon", "live", "--no-browser"]
 CLIENTS = sized(20, 2)
 SECONDS = sized(10.0, 0.5)
-# s of real time, at 20 times: an hour of play.
-PLAYED = sized(180.0, 1.0)
+# s of real time, at 20 times: an hour of play; and drags for each frame, so that an hour's at 60 a second are sent.
+PLAYED = sized(450.0, 1.0)
+DRAGS = 8
 
 
 @contextmanager
@@ -112,9 +113,10 @@ async def _play(address: str, pid: int, drags: bool) -> str:
             if isinstance(message.data, bytes):
                 simulated = struct.unpack_from("<d", message.data, 32)[0]
             passed = time.perf_counter() - begin
-            if drags:
+            for _ in range(DRAGS if drags else 0):
                 inputs += 1
-                await socket.send_json({"do": "drag", "x": passed % 3, "y": passed % 2})
+                x, y = (float(f"{(time.perf_counter() - begin) % size:.6g}") for size in (3, 2))
+                await socket.send_json({"do": "drag", "x": x, "y": y})
             if passed > PLAYED * (0.25, 1.0)[len(sizes)]:
                 sizes.append(psutil.Process(pid).memory_info().rss / 1e6)
             if len(sizes) == 2:

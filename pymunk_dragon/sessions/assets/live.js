@@ -16,6 +16,7 @@ class Live {
     this.charts = new LiveCharts(this.painter);
     this.sliders = new Sliders(element("parameters"), (message) => this.send(message));
     this.tools = new Tools(this);
+    this.recorder = new Recorder(this);
     this.follow = "field"; // or "head", or null for a fixed view
     this.shown = Object.fromEntries(SWITCHES.map((name) => [name, SHOWN_BY_DEFAULT.includes(name)]));
     this.drawn = 0;

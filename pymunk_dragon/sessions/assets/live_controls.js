@@ -39,13 +39,15 @@ const actionsOf = (live) => ({
   "zoom-out": () => live.zoom(1 / ZOOM_STEP),
   fit: () => live.setFollow("field"),
   follow: () => live.toggleHead(),
+  record: () => live.recorder.toggle(),
+  "recorded-close": () => live.recorder.hide(),
   help: () => element("about").showModal(),
   close: () => element("about").close(),
 });
 
 function connectButtons(live) {
   for (const [id, action] of Object.entries(actionsOf(live))) element(id).addEventListener("click", action);
-  element("save").href = `recording${location.search}`;
+  element("save").href = `inputs${location.search}`;
 }
 
 function connectFields(live) {
@@ -88,6 +90,7 @@ function keysOf(live) {
     "-": click("zoom-out"),
     0: click("fit"),
     h: click("follow"),
+    c: click("record"),
     w: () => live.pan(0, -1),
     a: () => live.pan(-1, 0),
     s: () => live.pan(0, 1),

@@ -36,7 +36,7 @@ function showState(live) {
   showSpeed(state.speed);
   element("scene").value = live.scene.name;
   element("contacts").value = state.contacts;
-  element("recording").hidden = !state.recording;
+  live.recorder.update(state);
   setText("clients", state.clients === 1 ? "1 viewer" : `${state.clients} viewers`);
   showAccess(live);
 }

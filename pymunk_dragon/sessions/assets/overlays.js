@@ -6,6 +6,7 @@ const SMALLEST_DISC = 2; // pixels: radius at a joint with a small force
 const DISC_GROWTH = 4.5; // pixels: a large force adds so much
 const SHORTEST_IMPULSE = 8; // pixels: arrow of a small impulse
 const LONGEST_IMPULSE = 52; // pixels: arrow of a large one
+const LONGEST_OF_MANY = 14; // the same where there are many contacts
 const MANY_CONTACTS = 24; // more contacts have dots in place of rings
 const CUT_MARK = 5; // pixels: half the size of the cross at a cut joint
 
@@ -72,7 +73,8 @@ function drawImpulses(painter, frame) {
     if (!view.isVisible(...contact.point, 0)) continue;
     const [px, py] = view.toScreen(...contact.point);
     const [nx, ny] = contact.normal;
-    const length = SHORTEST_IMPULSE + (LONGEST_IMPULSE - SHORTEST_IMPULSE) * impulseScale.share(contact.impulse);
+    const longest = many ? LONGEST_OF_MANY : LONGEST_IMPULSE;
+    const length = SHORTEST_IMPULSE + (longest - SHORTEST_IMPULSE) * impulseScale.share(contact.impulse);
     if (many) {
       path.moveTo(px + 2, py);
       path.arc(px, py, 2, 0, TURN);

@@ -3,6 +3,7 @@
 const JOINT_SLIP = 15; // pixels: largest distance of a click from the joint that it cuts
 const BODY_SLIP = 12; // pixels: largest distance of a touch from the body that it takes
 const MOUSE_SLIP = 3; // pixels: the same for a mouse
+const DRAG_DIGITS = 6; // significant digits of where the hand is: inputs are kept in little memory
 const TOOLS = ["drag", "cut", "round", "square", "release"];
 const ABILITY_OF_TOOL = { cut: "cut", round: "obstacles", square: "obstacles", release: "dancers" };
 // Obstacle sizes as parts of the field's shorter side.
@@ -95,7 +96,7 @@ class Tools {
   // Send where the held body is to go; once in each picture.
   flush() {
     if (!this.carried) return;
-    const [x, y] = this.live.view.toWorld(...this.carried);
+    const [x, y] = this.live.view.toWorld(...this.carried).map((value) => Number(value.toPrecision(DRAG_DIGITS)));
     if (this.sent && this.sent[0] === x && this.sent[1] === y) return;
     this.sent = [x, y];
     this.live.send({ do: "drag", x, y });

@@ -1,0 +1,219 @@
+"""What a session remembers: what was done, from which it is played again to the bit, and frames."""
+
+from __future__ import annotations
+
+import json
+import zlib
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import IO, TYPE_CHECKING, Any
+
+import numpy as np
+
+from pymunk_dragon._arrays import Array
+from pymunk_dragon._checks import whole
+from pymunk_dragon._files import read_text
+from pymunk_dragon.errors import DragonError, FileFormatError
+from pymunk_dragon.model.run_file import opened_archive
+from pymunk_dragon.sessions.messages import INPUTS, checked
+from pymunk_dragon.sessions.scenes import Scene, planned
+
+if TYPE_CHECKING:
+    from pymunk_dragon.sessions.session import Session
+
+# Inputs that are kept: some hours of a mouse that never rests.
+MAX_INPUTS = 1_000_000
+# Steps of a recording, at most.
+MAX_STEPS = 100_000_000
+# Before the poses of a frame: time, and time of the march.
+TIMES = 2
+
+
+class InputLog:
+    """Inputs, packed: a movement of a hand takes some ten bytes.
+
+    Examples
+    --------
+    >>> log = InputLog()
+    >>> log.append(3, {"do": "cut", "joint": 1})
+    >>> list(log), len(log)
+    ([(3, {'do': 'cut', 'joint': 1})], 1)
+    """
+
+    def __init__(self) -> None:
+        self._packer = zlib.compressobj()
+        self._packed = bytearray()
+        self._last: tuple[int, dict[str, Any]] | None = None
+        self._count = 0
+
+    def append(self, step: int, message: dict[str, Any]) -> None:
+        """Add a message that acted before this step."""
+        last = self._last
+        # The hand is where it was put last when the step begins.
+        moves_on = last is not None and last[0] == step and last[1]["do"] == message["do"] == "drag"
+        if last is not None and not moves_on:
+            self._packed += self._packer.compress(_line(*last))
+        self._last = step, message
+        self._count += not moves_on
+
+    def __len__(self) -> int:
+        return self._count
+
+    def __iter__(self) -> Iterator[tuple[int, dict[str, Any]]]:
+        if self._last is None:
+            return
+        text = zlib.decompressobj().decompress(bytes(self._packed) + self._packer.copy().flush()) + _line(*self._last)
+        for line in text.splitlines():
+            step, message = json.loads(line)
+            yield step, message
+
+
+def _line(step: int, message: dict[str, Any]) -> bytes:
+    return json.dumps([step, message]).encode() + b"\n"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Log:
+    """What was done to a scene since it was built.
+
+    Attributes
+    ----------
+    plan : mapping or None
+        As `Ready.plan`.
+    values : mapping
+        Values of parameters with which the scene was built.
+    steps : int
+        Number of steps.
+    inputs : list of (int, dict)
+        Numbers of the steps before which messages took effect, and these.
+    digest : str
+        Digest of all poses after the last step.
+    """
+
+    plan: Mapping[str, Any] | None
+    values: Mapping[str, float]
+    steps: int
+    inputs: list[tuple[int, dict[str, Any]]]
+    digest: str
+
+    @classmethod
+    def of(cls, session: Session) -> Log:
+        """The log of a session that does not step at the moment."""
+        return cls(
+            plan=session.source.plan,
+            values=dict(session.values),
+            steps=session.scene.steps,
+            inputs=list(session.inputs),
+            digest=session.digest(),
+        )
+
+    @classmethod
+    def load(cls, path: str | Path) -> Log:
+        """Read the log in a file that `record` wrote as .npz, or that the page saved as .json.
+
+        Raises
+        ------
+        ParameterError
+            If there is no such file, or it cannot be read.
+        FileFormatError
+            If it is no recording, or a damaged one.
+        """
+        if str(path).endswith(".json"):
+            text = read_text(path, "recording")
+            try:
+                return cls._of(json.loads(text))
+            except Exception as error:  # Whatever it is, the content is to blame.
+                raise FileFormatError(path, "no recording of a live session, or a damaged one") from error
+        with opened_archive(path) as archive:
+            return cls._of(archive.notes["provenance"]["live"])
+
+    @classmethod
+    def _of(cls, notes: Mapping[str, Any]) -> Log:
+        inputs = [(whole("step", step, 0, MAX_STEPS), checked(message)) for step, message in notes["inputs"]]
+        if len(inputs) > MAX_INPUTS or any(message["do"] not in INPUTS for _, message in inputs):
+            raise DragonError("it has inputs that change nothing")
+        if notes["plan"] is not None:
+            planned(notes["plan"])
+        return cls(
+            plan=notes["plan"],
+            values={str(name): float(value) for name, value in notes["values"].items()},
+            steps=whole("steps", notes["steps"], 0, MAX_STEPS),
+            inputs=inputs,
+            digest=str(notes["digest"]),
+        )
+
+    def to_json(self) -> str:
+        """The log as JSON, which `load` reads."""
+        return json.dumps(asdict(self), allow_nan=False)
+
+
+class Frames:
+    """Times and poses of a scene, in a file.
+
+    Parameters
+    ----------
+    file : binary file
+        An empty file, for reading and writing.
+    limit : float
+        Size, bytes, after which it is full.
+    """
+
+    def __init__(self, file: IO[bytes], limit: float = np.inf) -> None:
+        self._file, self._limit = file, limit
+
+    def clear(self) -> None:
+        """Forget all frames."""
+        self._file.seek(0)
+        self._file.truncate()
+
+    def append(self, scene: Scene) -> None:
+        """Add the present state of the scene."""
+        self._file.write(_row(scene).tobytes())
+
+    @property
+    def is_full(self) -> bool:
+        """Whether there is no room for another frame."""
+        return self._file.tell() >= self._limit
+
+    def arrays(self, scene: Scene) -> tuple[Array, Array, Array]:
+        """Times (F,) and times of the march (F,), s, and poses (F, B, 3); the last are the present ones."""
+        bodies = len(scene.bodies)
+        self._file.seek(0)
+        rows = np.frombuffer(self._file.read()).reshape(-1, TIMES + 3 * bodies)
+        if not len(rows) or rows[-1, 0] < scene.time:
+            rows = np.vstack([rows, _row(scene)])
+        return rows[:, 0], rows[:, 1], rows[:, TIMES:].reshape(len(rows), bodies, 3)
+
+
+def _row(scene: Scene) -> Array:
+    return np.concatenate([[scene.time, scene.march_time], scene.poses().ravel()])
+
+
+@dataclass(frozen=True, kw_only=True)
+class Recorded:
+    """What happened in a session up to a moment.
+
+    Attributes
+    ----------
+    scene : Scene
+        The scene, which may have gone on since.
+    log : Log
+        What was done since the scene was built.
+    times, march_times : ndarray, shape (F,)
+        Times of the frames, and of the march, s.
+    poses : ndarray, shape (F, B, 3)
+        Poses of the bodies: m, m, rad.
+    """
+
+    scene: Scene
+    log: Log
+    times: Array
+    march_times: Array
+    poses: Array
+
+    @classmethod
+    def of(cls, session: Session, frames: Frames) -> Recorded:
+        """Frames of a session that does not step at the moment."""
+        times, march_times, poses = frames.arrays(session.scene)
+        return cls(scene=session.scene, log=Log.of(session), times=times, march_times=march_times, poses=poses)
