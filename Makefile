@@ -28,7 +28,7 @@ install_extras = $(BIN)/python -c "import tomllib; extras = tomllib.load(open('p
 	&& $(BIN)/pip install --quiet --requirement $@.txt && mv $@.txt $@
 
 $(VENV)/extras: $(VENV)/core
-	@$(call install_extras,cluster curves figures live mp4 parquet report studies demos)
+	@$(call install_extras,chinese cluster curves figures live mp4 parquet report studies demos)
 
 $(VENV)/tools: $(VENV)/extras
 	@$(call install_extras,test lint)

@@ -27,6 +27,7 @@ FEATURES = {
     "scipy.optimize": ("the search for the shortest turn", "studies"),
     "scipy.stats": ("a Sobol sequence", "studies"),
     "xlsxwriter": ("an XLSX file", "report"),
+    "zhplot": ("Chinese in a picture", "chinese"),
 }
 
 
@@ -42,9 +43,9 @@ def optional_imports() -> Iterator[None]:
     try:
         yield
     except ModuleNotFoundError as error:
-        if error.name is None or (name := error.name.partition(".")[0]) not in FEATURES:
+        if error.name is None or error.name.partition(".")[0] not in FEATURES:
             raise
-        raise MissingExtraError(*FEATURES[name]) from error
+        raise missing_extra(error.name) from error
 
 
 def library(name: str) -> Any:
@@ -60,6 +61,11 @@ def library(name: str) -> Any:
     try:
         return import_module(name)
     except ImportError as error:
-        raise MissingExtraError(*(FEATURES.get(name) or FEATURES[name.partition(".")[0]])) from error
+        raise missing_extra(name) from error
     except OSError as error:
         raise OutputError(f"the cache of {name}", error.strerror or str(error)) from error
+
+
+def missing_extra(name: str) -> MissingExtraError:
+    """The error for a library that is not installed."""
+    return MissingExtraError(*(FEATURES.get(name) or FEATURES[name.partition(".")[0]]))

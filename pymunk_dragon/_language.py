@@ -1,0 +1,85 @@
+"""The language of pictures, pages and printed output: English, and translations in files `zh.toml` of the packages.
+
+A text stands in the code in English, as `text("time (s)")`. A package's `zh.toml` has a table `texts` from English to
+Chinese. Text without a translation stays English.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
+from functools import cache
+from importlib.resources import files
+from importlib.util import find_spec
+from pathlib import Path
+
+from pymunk_dragon._checks import word
+from pymunk_dragon._extras import missing_extra
+
+LANGUAGES = ("en", "zh")
+# Packages with a `zh.toml`.
+PACKAGES = ("cli", "drawing", "player", "reports", "sessions", "studies", "sweeps")
+
+_language: ContextVar[str] = ContextVar("language", default="en")
+
+
+def language() -> str:
+    """The present language."""
+    return _language.get()
+
+
+@contextmanager
+def in_language(name: str) -> Iterator[None]:
+    """Context in which texts are in this language.
+
+    Raises
+    ------
+    ParameterError
+        If it is not one of `LANGUAGES`.
+    """
+    token = _language.set(word("lang", name, LANGUAGES))
+    try:
+        yield
+    finally:
+        _language.reset(token)
+
+
+def text(english: str) -> str:
+    """A text in the present language.
+
+    Examples
+    --------
+    >>> text("time (s)")
+    'time (s)'
+    """
+    return english if language() == "en" else texts(language()).get(english, english)
+
+
+@cache
+def texts(name: str) -> Mapping[str, str]:
+    """All translations into a language."""
+    found: dict[str, str] = {}
+    for package in PACKAGES:
+        file = files("pymunk_dragon").joinpath(package, f"{name}.toml")
+        if file.is_file():
+            found |= tomllib.loads(file.read_text(encoding="utf-8"))["texts"]
+    return found
+
+
+def font() -> Path | None:
+    """File of a font with the characters of the present language; None if every font has them.
+
+    Raises
+    ------
+    MissingExtraError
+        If the font is not installed.
+    """
+    if language() == "en":
+        return None
+    # Not imported: that would change matplotlib's settings.
+    found = find_spec("zhplot")
+    if found is None or found.origin is None:
+        raise missing_extra("zhplot")
+    return Path(found.origin).with_name("fonts") / "NotoSansSC-Regular.ttf"
