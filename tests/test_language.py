@@ -49,7 +49,7 @@ def test_language_is_that_of_the_context():
 
 
 def test_other_languages_are_refused():
-    with pytest.raises(ParameterError, match="lang is .de., but must be one of en, zh"), in_language("de"):
+    with pytest.raises(ParameterError, match=r"one of en, zh$"), in_language("de"):
         pass
 
 
