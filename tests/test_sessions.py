@@ -1003,6 +1003,27 @@ def test_recorded_session_becomes_a_film(name, tmp_path):
     assert lasts / 1000 == pytest.approx(2.0 if name == "dragon" else 1.0, abs=0.15)
 
 
+def test_film_shows_an_obstacle_from_when_it_was_put_until_it_was_removed(tmp_path):
+    with played(dragon(SHORT), record=True) as on:
+        on.run(0.5)
+        on.do("obstacle", shape="square", x=0.0, y=0.0, size=2.0)
+        on.run(0.5)
+        on.do("remove", obstacle=1)
+        on.run(0.5)
+        digest = on.session.digest()
+    record(on.session, tmp_path / "session.gif")
+    assert on.session.digest() == digest
+    with Image.open(tmp_path / "session.gif") as film:
+        colours = []
+        for frame in range(film.n_frames):
+            film.seek(frame)
+            colours.append(film.convert("RGB").getcolors(1000))
+    # Most of the pixels that are not white are the obstacle's.
+    white = [{colour: count for count, colour in found}[255, 255, 255] for found in colours]
+    assert white[len(white) // 2] < white[0] - 2000
+    assert white[-1] == pytest.approx(white[0], abs=1000)
+
+
 def test_recorded_dragon_is_a_run(tmp_path):
     with played(dragon(SHORT), record=True) as on:
         on.run(1.0)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import IO
@@ -22,12 +22,19 @@ from pymunk_dragon.model.run import Run, engine_provenance
 from pymunk_dragon.model.run_file import write_archive
 from pymunk_dragon.sessions.log import Frames, Recorded
 from pymunk_dragon.sessions.scenes import DragonScene, Scene
+from pymunk_dragon.sessions.scenes.base import ANCHORS
 from pymunk_dragon.sessions.session import Session
 
 # Endings of files of recordings.
 RECORDING_ENDINGS = (".npz", *formats.WRITERS)
-# Frames a second, and pixels of a film of a space that is no dragon.
+# Frames a second of a film, and pixels of one by Pymunk's debug drawing.
 FPS, SIZE = 20, (640, 480)
+# Radius of the ends of a joint, pixels.
+JOINT_SIZE = 3
+# The area of a film is at most so many times as large as the scene's.
+LARGEST_FIELD = 2.0
+# Inputs whose effects a run does not show.
+NOT_IN_RUNS = {"cut", "obstacle"}
 # Colours of such a film: one index means transparent.
 COLOURS = 255
 
@@ -61,10 +68,20 @@ def record(session: Session, path: str | Path, progress: Progress | None = None)
         save(recorded, destination)
     elif len(recorded.times) < 2:
         raise ParameterError("record", str(path), "a file of a session with at least two frames")
-    elif isinstance(recorded.scene, DragonScene):
+    elif _is_march(recorded):
         write_film(_run(recorded), destination, Film(speedup=1, fps=FPS), progress)
     else:
-        _film(recorded, destination, progress)
+        _film(session, recorded, destination, progress)
+
+
+def _is_march(recorded: Recorded) -> bool:
+    """Whether the film of a run shows all there was: it has neither obstacles nor joints that were cut."""
+    scene = recorded.scene
+    return (
+        isinstance(scene, DragonScene)
+        and not scene.obstacles
+        and NOT_IN_RUNS.isdisjoint(message["do"] for _, message in recorded.log.inputs)
+    )
 
 
 def save(recorded: Recorded, file: Path | IO[bytes]) -> None:
@@ -91,37 +108,72 @@ def _run(recorded: Recorded) -> Run:
     )
 
 
-def _film(recorded: Recorded, destination: Path, progress: Progress | None) -> None:
-    """Write a film of a space that is no dragon."""
-    scene, times, poses = recorded.scene, recorded.times, recorded.poses
-    ends = np.append(times[1:], 2 * times[-1] - times[-2]) - times[0]
-    table = _picture(scene, poses[0]).quantize(COLOURS)
+def _film(session: Session, recorded: Recorded, destination: Path, progress: Progress | None) -> None:
+    """Write a film of a replay by Pymunk's debug drawing; at its end the session is where it was."""
+    log, times = recorded.log, recorded.times
+    field = _field(recorded)
+    last = _picture(session.scene, field)
+    session.play_again(log.inputs, log.values, log.steps)
+    table = _table([_picture(session.scene, field), last, _obstacle()])
     colours = np.zeros((256, 3), dtype=np.uint8)
     known = np.array(table.getpalette(), dtype=np.uint8).reshape(-1, 3)
     colours[: len(known)] = known
-    pictures = _indexed(scene, poses, table, progress)
+    ends = np.append(times[1:], 2 * times[-1] - times[-2]) - times[0]
+    pictures = _pictures(session, field, times, table, progress)
     with written_in_place(destination) as draft:
         film = formats.Frames(pictures=pictures, ends=ends.tolist(), size=SIZE, colours=colours, fps=FPS)
         formats.WRITERS[destination.suffix.lower()](draft, film)
 
 
-def _indexed(scene: Scene, poses: Array, table: Image.Image, progress: Progress | None) -> Iterator[Image.Image]:
-    """Pictures of the scene's bodies at `poses` (F, B, 3), as indices of the colours of `table`."""
-    for done, frame in enumerate(poses, start=1):
-        picture = _picture(scene, frame).quantize(palette=table, dither=Image.Dither.NONE)
+def _table(pictures: Sequence[Image.Image]) -> Image.Image:
+    """An image with a table of the colours of all pictures."""
+    return Image.fromarray(np.concatenate([np.asarray(picture) for picture in pictures])).quantize(COLOURS)
+
+
+def _obstacle() -> Image.Image:
+    """Picture of an obstacle, which may stand only for a while."""
+    space = pymunk.Space()
+    space.add(pymunk.Circle(space.static_body, 1))
+    return _picture(Scene(space), pymunk.BB(-1, -1, 1, 1))
+
+
+def _pictures(
+    session: Session, field: pymunk.BB, times: Array, table: Image.Image, progress: Progress | None
+) -> Iterator[Image.Image]:
+    """Pictures of a session that is replayed, as indices of the colours of `table`, at times (F,), s."""
+    for done, time in enumerate(times, start=1):
+        session.step_to(time)
+        picture = _picture(session.scene, field).quantize(palette=table, dither=Image.Dither.NONE)
         yield Image.frombytes("L", picture.size, picture.tobytes())
         if progress is not None:
-            progress(done, len(poses))
+            progress(done, len(times))
 
 
-def _picture(scene: Scene, poses: Array) -> Image.Image:
-    """Picture of the scene's bodies at `poses` (B, 3) by Pymunk's debug drawing."""
+def _field(recorded: Recorded) -> pymunk.BB:
+    """The area where bodies and obstacles are, unless it is much larger than the scene's."""
+    scene = recorded.scene
+    centre, half = np.array(scene.field["centre"]), np.array(scene.field["size"]) / 2
+    put = [message for _, message in recorded.log.inputs if message["do"] == "obstacle"] + [*scene.obstacles.values()]
+    boxes = [(each["x"], each["y"], each["size"] / 2) for each in put]
+    points = np.array([(x + side * size, y + side * size) for x, y, size in boxes for side in (-1, 1)])
+    points = np.vstack([centre - half, centre + half, recorded.poses[..., :2].reshape(-1, 2), points.reshape(-1, 2)])
+    points = np.clip(points, centre - LARGEST_FIELD * half.max(), centre + LARGEST_FIELD * half.max())
+    return pymunk.BB(*points.min(axis=0), *points.max(axis=0))
+
+
+def _picture(scene: Scene, field: pymunk.BB) -> Image.Image:
+    """Picture of an area of the scene by Pymunk's debug drawing."""
     picture = Image.new("RGB", SIZE, "white")
     options = PillowDrawOptions(picture, positive_y_is_up=True)
-    for body, (x, y, angle) in zip(scene.bodies, poses.tolist(), strict=True):
-        body.position, body.angle = (x, y), angle
-        scene.space.reindex_shapes_for_body(body)
-    (x, y), (width, height) = scene.field["centre"], scene.field["size"]
-    options.fit(pymunk.BB(x - width / 2, y - height / 2, x + width / 2, y + height / 2))
+    options.fit(field)
+    options.flags &= ~options.DRAW_CONSTRAINTS
     scene.space.debug_draw(options)
+    for joint in scene.standing_joints():
+        a, b = (
+            options.transform @ body.local_to_world(getattr(joint, anchor, (0, 0)))
+            for body, anchor in zip((joint.a, joint.b), ANCHORS, strict=True)
+        )
+        options.draw_segment(a, b, options.constraint_color)
+        options.draw_dot(JOINT_SIZE, a, options.constraint_color)
+        options.draw_dot(JOINT_SIZE, b, options.constraint_color)
     return picture

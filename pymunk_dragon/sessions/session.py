@@ -183,13 +183,18 @@ class Session:
     def play_again(self, inputs: Sequence[tuple[int, dict[str, Any]]], values: Mapping[str, float], steps: int) -> None:
         """Build the scene with these values, and carry out inputs before the steps of these numbers, up to `steps`.
 
-        Only before `start`.
+        Only before `start` and after `stop`.
         """
         self._rebuild(values)
         self.replay.extend(inputs)
         self.replayed_steps = steps
         self._replayed.clear()
         self._replay()
+
+    def step_to(self, time: float) -> None:
+        """Make the steps of a replay up to this time, s, while the thread does not run."""
+        while self.replayed_steps is not None and self.scene.time < time - self.scene.step_length / 2:
+            self._step()
 
     def touch(self) -> None:
         """Have the state told again."""

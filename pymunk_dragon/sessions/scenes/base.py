@@ -300,6 +300,11 @@ class Scene:
         with np.errstate(over="ignore"):
             return head + b"".join(part.astype("<f4").tobytes() for part in parts)
 
+    def standing_joints(self) -> list[pymunk.Constraint]:
+        """Joints that were not cut, and that of the hand."""
+        held = [] if self._held is None else [self._held]
+        return [joint for number, joint in enumerate(self.joints) if number not in self.cuts] + held
+
     def _exact(self) -> tuple[Array, Array]:
         """Poses (E, 3) of the exact bodies, and the position errors (E,), m; empty if there are none."""
         return np.empty((0, 3)), np.empty(0)
