@@ -47,9 +47,8 @@ class Separation(ArrayRecord):
         Unit vector from the first towards the second: between their closest points, or along the shortest separation.
         Moving the second along it by `-distance` makes overlapping ones touch.
     point : ndarray, shape (..., 2)
-        Midway between the closest points, m. For overlapping ones: midway between where they touch once they are
-        parted along the normal, half of the way by each, so a corner that has sunk into an edge is half its depth ahead
-        of this point. Where two parallel edges face each other, one of the points between them.
+        Midway between the closest points, m. For overlapping ones: midway between where they touch once each has moved
+        along the normal by half the depth, so a corner that overlaps an edge is half its depth ahead of this point. Where two parallel edges face each other, one of the points between them.
 
     Examples
     --------
@@ -84,7 +83,7 @@ def separation(first: ArrayLike, second: ArrayLike) -> Separation:
     Returns
     -------
     Separation
-        Arrays of the broadcast leading shape, right to a few units in the last place of the largest coordinate.
+        Arrays of the broadcast leading shape, right to a few last digits of the largest coordinate.
 
     Raises
     ------

@@ -203,7 +203,7 @@ class World:
         """Add the pivots and the guide's joints, from head to tail: the solver takes them in this order.
 
         On rails, all pivots before the guide leave half the error of pivots and guide in turn after few iterations.
-        Where contact forces load the joints, it is the other way round.
+        Where contact forces load the joints, the opposite order leaves less.
         """
         half = self.march.dragon.spacings / 2
         self.pivots: list[pymunk.PivotJoint] = []
@@ -326,7 +326,7 @@ class World:
     def _warm_start(self, state: States) -> None:
         """Set the benches to the exact `state` at the start, and warm-start the joints' impulses there.
 
-        The solver begins each step with the impulses of the step before. Without a warm start the drag would stretch
+        The solver begins each step with the impulses of the step before. Without a warm start the drag would lengthen
         the chain in the first second by more than the drift of the whole march.
         """
         poses, velocities = state.poses[0], state.pose_velocities[0]

@@ -29,7 +29,7 @@ MAX_COLUMNS = 16_384
 MAX_TEXT = 32_767
 # Creation date in the file's properties: constant, in the year of the contest, so that equal contents give equal bytes.
 CREATED = datetime(2024, 9, 5)
-# Options of XlsxWriter: text stays text, also where it looks like a formula, a number or an address.
+# Options of XlsxWriter: text stays text, also where it could be read as a formula, a number or an address.
 TEXT_OPTIONS = {"strings_to_formulas": False, "strings_to_numbers": False, "strings_to_urls": False}
 # Characters: width of a column of values in a table.
 VALUE_WIDTH = 14

@@ -197,7 +197,7 @@ class Session:
             self._step()
 
     def touch(self) -> None:
-        """Have the state told again."""
+        """Send the state again after the next step."""
         self._changed = True
 
     def digest(self) -> str:

@@ -256,7 +256,7 @@ class Curve(ABC):
     def nearest(self, parameters: Array, handles_s: Array, spacings: Array) -> Flags:
         """Whether each handle of chains (T,), with parameters and coordinates (T, H), is the nearest one back.
 
-        The straight distances are the spacings; what is asked is whether they grow over the whole arcs between.
+        The straight distances are the spacings; they have to grow over the whole arcs between.
         """
         return chain.nearest(self, handles_s, spacings)
 

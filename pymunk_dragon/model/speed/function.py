@@ -24,7 +24,7 @@ DEGREE = 24
 # Number of last coefficients of a piece that decide whether its fit is good enough.
 LAST = 4
 # Their largest share, integrated over the piece, of the distance in the block: the distances of all pieces of a block
-# are then accurate to a few units in the last place of the block's distance.
+# are then accurate to a few last digits of the block's distance.
 GOOD = 1e-14
 # s. A kink is negligible in a piece of a microsecond; a difference that remains within a nanosecond is a jump.
 MIN_PIECE = 1e-9
@@ -117,7 +117,7 @@ class SpeedFunction:
         return np.where(np.isfinite(t), distances.reshape(t.shape), t)
 
     def time(self, distance: ArrayLike) -> Array:
-        """As in `Speed`: Newton's method within a bracket, to the last places."""
+        """As in `Speed`: Newton's method within a bracket, to the last digits."""
         distance = np.asarray(distance, dtype=float)
         flat = np.where(np.isfinite(distance), distance, 0.0).ravel()
         fit = self._covering(flat)

@@ -165,7 +165,7 @@ _READY = (
     Ready(
         name="unguided",
         title="Without dancers",
-        text="Nobody guides the benches. Which two touch first?",
+        text="No bench is guided. Which two touch first?",
         lesson="unguided",
         build=lambda values: DragonScene(March(), values, contacts="stop", free_from=1),
     ),
@@ -188,7 +188,7 @@ _READY = (
     Ready(
         name="jam",
         title="A jam",
-        text="An obstacle is in the way. Move it, or see what the joints bear.",
+        text="The path is blocked. Remove the obstacle, or see which forces the joints bear.",
         lesson="callbacks",
         build=_jam,
     ),
@@ -209,7 +209,7 @@ _READY = (
     Ready(
         name="cradle",
         title="Newton's cradle",
-        text="One ball swings in. How many swing out? Then take longer steps.",
+        text="One ball hits the others. How many fly off? Then take longer steps.",
         lesson="engine",
         build=_cradle,
     ),

@@ -97,12 +97,12 @@ def _slice(content: Content, others: Sequence[int]) -> Indices | None:
 
     Candidates are slices with at least half as many points as the fullest one. None if the points are samples.
     """
-    places, which, size = np.unique(content.points[:, others], axis=0, return_inverse=True, return_counts=True)
+    slices, which, size = np.unique(content.points[:, others], axis=0, return_inverse=True, return_counts=True)
     if size.max(initial=0) < MIN_SLICE:
         return None
     low, high = np.array([content.limits[axis] for axis in others]).T
     aim = np.array([content.reference.get(content.names[axis], np.mean(content.limits[axis])) for axis in others])
-    distance = np.hypot.reduce((places - aim) / (high - low), axis=1)
+    distance = np.hypot.reduce((slices - aim) / (high - low), axis=1)
     nearest = np.where(2 * size >= size.max(), distance, np.inf).argmin()
     return np.flatnonzero(which.ravel() == nearest)
 

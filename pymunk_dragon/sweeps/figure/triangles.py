@@ -113,10 +113,10 @@ def pieces(points: Array, classes: Indices, values: Array) -> Pieces | None:
         jumps.append((nodes.middle(own, after), centre))
     used, corners = np.unique(np.concatenate(parts), return_inverse=True)
     ends = np.concatenate([np.stack(pair, axis=1) for pair in jumps])
-    places, source = nodes.points_of(used), nodes.source_of(used)
+    positions, source = nodes.points_of(used), nodes.source_of(used)
     return Pieces(
-        points=places,
-        values=_continued(points, triangles, classes, values, places, source),
+        points=positions,
+        values=_continued(points, triangles, classes, values, positions, source),
         source=source,
         triangles=corners.reshape(-1, 3),
         jumps=nodes.points_of(ends.ravel()).reshape(-1, 2, 2),
@@ -210,9 +210,9 @@ def _with_better_diagonals(points: Array, triangles: Indices, classes: Indices, 
 
 
 def _continued(
-    points: Array, triangles: Indices, classes: Indices, values: Array, places: Array, source: Indices
+    points: Array, triangles: Indices, classes: Indices, values: Array, positions: Array, source: Indices
 ) -> Array:
-    """Values at `places` (K, 2): linear continuations from the points `source`, with their gradients in their classes.
+    """Values at `positions` (K, 2): linear continuations from the points `source`, with their gradients in their classes.
 
     Gradients are least-squares solutions over the edges to points of the same class, of least norm where the edges have
     one direction. A continuation changes by no more than an edge does.
@@ -227,7 +227,7 @@ def _continued(
     np.add.at(sides, begin, along * rise[:, None])
     np.maximum.at(steepest, begin, np.abs(values[end] - values[begin]))
     gradients = np.einsum("pij,pj->pi", np.linalg.pinv(matrices, rcond=ONE_DIRECTION, hermitian=True), sides)
-    change = ((places - points[source]) * gradients[source]).sum(axis=1)
+    change = ((positions - points[source]) * gradients[source]).sum(axis=1)
     continued: Array = values[source] + np.clip(change, -steepest[source], steepest[source])
     return continued
 
