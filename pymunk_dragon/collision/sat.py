@@ -48,7 +48,8 @@ class Separation(ArrayRecord):
         Moving the second along it by `-distance` makes overlapping ones touch.
     point : ndarray, shape (..., 2)
         Midway between the closest points, m. For overlapping ones: midway between where they touch once each has moved
-        along the normal by half the depth, so a corner that overlaps an edge is half its depth ahead of this point. Where two parallel edges face each other, one of the points between them.
+        along the normal by half the depth, so a corner that overlaps an edge is half its depth ahead of this point.
+        Where two parallel edges face each other, one of the points between them.
 
     Examples
     --------

@@ -212,7 +212,7 @@ def _with_better_diagonals(points: Array, triangles: Indices, classes: Indices, 
 def _continued(
     points: Array, triangles: Indices, classes: Indices, values: Array, positions: Array, source: Indices
 ) -> Array:
-    """Values at `positions` (K, 2): linear continuations from the points `source`, with their gradients in their classes.
+    """Values at `positions` (K, 2), continued linearly from the points `source` with their gradients in their classes.
 
     Gradients are least-squares solutions over the edges to points of the same class, of least norm where the edges have
     one direction. A continuation changes by no more than an edge does.
