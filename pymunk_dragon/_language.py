@@ -6,16 +6,13 @@ Chinese. Text without a translation stays English.
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from functools import cache
-from importlib.resources import files
 from importlib.util import find_spec
 from pathlib import Path
 
-from pymunk_dragon._checks import word
 from pymunk_dragon._extras import missing_extra
 
 LANGUAGES = ("en", "zh")
@@ -39,6 +36,8 @@ def in_language(name: str) -> Iterator[None]:
     ParameterError
         If it is not one of `LANGUAGES`.
     """
+    from pymunk_dragon._checks import word
+
     token = _language.set(word("lang", name, LANGUAGES))
     try:
         yield
@@ -60,6 +59,9 @@ def text(english: str) -> str:
 @cache
 def texts(name: str) -> Mapping[str, str]:
     """All translations into a language."""
+    import tomllib
+    from importlib.resources import files
+
     found: dict[str, str] = {}
     for package in PACKAGES:
         file = files("pymunk_dragon").joinpath(package, f"{name}.toml")

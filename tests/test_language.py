@@ -66,3 +66,16 @@ def test_without_the_font_the_extra_is_named(monkeypatch):
     monkeypatch.setattr("pymunk_dragon._language.find_spec", lambda name: None)
     with in_language("zh"), pytest.raises(MissingExtraError, match="chinese"):
         font()
+
+
+def test_language_of_a_command_is_an_option_or_of_the_environment(call, monkeypatch):
+    english, chinese = (call("demo", *arguments)[1] for arguments in ([], ["--lang", "zh"]))
+    assert english != chinese
+    monkeypatch.setenv("PYMUNK_DRAGON_LANG", "zh")
+    assert call("demo")[1] == chinese
+    assert call("demo", "--lang", "en")[1] == english
+    assert language() == "en"
+    monkeypatch.setenv("PYMUNK_DRAGON_LANG", "fr")
+    code, _, err = call("positions")
+    assert code == 2
+    assert "PYMUNK_DRAGON_LANG is 'fr', but must be one of en, zh" in err

@@ -17,7 +17,7 @@ from io import TextIOWrapper
 import click
 
 from pymunk_dragon import __version__
-from pymunk_dragon.cli.options import PROGRAM, named_flags
+from pymunk_dragon.cli.options import PROGRAM
 from pymunk_dragon.errors import (
     DragonError,
     FileFormatError,
@@ -123,8 +123,6 @@ def _complain(message: str, code: int) -> int:
 def _command(name: str) -> click.Command:
     """Import a command."""
     command: click.Command = getattr(import_module(f"{__name__}.{name}"), name)
-    assert command.callback is not None
-    command.callback = named_flags(command.callback)
     return command
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from pymunk_dragon.cli.command import DragonCommand
 from pymunk_dragon.cli.options import (
     destination_of,
     json_option,
@@ -28,7 +29,7 @@ METHODS = ("exact", "grid", "engine")
 SETTINGS_OF = {"step": "grid", "tolerance": "grid", "fine": "engine"}
 
 
-@click.command()
+@click.command(cls=DragonCommand)
 @scenario_options
 @click.option("--method", type=click.Choice(METHODS), default="exact", help="Search method.  [exact]")
 @click.option("--compare", is_flag=True, help="Run all three, and print their results side by side.")

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import click
 
 from pymunk_dragon._extras import library
+from pymunk_dragon._language import language
+from pymunk_dragon.cli.command import DragonCommand
 from pymunk_dragon.cli.options import destination_of, json_option, output_option
 from pymunk_dragon.cli.output import print_json, progress
 from pymunk_dragon.errors import ParameterError
@@ -15,22 +15,20 @@ from pymunk_dragon.errors import ParameterError
 ALL = "all"
 
 
-@click.command()
+@click.command(cls=DragonCommand)
 @click.argument("name", required=False)
 @click.option("--save", metavar="DIR", help="Folder for the picture.  [a temporary one]")
-@click.option("--lang", "language", default="en", metavar="LANG", help="Language of the text: en or zh.  [en]")
 @click.option("--pause", is_flag=True, help="Wait for Enter once the class has made its guess.")
 @json_option
 @output_option(".html, a page of the lesson, or of all; .ipynb, its notebook; .py, its program")
-def demo(name: str | None, save: str | None, language: str, pause: bool, as_json: bool, output: str | None) -> None:
+def demo(name: str | None, save: str | None, pause: bool, as_json: bool, output: str | None) -> None:
     """Play a lesson by its name or number, or all; without a name, list them.
 
     Each has a question, a prediction, a run, the answer, a number to check and something to try.
     """
     from pymunk_dragon.lessons import LESSONS, Terminal, play, record, write_lessons
-    from pymunk_dragon.lessons._framework import PARTS, check_language, endings
+    from pymunk_dragon.lessons._framework import PARTS, endings
 
-    check_language(language)
     name = _lesson_of(name, list(LESSONS))
     lessons = list(LESSONS.values()) if name in (None, ALL) else [LESSONS[name]]
     if (save is not None or pause) and (name is None or output is not None):
@@ -41,25 +39,26 @@ def demo(name: str | None, save: str | None, language: str, pause: bool, as_json
             write_lessons(
                 lessons,
                 destination,
-                language=language,
+                language=language(),
                 progress=lambda done, total: show(done, total, f"lesson {done} of {total}"),
             )
         if as_json:
             print_json({"output": str(destination), "bytes": destination.stat().st_size})
     elif name is None:
-        _list({lesson.name: lesson.text("title", language) for lesson in lessons}, language, as_json)
+        _list({lesson.name: lesson.text("title", language()) for lesson in lessons}, as_json)
     elif as_json:
         if name == ALL:
             raise click.UsageError("--json is for one lesson: give its name")
         recording = record(LESSONS[name], save)
-        result: dict[str, Any] = {"lesson": name, "said": {part: LESSONS[name].text(part, language) for part in PARTS}}
-        print_json(result | {"printed": recording.printed, "picture": str(recording.file) if save else None})
+        said = {part: LESSONS[name].text(part, language()) for part in PARTS}
+        result = {"lesson": name, "said": said, "printed": recording.printed}
+        print_json(result | {"picture": str(recording.file) if save else None})
     else:
         for each in lessons:
             for needed in each.libraries:
                 library(needed)
         for each in lessons:
-            play(each, Terminal(save, language, pause))
+            play(each, Terminal(save, language(), pause))
 
 
 def _lesson_of(name: str | None, known: list[str]) -> str | None:
@@ -75,13 +74,13 @@ def _lesson_of(name: str | None, known: list[str]) -> str | None:
     return name
 
 
-def _list(titles: dict[str, str], language: str, as_json: bool) -> None:
+def _list(titles: dict[str, str], as_json: bool) -> None:
     """Print the names and titles of the lessons."""
     from pymunk_dragon.lessons._framework import check_output
 
     if as_json:
         print_json({"lessons": titles})
     else:
-        check_output(language)
+        check_output(language())
         for number, (name, title) in enumerate(titles.items(), start=1):
             click.echo(f"{number:>2}  {name:<14} {title}")

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from pymunk_dragon.cli.command import DragonCommand
 from pymunk_dragon.cli.options import (
     chosen,
     destination_of,
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
     from pymunk_dragon.drawing.snapshots import Source
 
 
-@click.command()
+@click.command(cls=DragonCommand)
 @click.argument("name", required=False)
 @click.argument("run_file", metavar="[RUN.npz]", required=False)
 @scenario_options

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from pymunk_dragon.cli.command import DragonCommand
 from pymunk_dragon.cli.options import chosen, destination_of, march_of, scenario_options, start_option
 from pymunk_dragon.cli.output import progress
 
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
     from pymunk_dragon.sessions.session import Session
 
 
-@click.command()
+@click.command(cls=DragonCommand)
 @click.argument("scene", required=False)
 @scenario_options
 @start_option

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from decimal import Decimal
-from functools import wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -79,20 +78,7 @@ def chosen() -> dict[str, Any]:
     return found
 
 
-def named_flags(command: Command) -> Command:
-    """Wrap a command so that its errors name a flag instead of the parameter that gets its value."""
-
-    @wraps(command)
-    def wrapper(*arguments: Any, **options: Any) -> Any:
-        try:
-            return command(*arguments, **options)
-        except (ParameterError, FileFormatError) as error:
-            raise _named_by_flag(error) from error
-
-    return wrapper  # type: ignore[return-value]  # It takes and returns the same.
-
-
-def _named_by_flag(error: ParameterError | FileFormatError) -> Exception:
+def named_by_flag(error: ParameterError | FileFormatError) -> Exception:
     """The error with the name of a flag, if a flag has the parameter's name or, failing that, its number."""
     context = click.get_current_context()
     given = context.params | chosen()

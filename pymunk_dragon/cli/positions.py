@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from pymunk_dragon.cli.command import DragonCommand
 from pymunk_dragon.cli.options import (
     destination_of,
     json_option,
@@ -31,7 +32,7 @@ COLUMNS = ("time_s", "handle", "x_m", "y_m", "speed_m_s")
 MAX_TABLE = 20_000_000
 
 
-@click.command()
+@click.command(cls=DragonCommand)
 @scenario_options
 @click.option("--times", metavar="LIST", help=f"Times, s: 0,60,120 or 0:300:1.  [{TABLE_TIMES}]")
 @click.option("--handles", metavar="LIST", help="Handles.  [those of the paper's tables]")

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from pymunk_dragon.cli.command import DragonCommand
 from pymunk_dragon.cli.options import (
     Command,
     destination_of,
@@ -61,7 +62,7 @@ def marks() -> tuple[Any, ...]:
     return tuple(click.get_current_context().meta.get("marks", ()))
 
 
-@click.command()
+@click.command(cls=DragonCommand)
 @click.argument("run_files", metavar="[RUN.npz]...", nargs=-1)
 @scenario_options
 @click.option("--exact", is_flag=True, help="Show the exact model beside the run.")

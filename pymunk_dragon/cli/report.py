@@ -6,11 +6,12 @@ from pathlib import Path
 
 import click
 
+from pymunk_dragon.cli.command import DragonCommand
 from pymunk_dragon.cli.options import destination_of, json_option, output_option
 from pymunk_dragon.cli.output import print_json, progress, wrote
 
 
-@click.command()
+@click.command(cls=DragonCommand)
 @click.argument("run_file", metavar="RUN.npz")
 @json_option
 @output_option(".html, .md, .xlsx, .csv or .json.  [RUN.html]")

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from pymunk_dragon.cli.command import DragonCommand
 from pymunk_dragon.cli.options import (
     destination_of,
     json_option,
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
     from pymunk_dragon.model.settings import Contacts, EngineSettings
 
 
-@click.command()
+@click.command(cls=DragonCommand)
 @scenario_options
 @start_option
 @click.option("--until", type=float, metavar="T", help="Last time, s.  [the end of the curve]")

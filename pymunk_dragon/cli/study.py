@@ -8,6 +8,7 @@ from typing import Any
 
 import click
 
+from pymunk_dragon.cli.command import DragonCommand
 from pymunk_dragon.cli.options import chosen, destination_of, json_option, output_option, scenario_options
 from pymunk_dragon.cli.output import print_json, progress, write_json
 
@@ -15,7 +16,7 @@ from pymunk_dragon.cli.output import print_json, progress, write_json
 LIBRARIES = {".png": "matplotlib", ".svg": "matplotlib", ".pdf": "matplotlib", ".xlsx": "xlsxwriter"}
 
 
-class _StudyCommand(click.Command):
+class _StudyCommand(DragonCommand):
     """The command `study`. Options of single studies come from these, which are imported when the command is run."""
 
     def make_context(

@@ -9,6 +9,7 @@ from time import perf_counter
 
 import click
 
+from pymunk_dragon.cli.command import DragonCommand
 from pymunk_dragon.cli.options import chosen, json_option, number_list, scenario_options
 from pymunk_dragon.cli.output import print_json, progress
 from pymunk_dragon.errors import DragonError, ParameterError
@@ -16,7 +17,7 @@ from pymunk_dragon.errors import DragonError, ParameterError
 AXIS = "NAME=VALUES, such as pitch=0.4:0.8:0.01 or benches=50,100, or with --samples an interval, pitch=0.4:0.8"
 
 
-@click.command()
+@click.command(cls=DragonCommand)
 @scenario_options
 @click.option("--axis", multiple=True, metavar="NAME=VALUES", help="Parameter and its values; one for each axis.")
 @click.option(
