@@ -11,6 +11,9 @@ from numpy.typing import NDArray
 
 from pymunk_dragon.errors import ParameterError
 
+# Characters of a word of which similar ones are sought: the search takes time that grows with its square.
+MAX_WORD = 40
+
 
 def finite(name: str, value: object, low: float, high: float, unit: str) -> float:
     """`value` as a float, if it is a finite number within [low, high]."""
@@ -41,7 +44,15 @@ def word(name: str, value: object, words: Iterable[str]) -> str:
     known = list(words)
     if isinstance(value, str) and value in known:
         return value
-    raise ParameterError(name, value, "one of " + ", ".join(known))
+    raise ParameterError(name, value, f"one of {', '.join(known)}{did_you_mean(value, known)}")
+
+
+def did_you_mean(value: object, words: Iterable[str]) -> str:
+    """End of a message about a word that is none of `words`: the most similar one, if one is similar."""
+    from difflib import get_close_matches
+
+    similar = get_close_matches(value, words, n=1) if isinstance(value, str) and len(value) <= MAX_WORD else []
+    return f": did you mean {similar[0]}?" if similar else ""
 
 
 def answer(method: str, value: object, given: tuple[int, ...], tail: tuple[int, ...] = ()) -> NDArray[np.float64]:

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import os
+import pty
 import signal
+import subprocess
+import sys
 import tempfile
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from pathlib import Path
 
 import hypothesis
@@ -102,6 +106,26 @@ def call(capsys):
         with pytest.raises(SystemExit) as stopped:
             main([str(argument) for argument in arguments])
         return stopped.value.code, *capsys.readouterr()
+
+    return called
+
+
+@pytest.fixture
+def terminal():
+    """Call the program in a terminal: what the terminal shows, with exit code 0."""
+
+    def called(*arguments):
+        mine, theirs = pty.openpty()
+        command = [sys.executable, "-m", "pymunk_dragon", *map(str, arguments)]
+        with subprocess.Popen(command, stdin=theirs, stdout=theirs, stderr=theirs) as process:
+            os.close(theirs)
+            shown = b""
+            with suppress(OSError):  # Linux raises one when the other side is closed.
+                while part := os.read(mine, 4096):
+                    shown += part
+        os.close(mine)
+        assert process.returncode == 0, shown
+        return shown.decode().replace("\r\n", "\n")
 
     return called
 

@@ -17,6 +17,7 @@ from io import TextIOWrapper
 import click
 
 from pymunk_dragon import __version__
+from pymunk_dragon.cli.hints import option_hint
 from pymunk_dragon.cli.options import PROGRAM
 from pymunk_dragon.errors import (
     DragonError,
@@ -29,16 +30,10 @@ from pymunk_dragon.errors import (
 
 # The commands. Each is a function in the module of its name.
 COMMANDS = ("positions", "contact", "simulate", "render", "figure", "report", "study", "sweep", "demo", "live")
-# Words for options in other programs, and the options here.
-OTHER_WORDS = {
-    "--dt": "--substep",
-    "--timestep": "--substep",
-    "--to": "--until",
-    "--duration": "--until",
-    "--end": "--until",
-    "--start": "--from",
-    "--out": "--output",
-}
+# Environment variable with which a shell demands completions, as Click names it.
+COMPLETE_VARIABLE = "_PYMUNK_DRAGON_COMPLETE"
+# Commands for the start, in the help of the program.
+EXAMPLES = ("demo spiral", "contact", "simulate --from 400 -o run.npz", "render run.npz", "report run.npz")
 # Exit codes.
 DONE = 0
 FAILED = 1
@@ -55,6 +50,10 @@ def status(arguments: list[str] | None = None) -> int:
     """Run the program and return its exit code."""
     _open_streams()
     try:
+        if COMPLETE_VARIABLE in os.environ:
+            from click.shell_completion import shell_complete
+
+            return shell_complete(cli, {}, PROGRAM, COMPLETE_VARIABLE, os.environ[COMPLETE_VARIABLE])
         # Not `cli.main`, which prints an empty line when it is interrupted.
         with cli.make_context(PROGRAM, list(sys.argv[1:] if arguments is None else arguments)) as context:
             cli.invoke(context)
@@ -65,10 +64,7 @@ def status(arguments: list[str] | None = None) -> int:
     except click.exceptions.NoArgsIsHelpError as error:
         return _complain(error.format_message(), BAD_INPUT)
     except click.NoSuchOption as error:
-        message, same = one_line(error.format_message()), OTHER_WORDS.get(error.option_name)
-        if same in _flags(error.ctx):
-            message = f"there is no option {error.option_name}: use {same}"
-        return _complain(f"{PROGRAM}: {message}", BAD_INPUT)
+        return _complain(f"{PROGRAM}: {one_line(option_hint(error))}", BAD_INPUT)
     except click.ClickException as error:
         return _complain(f"{PROGRAM}: {one_line(error.format_message())}", BAD_INPUT)
     except (ParameterError, UnreachableError, FileFormatError, MissingExtraError) as error:
@@ -89,11 +85,6 @@ def status(arguments: list[str] | None = None) -> int:
         return _complain(f"{PROGRAM}: cannot read or write: {what}{error.strerror or error}", FAILED)
     except MemoryError:
         return _complain(f"{PROGRAM}: not enough memory for a dragon of this size", FAILED)
-
-
-def _flags(context: click.Context | None) -> list[str]:
-    """All flags of the command in which an error arose."""
-    return [] if context is None else [flag for option in context.command.params for flag in option.opts]
 
 
 def _open_streams() -> None:
@@ -144,10 +135,20 @@ class _Commands(Mapping[str, click.Command]):
 class _Group(click.Group):
     """The program: a name that no command has gets the most similar one as a hint."""
 
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """The names of the commands in the order in which one uses them."""
+        return list(COMMANDS)
+
+    def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the examples."""
+        from pymunk_dragon.cli.command import write_examples
+
+        write_examples(formatter, EXAMPLES)
+
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        if args and args[0] not in COMMANDS and not args[0].startswith("-"):
+        if args and args[0] not in COMMANDS and not (args[0].startswith("-") or ctx.resilient_parsing):
             from difflib import get_close_matches
 
             similar = get_close_matches(args[0], COMMANDS, n=1)

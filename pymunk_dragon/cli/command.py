@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 import click
 
 from pymunk_dragon._language import LANGUAGES, in_language
-from pymunk_dragon.cli.options import named_by_flag
+from pymunk_dragon.cli.completion import words
+from pymunk_dragon.cli.options import PROGRAM, SCENARIO_HEADINGS, named_by_flag, with_hint
 from pymunk_dragon.errors import FileFormatError, ParameterError
 
 # Default of --lang.
@@ -15,10 +17,14 @@ LANGUAGE_VARIABLE = "PYMUNK_DRAGON_LANG"
 
 
 class DragonCommand(click.Command):
-    """A command with the option --lang, whose errors name flags instead of the parameters that get their values."""
+    """A command with the option --lang, whose errors name flags instead of the parameters that get their values.
 
-    def __init__(self, *arguments: Any, **settings: Any) -> None:
+    Its help has its own options first, those of a scenario under headings, and `examples`: arguments of the command.
+    """
+
+    def __init__(self, *arguments: Any, examples: tuple[str, ...], **settings: Any) -> None:
         super().__init__(*arguments, **settings)
+        self.examples = examples
         self.params.append(
             click.Option(
                 ["--lang", "language"],
@@ -27,9 +33,29 @@ class DragonCommand(click.Command):
                 expose_value=False,
                 callback=_keep_language,
                 metavar="LANG",
-                help=f"Language: en or zh.  [{LANGUAGE_VARIABLE} of the environment, or en]",
+                help=f"Language of texts: en or zh.  [{LANGUAGE_VARIABLE} of the environment, or en]",
+                shell_complete=words(*LANGUAGES),
             )
         )
+
+    def heading(self, option: click.Parameter) -> str:
+        """Heading of an option in the help."""
+        return SCENARIO_HEADINGS.get(str(option.name), "Options")
+
+    def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the options, those of a scenario last."""
+        groups: dict[str, list[tuple[str, str]]] = {"Options": []}
+        for option in self.get_params(ctx):
+            record = option.get_help_record(ctx)
+            if record is not None and isinstance(option, click.Option):
+                groups.setdefault(self.heading(option), []).append(record)
+        for heading, records in sorted(groups.items(), key=lambda group: group[0] in SCENARIO_HEADINGS.values()):
+            with formatter.section(heading):
+                formatter.write_dl(records)
+
+    def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the examples."""
+        write_examples(formatter, [f"{self.name} {example}" for example in self.examples])
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run the command in its language."""
@@ -37,7 +63,16 @@ class DragonCommand(click.Command):
             with in_language(ctx.meta["language"]):
                 return super().invoke(ctx)
         except (ParameterError, FileFormatError) as error:
-            raise named_by_flag(error) from error
+            raise with_hint(named_by_flag(error)) from error
+        except click.UsageError as error:
+            raise with_hint(error) from error
+
+
+def write_examples(formatter: click.HelpFormatter, examples: Iterable[str]) -> None:
+    """Write examples, each a command with its arguments, in a help."""
+    with formatter.section("Examples"):
+        for example in examples:
+            formatter.write(f"{'':{formatter.current_indent}}{PROGRAM} {example}".rstrip() + "\n")
 
 
 def _keep_language(context: click.Context, parameter: click.Parameter, value: str) -> None:

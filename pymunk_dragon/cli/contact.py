@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from pymunk_dragon.cli.command import DragonCommand
+from pymunk_dragon.cli.completion import words
 from pymunk_dragon.cli.options import (
     destination_of,
     json_option,
@@ -17,7 +18,7 @@ from pymunk_dragon.cli.options import (
     scenario_options,
     start_option,
 )
-from pymunk_dragon.cli.output import print_json, progress, write_json
+from pymunk_dragon.cli.output import print_json, progress, write_json, wrote
 from pymunk_dragon.errors import DragonError
 
 if TYPE_CHECKING:
@@ -29,9 +30,11 @@ METHODS = ("exact", "grid", "engine")
 SETTINGS_OF = {"step": "grid", "tolerance": "grid", "fine": "engine"}
 
 
-@click.command(cls=DragonCommand)
+@click.command(cls=DragonCommand, examples=("", "--compare --from 400", "--pitch 0.5 --json"))
 @scenario_options
-@click.option("--method", type=click.Choice(METHODS), default="exact", help="Search method.  [exact]")
+@click.option(
+    "--method", metavar="NAME", default="exact", help="exact, grid or engine.  [exact]", shell_complete=words(*METHODS)
+)
 @click.option("--compare", is_flag=True, help="Run all three, and print their results side by side.")
 @start_option
 @click.option("--until", type=float, metavar="T", help="Last time, s.  [the end of the curve]")
@@ -55,6 +58,9 @@ def contact(
     The exact method certifies that no benches touched before, however briefly. The grid is the method of the paper:
     samples at equal time steps, and bisection. The engine is Pymunk.
     """
+    from pymunk_dragon._checks import word
+
+    word("method", method, METHODS)
     given = {name: value for name, value in settings.items() if value is not None}
     for name in given:
         if not compare and SETTINGS_OF[name] != method:
@@ -77,6 +83,8 @@ def contact(
         _write_contact_sheet(march, answers[0], sheet)
     elif destination is not None:
         write_json(destination, result)
+    if destination is not None:
+        wrote(destination)
     if as_json:
         print_json(result)
     else:

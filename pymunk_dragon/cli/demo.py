@@ -7,24 +7,35 @@ import click
 from pymunk_dragon._extras import library
 from pymunk_dragon._language import language
 from pymunk_dragon.cli.command import DragonCommand
+from pymunk_dragon.cli.completion import named
 from pymunk_dragon.cli.options import destination_of, json_option, output_option
-from pymunk_dragon.cli.output import print_json, progress
+from pymunk_dragon.cli.output import print_json, progress, wrote
 from pymunk_dragon.errors import ParameterError
 
 # In place of a lesson's name.
 ALL = "all"
+LIST = "list"
 
 
-@click.command(cls=DragonCommand)
-@click.argument("name", required=False)
-@click.option("--save", metavar="DIR", help="Folder for the picture.  [a temporary one]")
+def _lessons() -> dict[str, str]:
+    """Names of the lessons, with their titles, and the words that stand for several."""
+    from pymunk_dragon.lessons import LESSONS
+
+    titles = {lesson.name: lesson.text("title", language()) for lesson in LESSONS.values()}
+    return titles | {ALL: "all lessons", LIST: "their names and titles"}
+
+
+@click.command(cls=DragonCommand, examples=("", "spiral", "3 --lang zh", "all -o lessons.html"))
+@click.argument("name", required=False, shell_complete=named(_lessons))
+@click.option("--save", metavar="DIR", type=click.Path(), help="Folder for the picture.  [a temporary one]")
 @click.option("--pause", is_flag=True, help="Wait for Enter once the class has made its guess.")
 @json_option
 @output_option(".html, a page of the lesson, or of all; .ipynb, its notebook; .py, its program")
 def demo(name: str | None, save: str | None, pause: bool, as_json: bool, output: str | None) -> None:
-    """Play a lesson by its name or number, or all; without a name, list them.
+    """Play a lesson by its name or number, or all lessons.
 
-    Each has a question, a prediction, a run, the answer, a number to check and something to try.
+    Without a name, list them. Each has a question, a prediction, a run, the answer, a number to check and something to
+    try.
     """
     from pymunk_dragon.lessons import LESSONS, Terminal, play, record, write_lessons
     from pymunk_dragon.lessons._framework import PARTS, endings
@@ -42,6 +53,7 @@ def demo(name: str | None, save: str | None, pause: bool, as_json: bool, output:
                 language=language(),
                 progress=lambda done, total: show(done, total, f"lesson {done} of {total}"),
             )
+        wrote(destination)
         if as_json:
             print_json({"output": str(destination), "bytes": destination.stat().st_size})
     elif name is None:
@@ -63,13 +75,17 @@ def demo(name: str | None, save: str | None, pause: bool, as_json: bool, output:
 
 def _lesson_of(name: str | None, known: list[str]) -> str | None:
     """The name of a lesson that was given by name or number; None for `list`, which lists them as no name does."""
-    if name is None or name == "list":
+    if name in (None, LIST):
         return None
     if name.isdecimal() and 1 <= int(name) <= len(known):
         return known[int(name) - 1]
     if name not in (ALL, *known):
+        from pymunk_dragon._checks import did_you_mean
+
         raise ParameterError(
-            "lesson", name, f"a number from 1 to {len(known)}, {ALL}, list, or one of " + ", ".join(known)
+            "lesson",
+            name,
+            f"a number from 1 to {len(known)}, {ALL}, {LIST}, or one of {', '.join(known)}{did_you_mean(name, known)}",
         )
     return name
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from pymunk_dragon.cli.command import DragonCommand
+from pymunk_dragon.cli.completion import files, named
 from pymunk_dragon.cli.options import (
     chosen,
     destination_of,
@@ -22,23 +23,31 @@ if TYPE_CHECKING:
     from pymunk_dragon.drawing.snapshots import Source
 
 
-@click.command(cls=DragonCommand)
-@click.argument("name", required=False)
-@click.argument("run_file", metavar="[RUN.npz]", required=False)
+def _figures() -> dict[str, str]:
+    """Names of the figures, and what they show."""
+    from pymunk_dragon.drawing.figures import FIGURES
+
+    return {name: kind.shows for name, kind in FIGURES.items()}
+
+
+@click.command(cls=DragonCommand, examples=("", "gap --pitch 0.5", "drift run.npz -o drift.svg"))
+@click.argument("name", required=False, shell_complete=named(_figures))
+@click.argument("run_file", metavar="[RUN.npz]", required=False, shell_complete=files(".npz"))
 @scenario_options
 @json_option
-@output_option(".png, or .svg or .pdf where the figure has axes.  [NAME.png]")
+@output_option(".png, or .svg or .pdf where the figure has axes", "NAME.png")
 def figure(
     name: str | None, run_file: str | None, scenario_file: str | None, as_json: bool, output: str | None
 ) -> None:
-    """Draw one of the paper's figures, or one beyond it; without a name, list them.
+    """Draw one of the paper's figures, or one beyond it.
 
-    Drift and impulses are drawn from a run of the engine, the others from a run's march or from the options.
+    Without a name, list them. Drift and impulses are drawn from a run of the engine, the others from a run's march or
+    from the options.
     """
     from pymunk_dragon.drawing.figures import FIGURE_ENDINGS, FIGURES, write_figure
 
     if name is None:
-        shown = {known: kind.shows for known, kind in FIGURES.items()}
+        shown = _figures()
         if as_json:
             print_json({"figures": shown})
         else:

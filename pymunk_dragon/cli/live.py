@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 import click
 
 from pymunk_dragon.cli.command import DragonCommand
+from pymunk_dragon.cli.completion import files, named, words
 from pymunk_dragon.cli.options import chosen, destination_of, march_of, scenario_options, start_option
-from pymunk_dragon.cli.output import progress
+from pymunk_dragon.cli.output import progress, wrote
 
 if TYPE_CHECKING:
     from pymunk_dragon.sessions.log import Log
@@ -17,17 +18,39 @@ if TYPE_CHECKING:
     from pymunk_dragon.sessions.session import Session
 
 
-@click.command(cls=DragonCommand)
-@click.argument("scene", required=False)
+def _scenes() -> dict[str, str]:
+    """Names of the ready scenes, and their titles."""
+    from pymunk_dragon.sessions.scenes import SCENES
+
+    return {name: scene.title for name, scene in SCENES.items()}
+
+
+@click.command(
+    cls=DragonCommand, examples=("", "near-miss", "--benches 60 --from 300 -o live.npz", "--replay live.npz")
+)
+@click.argument("scene", required=False, shell_complete=named(_scenes))
 @scenario_options
 @start_option
 @click.option(
-    "--contacts", default="resolve", metavar="NAME", help="What contacts do: stop, report or resolve.  [resolve]"
+    "--contacts",
+    default="resolve",
+    metavar="NAME",
+    help="What contacts do: stop, report or resolve.  [resolve]",
+    shell_complete=words("stop", "report", "resolve"),
 )
 @click.option("--free-from", type=int, metavar="N", help="First bench without dancers.  [all have dancers]")
-@click.option("--replay", metavar="FILE", help="Play a recording again, .npz or .json.")
+@click.option(
+    "--replay", metavar="FILE", help="Play a recording again, .npz or .json.", shell_complete=files(".npz", ".json")
+)
 @click.option("--exit", "ends", is_flag=True, help="Play the recording without a page, as fast as possible, and exit.")
-@click.option("-o", "--record", metavar="FILE", help="File to write at the end: .npz, .gif, .apng, .webp or .mp4.")
+@click.option(
+    "-o",
+    "--record",
+    "output",
+    metavar="FILE",
+    shell_complete=files(),
+    help="File to write at the end: .npz, .gif, .apng, .webp or .mp4.",
+)
 @click.option("--port", type=int, default=0, metavar="N", help="Port.  [a free one]")
 @click.option(
     "--host", default="127.0.0.1", metavar="ADDRESS", help="Address to listen on.  [127.0.0.1: this machine only]"
@@ -45,7 +68,7 @@ def live(
     free_from: int | None,
     replay: str | None,
     ends: bool,
-    record: str | None,
+    output: str | None,
     port: int,
     host: str,
     allow_host: tuple[str, ...],
@@ -70,7 +93,7 @@ def live(
     from pymunk_dragon.sessions.log import Log
     from pymunk_dragon.sessions.session import Session
 
-    path = destination_of(record, recording.RECORDING_ENDINGS)
+    path = destination_of(output, recording.RECORDING_ENDINGS)
     log = None if replay is None else Log.load(replay)
     source = _source(scene, log) or scenes.dragon(
         march_of(scenario_file), contacts=contacts, free_from=free_from, start=start
@@ -143,4 +166,4 @@ def _write(session: Session, path: Path) -> None:
 
     with progress(f"writing {path.name}") as show:
         record(session, path, lambda done, total: show(done, total, f"writing {path.name}"))
-    click.echo(f"wrote {path}", err=True)
+    wrote(path)

@@ -9,6 +9,9 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from pymunk_dragon.cli.completion import files
+from pymunk_dragon.cli.hints import unit_hint
+from pymunk_dragon.cli.output import note
 from pymunk_dragon.errors import FileFormatError, ParameterError
 
 if TYPE_CHECKING:
@@ -32,6 +35,8 @@ def speed_or_file(value: str) -> float | str:
         raise click.BadParameter(f"{value!r} is neither a number nor a file of a table, which ends in .csv") from None
 
 
+# Options of a scenario whose values a shell completes.
+COMPLETIONS = {"curve": files(".csv", words=("spiral", "u-turn")), "speed": files(".csv")}
 # Type, placeholder and help of each option of a scenario; its flag is the name with hyphens.
 SCENARIO_OPTIONS: dict[str, tuple[Any, str, str]] = {
     "benches": (int, "N", "Number of benches.  [223]"),
@@ -46,6 +51,11 @@ SCENARIO_OPTIONS: dict[str, tuple[Any, str, str]] = {
     "ratio": (float, "X", "Radius of a u-turn's first arc over that of its second.  [2]"),
     "speed": (speed_or_file, "M/S|FILE.csv", "Speed of the head, m/s, or a file with times and speeds t,v.  [1]"),
 }
+# Headings in the help of the options of a scenario.
+SCENARIO_HEADINGS = {"scenario_file": "Dragon"} | {
+    name: "Dragon" if name in ("benches", "head_spacing", "body_spacing", "overhang", "width") else "Curve and speed"
+    for name in SCENARIO_OPTIONS
+}
 
 
 def scenario_options(command: Command) -> Command:
@@ -57,9 +67,24 @@ def scenario_options(command: Command) -> Command:
 
     for name, (kind, metavar, text) in reversed(SCENARIO_OPTIONS.items()):
         flag = "--" + name.replace("_", "-")
-        add = click.option(flag, name, type=kind, metavar=metavar, help=text, callback=collect, expose_value=False)
+        add = click.option(
+            flag,
+            name,
+            type=kind,
+            metavar=metavar,
+            help=text,
+            callback=collect,
+            expose_value=False,
+            shell_complete=COMPLETIONS.get(name),
+        )
         command = add(command)
-    file = click.option("--scenario", "scenario_file", metavar="FILE.toml", help="Read these from a file; flags win.")
+    file = click.option(
+        "--scenario",
+        "scenario_file",
+        metavar="FILE.toml",
+        help="Read the dragon, curve and speed from a file; options win.",
+        shell_complete=files(".toml"),
+    )
     return file(command)
 
 
@@ -67,9 +92,10 @@ json_option = click.option("--json", "as_json", is_flag=True, help="Print one JS
 start_option = click.option("--from", "start", type=float, default=0.0, metavar="T", help="First time, s.  [0]")
 
 
-def output_option(endings: str, required: bool = False) -> Callable[[Command], Command]:
+def output_option(endings: str, default: str | None = None) -> Callable[[Command], Command]:
     """The option -o; the ending of its file chooses the format."""
-    return click.option("-o", "--output", metavar="FILE", required=required, help=f"File to write: {endings}.")
+    text = f"File to write: {endings}." + (f"  [{default}]" if default else "")
+    return click.option("-o", "--output", metavar="FILE", help=text, shell_complete=files())
 
 
 def chosen() -> dict[str, Any]:
@@ -104,18 +130,36 @@ def named_by_flag(error: ParameterError | FileFormatError) -> Exception:
     return ParameterError(same[0], error.value, error.bound) if len(same) == 1 else error
 
 
+def with_hint(error: Exception) -> Exception:
+    """The error, with a hint if a length among the options is probably not in m."""
+    hint = unit_hint(chosen())
+    if not hint or isinstance(error, FileFormatError):
+        return error
+    if isinstance(error, ParameterError):
+        return ParameterError(error.name, error.value, f"{error.bound}; {hint}")
+    return click.UsageError(f"{error}; {hint}")
+
+
 def march_of(scenario_file: str | None) -> March:
     """The march of a scenario file, whose values are replaced by those of flags."""
     from pymunk_dragon.model.scenario import Scenario
 
     values = Scenario.read(scenario_file) if scenario_file is not None else {}
     try:
-        return Scenario.from_dict(values | chosen()).march()
+        march = Scenario.from_dict(values | chosen()).march()
     except ParameterError as error:
         if error.name in chosen():
             raise
         # A key of the file or a default. An option of this command may have its name: `start` is not --from.
         raise click.UsageError(str(error)) from error
+    note_units()
+    return march
+
+
+def note_units() -> None:
+    """Note lengths that are probably not in m. This is no error: a dragon of that size may be meant."""
+    if hint := unit_hint(chosen()):
+        note(f"note: {hint}")
 
 
 def run_of(run_file: str, scenario_file: str | None) -> Run:

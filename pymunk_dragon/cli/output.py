@@ -10,6 +10,8 @@ from typing import Any
 
 import click
 
+from pymunk_dragon._language import text
+
 # Steps of a progress bar.
 STEPS = 1000
 
@@ -23,12 +25,12 @@ def progress(label: str) -> Iterator[Callable[[float, float, str], None]]:
     with ExitStack() as stack:
         bars: list[Any] = []
 
-        def show(done: float, total: float, text: str) -> None:
+        def show(done: float, total: float, now: str) -> None:
             if not bars:
                 bar = click.progressbar(length=STEPS, label=label, file=sys.stderr, hidden=not sys.stderr.isatty())
                 bars.append(stack.enter_context(bar))
             [bar] = bars
-            bar.label = text
+            bar.label = now
             step = int(STEPS * done / total) - bar.pos
             if step > 0:
                 bar.update(step)
@@ -36,17 +38,22 @@ def progress(label: str) -> Iterator[Callable[[float, float, str], None]]:
         yield show
 
 
-def note(text: str) -> None:
+def note(line: str) -> None:
     """Print a line on stderr if that is a terminal."""
     if sys.stderr.isatty():
-        click.echo(text, err=True)
+        click.echo(line, err=True)
 
 
 def wrote(path: Path, *facts: str) -> None:
     """Note which file was written, and its size."""
-    size = path.stat().st_size
-    unit, divisor = ("MB", 1e6) if size >= 1e6 else ("kB", 1e3)
-    note(f"wrote {path}: {', '.join([*facts, f'{size / divisor:.2g} {unit}'])}")
+    if path.is_file():  # Not a device or a FIFO, which has no size.
+        note(text("wrote {path}: {facts}").format(path=path, facts=", ".join([*facts, _size(path.stat().st_size)])))
+
+
+def _size(count: int) -> str:
+    """A number of bytes, with two digits or more."""
+    amount, unit = (count / 1e6, "MB") if count >= 1e6 else (count / 1e3, "kB")
+    return f"{amount:.{0 if amount >= 10 else 1}f} {unit}"
 
 
 def write_json(path: Path, result: dict[str, Any]) -> None:

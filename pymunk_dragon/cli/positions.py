@@ -18,7 +18,7 @@ from pymunk_dragon.cli.options import (
     output_option,
     scenario_options,
 )
-from pymunk_dragon.cli.output import print_json, progress, write_json
+from pymunk_dragon.cli.output import print_json, progress, write_json, wrote
 from pymunk_dragon.errors import ParameterError
 
 if TYPE_CHECKING:
@@ -32,7 +32,9 @@ COLUMNS = ("time_s", "handle", "x_m", "y_m", "speed_m_s")
 MAX_TABLE = 20_000_000
 
 
-@click.command(cls=DragonCommand)
+@click.command(
+    cls=DragonCommand, examples=("", "--times 0,60,120 --handles 0,1,223", "--times 0:300:1 -o result1.xlsx")
+)
 @scenario_options
 @click.option("--times", metavar="LIST", help=f"Times, s: 0,60,120 or 0:300:1.  [{TABLE_TIMES}]")
 @click.option("--handles", metavar="LIST", help="Handles.  [those of the paper's tables]")
@@ -65,6 +67,8 @@ def positions(
         _write_csv(destination, states.rows(chosen))
     elif destination is not None:
         write_json(destination, states.to_dict(chosen))
+    if destination is not None:
+        wrote(destination)
     if as_json:
         print_json(states.to_dict(chosen))
     elif destination is None:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from pymunk_dragon.cli.command import DragonCommand
+from pymunk_dragon.cli.completion import files, words
 from pymunk_dragon.cli.options import (
     Command,
     destination_of,
@@ -62,8 +63,10 @@ def marks() -> tuple[Any, ...]:
     return tuple(click.get_current_context().meta.get("marks", ()))
 
 
-@click.command(cls=DragonCommand)
-@click.argument("run_files", metavar="[RUN.npz]...", nargs=-1)
+@click.command(
+    cls=DragonCommand, examples=("run.npz", "run.npz --exact --camera head -o both.mp4", "--until 60 -o march.gif")
+)
+@click.argument("run_files", metavar="[RUN.npz]...", nargs=-1, shell_complete=files(".npz"))
 @scenario_options
 @click.option("--exact", is_flag=True, help="Show the exact model beside the run.")
 @click.option("--from", "start", type=float, metavar="T", help="First time, s.  [the run's, or 0]")
@@ -72,7 +75,12 @@ def marks() -> tuple[Any, ...]:
 @click.option("--fps", type=int, metavar="N", help="Frames in a second, at most 60, and 50 in a GIF.  [10]")
 @click.option("--size", metavar="PIXELS", help="Width and height: 440, or 640x360.  [440]")
 @click.option(
-    "--camera", "follow", default="field", metavar="NAME", help="field: fixed; head: follow the head.  [field]"
+    "--camera",
+    "follow",
+    default="field",
+    metavar="NAME",
+    help="field: fixed; head: follow the head.  [field]",
+    shell_complete=words("field", "head"),
 )
 @click.option("--span", type=float, metavar="M", help="Width of the ground in view, m.")
 @click.option("--hold", type=float, metavar="T", help="How long the last frame stays, s.  [1]")
@@ -84,7 +92,7 @@ def marks() -> tuple[Any, ...]:
     "--workers", type=int, metavar="N", help="Other processes that draw a long film.  [spare cores, at most 3]"
 )
 @json_option
-@output_option(".gif, .mp4, .apng or .webp; .png for a picture at --until; .html for a player.  [RUN.gif]")
+@output_option(".gif, .mp4, .apng or .webp; .png for a picture at --until; .html for a player", "RUN.gif")
 def render(
     run_files: tuple[str, ...],
     scenario_file: str | None,
@@ -97,7 +105,11 @@ def render(
     output: str | None,
     **choices: Any,
 ) -> None:
-    """Film a run, several side by side, or the exact march where no run is named; or write a page that plays it."""
+    """Film a run, several side by side, or an exact march.
+
+    Without a run, the exact march of the options is filmed. The ending of the file chooses a film, a picture or a page
+    that plays the run.
+    """
     from pymunk_dragon.drawing import FILM_ENDINGS, STILL_ENDINGS, Camera, Film, write_film, write_still
     from pymunk_dragon.model.march import March
     from pymunk_dragon.player import PLAYER_ENDINGS

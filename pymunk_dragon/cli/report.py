@@ -7,14 +7,15 @@ from pathlib import Path
 import click
 
 from pymunk_dragon.cli.command import DragonCommand
+from pymunk_dragon.cli.completion import files
 from pymunk_dragon.cli.options import destination_of, json_option, output_option
 from pymunk_dragon.cli.output import print_json, progress, wrote
 
 
-@click.command(cls=DragonCommand)
-@click.argument("run_file", metavar="RUN.npz")
+@click.command(cls=DragonCommand, examples=("run.npz", "run.npz -o run.xlsx"))
+@click.argument("run_file", metavar="RUN.npz", shell_complete=files(".npz"))
 @json_option
-@output_option(".html, .md, .xlsx, .csv or .json.  [RUN.html]")
+@output_option(".html, .md, .xlsx, .csv or .json", "RUN.html")
 def report(run_file: str, as_json: bool, output: str | None) -> None:
     """Report on a run, as a document or a table."""
     from pymunk_dragon.model.run import Run

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from pymunk_dragon.cli.command import DragonCommand
+from pymunk_dragon.cli.completion import words
 from pymunk_dragon.cli.options import (
     destination_of,
     json_option,
@@ -24,13 +25,25 @@ if TYPE_CHECKING:
     from pymunk_dragon.model.settings import Contacts, EngineSettings
 
 
-@click.command(cls=DragonCommand)
+@click.command(
+    cls=DragonCommand, examples=("-o run.npz", "--from 400 --until 415 --fine -o run.npz", "--guide none --until 20")
+)
 @scenario_options
 @start_option
 @click.option("--until", type=float, metavar="T", help="Last time, s.  [the end of the curve]")
-@click.option("--guide", default="rails", metavar="NAME", help="What keeps it on the path: rails or none.  [rails]")
 @click.option(
-    "--contacts", default="stop", metavar="NAME", help="At the first contact: stop, report or resolve.  [stop]"
+    "--guide",
+    default="rails",
+    metavar="NAME",
+    help="What keeps it on the path: rails or none.  [rails]",
+    shell_complete=words("rails", "none"),
+)
+@click.option(
+    "--contacts",
+    default="stop",
+    metavar="NAME",
+    help="At the first contact: stop, report or resolve.  [stop]",
+    shell_complete=words("stop", "report", "resolve"),
 )
 @click.option(
     "--head-force",
@@ -42,7 +55,7 @@ if TYPE_CHECKING:
     "--substep",
     type=float,
     metavar="T",
-    help="s.  [the time in which the head goes 20 mm, or 5 mm where contacts are resolved]",
+    help="Substep, s.  [the time in which the head goes 20 mm, or 5 mm where contacts are resolved]",
 )
 @click.option(
     "--iterations",
@@ -51,7 +64,7 @@ if TYPE_CHECKING:
     help="Solver iterations in a substep.  [10, or 60 where contacts are resolved]",
 )
 @click.option("--fine", is_flag=True, help="The substep in which the head goes 2.5 mm, and 60 iterations.")
-@click.option("--frame-interval", type=float, metavar="T", help="s between frames.  [until the head goes 0.1 m]")
+@click.option("--frame-interval", type=float, metavar="T", help="Time between frames, s.  [until the head goes 0.1 m]")
 @json_option
 @output_option(".npz")
 def simulate(

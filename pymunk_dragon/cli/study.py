@@ -9,8 +9,9 @@ from typing import Any
 import click
 
 from pymunk_dragon.cli.command import DragonCommand
-from pymunk_dragon.cli.options import chosen, destination_of, json_option, output_option, scenario_options
-from pymunk_dragon.cli.output import print_json, progress, write_json
+from pymunk_dragon.cli.completion import named
+from pymunk_dragon.cli.options import chosen, destination_of, json_option, note_units, output_option, scenario_options
+from pymunk_dragon.cli.output import print_json, progress, write_json, wrote
 
 # Library that is needed to write each format.
 LIBRARIES = {".png": "matplotlib", ".svg": "matplotlib", ".pdf": "matplotlib", ".xlsx": "xlsxwriter"}
@@ -27,6 +28,13 @@ class _StudyCommand(DragonCommand):
         self.params[before_json:before_json] = [option for option in _study_options() if option.name not in names]
         return super().make_context(info_name, args, parent, **extra)
 
+    def heading(self, option: click.Parameter) -> str:
+        """Heading of an option in the help: the study to which it belongs."""
+        from pymunk_dragon.studies import STUDIES
+
+        owners = [study.name for study in STUDIES.values() if option.name in study.options]
+        return f"Options of {owners[0]}" if owners else super().heading(option)
+
 
 def _study_options() -> Sequence[click.Option]:
     """Options of single studies."""
@@ -36,7 +44,7 @@ def _study_options() -> Sequence[click.Option]:
     for study in STUDIES.values():
         for name, option in study.options.items():
             flag = name.replace("_", "-")
-            text, kind = f"Of {study.name}: {option.text}", option.kind
+            text, kind = f"{option.text[:1].upper()}{option.text[1:]}", option.kind
             if kind is bool:
                 options.append(click.Option([f"--{flag}/--no-{flag}", name], default=None, help=text))
             else:
@@ -44,24 +52,31 @@ def _study_options() -> Sequence[click.Option]:
     return options
 
 
-@click.command(cls=_StudyCommand)
-@click.argument("name", required=False)
+def _studies() -> dict[str, str]:
+    """Names of the studies, and what they are."""
+    from pymunk_dragon.studies import STUDIES
+
+    return {name: kind.summary for name, kind in STUDIES.items()}
+
+
+@click.command(cls=_StudyCommand, examples=("", "min-pitch", "u-turn -o turn.png", "max-speed --limit 1.5"))
+@click.argument("name", required=False, shell_complete=named(_studies))
 @scenario_options
 @json_option
 @output_option(".json, .png, .svg or .pdf for a picture of the answer, or .xlsx for the contest's sheets of the u-turn")
 def study(
     name: str | None, scenario_file: str | None, as_json: bool, output: str | None, **options: float | bool | None
 ) -> None:
-    """Run a study of many marches; without a name, list the studies.
+    """Run a study of many marches.
 
-    A study uses the values of a scenario file that are its parameters, and ignores the others, as the pitch where it is
-    the result. The radius is that of the circle to which the head marches.
+    Without a name, list the studies. A study uses the values of a scenario file that are its parameters, and ignores
+    the others, as the pitch where it is the result. The radius is that of the circle to which the head marches.
     """
     from pymunk_dragon.studies import STUDIES
     from pymunk_dragon.studies import study as run_study
 
     if name is None:
-        summaries = {known: kind.summary for known, kind in STUDIES.items()}
+        summaries = _studies()
         if as_json:
             print_json({"studies": summaries})
         else:
@@ -79,10 +94,12 @@ def study(
 
         # A missing library is named before the study runs.
         library(LIBRARIES[destination.suffix.lower()])
+    note_units()
     with progress(name) as show:
         found = run_study(name, values, lambda done, total: show(done, total, name))
     if destination is not None:
         _write(found, destination)
+        wrote(destination)
     if as_json:
         print_json(found.to_dict())
     else:

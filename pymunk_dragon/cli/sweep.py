@@ -5,35 +5,62 @@ from __future__ import annotations
 import os
 import sys
 from contextlib import redirect_stdout
+from pathlib import Path
 from time import perf_counter
 
 import click
 
 from pymunk_dragon.cli.command import DragonCommand
-from pymunk_dragon.cli.options import chosen, json_option, number_list, scenario_options
-from pymunk_dragon.cli.output import print_json, progress
+from pymunk_dragon.cli.completion import named, words
+from pymunk_dragon.cli.options import chosen, json_option, note_units, number_list, scenario_options
+from pymunk_dragon.cli.output import print_json, progress, wrote
 from pymunk_dragon.errors import DragonError, ParameterError
 
 AXIS = "NAME=VALUES, such as pitch=0.4:0.8:0.01 or benches=50,100, or with --samples an interval, pitch=0.4:0.8"
 
 
-@click.command(cls=DragonCommand)
+def _quantities() -> dict[str, str]:
+    """Names of the quantities, and what they are."""
+    from pymunk_dragon.sweeps.quantities import QUANTITIES
+
+    return {name: quantity.summary for name, quantity in QUANTITIES.items()}
+
+
+@click.command(
+    cls=DragonCommand,
+    examples=(
+        "--axis pitch=0.42:0.46:0.01 --benches 60",
+        "--axis pitch=0.4:0.6 --samples 32 -o map.png",
+    ),
+)
 @scenario_options
 @click.option("--axis", multiple=True, metavar="NAME=VALUES", help="Parameter and its values; one for each axis.")
 @click.option(
     "--quantity",
     metavar="NAME",
     default="contact-time",
+    shell_complete=named(_quantities),
     help="contact-time, nearest-gap, min-pitch, max-speed, engine-contact-time, engine-error, or module:function, "
     "a function of a march.  [contact-time]",
 )
 @click.option("--samples", type=int, metavar="N", help="Take N samples of the intervals, not all combinations.")
 @click.option("--seed", type=int, metavar="N", default=0, help="Of the samples.  [0]")
-@click.option("--sampling", metavar="NAME", default="sobol", help="sobol or random.  [sobol]")
+@click.option(
+    "--sampling",
+    metavar="NAME",
+    default="sobol",
+    help="sobol or random.  [sobol]",
+    shell_complete=words("sobol", "random"),
+)
 @click.option("--refine", type=int, metavar="N", default=0, help="Add up to N points where benches or status change.")
 @click.option("--timeout", type=float, metavar="T", help="Time limit of a point, s.")
 @click.option("--resume", is_flag=True, help="Go on from the journal of an interrupted sweep, if there is one.")
-@click.option("--scheduler", metavar="ADDRESS", help="Run on a Dask scheduler, tcp://HOST:PORT, or local.")
+@click.option(
+    "--scheduler",
+    metavar="ADDRESS",
+    help="Run on a Dask scheduler, tcp://HOST:PORT, or local.",
+    shell_complete=words("local"),
+)
 @click.option("--workers", type=int, metavar="N", help="Number of processes.  [one for each core]")
 @json_option
 @click.option(
@@ -71,6 +98,7 @@ def sweep(
     sys.path.append(os.getcwd())
     axes = _axes(axis, intervals=samples is not None)
     values = Scenario.read(scenario_file) if scenario_file is not None else {}
+    note_units()
     begin = perf_counter()
     resumed: int | None = None
     # What a quantity prints is not part of a table on stdout.
@@ -97,6 +125,8 @@ def sweep(
             workers=workers,
             progress=report,
         )
+    for file in output:
+        wrote(Path(file))
     if as_json:
         print_json(found.to_dict())
     elif output:

@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
 
+from pymunk_dragon._checks import did_you_mean
 from pymunk_dragon._files import read_text
 from pymunk_dragon.errors import FileFormatError, ParameterError
 from pymunk_dragon.model.curves import Curve, Sampled
@@ -25,7 +26,11 @@ CSV = ".csv"
 DRAGON = tuple(f.name for f in fields(Dragon))
 # Parameters of curves that may stand at the top level of a file, beside the name of the curve.
 SHORT = ("pitch", "rotation", "mirrored", "outward", "radius", "ratio", "points")
-ALLOWED_CURVE = f"a name, spiral or u-turn, that of a file of points, which ends in {CSV}, or a table with its kind"
+# Curves that a name alone describes.
+NAMED_CURVES = ("spiral", "u-turn")
+ALLOWED_CURVE = (
+    f"a name, {' or '.join(NAMED_CURVES)}, that of a file of points, which ends in {CSV}, or a table with its kind"
+)
 ALLOWED_SPEED = f"a number in m/s, a table of [s, m/s], or a file of one, which ends in {CSV}"
 
 # One speed, or times in s and speeds in m/s.
@@ -122,9 +127,8 @@ class Scenario:
         known = [f.name for f in fields(cls)]
         for name, value in flat.items():
             if name not in known:
-                raise ParameterError(
-                    name, value, "absent" + (": the parameters are " + ", ".join(known) if files else "")
-                )
+                hint = f": the parameters are {', '.join(known)}{did_you_mean(name, known)}"
+                raise ParameterError(name, value, "absent" + (hint if files else ""))
             if not files and _is_file(value):
                 raise ParameterError(name, value, "something else than the name of another file")
         return cls(**flat)
@@ -221,7 +225,7 @@ def _curve(values: Mapping[str, Any]) -> Curve:
             raise ParameterError("points", given["points"], f"absent where the curve is a file, {kind}")
         kind, given["points"] = "sampled", Sampled.read(kind).points
     if not (isinstance(kind, str) and kind in Curve.kinds):
-        raise ParameterError("curve", kind, ALLOWED_CURVE)
+        raise ParameterError("curve", kind, ALLOWED_CURVE + did_you_mean(kind, NAMED_CURVES))
     try:
         return Curve.from_dict({"kind": kind} | given)
     except ParameterError as error:

@@ -11,6 +11,7 @@ import numpy as np
 import pymunk
 
 from pymunk_dragon._arrays import Array, Complex
+from pymunk_dragon._checks import did_you_mean
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.march import March, States
 
@@ -240,7 +241,7 @@ def guide_of(guide: object) -> PathGuide:
     if isinstance(guide, PathGuide):
         return guide
     if not (isinstance(guide, str) and guide in GUIDES):
-        more = "" if isinstance(guide, str) else ", or a PathGuide"
+        more = did_you_mean(guide, GUIDES) if isinstance(guide, str) else ", or a PathGuide"
         raise ParameterError("guide", guide, f"one of {', '.join(GUIDES)}{more}")
     return GUIDES[guide]()
 

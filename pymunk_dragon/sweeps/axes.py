@@ -149,8 +149,7 @@ def axes_of(
 
 def _numbers(name: str, values: object, parameters: Mapping[str, type]) -> tuple[float, ...]:
     """The values of an axis as numbers of its type."""
-    if name not in parameters:
-        raise ParameterError("axis", name, "one of " + ", ".join(parameters))
+    word("axis", name, parameters)
     try:
         listed = np.asarray(values).ravel().tolist()
     except ValueError:

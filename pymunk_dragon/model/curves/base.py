@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pymunk_dragon._arrays import Array, Complex, Flags, as_complex
-from pymunk_dragon._checks import finite, number
+from pymunk_dragon._checks import did_you_mean, finite, number
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model import chain
 from pymunk_dragon.model.chain import ChainMotion
@@ -452,7 +452,8 @@ def _from_dict(values: Mapping[str, Any], where: str, depth: int) -> Curve:
     given = dict(values)
     kind = given.pop("kind", None)
     if not (isinstance(kind, str) and kind in Curve.kinds):
-        raise ParameterError(f"{where}.kind", kind, "one of " + ", ".join(sorted(Curve.kinds)))
+        hint = did_you_mean(kind, Curve.kinds)
+        raise ParameterError(f"{where}.kind", kind, f"one of {', '.join(sorted(Curve.kinds))}{hint}")
     parameters = _parameters(Curve.kinds[kind])
     for name, value in given.items():
         if name not in parameters:
