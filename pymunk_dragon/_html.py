@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import re
 from base64 import b64encode
 from hashlib import sha256
 from importlib.resources import files
@@ -9,10 +11,25 @@ from typing import Any
 
 from pymunk_dragon._extras import library
 
+PLACEHOLDER = re.compile(r"\{\{(\w+)\}\}")
+
 
 def asset(package: str, name: str) -> str:
     """Text of a package's file, as in `asset(__package__, "assets/page.css")`."""
     return files(package).joinpath(name).read_text(encoding="utf-8")
+
+
+def substituted(template: str, **values: str) -> str:
+    """A template with each {{name}} replaced by its value, which is HTML or a part of a script."""
+    # All at once, so that no {{name}} within a value is replaced.
+    return PLACEHOLDER.sub(lambda match: values[match[1]], template)
+
+
+def embedded_json(value: Any) -> str:
+    """JSON of a value for a `script` element of a page."""
+    # "<" is escaped, since an HTML parser would take "</script>" or "<!--" for markup.
+    text = json.dumps(value, separators=(",", ":"), allow_nan=False, ensure_ascii=False)
+    return text.replace("<", "\\u003c")
 
 
 def filled(package: str, template: str, **values: Any) -> str:

@@ -115,7 +115,7 @@ def test_label_with_markup_is_shown_as_text(visit):
     with visit(name="bumpy") as found:
         found.page.click("#help")
         assert LABEL in shown(found.page, "about")
-        assert found.page.evaluate("[document.scripts.length, document.images.length]") == [5, 0]
+        assert found.page.evaluate("[document.scripts.length, document.images.length]") == [7, 0]
         assert found.boxes == []
 
 

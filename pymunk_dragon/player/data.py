@@ -19,6 +19,7 @@ import numpy as np
 from pymunk_dragon._arrays import Array
 from pymunk_dragon.collision import Grid
 from pymunk_dragon.drawing.scene import hole_diameter
+from pymunk_dragon.errors import UnreachableError
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 from pymunk_dragon.reports.summary import Summary
@@ -29,6 +30,12 @@ STEP = 1 / 1_500_000
 # Step of velocities times the frame interval, in steps of positions. The rounding of velocities then changes
 # interpolated positions by no more than the rounding of positions does.
 VELOCITY_STEP = 4
+# Step of the exact model's offsets as a fraction of a bench's width, 0.5 micrometres at the contest's 0.3 m, or as a
+# fraction of the largest offset if that is larger.
+EXACT_STEP = 1 / 600_000
+EXACT_SHARE = 1 / 4000
+# Differences between the offsets' lengths and the position errors of a run, m, that come from rounding.
+ROUNDING = 1e-9
 # Order of the differences. The paper's run in steps of 0.2 micrometres takes 2.7 MB at order 2, 1.8 MB at order 3
 # and 1.1 MB at order 4.
 ORDER = 4
@@ -69,9 +76,9 @@ class Packed:
 
 
 def player_data(summary: Summary) -> tuple[dict[str, Any], dict[str, str]]:
-    """Payload of the page as JSON values in m and s, and the texts of its packed handles, velocities and curve.
+    """Payload of the page as JSON values in m and s, and the texts of its packed vectors.
 
-    The text of velocities is empty if they are unknown.
+    The text of velocities or of the exact model's offsets is empty if they are unknown.
     """
     run, dragon = summary.run, summary.run.march.dragon
     narrowest = float(dragon.widths.min())
@@ -81,7 +88,8 @@ def player_data(summary: Summary) -> tuple[dict[str, Any], dict[str, str]]:
     curve = pack(curve_points(run.march, begin, end)[:, None], STEP * narrowest)
     # The exact model's near misses do not apply to a dragon without a guide.
     near_misses = (summary.near_misses or ()) if summary.guided else ()
-    packed = {"handles": positions, "velocities": velocities, "curve": curve}
+    exact = None if summary.player == "exact" else _pack_exact(run, narrowest)
+    packed = {"handles": positions, "velocities": velocities, "exact": exact, "curve": curve}
     payload = {
         "dragon": asdict(dragon) | {"hole": hole_diameter(dragon)},
         "grid": asdict(Grid.of(run.march)),
@@ -174,6 +182,33 @@ def _pack_velocities(run: Run, step: float) -> tuple[Packed | None, float]:
         return None, 0.0
     step *= VELOCITY_STEP / (float(np.median(apart)) if apart.size else 1.0)
     return _pack_handles(run.march.dragon.hole_velocities(run.poses, run.frame_velocities), step)
+
+
+def exact_offsets(run: Run) -> Array | None:
+    """Vectors (K, H, 2) in m from the handles to the exact model's, in the first K frames, where the model has a state.
+
+    None if there are none, or if the run's position errors refer to other times, as after a change of the speed in a
+    live session.
+    """
+    known = int(np.isfinite(run.drift).all(axis=1).cumprod().sum())
+    try:
+        exact = run.march.at(run.times[:known]).positions if known else None
+    except UnreachableError:
+        exact = None
+    if exact is None:
+        return None
+    front, rear = run.march.dragon.holes(run.poses[:known])
+    errors = np.maximum(
+        np.linalg.norm(front - exact[:, :-1], axis=-1),
+        np.linalg.norm(rear - exact[:, 1:], axis=-1),
+    )
+    same = np.allclose(errors, run.drift[:known], rtol=1e-6, atol=ROUNDING)
+    return exact - handle_vectors(front, rear) if same else None
+
+
+def _pack_exact(run: Run, narrowest: float) -> Packed | None:
+    offsets = exact_offsets(run)
+    return None if offsets is None else pack(offsets, max(EXACT_STEP * narrowest, EXACT_SHARE * np.abs(offsets).max()))
 
 
 def _pack_handles(holes: tuple[Array, Array], step: float) -> tuple[Packed, float]:

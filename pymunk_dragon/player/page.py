@@ -2,31 +2,33 @@
 
 from __future__ import annotations
 
-import json
-import re
+import tomllib
 from collections.abc import Callable
 from dataclasses import asdict
 from html import escape
+from itertools import chain
 from pathlib import Path
 
 from pymunk_dragon._files import check_destination, written_in_place
-from pymunk_dragon._html import asset, policy
+from pymunk_dragon._html import asset, embedded_json, policy, substituted
+from pymunk_dragon._language import in_language, language
 from pymunk_dragon.drawing import Palette
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.run import Run
 from pymunk_dragon.player.data import player_data
-from pymunk_dragon.reports.document import headline, provenance, subtitle
+from pymunk_dragon.reports.document import Section, headline, provenance, subtitle
 from pymunk_dragon.reports.summary import Summary, summarize
 
 PLAYER_ENDINGS = (".html",)
 # Parts of the script; each uses only those before it.
 SCRIPTS = (
-    *("common", "decode", "motion", "geometry", "view", "format", "grid", "marks", "paint", "picture"),
-    *("timeline", "link", "table", "player", "pointer", "controls", "main"),
+    *("common", "texts", "decode", "motion", "exact", "geometry", "view", "format", "grid", "marks", "paint", "ghost"),
+    *("picture", "timeline", "slow_motion", "link", "table", "player", "pointer", "controls", "main"),
 )
 # Steps of `write_player`: the page, and the file.
 STEPS = 2
-PLACEHOLDER = re.compile(r"\{\{(\w+)\}\}")
+# Parts of the page that the page of a live session has too.
+PARTS = ("zoom", "view_keys", "help_tools")
 # The films' colours.
 LIGHT = Palette()
 # Their counterparts on a dark ground: bright benches with dark outlines have the same contrast there.
@@ -118,24 +120,44 @@ def player_page(run: Run, *, title: str | None = None) -> str:
     summary = summarize(run)
     payload, packed = player_data(summary)
     # A file cannot hold halves of surrogate pairs.
-    heading = (title or headline(summary)).encode("utf-8", "replace").decode("utf-8")
+    given = title and title.encode("utf-8", "replace").decode("utf-8")
+    with in_language("en"):
+        heading, origin = given or headline(summary), provenance(summary)
+        english = _texts_of(summary, origin)
+        below = subtitle(summary)
+    with in_language("zh"):
+        chinese = _texts_of(summary, provenance(summary))
+    own = {one: two for one, two in zip(english, chinese, strict=True) if one != two}
     style = colour_variables() + asset(__package__, "assets/player.css")
     script = "".join(asset(__package__, f"assets/{name}.js") for name in SCRIPTS)
-    # "<" is escaped, since an HTML parser would take "</script>" or "<!--" for markup.
-    payload_json = json.dumps(payload, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
-    values = {
-        "policy": policy(style, script),
-        "title": escape(heading),
-        "subtitle": escape(subtitle(summary)),
-        "provenance": _provenance(summary),
-        "last_bench": str(run.march.dragon.benches - 1),
-        "style": style,
-        "script": script,
-        "payload": payload_json,
+    return substituted(
+        asset(__package__, "assets/player.html"),
+        policy=policy(style, script),
+        language=language(),
+        title=escape(heading),
+        subtitle=escape(below),
+        provenance=_provenance_html(origin),
+        last_bench=str(run.march.dragon.benches - 1),
+        style=style,
+        script=script,
+        texts=embedded_json({"zh": catalogue(__package__) | own}),
+        payload=embedded_json(payload),
         **packed,
-    }
-    # All at once, so that no {{name}} within a value is replaced.
-    return PLACEHOLDER.sub(lambda match: values[match[1]], asset(__package__, "assets/player.html"))
+        **parts(),
+    )
+
+
+def parts() -> dict[str, str]:
+    """HTML of the parts that this page shares with the page of a live session."""
+    return {name: asset(__package__, f"assets/{name}.html") for name in PARTS}
+
+
+def catalogue(*packages: str) -> dict[str, str]:
+    """Chinese texts of these packages' pages, by the English text."""
+    found: dict[str, str] = {}
+    for package in packages:
+        found |= tomllib.loads(asset(package, "zh.toml"))["texts"]
+    return found
 
 
 def colour_variables() -> str:
@@ -146,10 +168,16 @@ def colour_variables() -> str:
     return f":root {{{light} }}\n@media (prefers-color-scheme: dark) {{ :root {{{dark} }} }}\n"
 
 
-def _provenance(summary: Summary) -> str:
-    """Provenance of the run as HTML, as in reports."""
-    parts = []
-    for heading, facts in provenance(summary).facts.items():
+def _texts_of(summary: Summary, origin: Section) -> list[str]:
+    """Texts about the run in the present language: headline, subtitle and provenance."""
+    facts = [text for heading, pairs in origin.facts.items() for text in (heading, *chain.from_iterable(pairs))]
+    return [headline(summary), subtitle(summary), *facts]
+
+
+def _provenance_html(section: Section) -> str:
+    """Provenance of the run, as in reports."""
+    groups = []
+    for heading, facts in section.facts.items():
         rows = "".join(f"<div><dt>{escape(name)}</dt><dd>{escape(value)}</dd></div>" for name, value in facts)
-        parts.append(f"<div><h3>{escape(heading)}</h3><dl>{rows}</dl></div>")
-    return "".join(parts)
+        groups.append(f"<div><h3>{escape(heading)}</h3><dl>{rows}</dl></div>")
+    return "".join(groups)

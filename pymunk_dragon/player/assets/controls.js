@@ -2,13 +2,14 @@
 
 const BIG_STEP = 10; // frames
 const ZOOM_STEP = 1.4; // times
+const TIMELINE_STEP = 2; // times
 const TOUCH_SLIP = 12; // pixels: largest distance of a touch from the bench that it selects
 
 function connect(player) {
   connectButtons(player);
   connectFields(player);
   connectKeys(player);
-  const { motion, view } = player;
+  const { motion, view, timeline } = player;
   listenToPointers(element("field"), view, {
     moved: (how) => player.viewMoved(how),
     hovered(pixel) {
@@ -19,8 +20,14 @@ function connect(player) {
       player.select(player.benches.at(view.toWorld(...pixel), kind === "mouse" ? 0 : TOUCH_SLIP / view.scale));
     },
   });
-  Object.assign(element("time"), { min: motion.begin, max: motion.end, disabled: player.length === 0 });
-  for (const id of ["play", "back", "forward"]) element(id).disabled = player.length === 0;
+  listenToPointers(element("strip"), timeline, {
+    moved: () => player.requestDraw(),
+    hovered: () => {},
+    tapped: ([px]) => player.seek(timeline.timeOfClick(px)),
+  });
+  listenToWheel(element("time"), timeline, () => player.requestDraw());
+  element("time").disabled = player.length === 0;
+  for (const id of ["play", "back", "forward", "last"]) element(id).disabled = player.length === 0;
   for (const id of ["previous", "next", "events"]) element(id).disabled = !player.events.length;
   new ResizeObserver(() => player.requestDraw()).observe(element("field"));
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => player.recolour());
@@ -38,6 +45,11 @@ function connectButtons(player) {
     "zoom-out": () => player.zoom(1 / ZOOM_STEP),
     fit: () => player.setFollow("field"),
     follow: () => player.toggleHead(),
+    last: () => player.playLast(),
+    "timeline-in": () => player.zoomTimeline(TIMELINE_STEP),
+    "timeline-out": () => player.zoomTimeline(1 / TIMELINE_STEP),
+    "timeline-all": () => player.showWholeTimeline(),
+    language: () => player.setLanguage(otherLanguage()),
     help: () => element("about").showModal(),
     close: () => element("about").close(),
     "save-moment": () => save([player.time], `dragon_${player.time.toFixed(2)}_s.csv`),
@@ -52,11 +64,10 @@ function connectButtons(player) {
 
 function connectFields(player) {
   element("rate").append(...RATES.map((rate) => new Option(`${rate}×`, rate)));
-  element("events").append(new Option(player.events.length ? "Go to an event …" : "No events", ""),
-    ...player.events.map(({ time, text }, i) => new Option(`${time.toFixed(2)} s: ${text}`, i)));
+  writeLists(player);
   element("time").addEventListener("input", ({ target }) => player.seek(target.valueAsNumber));
-  element("strip").addEventListener("click", ({ offsetX }) => player.seek(player.timeline.timeOfClick(offsetX)));
   element("rate").addEventListener("change", ({ target }) => player.setRate(Number(target.value)));
+  element("slow").addEventListener("change", ({ target }) => player.setSlow(target.checked));
   element("events").addEventListener("change", ({ target }) => {
     if (target.value !== "") player.seek(player.events[target.value].time);
     target.value = "";
@@ -67,6 +78,15 @@ function connectFields(player) {
   for (const name of SWITCHES) {
     element(`show-${name}`).addEventListener("change", ({ target }) => player.show(name, target.checked));
   }
+}
+
+// Events to go to, and the precision of the run, in the page's language.
+function writeLists({ events, motion }) {
+  element("events").replaceChildren(new Option(events.length ? localized("Go to an event …") : localized("No events"), ""),
+    ...events.map((event, i) => new Option(`${event.time.toFixed(2)} s: ${event.text}`, i)));
+  setText("precision", localized("Positions are stored to within {error} μm in {frames} frames; between two frames, benches"
+    + " move on cubic polynomials of time that match the positions and velocities of both. Numbers are shown with the digits"
+    + " that are certain.", { error: Number((1e6 * motion.positionError).toPrecision(2)), frames: motion.times.length }));
 }
 
 function connectKeys(player) {
@@ -83,6 +103,10 @@ function connectKeys(player) {
     h: () => player.toggleHead(),
     p: () => player.toEvent(-1),
     n: () => player.toEvent(1),
+    l: () => player.playLast(),
+    z: () => player.zoomTimeline(TIMELINE_STEP),
+    x: () => player.zoomTimeline(1 / TIMELINE_STEP),
+    c: () => player.showWholeTimeline(),
     w: () => player.pan(0, -1),
     a: () => player.pan(-1, 0),
     s: () => player.pan(0, 1),

@@ -27,7 +27,7 @@ function benchNumbers(benches, bench, time) {
   const other = benches.nearest(bench);
   return {
     bench,
-    part: bench === 0 ? "head" : bench === motion.benches - 1 ? "tail" : "body",
+    part: bench === 0 ? localized("head") : bench === motion.benches - 1 ? localized("tail") : localized("body"),
     velocity: velocities && velocities[bench],
     speed: velocities && Math.hypot(...velocities[bench]),
     angle: degrees - 360 * Math.ceil((degrees - 180) / 360),
@@ -42,13 +42,19 @@ function formatNumbers({ part, speed, angle, gap, nearest, error }) {
     part,
     speed: speed === null ? "–" : `${speed.toFixed(3)} m/s`,
     angle: `${angle.toFixed(1).replace("-", "−")}°`,
-    gap: gap === null ? "–" : gap === 0 ? `touches ${nearest}` : `${formatLength(gap, error)} to ${nearest}`,
+    gap: gap === null ? "–" : gap === 0 ? localized("touches {i}", { i: nearest })
+      : localized("{gap} to {i}", { gap: formatLength(gap, error), i: nearest }),
   };
+}
+
+// A speed in simulated over real time: whole numbers, and below 1 the next larger of 1/2, 1/4, 1/8, ...
+function formatRate(rate) {
+  return rate >= 1 ? `${Math.round(rate)}×` : `1/${2 ** Math.floor(-Math.log2(rate) + 1e-9)}×`;
 }
 
 function describeTime(time, events) {
   const now = events.filter((event) => event.kind === "contact"
     ? event.time <= time && time <= event.end
     : Math.abs(event.time - time) < NEAR_MISS_TIME);
-  return [`t = ${time.toFixed(2)} s`, ...now.slice(0, MAX_EVENTS).map(({ text }) => text)].join(". ");
+  return [`t = ${time.toFixed(2)} s`, ...now.slice(0, MAX_EVENTS).map((event) => event.text)].join(". ");
 }

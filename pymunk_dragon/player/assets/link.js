@@ -2,12 +2,12 @@
 
 const LINK_DIGITS = 6; // decimals of times and positions
 const SPAN_DIGITS = 4; // significant digits of spans
-const SWITCHES = ["curve", "contacts", "handles", "velocities", "grid", "labels"];
+const SWITCHES = ["curve", "contacts", "handles", "velocities", "grid", "labels", "exact"];
 const SHOWN_BY_DEFAULT = ["curve", "contacts"];
 
 const plain = (number) => String(Number(number.toFixed(LINK_DIGITS)));
 
-function formatLink({ time, rate, defaultRate, follow, shown, selected, view }) {
+function formatLink({ time, rate, defaultRate, slow, follow, shown, selected, view }) {
   const parts = [`t=${plain(time)}`];
   if (follow === "head") parts.push("follow=head");
   if (!follow) parts.push(`at=${plain(view.x)},${plain(view.y)}`);
@@ -16,6 +16,8 @@ function formatLink({ time, rate, defaultRate, follow, shown, selected, view }) 
   if (names.join() !== SHOWN_BY_DEFAULT.join()) parts.push(`show=${names.join()}`);
   if (selected !== null) parts.push(`bench=${selected}`);
   if (rate !== defaultRate) parts.push(`speed=${rate}`);
+  if (!slow) parts.push("slow=off");
+  if (language !== DEFAULT_LANGUAGE) parts.push(`lang=${language}`);
   return `#${parts.join("&")}`;
 }
 
@@ -33,6 +35,7 @@ function parseLink(hash) {
     show: query.has("show") ? query.get("show").split(",").filter((name) => SWITCHES.includes(name)) : undefined,
     bench: number(query.get("bench")),
     rate: number(query.get("speed")),
+    slow: query.get("slow") !== "off",
     plays: query.has("play"),
   };
 }

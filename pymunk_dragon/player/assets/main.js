@@ -1,22 +1,23 @@
 // Starts the player and publishes its interface.
 
+const PACKED = ["handles", "velocities", "exact", "curve"];
+
 async function start() {
   try {
     const payload = JSON.parse(block("payload"));
-    const [packed, velocities, curve] = await Promise.all(["handles", "velocities", "curve"].map(
-      (name) => payload[name] && unpack(payload[name], block(`${name}-packed`))));
-    const player = new Player(payload, packed, velocities, curve);
+    const packed = await Promise.all(PACKED.map((name) => payload[name] && unpack(payload[name], block(`${name}-packed`))));
+    const player = new Player(payload, Object.fromEntries(PACKED.map((name, i) => [name, packed[i]])));
     if (!payload.grid) element("show-grid").closest("label").hidden = true;
-    element("precision").textContent = `Positions are stored to within ${Number((1e6 * payload.errors[0]).toPrecision(2))} μm`
-      + ` in ${packed.frames} frames; between two frames, benches move on cubic polynomials of time that match the`
-      + " positions and velocities of both. Numbers are shown with the digits that are certain.";
+    for (const part of document.querySelectorAll(".exact-only")) part.hidden = !player.exact;
+    setLanguage(chosenLanguage());
     connect(player);
     player.readLink();
     player.draw();
     return publicPlayer(player);
   } catch (error) {
     element("failure").hidden = false;
-    element("failure").textContent = `The dragon cannot be shown: ${error.message}. A newer browser may help.`;
+    const { message } = error;
+    element("failure").textContent = localized("The dragon cannot be shown: {message}. A newer browser may help.", { message });
     throw error;
   }
 }
@@ -41,6 +42,13 @@ function publicPlayer(player) {
       const { x, y, angle } = motion.posesAt(time);
       return Array.from(x, (_, i) => [x[i], y[i], angle[i]]);
     },
+    // Poses [x, y, angle] of the exact model at a time; null if unknown.
+    exactPoses: (time) => {
+      const poses = player.exact && player.exact.posesBeside(new Benches(motion, motion.posesAt(time)), time);
+      return poses && Array.from(poses.x, (_, i) => [poses.x[i], poses.y[i], poses.angle[i]]);
+    },
+    get rate() { return player.currentRate; },
+    get timeline() { return [player.timeline.from, player.timeline.to]; },
     // Numbers of a bench at the current time, and the grid cells [row, column] that it covers.
     numbers: (bench) => benchNumbers(new Benches(motion, motion.posesAt(player.time)), bench, player.time),
     cells: (bench) => new Benches(motion, motion.posesAt(player.time)).cells(bench, player.painter.payload.grid),

@@ -104,7 +104,7 @@ function drawContacts(painter, time, benches, touching) {
     context.font = `600 13px ${painter.font}`;
     context.textAlign = "left";
     context.textBaseline = "middle";
-    const label = `${formatLength(miss.gap, 0)} at ${miss.time.toFixed(2)} s`;
+    const label = localized("{gap} at {time} s", { gap: formatLength(miss.gap, 0), time: miss.time.toFixed(2) });
     painter.drawText(label, middle[0] + LABEL_OFFSET, middle[1] - LABEL_OFFSET);
   }
 }

@@ -11,6 +11,8 @@ const THICKEST_OUTLINE = 1.25; // pixels
 
 // Names of the colours, as in the films' `Palette`.
 const CANVAS_COLOURS = ["background", "curve", "head", "body", "tail", "contact", "ink", "motion", "force", "grid"];
+// Names of further colours of the page.
+const PAGE_COLOURS = ["quiet", "rule", "any"];
 
 class Painter {
   constructor(canvas, motion, view, payload, curve) {
@@ -29,6 +31,7 @@ class Painter {
     const named = (name) => style.getPropertyValue(name).trim();
     this.colours = {
       ...Object.fromEntries(CANVAS_COLOURS.map((name) => [name, named(`--canvas-${name}`)])),
+      ...Object.fromEntries(PAGE_COLOURS.map((name) => [name, named(`--${name}`)])),
       type: named("--ink"),
     };
     this.font = getComputedStyle(document.body).fontFamily;
@@ -163,5 +166,14 @@ class Painter {
     context.strokeText(text, px, py);
     context.fillStyle = colours.type;
     context.fillText(text, px, py);
+  }
+}
+
+// A line with a rim of the background's colour.
+function strokeTwice(context, path, rim, colour, width) {
+  for (const [stroke, wide] of [[rim, width + 2], [colour, width]]) {
+    context.strokeStyle = stroke;
+    context.lineWidth = wide;
+    context.stroke(path);
   }
 }

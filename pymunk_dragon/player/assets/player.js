@@ -3,6 +3,8 @@
 const RATES = [0.1, 0.25, 0.5, 1, 2, 5, 10, 20, 50]; // simulated over real time
 // s: longest playing time at the default rate, which is the lowest such rate from 1 on.
 const LONGEST = 60;
+// s: a button plays so much of the end of the run.
+const LAST_PART = 10;
 // Fraction of its size by which the view moves.
 const PAN_STEP = 1 / 8;
 // s: largest time step between two pictures, so that the run does not jump after the computer was suspended.
@@ -12,16 +14,19 @@ const LINK_EVERY = 500;
 const ANNOUNCE_AFTER = 700; // ms: delay after the last input before the state is announced to screen readers
 
 class Player {
-  constructor(payload, packed, velocities, curve) {
-    this.motion = new Motion(payload, packed, velocities);
+  constructor(payload, { handles, velocities, exact, curve }) {
+    this.motion = new Motion(payload, handles, velocities);
+    this.exact = exact && new Exact(this.motion, exact);
     this.view = new View(this.motion);
     this.painter = new RunPainter(element("field"), this.motion, this.view, payload, vectorsOf(curve));
     this.events = eventsOf(payload);
-    this.timeline = new Timeline(element("strip"), this.motion, this.events);
+    this.timeline = new Timeline(element("strip"), element("time"), this.motion, this.events);
     this.time = this.motion.begin;
     this.length = this.motion.end - this.motion.begin;
     this.defaultRate = RATES.find((rate) => rate >= 1 && this.length / rate <= LONGEST) ?? RATES.at(-1);
     this.rate = this.defaultRate;
+    this.slow = true; // near events
+    this.slowTimes = slowTimes(this.events);
     this.playing = false;
     this.follow = "field"; // or "head", or null for a fixed view
     this.shown = Object.fromEntries(SWITCHES.map((name) => [name, SHOWN_BY_DEFAULT.includes(name)]));
@@ -43,7 +48,7 @@ class Player {
       const passed = this.last === null ? 0 : Math.min((now - this.last) / 1000, LONGEST_TICK);
       this.last = now;
       const before = this.time;
-      this.time = Math.min(before + passed * this.rate, this.motion.end);
+      this.time = Math.min(before + passed * this.currentRate, this.motion.end);
       const event = this.events.findLast(({ time }) => before < time && time <= this.time);
       if (event) setText("announcement", event.text);
       if (this.time >= this.motion.end) this.pause();
@@ -58,19 +63,39 @@ class Player {
     const benches = new Benches(motion, motion.posesAt(time));
     this.benches = benches;
     painter.resize();
-    this.timeline.draw(painter.colours);
+    this.timeline.reveal(time);
+    this.timeline.draw(painter);
     if (this.follow === "field") view.fit();
     if (this.follow === "head") [view.x, view.y] = [benches.poses.x[0], benches.poses.y[0]];
     const hovered = this.pixel && benches.at(view.toWorld(...this.pixel), 0);
     const pointed = hovered ?? this.selected;
-    painter.draw({ time, benches, show: this.shown, pointed });
-    setText("clock", time.toFixed(2));
-    element("time").value = time;
-    // Only while paused: screen readers would announce every change.
-    if (!this.playing) element("time").setAttribute("aria-valuetext", `${time.toFixed(2)} seconds`);
+    const errors = this.exact && this.exact.errorsAt(time);
+    const magnification = errors ? this.magnification(benches, errors) : 1;
+    painter.draw({ time, benches, show: this.shown, pointed, exact: this.exact, magnification });
+    this.showTime();
     const bench = pointed ?? 0;
     if (document.activeElement !== element("bench")) element("bench").value = bench;
     for (const [id, text] of Object.entries(formatNumbers(benchNumbers(benches, bench, time)))) setText(id, text);
+    setText("error", errors ? formatLength(errors[bench], this.exact.resolution) : "–");
+    setText("legend-exact-text", magnification === 1 ? localized("Exact model")
+      : localized("Exact model, error × {number}", { number: magnification.toLocaleString("en") }));
+  }
+
+  showTime() {
+    const { time, timeline } = this;
+    setText("clock", time.toFixed(2));
+    setText("reduced", this.currentRate < this.rate ? formatRate(this.currentRate) : "");
+    element("time").value = time;
+    // Only while paused: screen readers would announce every change.
+    if (!this.playing) element("time").setAttribute("aria-valuetext", localized("{time} seconds", { time: time.toFixed(2) }));
+    element("timeline-in").disabled = timeline.isShortest;
+    element("timeline-out").disabled = element("timeline-all").disabled = timeline.isWhole;
+  }
+
+  // So that the largest position error in the view is visible.
+  magnification(benches, errors) {
+    const worst = this.painter.visible(benches).reduce((most, i) => Math.max(most, errors[i]), 0);
+    return magnificationOf(worst * this.view.scale);
   }
 
   recolour() {
@@ -79,6 +104,11 @@ class Player {
   }
 
   // ---- time
+
+  // Simulated over real time at present.
+  get currentRate() {
+    return this.slow ? slowedRate(this.rate, this.time, this.slowTimes) : this.rate;
+  }
 
   play() {
     if (this.playing || this.length === 0) return;
@@ -102,9 +132,7 @@ class Player {
   setPlaying(playing) {
     this.playing = playing;
     document.body.classList.toggle("playing", playing);
-    const name = playing ? "Pause" : "Play";
-    element("play").setAttribute("aria-label", name);
-    element("play").title = `${name} (space)`;
+    showPlayButton(playing);
   }
 
   // Go to a time and pause.
@@ -132,9 +160,33 @@ class Player {
     if (found) this.seek(found.time);
   }
 
+  // Play the end of the run, with that part on the timeline.
+  playLast() {
+    this.timeline.setPart(this.motion.end - LAST_PART, LAST_PART);
+    this.seek(this.timeline.from);
+    this.play();
+  }
+
   setRate(rate) {
     this.rate = rate;
     this.afterChange();
+  }
+
+  setSlow(slow) {
+    this.slow = slow;
+    this.afterChange();
+  }
+
+  // ---- timeline
+
+  zoomTimeline(factor) {
+    this.timeline.zoomAround(factor, this.time);
+    this.requestDraw();
+  }
+
+  showWholeTimeline() {
+    this.timeline.showAll();
+    this.requestDraw();
   }
 
   // ---- view
@@ -177,12 +229,22 @@ class Player {
     this.afterChange();
   }
 
+  // ---- language
+
+  setLanguage(name) {
+    setLanguage(name);
+    showPlayButton(this.playing);
+    writeLists(this);
+    this.afterChange();
+  }
+
   // ---- after a change: update picture and controls at once, address and announcement later
 
   afterChange() {
     element("fit").setAttribute("aria-pressed", this.follow === "field");
     element("follow").setAttribute("aria-pressed", this.follow === "head");
     element("rate").value = this.rate;
+    element("slow").checked = this.slow;
     for (const name of SWITCHES) element(`show-${name}`).checked = this.shown[name];
     this.requestDraw();
     this.writeLinkSoon();
@@ -193,10 +255,13 @@ class Player {
   announce() {
     const description = describeTime(this.time, this.events);
     const { speed, angle, gap } = formatNumbers(benchNumbers(this.benches, this.selected ?? 0, this.time));
-    const bench = this.selected === null ? "" : `. Bench ${this.selected}: speed ${speed}, angle ${angle}, gap ${gap}`;
+    const bench = this.selected === null ? ""
+      : localized(". Bench {i}: speed {speed}, angle {angle}, gap {gap}", { i: this.selected, speed, angle, gap });
     if (!this.playing) setText("announcement", description + bench);
-    const where = this.follow === "head" ? "seen from above the head" : "seen from above";
-    element("field").setAttribute("aria-label", `The dragon's ${this.motion.benches} benches ${where}. ${description}.`);
+    const count = this.motion.benches;
+    const seen = this.follow === "head" ? localized("The dragon's {count} benches seen from above the head", { count })
+      : localized("The dragon's {count} benches seen from above", { count });
+    element("field").setAttribute("aria-label", `${seen}. ${description}.`);
   }
 
   writeLinkSoon() {
@@ -216,8 +281,10 @@ class Player {
     const { view, motion } = this;
     if (link.time !== undefined) this.seek(link.time);
     if (RATES.includes(link.rate)) this.rate = link.rate;
+    this.slow = link.slow;
     if (link.show) for (const name of SWITCHES) this.shown[name] = link.show.includes(name);
     if (Number.isInteger(link.bench) && link.bench >= 0 && link.bench < motion.benches) this.selected = link.bench;
+    if (chosenLanguage() !== language) this.setLanguage(chosenLanguage());
     // A span requires the size of the canvas.
     this.painter.resize();
     if (link.follow) this.setFollow(link.follow);

@@ -65,11 +65,16 @@ function listenToPointers(canvas, view, { moved, hovered, tapped, taken = () => 
   canvas.addEventListener("pointerup", up);
   canvas.addEventListener("pointercancel", up);
   canvas.addEventListener("pointerleave", () => hovered(null));
+  listenToWheel(canvas, view, moved);
+}
+
+function listenToWheel(canvas, view, moved) {
   canvas.addEventListener("wheel", (event) => {
     event.preventDefault();
     const delta = event.deltaY * (event.deltaMode === WheelEvent.DOM_DELTA_LINE ? WHEEL_LINE : 1);
+    const box = canvas.getBoundingClientRect();
     // Browsers report pinching on a touchpad as wheel events with Ctrl, in small steps.
-    view.zoom(Math.exp(-delta * WHEEL_ZOOM * (event.ctrlKey ? 5 : 1)), ...position(event));
+    view.zoom(Math.exp(-delta * WHEEL_ZOOM * (event.ctrlKey ? 5 : 1)), event.clientX - box.left, event.clientY - box.top);
     moved("zoom");
   }, { passive: false });
 }

@@ -1,38 +1,97 @@
-// Events by time: near misses and contacts, as a list and as a strip above the slider.
+// Events by time: near misses and contacts, as a list and on a timeline above the slider, which can show a part of the run.
 
 const THUMB = 8; // pixels: half the slider's thumb, the margin of the strip on both sides
 const CLICK = 7; // pixels: largest distance of a click from an event
+const SHORTEST_PART = 0.2; // s: shortest part of the run on the timeline
+const MARGIN = 0.1; // fraction of the part between its end and a time that has left it
+const MARK = 5; // pixels: half the height of a mark
+const LABEL_EVERY = 64; // pixels: least distance of labels
+const LABEL_SIZE = 10; // pixels
 
 function eventsOf(payload) {
-  const name = ([i, j]) => `benches ${i} and ${j}`;
-  const nearMisses = payload.near_misses.map(({ time, benches, gap }) => ({
+  const nearMisses = payload.near_misses.map(({ time, benches: [i, j], gap }) => ({
     time, end: time, kind: "near-miss",
-    text: `Near miss: ${name(benches)}, ${formatLength(gap, 0)}`,
+    get text() {
+      return localized("Near miss: benches {i} and {j}, {gap}", { i, j, gap: formatLength(gap, 0) });
+    },
   }));
-  const contacts = payload.windows.map(({ begin, end, benches }) => ({
+  const contacts = payload.windows.map(({ begin, end, benches: [i, j] }) => ({
     time: begin, end: end ?? payload.times.at(-1), kind: "contact",
-    text: `Contact: ${name(benches)}` + (end === null ? "" : `, for ${(end - begin).toFixed(2)} s`),
+    get text() {
+      const contact = localized("Contact: benches {i} and {j}", { i, j });
+      return end === null ? contact : contact + localized(", for {time} s", { time: (end - begin).toFixed(2) });
+    },
   }));
   return [...nearMisses, ...contacts].sort((a, b) => a.time - b.time);
 }
 
 class Timeline {
-  constructor(strip, motion, events) {
+  constructor(strip, slider, motion, events) {
     this.strip = strip;
+    this.slider = slider;
     this.motion = motion;
     this.events = events;
+    this.width = 1;
+    this.showAll();
+  }
+
+  get length() {
+    return this.to - this.from;
+  }
+
+  get isWhole() {
+    return this.length >= this.motion.end - this.motion.begin;
+  }
+
+  get isShortest() {
+    return this.length <= SHORTEST_PART;
+  }
+
+  // Show from a time on so many seconds, within the run.
+  setPart(from, length) {
+    const { begin, end } = this.motion;
+    const shown = Math.min(Math.max(length, SHORTEST_PART), end - begin);
+    this.from = Math.min(Math.max(from, begin), end - shown);
+    this.to = this.from + shown;
+  }
+
+  showAll() {
+    this.setPart(this.motion.begin, Infinity);
+  }
+
+  // Zoom around a pixel, as a view does.
+  zoom(factor, px) {
+    this.zoomAround(factor, this.timeAt(px));
+  }
+
+  zoomAround(factor, time) {
+    const share = this.length > 0 ? (time - this.from) / this.length : 0;
+    const length = Math.max(this.length / factor, SHORTEST_PART);
+    this.setPart(time - share * length, length);
+  }
+
+  pan(dx) {
+    this.setPart(this.from - dx * this.length / this.inner, this.length);
+  }
+
+  // Move the part so that it has a time.
+  reveal(time) {
+    if (time > this.to) this.setPart(time - MARGIN * this.length, this.length);
+    else if (time < this.from) this.setPart(time - (1 - MARGIN) * this.length, this.length);
+  }
+
+  // Pixels between the ends of the slider's range.
+  get inner() {
+    return Math.max(1, this.width - 2 * THUMB);
   }
 
   // Pixels from the left.
   toPixel(time) {
-    const { begin, end } = this.motion;
-    return THUMB + (this.width - 2 * THUMB) * (end > begin ? (time - begin) / (end - begin) : 0);
+    return THUMB + this.inner * (this.length > 0 ? (time - this.from) / this.length : 0);
   }
 
   timeAt(px) {
-    const { begin, end } = this.motion;
-    const fraction = (px - THUMB) / Math.max(1, this.width - 2 * THUMB);
-    return begin + Math.min(Math.max(fraction, 0), 1) * (end - begin);
+    return this.from + Math.min(Math.max((px - THUMB) / this.inner, 0), 1) * this.length;
   }
 
   // Time of the event close to a click, or the clicked time if there is none.
@@ -42,36 +101,58 @@ class Timeline {
     return near.length ? near[0].time : this.timeAt(px);
   }
 
-  // Draws only if the strip's size or the colours have changed.
-  draw(colours) {
+  // Draws only if the strip's size, the part or the colours have changed.
+  draw(painter) {
     const { width, height } = this.strip.getBoundingClientRect();
     const ratio = window.devicePixelRatio || 1;
-    const state = [width, height, ratio, colours.type].join();
+    const state = [width, height, ratio, painter.colours.type, this.from, this.to].join();
     if (state === this.drawn) return;
     this.drawn = state;
     this.width = width;
+    Object.assign(this.slider, { min: this.from, max: this.to });
     Object.assign(this.strip, { width: Math.round(width * ratio), height: Math.round(height * ratio) });
     const context = this.strip.getContext("2d");
     context.scale(ratio, ratio);
-    const middle = height / 2;
-    for (const event of this.events.filter(({ kind }) => kind === "contact")) {
-      context.fillStyle = colours.contact;
-      const from = this.toPixel(event.time);
-      context.fillRect(from - 1.5, 1, Math.max(3, this.toPixel(event.end) - from), height - 2);
+    this.drawLabels(context, painter);
+    const middle = height - MARK - 2;
+    const shown = this.events.filter(({ time, end }) => end >= this.from && time <= this.to);
+    for (const event of shown.filter(({ kind }) => kind === "contact")) {
+      context.fillStyle = painter.colours.contact;
+      const from = Math.max(this.toPixel(event.time) - 1.5, THUMB - 1.5);
+      const to = Math.min(this.toPixel(event.end), width - THUMB);
+      context.fillRect(from, middle - MARK - 1, Math.max(3, to - from), 2 * MARK + 2);
     }
-    for (const event of this.events.filter(({ kind }) => kind === "near-miss")) {
+    for (const event of shown.filter(({ kind }) => kind === "near-miss")) {
       const px = this.toPixel(event.time);
       context.beginPath();
-      context.moveTo(px, middle - 5);
-      context.lineTo(px + 4, middle);
-      context.lineTo(px, middle + 5);
-      context.lineTo(px - 4, middle);
+      context.moveTo(px, middle - MARK);
+      context.lineTo(px + MARK - 1, middle);
+      context.lineTo(px, middle + MARK);
+      context.lineTo(px - MARK + 1, middle);
       context.closePath();
-      context.fillStyle = colours.head;
-      context.strokeStyle = colours.type;
+      context.fillStyle = painter.colours.head;
+      context.strokeStyle = painter.colours.type;
       context.lineWidth = 1;
       context.fill();
       context.stroke();
+    }
+  }
+
+  // Times at the upper side, at multiples of 1, 2 or 5 times a power of ten s.
+  drawLabels(context, { colours, font }) {
+    const least = Math.max(LABEL_EVERY * this.length / this.inner, Number.EPSILON);
+    const power = 10 ** Math.floor(Math.log10(least));
+    const step = [1, 2, 5, 10].find((digit) => digit * power >= least) * power;
+    const digits = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
+    context.font = `${LABEL_SIZE}px ${font}`;
+    context.textBaseline = "top";
+    context.textAlign = "center";
+    context.fillStyle = context.strokeStyle = colours.quiet;
+    for (let k = Math.ceil(this.from / step); k * step <= this.to; k++) {
+      const px = this.toPixel(k * step), label = (k * step).toFixed(digits).replace("-", "−");
+      const half = context.measureText(label).width / 2;
+      if (px - half < 0 || px + half > this.width) continue;
+      context.fillText(label, px, 0);
     }
   }
 }

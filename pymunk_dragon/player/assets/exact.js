@@ -1,0 +1,59 @@
+// The exact model's handles: offsets from those of the run, in the frames in which the model has a state.
+
+const MAGNIFIED_BELOW = 1; // pixels: the ghost of a smaller error is magnified ...
+const MAGNIFIED_TO = 3; // pixels: ... by a power of ten to at least this
+
+class Exact {
+  constructor(motion, offsets) {
+    this.motion = motion;
+    this.offsets = offsets;
+  }
+
+  // m: error of a position error.
+  get resolution() {
+    return this.offsets.step / Math.SQRT2;
+  }
+
+  // Offsets in m of all handles at a time, x0, y0, x1, y1, ..., linear between frames; null if unknown.
+  offsetsAt(time) {
+    const { before, after, share } = this.motion.between(time);
+    const last = share > 0 ? after : before;
+    if (last >= this.offsets.frames) return null;
+    const one = vectorsIn(this.offsets, before);
+    if (share === 0) return one;
+    const two = vectorsIn(this.offsets, after);
+    return one.map((value, k) => value + share * (two[k] - value));
+  }
+
+  // Position errors in m of all benches: of the worse of two holes. Null if unknown.
+  errorsAt(time) {
+    const offsets = this.offsetsAt(time);
+    if (!offsets) return null;
+    const lengths = Array.from({ length: offsets.length / 2 }, (_, i) => Math.hypot(offsets[2 * i], offsets[2 * i + 1]));
+    return Array.from({ length: this.motion.benches }, (_, i) => Math.max(lengths[i], lengths[i + 1]));
+  }
+
+  // Poses of the exact benches beside `benches` at `time`, with their distances from these magnified; null if unknown.
+  posesBeside(benches, time, magnification = 1) {
+    const offsets = this.offsetsAt(time);
+    if (!offsets) return null;
+    const handles = benches.handles.map(([x, y], i) =>
+      [x + magnification * offsets[2 * i], y + magnification * offsets[2 * i + 1]]);
+    const poses = Object.fromEntries(
+      ["x", "y", "angle", "cos", "sin"].map((name) => [name, new Float64Array(this.motion.benches)]));
+    for (let i = 0; i < this.motion.benches; i++) {
+      const [front, rear] = [handles[i], handles[i + 1]];
+      poses.x[i] = (front[0] + rear[0]) / 2;
+      poses.y[i] = (front[1] + rear[1]) / 2;
+      poses.angle[i] = Math.atan2(front[1] - rear[1], front[0] - rear[0]);
+      poses.cos[i] = Math.cos(poses.angle[i]);
+      poses.sin[i] = Math.sin(poses.angle[i]);
+    }
+    return poses;
+  }
+}
+
+// Power of ten by which an error of so many pixels is magnified.
+function magnificationOf(pixels) {
+  return pixels >= MAGNIFIED_BELOW || pixels === 0 ? 1 : 10 ** Math.ceil(Math.log10(MAGNIFIED_TO / pixels));
+}

@@ -1,0 +1,64 @@
+// Languages of the page: its texts are English, and the page has a catalogue from English to each other language.
+
+const CATALOGUES = { en: {}, ...JSON.parse(element("texts").textContent) };
+// Elements without texts of the page.
+const UNTRANSLATED = "script, style, svg, canvas, kbd, code, [translate=no]";
+const HAS_LETTERS = /\p{L}/u;
+const LANGUAGE_NAMES = { en: "English", zh: "中文" };
+const TRANSLATED_ATTRIBUTES = ["aria-label", "title"];
+
+let language = "en";
+
+// A text in the page's language, with values for its {fields}.
+function localized(english, values = {}) {
+  const template = CATALOGUES[language][english] ?? english;
+  return template.replace(/\{(\w+)\}/g, (field, name) => values[name] ?? field);
+}
+
+// The language that a part of the address chooses, as lang=zh or zh.
+function languageIn(part) {
+  const query = new URLSearchParams(part.slice(1));
+  const name = query.get("lang") ?? Object.keys(CATALOGUES).find((each) => query.has(each));
+  return name in CATALOGUES ? name : undefined;
+}
+
+// Without a choice in #lang=zh: that in ?lang=zh or ?zh, or the language in which the page was written.
+const DEFAULT_LANGUAGE = languageIn(location.search) ?? document.documentElement.lang;
+const chosenLanguage = () => languageIn(location.hash) ?? DEFAULT_LANGUAGE;
+
+// The innermost elements that have all parts of a sentence.
+function* textElements(parent) {
+  for (const child of parent.children) {
+    if (child.matches(UNTRANSLATED)) continue;
+    const hasText = [...child.childNodes].some(({ nodeType, data }) => nodeType === Node.TEXT_NODE && HAS_LETTERS.test(data));
+    if (hasText) yield child;
+    else yield* textElements(child);
+  }
+}
+
+// The page's own texts in English, with what sets each of them.
+const STATIC_TEXTS = [
+  [document.title, (text) => { document.title = text; }],
+  ...Array.from(textElements(document.body), (found) =>
+    [found.innerHTML.replace(/\s+/g, " ").trim(), (text) => { found.innerHTML = text; }]),
+  ...TRANSLATED_ATTRIBUTES.flatMap((name) => Array.from(document.querySelectorAll(`[${name}]`), (found) =>
+    [found.getAttribute(name), (text) => found.setAttribute(name, text)])),
+];
+
+// Texts that scripts write follow from the next drawing.
+function setLanguage(name) {
+  language = name;
+  document.documentElement.lang = name;
+  for (const [english, write] of STATIC_TEXTS) write(localized(english));
+  const other = otherLanguage();
+  Object.assign(element("language"), { lang: other, textContent: LANGUAGE_NAMES[other] });
+}
+
+function otherLanguage() {
+  return Object.keys(CATALOGUES).find((each) => each !== language);
+}
+
+function showPlayButton(playing) {
+  element("play").setAttribute("aria-label", playing ? localized("Pause") : localized("Play"));
+  element("play").title = playing ? localized("Pause (space)") : localized("Play (space)");
+}
