@@ -13,7 +13,7 @@ PACKAGE = Path(pymunk_dragon.__file__).parent
 UNTRANSLATED = {"script", "style", "svg", "canvas", "kbd", "code"}
 VOID = {"input", "meta", "link", "br"}
 LETTER = re.compile(r"[^\W\d_]")
-CALL = re.compile(r"\blocalized\(\s*(?!english\b)")
+CALL = re.compile(r"\blocalized\(\s*")
 LITERAL = re.compile(r'"(?:[^"\\]|\\.)*"')
 
 
@@ -93,5 +93,5 @@ def package_texts(package, template, parts=()):
         source = source.replace(f"{{{{{name}}}}}", (PACKAGE / "player" / "assets" / f"{name}.html").read_text())
     found = html_texts(source)
     for script in assets.glob("*.js"):
-        found |= script_texts(script.read_text().replace("function localized(", "function ("))
+        found |= script_texts(script.read_text())
     return found

@@ -128,7 +128,7 @@ def player_page(run: Run, *, title: str | None = None) -> str:
     with in_language("zh"):
         chinese = _texts_of(summary, provenance(summary))
     own = {one: two for one, two in zip(english, chinese, strict=True) if one != two}
-    style = colour_variables() + asset(__package__, "assets/player.css")
+    style = colour_variables() + asset(__package__, "assets/player.css") + asset(__package__, "assets/layout.css")
     script = "".join(asset(__package__, f"assets/{name}.js") for name in SCRIPTS)
     return substituted(
         asset(__package__, "assets/player.html"),

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import re
 from functools import cache
 from html import escape
 
 from pymunk_dragon import player
-from pymunk_dragon._html import asset, policy
-from pymunk_dragon.player.page import colour_variables
+from pymunk_dragon._html import asset, embedded_json, policy, substituted
+from pymunk_dragon.player.page import catalogue, colour_variables, parts
 
-PLACEHOLDER = re.compile(r"\{\{(\w+)\}\}")
 # Parts of the script: those of the player, and those of this page; each uses only those before it.
-PLAYER_SCRIPTS = ("common", "geometry", "view", "format", "marks", "paint", "pointer")
+PLAYER_SCRIPTS = ("common", "texts", "geometry", "view", "format", "marks", "paint", "ghost", "pointer")
 SCRIPTS = (
     *("frame", "connection", "nearest", "model", "shades", "force_scale", "shapes", "overlays", "legend", "live_paint"),
     *("charts", "parameters", "live_charts", "tools", "recorder", "live_show", "live", "live_controls", "live_main"),
@@ -26,5 +24,13 @@ def live_page(title: str) -> tuple[str, str]:
     script = "".join(asset(player.__name__, f"assets/{name}.js") for name in PLAYER_SCRIPTS)
     script += "".join(asset(__package__, f"assets/{name}.js") for name in SCRIPTS)
     rules = policy(style, script) + "; connect-src 'self'"
-    values = {"policy": escape(rules), "title": escape(title), "style": style, "script": script}
-    return PLACEHOLDER.sub(lambda match: values[match[1]], asset(__package__, "assets/live.html")), rules
+    page = substituted(
+        asset(__package__, "assets/live.html"),
+        policy=escape(rules),
+        title=escape(title),
+        style=style,
+        script=script,
+        texts=embedded_json({"zh": catalogue(player.__name__, __package__)}),
+        **parts(),
+    )
+    return page, rules

@@ -1,7 +1,8 @@
 // The exact model's handles: offsets from those of the run, in the frames in which the model has a state.
 
 const MAGNIFIED_BELOW = 1; // pixels: the ghost of a smaller error is magnified ...
-const MAGNIFIED_TO = 3; // pixels: ... by a power of ten to at least this
+const MAGNIFIED_TO = 3; // pixels: ... to at least this, and to
+const MAGNIFIED_SHARE = 0.3; // of the width of a bench
 
 class Exact {
   constructor(motion, offsets) {
@@ -53,7 +54,10 @@ class Exact {
   }
 }
 
-// Power of ten by which an error of so many pixels is magnified.
-function magnificationOf(pixels) {
-  return pixels >= MAGNIFIED_BELOW || pixels === 0 ? 1 : 10 ** Math.ceil(Math.log10(MAGNIFIED_TO / pixels));
+// The factor 1, 2 or 5 times a power of ten by which an error is magnified, in a view with benches of this width; pixels.
+function magnificationOf(error, width) {
+  if (error >= MAGNIFIED_BELOW || error === 0) return 1;
+  const least = Math.max(MAGNIFIED_TO, MAGNIFIED_SHARE * width) / error;
+  const power = 10 ** Math.floor(Math.log10(least));
+  return [1, 2, 5, 10].find((digit) => digit * power >= least) * power;
 }

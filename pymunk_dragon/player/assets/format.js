@@ -3,6 +3,7 @@
 const LENGTH_DIGITS = 3; // significant digits of a length
 const DECIMALS_MM = 3; // most decimals of a length in mm
 const DECIMALS_M = 2; // decimals of a length in m
+const SMALL_ERROR = 1e-4; // m
 // s: a time this close to a near miss counts as the near miss.
 const NEAR_MISS_TIME = 0.05;
 // Largest number of events in a description.
@@ -17,6 +18,11 @@ function formatLength(metres, error) {
   const length = 1000 * metres;
   const significant = Math.min(DECIMALS_MM, Math.max(0, LENGTH_DIGITS - 1 - Math.floor(Math.log10(length))));
   return `${length.toFixed(Math.min(significant, decimals(1000 * error)))} mm`;
+}
+
+// A position error in m with an error in m: in micrometres below a tenth of a millimetre.
+function formatError(metres, error) {
+  return metres < SMALL_ERROR ? `${(1e6 * metres).toFixed(decimals(1e6 * error))} μm` : formatLength(metres, error);
 }
 
 // Numbers of one bench: velocity and speed in m/s, angle in degrees, gap and its error in m.

@@ -101,12 +101,19 @@ function drawContacts(painter, time, benches, touching) {
     const middle = [(one[0] + two[0]) / 2, (one[1] + two[1]) / 2];
     // The ring encloses both ends of the gap.
     drawRing(painter, middle, Math.hypot(one[0] - two[0], one[1] - two[1]) / 2);
-    context.font = `600 13px ${painter.font}`;
-    context.textAlign = "left";
-    context.textBaseline = "middle";
     const label = localized("{gap} at {time} s", { gap: formatLength(miss.gap, 0), time: miss.time.toFixed(2) });
-    painter.drawText(label, middle[0] + LABEL_OFFSET, middle[1] - LABEL_OFFSET);
+    drawLabel(painter, label, ...middle);
   }
+}
+
+// Text beside a point: at the right, or at the left if there is no room.
+function drawLabel(painter, text, px, py) {
+  const { context, view } = painter;
+  context.font = `600 13px ${painter.font}`;
+  context.textBaseline = "middle";
+  const fits = px + LABEL_OFFSET + context.measureText(text).width < view.width;
+  context.textAlign = fits ? "left" : "right";
+  painter.drawText(text, px + (fits ? LABEL_OFFSET : -LABEL_OFFSET), py - LABEL_OFFSET);
 }
 
 function drawRing({ context, colours }, [px, py], inner = 0) {

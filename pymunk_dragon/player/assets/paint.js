@@ -171,9 +171,12 @@ class Painter {
 
 // A line with a rim of the background's colour.
 function strokeTwice(context, path, rim, colour, width) {
-  for (const [stroke, wide] of [[rim, width + 2], [colour, width]]) {
-    context.strokeStyle = stroke;
-    context.lineWidth = wide;
-    context.stroke(path);
-  }
+  strokeOnce(context, path, rim, width + 2);
+  strokeOnce(context, path, colour, width);
+}
+
+function strokeOnce(context, path, colour, width) {
+  context.strokeStyle = colour;
+  context.lineWidth = width;
+  context.stroke(path);
 }

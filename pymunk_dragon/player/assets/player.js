@@ -76,7 +76,7 @@ class Player {
     const bench = pointed ?? 0;
     if (document.activeElement !== element("bench")) element("bench").value = bench;
     for (const [id, text] of Object.entries(formatNumbers(benchNumbers(benches, bench, time)))) setText(id, text);
-    setText("error", errors ? formatLength(errors[bench], this.exact.resolution) : "–");
+    setText("error", errors ? formatError(errors[bench], this.exact.resolution) : "–");
     setText("legend-exact-text", magnification === 1 ? localized("Exact model")
       : localized("Exact model, error × {number}", { number: magnification.toLocaleString("en") }));
   }
@@ -94,8 +94,9 @@ class Player {
 
   // So that the largest position error in the view is visible.
   magnification(benches, errors) {
+    const { scale } = this.view;
     const worst = this.painter.visible(benches).reduce((most, i) => Math.max(most, errors[i]), 0);
-    return magnificationOf(worst * this.view.scale);
+    return magnificationOf(worst * scale, this.motion.narrowest * scale);
   }
 
   recolour() {

@@ -9,11 +9,13 @@ const TRANSLATED_ATTRIBUTES = ["aria-label", "title"];
 
 let language = "en";
 
-// A text in the page's language, with values for its {fields}.
-function localized(english, values = {}) {
-  const template = CATALOGUES[language][english] ?? english;
-  return template.replace(/\{(\w+)\}/g, (field, name) => values[name] ?? field);
-}
+// A text in the page's language, if the catalogue has it.
+const translated = (english) => CATALOGUES[language][english] ?? english;
+
+const fill = (template, values) => template.replace(/\{(\w+)\}/g, (field, name) => values[name] ?? field);
+
+// The same of a text of the scripts, with values for its {fields}.
+const localized = (english, values = {}) => fill(translated(english), values);
 
 // The language that a part of the address chooses, as lang=zh or zh.
 function languageIn(part) {
@@ -49,7 +51,7 @@ const STATIC_TEXTS = [
 function setLanguage(name) {
   language = name;
   document.documentElement.lang = name;
-  for (const [english, write] of STATIC_TEXTS) write(localized(english));
+  for (const [english, write] of STATIC_TEXTS) write(translated(english));
   const other = otherLanguage();
   Object.assign(element("language"), { lang: other, textContent: LANGUAGE_NAMES[other] });
 }

@@ -32,7 +32,7 @@ function drawLegend(painter) {
   context.font = `11px ${painter.font}`;
   context.textBaseline = "alphabetic";
   context.textAlign = "left";
-  painter.drawText("Force in the joint (N)", LEGEND_LEFT, top - 6);
+  painter.drawText(localized("Force in the joint (N)"), LEGEND_LEFT, top - 6);
   for (let k = 0; k <= DECADES; k++) {
     context.textAlign = k === 0 ? "left" : k === DECADES ? "right" : "center";
     painter.drawText(powerText(forceScale.bottom + k), LEGEND_LEFT + k * LEGEND_WIDTH / DECADES, top + LEGEND_HEIGHT + 13);

@@ -11,6 +11,7 @@ const SHOWN_BY_DEFAULT = ["curve", "ghost", "contacts"];
 class Live {
   constructor() {
     this.scene = this.state = this.frame = this.model = null;
+    this.events = []; // the newest first
     this.view = new View({ field: { centre: [0, 0], size: [1, 1] }, widths: [1], narrowest: 1 });
     this.painter = new LivePainter(element("field"), this.view);
     this.charts = new LiveCharts(this.painter);
@@ -75,8 +76,9 @@ class Live {
     this.sliders.setParameters(scene.parameters);
     if (!same) {
       this.follow = "field";
-      element("events").replaceChildren();
-      setText("announcement", scene.title);
+      this.events = [];
+      this.showEvents();
+      setText("announcement", translated(scene.title));
     }
     showScene(this);
     this.requestDraw();
@@ -90,13 +92,16 @@ class Live {
     this.requestDraw();
   }
 
-  addEvent({ time, text }) {
-    const row = created("li", {}, created("span", { className: "quiet" }, `${time.toFixed(2)} s`), ` ${text}`);
-    const list = element("events");
-    list.prepend(row);
-    while (list.children.length > EVENTS_LISTED) list.lastChild.remove();
-    element("no-events").hidden = true;
-    this.announce(`${text}, at ${time.toFixed(2)} s`);
+  addEvent(event) {
+    this.events = [event, ...this.events].slice(0, EVENTS_LISTED);
+    this.showEvents();
+    this.announce(localized("{text}, at {time} s", { text: translatedNumbers(event.text), time: event.time.toFixed(2) }));
+  }
+
+  showEvents() {
+    element("events").replaceChildren(...this.events.map(({ time, text }) =>
+      created("li", {}, created("span", { className: "quiet" }, `${time.toFixed(2)} s`), ` ${translatedNumbers(text)}`)));
+    element("no-events").hidden = this.events.length > 0;
   }
 
   // After an error the controls show what the server has.
@@ -192,6 +197,18 @@ class Live {
     element("fit").setAttribute("aria-pressed", this.follow === "field");
     element("follow").setAttribute("aria-pressed", this.follow === "head");
     this.requestDraw();
+  }
+
+  // Controls and charts follow with the next state and picture.
+  setLanguage(name) {
+    setLanguage(name);
+    history.replaceState(null, "", name === DEFAULT_LANGUAGE ? location.pathname + location.search : `#lang=${name}`);
+    if (!this.scene) return;
+    this.showEvents();
+    this.charts.setTexts();
+    this.sliders.rebuild(this.scene.parameters);
+    showScene(this);
+    if (this.state) this.setState(this.state);
   }
 
   recolour() {

@@ -13,7 +13,11 @@ class LiveCharts {
     this.history = new History();
     element("charts-error").hidden = !model.can("ghost");
     element("charts-force").hidden = model.joints.length === 0;
-    setText("force-name", model.benches ? "Tension along the chain" : "Force by joint");
+    this.setTexts();
+  }
+
+  setTexts() {
+    setText("force-name", this.model.benches ? localized("Tension along the chain (N)") : localized("Force by joint (N)"));
   }
 
   add(frame, now) {
@@ -37,7 +41,7 @@ class LiveCharts {
     chart.begin(decadeTicks([low, high]), colours, font);
     chart.line(track.map(([across, value]) => [across, value > 0 ? (Math.log10(value) - low) / (high - low) : NaN]), colours.any);
     const worst = errors.reduce((one, value, i) => (value > (errors[one] ?? -1) ? i : one), -1);
-    setText("value-error", worst < 0 ? "–" : `${formatLength(errors[worst], 0)}, bench ${worst}`);
+    setText("value-error", worst < 0 ? "–" : localized("{error}, bench {i}", { error: formatLength(errors[worst], 0), i: worst }));
   }
 
   drawForces(chart, { forces }, cuts) {
@@ -55,7 +59,7 @@ class LiveCharts {
     }
     for (const j of cuts) chart.line([[j / last, 0], [j / last, 1]], colours.contact, 1);
     const worst = forces.reduce((one, value, j) => (valid(j) && value > (forces[one] ?? 0) ? j : one), -1);
-    setText("value-force", worst < 0 ? "–" : `${formatForce(forces[worst])}, joint ${worst}`);
+    setText("value-force", worst < 0 ? "–" : localized("{force}, joint {i}", { force: formatForce(forces[worst]), i: worst }));
   }
 
   drawSteps(chart, { stepTime }, budget) {
@@ -65,7 +69,7 @@ class LiveCharts {
     chart.begin([0, 0.5, 1].map((share) => [share, String(Number((share * top).toPrecision(2)))]), colours, font);
     chart.horizontal(budget / top, colours.contact, 1.25);
     chart.line(track.map(([across, value]) => [across, value / top]), colours.any);
-    setText("value-step", `${formatTime(stepTime)} of ${formatTime(budget)}`);
+    setText("value-step", localized("{time} of {limit}", { time: formatTime(stepTime), limit: formatTime(budget) }));
   }
 }
 

@@ -41,6 +41,7 @@ const actionsOf = (live) => ({
   follow: () => live.toggleHead(),
   record: () => live.recorder.toggle(),
   "recorded-close": () => live.recorder.hide(),
+  language: () => live.setLanguage(otherLanguage()),
   help: () => element("about").showModal(),
   close: () => element("about").close(),
 });

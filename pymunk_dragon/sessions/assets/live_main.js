@@ -4,10 +4,12 @@ function start() {
   try {
     const live = new Live();
     connect(live);
+    setLanguage(chosenLanguage());
     return publicLive(live);
   } catch (error) {
     element("failure").hidden = false;
-    element("failure").textContent = `The page cannot start: ${error.message}. A newer browser may help.`;
+    const { message } = error;
+    element("failure").textContent = localized("The page cannot start: {message}. A newer browser may help.", { message });
     throw error;
   }
 }

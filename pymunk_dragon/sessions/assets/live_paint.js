@@ -19,12 +19,6 @@ class LivePainter extends Painter {
     this.impulseScale = new LogScale();
   }
 
-  readColours() {
-    super.readColours();
-    const style = getComputedStyle(document.documentElement);
-    for (const name of ["quiet", "rule", "any"]) this.colours[name] = style.getPropertyValue(`--${name}`).trim();
-  }
-
   colourOf(i, inContact) {
     const colour = super.colourOf(i, inContact);
     return this.pale ? mixed(colour, this.colours.background, PALE) : colour;
@@ -64,7 +58,7 @@ class LivePainter extends Painter {
     this.pale = false;
     this.drawBenches(benches, visible.filter((i) => !free(i)), inContact);
     if (target?.bench !== undefined) this.drawPointed(benches, target.bench, inContact);
-    if (show.ghost) drawGhost(this, frame, benches);
+    if (show.ghost) drawErrors(this, frame, benches);
     if (show.handles) drawHandles(this, benches, visible);
     if (show.labels) drawNumbers(this, benches, visible, inContact);
   }

@@ -2,17 +2,28 @@
 
 const SPEEDS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20]; // simulated over real time
 
+// An event of the server, whose numbers are fields {i}, {j}, ... of a text.
+function translatedNumbers(text) {
+  const numbers = text.match(/\d+/g) ?? [];
+  const names = "ijk";
+  let k = 0;
+  const template = translated(text.replace(/\d+/g, () => `{${names[k++]}}`));
+  return fill(template, Object.fromEntries(numbers.map((number, n) => [names[n], number])));
+}
+
 function showScene(live) {
   const { scene, model } = live;
-  document.title = scene.title;
-  setText("title", scene.title);
-  setText("text", scene.lesson ? `${scene.text} Lesson: pymunk-dragon demo ${scene.lesson}` : scene.text);
+  const title = translated(scene.title);
+  document.title = title;
+  setText("title", title);
+  const lesson = scene.lesson ? ` ${localized("Lesson:")} pymunk-dragon demo ${scene.lesson}` : "";
+  setText("text", translated(scene.text) + lesson);
   const list = element("scene");
-  list.replaceChildren(...scene.scenes.map(({ name, title }) => new Option(title, name)));
+  list.replaceChildren(...scene.scenes.map((each) => new Option(translated(each.title), each.name)));
   list.value = scene.name;
   element("field").setAttribute("aria-label", model.benches
-    ? `${scene.title}: ${model.benches} benches seen from above`
-    : `${scene.title}: ${scene.bodies.length} bodies`);
+    ? localized("{title}: {count} benches seen from above", { title, count: model.benches })
+    : localized("{title}: {count} bodies", { title, count: scene.bodies.length }));
   showAbilities(live);
 }
 
@@ -30,14 +41,12 @@ function showAbilities(live) {
 function showState(live) {
   const { state } = live;
   document.body.classList.toggle("playing", state.running);
-  const name = state.running ? "Pause" : "Play";
-  element("play").setAttribute("aria-label", name);
-  element("play").title = `${name} (space)`;
+  showPlayButton(state.running);
   showSpeed(state.speed);
   element("scene").value = live.scene.name;
   element("contacts").value = state.contacts;
   live.recorder.update(state);
-  setText("clients", state.clients === 1 ? "1 viewer" : `${state.clients} viewers`);
+  setText("clients", state.clients === 1 ? localized("1 viewer") : localized("{count} viewers", { count: state.clients }));
   showAccess(live);
 }
 
@@ -54,17 +63,17 @@ function showSpeed(speed) {
 // Controls that send are disabled for those who watch, and while there is no connection.
 function showAccess(live) {
   for (const control of document.querySelectorAll(".sends")) control.disabled = !live.controls;
-  const role = live.state?.replaying ? "Replay" : live.scene?.role === "watch" ? "Watching" : "";
+  const role = live.state?.replaying ? localized("Replay") : live.scene?.role === "watch" ? localized("Watching") : "";
   setText("role", role);
   element("role").hidden = role === "";
 }
 
 function showFrame({ frame, state, connection }) {
   setText("clock", frame.time.toFixed(2));
-  setText("march", Number.isFinite(frame.marchTime) ? `March: ${frame.marchTime.toFixed(2)} s` : "");
+  setText("march", Number.isFinite(frame.marchTime) ? localized("March: {time} s", { time: frame.marchTime.toFixed(2) }) : "");
   const slow = state.running && frame.rate < SLOW * state.speed;
   const rate = `${frame.rate.toFixed(2)}×`;
-  setText("achieved", !state.running ? "Paused" : slow ? `Slow: ${rate}` : `${rate} real time`);
+  setText("achieved", !state.running ? localized("Paused") : slow ? localized("Slow: {rate}", { rate }) : localized("{rate} real time", { rate }));
   element("achieved").classList.toggle("slow", slow);
-  setText("latency", connection.latency === null ? "" : `${Math.max(1, Math.round(connection.latency))} ms away`);
+  setText("latency", connection.latency === null ? "" : localized("{time} ms away", { time: Math.max(1, Math.round(connection.latency)) }));
 }

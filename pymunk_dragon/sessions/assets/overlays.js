@@ -11,18 +11,13 @@ const MANY_CONTACTS = 24; // more contacts have dots in place of rings
 const CUT_MARK = 5; // pixels: half the size of the cross at a cut joint
 
 // Outlines of exact benches that differ visibly from those of the engine.
-function drawGhost(painter, { exact, errors }, benches) {
-  const { context, colours, view, model } = painter;
+function drawErrors(painter, { exact, errors }, benches) {
+  const { view, model } = painter;
   const ghosts = new Benches(model, posesOf(exact));
-  const path = new Path2D();
-  let worst = null;
-  for (let i = 0; i < ghosts.poses.x.length; i++) {
-    if (!(errors[i] * view.scale >= GHOST_SHOWN)) continue;
-    if (view.isVisible(ghosts.poses.x[i], ghosts.poses.y[i], model.lengths[i])) painter.outline(path, ghosts, i);
-    if (worst === null || errors[i] > errors[worst]) worst = i;
-  }
-  if (worst === null) return;
-  strokeTwice(context, path, colours.background, colours.motion, 1.5);
+  const apart = Array.from(ghosts.poses.x.keys()).filter((i) => errors[i] * view.scale >= GHOST_SHOWN);
+  if (!apart.length) return;
+  drawGhosts(painter, ghosts, apart.filter((i) => view.isVisible(ghosts.poses.x[i], ghosts.poses.y[i], model.lengths[i])));
+  const worst = apart.reduce((one, i) => (errors[i] > errors[one] ? i : one));
   if (errors[worst] * view.scale >= ERROR_LABELLED) drawError(painter, ghosts, benches, worst, errors[worst]);
 }
 
@@ -34,7 +29,7 @@ function drawError(painter, ghosts, { poses }, i, error) {
   path.moveTo(gx, gy);
   path.lineTo(...view.toScreen(poses.x[i], poses.y[i]));
   strokeTwice(context, path, colours.background, colours.motion, 2);
-  drawLabel(painter, `bench ${i}: ${formatLength(error, 0)}`, gx, gy);
+  drawLabel(painter, localized("bench {i}: {error}", { i, error: formatLength(error, 0) }), gx, gy);
 }
 
 // A disc at each joint: colour and size show the force.
@@ -84,16 +79,6 @@ function drawImpulses(painter, frame) {
   }
   strokeTwice(context, path, colours.background, COLLISION_COLOUR, 2);
   if (largest && !many) drawLabel(painter, `${formatImpulse(largest.impulse)} N s`, largest.px, largest.py);
-}
-
-// Text beside a point: at the right, or at the left if there is no room.
-function drawLabel(painter, text, px, py) {
-  const { context, view } = painter;
-  context.font = `600 13px ${painter.font}`;
-  context.textBaseline = "middle";
-  const fits = px + LABEL_OFFSET + context.measureText(text).width < view.width;
-  context.textAlign = fits ? "left" : "right";
-  painter.drawText(text, px + (fits ? LABEL_OFFSET : -LABEL_OFFSET), py - LABEL_OFFSET);
 }
 
 const formatImpulse = (impulse) => (impulse >= 0.001 ? String(Number(impulse.toPrecision(2))) : "< 0.001");

@@ -51,8 +51,8 @@ class Slider {
     const id = `parameter-${parameter.name}`;
     this.output = created("output", { htmlFor: id });
     this.input = created("input", { id, type: "range", min: 0, max: 1, step: this.scale.step, className: "sends" });
-    const label = created("label", { htmlFor: id }, parameter.label);
-    if (parameter.rebuilds) label.append(" ", created("span", { className: "note" }, "starts again"));
+    const label = created("label", { htmlFor: id }, translated(parameter.label));
+    if (parameter.rebuilds) label.append(" ", created("span", { className: "note" }, localized("starts again")));
     this.element = created("div", { className: "slider" }, label, this.output, this.input);
     this.listen(send);
     this.show(parameter.value);
@@ -83,7 +83,7 @@ class Slider {
   }
 
   write(value) {
-    const text = `${numberText(value)} ${this.parameter.unit}`.trim();
+    const text = `${numberText(value)} ${translated(this.parameter.unit)}`.trim();
     this.output.textContent = text;
     this.input.setAttribute("aria-valuetext", text);
   }
@@ -114,6 +114,12 @@ class Sliders {
       this.container.replaceChildren(...this.sliders.map(({ element: made }) => made));
     }
     this.setValues(Object.fromEntries(parameters.map(({ name, value }) => [name, value])));
+  }
+
+  // After a change of the language.
+  rebuild(parameters) {
+    this.shape = null;
+    this.setParameters(parameters);
   }
 
   setValues(values) {

@@ -35,13 +35,13 @@ class Recorder {
     const began = this.recording === false && recording, ended = this.recording === true && !recording;
     this.recording = recording;
     document.body.classList.toggle("recording", recording);
-    setText("record-text", recording ? "Stop" : "Record");
+    setText("record-text", recording ? localized("Stop") : localized("Record"));
     if (began && this.film === null) this.hide();
     if (!ended) return;
     this.film?.stop();
     this.film = null;
     element("run").href = `run${location.search}`;
-    setText("recorded-text", `${recorded.toFixed(1)} s recorded:`);
+    setText("recorded-text", localized("{time} s recorded:", { time: recorded.toFixed(1) }));
     element("recorded").hidden = false;
   }
 

@@ -101,12 +101,3 @@ function drawCentres({ context, view, colours }, { x, y }) {
   }
   strokeTwice(context, path, colours.background, colours.type, 1.5);
 }
-
-// A line with a rim of the background's colour.
-function strokeTwice(context, path, rim, colour, width) {
-  for (const [stroke, wide] of [[rim, width + 2], [colour, width]]) {
-    context.strokeStyle = stroke;
-    context.lineWidth = wide;
-    context.stroke(path);
-  }
-}

@@ -177,8 +177,9 @@ class Tools {
 
   labelOf({ joint, bench }) {
     const { forces, errors } = this.live.frame;
-    if (joint) return `joint ${joint.number}: ${formatForce(forces[joint.number])}`;
+    if (joint) return localized("joint {i}: {force}", { i: joint.number, force: formatForce(forces[joint.number]) });
     if (bench === undefined) return "";
-    return errors[bench] > 0 ? `bench ${bench}: error ${formatLength(errors[bench], 0)}` : `bench ${bench}`;
+    if (!(errors[bench] > 0)) return localized("bench {i}", { i: bench });
+    return localized("bench {i}: error {error}", { i: bench, error: formatLength(errors[bench], 0) });
   }
 }
