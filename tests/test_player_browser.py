@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import csv
+import re
 from contextlib import contextmanager
 from dataclasses import replace
 from html import escape
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -14,6 +16,7 @@ from marches import ARM, TRACTOR, U_TURN
 from shapely import Polygon
 
 from pymunk_dragon.collision import Grid
+from pymunk_dragon.model.contact import ContactEvent, ContactLog
 from pymunk_dragon.model.dragon import Dragon, bench_poses
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
@@ -171,7 +174,7 @@ def test_it_plays_and_pauses(visit):
 
 @pytest.mark.parametrize("rate", [0.5, 5])
 def test_speed_is_simulated_over_real_time(visit, rate):
-    with visit(f"#t=405&speed={rate}") as found:
+    with visit(f"#t=405&speed={rate}&slow=off") as found:
         passed, gone = found.page.evaluate("""async () => {
           const player = await dragon;
           player.play();
@@ -184,6 +187,232 @@ def test_speed_is_simulated_over_real_time(visit, rate):
         }""")
         # The player's own frame may come before or after the test's, and a stalled machine does not make it jump.
         assert gone == pytest.approx(rate * passed, rel=0.35)
+
+
+RATES = """([begin, end]) => dragon.then((player) => Array.from({ length: 401 }, (_, k) => {
+  player.seek(begin + (end - begin) * k / 400);
+  return player.rate;
+}))"""
+
+
+@pytest.mark.parametrize("event", [406.8466, 409.8320, CONTACT_TIME])
+def test_playing_slows_down_to_an_eighth_at_events(visit, event):
+    with visit("#speed=10") as found:
+        page = found.page
+        begin, end = max(405.0, event - 2), min(412.6, event + 2)
+        rates = np.array(page.evaluate(RATES, [begin, end]))
+        assert rates.min() == pytest.approx(1 / 8)
+        assert abs(np.linspace(begin, end, 401)[rates.argmin()] - event) < 0.07
+        # So much playing time lies before the event; without slow motion it is 0.2 s.
+        before = rates[np.linspace(begin, end, 401) < event]
+        assert 1.5 < np.sum((end - begin) / 400 / before) < 4
+        ask(page, f"player.seek({event})")
+        assert shown(page, "reduced") == "1/8×"
+        page.uncheck("#slow")
+        assert set(page.evaluate(RATES, [begin, end])) == {10}
+        assert shown(page, "reduced") == ""
+        wait_until(page, "location.hash.includes('slow=off')")
+
+
+def test_chosen_speed_below_the_slow_one_is_kept(visit):
+    with visit("#t=409.832&speed=0.1") as found:
+        assert ask(found.page, "player.rate") == 0.1
+        assert shown(found.page, "reduced") == ""
+
+
+def test_pile_up_slows_playing_down_at_its_beginning_only(browser, tmp_path, bumpy):
+    begins = [82.0, 82.7, 83.4, 84.9, 88.0]
+    phases = [(begin + after, phase) for begin in begins for after, phase in ((0.0, "begin"), (0.2, "separate"))]
+    log = ContactLog(tuple(ContactEvent(time=time, phase=phase, benches=(1, 9)) for time, phase in phases))
+    write_player(replace(bumpy, events=log, first_contact=None), tmp_path / "run.html")
+    with opened(browser, (tmp_path / "run.html").as_uri() + "#speed=10") as found:
+        rates = [ask(found.page, f"(player.seek({begin}), player.rate)") for begin in begins]
+        misses = found.page.locator("#events option", has_text="Near miss").count()
+    assert misses == 0
+    assert rates == pytest.approx([1 / 8, 1.4, 2.8, 5.8, 1 / 8])
+
+
+@pytest.mark.parametrize("press", [lambda page: page.click("#last"), lambda page: page.keyboard.press("l")])
+def test_last_10_seconds_are_played_and_shown_on_the_timeline(browser, tmp_path, press):
+    run = Run.exact(March(Dragon(benches=16), turns=8), np.arange(0, 30, 0.5))
+    write_player(run, tmp_path / "run.html")
+    with opened(browser, (tmp_path / "run.html").as_uri()) as found:
+        ask(found.page, "player.time")
+        press(found.page)
+        settled(found.page, "player.playing && player.time > 19.5")
+        assert ask(found.page, "player.time") < 21
+        assert ask(found.page, "player.timeline") == [19.5, 29.5]
+        found.page.keyboard.press("c")
+        assert ask(found.page, "player.timeline") == [0, 29.5]
+
+
+def test_timeline_zooms_around_the_time_with_buttons_and_keys(visit):
+    with visit("#t=409.832") as found:
+        page = found.page
+        assert ask(page, "player.timeline") == [405, 412.6]
+        assert page.is_disabled("#timeline-out")
+        page.click("#timeline-in")
+        page.keyboard.press("z")
+        begin, end = ask(page, "player.timeline")
+        assert end - begin == pytest.approx(7.6 / 4)
+        assert (409.832 - begin) / (end - begin) == pytest.approx((409.832 - 405) / 7.6)
+        assert [float(page.get_attribute("#time", name)) for name in ("min", "max")] == pytest.approx([begin, end])
+        # The part follows the time.
+        page.keyboard.press("n")
+        ask(page, "player.draw()")
+        begin, end = ask(page, "player.timeline")
+        assert begin < CONTACT_TIME <= end
+        page.keyboard.press("x")
+        page.click("#timeline-out")
+        assert ask(page, "player.timeline") == pytest.approx([405, 412.6])
+        for _ in range(12):
+            page.keyboard.press("z")
+        begin, end = ask(page, "player.timeline")
+        assert end - begin == pytest.approx(0.2)
+        page.click("#timeline-all")
+        wait_until(page, "document.getElementById('timeline-all').disabled")
+
+
+@pytest.mark.parametrize("target", ["strip", "time"])
+def test_wheel_over_the_timeline_zooms_around_the_pointer(visit, target):
+    with visit() as found:
+        page = found.page
+        box = page.locator(f"#{target}").bounding_box()
+        page.mouse.move(box["x"] + 8 + 0.8 * (box["width"] - 16), box["y"] + box["height"] / 2)
+        ask(page, "player.seek(411)")
+        page.mouse.wheel(0, -600)
+        settled(page, "player.timeline[1] - player.timeline[0] < 5")
+        begin, end = ask(page, "player.timeline")
+        assert (405 + 0.8 * 7.6 - begin) / (end - begin) == pytest.approx(0.8, abs=0.01)
+        assert ask(page, "player.time") == 411
+
+
+def test_fingers_zoom_the_timeline_and_drag_it(visit):
+    with visit("#t=409", width=390, height=844, has_touch=True, is_mobile=True) as found:
+        page = found.page
+        touch = page.context.new_cdp_session(page)
+        top = page.locator("#strip").bounding_box()["y"] + 15
+
+        def fingers(kind, *across):
+            points = [{"x": x, "y": top, "id": i} for i, x in enumerate(across)]
+            touch.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+
+        fingers("touchStart", 180)
+        fingers("touchStart", 180, 220)
+        for reach in (40, 60, 80):
+            fingers("touchMove", 200 - reach, 200 + reach)
+        fingers("touchEnd")
+        settled(page, "player.timeline[1] - player.timeline[0] < 2.5")
+        begin, end = ask(page, "player.timeline")
+        fingers("touchStart", 200)
+        for x in (190, 170, 150):
+            fingers("touchMove", x)
+        fingers("touchEnd")
+        later, last = ask(page, "player.timeline")
+        assert last - later == pytest.approx(end - begin)
+        assert later > begin + 0.1
+        assert ask(page, "player.time") == 409
+
+
+@pytest.mark.parametrize("time", [80.0, 83.3, 86.05])
+def test_exact_poses_and_position_errors_are_the_models(visit, bumpy, time):
+    march = bumpy.march
+    with visit(f"#t={time}", name="bumpy") as found:
+        exact = np.array(ask(found.page, f"player.exactPoses({time})"))
+        poses = march.at([time]).poses[0]
+        largest = np.abs(np.array(ask(found.page, f"player.poses({time})"))[:, :2] - poses[:, :2]).max()
+        # Between frames the offsets are linear in time.
+        np.testing.assert_allclose(exact[:, :2], poses[:, :2], rtol=0, atol=2e-6 + (time % 0.1 > 0.01) * 0.5 * largest)
+        for bench in (0, 7, 15):
+            found.page.fill("#bench", str(bench))
+            front, rear = (hole[0, bench] for hole in march.dragon.holes(bumpy.poses_at([time])))
+            ends = march.at([time]).positions[0, bench : bench + 2]
+            error = max(np.linalg.norm(front - ends[0]), np.linalg.norm(rear - ends[1]))
+            text = shown(found.page, "error")
+            number, unit = text.split()
+            assert float(number) * {"mm": 1e-3, "μm": 1e-6}[unit] == pytest.approx(error, rel=0.05, abs=1e-6)
+
+
+def test_exact_model_is_outlined_with_its_distance_magnified_as_the_legend_says(visit, bumpy):
+    with visit("#t=86&show=exact", name="bumpy") as found:
+        page = found.page
+        legend = shown(page, "legend-exact-text")
+        factor = int(legend.removeprefix("Exact model, error × ").replace(",", ""))
+        assert factor > 1
+        poses, exact = (np.array(ask(page, f"player.{name}(86)")) for name in ("poses", "exactPoses"))
+        magnified = poses + factor * (exact - poses)
+        outline = bumpy.march.dragon.outlines(magnified)[5]
+        middle = (outline[0] + outline[1]) / 2
+        near = [middle + np.array([dx, dy]) for dx in (-0.02, 0, 0.02) for dy in (-0.02, 0, 0.02)]
+        assert LIGHT.motion in {page.evaluate(COLOUR, point.tolist()) for point in near}
+        # The largest error in the view is visible, and not larger than a bench is wide.
+        pixels = factor * np.linalg.norm((exact - poses)[:, :2], axis=1).max() * ask(page, "player.view.scale")
+        assert 2 < pixels < 60
+        page.uncheck("#show-exact")
+        ask(page, "player.draw()")
+        assert page.is_hidden("#legend-exact")
+
+
+def test_run_of_the_exact_model_has_nothing_to_compare(visit):
+    with visit("#show=curve,exact") as found:
+        assert all(found.page.locator(".exact-only").nth(i).is_hidden() for i in range(3))
+        assert ask(found.page, "player.exactPoses(409)") is None
+
+
+def test_legend_names_the_colours(visit):
+    with visit(name="bumpy") as found:
+        names = found.page.locator(".legend li:visible").all_inner_texts()
+        assert names == ["Head", "Body", "Tail", "In contact"]
+        colours = found.page.evaluate("""() => [...document.querySelectorAll(".legend li:not([hidden]) .swatch")]
+          .map((swatch) => getComputedStyle(swatch).backgroundColor)""")
+        expected = [LIGHT.head, LIGHT.body, LIGHT.tail, LIGHT.contact]
+        assert colours[:4] == [f"rgb({', '.join(str(int(c[i : i + 2], 16)) for i in (1, 3, 5))})" for c in expected]
+
+
+TEXTS = """() => {
+  const walk = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+  const texts = [];
+  while (walk.nextNode()) {
+    const parent = walk.currentNode.parentElement;
+    if (!parent.closest("script, style, kbd, code, noscript, #language, .from-run")) texts.push(walk.currentNode.data);
+  }
+  for (const each of document.querySelectorAll("[title], [aria-label]")) texts.push(each.title, each.ariaLabel ?? "");
+  return texts;
+}"""
+
+
+@pytest.mark.parametrize("link", ["?zh", "?lang=zh", "#lang=zh"])
+def test_page_is_chinese_if_the_address_says_so(visit, link):
+    with visit(link, name="bumpy", locale="en-GB") as found:
+        page = found.page
+        assert page.evaluate("document.documentElement.lang") == "zh"
+        page.wait_for_timeout(800)
+        words = {word for text in page.evaluate(TEXTS) for word in re.findall(r"[A-Za-z]{3,}", text)}
+        assert words <= {"CSV"}
+        assert found.complaints == []
+
+
+def test_page_is_english_without_a_choice_whatever_the_browser_prefers(visit):
+    with visit(locale="zh-CN") as found:
+        assert found.page.evaluate("document.documentElement.lang") == "en"
+        assert found.page.inner_text("#help") == "Help"
+
+
+def test_button_changes_the_language_there_and_back(visit):
+    with visit("#t=409.832", name="seed") as found:
+        page = found.page
+        page.wait_for_timeout(800)
+        before = page.evaluate(TEXTS)
+        page.click("#language")
+        assert page.evaluate("document.documentElement.lang") == "zh"
+        assert shown(page, "gap") == "0.865 mm，至 11 号"
+        assert page.inner_text("#help") == "帮助"
+        wait_until(page, "location.hash.includes('lang=zh')")
+        page.click("#language")
+        wait_until(page, "!location.hash.includes('lang')")
+        page.wait_for_timeout(800)
+        assert page.evaluate(TEXTS) == before
+        assert ask(page, "player.time") == 409.832
 
 
 def test_a_run_that_is_over_stops_and_starts_again(visit):
@@ -260,7 +489,7 @@ def test_strip_marks_the_events_and_a_click_near_one_goes_to_it(visit):
         # Share of the strip's width at which each colour is first seen, thumbs of the slider aside.
         shares = found.page.evaluate("""() => {
           const strip = document.getElementById("strip");
-          const { data } = strip.getContext("2d").getImageData(0, strip.height >> 1, strip.width, 1);
+          const { data } = strip.getContext("2d").getImageData(0, strip.height - 7, strip.width, 1);
           const names = {};
           for (let x = 0; x < strip.width; x++) {
             const colour = data.slice(4 * x, 4 * x + 4).join();
@@ -547,20 +776,29 @@ def test_fingers_pinch_pan_and_tap(visit, seed):
         wait_until(page, "document.getElementById('bench').value === '60'")
 
 
-@pytest.mark.parametrize(("width", "height"), [(1280, 800), (390, 844), (320, 640), (844, 390)])
-def test_page_is_no_wider_than_the_window_and_every_control_can_be_reached(visit, width, height):
-    with visit(width=width, height=height) as found:
+@pytest.mark.parametrize("language", ["", "?zh"])
+@pytest.mark.parametrize(
+    ("width", "height"), [(1280, 800), (1024, 600), (844, 390), (640, 400), (390, 844), (320, 640), (320, 568)]
+)
+def test_page_fits_into_the_window_with_every_control_in_sight(visit, width, height, language):
+    with visit(f"{language}#show=curve,exact", name="bumpy", width=width, height=height) as found:
         page = found.page
         assert page.evaluate("document.documentElement.scrollWidth") <= width
+        assert page.evaluate("document.documentElement.scrollHeight") <= height
         hidden = page.evaluate("""() => [...document.querySelectorAll("button, input, select")]
           .filter((control) => !control.closest("dialog, [popover]"))
           .filter((control) => {
-            control.scrollIntoView({ block: "nearest" });
             const { left, right, top, bottom } = control.getBoundingClientRect();
             const found = document.elementFromPoint((left + right) / 2, (top + bottom) / 2);
-            return left < 0 || right > innerWidth || !(found && (control.contains(found) || found.contains(control)));
+            return left < 0 || right > innerWidth || top < 0 || bottom > innerHeight
+              || !(found && (control.contains(found) || found.contains(control)));
           }).map((control) => control.id)""")
         assert hidden == []
+        # No text is wider than its button.
+        cut = page.evaluate("""() => [...document.querySelectorAll("button, label, h1")]
+          .filter((each) => each.scrollWidth > each.clientWidth + 1 && each.clientWidth > 0 && !each.closest("dialog"))
+          .map((each) => each.textContent)""")
+        assert cut == []
         assert page.evaluate("document.getElementById('field').getBoundingClientRect().height") > 150
 
 
@@ -591,12 +829,13 @@ def test_tab_goes_through_the_controls_and_shows_where_it_is(visit):
     with visit() as found:
         page = found.page
         seen = []
-        for _ in range(26):
+        for _ in range(31):
             page.keyboard.press("Tab")
             seen.append(page.evaluate("document.activeElement.id"))
             if seen[-1]:
                 assert page.evaluate("getComputedStyle(document.activeElement).outlineStyle") == "solid"
         wanted = {"help", "field", "play", "next", "time", "rate", "events", "bench", "show-grid", "fit", "follow"}
+        wanted |= {"language", "last", "timeline-in", "slow"}
         assert wanted <= set(seen)
 
 

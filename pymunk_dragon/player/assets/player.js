@@ -247,6 +247,7 @@ class Player {
     element("rate").value = this.rate;
     element("slow").checked = this.slow;
     for (const name of SWITCHES) element(`show-${name}`).checked = this.shown[name];
+    element("legend-exact").hidden = !(this.exact && this.shown.exact);
     this.requestDraw();
     this.writeLinkSoon();
     clearTimeout(this.announceTimer);

@@ -35,10 +35,6 @@ class Timeline {
     this.showAll();
   }
 
-  get length() {
-    return this.to - this.from;
-  }
-
   get isWhole() {
     return this.length >= this.motion.end - this.motion.begin;
   }
@@ -50,9 +46,12 @@ class Timeline {
   // Show from a time on so many seconds, within the run.
   setPart(from, length) {
     const { begin, end } = this.motion;
-    const shown = Math.min(Math.max(length, SHORTEST_PART), end - begin);
-    this.from = Math.min(Math.max(from, begin), end - shown);
-    this.to = this.from + shown;
+    this.length = Math.min(Math.max(length, SHORTEST_PART), end - begin);
+    this.from = Math.min(Math.max(from, begin), end - this.length);
+  }
+
+  get to() {
+    return this.from + this.length;
   }
 
   showAll() {
