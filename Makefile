@@ -42,12 +42,12 @@ u-turn.npz := simulate --curve u-turn --from -100 --until 100
 report.npz := simulate --from 400 --until 416 --contacts report
 
 march.gif := render renders/march.npz
-first_contact.gif := render renders/first_contact.npz --from 405.4 --camera head --fps 20 --speedup 0.75 --hold 2.5
-guides.gif := render renders/march.npz renders/unguided.npz --until 12.5 --size 330 --speedup 1 --hold 2 --title "Dancers keep the dragon on its path"
-exact.gif := render renders/first_contact.npz --exact --from 409 --camera head --span 5 --size 330 --speedup 0.5 --hold 3 --title "The engine and the exact model"
-marks.png := render renders/first_contact.npz --camera head --size 660 --velocities --grid --impulses --contacts --normals --title "The head meets bench 8" --caption "Arrows end where the handles would be in half a second; discs are impulses in the joints; cells are darker where a bench is filed."
+first_contact.gif := render renders/first_contact.npz --from 405.4 --camera head
+guides.gif := render renders/march.npz renders/unguided.npz --until 12.5 --size 330 --title "Dancers keep the dragon on its path"
+exact.gif := render renders/first_contact.npz --exact --from 409 --camera head --span 5 --size 330 --title "The engine and the exact model"
+marks.png := render renders/first_contact.npz --camera head --size 660 --velocities --grid --impulses --contacts --normals --title "First contact: benches 0 and 8" --caption "Arrows end where the handles would be in half a second; discs are impulses in the joints; cells are darker where a bench is filed."
 live.gif := live --replay renders/live.json --exit
-u-turn.gif := render renders/u-turn.npz --from -6 --until 36 --span 15 --speedup 6 --fps 20
+u-turn.gif := render renders/u-turn.npz --from -6 --until 36 --span 15
 march.html := render renders/march.npz
 report.html := report renders/report.npz
 lessons.html := demo

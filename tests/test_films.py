@@ -62,7 +62,7 @@ def canvas_of(source: Run | March, film: Film, times: NDArray[np.float64]) -> Ca
 
 
 def drawn(source: Any, film: Film) -> Iterator[Picture]:
-    times = film.times([source])
+    times = film.timing([source]).times
     canvas = canvas_of(source, film, times)
     for snapshot in snapshots(source, times, film.show):
         yield film.palette.table[np.asarray(canvas.draw([snapshot]))]
@@ -72,7 +72,7 @@ def drawn(source: Any, film: Film) -> Iterator[Picture]:
 @pytest.mark.parametrize("size", [(160, 120), (97, 131)])
 def test_a_file_shows_exactly_what_was_drawn(run: Run, tmp_path: Path, ending: str, size: tuple[int, int]) -> None:
     path = tmp_path / f"film{ending}"
-    film = Film(size=size, speedup=5, camera=Camera(follow="head"), show=("velocities", "grid"))
+    film = Film(size=size, fps=10, speedup=5, camera=Camera(follow="head"), show=("velocities", "grid"))
     write_film(run, path, film)
     shown = list(frames(path))
     assert len(shown) == 21
@@ -138,13 +138,13 @@ def test_a_writer_of_another_format_needs_one_entry(run: Run, tmp_path: Path, mo
         path.write_text("\n".join(lines))
 
     monkeypatch.setitem(WRITERS, ".txt", write_ends)
-    render(run, tmp_path / "film.txt", speedup=50, size=64, hold=0.5)
+    render(run, tmp_path / "film.txt", fps=10, speedup=50, size=64, hold=0.5)
     assert (tmp_path / "film.txt").read_text() == "0.1 (64, 64)\n0.2 (64, 64)\n0.7 (64, 64)"
 
 
 def test_an_apng_that_would_fill_the_memory_is_refused(run: Run, tmp_path: Path) -> None:
     with pytest.raises(ParameterError, match=r"must be at most 238 in an APNG of 2048 x 2048 pixels"):
-        render(run, tmp_path / "film.apng", size=2048, speedup=0.4)
+        render(run, tmp_path / "film.apng", size=2048, speedup=0.4, legend=False)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -163,7 +163,7 @@ def test_an_mp4_is_h264_that_every_player_takes(run: Run, tmp_path: Path) -> Non
 
 def test_an_mp4_shows_the_frames_in_their_colours(run: Run, tmp_path: Path) -> None:
     path = tmp_path / "film.mp4"
-    film = Film(size=(320, 240), speedup=5, hold=0, camera=Camera(follow="head"), gap=False)
+    film = Film(size=(320, 240), fps=10, speedup=5, hold=0, camera=Camera(follow="head"), gap=False, legend=False)
     write_film(run, path, film)
     expected = list(drawn(run, film))
     # FFmpeg itself: imageio's reader leaves its pipes open.
@@ -218,7 +218,7 @@ def test_no_more_than_a_few_frames_are_alive_at_once(
         return picture
 
     monkeypatch.setattr(Image.Image, "reduce", counted)
-    render(run, tmp_path / f"film{ending}", size=64, speedup=8)
+    render(run, tmp_path / f"film{ending}", size=64, fps=10, speedup=8)
     assert len(alive) == 14
     assert most <= 4
 
@@ -307,17 +307,17 @@ def test_two_stand_side_by_side_from_the_same_distance(run: Run) -> None:
 
 def test_a_run_that_is_over_stays_as_it_ended(run: Run, tmp_path: Path) -> None:
     short = Run.exact(MARCH, np.linspace(0, 3, 31))
-    film = Film(size=96, speedup=10, camera=Camera(follow="head"))
+    film = Film(size=96, fps=10, speedup=10, camera=Camera(follow="head"))
     write_film([short, run], tmp_path / "film.gif", film)
     shown = [picture for picture, _ in frames(tmp_path / "film.gif")]
-    assert len(shown) == len(film.times([short, run])) == 11
+    assert len(shown) == len(film.timing([short, run]).times) == 11
     for picture in shown[3:]:
         np.testing.assert_array_equal(picture[:, :96], shown[3][:, :96])
     assert not np.array_equal(shown[3][:, -96:], shown[4][:, -96:])
 
 
 def test_a_run_beside_its_exact_model_ends_when_the_run_does(run: Run) -> None:
-    times = Film(speedup=10).times([run, run.march])
+    times = Film(speedup=10).timing([run, run.march]).times
     assert times[[0, -1]].tolist() == [0.0, 10.0]
 
 

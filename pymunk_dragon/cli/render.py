@@ -40,7 +40,7 @@ PLAYER_STRIDE = 0.1
 # Options that only films have.
 OF_FILMS = ("speedup", "fps", "hold", "workers")
 # Options that only films and stills have.
-OF_PICTURES = ("exact", "size", "follow", "span", "caption", "font", *MARKS)
+OF_PICTURES = ("exact", "size", "follow", "span", "caption", "legend", "font", *MARKS)
 # Worker processes: with more the first process, which writes the film, is the bottleneck.
 MAX_WORKERS = 3
 
@@ -69,11 +69,11 @@ def marks() -> tuple[Any, ...]:
 @click.argument("run_files", metavar="[RUN.npz]...", nargs=-1, shell_complete=files(".npz"))
 @scenario_options
 @click.option("--exact", is_flag=True, help="Show the exact model beside the run.")
-@click.option("--from", "start", type=float, metavar="T", help="First time, s.  [the run's, or 0]")
+@click.option("--from", "start", type=float, metavar="T", help="First time, s.  [such that a film takes 11 s]")
 @click.option("--until", type=float, metavar="T", help=f"Last time, s.  [the run's, or {MARCH_FILM:g} s of a march]")
-@click.option("--speedup", type=float, metavar="X", help="Simulated seconds in a second of film.  [20]")
-@click.option("--fps", type=int, metavar="N", help="Frames in a second, at most 60, and 50 in a GIF.  [10]")
-@click.option("--size", metavar="PIXELS", help="Width and height: 440, or 640x360.  [440]")
+@click.option("--speedup", type=float, metavar="X", help="Simulated s in 1 s of film.  [slower towards contacts]")
+@click.option("--fps", type=int, metavar="N", help="Frames in a second, at most 60, and 50 in a GIF.  [20]")
+@click.option("--size", metavar="PIXELS", help="Width and height: 400, or 640x360.  [400]")
 @click.option(
     "--camera",
     "follow",
@@ -83,10 +83,11 @@ def marks() -> tuple[Any, ...]:
     shell_complete=words("field", "head"),
 )
 @click.option("--span", type=float, metavar="M", help="Width of the ground in view, m.")
-@click.option("--hold", type=float, metavar="T", help="How long the last frame stays, s.  [1]")
+@click.option("--hold", type=float, metavar="T", help="How long the last frame stays, s.  [2.5]")
 @mark_options
 @click.option("--title", metavar="TEXT", help="A line above the picture.")
 @click.option("--caption", metavar="TEXT", help="Lines below the picture.")
+@click.option("--legend/--no-legend", default=None, help="Legend and scale bar below the picture.  [shown]")
 @click.option("--font", metavar="FILE", help="Face of the type, for what the usual one lacks.")
 @click.option(
     "--workers", type=int, metavar="N", help="Other processes that draw a long film.  [spare cores, at most 3]"
@@ -131,9 +132,10 @@ def render(
         _write_player(sources, destination, given)
     elif ending in STILL_ENDINGS:
         _refuse("a picture", "start", *OF_FILMS)
-        write_still(sources, float(film.times(sources)[-1]), destination, film)
+        write_still(sources, film.window(sources)[1], destination, film)
     else:
-        facts = [f"{len(film.times(sources))} frames", f"{film.ends(film.times(sources))[-1]:.1f} s"]
+        timing = film.timing(sources)
+        facts = [f"{len(timing.times)} frames", f"{timing.ends[-1]:.1f} s", f"from t = {timing.times[0]:g} s"]
         with progress("frame") as show:
 
             def report(done: int, total: int) -> None:

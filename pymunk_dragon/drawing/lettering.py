@@ -40,6 +40,7 @@ class Lettering:
 
     def __init__(self, size: tuple[int, int], scale: float = 1.0, *, font: str | Path | None = None) -> None:
         self.height = round(scale * max(MIN_HEIGHT, round(RELATIVE_HEIGHT * min(size))))
+        self.margin = round(SIDE_MARGIN * self.height)
         self._face = None if font is None else str(font)
 
     def check(self, name: str, text: str) -> None:

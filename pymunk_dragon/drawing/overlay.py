@@ -21,6 +21,10 @@ from pymunk_dragon.model.march import March
 ARROW_TIME = 0.5
 # Drawn pixels: width of an arrow's shaft.
 SHAFT_WIDTH = 4
+# Drawn pixels: width of the outline of a displaced bench.
+OUTLINE_WIDTH = 3
+# Drawn pixels: width of a bench from which outlines of displaced benches do not cover the benches.
+MIN_OUTLINE_WIDTH = 20.0
 # Drawn pixels: length of an arrowhead.
 ARROWHEAD_LENGTH = 13.0
 # Drawn pixels: half the width of an arrowhead.
@@ -66,6 +70,10 @@ class Overlay:
 
     def over(self, picture: Image.Image, view: View, snapshot: Snapshot) -> Image.Image:
         """Return `picture` of `snapshot` with the marks drawn over it; `view` is in drawn pixels."""
+        if (displaced := snapshot.displaced) is not None:
+            picture = self._draw_in_accent(
+                picture, "motion", lambda draw: self._draw_errors(draw, view, snapshot.poses, displaced)
+            )
         if {"impulses", "contacts", "normals"} & set(self._marks):
             picture = self._draw_in_accent(picture, "force", lambda draw: self._draw_forces(draw, view, snapshot))
         if "velocities" in self._marks:
@@ -101,6 +109,16 @@ class Overlay:
         mask = Image.new("L", (picture.width * BLOCK, picture.height * BLOCK))
         draw(ImageDraw.Draw(mask))
         return _blend(picture, accent, np.asarray(mask.reduce(BLOCK).point(COVERAGES)))
+
+    def _draw_errors(self, draw: ImageDraw.ImageDraw, view: View, poses: Array, displaced: Array) -> None:
+        """Draw the outlines of benches at the poses `displaced` (N, 3), or arrows to there if the benches are small."""
+        if view.scale * float(self._march.dragon.widths.min()) < MIN_OUTLINE_WIDTH:
+            begins, ends = view.pixels(poses[:, :2]).tolist(), view.pixels(displaced[:, :2]).tolist()
+            for begin, end in zip(begins, ends, strict=True):
+                _draw_arrow(draw, begin, end)
+            return
+        for corners in view.pixels(self._march.dragon.outlines(displaced)).reshape(-1, 8).tolist():
+            draw.line([*corners, *corners[:2]], fill=255, width=OUTLINE_WIDTH)
 
     def _draw_velocities(self, draw: ImageDraw.ImageDraw, view: View, snapshot: Snapshot) -> None:
         assert snapshot.velocities is not None

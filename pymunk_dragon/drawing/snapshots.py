@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 
 from pymunk_dragon._arrays import Array
 from pymunk_dragon._checks import word
+from pymunk_dragon._language import text
+from pymunk_dragon.collision import first_contact
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.contact import Contact
 from pymunk_dragon.model.march import March
@@ -57,6 +59,10 @@ class Snapshot:
         Impulses in the joints, N s, if a mark needs them.
     touches : tuple of Touch
         Contacts of benches, if a mark needs them.
+    displaced : ndarray, shape (N, 3), or None
+        In the exact model beside a run: poses with the run's position errors, magnified.
+    error : float or None
+        Largest position error there, m, of the benches that decide the magnification.
 
     Examples
     --------
@@ -72,6 +78,8 @@ class Snapshot:
     velocities: Array | None = None
     impulses: Array | None = None
     touches: tuple[Touch, ...] = ()
+    displaced: Array | None = None
+    error: float | None = None
 
 
 @dataclass(frozen=True)
@@ -94,6 +102,8 @@ class Clip:
         Largest joint impulse during the film, N s; 0 if the source has no impulses.
     snapshots : iterator of Snapshot
         The F snapshots, sampled while they are read.
+    magnification : float or None
+        Factor of the position errors in the snapshots' `displaced` poses.
     """
 
     march: March
@@ -103,6 +113,7 @@ class Clip:
     extent: Array | None
     largest_impulse: float
     snapshots: Iterator[Snapshot]
+    magnification: float | None = None
 
 
 def sample(source: Source, times: Array, marks: tuple[Mark, ...] = (), *, extent: bool = False) -> Clip:
@@ -125,6 +136,35 @@ def sample(source: Source, times: Array, marks: tuple[Mark, ...] = (), *, extent
         largest_impulse=_largest_impulse(run, times) if run else 0.0,
         snapshots=snapshots(source, times, marks),
     )
+
+
+def with_errors(clip: Clip, run: Run, times: Array, reach: float, length: float) -> Clip:
+    """Return the clip of the march of `run` at `times` (F,), with its contact and the magnified errors of the run.
+
+    The errors of the benches within `reach` m of the head decide the factor: the largest one is drawn about `length` m
+    long. The factor is 1 for larger errors, and there is none if no bench has an error.
+    """
+    march, ends = run.march, run.times[[0, -1]]
+    first, last = np.clip(times[[0, -1]], *ends).tolist()
+    samples = np.linspace(first, last, min(EXTENT_SAMPLES, len(times)))
+    exact = march.at(samples).poses
+    near = np.linalg.norm(exact[-1, :, :2] - exact[-1, 0, :2], axis=-1) <= reach
+    largest = float(np.linalg.norm((run.poses_at(samples) - exact)[:, near, :2], axis=-1).max())
+    if run.first_contact is not None:
+        clip = replace(clip, contact=first_contact(march, start=float(ends[0]), until=float(ends[1])).contact)
+    if largest == 0:
+        return clip
+    factor = max(1.0, float(f"{length / largest:.0e}"))
+
+    def displaced(snapshot: Snapshot) -> Snapshot:
+        if not ends[0] <= snapshot.time <= ends[1]:
+            return snapshot
+        errors = run.poses_at(snapshot.time)[0] - snapshot.poses
+        errors[:, 2] = np.angle(np.exp(1j * errors[:, 2]))
+        error = float(np.linalg.norm(errors[near, :2], axis=-1).max())
+        return replace(snapshot, displaced=snapshot.poses + factor * errors, error=error)
+
+    return replace(clip, snapshots=map(displaced, clip.snapshots), magnification=factor)
 
 
 def snapshots(source: Source, times: Array, marks: tuple[Mark, ...] = ()) -> Iterator[Snapshot]:
@@ -156,13 +196,13 @@ def _extent(source: Source, times: Array) -> Array:
 def _model(run: Run | None) -> str:
     """Return the name of the model that computed a run, with its options; None is a march."""
     if run is None or run.player == "exact":
-        return "exact model"
-    words = ["engine"]
+        return text("exact model")
+    words = [text("engine")]
     if run.guide is not None:
-        words.append("no guide" if run.guide == "none" else run.guide)
+        words.append(text("no guide") if run.guide == "none" else run.guide)
     if run.settings is not None and run.settings.contacts == "resolve":
-        words.append("contacts resolved")
-    return ", ".join(words)
+        words.append(text("contacts resolved"))
+    return text(", ").join(words)
 
 
 def _chunk(source: Source, times: Array, marks: tuple[Mark, ...]) -> Iterator[Snapshot]:

@@ -59,7 +59,7 @@ def imageio_rgb(run: Run, film: Film, folder: Path) -> None:
     """The default of imageio: a stack of RGB frames, drawn as ours are."""
     import imageio.v3 as iio
 
-    times = film.times([run])
+    times = film.timing([run]).times
     canvas = canvas_of(run, film, times)
     table = film.palette.table
     stack = np.stack([table[np.asarray(canvas.draw([snapshot]))] for snapshot in snapshots(run, times)])
@@ -74,7 +74,7 @@ def matplotlib_animation(bare: bool) -> Callable[[Run, Film, Path], None]:
         from matplotlib.collections import PolyCollection
         from matplotlib.figure import Figure
 
-        times = film.times([run])
+        times = film.timing([run]).times
         march, palette = run.march, film.palette
         figure = Figure(figsize=(SIZE / 100, SIZE / 100), dpi=100)
         axes = figure.add_subplot()

@@ -16,11 +16,11 @@ from pymunk_dragon._checks import whole
 from pymunk_dragon._files import check_destination, written_in_place
 from pymunk_dragon.drawing.camera import Camera
 from pymunk_dragon.drawing.film.formats import WRITERS, Frames
-from pymunk_dragon.drawing.film.layout import lay_out
+from pymunk_dragon.drawing.film.layout import lay_out, sampled
 from pymunk_dragon.drawing.film.settings import Film, checked_sources
 from pymunk_dragon.drawing.film.workers import map_in_processes
 from pymunk_dragon.drawing.palette import Palette
-from pymunk_dragon.drawing.snapshots import Mark, Source, sample
+from pymunk_dragon.drawing.snapshots import Mark, Source
 
 __all__ = ["FILM_ENDINGS", "render", "write_film"]
 
@@ -37,15 +37,16 @@ def render(
     source: Source | Sequence[Source],
     path: str | Path,
     *,
-    fps: int = Film.fps,
-    speedup: float = Film.speedup,
+    fps: int | None = Film.fps,
+    speedup: float | None = Film.speedup,
     size: int | tuple[int, int] = Film.size,
     start: float | None = None,
     until: float | None = None,
     hold: float = Film.hold,
     camera: Camera = Film.camera,
     palette: Palette = Film.palette,
-    gap: bool | None = None,
+    gap: bool | None = Film.gap,
+    legend: bool = Film.legend,
     show: tuple[Mark, ...] = (),
     title: str = "",
     caption: str = "",
@@ -60,7 +61,7 @@ def render(
     ----------
     source, path, progress, workers
         As in `write_film`.
-    fps, speedup, size, start, until, hold, camera, palette, gap, show, title, caption, headings, font
+    fps, speedup, size, start, until, hold, camera, palette, gap, legend, show, title, caption, headings, font
         Parameters of the film, as in `Film`.
 
     Raises
@@ -83,6 +84,7 @@ def render(
         camera=camera,
         palette=palette,
         gap=gap,
+        legend=legend,
         show=show,
         title=title,
         caption=caption,
@@ -140,17 +142,19 @@ def write_film(
     sources = checked_sources(source)
     whole("workers", workers, 0, MAX_WORKERS)
     destination = check_destination(path, WRITERS)
-    times = film.times(sources)
-    ends = film.ends(times).tolist()
-    clips = [sample(one, times, film.show, extent=film.camera.follow == "field") for one in sources]
-    canvas = lay_out(clips, film)
+    timing = film.timing(sources)
+    times, ends = timing.times, timing.ends.tolist()
+    clips = sampled(sources, times, film)
+    # A start that was not chosen by the user is displayed.
+    chosen = film.start is None and times[0] > film.window(sources)[0]
+    canvas = lay_out(clips, film, since=float(times[0]) if chosen else None)
     snapshots = zip(*(clip.snapshots for clip in clips), strict=True)
     with (
         written_in_place(destination) as draft,
         closing(map_in_processes(canvas.draw, snapshots, len(times), workers)) as pictures,
     ):
         counted = _counted(pictures, len(times), progress)
-        frames = Frames(pictures=counted, ends=ends, size=canvas.size, colours=film.palette.table, fps=film.fps)
+        frames = Frames(pictures=counted, ends=ends, size=canvas.size, colours=film.palette.table, fps=timing.fps)
         WRITERS[destination.suffix.lower()](draft, frames)
 
 

@@ -8,13 +8,17 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
+from pymunk_dragon._arrays import Array
+from pymunk_dragon._language import font
 from pymunk_dragon.drawing.camera import HEAD_SPAN
+from pymunk_dragon.drawing.film.legend import legend_lines
 from pymunk_dragon.drawing.film.settings import Film
 from pymunk_dragon.drawing.lettering import Lettering
 from pymunk_dragon.drawing.palette import CODES
 from pymunk_dragon.drawing.scene import Scene
-from pymunk_dragon.drawing.snapshots import Clip, Snapshot
+from pymunk_dragon.drawing.snapshots import Clip, Snapshot, Source, sample, with_errors
 from pymunk_dragon.errors import ParameterError
+from pymunk_dragon.model.run import Run
 
 # Ratio of the title's type size to that of the other text.
 TITLE_SCALE = 1.25
@@ -35,6 +39,8 @@ class Canvas:
         Text above each scene: none, or one for each scene.
     title, caption : str
         Text above and below all scenes. An empty text takes no space; a long text is wrapped.
+    legend : bool
+        Whether a legend and a scale bar are drawn between the scenes and the caption.
     font : str or Path, optional
         Font file of title, caption and headings.
 
@@ -57,6 +63,8 @@ class Canvas:
         headings: Sequence[str] = (),
         title: str = "",
         caption: str = "",
+        *,
+        legend: bool = False,
         font: str | Path | None = None,
     ) -> None:
         self.scenes = scenes
@@ -79,6 +87,9 @@ class Canvas:
         if headings:
             top += text_renderer.line("").height
         self._top, bottom = top, top + height
+        for line in legend_lines(scenes, total, text_renderer) if legend else ():
+            lines.append((line, 0, bottom))
+            bottom += line.height
         for text in text_renderer.wrapped(caption, total):
             lines.append((text_renderer.line(text), 0, bottom))
             bottom += lines[-1][0].height
@@ -101,8 +112,33 @@ class Canvas:
         return frame
 
 
-def lay_out(clips: Sequence[Clip], film: Film) -> Canvas:
+def sampled(sources: Sequence[Source], times: Array, film: Film) -> list[Clip]:
+    """Sample `sources` at the `times` (F,), s, of a film. A march beside its run shows the position errors of the run.
+
+    Raises
+    ------
+    ParameterError
+        If a mark is unknown, or a source has no data for it.
+    """
+    whole = film.camera.follow == "field"
+    clips = []
+    for source in sources:
+        clip = sample(source, times, film.show, extent=whole)
+        run = next((other for other in sources if isinstance(other, Run) and other.march is source), None)
+        if run is not None:
+            dragon = run.march.dragon
+            # Arrows as long as a bench, or outlines that are displaced by their width: see `Overlay`.
+            length = float(dragon.spacings.min() if whole else dragon.widths.min())
+            reach = np.inf if whole else (film.camera.span or HEAD_SPAN * float(dragon.widths[0])) / 2
+            clip = with_errors(clip, run, times, reach, length)
+        clips.append(clip)
+    return clips
+
+
+def lay_out(clips: Sequence[Clip], film: Film, since: float | None = None) -> Canvas:
     """Create the canvas of a film of `clips`. All scenes have one scale, because pictures side by side are compared.
+
+    The pictures display the first time of the film, `since`, s, if it is given.
 
     Raises
     ------
@@ -128,10 +164,13 @@ def lay_out(clips: Sequence[Clip], film: Film) -> Canvas:
             size=film.shape,
             times=clip.window,
             contact=clip.contact,
-            gap=film.shows_gap,
+            gap=film.gap,
             marks=film.show,
             largest_impulse=max(clip.largest_impulse for clip in clips),
+            magnification=clip.magnification,
+            since=since,
+            font=font() or film.font,
         )
         for clip in clips
     ]
-    return Canvas(scenes, headings, film.title, film.caption, film.font)
+    return Canvas(scenes, headings, film.title, film.caption, legend=film.legend, font=film.font or font())

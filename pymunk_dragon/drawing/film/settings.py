@@ -8,11 +8,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from pymunk_dragon._arrays import Array
 from pymunk_dragon._checks import finite, positive, whole
 from pymunk_dragon.drawing.camera import Camera
+from pymunk_dragon.drawing.film.timing import FIELD_ADVANCE, HEAD_ADVANCE, STANDARD_FPS, Timing, constant, slowed
 from pymunk_dragon.drawing.palette import Palette
 from pymunk_dragon.drawing.snapshots import Mark, Source
 from pymunk_dragon.errors import ParameterError
@@ -21,8 +19,6 @@ from pymunk_dragon.model.run import Run
 
 # Frames per second: the refresh rate of common screens.
 MAX_FPS = 60
-# s: shortest delay of a GIF frame that browsers respect.
-MIN_DELAY = 0.02
 # Pixels: in a smaller picture the text covers the dragon.
 MIN_SIZE = 64
 # Pixels: a film is not a suitable format for larger pictures.
@@ -40,8 +36,6 @@ MAX_PANELS = 4
 # Default view and colours.
 FIXED_CAMERA = Camera()
 COLOURS = Palette()
-# Frames: a remainder of the window below this is rounding error and gets no frame of its own.
-ROUNDING = 1e-6
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,15 +44,16 @@ class Film:
 
     Parameters
     ----------
-    fps : int
-        Frames per second of film, at most 60, and 50 in a GIF.
-    speedup : float
-        Simulated seconds per second of film.
+    fps : int, optional
+        Frames per second of film, at most 60, and 50 in a GIF. The default is 20, or 25 or 50 in long films: see the
+        notes.
+    speedup : float, optional
+        Simulated seconds per second of film, for a constant speed. The default is a speed that varies: see the notes.
     size : int or tuple of int
         Width and height, pixels; one number for a square.
     start, until : float, optional
-        Simulated time of the first and the last frame, s. The default is the whole run. A march begins at 0 and
-        requires `until`.
+        Simulated time of the first and the last frame, s. By default a film with a constant speed begins with the run,
+        any other as described in the notes, and both end with the run. A march begins at 0 and requires `until`.
     hold : float
         Duration of the last frame, s.
     camera : Camera
@@ -67,7 +62,9 @@ class Film:
         Colours of the film.
     gap : bool, optional
         Whether to display the smallest gap between the head and a bench that is not its neighbour. By default the gap
-        is displayed if the camera follows the head.
+        is displayed if the camera follows the head or the gap is below 1 cm.
+    legend : bool
+        Whether to display a legend and a scale bar below the picture. They are omitted if the picture is too narrow.
     show : tuple of str
         Marks drawn over the benches. "velocities": arrows to where each handle would be in half a second. "grid": the
         cells of the broad phase, darker if they contain a bench. "contacts" and "normals" of benches that touch, for
@@ -78,7 +75,7 @@ class Film:
     headings : tuple of str
         Text above each of several pictures side by side; by default the model that computed the run.
     font : str or Path, optional
-        TrueType or OpenType font file, for characters that Pillow's default font lacks, such as Chinese.
+        TrueType or OpenType font file of title, caption and headings, for characters that the default font lacks.
 
     Raises
     ------
@@ -87,27 +84,40 @@ class Film:
 
     Notes
     -----
-    With the defaults, the film of the reference scenario's whole run lasts 21 s and is smaller than 3 MB. It has about
-    200 frames; a frame with 223 moving benches takes 14 kB.
+    Without `speedup`, the film slows down smoothly towards the first contact and the near misses of the exact model:
+    each near miss adds 1 s and a contact 2 s to the film, half of that before the event. Elsewhere the head travels 0.4
+    of the shortest body spacing in a frame (0.1 if the camera follows the head), which is 0.66 m of the paper's dragon.
+    From 0.5 on, the eye would take each bench for the next one, and the dragon would appear to creep backwards.
+    Including the hold of 2.5 s,
+
+    - without `start`, the film is at most 11 s long, and shows as much of the end of the run as this allows;
+    - with `start`, it is at most 20 s long, with up to 50 frames per second for a long march, and only then faster;
+    - the film is shorter than 8 s only if it would be slower than real time otherwise.
+
+    With the defaults, the film of the reference scenario shows the last 72 s before the contact in 11 s. Its 170 frames
+    take 2.9 MB as a GIF: 223 moving benches take 17 kB in each frame.
 
     Examples
     --------
     >>> from pymunk_dragon import March
     >>> from pymunk_dragon.drawing import Film
-    >>> film = Film(fps=10, speedup=20, until=8)
-    >>> film.times([March()])
+    >>> Film(fps=10, speedup=20, until=8).timing([March()]).times
     array([0., 2., 4., 6., 8.])
+    >>> timing = Film(start=0, until=400).timing([March()])
+    >>> timing.fps, timing.ends[-1].item()
+    (25, 18.12)
     """
 
-    fps: int = 10
-    speedup: float = 20.0
-    size: int | tuple[int, int] = 440
+    fps: int | None = None
+    speedup: float | None = None
+    size: int | tuple[int, int] = 400
     start: float | None = None
     until: float | None = None
-    hold: float = 1.0
+    hold: float = 2.5
     camera: Camera = FIXED_CAMERA
     palette: Palette = COLOURS
     gap: bool | None = None
+    legend: bool = True
     show: tuple[Mark, ...] = ()
     title: str = ""
     caption: str = ""
@@ -115,8 +125,10 @@ class Film:
     font: str | Path | None = None
 
     def __post_init__(self) -> None:
-        whole("fps", self.fps, 1, MAX_FPS)
-        positive("speedup", self.speedup, MAX_SPEEDUP, "")
+        if self.fps is not None:
+            whole("fps", self.fps, 1, MAX_FPS)
+        if self.speedup is not None:
+            positive("speedup", self.speedup, MAX_SPEEDUP, "")
         if isinstance(self.size, tuple) and len(self.size) != 2:
             raise ParameterError("size", self.size, "one number, or a width and a height")
         for length in self.shape:
@@ -141,39 +153,26 @@ class Film:
         """Width and height, pixels."""
         return self.size if isinstance(self.size, tuple) else (self.size, self.size)
 
-    @property
-    def shows_gap(self) -> bool:
-        """Whether the gap is displayed."""
-        return self.camera.follow == "head" if self.gap is None else self.gap
-
-    def times(self, sources: Sequence[Source]) -> Array:
-        """Return the simulated times of the frames (F,), s. The last time is always the end of the window.
+    def timing(self, sources: Sequence[Source]) -> Timing:
+        """Return the times of the frames. The last time is always the end of the window.
 
         Raises
         ------
         ParameterError
             If the window is empty, extends beyond the run, or requires too many frames.
         """
-        start, until = self._window(sources)
-        step = self.speedup / self.fps
-        frames = (until - start) / step
-        if frames > MAX_FRAMES:
+        start, until = self.window(sources)
+        if self.speedup is None:
+            advance = HEAD_ADVANCE if self.camera.follow == "head" else FIELD_ADVANCE
+            choose = self.start is None
+            return slowed(sources, (start, until), choose_start=choose, fps=self.fps, hold=self.hold, advance=advance)
+        fps = self.fps or STANDARD_FPS
+        if (until - start) * fps / self.speedup > MAX_FRAMES:
             raise ParameterError("speedup", self.speedup, f"such that the film has at most {MAX_FRAMES} frames")
-        count = math.ceil(frames - ROUNDING)
-        times: Array = np.minimum(start + step * np.arange(count + 1), until)
-        return times
+        return constant(start, until, self.speedup, fps, self.hold)
 
-    def ends(self, times: Array) -> Array:
-        """Return the film times (F,), s, at which the frames at the simulated `times` (F,), s, end.
-
-        The last frame is shown for `hold`, but at least for 1 / `fps`.
-        """
-        starts = (times - times[0]) / self.speedup
-        # The last frame but one is shorter if the window is not a whole number of frames long.
-        starts[-1] = max(starts[-1], starts[max(0, len(times) - 2)] + (MIN_DELAY if len(times) > 1 else 0.0))
-        return np.append(starts[1:], starts[-1] + max(1 / self.fps, self.hold))
-
-    def _window(self, sources: Sequence[Source]) -> tuple[float, float]:
+    def window(self, sources: Sequence[Source]) -> tuple[float, float]:
+        """Return the first and last time that the film may show, s; errors as in `timing`."""
         begin, end = shared_window(sources)
         start, until = self.start, self.until
         if start is None:

@@ -12,9 +12,9 @@ from PIL import Image, ImageSequence
 
 from pymunk_dragon._checks import finite
 from pymunk_dragon._files import check_destination, written_in_place
-from pymunk_dragon.drawing.film.layout import lay_out
+from pymunk_dragon.drawing.film.layout import lay_out, sampled
 from pymunk_dragon.drawing.film.settings import Film, checked_sources, shared_window
-from pymunk_dragon.drawing.snapshots import Source, sample
+from pymunk_dragon.drawing.snapshots import Source
 
 # All endings of still pictures, in lower case.
 STILL_ENDINGS = (".png",)
@@ -103,7 +103,7 @@ def still(source: Source | Sequence[Source], time: float, film: Film | None = No
     sources = checked_sources(source)
     finite("time", time, *shared_window(sources), "s")
     times = np.array([time], dtype=float)
-    clips = [sample(one, times, film.show, extent=film.camera.follow == "field") for one in sources]
+    clips = sampled(sources, times, film)
     picture = lay_out(clips, film).draw([next(clip.snapshots) for clip in clips])
     colours: NDArray[np.uint8] = film.palette.table[np.asarray(picture)]
     return colours

@@ -141,6 +141,11 @@ class Curve(ABC):
         return False
 
     @property
+    def circles(self) -> tuple[tuple[float, float, float], ...]:
+        """Circles about the curve that pictures show: x and y of the centre, and radius, m."""
+        return ()
+
+    @property
     def inner_ends(self) -> tuple[float, ...]:
         """Finite coordinates, m, at which pieces inside this curve begin or end, by their own zero."""
         return ()

@@ -83,6 +83,11 @@ class UTurn(Composite, kind="u-turn"):
         return self.pitch
 
     @property
+    def circles(self) -> tuple[tuple[float, float, float], ...]:
+        """The circle inside which the turn is made: x and y of the centre, and radius, m."""
+        return ((0.0, 0.0, self.radius),)
+
+    @property
     def radii(self) -> Array:
         """Radii of the arcs, (2,), m."""
         # Each arc's chord is twice its radius times the sine of half its angle; together they are the diameter.
