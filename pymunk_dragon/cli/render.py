@@ -134,14 +134,14 @@ def render(
         _refuse("a picture", "start", *OF_FILMS)
         write_still(sources, film.window(sources)[1], destination, film)
     else:
-        timing = film.timing(sources)
-        facts = [f"{len(timing.times)} frames", f"{timing.ends[-1]:.1f} s", f"from t = {timing.times[0]:g} s"]
         with progress("frame") as show:
 
             def report(done: int, total: int) -> None:
                 show(done, total, f"frame {done}")
 
-            write_film(sources, destination, film, report, workers if workers is not None else _spare_cores())
+            processes = workers if workers is not None else _spare_cores()
+            timing = write_film(sources, destination, film, report, processes)
+        facts = [f"{len(timing.times)} frames", f"{timing.ends[-1]:.1f} s", f"from t = {timing.times[0]:g} s"]
     wrote(destination, *facts)
     if as_json:
         print_json({"output": str(destination), "bytes": destination.stat().st_size})

@@ -148,7 +148,8 @@ COMMANDS: dict[str, tuple[list[st.SearchStrategy], Options, Options]] = {
         SHOWN
         | {"--from": number(-1, 1), "--until": number(0, 2), "--speedup": number(0.5, 20), "--hold": number(0, 3)}
         | {"--camera": one_of("field", "head"), "--span": number(1, 20), "--title": one_of("T", "é\n龍", "x" * 90)}
-        | {"--caption": one_of("C", "a\nb"), "--font": one_of("none.ttf", "old.png")},
+        | {"--caption": one_of("C", "a\nb"), "--font": one_of("none.ttf", "old.png")}
+        | {"--lang": one_of("en", "zh", "de"), "--legend": FLAG, "--no-legend": FLAG},
     ),
     "render of a march": (
         [],

@@ -18,6 +18,7 @@ from pymunk_dragon.drawing.camera import Camera
 from pymunk_dragon.drawing.film.formats import WRITERS, Frames
 from pymunk_dragon.drawing.film.layout import lay_out, sampled
 from pymunk_dragon.drawing.film.settings import Film, checked_sources
+from pymunk_dragon.drawing.film.timing import Timing
 from pymunk_dragon.drawing.film.workers import map_in_processes
 from pymunk_dragon.drawing.palette import Palette
 from pymunk_dragon.drawing.snapshots import Mark, Source
@@ -100,7 +101,7 @@ def write_film(
     film: Film | None = None,
     progress: Progress | None = None,
     workers: int = 0,
-) -> None:
+) -> Timing:
     """Write a film with the parameters of a `Film`; each frame is written as it is drawn.
 
     Parameters
@@ -120,6 +121,11 @@ def write_film(
         Number of worker processes that draw films of 150 frames and more. The film does not depend on this number, to
         the byte. A script that uses workers must guard its entry point with `if __name__ == "__main__":`.
 
+    Returns
+    -------
+    Timing
+        Times of the frames.
+
     Raises
     ------
     ParameterError
@@ -136,7 +142,8 @@ def write_film(
     >>> from pymunk_dragon import Dragon, March, write_film
     >>> from pymunk_dragon.drawing import Film
     >>> film = Film(size=320, until=60, title="16 benches")
-    >>> write_film(March(Dragon(benches=16)), "march.webp", film)  # doctest: +SKIP
+    >>> timing = write_film(March(Dragon(benches=16)), "march.webp", film)  # doctest: +SKIP
+    >>> timing.fps, timing.ends[-1]  # frames per second, and length of the film in s  # doctest: +SKIP
     """
     film = film or Film()
     sources = checked_sources(source)
@@ -156,6 +163,7 @@ def write_film(
         counted = _counted(pictures, len(times), progress)
         frames = Frames(pictures=counted, ends=ends, size=canvas.size, colours=film.palette.table, fps=timing.fps)
         WRITERS[destination.suffix.lower()](draft, frames)
+    return timing
 
 
 def _counted(pictures: Iterator[Image.Image], total: int, progress: Progress | None) -> Iterator[Image.Image]:

@@ -105,7 +105,7 @@ class Film:
     array([0., 2., 4., 6., 8.])
     >>> timing = Film(start=0, until=400).timing([March()])
     >>> timing.fps, timing.ends[-1].item()
-    (25, 18.12)
+    (50, 14.62)
     """
 
     fps: int | None = None

@@ -96,7 +96,7 @@ def still(source: Source | Sequence[Source], time: float, film: Film | None = No
     --------
     >>> from pymunk_dragon import Dragon, March
     >>> from pymunk_dragon.drawing import Film, still
-    >>> still(March(Dragon(benches=16)), 60.0, Film(size=(320, 240))).shape
+    >>> still(March(Dragon(benches=16)), 60.0, Film(size=(320, 240), legend=False)).shape
     (240, 320, 3)
     """
     film = film or Film()

@@ -1,7 +1,7 @@
 """Times of a film's frames, at a constant speed or at one that falls towards near misses and contacts.
 
 Without `speedup`, the time of the film is a smooth, rising function of the simulated time t: t / rate, and a sigmoid
-(tanh) for every event, which adds a duration around the event. So the film plays at `rate` far from all events, and
+(arctan) for every event, which adds a duration around the event. So the film plays at `rate` far from all events, and
 slows down towards each of them.
 """
 
@@ -34,14 +34,16 @@ CHOSEN_LENGTH = 8.5
 SHORTEST = 5.5
 # s: longest film without hold. It is 20 s long with the standard hold.
 LONGEST = 17.5
+# s: a film of more than this begins at a whole second, which is easier to read.
+ROUND_WINDOW = 10.0
 # s of film that a near miss adds.
 NEAR_MISS_TIME = 1.0
 # s of film that a contact adds. A film that ends with the contact has half of it.
 CONTACT_TIME = 2.0
 # s of film that all events add at most.
 EVENTS_TIME = 6.0
-# Half of the width of an event, in shortest spacings of the body travelled: 1 m.
-EVENT_WIDTH = 0.6
+# Half of the width of an event, in shortest spacings travelled: 0.7 m.
+EVENT_WIDTH = 0.45
 # Points at which the time of the film is computed. Between them it is linear.
 POINTS = 20_001
 # Frames: a remainder of the window below this is rounding error and gets no frame of its own.
@@ -118,39 +120,47 @@ def slowed(
     start, until = window
     if start == until:
         return constant(start, until, 1.0, fps or STANDARD_FPS, hold)
-    marches = [source.march if isinstance(source, Run) else source for source in sources]
-    fastest = max(float(march.speed_profile.fastest(start, until)) for march in marches)
-    # Simulated seconds per frame.
-    step = advance * min(float(march.dragon.spacings[1:].min(initial=np.inf)) for march in marches) / fastest
-    if not math.isfinite(step):
-        # A dragon of a single bench.
-        step = advance / fastest
+    step = _largest_step(sources, window, advance)
     events = events_of(sources, window)
-    rate = step * (fps or STANDARD_FPS)
     if choose_start:
-        times, film = _film_times(start, until, rate, events)
-        start = float(np.interp(film[-1] - (CHOSEN_LENGTH), film, times))
-        if start > window[0]:
-            # A whole second is easier to read.
-            start = min(float(math.ceil(start)), until)
+        times, film = _film_times(start, until, step * (fps or STANDARD_FPS), events)
+        start = float(np.interp(film[-1] - CHOSEN_LENGTH, film, times))
+        if start > window[0] and until - start > ROUND_WINDOW:
+            start = float(math.ceil(start))
+    times, added = _film_times(start, until, math.inf, events)
+    rate, fps = _rate(until - start, float(added[-1]), step, fps)
     times, film = _film_times(start, until, rate, events)
-    slow = film[-1] - (until - start) / rate
-    chosen_fps = fps or STANDARD_FPS
-    if film[-1] < SHORTEST:
-        # In slow motion only if the limit on the head's travel demands it.
-        rate = max((until - start) / (SHORTEST - slow), min(rate, 1.0))
-    elif film[-1] > LONGEST:
-        for chosen_fps in (fps,) if fps else LONG_FPS:
-            rate = step * chosen_fps
-            if slow + (until - start) / rate <= LONGEST:
-                break
-        rate = max(rate, (until - start) / (LONGEST - slow))
-    times, film = _film_times(start, until, rate, events)
-    count = max(1, round(film[-1] * chosen_fps))
+    count = max(1, round(film[-1] * fps))
     shown = np.interp(film[-1] * np.arange(count + 1) / count, film, times)
     shown[0], shown[-1] = start, until
-    ends = np.append(np.arange(1, count + 1), count + max(1.0, hold * chosen_fps)) / chosen_fps
-    return Timing(shown, ends, chosen_fps)
+    return Timing(shown, np.append(np.arange(1, count + 1), count + max(1.0, hold * fps)) / fps, fps)
+
+
+def _largest_step(sources: Sequence[Source], window: tuple[float, float], advance: float) -> float:
+    """Simulated time, s, in which no head of `sources` travels more than `advance` spacings of the body."""
+    steps = []
+    for march in (source.march if isinstance(source, Run) else source for source in sources):
+        # Without the head's spacing, if there is another.
+        spacing = float(march.dragon.spacings[-max(1, march.dragon.benches - 1) :].min())
+        steps.append(advance * spacing / float(march.speed_profile.fastest(*window)))
+    return min(steps)
+
+
+def _rate(duration: float, added: float, step: float, fps: int | None) -> tuple[float, int]:
+    """Simulated seconds per second of film far from events, and frames per second.
+
+    The film shows `duration` s, is longer by `added` s because of events, and shows at most `step` s per frame.
+    """
+    for chosen in (STANDARD_FPS, *LONG_FPS) if fps is None else (fps,):
+        rate = step * chosen
+        if added + duration / rate <= LONGEST:
+            break
+    else:
+        rate = duration / (LONGEST - added)
+    if added + duration / rate < SHORTEST:
+        # In slow motion only if `step` demands it.
+        rate = max(duration / (SHORTEST - added), min(rate, 1.0))
+    return rate, chosen
 
 
 def events_of(sources: Sequence[Source], window: tuple[float, float]) -> list[Event]:
@@ -194,5 +204,5 @@ def _film_times(start: float, until: float, rate: float, events: Sequence[Event]
     times = np.linspace(start, until, POINTS)
     film = (times - start) / rate
     for event in events:
-        film += event.added / 2 * np.tanh((times - event.time) / event.width)
+        film += event.added / np.pi * np.arctan((times - event.time) / event.width)
     return times, film - film[0]
