@@ -19,6 +19,7 @@ FEATURES = {
     "distributed": ("a Dask scheduler", "cluster"),
     "imageio_ffmpeg": ("an MP4", "mp4"),
     "jinja2": ("an HTML page", "report"),
+    "latex2mathml": ("a formula on a page", "demos"),
     "matplotlib": ("a figure", "figures"),
     "nbformat": ("a notebook", "demos"),
     "pyarrow": ("a Parquet table", "parquet"),

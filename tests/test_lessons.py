@@ -15,8 +15,10 @@ import sys
 import tempfile
 import tomllib
 import unicodedata
+from base64 import b64encode
 from collections import Counter
 from contextlib import suppress
+from dataclasses import asdict
 from io import BytesIO
 from pathlib import Path
 
@@ -32,12 +34,14 @@ from PIL import Image
 
 from pymunk_dragon.errors import MissingExtraError, ParameterError
 from pymunk_dragon.lessons import LANGUAGES, LESSONS, LessonFile, Terminal, play, record, write_lessons
-from pymunk_dragon.lessons._framework import PARTS, lesson_file, make_notebook, notebook, terminal
+from pymunk_dragon.lessons._framework import PARTS, guess, lesson_file, make_notebook, markup, notebook, terminal
+from pymunk_dragon.lessons._framework.markup import in_mathml, in_unicode, pieces, plain
+from pymunk_dragon.lessons._framework.notes import notes
 
 FOLDER = Path(terminal.__file__).parent
 CATALOGUES = {each: tomllib.loads((FOLDER / f"{each}.toml").read_text(encoding="utf-8")) for each in LANGUAGES}
-# In the order in which a class hears them; the picture's words stand between the guess and the answer.
-ORDER = ["question", "predict", "code", "answer", "check", "change"]
+# In the order in which a class hears them.
+ORDER = ["question", "predict", "code", "picture", "answer", "check", "change"]
 
 every_lesson = pytest.mark.parametrize("name", LESSONS)
 every_language = pytest.mark.parametrize("language", LANGUAGES)
@@ -51,6 +55,14 @@ def figures(text):
 def flat(text):
     """A text without its line ends and indents."""
     return re.sub(r"\s+", "", text)
+
+
+def said(lesson, language="en"):
+    """All that a lesson says in a terminal."""
+    guesses = lesson.guesses_in(language)
+    texts = [lesson.text(part, language) for part in PARTS]
+    texts += [text for each in guesses for text in (each.question, *each.lettered(), each.result())]
+    return [flat(plain(text)) for text in texts]
 
 
 def run_program(path, *arguments, **options):
@@ -76,7 +88,7 @@ def test_a_lesson_is_added_by_one_file_at_the_place_of_its_order(tmp_path, monke
     assert list(lesson_file.lesson_files.__wrapped__()) == ["first", "between", "last"]
 
 
-@pytest.mark.parametrize("module", [lesson_file, notebook])
+@pytest.mark.parametrize("module", [guess, lesson_file, markup, notebook])
 def test_examples_run(module):
     assert doctest.testmod(module).failed == 0
     assert doctest.testmod(module).attempted > 2
@@ -86,7 +98,8 @@ def test_examples_run(module):
 def test_lesson_reads_like_one(name):
     """Short; asks before it runs, and answers afterwards, in two sentences."""
     lesson = LESSONS[name]
-    assert len(lesson.source.splitlines()) < 80
+    assert len(lesson.code.splitlines()) < 60
+    assert len(lesson.source.splitlines()) < 85
     assert ast.get_docstring(ast.parse(lesson.source))
     kinds = [kind for kind, text in lesson.blocks if text.split("\n")[-1][:9] != "lesson = "]
     assert kinds == ORDER
@@ -107,8 +120,7 @@ def test_program_copied_out_runs_alone_and_does_the_same(name, tmp_path):
     assert picture.read_bytes() == found.picture
     assert found.printed in done.stdout
     assert "\x1b" not in done.stdout
-    for part in PARTS:
-        assert flat(LESSONS[name].text(part, "zh")) in flat(done.stdout)
+    assert all(text in flat(done.stdout) for text in said(LESSONS[name], "zh"))
 
 
 @pytest.mark.parametrize("name", ["spiral", "sat"])  # a picture with axes, and a film of them
@@ -145,7 +157,49 @@ def test_catalogue_has_every_word(language):
 @pytest.mark.parametrize("language", [each for each in LANGUAGES if each != "en"])
 def test_no_entry_of_a_catalogue_is_missing_or_left_over(language):
     catalogue = {name: set(texts) for name, texts in CATALOGUES[language].items() if name != "words"}
-    assert catalogue == {name: set(PARTS) for name in LESSONS}
+    assert catalogue == {name: {*PARTS, "guesses", "measured"} for name in LESSONS}
+
+
+@every_language
+def test_notes_for_teachers_are_on_every_lesson(language):
+    found = notes(language)
+    assert list(found.lessons) == list(LESSONS)
+    assert all(20 <= each.minutes <= 60 and each.level and each.needs and each.idea for each in found.lessons.values())
+    assert list(found.glossary) == list(notes("en").glossary)
+    assert list(found.references) == list(notes("en").references)
+    assert [each.minutes for each in found.lessons.values()] == [each.minutes for each in notes("en").lessons.values()]
+
+
+@every_lesson
+@every_language
+def test_every_lesson_has_guesses_of_which_one_choice_is_right(name, language):
+    lesson = LESSONS[name]
+    assert lesson.guesses
+    for each in lesson.guesses_in(language):
+        assert len(set(each.choices)) == len(each.choices) >= 2
+        assert 0 <= each.right < len(each.choices)
+        assert set(figures(each.measured)) <= {*figures(played(name).printed), *figures(lesson.text("answer"))}
+
+
+@every_lesson
+def test_program_does_not_give_the_result_away(name):
+    """No number that is only known from the run, and no words of the right choices, outside the question."""
+    lesson = LESSONS[name]
+    known = "\n".join(lesson.text(part) for part in ("title", "question", "predict"))
+    known += "\n".join(text for each in lesson.guesses for text in (each.question, *each.choices))
+    measured = {number for each in lesson.guesses for number in figures(each.measured) if "." in number}
+    assert not (measured - set(figures(known))) & set(figures(lesson.code))
+    for each in lesson.guesses:
+        right = each.choices[each.right]
+        assert len(right) < 8 or right not in lesson.code
+
+
+def test_a_result_is_one_of_the_choices(tmp_path):
+    own = tmp_path / "own.py"
+    own.write_text('lesson.predict("Count.", ("How many?", "one", "two"))\nlesson.answer("Three.", ("three", "3"))\n')
+    with pytest.raises(ParameterError) as caught:
+        LessonFile.read(own)
+    assert_says(caught.value, "right is 'three'", "one, two")
 
 
 @every_lesson
@@ -155,6 +209,29 @@ def test_chinese_says_the_same_numbers_and_names(name, part):
     assert any("\u4e00" <= character <= "\u9fff" for character in chinese)
     assert Counter(figures(english)) == Counter(figures(chinese))
     assert Counter(re.findall("`[^`]+`", english)) == Counter(re.findall("`[^`]+`", chinese))
+    assert Counter(re.findall(r"\$[^$]+\$", english)) == Counter(re.findall(r"\$[^$]+\$", chinese))
+
+
+@every_lesson
+def test_chinese_guesses_have_the_same_numbers(name):
+    lesson = LESSONS[name]
+    for english, chinese in zip(lesson.guesses, lesson.guesses_in("zh"), strict=True):
+        assert (len(english.choices), english.right) == (len(chinese.choices), chinese.right)
+        for part in ("question", "choices", "measured"):
+            assert Counter(figures(str(getattr(english, part)))) == Counter(figures(str(getattr(chinese, part))))
+
+
+@every_lesson
+@every_language
+def test_formulas_are_readable_everywhere(name, language):
+    texts = [LESSONS[name].text(part, language) for part in PARTS]
+    texts += asdict(notes(language).lessons[name]).values()
+    for text in map(str, texts):
+        assert not re.search(r"[\\{}$]", "".join(piece if kind == "text" else "" for kind, piece in pieces(text)))
+        for kind, formula in pieces(text):
+            if kind == "formula":
+                assert not re.search(r"[\\{}$]", in_unicode(formula))
+                assert in_mathml(formula).startswith("<math")
 
 
 def cells(name, language="en"):
@@ -166,12 +243,19 @@ def cells(name, language="en"):
 def test_notebook_has_the_lessons_code_and_words(name, language):
     lesson = LESSONS[name]
     found = cells(name, language)
-    code = "\n\n".join(cell.source for cell in found if cell.cell_type == "code")
+    install, *programs = [cell.source for cell in found if cell.cell_type == "code"]
+    assert '%pip install --quiet "pymunk-dragon[demos]"' in install
+    code = "\n\n".join(programs)
     assert ast.dump(ast.parse(code)) == ast.dump(
         ast.parse("\n".join(text for kind, text in lesson.blocks if kind == "code"))
     )
-    prose = re.sub(r"\\([^\w\s])", r"\1", "\n".join(cell.source for cell in found if cell.cell_type == "markdown"))
+    prose = "\n".join(cell.source for cell in found if cell.cell_type == "markdown")
+    prose = "".join(
+        re.sub(r"\\([^\w\s])", r"\1", piece) if kind == "text" else f"`{piece}`" if kind == "code" else f"${piece}$"
+        for kind, piece in pieces(prose)
+    )
     assert all(lesson.text(part, language) in prose for part in PARTS)
+    assert all(choice in prose for each in lesson.guesses_in(language) for choice in each.lettered())
     assert make_notebook(lesson, language) == make_notebook(lesson, language)
 
 
@@ -182,9 +266,11 @@ def test_notebook_runs_and_shows_what_the_lesson_shows(name, tmp_path):
     nbclient.NotebookClient(made, timeout=120, resources={"metadata": {"path": tmp_path}}).execute()
     outputs = [output for cell in made.cells if cell.cell_type == "code" for output in cell.outputs]
     assert "".join(output.text for output in outputs if output.get("name") == "stdout") == played(name).printed
-    assert [kind for output in outputs for kind in output.get("data", {}) if kind.startswith("image/")]
     [picture] = tmp_path.iterdir()
     assert picture.read_bytes() == played(name).picture
+    # As HTML, which also a page has that is made from the notebook.
+    [html] = [output.data["text/html"] for output in outputs if "text/html" in output.get("data", {})]
+    assert b64encode(picture.read_bytes()).decode() in html
 
 
 def test_the_answer_of_a_notebook_is_folded():
@@ -208,8 +294,7 @@ def test_program_lists_the_lessons(call, language):
 def test_program_plays_a_lesson_and_names_the_next(call, tmp_path):
     code, out, err = call("demo", "spiral", "--save", tmp_path)
     assert (code, err) == (0, "")
-    said = [LESSONS["spiral"].text(part) for part in PARTS]
-    assert all(flat(text) in flat(out) for text in said)
+    assert all(text in flat(out) for text in said(LESSONS["spiral"]))
     assert str(tmp_path / played("spiral").file.name) in out
     *_, heading, following = out.splitlines()
     assert heading == "Next"
@@ -301,6 +386,7 @@ def test_bad_input_of_a_program_copied_out_is_one_line(tmp_path, arguments):
     [
         (["nbformat"], ".ipynb", "demos"),
         (["pygments"], ".html", "demos"),
+        (["latex2mathml.converter", "latex2mathml"], ".html", "demos"),
         (["jinja2"], ".html", "report"),
         (["jinja2", "pygments", "nbformat"], ".html", "demos"),
     ],
@@ -441,7 +527,7 @@ def test_terminal_text_fits_its_width(name, language, monkeypatch, capsys):
     monkeypatch.setenv("COLUMNS", "60")
     output = Terminal(language=language)
     for part in PARTS[:-1]:
-        output.say(name, part, LESSONS[name].text(part)) if part != "picture" else None
+        output.say(name, part, LESSONS[name].text(part), LESSONS[name].guesses if part in ("predict", "answer") else ())
     assert all(width(line) <= 60 for line in capsys.readouterr().out.splitlines())
 
 

@@ -14,8 +14,9 @@ lesson.question(
     "which place is meant?"
 )
 lesson.predict(
-    "Does the circle meet the spiral 2, 6 or 22 times? And the way along the spiral from one handle to the other: is "
-    "it 2.86 m as well, 4 cm longer, or 40 cm longer?"
+    "Draw the spiral with turns 0.55 m apart, and a circle of radius 2.86 m round a point on it.",
+    ("How often does the circle meet the spiral?", "2 times", "6 times", "22 times"),
+    ("How long is the path from one handle to the other?", "2.86 m as well", "4 cm longer", "40 cm longer"),
 )
 
 # The arc-length coordinate s is in metres from the centre. Handle 0 has walked from turn 16 for t s.
@@ -32,7 +33,7 @@ i = np.flatnonzero(beyond[:-1] * beyond[1:] < 0)
 found = s[i] - beyond[i] * (s[i + 1] - s[i]) / (beyond[i + 1] - beyond[i])
 points = spiral.point(found)
 
-# The next one back along the path, and those nearest to it along the path.
+# The points nearest to handle 0 along the path.
 back = int(np.searchsorted(found, here)) - 1
 print(f"{len(found)} places at {bench} m from handle 0, whose r = {np.hypot(*handle):.3f} m")
 for j in range(back - 2, back + 4):
@@ -42,7 +43,7 @@ for j in range(back - 2, back + 4):
 x, y = March(Dragon(head_spacing=bench), spiral).at(t).positions[0, 1]
 print(f"March's handle 1                              ({x:.6f}, {y:9.6f}) m")
 
-# The bench is the chord of a piece of the path. One turn further out, and further in, are points as far away.
+# The bench, the path between its handles, and two other points of the circle.
 figure, axes = lesson.subplots(figsize=(5.2, 5.0))
 axes.plot(*path.T, color=RULE, lw=1.2)
 axes.plot(*path[(s > found[back]) & (s < here)].T, color=BLUE, lw=3)
@@ -56,17 +57,20 @@ axes.text(handle[0] + 0.2, handle[1], "handle 0", va="center", path_effects=halo
 reach = 1.2 * bench * np.array([-1, 1])
 axes.set(xlim=handle[0] + reach, ylim=handle[1] + reach, aspect="equal")
 axes.set_axis_off()
-lesson.show(figure, "The circle round handle 0, the next handle, and its doubles one turn further out and further in.")
+lesson.show(figure)
 
+lesson.picture("The circle round handle 0, the next handle, and its doubles one turn further out and further in.")
 lesson.answer(
-    "The circle meets the spiral 22 times, always 2.86 m away in a straight line, and the next one back along the path "
-    "is meant: 2.900 m along it, as the path is an arc and the bench is its chord. The two beside it on the circle, "
-    "less than 0.6 m off, are one turn further out or in: no walk takes the bench there, but a solver with a bad guess "
-    "does."
+    "The circle meets the spiral 22 times, always 2.86 m away in a straight line, and the next one back along the "
+    "path is meant: 2.900 m along it, as the path is an arc and the bench is its chord. The two beside it on the "
+    "circle, less than 0.6 m off, are one turn further out or in: no walk takes the bench there, but a solver with a "
+    "bad guess does.",
+    ("22 times", "22 places"),
+    ("4 cm longer", "2.900 m"),
 )
 lesson.check(
-    "The arc, 2.900 m: the path is nearly a circle of the radius R = (4.992 + 5.043) / 2 m, and the arc over a chord "
-    "of 2.86 m is 2 R arcsin(2.86 / (2 R)), with the arcsine in radians. And count the dots: 22."
+    "The arc, 2.900 m: the path is nearly a circle of the radius $R = (4.992 + 5.043) / 2$ m, and the arc over a "
+    r"chord of 2.86 m is $2 R \arcsin(2.86 / (2 R))$, with the arcsine in radians. And count the dots: 22."
 )
 lesson.change(
     "Set `bench` to 1.65, as long as all benches but the head: how many places are there, and how much longer is the "

@@ -14,8 +14,9 @@ lesson.question(
     "benches 24531. Must all of them be tested at every moment, if most are metres apart?"
 )
 lesson.predict(
-    "Cut the floor into square cells, file every bench in the cells that it touches, and test only benches that share "
-    "a cell. How many of the 24531 pairs are left: about 5, 500 or 5000?"
+    "Cut the floor into square cells, file every bench in the cells that it touches, and test only benches that "
+    "share a cell.",
+    ("How many of the 24531 pairs are left?", "about 5", "about 500", "about 5000"),
 )
 
 # The dragon as its head runs into bench 8, and the edge of that bench that it hits, measured in cells.
@@ -60,12 +61,14 @@ axes.annotate("", end, start, arrowprops={"color": BLUE, "width": 2, "headwidth"
 (left, top), (right, bottom) = np.min(cells, axis=0) - 1, np.max(cells, axis=0) + 2
 axes.set(xlim=(left, right), ylim=(bottom, top), xlabel="column", ylabel="row", aspect="equal")
 axes.grid(color=RULE)
-lesson.show(figure, "The edge of bench 8 that the head hits, and its cells in the order of the walk.")
+lesson.show(figure)
 
+lesson.picture("The edge of bench 8 that the head hits, and its cells in the order of the walk.")
 lesson.answer(
     "Only 13 of the 105 pairs share a cell, and 546 of the 24531, about 2 in 100: nothing is missed, as two benches "
     "that touch share the cell where they do. The price is the walk, which files 223 benches under 1997 entries, but "
-    "ten times the benches have about ten times the entries, and a hundred times the pairs."
+    "ten times the benches have about ten times the entries, and a hundred times the pairs.",
+    ("about 500", "546 pairs"),
 )
 lesson.check(
     "The walk takes 6 cells: the first, and one more for each grid line that the edge crosses. Between columns 17.568 "

@@ -1,4 +1,4 @@
-"""A contact that samples at each second miss, and a search that does not."""
+"""How often a march must be sampled for its first contact."""
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,8 +14,9 @@ lesson.question(
     "the head, bench 0, in bench 8, and traces it back to 412.442 s. Has nothing touched before?"
 )
 lesson.predict(
-    "Nothing, one short contact, or many? And how often must you look to be sure that you miss none: every tenth of a "
-    "second, every thousandth, or is no step short enough?"
+    "In the lesson before, the head passed two benches with a few millimetres to spare, or less than one.",
+    ("What touched before 412.442 s?", "nothing", "there was one short contact", "there were many contacts"),
+    ("How often must you sample?", "every tenth of a second", "every thousandth", "no step is short enough"),
 )
 
 march = March(Dragon(width=0.301))
@@ -29,7 +30,7 @@ def gap(times: ArrayLike) -> NDArray[np.float64]:
     return np.array(1000 * separation(benches[:, :1], benches[:, 2:]).distance.min(axis=1))
 
 
-# A search that cannot miss. Holes go at 1 m/s at most; corners are 0.31 m from them, on benches that turn at less than
+# A search of our own. Holes go at 1 m/s at most; corners are 0.31 m from them, on benches that turn at less than
 # 0.5 rad/s, so they are slower than 1.2 m/s. Within a time interval no gap is smaller than in its middle by more than
 # two benches move in half of it. An interval in which that could close the gap is split into its halves.
 fastest, begins, until, samples = 1200, np.arange(400.0, 413.0), np.inf, 0  # mm/s, s, s
@@ -44,9 +45,10 @@ for halvings in range(31):
 print(f"{'this search':14}{until:.6f} s  none before {begins[0]:.5f} s  {samples} looks")
 
 # How long and how deep the contact is, and the angle between the two benches when it is deepest.
-times = np.linspace(409.7, 410.05, 35_001)
+times = until + np.linspace(-0.07, 0.27, 34_001)
 touching, deepest = times[gap(times) <= 0], gap(times).argmin()
-angle = np.degrees(np.ptp(march.at(times[deepest]).poses[0, [0, 11], 2]))
+_, bench = hit.contact.benches
+angle = np.degrees(np.ptp(march.at(times[deepest]).poses[0, [0, bench], 2]))
 print(f"{np.ptp(touching):.3f} s long  {-gap(times)[deepest]:.3f} mm deep  at an angle of {angle:.2f} degrees")
 
 figure, charts = lesson.subplots(2, figsize=(5.2, 5.0))
@@ -59,19 +61,22 @@ for chart, moments in zip(charts, (np.linspace(404.9, 413.1, 2000), times), stri
 charts[0].set(ylim=(-15, 32))
 charts[0].text(406, -8, "overlap")
 charts[1].set(ylim=(-0.1, 0.32), xlabel="time (s)")
-lesson.show(
-    figure,
-    "The head's gap to the benches that it passes, and the looks each second as dots; below, the same from close by.",
-)
+lesson.show(figure)
 
+lesson.picture(
+    "The head's gap to the benches that it passes, and the looks each second as dots; below, the same from close by."
+)
 lesson.answer(
-    "The head touches bench 11 at 409.776 s, for 0.109 s and 0.023 mm deep, and at 410 s there is a gap again. No step "
-    "is short enough, as the next contact may be shorter; but if you know how fast a gap can close, each look clears a "
-    "stretch of time, and you look again only where a doubt is left, as above, and as `first_contact` does."
+    "The head touches bench 11 at 409.776 s, for 0.109 s and 0.023 mm deep, and at 410 s there is a gap again. No "
+    "step is short enough, as the next contact may be shorter; but if you know how fast a gap can close, each look "
+    "clears a stretch of time, and you look again only where a doubt is left, as above, and as `first_contact` does.",
+    ("there was one short contact", "0.109 s long"),
+    ("no step is short enough", "4665 samples where they are needed"),
 )
 lesson.check(
     "The depth of 0.023 mm: benches of 0.300 m leave 0.865 mm, as in the lesson before. Half a millimetre more on "
-    "either side brings the edge of bench 11 nearer by 0.5 mm, and the head's corner by 0.5 mm times cos 39.05 degrees."
+    r"either side brings the edge of bench 11 nearer by 0.5 mm, and the head's corner by 0.5 mm times $\cos "
+    r"39.05^\circ$."
 )
 lesson.change(
     "With which `step` does the scan find bench 11: 0.5, 0.2 or 0.1? Then set `width` to 0.30098: how long is the "

@@ -13,9 +13,10 @@ lesson.question(
     "300 mm wide. How much room is left when it passes?"
 )
 lesson.predict(
-    "As wide as a hand or a finger, or only as thick as a bank card? And who will report a collision that never "
-    "happens: a program that looks every 10 s, one that cuts positions to whole millimetres, an engine that takes "
-    "long steps?"
+    "Beside the exact model, three other programs compute the march: one samples every 10 s, one cuts positions to "
+    "whole millimetres, and one is a physics engine that takes long steps.",
+    ("How wide is the gap to bench 11?", "a hand's width", "a finger's width", "a bank card's thickness"),
+    ("Which of the three report a false collision?", "none", "only the engine", "the last two", "all of them"),
 )
 
 # The exact model: the near misses, and the first contact. Then samples every 10 s, and bisection where benches
@@ -50,18 +51,21 @@ for name, (x, y) in zip("CAB", (march.dragon.outlines(state.poses)[0, 0, 3], *st
 
 film = lesson.file(".gif")
 render(careful, film, camera=Camera(follow="head", span=5), start=406, speedup=1, fps=8, size=360, hold=2)
-lesson.show(film, "The head slips past benches 9 and 11 and meets bench 8; the gap is written below.")
+lesson.show(film)
 
+lesson.picture("The head slips past benches 9 and 11 and meets bench 8; the gap is written below.")
 lesson.answer(
-    "The head passes bench 9 with 2.957 mm and bench 11 with 0.865 mm to spare, hardly more than a bank card is thick, "
-    "and runs into bench 8 at 412.474 s. Looking every 10 s does no harm here, but positions that are cut to 1 mm let "
-    "the head hit bench 11 at 409.712 s, and the sloppy engine, whose joints come loose, lets benches 200 and 203 meet "
-    "at 401.591 s: collisions that never happen."
+    "The head passes bench 9 with 2.957 mm and bench 11 with 0.865 mm to spare, hardly more than a bank card is "
+    "thick, and runs into bench 8 at 412.474 s. Looking every 10 s does no harm here, but positions that are cut to "
+    "1 mm let the head hit bench 11 at 409.712 s, and the sloppy engine, whose joints come loose, lets benches 200 "
+    "and 203 meet at 401.591 s: collisions that never happen.",
+    ("a bank card's thickness", "0.865 mm"),
+    ("the last two", "at 409.712 s and 401.591 s"),
 )
 lesson.check(
-    "The gap of 0.865 mm: C is the head's rear left corner then, A and B are handles 11 and 12, on the middle line of "
-    "bench 11. From that line C is |(xB - xA)(yC - yA) - (yB - yA)(xC - xA)| / 1.65 m away; take off half a width, "
-    "0.15 m."
+    "The gap of 0.865 mm: $C$ is the head's rear left corner then, $A$ and $B$ are handles 11 and 12, on the middle "
+    "line of bench 11. From that line $C$ is $|(x_B - x_A)(y_C - y_A) - (y_B - y_A)(x_C - x_A)| / 1.65$ m away; take "
+    "off half a width, 0.15 m."
 )
 lesson.change(
     "Set `iterations` of the sloppy engine to 2, 5 or 60, or `substep` to 0.05: how little work is enough for the "

@@ -13,8 +13,9 @@ lesson.question(
     "way and lead the tip along it at a constant speed; how fast do the joints go, and does the arm get in its own way?"
 )
 lesson.predict(
-    "Where the way bends: are the joints behind the tip faster than the tip, slower, or as fast? And will the tip get "
-    "past the links that are still coming in?"
+    "The tip goes at 0.2 m/s along a drawn curve, with bends to both sides and a narrow loop at its end.",
+    ("In a bend, how fast is a joint compared with the tip?", "half as fast", "as fast to 3 %", "twice as fast"),
+    ("Does the tip get past the links that are still coming in?", "yes", "no"),
 )
 
 # Links from the tip to the base, in m: slender and short in front, wide and long behind.
@@ -47,12 +48,15 @@ for time in (states.times[now] - 0.1, states.times[now] + 0.1):  # where the slo
 
 film = lesson.file(".gif")
 render(run, film, speedup=1, fps=10, size=(540, 300), hold=2)
-lesson.show(film, "The arm's 16 links follow the tip along a curve that was drawn by hand, until it runs into link 13.")
+lesson.show(film)
 
+lesson.picture("The arm's 16 links follow the tip along a curve that was drawn by hand, until it runs into link 13.")
 lesson.answer(
     "No joint is more than some 3 % faster or slower than the tip: both ends of a link go equally fast along it, so "
     "the faster one is the one that goes more across it. But after 8.668 s the tip runs into link 13, so this is no "
-    "way for this arm."
+    "way for this arm.",
+    ("as fast to 3 %", "0.194 m/s to 0.204 m/s"),
+    ("no", "it meets link 13 at 8.6677 s"),
 )
 lesson.check(
     "The slowest speed of 0.194 m/s: it is printed where that joint was 0.1 s before and 0.1 s after. Divide the "

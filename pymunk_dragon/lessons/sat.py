@@ -16,7 +16,8 @@ lesson.question(
 )
 lesson.predict(
     "Shine a lamp on both, and look at their shadows on the wall behind. If there is light between the shadows, the "
-    "benches are apart. From how many directions must you look to be sure: 2, 4, 8, or all around?"
+    "benches are apart.",
+    ("From how many directions must you look to be sure?", "2", "4", "8", "all around"),
 )
 
 length, width, aside, ahead = 2.20, 0.30, 1.60, 0.90  # m; so far aside and ahead of the blue bench the amber one turns
@@ -62,16 +63,19 @@ def draw(degrees: float) -> None:
 
 film = lesson.file(".gif")
 FuncAnimation(figure, draw, range(2, 180, 4)).save(film, PillowWriter(fps=8), dpi=75)
-lesson.show(film, "The amber bench turns; below, the shadows of both along and across each bench.")
+lesson.show(film)
 
+lesson.picture("The amber bench turns; below, the shadows of both along and across each bench.")
 lesson.answer(
     "Four are enough: where two rectangles are apart, a straight line fits between them, which can be shifted and "
-    "turned until it runs along an edge of one of them, and the edges of both run in only four directions. As long as "
-    "one of the four axes shows a gap they are apart, and it may be just one, as at 120 degrees; at 60 none is left."
+    "turned until it runs along an edge of one of them, and the edges of both run in only four directions. As long "
+    "as one of the four axes shows a gap they are apart, and it may be just one, as at 120 degrees; at 60 none is "
+    "left.",
+    ("4", "along and across each bench"),
 )
 lesson.check(
     "The gap at 30 degrees, 0.0701 m: the middle of the amber bench is 0.90 m above that of the blue one; take off "
-    "half the blue width, 0.15 m, and half the amber shadow, 1.10 sin 30 + 0.15 cos 30, in degrees."
+    r"half the blue width, 0.15 m, and half the amber shadow, $1.10 \sin 30^\circ + 0.15 \cos 30^\circ$."
 )
 lesson.change(
     "Put `gaps = gaps[:2]` below `found`, without the amber bench's axes: at which angle is the verdict wrong? Or set "

@@ -14,8 +14,9 @@ lesson.question(
     "may ever be faster than 2 m/s, who is the first at that limit, and how fast may the head go?"
 )
 lesson.predict(
-    "Who has to run fastest: the head, somebody close behind it, or the tail? And may the head go at 2 m/s, at 1.6, or "
-    "only at some 1.25?"
+    "Imagine the turn from above, with the head at a steady speed on both arcs.",
+    ("Who has to run fastest?", "the head", "somebody close behind it", "the tail"),
+    ("How fast may the head go?", "2 m/s", "1.6 m/s", "about 1.25 m/s"),
 )
 
 found = max_speed(limit=2.0, ratio=2.0)
@@ -44,17 +45,22 @@ for handle, line, colour in ((0, "-", BLUE), (1, ":", COLOURS.ink), (3, "--", AM
     axes.plot(t, speeds[:, handle], line, color=colour, label=f"handle {handle}")
 axes.set(xlabel="time since the head entered (s)", ylabel="speed (m/s)", xlim=(-1, 19), xticks=range(0, 20, 5))
 axes.legend(loc="upper right", frameon=False)
-lesson.show(figure, "The head is steady, the others are not: the lines mark where it enters, changes arcs, and leaves.")
+lesson.show(figure)
 
+lesson.picture("The head is steady, the others are not: the lines mark where it enters, changes arcs, and leaves.")
 lesson.answer(
-    "Handles 3 to 7 are 1.6048 times as fast as the head, so 1.2462663582 m/s is all that it may go: it has just left "
-    "the narrow arc while handle 1 is still on it, so the path crosses the head bench at 46 degrees in front and at 63 "
-    "degrees behind. Both handles are equally fast along the rigid bench, so it moves the rear one like a lever, 1.55 "
-    "times as fast, and bench 2, which lies across the place where both arcs meet, adds another 3 percent."
+    "Handles 3 to 7 are 1.6048 times as fast as the head, so 1.2462663582 m/s is all that it may go: it has just "
+    "left the narrow arc while handle 1 is still on it, so the path crosses the head bench at 46 degrees in front "
+    "and at 63 degrees behind. Both handles are equally fast along the rigid bench, so it moves the rear one like a "
+    "lever, 1.55 times as fast, and bench 2, which lies across the place where both arcs meet, adds another 3 "
+    "percent.",
+    ("somebody close behind it", "handles 3 to 7, at 2 m/s"),
+    ("about 1.25 m/s", "1.2462663582 m/s"),
 )
 lesson.check(
-    "The product, 1.6048: type cos(46.0060) / cos(63.4555) * cos(4.7067) / cos(15.1517) into a calculator that reckons "
-    "in degrees. Bench 1 adds nothing: it is a chord of one arc, which meets it at equal angles."
+    r"The product, 1.6048: type $\cos 46.0060^\circ / \cos 63.4555^\circ \cdot \cos 4.7067^\circ / \cos "
+    r"15.1517^\circ$ into a calculator that reckons in degrees. Bench 1 adds nothing: it is a chord of one arc, which "
+    "meets it at equal angles."
 )
 lesson.change(
     "Set `ratio` to 1.0, two equal arcs: the turn is as long as before, but how fast may the head go now, who is the "

@@ -11,11 +11,12 @@ lesson = Lesson("spiral", "How fast do you turn to watch the head?", order=10)
 lesson.question(
     "In the bench dragon, a folk dance, some 200 benches hinged end to end coil inward on a spiral. The head walks at "
     "1 m/s all the time, and you stand in the centre and turn so that you always face it. Do you turn at a steady "
-    "pace too?"
+    "speed too?"
 )
 lesson.predict(
-    "At the start you turn so slowly that a whole round would take 55 s. After 400 s the head is only a third as "
-    "far away. How long would a round take then: still 55 s, about 17 s, or about 6 s?"
+    "At the start you turn so slowly that a whole round would take 55 s. After 400 s the head is only a third as far "
+    "away.",
+    ("How long would a round take then?", "still 55 s", "about 17 s", "about 6 s"),
 )
 
 # The spiral is r = k theta, and each turn is 0.55 m further out. The head starts on turn 16, 8.8 m from the centre.
@@ -32,7 +33,7 @@ for i in np.linspace(0, len(t) - 1, 5, dtype=int):
     print(f"t = {t[i]:3.0f} s  r = {np.hypot(*points[i]):.3f} m  walking {walking[i]:.4f} m/s  ", end="")
     print(f"turning {rate[i]:.4f} rad/s, a round in {2 * np.pi / rate[i]:.1f} s")
 
-# Two pieces of the path, each walked in 5 s: as long as each other, but seen from the centre they are not as wide.
+# Two pieces of the path, each walked in 5 s, as seen from the centre.
 figure, (ground, chart) = lesson.subplots(1, 2, figsize=(5.8, 3.2), width_ratios=(1.2, 1))
 ground.plot(*points.T, color=BLUE, lw=0.8)
 for piece in (points[:501], points[-501:]):
@@ -45,22 +46,24 @@ chart.text(0, 0.92, "walking, m/s", color=BLUE)
 chart.plot(t, rate, "--", color=AMBER)
 chart.text(0, 0.17, "turning, rad/s", color=AMBER)
 chart.set(xlabel="time (s)", ylim=(0, None))
-lesson.show(
-    figure,
-    "Left: the first and the last 5 s of the walk, both bold, and how wide they look from the centre. Right: the walk "
-    "is steady, the turning is not.",
-)
+lesson.show(figure)
 
+lesson.picture(
+    "Left: the first and the last 5 s of the walk, both bold, and how wide they look from the centre. Right: the walk "
+    "is steady, the turning is not."
+)
 lesson.answer(
-    "At the distance r you turn by 1 radian while the head walks about r metres, so the closer it is, the further the "
-    "same metre turns you: 0.1136 rad/s at the start, but 0.3669 rad/s after 400 s. Along the curve nothing changes: "
-    "on the spiral r = k theta, where theta is the angle about the centre, a step is ds = k sqrt(theta^2 + 1) dtheta, "
-    "and dtheta grows just as fast as the root shrinks."
+    "At the distance $r$ you turn by 1 radian while the head walks about $r$ metres, so the closer it is, the "
+    "further the same metre turns you: 0.1136 rad/s at the start, but 0.3669 rad/s after 400 s. Along the curve "
+    r"nothing changes: on the spiral $r = k \theta$, where $\theta$ is the angle about the centre, a step is "
+    r"$\mathrm{d}s = k \sqrt{\theta^2 + 1}\,\mathrm{d}\theta$, and $\mathrm{d}\theta$ grows just as fast as the root "
+    "shrinks.",
+    ("about 17 s", "17.1 s"),
 )
 lesson.check(
-    "The last rate, 0.3669 rad/s: divide 1 m/s by k sqrt(theta^2 + 1), which is the root of r^2 + k^2, with r = 2.724 "
-    "m and k = 0.55 / (2 pi) = 0.0875 m. Or roughly with a protractor: the inner bold piece spans 102 degrees, or 1.78 "
-    "radians, in 5 s."
+    r"The last rate, 0.3669 rad/s: divide 1 m/s by $k \sqrt{\theta^2 + 1}$, which is $\sqrt{r^2 + k^2}$, with $r = "
+    r"2.724$ m and $k = 0.55 / (2 \pi) = 0.0875$ m. Or roughly with a protractor: the inner bold piece spans 102 "
+    "degrees, or 1.78 radians, in 5 s."
 )
 lesson.change(
     "Set `until` to 440: then the head comes within 70 cm of the centre. How fast do you turn, and is the walk still "

@@ -14,8 +14,10 @@ lesson.question(
     "has the most to carry? And if the ground were ice?"
 )
 lesson.predict(
-    "Draw the force over the joints from head to tail, on the ground and on ice. And a third time: now every second "
-    "bench has a dancer, who pushes it as hard as the ground drags at it."
+    "Draw the force over the joints from head to tail: on the ground, on ice, and a third time where every second "
+    "bench has a dancer, who pushes it as hard as the ground drags at it.",
+    ("Which joint has the most to carry on the ground?", "the first, behind the head", "one in the middle", "the last"),
+    ("And on ice?", "again the first", "all carry the same force", "none carries any"),
 )
 
 BENCHES, MASS, STEP = 24, 10.0, 0.01  # kg, s
@@ -55,15 +57,18 @@ for name, kept, dancers, style in [
     axes.text(1, force[0] + 4, name)
     print(f"{name:15}" + "".join(f"   joint {joint:2d}: {force[joint]:7.3f} N" for joint in (0, 1, 12, 23)))
 axes.set(xlabel="joint, from head to tail", ylabel="force, N")
-lesson.show(figure, "The force in each joint of a chain that is pulled along. The line is the formula.")
+lesson.show(figure)
 
+lesson.picture("The force in each joint of a chain that is pulled along. The line is the formula.")
 lesson.answer(
     "The first joint, as each of them pulls all the benches behind it: the force falls evenly from head to tail, and "
-    "in stairs where every second bench is pushed. On ice nobody has to pull, because what moves goes on by itself."
+    "in stairs where every second bench is pushed. On ice nobody has to pull, because what moves goes on by itself.",
+    ("the first, behind the head", "165.780 N"),
+    ("none carries any", "0.000 N"),
 )
 lesson.check(
-    "165.780 N in the first joint: in a step of 0.01 s a bench of 10 kg keeps 0.5^0.01 of its 1 m/s. Work out how much "
-    "momentum it loses, divide by the length of the step to get a force, and multiply by 24 benches."
+    "165.780 N in the first joint: in a step of 0.01 s a bench of 10 kg keeps $0.5^{0.01}$ of its 1 m/s. Work out how "
+    "much momentum it loses, divide by the length of the step to get a force, and multiply by 24 benches."
 )
 lesson.change(
     "Give every bench a dancer, `list(range(1, BENCHES + 1))`. Then let the solver try 10 times in each step, not 60, "

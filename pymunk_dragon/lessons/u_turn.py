@@ -13,8 +13,8 @@ lesson.question(
     "takes two equal ones. Whose turn is shorter?"
 )
 lesson.predict(
-    "Both enter the circle at the same moment, at 1 m/s. Who leaves it first: the one with the wide and the narrow "
-    "arc, the one with two equal arcs, or both at once?"
+    "Both dragons enter the circle at the same moment, at 1 m/s.",
+    ("Which one leaves it first?", "the one with unequal arcs", "the one with equal arcs", "both at once"),
 )
 
 # The length is measured: 100,000 small steps from where the circle is entered to where it is left.
@@ -32,17 +32,20 @@ headings = (f"radii {contest:g} to 1", f"radii {rival:g} to 1")
 film = lesson.file(".gif")
 camera = Camera(span=11.5)
 render(marches, film, start=-4, until=24, speedup=4, fps=10, size=(250, 275), camera=camera, headings=headings, hold=2)
-lesson.show(film, "Two dragons take different ways round, and leave side by side.")
+lesson.show(film)
 
+lesson.picture("Two dragons take different ways round, and leave side by side.")
 lesson.answer(
-    "Both at once, after 13.621245 m: the head leaves opposite to where it came in, and in the same direction, so the "
-    "one arc turns it by as much as the other turns it back, 173.118 degrees. Arcs of the same angle have the same "
-    "shape, so both are the same number of times as long as their chords, and these share out the diameter of 9 m."
+    "Both at once, after 13.621245 m: the head leaves opposite to where it came in, and in the same direction, so "
+    "the one arc turns it by as much as the other turns it back, 173.118 degrees. Arcs of the same angle have the "
+    "same shape, so both are the same number of times as long as their chords, and these share out the diameter of 9 "
+    "m.",
+    ("both at once", "13.621245 m each"),
 )
 lesson.check(
-    "The length, 13.621245 m: the path enters at a = arctan(2 pi 4.5 / 1.7) = 1.510743 radians to the diameter, which "
-    "is half the angle of an arc. So an arc is a / sin a times as long as its chord, both chords together are 9 m, "
-    "and the length is 9 a / sin a."
+    r"The length, 13.621245 m: the path enters at $a = \arctan(2 \pi \cdot 4.5 / 1.7) = 1.510743$ radians to the "
+    r"diameter, which is half the angle of an arc. So an arc is $a / \sin a$ times as long as its chord, both chords "
+    r"together are 9 m, and the length is $9 a / \sin a$."
 )
 lesson.change(
     "Set `rival` to 2.5: the narrow arc is 2.58 m wide, and the holes of the head's bench are 2.86 m apart. Which way "

@@ -13,8 +13,9 @@ lesson.question(
     "is a little slower: why? And can you find its speed from two positions, a moment apart?"
 )
 lesson.predict(
-    "How much slower is the tail: by 0.35 mm/s, 3.5 mm/s or 35 mm/s? And which time between the two positions is "
-    "best: 1 s, 10 microseconds, or the shortest that the computer can tell?"
+    "Two positions a time step apart give a speed: the distance between them over that time.",
+    ("How much slower than the head is the tail?", "0.35 mm/s", "3.5 mm/s", "35 mm/s"),
+    ("Which time step gives the smallest error?", "1 s", "10 microseconds", "the shorter, the better"),
 )
 
 # Handles are counted from 0, the head's; these are the ones in the paper's tables.
@@ -45,21 +46,24 @@ chart.text(0.05, 0.25, "rounding", color=BLUE, transform=chart.transAxes)
 chart.xaxis.set_major_formatter("{x:.0e}")
 chart.yaxis.set_major_formatter("{x:.0e}")
 chart.set(xlabel="step (s)", ylabel="error (m/s)", xlim=(3e-11, 10))
-lesson.show(
-    figure,
-    "Above: the speed from the head to the tail. Below: how wrong the speed from two positions is, by the time between "
-    "them.",
-)
+lesson.show(figure)
 
+lesson.picture(
+    "Above: the speed from the head to the tail. Below: how wrong the speed from two positions is, by the time "
+    "between them."
+)
 lesson.answer(
     "A rigid bench keeps its length, so both its handles go equally fast along it; the front one goes at a slightly "
-    "larger angle to it, because the spiral is more curved there, and so has to be faster: 223 such benches leave the "
-    "tail with 0.996478 m/s. Two positions tell the same, with an error that shrinks with the step, until they are so "
-    "close, at some 10 microseconds, that most of their digits are equal and the rounding of the last ones takes over."
+    "larger angle to it, because the spiral is more curved there, and so has to be faster: 223 such benches leave "
+    "the tail with 0.996478 m/s. Two positions tell the same, with an error that shrinks with the step, until they "
+    "are so close, at some 10 microseconds, that most of their digits are equal and the rounding of the last ones "
+    "takes over.",
+    ("3.5 mm/s", "0.996478 m/s"),
+    ("10 microseconds", "with shorter steps rounding takes over"),
 )
 lesson.check(
-    "Handle 1's speed, 0.999709 m/s: type cos(16.5892) / cos(16.5332) into a calculator that reckons in degrees. The "
-    "paper's table 2 has 0.999, as it cuts off what follows."
+    r"Handle 1's speed, 0.999709 m/s: type $\cos 16.5892^\circ / \cos 16.5332^\circ$ into a calculator that reckons "
+    "in degrees. The paper's table 2 has 0.999, as it cuts off what follows."
 )
 lesson.change(
     "Set `t` to 412, just before the collision: how much slower is the tail now, and which bench loses most? Then put "

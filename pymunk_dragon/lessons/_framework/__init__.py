@@ -1,6 +1,7 @@
 """The code behind the lessons: reading, running and translating them; terminal, page and notebook."""
 
 from pymunk_dragon.lessons._framework.export import endings, write_lessons
+from pymunk_dragon.lessons._framework.guess import Guess
 from pymunk_dragon.lessons._framework.lesson import Lesson
 from pymunk_dragon.lessons._framework.lesson_file import LessonFile, lesson_files
 from pymunk_dragon.lessons._framework.notebook import make_notebook
@@ -12,6 +13,7 @@ from pymunk_dragon.lessons._framework.translations import LANGUAGES, PARTS, chec
 __all__ = [
     "LANGUAGES",
     "PARTS",
+    "Guess",
     "Lesson",
     "LessonFile",
     "Output",

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from pymunk_dragon._extras import optional_imports
 from pymunk_dragon._files import written_in_place
+from pymunk_dragon.lessons._framework.guess import Guess
 from pymunk_dragon.lessons._framework.notebook import NotebookOutput
 from pymunk_dragon.lessons._framework.play import current_output
 from pymunk_dragon.lessons._framework.terminal import Terminal
@@ -49,11 +50,12 @@ class Lesson:
 
     >>> lesson = Lesson("pendulum", "A swing in numbers", order=160)  # doctest: +SKIP
     >>> lesson.question("How long does a pendulum of 1 m take?")  # doctest: +SKIP
-    >>> lesson.predict("One second, two, or three?")  # doctest: +SKIP
+    >>> lesson.predict("Count aloud.", ("How long?", "one second", "two seconds"))  # doctest: +SKIP
     >>> print(f"{2 * math.pi * (1 / 9.81) ** 0.5:.3f} s")  # doctest: +SKIP
     >>> figure, axes = lesson.subplots()  # doctest: +SKIP
-    >>> lesson.show(figure, "The period grows with the root of the length.")  # doctest: +SKIP
-    >>> lesson.answer("Two seconds. The mass does not matter.")  # doctest: +SKIP
+    >>> lesson.show(figure)  # doctest: +SKIP
+    >>> lesson.picture("The period grows with the root of the length.")  # doctest: +SKIP
+    >>> lesson.answer("The mass does not matter.", ("two seconds", "2.006 s"))  # doctest: +SKIP
     >>> lesson.check("2.006 s: count ten swings.")  # doctest: +SKIP
     >>> lesson.change("Make it four times as long.")  # doctest: +SKIP
     """
@@ -65,19 +67,32 @@ class Lesson:
         default = NotebookOutput if "ipykernel" in sys.modules else Terminal.of_program
         self._output = current_output.get() or default()
         self._style = ExitStack()
+        self._guesses: tuple[Guess, ...] = ()
         self._output.say(name, "title", title)
 
     def question(self, text: str) -> None:
         """Print the question of the lesson."""
         self._output.say(self.name, "question", text)
 
-    def predict(self, text: str) -> None:
-        """Print the predictions that the class chooses from, before the code runs."""
-        self._output.say(self.name, "predict", text)
+    def predict(self, text: str, *guesses: tuple[str, ...]) -> None:
+        """Print what the class guesses before the code runs: a text, and questions, each a tuple with its choices."""
+        self._guesses = Guess.of_texts(guesses)
+        self._output.say(self.name, "predict", text, self._guesses)
 
-    def answer(self, text: str) -> None:
-        """Print the answer, two sentences."""
-        self._output.say(self.name, "answer", text)
+    def picture(self, text: str) -> None:
+        """Print what the picture shows."""
+        self._output.say(self.name, "picture", text)
+
+    def answer(self, text: str, *results: tuple[str, str]) -> None:
+        """Print the answer, two sentences, and for each guess a tuple of its right choice and what the run shows.
+
+        Raises
+        ------
+        ParameterError
+            If it is not one of the choices.
+        """
+        guesses = [guess.with_result(*result) for guess, result in zip(self._guesses, results, strict=True)]
+        self._output.say(self.name, "answer", text, guesses)
 
     def check(self, text: str) -> None:
         """Print how to check one of the printed numbers by hand."""
@@ -143,12 +158,12 @@ class Lesson:
         )
         return figure, axes
 
-    def show(self, picture: Path | Figure, text: str) -> None:
-        """Show the picture of the lesson: a film written to `file`, or a figure, and a text on what it shows."""
+    def show(self, picture: Path | Figure) -> None:
+        """Show the picture of the lesson: a film written to `file`, or a figure."""
         # The style of `subplots` also applies to a film of a figure. It ends here: what is drawn next has its own.
         with self._style:
             if not isinstance(picture, Path):
                 with written_in_place(path := self.file(".png")) as draft:
                     picture.savefig(draft)
                 picture = path
-        self._output.show(self.name, picture, text)
+        self._output.show(self.name, picture)

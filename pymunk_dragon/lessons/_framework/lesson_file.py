@@ -10,11 +10,12 @@ from itertools import pairwise
 from pathlib import Path
 from types import MappingProxyType
 
-from pymunk_dragon.lessons._framework.translations import translated
+from pymunk_dragon.lessons._framework.guess import Guess
+from pymunk_dragon.lessons._framework.translations import translated, translated_guesses
 
 FOLDER = Path(__file__).parent.parent
-# Methods of `Lesson` whose only argument is a text that ends a block of code.
-TEXTS = ("question", "predict", "answer", "check", "change")
+# Methods of `Lesson` whose first argument is a text that ends a block of code.
+TEXTS = ("question", "predict", "picture", "answer", "check", "change")
 CODE = "code"
 # Words in a program, and the library of an extra that they need.
 NEEDED = {".subplots(": "matplotlib", "Sampled(": "scipy"}
@@ -34,13 +35,13 @@ class LessonFile:
         Title in English.
     order : float
         The lessons of the package are listed by increasing order; infinite if the file has none.
-    picture : str
-        What the picture shows, in English.
     live : str
         Name of the ready scene of `pymunk-dragon live` on it; empty if there is none.
     blocks : tuple of (str, str)
         Kind and text of each block of the file in its order: "code", or a part of the lesson such as "question" and
         its text in one line of English.
+    guesses : tuple of Guess
+        What the class guesses before the run, in English.
 
     Examples
     --------
@@ -58,16 +59,17 @@ class LessonFile:
     name: str
     title: str
     order: float
-    picture: str
     live: str
     blocks: tuple[tuple[str, str], ...]
+    guesses: tuple[Guess, ...]
 
     @classmethod
     def read(cls, path: Path) -> LessonFile:
         """The lesson in a file, which is parsed but not run."""
         source = path.read_text(encoding="utf-8")
         lines = source.splitlines()
-        name, title, order, picture, live = "", "", float("inf"), "", ""
+        name, title, order, live = "", "", float("inf"), ""
+        guesses: tuple[Guess, ...] = ()
         blocks: list[tuple[str, str]] = []
         begin = 0
 
@@ -81,17 +83,22 @@ class LessonFile:
                     name, title = map(ast.literal_eval, arguments)
                     values = {word.arg: ast.literal_eval(word.value) for word in keywords}
                     order, live = values.get("order", order), values.get("live", live)
-                case ast.Expr(ast.Call(func=ast.Attribute(attr="show"), args=[_, ast.Constant(str(shown))])):
-                    picture = _one_line(shown)
-                case ast.Expr(ast.Call(func=ast.Attribute(attr=part), args=[ast.Constant(str(text))])) if part in TEXTS:
+                case ast.Expr(ast.Call(ast.Attribute(attr=part), [ast.Constant(str(text)), *more])) if part in TEXTS:
                     add_code(statement.lineno - 1)
                     blocks.append((part, _one_line(text)))
                     begin = statement.end_lineno or 0
+                    tuples = [ast.literal_eval(each) for each in more]
+                    if part == "predict":
+                        guesses = Guess.of_texts(tuples)
+                    elif part == "answer":
+                        guesses = tuple(
+                            guess.with_result(*result) for guess, result in zip(guesses, tuples, strict=True)
+                        )
                 case ast.Expr(ast.Constant()):  # The docstring; the title says the same.
                     add_code(statement.lineno - 1)
                     begin = statement.end_lineno or 0
         add_code(len(lines))
-        return cls(path, name, title, order, picture, live, tuple(blocks))
+        return cls(path, name, title, order, live, tuple(blocks), guesses)
 
     @property
     def source(self) -> str:
@@ -100,7 +107,7 @@ class LessonFile:
 
     @property
     def code(self) -> str:
-        """The file without its docstring and the texts of the lesson, except for the picture's."""
+        """The file without its docstring and the texts of the lesson."""
         return "\n\n".join(text for kind, text in self.blocks if kind == CODE)
 
     @property
@@ -110,8 +117,12 @@ class LessonFile:
 
     def text(self, part: str, language: str = "en") -> str:
         """One of `PARTS` in `language`, or in English if there is no translation."""
-        english = dict(self.blocks) | {"title": self.title, "picture": self.picture}
+        english = dict(self.blocks) | {"title": self.title}
         return translated(self.name, part, language, english[part])
+
+    def guesses_in(self, language: str) -> tuple[Guess, ...]:
+        """The guesses in `language`, or in English if there is no translation."""
+        return translated_guesses(self.name, language, self.guesses)
 
 
 def _one_line(text: str) -> str:

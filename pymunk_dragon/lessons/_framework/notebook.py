@@ -3,17 +3,27 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 
 from pymunk_dragon._extras import optional_imports
+from pymunk_dragon._html import data_address
 from pymunk_dragon.lessons._framework.lesson_file import CODE, LessonFile, next_lesson
-from pymunk_dragon.lessons._framework.play import Output
-from pymunk_dragon.lessons._framework.translations import heading, with_code
+from pymunk_dragon.lessons._framework.markup import pieces
+from pymunk_dragon.lessons._framework.play import MEDIA_TYPES, Output
+from pymunk_dragon.lessons._framework.translations import heading
 
 MARKDOWN = "markdown"
 # End of a cell: an empty line before a paragraph of code that begins with a comment.
 END_OF_CELL = re.compile(r"\n{2,}(?=# )")
+# First code cell, for services on which nothing is installed.
+INSTALL = """\
+# Installs what this lesson needs, unless it is installed.
+from importlib.util import find_spec
+
+if not all(map(find_spec, {libraries})):
+    %pip install --quiet "pymunk-dragon[demos]"
+"""
 
 
 def make_notebook(lesson: LessonFile, language: str = "en") -> str:
@@ -66,15 +76,16 @@ def _cells(lesson: LessonFile, language: str) -> Iterator[tuple[str, str]]:
     def section(part: str) -> str:
         return f"**{heading(part, language)}**\n\n{_escaped(lesson.text(part, language))}"
 
-    yield (
-        MARKDOWN,
-        "\n\n".join([f"# {_escaped(lesson.text('title', language))}", section("question"), section("predict")]),
-    )
+    guesses = lesson.guesses_in(language)
+    choices = ["\n".join([f"{_escaped(guess.question)}\n", *_items(guess.lettered())]) for guess in guesses]
+    title = f"# {_escaped(lesson.text('title', language))}"
+    yield MARKDOWN, "\n\n".join([title, section("question"), section("predict"), *choices])
+    yield CODE, INSTALL.format(libraries=["pymunk_dragon", *lesson.libraries])
     for kind, text in lesson.blocks:
         if kind == CODE:
             yield from ((CODE, cell) for cell in END_OF_CELL.split(text))
-    yield MARKDOWN, section("picture")
-    answer = "\n\n".join(map(section, ("answer", "check", "change")))
+    results = "\n".join(_items([f"{guess.question} {guess.result()}" for guess in guesses]))
+    answer = "\n\n".join([section("picture"), section("answer"), results, section("check"), section("change")])
     yield MARKDOWN, f"<details><summary>{heading('answer', language)}</summary>\n\n{answer}\n\n</details>"
     if lesson.live:
         yield MARKDOWN, f"**{heading('live', language)}**\n\n`pymunk-dragon live {lesson.live}`"
@@ -82,18 +93,29 @@ def _cells(lesson: LessonFile, language: str) -> Iterator[tuple[str, str]]:
         yield MARKDOWN, f"**{heading('next', language)}**\n\n`pymunk-dragon demo {after} -o {after}.ipynb`"
 
 
+def _items(lines: Iterable[str]) -> list[str]:
+    """Items of a list in Markdown."""
+    return [f"- {_escaped(line)}" for line in lines]
+
+
 def _escaped(text: str) -> str:
-    """`text` as Markdown that shows it as it is, and what is between backticks as code."""
-    return "`".join(
-        part if is_code else re.sub(r"([\\*_{}\[\]<>#$|~&])", r"\\\1", part) for part, is_code in with_code(text)
-    )
+    """`text` as Markdown that shows it as it is, with code between backticks and formulas between dollar signs."""
+    written: dict[str, Callable[[str], str]] = {
+        "text": lambda piece: re.sub(r"([\\*_{}\[\]<>#$|~&])", r"\\\1", piece),
+        "code": "`{}`".format,
+        "formula": "${}$".format,
+    }
+    return "".join(written[kind](piece) for kind, piece in pieces(text))
 
 
 class NotebookOutput(Output):
     """Output of a lesson in the notebook in which it runs, which has the texts already: shows the picture."""
 
-    def show(self, lesson: str, picture: Path, english: str) -> None:
+    def show(self, lesson: str, picture: Path) -> None:
         """Show the picture below the cell."""
-        from IPython.display import Image, display  # There is IPython where a notebook runs.
+        from IPython.display import display  # There is IPython where a notebook runs.
 
-        display(Image(filename=str(picture)))
+        # As HTML: notebooks that are converted to a page leave out the type image/gif of a film.
+        address = data_address(picture.read_bytes(), MEDIA_TYPES[picture.suffix])
+        html = f'<img src="{address}" alt="{picture.name}" style="max-width: min(100%, 640px)">'
+        display({"text/html": html, "text/plain": picture.name}, raw=True)

@@ -2,25 +2,40 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import tempfile
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict
+from functools import cache
+from pathlib import Path
 from typing import Any
 
 from pymunk_dragon._extras import library, optional_imports
 from pymunk_dragon._html import asset, data_address, filled, policy
+from pymunk_dragon.drawing import Film, write_film
 from pymunk_dragon.drawing.film.stills import last_frame, picture_size
+from pymunk_dragon.lessons._framework.guess import Guess
+from pymunk_dragon.lessons._framework.markup import in_mathml, pieces, unbroken
 from pymunk_dragon.lessons._framework.notebook import make_notebook
-from pymunk_dragon.lessons._framework.play import Recording
-from pymunk_dragon.lessons._framework.translations import LANGUAGES, PARTS, heading, unbroken, with_code
+from pymunk_dragon.lessons._framework.notes import notes
+from pymunk_dragon.lessons._framework.play import MEDIA_TYPES, Recording
+from pymunk_dragon.lessons._framework.translations import LANGUAGES, PARTS, heading
+from pymunk_dragon.model.march import March
 
 # Texts of the page itself in the files of translations.
-PAGE_WORDS = ("live", "page_title", "page_subtitle", "contents", "run", "code", "top")
-MEDIA_TYPES = {".gif": "image/gif", ".png": "image/png", ".py": "text/x-python", ".ipynb": "application/x-ipynb+json"}
+PAGE_WORDS = (
+    *("live", "page_title", "page_subtitle", "dragon", "contents", "run", "code", "top", "glossary", "references"),
+    *("check_guess", "right", "wrong", "because", "notes", "for_teacher", "level", "needs", "minutes", "unit", "idea"),
+    *("printed", "print_class", "print_teacher", "print_class_all", "print_teacher_all"),
+)
+# Film at the top of the page: the last 52 s before the first contact. Its step of 0.6 m a frame is short against a
+# bench, and its file has some 1.2 MB.
+FILM = Film(start=360, until=412.474, speedup=12, fps=20, size=360, hold=2.5)
 
 
 def check_libraries() -> None:
     """Check that the libraries of `make_page` are installed, before lessons are run for it."""
-    # Those of the extra [demos] first: it brings all three.
-    for name in ("pygments", "nbformat", "jinja2"):
+    # Those of the extra [demos] first: it brings all of them.
+    for name in ("pygments", "nbformat", "latex2mathml", "jinja2"):
         library(name)
 
 
@@ -42,7 +57,7 @@ def make_page(recordings: Sequence[Recording], language: str = "en") -> str:
     Raises
     ------
     MissingExtraError
-        If Jinja2, Pygments or nbformat is not installed.
+        If Jinja2, latex2mathml, nbformat or Pygments is not installed.
 
     Examples
     --------
@@ -57,6 +72,14 @@ def make_page(recordings: Sequence[Recording], language: str = "en") -> str:
         languages={each: heading("language", each) for each in LANGUAGES},
         words={name: {each: heading(name, each) for each in LANGUAGES} for name in (*PAGE_WORDS, *PARTS[1:])},
         lessons=[_values(recording) for recording in recordings],
+        film=_film(_dragon(), ".gif"),
+        glossary=[
+            [{each: _pieces(notes(each).glossary[key][part]) for each in LANGUAGES} for part in range(2)]
+            for key in notes("en").glossary
+        ],
+        references=[
+            {each: _pieces(notes(each).references[key]) for each in LANGUAGES} for key in notes("en").references
+        ],
         policy=policy(style, script, pictures="data: blob:"),
         style=style,
         script=script,
@@ -65,15 +88,18 @@ def make_page(recordings: Sequence[Recording], language: str = "en") -> str:
 
 def _values(recording: Recording) -> dict[str, Any]:
     """Values of a lesson in the template."""
-    lesson, picture, ending = recording.lesson, recording.picture, recording.file.suffix
+    lesson = recording.lesson
     return {
         "name": lesson.name,
         "live": lesson.live,
-        "texts": {part: {each: with_code(unbroken(lesson.text(part, each))) for each in LANGUAGES} for part in PARTS},
+        "texts": {part: {each: _pieces(lesson.text(part, each)) for each in LANGUAGES} for part in PARTS},
+        "guesses": [
+            _guess(dict(zip(LANGUAGES, versions, strict=True)))
+            for versions in zip(*map(lesson.guesses_in, LANGUAGES), strict=True)
+        ],
+        "teacher": _teachers_notes(lesson.name),
         "printed": recording.printed.strip("\n"),
-        "picture": _address(picture, ending),
-        "size": picture_size(picture),
-        "last_frame": _address(last_frame(picture), ".png") if ending == ".gif" else None,
+        "film": _film(recording.picture, recording.file.suffix),
         "code": _highlighted(lesson.code),
         "program": {"file": lesson.path.name, "data": _address(lesson.source.encode(), ".py")},
         "notebooks": {
@@ -81,6 +107,51 @@ def _values(recording: Recording) -> dict[str, Any]:
             for each in LANGUAGES
         },
     }
+
+
+def _guess(versions: Mapping[str, Guess]) -> dict[str, Any]:
+    """Values of a guess in the template, from the guess in each language."""
+    return {
+        "right": versions["en"].right,
+        "question": {each: _pieces(guess.question) for each, guess in versions.items()},
+        "choices": [
+            {each: _pieces(choice) for each, choice in zip(versions, choices, strict=True)}
+            for choices in zip(*(guess.lettered() for guess in versions.values()), strict=True)
+        ],
+        "result": {each: _pieces(guess.result()) for each, guess in versions.items()},
+    }
+
+
+def _teachers_notes(name: str) -> dict[str, Any] | None:
+    """The notes on a lesson for teachers in all languages; None for one that is not of the package."""
+    if name not in notes("en").lessons:
+        return None
+    found = {each: asdict(notes(each).lessons[name]) for each in LANGUAGES}
+    return {part: {each: _pieces(str(found[each][part])) for each in LANGUAGES} for part in found["en"]}
+
+
+def _pieces(text: str) -> list[tuple[str, str]]:
+    """Kind and content of the parts of a text; formulas as MathML."""
+    written: dict[str, Callable[[str], str]] = {"text": unbroken, "code": str, "formula": in_mathml}
+    return [(kind, written[kind](piece)) for kind, piece in pieces(text)]
+
+
+def _film(picture: bytes, ending: str) -> dict[str, Any]:
+    """A film, with its last frame, or a picture, and its size."""
+    return {
+        "picture": _address(picture, ending),
+        "size": picture_size(picture),
+        "last_frame": _address(last_frame(picture), ".png") if ending == ".gif" else None,
+    }
+
+
+@cache
+def _dragon() -> bytes:
+    """The film at the top of the page: the march of the reference scenario into its first contact."""
+    with tempfile.TemporaryDirectory(prefix="pymunk-dragon-") as folder:
+        file = Path(folder) / "march.gif"
+        write_film(March(), file, FILM)
+        return file.read_bytes()
 
 
 def _highlighted(code: str) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import runpy
 import tempfile
+from collections.abc import Sequence
 from contextlib import ExitStack, redirect_stdout
 from contextvars import ContextVar
 from dataclasses import dataclass
@@ -12,7 +13,10 @@ from pathlib import Path
 
 from pymunk_dragon._extras import optional_imports
 from pymunk_dragon.errors import DragonError, ParameterError
+from pymunk_dragon.lessons._framework.guess import Guess
 from pymunk_dragon.lessons._framework.lesson_file import LessonFile
+
+MEDIA_TYPES = {".gif": "image/gif", ".png": "image/png", ".py": "text/x-python", ".ipynb": "application/x-ipynb+json"}
 
 
 class Output:
@@ -22,11 +26,14 @@ class Output:
         """Folder in which the lesson writes its picture; by default the current one."""
         return Path()
 
-    def say(self, lesson: str, part: str, english: str) -> None:
-        """Take a text of the lesson named `lesson`; `part` is "title", "question", ..."""
+    def say(self, lesson: str, part: str, english: str, guesses: Sequence[Guess] = ()) -> None:
+        """Take a text of the lesson named `lesson`; `part` is "title", "question", ...
 
-    def show(self, lesson: str, picture: Path, english: str) -> None:
-        """Take the file of the picture, and the text on what it shows."""
+        A prediction has guesses, and an answer has them with their results.
+        """
+
+    def show(self, lesson: str, picture: Path) -> None:
+        """Take the file of the picture."""
 
 
 # Output of the lesson that `play` runs in this context; None for a lesson that is run as a program of its own.
@@ -125,7 +132,7 @@ class _Recorder(Output):
     def folder(self) -> Path:
         return self._folder
 
-    def show(self, lesson: str, picture: Path, english: str) -> None:
+    def show(self, lesson: str, picture: Path) -> None:
         self.picture = picture
 
 

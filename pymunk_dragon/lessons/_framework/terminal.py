@@ -9,21 +9,22 @@ import shutil
 import sys
 import tempfile
 import unicodedata
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import NoReturn
 
 from pymunk_dragon.errors import ParameterError
+from pymunk_dragon.lessons._framework.guess import Guess
 from pymunk_dragon.lessons._framework.lesson_file import live_scene, next_lesson
+from pymunk_dragon.lessons._framework.markup import NO_BREAK, plain, unbroken
 from pymunk_dragon.lessons._framework.play import Output, make_folder
 from pymunk_dragon.lessons._framework.translations import (
     LANGUAGES,
-    NO_BREAK,
     check_language,
     heading,
     translated,
-    unbroken,
+    translated_guesses,
 )
 
 # Columns of text also in a wider terminal: longer lines are hard to read.
@@ -87,14 +88,15 @@ class Terminal(Output):
             self._save = tempfile.mkdtemp(prefix="pymunk-dragon-")
         return Path(self._save)
 
-    def say(self, lesson: str, part: str, english: str) -> None:
-        """Print a text below its heading; after the last one, the command for the next lesson."""
+    def say(self, lesson: str, part: str, english: str, guesses: Sequence[Guess] = ()) -> None:
+        """Print a text below its heading, and its guesses; after the last one, the command for the next lesson."""
         text = translated(lesson, part, self._language, english)
         if part == "title":
             print(_bold(text))
             return
-        columns = min(shutil.get_terminal_size((MAX_COLUMNS, 0)).columns, MAX_COLUMNS) - len(INDENT)
-        self._print(part, *wrapped(text, columns))
+        self._print(part, *self._wrapped(text))
+        for guess in translated_guesses(lesson, self._language, guesses):
+            self._guess(guess, answered=part == "answer")
         if part == "predict":
             print(flush=True)
             # Without a stdin, or at its end, nobody can press Enter.
@@ -106,10 +108,21 @@ class Terminal(Output):
         if part == "change" and (after := next_lesson(lesson)) is not None:
             self._print("next", f"{self._program} demo {after}")
 
-    def show(self, lesson: str, picture: Path, english: str) -> None:
-        """Print what the picture shows, and its file."""
-        self.say(lesson, "picture", english)
-        print(INDENT + str(picture))
+    def show(self, lesson: str, picture: Path) -> None:
+        """Print the file of the picture."""
+        self._print("file", str(picture))
+
+    def _guess(self, guess: Guess, answered: bool) -> None:
+        """Print a guess with its choices, or with its result."""
+        print()
+        for line in (guess.question, *([guess.result()] if answered else guess.lettered())):
+            for wrapped_line in self._wrapped(line):
+                print(INDENT + wrapped_line)
+
+    def _wrapped(self, text: str) -> Iterator[str]:
+        """Lines of `text` as wide as the terminal."""
+        columns = min(shutil.get_terminal_size((MAX_COLUMNS, 0)).columns, MAX_COLUMNS) - len(INDENT)
+        return wrapped(plain(text), columns)
 
     def _print(self, name: str, *lines: str) -> None:
         """Print indented lines below a heading."""

@@ -6,19 +6,19 @@ that all lessons share; `en.toml` has only that.
 
 from __future__ import annotations
 
-import re
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cache
 from importlib.resources import files
+from typing import Any
 
 from pymunk_dragon._checks import word
+from pymunk_dragon.lessons._framework.guess import Guess
 
 LANGUAGES = ("en", "zh")
 # Texts of a lesson in the order in which they are printed.
 PARTS = ("title", "question", "predict", "picture", "answer", "check", "change")
-# A space at which no line is broken.
-NO_BREAK = "\u00a0"
 
 
 def check_language(language: str) -> str:
@@ -28,25 +28,28 @@ def check_language(language: str) -> str:
 
 def heading(name: str, language: str) -> str:
     """A heading or another text that all lessons share, such as that of a part."""
-    return _texts(language)["words"][name]
+    word: str = _texts(language)["words"][name]
+    return word
 
 
 def translated(lesson: str, part: str, language: str, english: str) -> str:
     """A part of a lesson in `language`; `english` if there is no translation, as of a student's own lesson."""
-    return english if language == "en" else _texts(language).get(lesson, {}).get(part, english)
+    text: str = english if language == "en" else _texts(language).get(lesson, {}).get(part, english)
+    return text
 
 
-def unbroken(text: str) -> str:
-    """`text` with a space that does not break behind each number, so that 1 m/s stays on one line."""
-    return re.sub(r"(?<=\d) (?=\w)", NO_BREAK, text)
-
-
-def with_code(text: str) -> list[tuple[str, bool]]:
-    """Parts of a text, and whether each is code, which stands between backticks."""
-    return [(part, number % 2 == 1) for number, part in enumerate(text.split("`"))]
+def translated_guesses(lesson: str, language: str, english: Sequence[Guess]) -> tuple[Guess, ...]:
+    """The guesses of a lesson in `language`; `english` if there is no translation."""
+    texts = {} if language == "en" else _texts(language).get(lesson, {})
+    if not english or "guesses" not in texts:
+        return tuple(english)
+    return tuple(
+        replace(guess, question=question, choices=tuple(choices), measured=measured)
+        for guess, (question, *choices), measured in zip(english, texts["guesses"], texts["measured"], strict=True)
+    )
 
 
 @cache
-def _texts(language: str) -> Mapping[str, Mapping[str, str]]:
+def _texts(language: str) -> Mapping[str, Mapping[str, Any]]:
     """Tables of a language's file."""
     return tomllib.loads(files(__package__).joinpath(f"{language}.toml").read_text(encoding="utf-8"))

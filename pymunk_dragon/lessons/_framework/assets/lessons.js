@@ -36,6 +36,36 @@ for (const details of document.querySelectorAll("details.run")) {
   });
 }
 
+// A guess is checked once the form is complete; another choice takes the verdict away.
+for (const form of document.querySelectorAll(".guesses")) {
+  const show = (shown) => {
+    for (const fieldset of form.querySelectorAll("fieldset")) {
+      const verdict = fieldset.querySelector(".verdict");
+      verdict.classList.toggle("hit", fieldset.querySelector("input:checked")?.value === fieldset.dataset.right);
+      verdict.hidden = !shown;
+    }
+  };
+  form.addEventListener("submit", (event) => {
+    event.preventDefault();
+    show(true);
+  });
+  form.addEventListener("change", () => show(false));
+}
+
+// Sheets to print: for the class or for the teacher, of one lesson or of all.
+for (const button of document.querySelectorAll(".sheets button")) {
+  button.addEventListener("click", () => {
+    const lesson = button.closest(".lesson");
+    root.dataset.print = button.value;
+    root.classList.toggle("one", lesson !== null);
+    lesson?.classList.add("chosen");
+    print();
+    delete root.dataset.print;
+    root.classList.remove("one");
+    lesson?.classList.remove("chosen");
+  });
+}
+
 // On paper everything is unfolded.
 let folded = [];
 addEventListener("beforeprint", () => {
