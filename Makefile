@@ -9,7 +9,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 MAKEFLAGS += --jobs=$(shell getconf _NPROCESSORS_ONLN) $(if $(filter output-sync,$(.FEATURES)),--output-sync=line)
 
 .DEFAULT_GOAL := help
-.PHONY: help render figures map screenshot report test test-all fuzz lint bench demos clean FORCE
+.PHONY: help render figures map screenshot report docs test test-all fuzz lint bench demos clean FORCE
 # A film or a run that was interrupted is not a film or a run.
 .DELETE_ON_ERROR:
 
@@ -30,7 +30,10 @@ install_extras = $(BIN)/python -c "import tomllib; extras = tomllib.load(open('p
 $(VENV)/extras: $(VENV)/core
 	@$(call install_extras,chinese cluster curves figures live mp4 parquet report studies demos)
 
-$(VENV)/tools: $(VENV)/extras
+$(VENV)/documentation: $(VENV)/extras
+	@$(call install_extras,docs)
+
+$(VENV)/tools: $(VENV)/documentation
 	@$(call install_extras,test lint)
 
 # What makes each file: the arguments of pymunk-dragon. A file is made again when its line here, the code that makes it
@@ -114,6 +117,12 @@ screenshot: renders/march.html renders/lessons.html $(VENV)/tools ## pictures of
 	$(BIN)/python tests/bench/screenshot.py renders/march.html "#t=409.8&follow=head" renders/player.png
 	$(BIN)/python tests/bench/screenshot.py renders/lessons.html "#spiral" renders/lessons.png
 
+# The pages, and the arguments that make each picture and its run, for the gallery.
+docs: $(PAGES:%=renders/%) $(VENV)/documentation ## build the documentation: renders/docs/
+	@echo "making renders/docs"
+	@$(BIN)/python renders/documentation.py renders/docs $(foreach file,$(RUNS) $(PICTURES) $(FIGURES) $(MAP),'$(file)=$($(file))')
+	@echo "open renders/docs/index.html in a browser"
+
 # Options for pytest, as in `make test PYTEST="-k sat"`.
 PYTEST ?=
 RUN_TESTS = $(BIN)/python -m pytest -q --numprocesses auto --dist loadscope
@@ -121,7 +130,7 @@ RUN_TESTS = $(BIN)/python -m pytest -q --numprocesses auto --dist loadscope
 test: $(VENV)/tools ## run the quick tests, which are most of them
 	$(RUN_TESTS) -m "not thorough" $(PYTEST)
 
-test-all: $(VENV)/tools ## run all tests: whole engine runs, every lesson, README's commands, pages in a browser
+test-all: $(VENV)/tools ## run all tests: whole engine runs, every lesson, the commands in texts, pages in a browser
 	$(RUN_TESTS) $(PYTEST)
 
 # Cases of each kind that `make fuzz` runs, and words in the names of the kinds, as in KIND="command or csv".
@@ -138,11 +147,11 @@ lint: $(VENV)/tools ## style, types, and which package imports which
 	$(BIN)/lint-imports
 
 BENCHMARKS := engine drift pile_up film collision speed answers sweep debug_draw lessons
-bench: $(VENV)/tools renders/march.npz ## measure the figures that README quotes
+bench: $(VENV)/tools renders/march.npz ## measure the figures that README and the documentation quote
 	set -e; for name in $(BENCHMARKS); do $(BIN)/python tests/bench/bench_$$name.py; done
 	$(BIN)/python tests/bench/bench_player.py renders/march.npz
 
 clean: ## remove what the targets made, but not the gallery
-	rm -rf $(VENV) .venv-* renders/*.npz renders/*.html renders/.commands renders/.new
+	rm -rf $(VENV) .venv-* renders/*.npz renders/*.html renders/docs renders/.commands renders/.new
 	rm -rf .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

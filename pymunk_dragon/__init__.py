@@ -1,4 +1,4 @@
-"""A bench dragon coils inward until it runs into itself: a Pymunk engine beside an exact kinematic model."""
+"""A bench dragon coils inward until it runs into itself: Pymunk plays it, an exact model checks it."""
 
 from __future__ import annotations
 

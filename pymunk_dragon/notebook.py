@@ -1,4 +1,8 @@
-"""Representations of runs and marches: a picture, a figure, and a player for small runs."""
+"""Representations of runs and marches in notebooks: a picture, a figure, and a player for small runs.
+
+In a notebook a `Run` shows itself as a player, or as a picture if it is long; a `March`, a result of a study or a
+sweep, and a figure (`pymunk_dragon.drawing.figures.figure`) show themselves as pictures.
+"""
 
 from __future__ import annotations
 

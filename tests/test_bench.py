@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from browser import needs_browser
+from documents import DOCUMENTS
 from PIL import Image
 
 from pymunk_dragon.model.dragon import Dragon
@@ -48,8 +49,7 @@ def test_screenshot_shows_a_page(tmp_path):
         assert len(shown.convert("RGB").getcolors(maxcolors=2**24)) > 10
 
 
-def test_readme_names_only_benchmarks_that_exist():
-    readme = (ROOT / "README.md").read_text(encoding="utf-8")
-    named = set(re.findall(r"tests/bench/(\w+)\.py", readme))
+def test_texts_name_only_benchmarks_that_exist():
+    named = {name for document in DOCUMENTS for name in re.findall(r"tests/bench/(\w+)\.py", document.text)}
     assert len(named) > 5
     assert named <= {path.stem for path in BENCHMARKS}

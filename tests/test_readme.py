@@ -1,4 +1,4 @@
-"""What README shows runs as it stands."""
+"""What README and the long docstrings show runs as it stands."""
 
 from __future__ import annotations
 
@@ -9,96 +9,123 @@ from io import StringIO
 from pathlib import Path
 
 import pytest
+from documents import CHINESE, DOCUMENTS, README, ROOT
 from PIL import Image
 
 from pymunk_dragon.cli import cli, main
 
-ROOT = Path(__file__).parent.parent
-README = (ROOT / "README.md").read_text(encoding="utf-8")
-BLOCKS = re.findall(r"```(\w+)\n(.*?)```", README, re.DOTALL)
-SNIPPETS = [text for language, text in BLOCKS if language == "python"]
-# By the names in their first lines.
-SCENARIOS = {text.splitlines()[0].removeprefix("# "): text for language, text in BLOCKS if language == "toml"}
-COMMANDS = [
-    line.removeprefix("$ ")
-    for language, text in BLOCKS
-    if language == "console"
-    for line in text.splitlines()
-    if line.startswith("$ ")
-]
-PROGRAM = [shlex.split(command, comments=True) for command in COMMANDS if command.startswith("pymunk-dragon ")]
-
-
+by_document = pytest.mark.parametrize("document", DOCUMENTS, ids=lambda document: document.name)
+# README in Chinese has the commands and the code of README.
+by_other_document = pytest.mark.parametrize(
+    "document", [each for each in DOCUMENTS if each != CHINESE], ids=lambda document: document.name
+)
 # A pile falls otherwise where doubles are rounded otherwise; most of the picture stays as it is.
 PILE_SHARE = 0.3
+# What no run repeats: seconds, and how many times as fast as real time. The engine's errors depend on rounding.
+VARIES = re.compile(r"[\d.]+ times as fast|\d+\.\d\d$|drift .*;", re.MULTILINE)
+WORDS_OF_README = 1800
+# mm: 1e-10 m in the documentation.
+EXACT = "0.0000001"
 
 
-@pytest.mark.thorough
-def test_snippets_run_and_print_what_they_say(tmp_path, monkeypatch, capsys, golden):
-    monkeypatch.chdir(tmp_path)
-    for snippet in SNIPPETS:
-        exec(compile(snippet, "README.md", "exec"), {})
-    out = capsys.readouterr().out
-    assert "[ 5.79920903 -5.77109234]" in out
-    assert "benches=(0, 8)" in out
-    assert "time=412.4738" in out
-    assert (tmp_path / "last_seconds.gif").exists()
-    with Image.open(tmp_path / "debug_draw.png") as picture:
-        golden(picture, str(ROOT / "renders" / "debug_draw"), share=PILE_SHARE)
-
-
-def test_commands_are_ones_that_the_program_understands():
-    for _, name, *arguments in PROGRAM:
-        cli.commands[name].make_context(name, arguments)
-
-
-@pytest.fixture(scope="module")
-def printed(tmp_path_factory):
-    """What each command prints, run once and in the order of README; every one has to succeed."""
-    outputs = {}
-    with pytest.MonkeyPatch.context() as patch:
-        patch.chdir(tmp_path_factory.mktemp("readme"))
-        for name, text in SCENARIOS.items():
-            Path(name).write_text(text, encoding="utf-8")
-        for command in dict.fromkeys(shlex.join(words[1:]) for words in PROGRAM):
-            with redirect_stdout(StringIO()) as out, pytest.raises(SystemExit) as stopped:
-                main(shlex.split(command))
-            assert stopped.value.code == 0, command
-            outputs[command] = out.getvalue()
-    return outputs
-
-
-@pytest.mark.thorough
-def test_commands_run_in_the_order_in_which_they_stand(printed):
-    assert len(printed) > 20
-    assert "benches 0 and 8" in printed["contact"]
-
-
-@pytest.mark.thorough
-def test_the_five_answers_are_those_that_the_commands_print(printed):
+def assert_same_words_and_numbers(printed, shown):
     """Word for word, and number for number to a few last digits."""
-    [block] = [text for language, text in BLOCKS if language == "console" and "study min-pitch" in text]
-    shown = re.split(r"^\$ pymunk-dragon ", block, flags=re.MULTILINE)[1:]
-    assert len(shown) == 5
-    for each in shown:
-        command, _, expected = each.partition("\n")
-        for one, other in zip(printed[command].split(), expected.split(), strict=True):
-            number = re.fullmatch(r"\(?(-?\d[\d.]*)[,);:]*", other)
-            if number is None:
-                assert one == other
-            else:
-                assert float(one.strip("(),;:")) == pytest.approx(float(number[1]), rel=1e-4, abs=1e-6)
+    for one, other in zip(VARIES.sub("", printed).split(), VARIES.sub("", shown).split(), strict=True):
+        number = re.fullmatch(r"\(?([-+]?\d[\d.]*)[,);:]*", other)
+        if number is None:
+            assert one == other
+        else:
+            assert float(one.strip("(),;:")) == pytest.approx(float(number[1]), rel=1e-4, abs=1e-6)
 
 
-def test_make_targets_of_the_readme_exist():
+@pytest.mark.thorough
+@by_other_document
+def test_snippets_run_and_print_what_they_say(document, tmp_path, monkeypatch, capsys, golden):
+    monkeypatch.chdir(tmp_path)
+    for snippet in document.blocks("python"):
+        exec(compile(snippet, document.name, "exec"), {})
+        out = capsys.readouterr().out
+        if "near_misses" in snippet:
+            assert "[ 5.79920903 -5.77109234]" in out
+            assert "412.4738376821" in out
+            assert (tmp_path / "last_seconds.gif").exists()
+        if "debug_draw.png" in snippet:
+            with Image.open(tmp_path / "debug_draw.png") as picture:
+                golden(picture, str(ROOT / "renders" / "debug_draw"), share=PILE_SHARE)
+
+
+def test_there_is_enough_to_run():
+    assert len(README.blocks("python")) == 1
+    assert sum(len(document.blocks("python")) for document in DOCUMENTS) >= 6
+    assert sum(len(document.program) for document in DOCUMENTS) > 40
+    assert len({name for document in DOCUMENTS for name in document.scenarios}) == 2
+
+
+@by_document
+def test_commands_are_ones_that_the_program_understands(document):
+    for (name, *arguments), _ in document.program:
+        cli.commands[name].make_context(name, list(arguments))
+
+
+@pytest.mark.thorough
+@by_other_document
+def test_commands_run_in_their_order_and_print_what_is_shown(document, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for name, text in document.scenarios.items():
+        Path(name).write_text(text, encoding="utf-8")
+    for arguments, shown in document.program:
+        with redirect_stdout(StringIO()) as out, pytest.raises(SystemExit) as stopped:
+            main(list(arguments))
+        assert stopped.value.code == 0, shlex.join(arguments)
+        if shown:
+            assert_same_words_and_numbers(out.getvalue(), shown)
+
+
+@by_document
+def test_make_targets_exist(document):
     makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
-    targets = [shlex.split(command, comments=True)[1] for command in COMMANDS if command.startswith("make ")]
-    assert {"render", "test"} <= set(targets)
-    for target in targets:
-        assert re.search(rf"^{target}:", makefile, re.MULTILINE)
+    commands = [shlex.split(line, comments=True) for line, _ in document.shown]
+    for words in commands:
+        if words[0] == "make":
+            assert re.search(rf"^{words[1]}:", makefile, re.MULTILINE)
+    for target in re.findall(r"`make ([a-z -]+)`", document.text):
+        for word in target.split():
+            assert re.search(rf"^{word}:", makefile, re.MULTILINE)
 
 
 def test_readme_lists_the_lessons_as_the_program_does(capsys):
-    with pytest.raises(SystemExit):
-        main(["demo"])
-    assert "```console\n$ pymunk-dragon demo\n" + capsys.readouterr().out + "```" in README
+    for document, language in ((README, "en"), (CHINESE, "zh")):
+        with pytest.raises(SystemExit):
+            main(["demo", "--lang", language])
+        listed = capsys.readouterr().out
+        assert [shown for arguments, shown in document.program if arguments[:1] == ["demo"] and shown] == [listed]
+
+
+def test_figures_of_the_readme_are_those_of_the_documentation():
+    """The documentation has the command that measures each of them, and its outputs are compared with the program's."""
+    documentation = " ".join(document.text for document in DOCUMENTS if document not in (README, CHINESE))
+    for row in re.findall(r"^\|.*\|$", README.text, re.MULTILINE):
+        for number in re.findall(r"(?<![\d.])\d+\.\d+(?![\d.])", row):
+            assert number in documentation or number == EXACT, row
+
+
+def test_readme_can_be_read_in_ten_minutes():
+    assert len(README.text.split()) <= WORDS_OF_README
+
+
+def test_readme_is_the_same_in_chinese():
+    """The same commands, code, pictures, addresses and numbers."""
+    lines = [
+        [line.split("#")[0].replace(" --lang zh", "").strip() for line, _ in each.shown] for each in (README, CHINESE)
+    ]
+    assert lines[0] == lines[1]
+    for language in ("python", "toml", "powershell"):
+        uncommented = [
+            [re.sub(r"\s*#.*", "", block) for block in document.blocks(language)] for document in (README, CHINESE)
+        ]
+        assert uncommented[0] == uncommented[1]
+    for pattern in (r"\((renders/[^)]+)\)", r"src=\"([^\"]+)\"", r"\((https?:[^)]+)\)", r"\d+\.\d+"):
+        found = [sorted(re.findall(pattern, document.text)) for document in (README, CHINESE)]
+        assert found[0] == found[1], pattern
+    assert "README.zh.md" in README.text
+    assert "README.md" in CHINESE.text

@@ -1,4 +1,29 @@
-"""The command line: one module for each command; here the exit codes.
+"""The command line: one module for each command.
+
+Every command but `report`, which reads a run, and `demo` takes the same dragon and curve, as flags or as a file
+(`pymunk_dragon.model.scenario`). Lists are `0,60,120` or `0:300:1`, with both ends. `-o FILE` writes a file, whose
+ending chooses the format. `--json` prints one JSON object on stdout and nothing else there; progress and messages go
+to stderr.
+
+| exit code | meaning |
+| --- | --- |
+| 0 | done |
+| 1 | failed while running |
+| 2 | bad input: one line names the flag, the value and what is allowed |
+| 130, 143, 129 | interrupted by Ctrl-C, SIGTERM or SIGHUP |
+
+## Completion in the shell
+
+The shell completes commands and flags after one of these lines, for bash, zsh or fish. Put it into the file that your
+shell reads at its start (`~/.bashrc`, `~/.zshrc`, `~/.config/fish/completions/pymunk-dragon.fish`):
+
+```sh
+eval "$(_PYMUNK_DRAGON_COMPLETE=bash_source pymunk-dragon)"
+eval "$(_PYMUNK_DRAGON_COMPLETE=zsh_source pymunk-dragon)"
+_PYMUNK_DRAGON_COMPLETE=fish_source pymunk-dragon | source
+```
+
+## How it works
 
 A command is imported when it is named, and imports NumPy, Pymunk and the like in its function. So every command loads
 only what it uses, and `pymunk-dragon --help` none of these libraries.

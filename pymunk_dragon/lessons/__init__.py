@@ -1,8 +1,25 @@
 """The lessons: one file each, which is also a program of its own. `_framework` runs and writes them.
 
+Short programs for a class, or for yourself, from the spiral to a robot's arm. Each asks a question, lets you guess,
+runs for one to five seconds (`python tests/bench/bench_lessons.py`), and then gives the answer, a number to check by
+hand and something to change. `make demos` runs all of them and writes [one page](renders/lessons.html), which needs
+no network, reads on a phone as well as on paper, and holds the films, the code and the notebooks, in English and
+Chinese.
+
+```console
+$ pymunk-dragon demo
+$ pymunk-dragon demo near-miss --save pictures --lang zh
+$ pymunk-dragon demo near-miss -o near_miss.py
+$ pymunk-dragon demo near-miss -o near-miss.ipynb
+```
+
+![The first lesson on the page, unfolded](renders/lessons.png)
+
+## A lesson of your own
+
 A new lesson is one file in this folder, in the form of the others: `Lesson` with a name, a title and an order, a
-question, a prediction, code that shows one picture, an answer, a check and a change. `order` sorts the lessons; a value
-between those of two others puts it there. Its Chinese texts go to `_framework/zh.toml`.
+question, a prediction, code that shows one picture, an answer, a check and a change. `order` sorts the lessons; a
+value between those of two others puts it there. Its Chinese texts go to `_framework/zh.toml`.
 """
 
 from collections.abc import Mapping

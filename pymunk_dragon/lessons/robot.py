@@ -63,6 +63,7 @@ lesson.check(
     "distance between the two places by 0.2 s."
 )
 lesson.change(
-    "Let `points` end in (0.1, 0.05), (0.2, 0), and the tip slips past. Then draw a way of your own: README, under "
-    "Other marches, tells how a file holds your dragon and curve, and `pymunk-dragon study` lists what else to ask."
+    "Let `points` end in (0.1, 0.05), (0.2, 0), and the tip slips past. Then draw a path of your own: the "
+    "documentation of scenario files (`make docs`) shows how a file holds your dragon and curve, and "
+    "`pymunk-dragon study` lists what else to ask."
 )

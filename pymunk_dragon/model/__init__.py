@@ -1,1 +1,35 @@
-"""The exact model: dragons, curves, speeds, marches, and the runs that are played of them."""
+"""The exact model: dragons, curves, speeds, marches, and the runs that are played of them.
+
+A `March` is a `Dragon` on a curve at a speed. `March.at` returns the positions and velocities of all handles, and the
+poses of all benches, at any times. Every handle is on the curve to 1e-10 m.
+
+```console
+$ pymunk-dragon positions --times 0,60,120 --handles 0,1,51,223
+$ pymunk-dragon positions --paper
+```
+
+The second command prints tables 1 to 3 of the paper, all 147 entries, cut after three decimals as the paper cuts
+them; the tests compare them with the paper's.
+
+## The equations
+
+Each handle is on the curve behind the handle before it, at the distance of the two holes of a bench. The two ends of
+a rigid bench have the same velocity component along the bench, which gives the velocity of each handle from the one
+before it. The docstring of `model/chain.py` has the equations and their derivatives. Newton's method solves the
+equations of all handles at once: the system is bidiagonal, and three to six iterations suffice.
+
+Several points of the curve have the right distance. The one that is meant is the one that continuous motion along the
+curve leads to, also where a long head bench pushes the next handle back. The docstring of `model/continuation.py` has
+the conditions under which the solution is unique.
+
+## Measurements
+
+Medians from one run of `python tests/bench/bench_speed.py` on two cores. The plain recursion goes from handle to
+handle, vectorised over the times, as one would write it with NumPy:
+
+| 301 times x 224 handles, positions and velocities | ms | share |
+| --- | --- | --- |
+| plain recursion with NumPy | 23.9 | 1 |
+| `March.at` | 9.2 | 0.38 |
+| the same on the U-turn, from -100 s to 100 s | 19.8 | 0.83 |
+"""

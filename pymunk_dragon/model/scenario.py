@@ -1,4 +1,48 @@
-"""What a user chooses, from flags or a TOML file; makes the march."""
+"""Scenarios: what a user chooses, by flags or in a TOML file, and from which the march is made.
+
+Every command takes the same dragon and curve as flags (`--benches`, `--head-spacing`, `--body-spacing`, `--overhang`,
+`--width`, `--curve`, `--pitch`, `--turns`, `--radius`, `--ratio`, `--speed`), or as a file (`--scenario FILE.toml`;
+flags win). A file can hold more than flags. Sizes may be lists with one value for each bench, the speed a table or
+the name of a CSV file, and the curve a path through points or their CSV file:
+
+```toml
+# tractor.toml
+head_spacing = 2.6
+body_spacing = [4.5, 3.0, 6.0]
+overhang = [0.6, 0.5, 0.4, 0.7]
+width = [1.8, 2.2, 1.6, 2.4]
+speed = [[0, 0.5], [5, 2.0], [20, 1.5]]  # at which second how many m/s
+points = [[-30, 0], [-10, 0], [6, 2], [13, 12], [8, 22], [-4, 22], [-9, 12], [-8, 0], [-8, -20]]  # m
+```
+
+```console
+$ pymunk-dragon contact --scenario tractor.toml
+$ pymunk-dragon render --scenario tractor.toml -o tractor.gif --speedup 5
+```
+
+A file may also have nested tables of the dragon, the curve and the speed, as saved runs contain them. Any curve is a
+table with its kind and its parameters. This one goes straight, round to the left, and back:
+
+```toml
+# hairpin.toml
+[dragon]
+benches = 12
+[curve]
+kind = "composite"
+pieces = [
+    { kind = "line", stop = [30, 0] },
+    { kind = "arc", centre = [30, 3], radius = 3, begin_angle = -1.5707963267948966, sweep = 3.141592653589793 },
+    { kind = "line", start = [30, 6], stop = [0, 6] },
+]
+```
+
+```console
+$ pymunk-dragon contact --scenario hairpin.toml
+```
+
+In Python the same curve is `Composite([Line(...), Arc(...), Line(...)])`. In Python, speeds can also be functions of
+time.
+"""
 
 from __future__ import annotations
 

@@ -11,11 +11,11 @@ from pymunk_dragon.errors import ParameterError
 # Response to contacts: end the run, go on and record them, or let the engine push the benches apart.
 Contacts = Literal["stop", "report", "resolve"]
 
-# Metres that the head travels in one substep. README has the table of drift and time error that it was chosen from.
+# Metres that the head travels in one substep. The docstring of `physics` has the drift and time error of other values.
 STRIDE = 1 / 50
 # Solver iterations per substep, chosen with `STRIDE`.
 ITERATIONS = 10
-# The same where contacts are resolved. README has the table of joint gaps and depths.
+# The same where contacts are resolved. The docstring of `physics` has the joint gaps and depths.
 RESOLVE_STRIDE = 1 / 200
 # The same: contact forces load the joints, and with 10 iterations gaps are five times as wide.
 RESOLVE_ITERATIONS = 60

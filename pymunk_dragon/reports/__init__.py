@@ -1,4 +1,18 @@
-"""Reports on runs: JSON, CSV, Markdown, HTML and XLSX files, and the contest's tables."""
+"""Reports on runs: JSON, CSV, Markdown, HTML and XLSX files, and the contest's tables.
+
+`report` and `pymunk-dragon report` take the format from the file's ending. A report has the scenario, the first
+contact, the near misses, the contacts of the run in the order of time, speeds, and the drift from the exact model.
+The JSON follows a schema (`json_schema`). Pages and sheets need `pip install 'pymunk-dragon[report]'`.
+
+```console
+$ pymunk-dragon simulate --from 405 --until 416 --contacts report -o windows.npz
+$ pymunk-dragon report windows.npz -o report.html
+$ pymunk-dragon report windows.npz -o report.md
+```
+
+With `--contacts report` the benches pass through each other, and the run shows every contact that follows the first
+one. `make report` makes [such a report](renders/report.html).
+"""
 
 from __future__ import annotations
 

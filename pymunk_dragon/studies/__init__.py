@@ -1,7 +1,111 @@
-"""Parameter studies over many marches, and optimisation.
+"""Parameter studies over many marches, and optimisation: the contest's questions.
 
-A study is a module with a function, its result, and an entry `STUDY`. The result's class has the text, the JSON values
-and the figure; `STUDIES` has all studies by name, from which the command line takes their options.
+## The five questions
+
+Where are the handles, and how fast? When does the dragon run into itself? How tight may the spiral be? Can the dragon
+turn in a circle of 9 m? And how fast may it go there? Each answer is one command:
+
+```console
+$ pymunk-dragon positions --times 300
+     t (s)  handle       x (m)       y (m)  speed (m/s)
+       300       0    4.420274    2.320429     1.000000
+       300       1    2.459489    4.402476     0.999709
+       300      51   -6.301346    0.465829     0.998065
+       300     101   -6.237722    3.936008     0.997302
+       300     151    7.040740    4.393013     0.996861
+       300     201   -7.458662   -5.263384     0.996574
+       300     223    1.785033    9.301164     0.996478
+$ pymunk-dragon contact
+first contact at t = 412.473837682 s: benches 0 and 8 at (1.474395, 2.110665) m
+near miss at t = 406.8466 s: benches 0 and 9, 2.957 mm apart
+near miss at t = 409.8320 s: benches 0 and 11, 0.865 mm apart
+$ pymunk-dragon study min-pitch
+smallest pitch 0.450337393027 m: handle 0 reaches the circle of 4.5 m after 220.934 s
+limit:     benches 0 and 19 touch without overlapping as the head passes, t = 216.338214 s at (-0.346485, 4.841505) m
+certified: no contact at 0.450337394027 m, but one at 0.450337392027 m
+map:       19 pitches from 0.3 to 0.6077 m;
+           all 1258 gaps sampled within 10 mm of zero change with the pitch,
+           the head being on the same circle, by 0.50 to 1.43 mm for each mm;
+           so all larger pitches are free, and all smaller ones are not
+$ pymunk-dragon study u-turn --no-search
+the turn:  13.621245 m on arcs of 3.005418 and 1.502709 m,
+           each of 173.118444 degrees, about (-0.760009, -1.305726), (1.735932, 2.448402) m,
+           which touch at (-2.711856, -3.591078), (0.903952, 1.197026), (2.711856, 3.591078) m
+contact:   none from -100 to 100 s, nor a gap below a thirtieth of the width: certified
+fastest:   handle 3, 1.604793 times as fast as the head, as that is 14.480 m in: certified to 1e-11
+two arcs:  always as long: 13.621244906821 to 13.621244906821 m where the radii are
+           as 0.25 to 1 up to 4 to 1. Both turn by the same angle, and their chords
+           make up the circle's diameter
+$ pymunk-dragon study max-speed
+largest speed of the head 1.2462663582 m/s: no handle exceeds 2 m/s
+limit:     handles 3 to 7 go 1.6047933790 times as fast as the head 11.6187 s after it entered
+           the circle, 14.4800 m into it
+then:      handles 0, 1, 2, ... go 1.246  1.937  1.937  2.000  2.000  2.000  2.000  2.000  1.978  1.978 m/s
+certified: no handle exceeds that by more than 1e-11 of it (574 evaluations)
+```
+
+The contest's own sheets are the first answers written with `-o`:
+
+```console
+$ pymunk-dragon positions --times 0:300:1 -o result1.xlsx
+$ pymunk-dragon contact -o result2.xlsx
+$ pymunk-dragon study u-turn --no-search -o result4.xlsx
+```
+
+## Held against independent methods
+
+Beside each answer the one of an independent method, from formulas alone and in 34 to 50 digits
+(`python tests/bench/bench_answers.py`; the tests compare more with it):
+
+| question | answer | independently | decimals that agree | s | method, s |
+| --- | --- | --- | --- | --- | --- |
+| 1, x of handle 223 at 300 s, m | 1.785032733733 | 1.785032733733 | 13 | 0.02 | 50 digits, 0.7 |
+| 2, first contact, s | 412.4738376821 | 412.4738376821 | 12 | 0.18 | root in 50 digits, 0.4 |
+| 3, smallest pitch, m | 0.4503373930273 | 0.4503373930272 | 12 | 0.53 | grazing moment in 50 digits, 0.6 |
+| 4, length of the turn, m | 13.62124490682 | 13.62124490682 | 15 | 0.00 | tangency in 34 digits, 0.0 |
+| 5, largest speed, m/s | 1.246266358157 | 1.246266358157 | 15 | 0.17 | its maximum in 34 digits, 3.6 |
+
+The time of the first row is that of 301 moments here, and of one moment by the independent method. The whole process
+`pymunk-dragon study min-pitch` takes 0.77 s.
+
+## What each answer rests on
+
+- **The smallest pitch.** Newton's method on the smallest gap of the whole march, with exact derivatives; and
+  `first_contact` on both sides of it, because the time intervals in which benches touch are short: a scan every
+  second finds a pitch that is too small (0.450274 m). With the head on the same circle, every gap near zero that was
+  sampled, at 19 pitches and along the whole march, grows with the pitch. So there is no other limit.
+- **The turn.** Two arcs that touch both spirals and each other turn by the same angle, so the length does not depend
+  on the ratio of their radii. More arcs make the turn shorter. `study u-turn`, without `--no-search`, searches turns
+  on n arcs as an optimal-control problem with SciPy's SLSQP (`pip install 'pymunk-dragon[studies]'`), such that no
+  handle goes faster, relative to the head, than on the contest's own turn. It prints the family that is searched and
+  the arcs, and certifies the largest speed and the first contact of the result. The problem is not convex: the result
+  is the best turn that was found, and no proof shows that there is no shorter one: 11.2805 m on three arcs, 10.4975 m
+  on five and 10.3276 m on seven, if no radius is below 0.5 m (`--min-radius`). On seven arcs, rounding decides where
+  the search ends, within some millimetres. The straight line across is 9 m.
+- **The largest speed.** Branch and bound over the distance of the head, with derivatives from interval arithmetic: no
+  handle is faster at any time, sampled or not.
+
+![The smallest gap over the pitch, and the two benches that touch](renders/figures/min-pitch.png)
+
+![The turn on two arcs, the shortest one, and the speeds of the handles](renders/figures/u-turn.png)
+
+![Speeds of the handles in the turn, and where they are at the limit](renders/figures/max-speed.png)
+
+## Sensitivity
+
+How much a millimetre of each size moves the first contact and the smallest pitch, by exact derivatives, and how far
+that holds:
+
+```console
+$ pymunk-dragon study sensitivity
+```
+
+![Derivatives of the first contact and of the smallest pitch by every size](renders/figures/sensitivity.png)
+
+## A study of your own
+
+A study is a module with a function, its result, and an entry `STUDY`. The result's class has the text, the JSON
+values and the figure; `STUDIES` has all studies by name, from which the command line takes their options.
 """
 
 from __future__ import annotations

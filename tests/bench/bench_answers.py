@@ -1,6 +1,6 @@
 """The answers to the contest's five questions beside those of independent methods in 34 to 50 digits.
 
-Prints a table for README: what is asked, both answers, the decimals that agree, and the seconds that each one took.
+Prints a table for the docstring of `studies`: the question, both answers, the decimals that agree, and both times.
 """
 
 from __future__ import annotations

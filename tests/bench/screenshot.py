@@ -1,4 +1,4 @@
-"""The pictures of pages that README shows: `python tests/bench/screenshot.py march.html "#t=409.8" player.png`.
+"""Pictures of pages: `python tests/bench/screenshot.py march.html "#t=409.8" player.png`.
 
 What the address's second half says is shown: a moment of a run, or a lesson, unfolded. Needs a Chromium on the path.
 """

@@ -1,4 +1,94 @@
-"""Pymunk's debug drawing on Pillow images; no window is needed."""
+"""Pymunk's debug drawing on Pillow images; no window is needed.
+
+Pymunk's debug drawing comes for pygame and pyglet, and for matplotlib, where it is deprecated. `PillowDrawOptions`
+draws any space on a Pillow image, with smooth edges, over whatever the image shows already. It needs nothing else of
+this package: no dragon, no march, no run.
+
+## A picture
+
+```python
+import pymunk
+from PIL import Image
+
+from pymunk_dragon import PillowDrawOptions
+
+space = pymunk.Space()
+space.gravity = 0, -9.8
+ground = space.static_body
+for a, b in [((0, 3), (0, 0)), ((0, 0), (5, 0)), ((5, 0), (5, 3))]:
+    space.add(pymunk.Segment(ground, a, b, radius=0.1))
+for i in range(33):  # boxes and balls, dropped between two walls
+    body = pymunk.Body()
+    body.position, body.angle = (0.65 + 0.75 * (i % 6), 0.5 + 0.7 * (i // 6)), i
+    box = pymunk.Poly.create_box(body, (0.35 + 0.05 * (i % 7), 0.5), radius=0.03 * (i % 4))
+    shape = box if i % 3 else pymunk.Circle(body, 0.16 + 0.02 * (i % 8))
+    shape.mass, shape.friction = 1, 0.6
+    space.add(body, shape)
+for i in range(5):  # Newton's cradle, its last ball drawn aside
+    body = pymunk.Body()
+    body.position = (6 + 0.5 * i, 0.6) if i < 4 else (9.15, 0.89)
+    ball = pymunk.Circle(body, 0.245)
+    ball.mass, ball.elasticity, ball.color = 1, 1, (241, 196, 15, 255)
+    space.add(body, ball, pymunk.PinJoint(ground, body, (6 + 0.5 * i, 3)))
+for _ in range(600):
+    space.step(0.005)
+
+image = Image.new("RGB", (1280, 480), "white")
+options = PillowDrawOptions(image, positive_y_is_up=True, line_width=2)
+options.fit(space, margin=20)
+space.debug_draw(options)
+image.save("debug_draw.png", optimize=True)
+```
+
+![Boxes and balls between two walls, and Newton's cradle](renders/debug_draw.png)
+
+`fit` shows a whole space, or a `pymunk.BB` of it; any other view is a `transform`, as everywhere in Pymunk. Colours
+and flags are Pymunk's own. Shapes outside the picture cost next to nothing. An exception in a subclass's
+`draw_circle` reaches the caller of `debug_draw`, although C code lies between them.
+
+## A film
+
+Set `image` to a new picture for each frame. `fit` on a box keeps the view the same in all frames:
+
+```python
+import pymunk
+from PIL import Image
+
+from pymunk_dragon import PillowDrawOptions
+
+space = pymunk.Space()
+space.gravity = 0, -9.8
+floor = pymunk.Segment(space.static_body, (-3, 0), (3, 0), radius=0.1)
+floor.elasticity = 1
+ball = pymunk.Body()
+ball.position = 0, 3
+circle = pymunk.Circle(ball, 0.4)
+circle.mass, circle.elasticity = 1, 0.8
+space.add(floor, ball, circle)
+
+options = PillowDrawOptions(Image.new("RGB", (320, 240)), positive_y_is_up=True, line_width=2)
+options.flags = pymunk.SpaceDebugDrawOptions.DRAW_SHAPES
+options.fit(pymunk.BB(-3, -0.2, 3, 4.3))
+frames = []
+for _ in range(50):  # two seconds
+    options.image = Image.new("RGB", (320, 240), "white")
+    space.debug_draw(options)
+    frames.append(options.image)
+    for _ in range(8):
+        space.step(0.005)
+frames[0].save("ball.gif", save_all=True, append_images=frames[1:], duration=40, loop=0)
+```
+
+## Measurements
+
+Milliseconds of processor time for a picture of 640 x 640 pixels (`python tests/bench/bench_debug_draw.py`, with
+matplotlib installed beside it):
+
+| space | RGB image | RGBA image | `pymunk.matplotlib_util` |
+| --- | --- | --- | --- |
+| 223 benches and their pivots | 55 | 62 | 397 |
+| pile of 100 boxes and its contacts | 28 | 32 | 100 |
+"""
 
 from __future__ import annotations
 

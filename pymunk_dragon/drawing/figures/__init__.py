@@ -1,4 +1,38 @@
-"""Named figures: those of the paper, and others."""
+"""Named figures: those of the paper, and others.
+
+`pymunk-dragon figure NAME` draws a figure as PNG, SVG or PDF (`pip install 'pymunk-dragon[figures]'`); without a name
+it lists all figures.
+
+```console
+$ pymunk-dragon figure
+$ pymunk-dragon figure gap -o gap.svg
+$ pymunk-dragon figure spiral -o spiral.png
+```
+
+Sixteen benches are enough for a first contact: at the start, as they close a loop, and as they touch (figures 3 to 5
+of the paper).
+
+![Sixteen benches on the outer loop](renders/figures/outer-loop.png)
+
+![Sixteen benches that close a loop](renders/figures/inward.png)
+
+![Sixteen benches at their first contact](renders/figures/collision.png)
+
+The spiral (figure 2), and the trajectories and the velocities of seven handles (figures 7 and 8):
+
+![The spiral and the handles of the reference scenario](renders/figures/spiral.png)
+
+![The trajectories of seven handles](renders/figures/trajectories.png)
+
+![The velocities of seven handles](renders/figures/velocities.png)
+
+The grid (figure 6) and the gap before the head are in `pymunk_dragon.collision`, the drift of a run of the engine in
+`pymunk_dragon.physics`. Two more show the speeds along the dragon, and the impulses in the joints of a run:
+
+![Speeds along the dragon](renders/figures/speeds.png)
+
+![Impulses in the joints of a run of the engine](renders/figures/impulses.png)
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,21 @@
-"""Curves on which a dragon marches: one module per kind."""
+"""Curves on which a dragon marches: one module per kind.
+
+A curve is given by its arc length: `Line`, `Arc`, `Spiral`, `UTurn` (the contest's question 4), `Sampled` (a smooth
+path through points), and `Composite`, `Section` and `Reversed`, which are made of other curves. Marches, certified
+first contacts and the engine work on each of them, and on any class derived from `Curve`.
+
+![The dragon turns in a circle of 9 m and comes out again](renders/u-turn.gif)
+
+```console
+$ pymunk-dragon positions --curve u-turn --times -100:100:1 -o result4.xlsx
+$ pymunk-dragon simulate --curve u-turn --from 10 --until 16 -o u-turn.npz
+$ pymunk-dragon render u-turn.npz -o u-turn.gif
+```
+
+`pymunk_dragon.model.scenario` describes files of curves. A class derived from `Curve` is a curve of your own; with
+`class Name(Curve, kind="name")` scenario files and saved runs can contain it. A saved run contains its scenario, so
+`Run.save` refuses functions and curves without a `kind`; `check_saveable(march)` checks this before the run.
+"""
 
 from pymunk_dragon.model.curves.arc import Arc
 from pymunk_dragon.model.curves.base import Curve

@@ -1,0 +1,261 @@
+"""Build the documentation, for the Makefile: `python renders/documentation.py DIRECTORY PICTURE=ARGUMENTS...`.
+
+The pages are made of the docstrings of the package by pdoc, of README and the other texts of the top folder, and of
+the commands of the pictures, which the Makefile passes: `march.gif=render renders/march.npz` for `renders/march.gif`.
+The pages that `make` has written (lessons, player, report) are copied. All links are relative, and no page requests
+anything from a network.
+"""
+
+from __future__ import annotations
+
+import inspect
+import re
+import shutil
+import sys
+from collections.abc import Iterator, Mapping
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+from unittest import mock
+
+import click
+from numpy.typing import ArrayLike
+from pdoc import doc, render
+from pdoc.render_helpers import to_html
+
+import pymunk_dragon
+from pymunk_dragon.cli import COMMANDS, cli
+
+ROOT = Path(__file__).parent.parent
+RENDERS = ROOT / "renders"
+# Texts of the top folder: the file, its page and the title of the page.
+TEXTS = {
+    "README.md": ("index.html", "pymunk_dragon"),
+    "README.zh.md": ("index.zh.html", "中文"),
+    "CONTRIBUTING.md": ("contributing.html", "Contributing"),
+    "CHANGELOG.md": ("changelog.html", "Changes"),
+}
+CITATION = "CITATION.cff"
+# Modules with a page, in the order of the sidebar, and the titles of the pages.
+MODULES = {
+    "studies": "The contest's questions",
+    "model": "Exact model",
+    "model.dragon": "Dragon",
+    "model.curves": "Curves",
+    "model.speed": "Speeds",
+    "model.march": "March",
+    "model.scenario": "Scenario files",
+    "model.run": "Runs",
+    "model.contact": "Contacts",
+    "collision": "First contact",
+    "physics": "Engine",
+    "drawing": "Films",
+    "drawing.figures": "Figures",
+    "drawing.debug_draw": "Any Pymunk space",
+    "player": "Player",
+    "reports": "Reports",
+    "sessions": "Live",
+    "sweeps": "Sweeps",
+    "lessons": "Lessons",
+    "notebook": "Notebooks",
+    "cli": "Command line",
+    "errors": "Errors",
+}
+# Pages of `renders/` that are copied where they exist, and their titles.
+COPIES = {"lessons.html": "All lessons", "march.html": "A player", "report.html": "A report"}
+PICTURES = (".gif", ".png", ".svg")
+# The address of a file in HTML: `src="renders/march.gif"`, `href="README.md"`.
+ADDRESS = re.compile(r'\b(href|src)="([^"#:]+)')
+# A name in the code of a text, or a member of one: `March`, `March.at`, `simulate(...)`. Not in a link.
+NAME = re.compile(r"(?<!\">)<code>((\w+)(?:\.\w+)*)(\(.*?\))?</code>")
+# The type behind `NDArray[np.float64]`.
+ARRAY = re.compile(r"numpy\.ndarray\[tuple\[(?:typing\.)?Any, \.\.\.\], numpy\.dtype\[numpy\.(\w+)\]\]")
+# How Python writes the annotations of parameters.
+FORMAT = inspect.formatannotation
+# A picture in Markdown or HTML.
+SHOWN = re.compile(r"!\[([^]]*)\]\(renders/([^)]+)\)|<img src=\"renders/([^\"]+)\"[^>]* alt=\"([^\"]*)\"")
+
+
+def module_page(module: str) -> str:
+    """Address of the page of a module of the package."""
+    return f"pymunk_dragon/{module.replace('.', '/')}.html"
+
+
+def public_names() -> dict[str, str]:
+    """The module of each public name of the package."""
+    return {name: module for module, names in pymunk_dragon._MODULES.items() for name in names}
+
+
+def summary(docstring: str) -> str:
+    """The first paragraph of a docstring on one line."""
+    return " ".join(docstring.split("\n\n")[0].split())
+
+
+def names_text() -> str:
+    """All public names, as Markdown."""
+    lines = ["# All names", "", "Each is imported from `pymunk_dragon`.", "", "| name | what it is |", "| --- | --- |"]
+    for name, module in sorted(public_names().items(), key=lambda item: item[0].lower()):
+        about = summary(getattr(pymunk_dragon, name).__doc__).replace("|", r"\|")
+        lines.append(f"| [{name}]({module_page(module)}#{name}) | {about} |")
+    return "\n".join(lines)
+
+
+def shown_pictures(texts: Mapping[str, str]) -> Iterator[tuple[str, str, str]]:
+    """The path, the caption and the page of each picture in `texts`, which are Markdown by the address of the page."""
+    for page, text in texts.items():
+        for found in SHOWN.finditer(text):
+            yield (found[2] or found[3]), (found[1] or found[4]), page
+
+
+def gallery_text(texts: Mapping[str, str], commands: Mapping[str, str]) -> str:
+    """All pictures with their captions and commands, as Markdown.
+
+    A picture is described where a text shows it, in a docstring or in README.
+    """
+    captions: dict[str, tuple[str, str]] = {}
+    for picture, caption, page in shown_pictures(texts):
+        captions.setdefault(picture, (caption, page))
+    lines = ["# Gallery", "", "Each picture with the commands that make it; `make render figures map` makes all."]
+    for picture, arguments in commands.items():
+        if not picture.endswith(PICTURES):
+            continue
+        caption, page = captions[picture]
+        lines += ["", f"## {caption}", "", f"[![{caption}](renders/{picture})]({page})", "", "```sh"]
+        runs = [name for name in commands if name.endswith(".npz") and f"renders/{name}" in arguments.split()]
+        lines += [f"pymunk-dragon {commands[name]} -o renders/{name}" for name in runs]
+        lines += [f"pymunk-dragon {arguments} -o renders/{picture}", "```"]
+    return "\n".join(lines)
+
+
+def commands_text() -> str:
+    """The help of every command, as Markdown."""
+    lines = ["## The commands"]
+    for name in COMMANDS:
+        context = click.Context(cli.commands[name], info_name=f"pymunk-dragon {name}", max_content_width=80)
+        lines += ["", f"### {name}", "", "```text", cli.commands[name].get_help(context), "```"]
+    return "\n".join(lines)
+
+
+def with_links(page: str, text: str, members: Mapping[str, set[str]]) -> str:
+    """The HTML `text` of a page, with the addresses of the site, and links for public names in code.
+
+    `members` has the anchors of each module's page.
+    """
+    top = "../" * page.count("/")
+    names = public_names()
+
+    def address(found: re.Match[str]) -> str:
+        attribute, path = found.groups()
+        if path.startswith("renders/"):
+            path = top + path.removeprefix("renders/")
+        elif path in TEXTS:
+            path = top + TEXTS[path][0]
+        return f'{attribute}="{path}'
+
+    def name(found: re.Match[str]) -> str:
+        whole, first, call = found.groups()
+        # A lower-case word in code may also be a command, as `report`, or a parameter.
+        if first not in names or not (call or first != first.lower() or "_" in first):
+            return found[0]
+        anchor = whole if whole in members[names[first]] else first
+        target = module_page(names[first])
+        if target == page:
+            target = ""
+        return f'<a href="{top if target else ""}{target}#{anchor}">{found[0]}</a>'
+
+    return ADDRESS.sub(address, NAME.sub(name, text))
+
+
+def short_annotation(annotation: object, *arguments: Any, **options: Any) -> str:
+    """An annotation as in the code: `ArrayLike` and `NDArray` instead of the types of NumPy behind them."""
+    members = FORMAT(ArrayLike).removeprefix("Union[").removesuffix("]")
+    text = (
+        FORMAT(annotation, *arguments, **options).replace(members, "ArrayLike").replace("Union[ArrayLike]", "ArrayLike")
+    )
+    return ARRAY.sub(r"NDArray[\1]", text)
+
+
+def own(member: doc.Doc[Any]) -> list[doc.Doc[Any]]:
+    """The members of a class."""
+    return member.own_members if isinstance(member, doc.Class) else []
+
+
+def write(path: Path, text: str) -> None:
+    """Write a page."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text, encoding="utf-8", newline="\n")
+
+
+def copy(source: Path, target: Path) -> None:
+    """Copy a file of `renders/`."""
+    target.parent.mkdir(parents=True, exist_ok=True)
+    shutil.copyfile(source, target)
+
+
+def build(directory: Path, commands: Mapping[str, str], copies: Path = RENDERS) -> None:
+    """Write the site to `directory`, which is made anew.
+
+    `commands` has the arguments of the program that make each file of `renders/`; `copies` is the folder of the pages
+    that are copied.
+    """
+    titles = dict(TEXTS.values())
+    copied = {name: title for name, title in COPIES.items() if (copies / name).exists()}
+    pages = [
+        ("index.html", titles["index.html"]),
+        ("index.zh.html", titles["index.zh.html"]),
+        *((module_page(module), title) for module, title in MODULES.items()),
+        ("names.html", "All names"),
+        ("gallery.html", "Gallery"),
+        *copied.items(),
+        ("contributing.html", titles["contributing.html"]),
+        ("changelog.html", titles["changelog.html"]),
+    ]
+    footer = f"pymunk_dragon {pymunk_dragon.__version__}"
+    render.configure(docformat="numpy", show_source=False, footer_text=footer, template_directory=RENDERS / "templates")
+    render.env.globals.update(
+        pages=pages,
+        titles=MODULES,
+        public={f"pymunk_dragon.{name}" for name in pymunk_dragon._MODULES},
+        version=pymunk_dragon.__version__,
+    )
+
+    modules = {name: doc.Module(import_module(f"pymunk_dragon.{name}")) for name in MODULES}
+    cli_page = modules["cli"]
+    cli_page.__dict__["docstring"] = f"{cli_page.docstring}\n\n{commands_text()}"
+    members = {
+        name: {member.qualname for each in module.flattened_own_members for member in (each, *own(each))}
+        for name, module in modules.items()
+    }
+    texts = {page: (ROOT / file).read_text(encoding="utf-8") for file, (page, _) in TEXTS.items()}
+    texts |= {module_page(name): module.docstring for name, module in modules.items()}
+
+    if directory.exists():
+        shutil.rmtree(directory)
+    written = {page: texts[page] for page, _ in TEXTS.values()}
+    written |= {"names.html": names_text(), "gallery.html": gallery_text(texts, commands)}
+    template = render.env.get_template("page.html.jinja2")
+    for page, text in written.items():
+        content = to_html(text)
+        whole = template.render(title=dict(pages)[page], content=content, current=page)
+        if page.endswith(".zh.html"):
+            whole = whole.replace('<html lang="en">', '<html lang="zh">', 1)
+        write(directory / page, with_links(page, whole, members))
+    everything = {module.modulename: module for module in modules.values()}
+    # There is no setting for annotations: pdoc calls this function of Python's for those of results and fields, and
+    # Python itself for those of parameters.
+    formats = [mock.patch.object(where, "formatannotation", short_annotation) for where in (inspect, doc)]
+    with formats[0], formats[1]:
+        for name, module in modules.items():
+            page = module_page(name)
+            write(directory / page, with_links(page, render.html_module(module, everything), members))
+        write(directory / "search.js", render.search_index(everything))
+    for picture in (*RENDERS.glob("*.*"), *RENDERS.glob("figures/*.*")):
+        if picture.suffix in PICTURES:
+            copy(picture, directory / picture.relative_to(RENDERS))
+    for name in copied:
+        copy(copies / name, directory / name)
+    copy(ROOT / CITATION, directory / CITATION)
+
+
+if __name__ == "__main__":
+    build(Path(sys.argv[1]), dict(argument.split("=", 1) for argument in sys.argv[2:]))

@@ -1,0 +1,55 @@
+"""The texts for users, README and the long docstrings of modules, and the code that they show."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+
+from documentation import MODULES
+
+ROOT = Path(__file__).parent.parent
+
+
+@dataclass(frozen=True)
+class Document:
+    """A text in Markdown, and the blocks of code in it."""
+
+    name: str
+    text: str
+
+    def blocks(self, language: str) -> list[str]:
+        """The blocks of code of a language."""
+        return [text for found, text in re.findall(r"```(\w+)\n(.*?)```", self.text, re.DOTALL) if found == language]
+
+    @property
+    def shown(self) -> list[tuple[str, str]]:
+        """Each command, without the prompt, and the output that stands below it."""
+        found = []
+        for block in self.blocks("console"):
+            for command in re.split(r"^\$ ", block, flags=re.MULTILINE)[1:]:
+                line, _, output = command.partition("\n")
+                found.append((line, output))
+        return found
+
+    @property
+    def program(self) -> list[tuple[list[str], str]]:
+        """The arguments of each command of the program, and the output that stands below it."""
+        split = [(shlex.split(line, comments=True), output) for line, output in self.shown]
+        return [(words[1:], output) for words, output in split if words[0] == "pymunk-dragon"]
+
+    @property
+    def scenarios(self) -> dict[str, str]:
+        """The scenario files by the names in their first lines."""
+        return {text.splitlines()[0].removeprefix("# "): text for text in self.blocks("toml")}
+
+
+def module_documents() -> list[Document]:
+    """The docstrings of the modules that have a page in the documentation."""
+    return [Document(f"pymunk_dragon.{name}", import_module(f"pymunk_dragon.{name}").__doc__ or "") for name in MODULES]
+
+
+README, CHINESE = (Document(name, (ROOT / name).read_text(encoding="utf-8")) for name in ("README.md", "README.zh.md"))
+DOCUMENTS = [README, CHINESE, *module_documents()]

@@ -1,0 +1,120 @@
+"""The site that `make docs` builds: complete, without a network, and without a broken link."""
+
+from __future__ import annotations
+
+import shlex
+import subprocess
+from html.parser import HTMLParser
+from urllib.parse import unquote, urlsplit
+
+import documentation
+import numpy as np
+import pytest
+from browser import needs_browser, opened, wait_until
+from documents import DOCUMENTS, ROOT
+
+import pymunk_dragon
+from pymunk_dragon import Dragon, March, Run, write_player
+
+PICTURES = {path.relative_to(ROOT / "renders").as_posix() for path in (ROOT / "renders").rglob("*.[gp][in][fg]")}
+
+
+def commands():
+    """The arguments that the Makefile passes, without making anything."""
+    shown = subprocess.run(
+        ["make", "--dry-run", "docs"], cwd=ROOT, capture_output=True, text=True, check=True, timeout=60
+    ).stdout
+    [line] = [line for line in shown.splitlines() if "renders/documentation.py renders/docs" in line]
+    return dict(argument.split("=", 1) for argument in shlex.split(line)[3:])
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("documentation")
+    pages = folder / "pages"
+    pages.mkdir()
+    for name in documentation.COPIES:
+        write_player(Run.exact(March(Dragon(benches=4)), np.arange(3.0)), pages / name)
+    documentation.build(folder / "docs", commands(), pages)
+    return folder / "docs"
+
+
+class Page(HTMLParser):
+    """The addresses and the anchors of a page."""
+
+    def __init__(self, path):
+        super().__init__()
+        self.links, self.anchors = [], set()
+        self.feed(path.read_text(encoding="utf-8"))
+
+    def handle_starttag(self, tag, attributes):
+        found = dict(attributes)
+        self.links += [found[name] for name in ("href", "src") if found.get(name)]
+        self.anchors |= {found[name] for name in ("id", "name") if found.get(name)}
+
+
+@pytest.fixture(scope="module")
+def pages(site):
+    return {
+        path: Page(path)
+        for path in site.rglob("*.html")
+        if path.name not in documentation.COPIES or path.parent != site
+    }
+
+
+@pytest.mark.thorough
+def test_every_link_leads_somewhere(site, pages):
+    broken = []
+    for path, page in pages.items():
+        for link in page.links:
+            parts = urlsplit(link)
+            if parts.scheme in ("http", "https", "data") or "${" in link:
+                continue
+            target = (path.parent / unquote(parts.path)).resolve() if parts.path else path
+            anchored = not parts.fragment or target not in pages or unquote(parts.fragment) in pages[target].anchors
+            if not (target.is_file() and target.is_relative_to(site.resolve()) and anchored):
+                broken.append((path.relative_to(site).as_posix(), link))
+    assert broken == []
+
+
+@pytest.mark.thorough
+def test_every_public_name_has_its_place_on_a_page_with_an_example(site, pages):
+    names = Page(site / "names.html").links
+    for name in pymunk_dragon.__all__:
+        [link] = [link for link in names if link.endswith(f"#{name}")]
+        path = site / link.partition("#")[0]
+        assert name in pages[path].anchors
+        section = path.read_text(encoding="utf-8").split(f'<section id="{name}">')[1].split("</section>")[0]
+        assert "Examples</h6>" in section
+
+
+@pytest.mark.thorough
+def test_gallery_shows_every_picture_that_make_makes(site):
+    shown = {link for link in Page(site / "gallery.html").links if link.endswith((".gif", ".png"))}
+    assert {name for name in commands() if name.endswith((".gif", ".png"))} <= shown
+
+
+def test_every_committed_picture_is_described_in_a_text():
+    described = {
+        picture for picture, _, _ in documentation.shown_pictures({each.name: each.text for each in DOCUMENTS})
+    }
+    assert described == PICTURES
+
+
+@pytest.mark.thorough
+@needs_browser
+@pytest.mark.parametrize("width", [1280, 390])
+def test_pages_fit_the_window_and_request_only_files(browser, site, pages, width):
+    for path in pages:
+        with opened(browser, path.as_uri(), width, 900, is_mobile=width < 600) as seen:
+            assert seen.page.evaluate("document.documentElement.scrollWidth") == width, path.name
+            assert seen.complaints == []
+            assert all(address.startswith((site.as_uri(), "data:")) for address in seen.addresses)
+
+
+@pytest.mark.thorough
+@needs_browser
+def test_search_finds_a_public_name(browser, site):
+    with opened(browser, (site / "index.html").as_uri()) as seen:
+        seen.page.fill("input[type=search]", "first_contact")
+        wait_until(seen.page, "document.querySelectorAll('main a[href*=\"#first_contact\"]').length > 0")
