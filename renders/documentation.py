@@ -68,6 +68,8 @@ PICTURES = (".gif", ".png", ".svg")
 ADDRESS = re.compile(r'\b(href|src)="([^"#:]+)')
 # A name in the code of a text, or a member of one: `March`, `March.at`, `simulate(...)`. Not in a link.
 NAME = re.compile(r"(?<!\">)<code>((\w+)(?:\.\w+)*)(\(.*?\))?</code>")
+# A link within a page. pdoc makes some to members that a class has from a class without a page.
+LOCAL = re.compile(r'<a href="#([^"]+)">(.*?)</a>')
 # The type behind `NDArray[np.float64]`.
 ARRAY = re.compile(r"numpy\.ndarray\[tuple\[(?:typing\.)?Any, \.\.\.\], numpy\.dtype\[numpy\.(\w+)\]\]")
 # How Python writes the annotations of parameters.
@@ -163,7 +165,10 @@ def with_links(page: str, text: str, members: Mapping[str, set[str]]) -> str:
             target = ""
         return f'<a href="{top if target else ""}{target}#{anchor}">{found[0]}</a>'
 
-    return ADDRESS.sub(address, NAME.sub(name, text))
+    def local(found: re.Match[str]) -> str:
+        return found[0] if f'id="{found[1]}"' in text else found[2]
+
+    return ADDRESS.sub(address, NAME.sub(name, LOCAL.sub(local, text)))
 
 
 def short_annotation(annotation: object, *arguments: Any, **options: Any) -> str:

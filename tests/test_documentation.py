@@ -81,7 +81,7 @@ def test_every_link_leads_somewhere(site, pages):
 def test_every_public_name_has_its_place_on_a_page_with_an_example(site, pages):
     names = Page(site / "names.html").links
     for name in pymunk_dragon.__all__:
-        [link] = [link for link in names if link.endswith(f"#{name}")]
+        [link] = {link for link in names if link.endswith(f"#{name}")}
         path = site / link.partition("#")[0]
         assert name in pages[path].anchors
         section = path.read_text(encoding="utf-8").split(f'<section id="{name}">')[1].split("</section>")[0]
