@@ -30,7 +30,7 @@ ROOT = Path(__file__).parent.parent
 RENDERS = ROOT / "renders"
 # Texts of the top folder: the file, its page and the title of the page.
 TEXTS = {
-    "README.md": ("index.html", "pymunk_dragon"),
+    "README.md": ("index.html", "Start"),
     "README.zh.md": ("index.zh.html", "中文"),
     "CONTRIBUTING.md": ("contributing.html", "Contributing"),
     "CHANGELOG.md": ("changelog.html", "Changes"),

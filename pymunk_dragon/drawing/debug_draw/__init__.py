@@ -166,14 +166,24 @@ class PillowDrawOptions(pymunk.SpaceDebugDrawOptions):
 
     Examples
     --------
+    >>> import pymunk
+    >>> from PIL import Image
+    >>> from pymunk_dragon import PillowDrawOptions
     >>> space = pymunk.Space()
-    >>> space.add(pymunk.Circle(space.static_body, 2))
-    >>> image = Image.new("RGB", (100, 100), "white")
+    >>> space.gravity = 0, -9.8
+    >>> ball = pymunk.Body(mass=1, moment=1)
+    >>> ball.position = 0, 1
+    >>> floor = pymunk.Segment(space.static_body, (-2, 0), (2, 0), radius=0.1)
+    >>> space.add(ball, pymunk.Circle(ball, 0.5), floor)
+    >>> for _ in range(100):
+    ...     space.step(0.01)
+    >>> image = Image.new("RGB", (320, 160), "white")
     >>> options = PillowDrawOptions(image, positive_y_is_up=True)
     >>> options.fit(space)
     >>> space.debug_draw(options)
-    >>> image.getpixel((50, 70))
-    (149, 165, 166)
+    >>> image.getpixel((160, 80))  # the ball, which rests on the floor
+    (52, 152, 219)
+    >>> image.save("ball.png")
     """
 
     def __init__(self, image: Image.Image, *, positive_y_is_up: bool = False, line_width: float = 1.0) -> None:
