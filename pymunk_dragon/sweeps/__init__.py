@@ -82,8 +82,8 @@ memory for a point.
   its time. At most 400 batches are in flight, and at most as many are lost if the sweep is killed.
 - Scheduler: 50 tasks a second. Its documentation gives about 1 ms for a task, so it works a twentieth of the time.
 - Bytes: 0.4 kB to a worker and 55 bytes a point back, so 83,000 x 1.1 kB = 90 MB in all, 55 kB a second, and as much
-  again for Dask's own data about a task. The scenario is in every batch: a path through 50,000 points would be 1 MB each
-  time, and should rather be a function that makes it.
+  again for Dask's own data about a task. The scenario is in every batch: a path through 50,000 points would be 1 MB
+  each time, and should rather be a function that makes it.
 - Journal: 93 MB, in 83,000 writes that wait for the disk. The table is written from it in a minute.
 
 What breaks first is the process that sweeps. A batch ends after 10 s, so 2,000 workers end 200 batches a second, for
