@@ -117,15 +117,16 @@ def gallery_text(texts: Mapping[str, str], commands: Mapping[str, str]) -> str:
     captions: dict[str, tuple[str, str]] = {}
     for picture, caption, page in shown_pictures(texts):
         captions.setdefault(picture, (caption, page))
-    lines = ["# Gallery", "", "Each picture with the commands that make it; `make render figures map` makes all."]
-    for picture, arguments in commands.items():
-        if not picture.endswith(PICTURES):
-            continue
+    lines = ["# Gallery", "", "Each picture leads to the text about it, and has the commands that make it."]
+    made = [name for name in commands if name.endswith(PICTURES)]
+    for picture in (*made, *(name for name in captions if name not in made)):
         caption, page = captions[picture]
-        lines += ["", f"## {caption}", "", f"[![{caption}](renders/{picture})]({page})", "", "```sh"]
-        runs = [name for name in commands if name.endswith(".npz") and f"renders/{name}" in arguments.split()]
-        lines += [f"pymunk-dragon {commands[name]} -o renders/{name}" for name in runs]
-        lines += [f"pymunk-dragon {arguments} -o renders/{picture}", "```"]
+        lines += ["", f"## {caption}", "", f"[![{caption}](renders/{picture})]({page})"]
+        if picture in made:
+            arguments = commands[picture]
+            runs = [name for name in commands if name.endswith(".npz") and f"renders/{name}" in arguments.split()]
+            lines += ["", "```sh", *(f"pymunk-dragon {commands[name]} -o renders/{name}" for name in runs)]
+            lines += [f"pymunk-dragon {arguments} -o renders/{picture}", "```"]
     return "\n".join(lines)
 
 
