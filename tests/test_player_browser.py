@@ -7,7 +7,6 @@ import re
 from contextlib import contextmanager
 from dataclasses import replace
 from html import escape
-from itertools import pairwise
 
 import numpy as np
 import pytest
