@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 import time
 from collections.abc import Iterator
@@ -14,6 +15,18 @@ from playwright.sync_api import Browser, Dialog, Page, sync_playwright
 
 CHROMIUM = shutil.which("chromium")
 needs_browser = pytest.mark.skipif(CHROMIUM is None, reason="no browser to open a page in: apt-get install chromium")
+
+# Texts, titles and names of elements, without what the reader types, commands, and what a run says of itself.
+TEXTS = """() => {
+  const walk = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+  const texts = [document.title];
+  while (walk.nextNode()) {
+    const parent = walk.currentNode.parentElement;
+    if (!parent.closest("script, style, kbd, code, noscript, #language, .from-run")) texts.push(walk.currentNode.data);
+  }
+  for (const each of document.querySelectorAll("[title], [aria-label]")) texts.push(each.title, each.ariaLabel ?? "");
+  return texts;
+}"""
 
 ARGUMENTS = ("--no-sandbox", "--disable-background-networking", "--disable-dev-shm-usage")
 
@@ -55,6 +68,11 @@ def opened(browser: Browser, address: str, width: int = 1280, height: int = 800,
     page.goto(address)
     yield found
     context.close()
+
+
+def english_words(page: Page) -> set[str]:
+    """Words of at least three Latin letters in the page's own texts."""
+    return {word for text in page.evaluate(TEXTS) for word in re.findall(r"[A-Za-z]{3,}", text)}
 
 
 def wait_until(page: Page, expression: str, seconds: float = 10.0) -> None:

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import asyncio
+import re
+import subprocess
 import threading
 from contextlib import contextmanager
 from urllib.parse import urlsplit
 
 import aiohttp
-import imageio.v3 as iio
+import imageio_ffmpeg
 import numpy as np
 import pytest
 from aiohttp import WSMsgType, web
-from browser import needs_browser, opened, wait_until
+from browser import english_words, needs_browser, opened, wait_until
 from live_sessions import PATIENCE, replayed, served
 
 from pymunk_dragon.model.dragon import Dragon
@@ -138,6 +140,15 @@ def test_tail_stays_when_its_joint_is_cut_with_the_tool(browser):
         assert_replays(session)
 
 
+def film_pictures(path):
+    """Pictures of a video, (F, height, width, 3)."""
+    # FFmpeg itself: imageio's reader leaves its pipes open.
+    command = [imageio_ffmpeg.get_ffmpeg_exe(), "-i", str(path), "-f", "rawvideo", "-pix_fmt", "rgb24", "-"]
+    done = subprocess.run(command, capture_output=True, check=True)
+    [width, height] = re.search(r"Video: .* (\d{2,})x(\d{2,})", done.stderr.decode()).groups()
+    return np.frombuffer(done.stdout, np.uint8).reshape(-1, int(height), int(width), 3)
+
+
 def test_button_records_a_film_and_a_run(browser, tmp_path):
     with served(dragon(March(Dragon(benches=30)))) as session, visit(browser, session.address) as found:
         page = found.page
@@ -154,7 +165,7 @@ def test_button_records_a_film_and_a_run(browser, tmp_path):
             if name == "run":
                 run = Run.load(saved)
             else:
-                pictures = list(iio.imiter(saved))
+                pictures = film_pictures(saved)
         page.click("#recorded-close")
         assert page.is_hidden("#recorded")
     assert np.ptp(run.times) == pytest.approx(2.0, abs=0.8)
@@ -312,3 +323,37 @@ def test_page_switches_scenes_and_sets_parameters_without_complaints(browser):
                 page.keyboard.press("ArrowRight")
             drawn = page.evaluate("live.drawn")
             wait_until(page, f"live.drawn > {drawn} + 3")
+
+
+@pytest.mark.parametrize("link", ["&zh", "&lang=zh", "#lang=zh"])
+def test_page_is_chinese_if_the_address_says_so(browser, link):
+    with served("jam") as session, visit(browser, session.address + link) as found:
+        page = found.page
+        assert page.evaluate("document.documentElement.lang") == "zh"
+        # Commands of the lessons stay as they are.
+        allowed = {"pymunk", "dragon", "demo", "callbacks", "tension"}
+        assert english_words(page) <= allowed
+        page.select_option("#scene", "pendulum")
+        wait_until(page, "live.scene.name === 'pendulum' && live.frame?.generation === live.scene.generation")
+        page.wait_for_timeout(300)
+        assert english_words(page) <= allowed
+
+
+def test_button_changes_the_language_of_a_session_there_and_back(browser):
+    scene = dragon(March(Dragon(benches=40)), contacts="stop", free_from=1)
+    with served(scene) as session, visit(browser, session.address) as found:
+        page = found.page
+        page.select_option("#speed", "20")
+        wait_until(page, "!live.state.running && live.frame.step > 100", seconds=60)
+        assert re.search(r"benches \d+ and \d+ touch", page.text_content("#events"))
+        page.click("#language")
+        wait_until(page, "document.documentElement.lang === 'zh'")
+        assert re.search(r"\d+ 号与 \d+ 号板凳接触", page.text_content("#events"))
+        wait_until(page, "document.getElementById('achieved').textContent === '已暂停'")
+        page.reload()
+        wait_until(page, "globalThis.live?.frame != null && live.drawn > 0")
+        assert page.text_content("#title") == "一次行进"
+        page.click("#language")
+        wait_until(page, "document.getElementById('achieved').textContent === 'Paused'")
+        assert page.text_content("#title") == "A march"
+        assert page.evaluate("location.hash") == ""
