@@ -21,6 +21,7 @@ from page_texts import package_texts
 from shapely import LineString, points
 
 import pymunk_dragon
+from pymunk_dragon._language import in_language
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.contact import Contact, ContactEvent, ContactLog
 from pymunk_dragon.model.dragon import Dragon
@@ -403,3 +404,17 @@ def test_page_has_its_texts_in_both_languages(page):
     texts = json.loads(page.blocks["texts"])
     assert set(texts) == {"zh"}
     assert texts["zh"]["Help"] == "帮助"
+
+
+def test_title_and_provenance_of_the_run_are_translated_too(page):
+    texts = json.loads(page.blocks["texts"])["zh"]
+    assert texts["The dragon from 0.000 s to 10.000 s"] == "0.000 s 至 10.000 s 的板凳龙"
+    assert texts["Head bench, hole to hole"] == "龙头两孔间距"
+    [subtitle] = [chinese for english, chinese in texts.items() if english.startswith("A dragon of 16 benches")]
+    assert subtitle == "16 节板凳，龙头速度 1 m/s，螺线，螺距 0.55 m，由精确模型计算"
+
+
+def test_page_of_a_chinese_program_opens_in_chinese(run):
+    with in_language("zh"):
+        chinese = player_page(run)
+    assert chinese.replace('lang="zh"', 'lang="en"', 1) == player_page(run)

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from pymunk_dragon._language import text
 from pymunk_dragon.collision import FirstContact
 from pymunk_dragon.model.contact import Contact
 from pymunk_dragon.reports import tables
@@ -20,30 +21,6 @@ Facts = list[tuple[str, str]]
 SCENARIO_DIGITS = 6
 # Significant digits of settings, whose precision is unknown.
 SETTING_DIGITS = 10
-# Label and unit of each key of a scenario.
-SCENARIO_LABELS = {
-    "benches": ("Benches", ""),
-    "head_spacing": ("Head bench, hole to hole", "m"),
-    "body_spacing": ("Other benches, hole to hole", "m"),
-    "overhang": ("Hole to the end of a bench", "m"),
-    "width": ("Width of a bench", "m"),
-    "curve": ("Curve", ""),
-    "pitch": ("Pitch", "m"),
-    "turns": ("Start on turn", ""),
-    "speed": ("Speed of the head", "m/s"),
-    "radius": ("Radius of the turning circle", "m"),
-    "ratio": ("First arc's radius over the second's", ""),
-    "length": ("Length of the curve", "m"),
-    "start_s": ("Start of the head, along the curve", "m"),
-}
-# Names of curve classes in sentences; other classes appear under the class name.
-CURVE_NAMES = {
-    "UTurn": "U-turn",
-    "Sampled": "smooth path",
-    "Composite": "path of several pieces",
-    "Line": "straight line",
-    "Arc": "circular arc",
-}
 
 
 @dataclass(frozen=True)
@@ -61,29 +38,51 @@ def headline(summary: Summary) -> str:
     """Result of the run in one line."""
     run, exact = summary.run, summary.exact
     if run.first_contact is not None:
-        return f"Benches {format_pair(run.first_contact.benches)} touch at {_time_text(run.first_contact.time, 6)}"
+        (i, j), time = run.first_contact.benches, _time_text(run.first_contact.time, 6)
+        return text("Benches {i} and {j} touch at {time}").format(i=i, j=j, time=time)
     begin, end = (_time_text(float(time), 3) for time in run.times[[0, -1]])
     if run.outcome == "unreachable":
-        return f"No contact until {end}, where the head reaches the end of the curve"
+        return text("No contact until {end}, where the head reaches the end of the curve").format(end=end)
     if summary.player == "exact" and (exact is None or exact.status != "clear"):
         # The exact player does not detect contacts, and the exact model does not exclude one.
-        return f"The dragon at {end}" if begin == end else f"The dragon from {begin} to {end}"
-    return f"No contact from {begin} to {end}"
+        if begin == end:
+            return text("The dragon at {time}").format(time=end)
+        return text("The dragon from {begin} to {end}").format(begin=begin, end=end)
+    return text("No contact from {begin} to {end}").format(begin=begin, end=end)
 
 
 def subtitle(summary: Summary) -> str:
     """Dragon, speed, curve and player of the run in one line."""
     scenario = summary.scenario
-    curve = CURVE_NAMES.get(scenario["curve"], scenario["curve"].lower())
+    curve = _curve_name(scenario["curve"])
     if scenario["pitch"] is not None:
-        curve += f", pitch {scenario['pitch']:g} m"
+        curve += text(", pitch {pitch} m").format(pitch=f"{scenario['pitch']:g}")
     if "radius" in scenario:
-        curve += f", in a circle of {scenario['radius']:g} m"
+        curve += text(", in a circle of {radius} m").format(radius=f"{scenario['radius']:g}")
     if "length" in scenario:
-        curve += f" of {scenario['length']:.4g} m"
-    known = {"pymunk": "played by Pymunk", "exact": "played by the exact model", None: "of an unknown player"}
-    player = known.get(summary.player, f"played by {summary.player}")
-    return f"A dragon of {scenario['benches']} benches at {_speed_text(scenario['speed'])} on a {curve}, {player}"
+        curve += text(" of {length} m").format(length=f"{scenario['length']:.4g}")
+    known = {
+        "pymunk": text("played by Pymunk"),
+        "exact": text("played by the exact model"),
+        None: text("of an unknown player"),
+    }
+    player = known.get(summary.player) or text("played by {player}").format(player=summary.player)
+    return text("A dragon of {benches} benches at {speed} on a {curve}, {player}").format(
+        benches=scenario["benches"], speed=_speed_text(scenario["speed"]), curve=curve, player=player
+    )
+
+
+def _curve_name(kind: str) -> str:
+    """Name of a curve class in sentences; other classes appear under the class name."""
+    known = {
+        "Spiral": text("spiral"),
+        "UTurn": text("U-turn"),
+        "Sampled": text("smooth path"),
+        "Composite": text("path of several pieces"),
+        "Line": text("straight line"),
+        "Arc": text("circular arc"),
+    }
+    return known.get(kind, kind.lower())
 
 
 def key_figures(summary: Summary) -> Facts:
@@ -119,16 +118,40 @@ def sections(summary: Summary) -> list[Section]:
 
 def provenance(summary: Summary) -> Section:
     """Scenario, settings and versions of the run."""
+    labels = _scenario_labels()
     scenario = []
     for name, value in summary.scenario.items():
-        label, unit = SCENARIO_LABELS[name]
+        label, unit = labels[name]
         if value is not None:
-            text = _speed_text(value) if name == "speed" else f"{_value_text(value, SCENARIO_DIGITS)} {unit}".rstrip()
-            scenario.append((label, text))
-    versions = [*_settings(summary.versions), ("report format", str(VERSION))]
-    facts = {"Scenario": scenario, "Settings": _settings(summary.settings), "Versions": versions}
+            size = _speed_text(value) if name == "speed" else f"{_value_text(value, SCENARIO_DIGITS)} {unit}".rstrip()
+            scenario.append((label, size))
+    versions = [*_settings(summary.versions), (text("report format"), str(VERSION))]
+    facts = {
+        text("Scenario"): scenario,
+        text("Settings"): _settings(summary.settings),
+        text("Versions"): versions,
+    }
     given = {heading: pairs for heading, pairs in facts.items() if pairs}
-    return Section("provenance", "Provenance", facts=given)
+    return Section("provenance", text("Provenance"), facts=given)
+
+
+def _scenario_labels() -> dict[str, tuple[str, str]]:
+    """Label and unit of each key of a scenario."""
+    return {
+        "benches": (text("Benches"), ""),
+        "head_spacing": (text("Head bench, hole to hole"), "m"),
+        "body_spacing": (text("Other benches, hole to hole"), "m"),
+        "overhang": (text("Hole to the end of a bench"), "m"),
+        "width": (text("Width of a bench"), "m"),
+        "curve": (text("Curve"), ""),
+        "pitch": (text("Pitch"), "m"),
+        "turns": (text("Start on turn"), ""),
+        "speed": (text("Speed of the head"), "m/s"),
+        "radius": (text("Radius of the turning circle"), "m"),
+        "ratio": (text("First arc's radius over the second's"), ""),
+        "length": (text("Length of the curve"), "m"),
+        "start_s": (text("Start of the head, along the curve"), "m"),
+    }
 
 
 def _contacts(summary: Summary) -> dict[str, Facts]:
@@ -268,10 +291,14 @@ def _value_text(value: Any, digits: int) -> str:
 def _speed_text(speed: float | Sequence[Sequence[float]] | None) -> str:
     """Speed of the head, or its range."""
     if speed is None:
-        return "a changing speed"
+        return text("a changing speed")
     if isinstance(speed, Sequence):
         least, most = (bound(entry[1] for entry in speed) for bound in (min, max))
-        return f"{least:g} to {most:g} m/s" if least < most else f"{most:g} m/s"
+        return (
+            text("{least} to {most} m/s").format(least=f"{least:g}", most=f"{most:g}")
+            if least < most
+            else f"{most:g} m/s"
+        )
     return f"{speed:g} m/s"
 
 

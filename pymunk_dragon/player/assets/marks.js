@@ -13,6 +13,7 @@ const NUMBER_EVERY = 25; // benches from one number to the next in a distant vie
 const NUMBER_SIZE = 28; // pixels: room for a number in a distant view
 const RING = 9; // pixels: radius of the ring around a contact
 const LABEL_OFFSET = 14; // pixels: distance of a label from the centre of its ring
+const ZOOM_BUTTONS = 52; // pixels: width of the buttons at the right
 // s: a near miss is shown this long before and after its time.
 const NEAR_MISS_SHOWN = 1.5;
 
@@ -106,14 +107,16 @@ function drawContacts(painter, time, benches, touching) {
   }
 }
 
-// Text beside a point: at the right, or at the left if there is no room.
+// Text beside a point: at the right, at the left if there is no room, and otherwise as far to the right as there is.
 function drawLabel(painter, text, px, py) {
   const { context, view } = painter;
   context.font = `600 13px ${painter.font}`;
   context.textBaseline = "middle";
-  const fits = px + LABEL_OFFSET + context.measureText(text).width < view.width;
-  context.textAlign = fits ? "left" : "right";
-  painter.drawText(text, px + (fits ? LABEL_OFFSET : -LABEL_OFFSET), py - LABEL_OFFSET);
+  context.textAlign = "left";
+  const { width } = context.measureText(text);
+  const rightmost = view.width - ZOOM_BUTTONS - width;
+  const beside = [px + LABEL_OFFSET, px - LABEL_OFFSET - width].find((left) => left > 0 && left <= rightmost);
+  painter.drawText(text, beside ?? Math.max(0, rightmost), py - LABEL_OFFSET);
 }
 
 function drawRing({ context, colours }, [px, py], inner = 0) {
