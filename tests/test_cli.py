@@ -266,6 +266,21 @@ def test_render_sets_runs_side_by_side_with_their_marks_and_words(call, tmp_path
     assert len(pictures) == 5
 
 
+def test_render_writes_texts_in_a_language_and_with_a_legend(call, tmp_path):
+    picture = tmp_path / "p.png"
+
+    def image(*arguments):
+        assert call("render", "-o", picture, "--until", "2", "--size", "320", *arguments)[0] == 0
+        with Image.open(picture) as opened:
+            return opened.size, opened.tobytes()
+
+    (width, height), english = image()
+    assert width == 320
+    assert height > 320
+    assert image("--no-legend")[0] == (320, 320)
+    assert image("--lang", "zh")[1] != english
+
+
 @pytest.mark.parametrize("ending", ["mp4", "apng", "webp"])
 def test_render_takes_the_format_from_the_ending(call, ending, tmp_path):
     film = tmp_path / f"film.{ending}"
@@ -477,6 +492,8 @@ def test_every_scenario_option_refuses_what_it_cannot_be(complaint, name, value)
         (["render", "-o", "f.gif", "--size", "big"], ["--size is 'big'"]),
         (["render", "-o", "f.gif", "--size", "1x2x3"], ["size", "1x2x3"]),
         (["render", "-o", "f.gif", "--camera", "tail"], ["--camera is 'tail'", "head"]),
+        (["render", "-o", "f.gif", "--lang", "de"], ["--lang is 'de'", "en, zh"]),
+        (["render", "-o", "f.html", "--lang", "zh"], ["page", "--lang"]),
         (["render", "-o", "f.gif", "--speedup", "0"], ["--speedup is 0.0"]),
         (["render", "run.npz", "--pitch", "1", "-o", "f.gif"], ["scenario"]),
         (["report", "nowhere.npz", "-o", "r.html"], ["nowhere.npz"]),

@@ -88,7 +88,7 @@ def test_legend_is_left_out_of_narrow_pictures():
     assert still(SMALL, 1.0, Film(size=200)).shape == (200, 200, 3)
 
 
-@pytest.mark.parametrize(("camera", "metres"), [(Camera(span=24.0), 5), (Camera(follow="head", span=6.0), 1)])
+@pytest.mark.parametrize(("camera", "metres"), [(Camera(span=24.0), 2), (Camera(follow="head", span=6.0), 1)])
 def test_scale_bar_is_as_long_as_it_says(camera, metres, texts):
     picture = still(SMALL, 1.0, Film(size=480, camera=camera))
     assert f"{metres:g} m" in texts

@@ -142,8 +142,10 @@ def test_body_changes_colour_at_the_contact_and_head_does_not(seed: Run, follow:
     film = Film(size=640, camera=Camera(follow=follow))
     for time, colours in ((CONTACT_TIME - 0.01, ("head", "body")), (CONTACT_TIME, ("head", "contact"))):
         picture, place = drawn(seed, film, time)
-        centres = place(seed.poses_at([time])[0, :, :2])
-        assert tuple(colour_at(picture, *centres[i]) for i in (0, 8)) == tuple(
+        poses = seed.poses_at([time])[0, [0, 8]]
+        # Half a metre in front of the centres: there is no ring, and no other bench.
+        points = place(poses[:, :2] + 0.5 * np.stack([np.cos(poses[:, 2]), np.sin(poses[:, 2])], axis=-1))
+        assert tuple(colour_at(picture, *point) for point in points) == tuple(
             getattr(film.palette, name) for name in colours
         )
 

@@ -73,7 +73,7 @@ def marks() -> tuple[Any, ...]:
 @click.option("--until", type=float, metavar="T", help=f"Last time, s.  [the run's, or {MARCH_FILM:g} s of a march]")
 @click.option("--speedup", type=float, metavar="X", help="Simulated s in 1 s of film.  [slower towards contacts]")
 @click.option("--fps", type=int, metavar="N", help="Frames in a second, at most 60, and 50 in a GIF.  [20]")
-@click.option("--size", metavar="PIXELS", help="Width and height: 400, or 640x360.  [400]")
+@click.option("--size", metavar="PIXELS", help="Width and height: 440, or 640x360.  [440]")
 @click.option(
     "--camera",
     "follow",

@@ -25,7 +25,7 @@ TITLE_SCALE = 1.25
 # Pixels between two scenes: just enough for a visible line.
 GUTTER = 2
 # Free border on each side of the field of view, as a fraction of its size.
-FIELD_BORDER = 0.03
+FIELD_BORDER = 0.01
 
 
 class Canvas:
@@ -149,12 +149,16 @@ def lay_out(clips: Sequence[Clip], film: Film, since: float | None = None) -> Ca
     if headings and len(headings) != len(clips):
         raise ParameterError("headings", headings, f"one for each picture, so {len(clips)}")
     centre, span = (0.0, 0.0), HEAD_SPAN * max(float(clip.march.dragon.widths[0]) for clip in clips)
+    face = font() or film.font
+    text_height = Lettering(film.shape, font=face).line("").height
     extents = [clip.extent for clip in clips if clip.extent is not None]
     if extents:
         low, high = np.min(extents, axis=0)[0], np.max(extents, axis=0)[1]
         centre = (float(low[0] + high[0]) / 2, float(low[1] + high[1]) / 2)
         width, height = film.shape
-        span = (1 + 2 * FIELD_BORDER) * float(max(high[0] - low[0], (high[1] - low[1]) * width / height))
+        # Between the texts at the top and those at the bottom.
+        free = max(height - 2 * text_height, height / 2)
+        span = (1 + 2 * FIELD_BORDER) * float(max(high[0] - low[0], (high[1] - low[1]) * width / free))
     scenes = [
         Scene(
             clip.march,
@@ -169,7 +173,7 @@ def lay_out(clips: Sequence[Clip], film: Film, since: float | None = None) -> Ca
             largest_impulse=max(clip.largest_impulse for clip in clips),
             magnification=clip.magnification,
             since=since,
-            font=font() or film.font,
+            font=face,
         )
         for clip in clips
     ]

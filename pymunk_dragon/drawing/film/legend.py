@@ -21,7 +21,7 @@ SAMPLE = (1.0, 0.7)
 # Lengths of scale bars, up to a power of ten.
 STEPS = (5, 2, 1)
 # Largest length of a scale bar, as a fraction of the width of a scene.
-MAX_SCALE_BAR = 0.25
+MAX_SCALE_BAR = 0.2
 # Height of the ends of a scale bar, as a fraction of the text height.
 TICK = 0.4
 

@@ -110,7 +110,7 @@ class Film:
 
     fps: int | None = None
     speedup: float | None = None
-    size: int | tuple[int, int] = 400
+    size: int | tuple[int, int] = 440
     start: float | None = None
     until: float | None = None
     hold: float = 2.5
