@@ -1002,8 +1002,8 @@ def test_recorded_session_becomes_a_film(name, tmp_path):
         assert len({film.seek(frame) or film.convert("RGB").tobytes() for frame in range(film.n_frames)}) > 15
         film.seek(0)
         lasts = sum(film.seek(frame) or film.info["duration"] for frame in range(film.n_frames))
-    # The film of a dragon shows its end for a second more.
-    assert lasts / 1000 == pytest.approx(2.0 if name == "dragon" else 1.0, abs=0.15)
+    # The film of a dragon shows its end for 2.5 seconds more.
+    assert lasts / 1000 == pytest.approx(3.5 if name == "dragon" else 1.0, abs=0.15)
 
 
 def test_film_shows_an_obstacle_from_when_it_was_put_until_it_was_removed(tmp_path):

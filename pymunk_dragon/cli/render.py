@@ -29,8 +29,8 @@ if TYPE_CHECKING:
 MARKS = {
     "velocities": "Arrows to where the handles would be in half a second.",
     "grid": "The cells of the broad phase, darker where a bench is filed.",
-    "contacts": "Where benches touch.",
-    "normals": "In which direction they push.",
+    "contacts": "Contact points.",
+    "normals": "Contact normals.",
     "impulses": "Impulses in the joints, as discs.",
 }
 # s: default length of a film of a march.

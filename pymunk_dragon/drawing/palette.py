@@ -55,7 +55,7 @@ class Palette:
     background, curve : str
         Ground and path of the dragon.
     head, body, tail, contact : str
-        Benches; `contact` is the colour of two benches that touch.
+        Benches; `contact` is the colour of benches in contact. The head keeps its own, with a border of this colour.
     ink : str
         Outlines, holes and text.
     motion, force, grid : str

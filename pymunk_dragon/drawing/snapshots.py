@@ -199,7 +199,8 @@ def _model(run: Run | None) -> str:
         return text("exact model")
     words = [text("engine")]
     if run.guide is not None:
-        words.append(text("no guide") if run.guide == "none" else run.guide)
+        # A guide of the user's own has no other name.
+        words.append({"none": text("no guide"), "rails": text("rails")}.get(run.guide, run.guide))
     if run.settings is not None and run.settings.contacts == "resolve":
         words.append(text("contacts resolved"))
     return text(", ").join(words)

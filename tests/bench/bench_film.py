@@ -38,7 +38,7 @@ def film_of(frames: int) -> tuple[Run, Film]:
     """A run with a frame every half second, as a film of the whole march needs it, and the film."""
     last = SINCE + (frames - 1) * STEP
     return Run.exact(March(), np.arange(SINCE, last + STEP, STEP)), Film(
-        size=SIZE, fps=FPS, speedup=FPS * STEP, start=SINCE, until=last, hold=0.0
+        size=SIZE, fps=FPS, speedup=FPS * STEP, start=SINCE, until=last, hold=0.0, legend=False
     )
 
 

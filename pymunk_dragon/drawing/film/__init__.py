@@ -1,7 +1,8 @@
 """Films of a run or march, or of several side by side.
 
-A film passes through these modules: `settings` (parameters and times), `drawing.snapshots` (states at these times),
-`layout` (arranges the scenes, which draw the states), `workers` (draws frames in parallel), and `formats` (file).
+A film passes through these modules: `settings` (parameters), `timing` (times of the frames), `drawing.snapshots`
+(states at these times), `layout` (arranges the scenes, which draw the states, and the `legend`), `workers` (draws
+frames in parallel), and `formats` (file).
 """
 
 from __future__ import annotations

@@ -85,17 +85,17 @@ class Film:
     Notes
     -----
     Without `speedup`, the film slows down smoothly towards the first contact and the near misses of the exact model:
-    each near miss adds 1 s and a contact 2 s to the film, half of that before the event. Elsewhere the head travels 0.4
-    of the shortest body spacing in a frame (0.1 if the camera follows the head), which is 0.66 m of the paper's dragon.
-    From 0.5 on, the eye would take each bench for the next one, and the dragon would appear to creep backwards.
-    Including the hold of 2.5 s,
+    each near miss adds about 1 s and a contact 2 s to the film, half of that before the event. Elsewhere the head
+    travels 0.4 of the shortest body spacing in a frame (0.1 if the camera follows the head), which is 0.66 m of the
+    paper's dragon. From 0.5 on, the eye would take each bench for the next one, and the dragon would appear to creep
+    backwards. Including the hold of 2.5 s,
 
     - without `start`, the film is at most 11 s long, and shows as much of the end of the run as this allows;
     - with `start`, it is at most 20 s long, with up to 50 frames per second for a long march, and only then faster;
-    - the film is shorter than 8 s only if it would be slower than real time otherwise.
+    - the film is shorter than 8 s only if it would be slower than half of real time otherwise.
 
-    With the defaults, the film of the reference scenario shows the last 72 s before the contact in 11 s. Its 170 frames
-    take 2.9 MB as a GIF: 223 moving benches take 17 kB in each frame.
+    With the defaults, the film of the reference scenario shows the last 74 s before the contact in 11 s. Its 171 frames
+    take 3 MB as a GIF: 223 moving benches take 17 kB in each frame.
 
     Examples
     --------

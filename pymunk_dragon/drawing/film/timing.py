@@ -30,7 +30,9 @@ FIELD_ADVANCE = 0.4
 HEAD_ADVANCE = 0.1
 # s: length of a film whose start is chosen, without the hold of its last frame: 170 frames, or a GIF of 2.9 MB.
 CHOSEN_LENGTH = 8.5
-# s: shortest film without hold, if that needs no slow motion. It is 8 s long with the standard hold.
+# Slowest rate far from events, if the limit on the head's travel does not demand less: half of real time.
+SLOWEST = 0.5
+# s: shortest film without hold, if `SLOWEST` allows it. It is 8 s long with the standard hold.
 SHORTEST = 5.5
 # s: longest film without hold. It is 20 s long with the standard hold.
 LONGEST = 17.5
@@ -158,8 +160,7 @@ def _rate(duration: float, added: float, step: float, fps: int | None) -> tuple[
     else:
         rate = duration / (LONGEST - added)
     if added + duration / rate < SHORTEST:
-        # In slow motion only if `step` demands it.
-        rate = max(duration / (SHORTEST - added), min(rate, 1.0))
+        rate = max(duration / (SHORTEST - added), min(rate, SLOWEST))
     return rate, chosen
 
 
