@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import re
 
 import pytest
 from browser import needs_browser, opened, wait_until
@@ -10,7 +11,8 @@ from lesson_runs import played
 
 from pymunk_dragon.cli import main
 from pymunk_dragon.lessons import LANGUAGES, LESSONS, write_lessons
-from pymunk_dragon.lessons._framework import PARTS, export, make_notebook, make_page
+from pymunk_dragon.lessons._framework import PARTS, export, make_notebook, make_page, page
+from pymunk_dragon.lessons._framework.notes import notes
 
 ALL = list(LESSONS.values())
 FILMS = [name for name, lesson in LESSONS.items() if '.file(".gif")' in lesson.source]
@@ -45,6 +47,12 @@ views = pytest.mark.parametrize(("media", "width"), [("screen", 1280), ("screen"
 UNFOLD = "document.querySelectorAll('details').forEach((details) => details.open = true)"
 
 
+def longest(text):
+    """The longest part of a text without a formula, of which a browser's text is another one; without spaces."""
+    parts = ["".join(part.split()) for part in re.split(r"\$[^$]*\$", text.replace("`", ""))]
+    return max(parts, key=len)
+
+
 @pytest.mark.thorough
 @needs_browser
 @views
@@ -72,8 +80,7 @@ def test_one_language_is_seen_at_a_time(seen, language):
     for lesson in ALL:
         for part in PARTS:
             for each in LANGUAGES:
-                words = "".join(lesson.text(part, each).replace("`", "").split())
-                assert (words in text) == (each == language), (lesson.name, part, each)
+                assert (longest(lesson.text(part, each)) in text) == (each == language), (lesson.name, part, each)
     assert seen.page.title() == seen.page.inner_text("h1")
 
 
@@ -103,19 +110,21 @@ def test_address_remembers_the_language_that_was_chosen(browser, address):
 def test_screen_readers_get_one_language(seen, language):
     """What stands for a picture is in the language that is read; the buttons say in which their names are."""
     seen.page.click(f".languages button[value={language}]")
-    heard = seen.page.evaluate("[...document.querySelectorAll('figure img:first-child')].map((image) => image.alt)")
+    heard = seen.page.evaluate("[...document.querySelectorAll('section img:first-child')].map((image) => image.alt)")
     # Behind a number stands a space at which no line ends.
     assert [alt.replace("\u00a0", " ") for alt in heard] == [
         lesson.text("picture", language).replace("`", "") for lesson in ALL
     ]
-    assert seen.page.evaluate("[...document.querySelectorAll('button')].map((button) => button.lang)") == [*LANGUAGES]
+    assert seen.page.evaluate("[...document.querySelectorAll('.languages button')].map((button) => button.lang)") == [
+        *LANGUAGES
+    ]
 
 
 @pytest.mark.thorough
 @needs_browser
 def test_contents_lead_to_every_lesson(seen):
     links = seen.page.evaluate("[...document.querySelectorAll('.contents a')].map((a) => a.getAttribute('href'))")
-    assert links == [f"#{name}" for name in LESSONS]
+    assert links == [f"#{name}" for name in (*LESSONS, "glossary", "references")]
     for link in links:
         assert seen.page.locator(link).count() == 1
 
@@ -123,15 +132,13 @@ def test_contents_lead_to_every_lesson(seen):
 @pytest.mark.thorough
 @needs_browser
 def test_answers_and_pictures_are_folded_at_first(seen):
-    assert not seen.page.locator("figure").first.is_visible()
+    assert not seen.page.locator("section figure").first.is_visible()
     assert not seen.page.get_by_text(LESSONS["spiral"].text("answer").split("`")[0][:40]).first.is_visible()
-    seen.page.click("#spiral summary >> nth=0")
+    seen.page.click("#spiral .run summary")
     assert seen.page.locator("#spiral figure").is_visible()
     assert seen.page.locator("#spiral .printed").inner_text().strip() == played("spiral").printed.strip()
-    seen.page.click("#spiral summary >> nth=1")
-    assert "".join(LESSONS["spiral"].text("answer").replace("`", "").split()) in "".join(
-        seen.page.inner_text("#spiral .answer").split()
-    )
+    seen.page.click("#spiral .answer summary")
+    assert longest(LESSONS["spiral"].text("answer")) in "".join(seen.page.inner_text("#spiral .answer").split())
 
 
 @pytest.mark.thorough
@@ -157,7 +164,7 @@ def test_film_plays_on_demand_and_from_its_beginning(seen, name):
 def test_all_pictures_can_be_seen(seen):
     seen.page.evaluate(UNFOLD)
     wait_until(seen.page, "[...document.images].every((image) => image.complete && image.naturalWidth > 0)")
-    assert seen.page.evaluate("[...document.querySelectorAll('figure')].length") == len(LESSONS)
+    assert seen.page.evaluate("[...document.querySelectorAll('section figure')].length") == len(LESSONS)
 
 
 @pytest.mark.thorough
@@ -203,6 +210,81 @@ def test_page_shows_the_code_as_it_stands(browser, address):
         seen.page.evaluate(UNFOLD)
         for lesson in ALL:
             assert seen.page.locator(f"#{lesson.name} .code pre").inner_text().strip() == lesson.code
+
+
+@pytest.mark.thorough
+@needs_browser
+def test_guess_is_checked_with_the_keyboard_alone(seen):
+    [guess] = LESSONS["spiral"].guesses
+    verdict, choices = seen.page.locator("#spiral .verdict"), seen.page.locator("#spiral .guesses input")
+    choices.first.focus()
+    for right in (False, True, False):
+        seen.page.keyboard.press("Space")
+        assert not verdict.is_visible()
+        seen.page.keyboard.press("Enter")
+        assert verdict.inner_text() == ("Right. " if right else "The run shows otherwise. ") + guess.result()
+        seen.page.keyboard.press("ArrowDown")
+    seen.page.reload()
+    seen.page.click("#chain .guesses button")  # Without a choice there is no verdict.
+    assert not seen.page.locator("#chain .verdict").first.is_visible()
+    assert seen.complaints == []
+
+
+@pytest.mark.thorough
+@needs_browser
+@pytest.mark.parametrize("language", LANGUAGES)
+@pytest.mark.parametrize("one", [False, True])
+@pytest.mark.parametrize("kind", ["class", "teacher"])
+def test_sheets_for_the_class_have_no_answers_and_those_for_the_teacher_do(seen, kind, one, language):
+    seen.page.click(f".languages button[value={language}]")
+    seen.page.emulate_media(media="print")
+    # What would be on paper when a button prints; a hidden button is clicked by the page itself.
+    seen.page.evaluate(
+        "window.print = () => { dispatchEvent(new Event('beforeprint'));"
+        " window.paper = document.body.innerText; dispatchEvent(new Event('afterprint')); }"
+    )
+    seen.page.evaluate(f"document.querySelector('{'#grid' if one else 'header'} .sheets [value={kind}]').click()")
+    paper = "".join(seen.page.evaluate("window.paper").split())
+    for lesson in ALL:
+        printed = not one or lesson.name == "grid"
+        result, *_ = lesson.guesses_in(language)
+        assert (longest(lesson.text("question", language)) in paper) == (printed and kind == "class")
+        assert (longest(lesson.code[:200]) in paper) == (printed and kind == "class")
+        for part in ("picture", "answer", "check", "change"):
+            assert (longest(lesson.text(part, language)) in paper) == (printed and kind == "teacher")
+        assert (longest(result.result()) in paper) == (printed and kind == "teacher")
+        assert (longest(notes(language).lessons[lesson.name].needs) in paper) == (printed and kind == "teacher")
+    assert longest(notes(language).references["pymunk"]) not in paper
+    # Afterwards the page is as it was.
+    seen.page.emulate_media(media="screen")
+    assert seen.page.locator("header").is_visible()
+    assert seen.page.evaluate("document.querySelectorAll('details[open]').length") == 0
+
+
+@pytest.mark.thorough
+@needs_browser
+def test_formulas_are_mathml_and_none_is_left_as_latex(seen):
+    seen.page.evaluate(UNFOLD)
+    assert "$" not in "".join(seen.page.locator("section p, section li, section dd").all_inner_texts())
+    assert seen.page.locator("#spiral .answer [lang=en] msqrt").count() == 3
+
+
+@pytest.mark.thorough
+@needs_browser
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_page_ends_with_glossary_and_references(seen, language):
+    seen.page.click(f".languages button[value={language}]")
+    text = "".join("".join(seen.page.locator("#glossary, #references").all_inner_texts()).split())
+    found = notes(language)
+    for each in [*(part for entry in found.glossary.values() for part in entry), *found.references.values()]:
+        assert longest(each) in text
+
+
+def test_film_at_the_top_of_the_page_is_small_and_the_same_every_time():
+    film = page._dragon()
+    assert len(film) < 1_500_000
+    page._dragon.cache_clear()
+    assert page._dragon() == film
 
 
 def test_page_is_written_with_progress_and_the_same_every_time(tmp_path):

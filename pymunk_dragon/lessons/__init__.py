@@ -18,8 +18,10 @@ $ pymunk-dragon demo near-miss -o near-miss.ipynb
 ## A lesson of your own
 
 A new lesson is one file in this folder, in the form of the others: `Lesson` with a name, a title and an order, a
-question, a prediction, code that shows one picture, an answer, a check and a change. `order` sorts the lessons; a
-value between those of two others puts it there. Its Chinese texts go to `_framework/zh.toml`.
+question, a prediction with guesses, code that shows one picture, what the picture shows, an answer with the results of
+the guesses, a check and a change. `order` sorts the lessons; a value between those of two others puts it there. Its
+Chinese texts go to `_framework/zh.toml`, notes for teachers to `_framework/notes.en.toml` and `notes.zh.toml`. Formulas
+are LaTeX between dollar signs.
 """
 
 from collections.abc import Mapping
