@@ -15,6 +15,8 @@ Kind = Literal["text", "code", "formula"]
 # Code or a formula with the marks around it.
 MARKED = re.compile(r"`[^`]*`|\$[^$]*\$")
 KINDS: dict[str, Kind] = {"`": "code", "$": "formula"}
+# Name of a function in MathML, unless a bracket follows.
+FUNCTION = re.compile(r"(<mi>(?:arc)?(?:sin|cos|tan)</mi>)(?!<mo)")
 # A space at which no line is broken.
 NO_BREAK = "\u00a0"
 # LaTeX commands of the formulas as characters; those of functions, as \cos, are their own names.
@@ -82,15 +84,15 @@ def in_unicode(formula: str) -> str:
 
 
 def in_mathml(formula: str) -> str:
-    """A LaTeX formula as MathML.
+    """A LaTeX formula as MathML, with a thin space behind the name of a function, which browsers leave out.
 
     Raises
     ------
     MissingExtraError
         If latex2mathml is not installed.
     """
-    made: str = library("latex2mathml.converter").convert(formula)
-    return made
+    made = str(library("latex2mathml.converter").convert(formula))
+    return FUNCTION.sub(r'\1<mspace width="0.167em" />', made)
 
 
 def unbroken(text: str) -> str:

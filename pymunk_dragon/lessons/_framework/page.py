@@ -25,7 +25,7 @@ from pymunk_dragon.model.march import March
 PAGE_WORDS = (
     *("live", "page_title", "page_subtitle", "dragon", "contents", "run", "code", "top", "glossary", "references"),
     *("check_guess", "right", "wrong", "because", "notes", "for_teacher", "level", "needs", "minutes", "unit", "idea"),
-    *("printed", "print_class", "print_teacher", "print_class_all", "print_teacher_all"),
+    *("print_class", "print_teacher", "print_class_all", "print_teacher_all"),
 )
 # Film at the top of the page: the last 52 s before the first contact. Its step of 0.6 m a frame is short against a
 # bench, and its file has some 1.2 MB.
