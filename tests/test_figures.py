@@ -243,7 +243,7 @@ def test_the_title_of_the_grid_counts_its_candidates(drawn: dict[str, Any]) -> N
     cells = [{tuple(cell) for cell in Grid.of(march).file(outlines[i : i + 1])[0].tolist()} for i in range(16)]
     apart = [(i, j) for i, j in combinations(range(16), 2) if j - i > 1]
     candidates = [pair for pair in apart if cells[pair[0]] & cells[pair[1]]]
-    title = drawn["grid"].texts[0].get_text()
+    title = drawn["grid"].texts[0].get_text().replace("\n", " ")
     assert (
         title == f"Of {len(apart)} pairs of benches that share no hole, {len(candidates)} share a cell and are tested"
     )

@@ -175,6 +175,6 @@ def test_program_refuses_an_impossible_limit_in_one_line(value: str, capsys: pyt
 def test_picture_is_written(answer: MaxSpeed, tmp_path: Path) -> None:
     answer.write_figure(tmp_path / "limit.png")
     with Image.open(tmp_path / "limit.png") as picture:
-        assert picture.size == (1600, 1880)
+        assert picture.size == (1600, 900)
     answer.write_figure(tmp_path / "limit.svg")
     assert 'id="fastest"' in (tmp_path / "limit.svg").read_text()

@@ -28,7 +28,7 @@ def square(axes: Axes, half: float, x: float = 0.0, y: float = 0.0) -> None:
         spine.set(visible=True, color=RULE)
 
 
-def circle(axes: Axes, radius: float, lw: float = 1.0, points: int = POINTS) -> None:
+def circle(axes: Axes, radius: float, lw: float = 1.2, points: int = POINTS) -> None:
     """Draw the turning circle, dashed."""
     turn = np.linspace(0, 2 * np.pi, points)
     dashed: Any = (0, (5, 3))

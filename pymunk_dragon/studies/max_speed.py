@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pymunk_dragon._checks import finite
+from pymunk_dragon._language import text
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.curves import UTurn
 from pymunk_dragon.model.dragon import Dragon
@@ -25,9 +26,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 # Of the figure: m of head travel shown before the time of the limit.
-DISTANCE_BEFORE = 14.0
+DISTANCE_BEFORE = 9.0
 # Of the figure: m of head travel shown after the time of the limit.
-DISTANCE_AFTER = 26.0
+DISTANCE_AFTER = 12.0
 # Of the figure: times at which speeds are sampled, more than the line is pixels wide.
 TIME_SAMPLES = 1600
 # Of the figure: foremost handles whose speeds are drawn individually.
@@ -36,6 +37,12 @@ DRAWN_HANDLES = 12
 EVALUATED_HANDLES = 28
 # Of the figure: half the width of the plan view, in radii of the circle.
 BORDER = 1.16
+# Of the figure: offsets of the labels of handles, points: in all directions.
+SPEED_OFFSETS = [
+    (size * float(np.cos(angle)), size * float(np.sin(angle)))
+    for size in (18.0, 23.0, 28.0)
+    for angle in np.linspace(0.0, 2 * np.pi, 25)[:-1]
+]
 # Of the figure: points of the path and of the circle.
 PATH_POINTS = 1500
 
@@ -95,19 +102,16 @@ class MaxSpeed(Result, SpeedRatio):
 
     def _draw(self) -> Figure:
         """Speeds of the handles over time, and positions at the time of the limit."""
-        from pymunk_dragon.drawing.figures.style import page, panel
+        from pymunk_dragon.drawing.figures.style import panel, slide
 
-        first, last = self.handles[0], self.handles[-1]
-        subject = f"handle {first} is" if first == last else f"handles {first} to {last} are"
-        where = f"head {self.distance:.2f} m into the circle, {self.time:.2f} s after it entered"
-        figure = page(
-            8.0,
-            9.4,
-            f"At {self.speed:.6f} m/s of the head, {subject} at the limit of {self.limit:g} m/s once",
-            f"{where}; no handle is faster at any time",
-        )
-        _draw_speeds(panel(figure, 0.85, 5.35, 6.85, 2.75), self)
-        _draw_positions(panel(figure, 2.0, 0.45, 4.1, 4.1), self)
+        title = text("At {:.6f} m/s of the head, handles {} to {} are at the limit of {:g} m/s once")
+        if self.handles[0] == self.handles[-1]:
+            title = text("At {:.6f} m/s of the head, handle {} is at the limit of {:g} m/s once")
+        ends = sorted({self.handles[0], self.handles[-1]})
+        note = text("head {:.2f} m into the circle, {:.2f} s after it entered; no handle is faster at any time")
+        figure = slide(title.format(self.speed, *ends, self.limit), note.format(self.distance, self.time))
+        _draw_speeds(panel(figure, 0.75, 0.65, 3.55, 2.6), self)
+        _draw_positions(panel(figure, 4.5, 0.15, 3.4, 3.4), self)
         return figure
 
 
@@ -188,28 +192,31 @@ def max_speed(
 def _draw_speeds(axes: Axes, found: MaxSpeed) -> None:
     """Draw the speeds of the foremost handles, and the largest speed, over time."""
     from pymunk_dragon.drawing.figures.lines import label
-    from pymunk_dragon.drawing.figures.style import BLUE, COLOURS, RULE
+    from pymunk_dragon.drawing.figures.style import BLUE, COLOURS, PALE
     from pymunk_dragon.studies._figures import heading
 
-    heading(axes, "speeds of the foremost handles, m/s; the blue line is the fastest of all")
+    heading(axes, text("speeds of handles, m/s; blue: the fastest"))
     at = found.distance
     distances = np.sort(np.append(np.linspace(at - DISTANCE_BEFORE, at + DISTANCE_AFTER, TIME_SAMPLES), at))
     handles = min(EVALUATED_HANDLES, found.dragon.handles)
     speeds = found.speed * March(found.dragon, found.curve).at(distances, handles).speeds
     times = distances / found.speed
-    axes.plot(times, speeds[:, 1:DRAWN_HANDLES], color=RULE, lw=0.9)
-    axes.plot(times, speeds.max(axis=1), color=BLUE, lw=2.0, gid="fastest")
-    axes.axhline(found.limit, color=COLOURS.contact, lw=1.0, ls=(0, (4, 3)))
+    axes.plot(times, speeds[:, 1:DRAWN_HANDLES], color=PALE, lw=0.9)
+    axes.plot(times, speeds.max(axis=1), color=BLUE, lw=2.2, gid="fastest")
+    axes.axhline(found.limit, color=COLOURS.contact, lw=1.2, ls=(0, (4, 3)))
     axes.plot(found.time, found.limit, "o", color=COLOURS.contact, ms=7, zorder=4, gid="limit")
-    label(axes, found.time, found.limit, f"{found.time:.3f} s", (10, -4), ha="left", va="top", color=COLOURS.contact)
+    note = text("{:g} m/s at {:.3f} s").format(found.limit, found.time)
+    label(axes, found.time, found.limit, note, (0, 9), "center", color=COLOURS.contact)
     axes.set_xlim(times[0], times[-1])
-    axes.margins(y=0.12)
-    axes.set_xlabel("time since the head entered the circle (s)")
+    axes.margins(y=0.2)
+    axes.set_xlabel(text("time since the head entered the circle (s)"))
 
 
 def _draw_positions(axes: Axes, found: MaxSpeed) -> None:
-    """Draw the benches in the turn at the time of the limit, with the handles' speeds."""
-    from pymunk_dragon.drawing.figures.style import COLOURS, FAINT, RULE, halo
+    """Draw the benches in the turn at the time of the limit, with the speeds of the foremost handles."""
+    from pymunk_dragon.drawing.figures.lines import label_in_room
+    from pymunk_dragon.drawing.figures.room import Room
+    from pymunk_dragon.drawing.figures.style import COLOURS, PALE, SHARED, SMALL
     from pymunk_dragon.studies._figures import circle, square
 
     curve = found.curve
@@ -219,27 +226,22 @@ def _draw_positions(axes: Axes, found: MaxSpeed) -> None:
     axes.set_axis_off()
     circle(axes, curve.radius, points=PATH_POINTS)
     path = curve.point(np.linspace(-half, curve.joints[-1] + half, PATH_POINTS))
-    axes.plot(*path.T, color=RULE, lw=1.2, gid="path")
+    axes.plot(*path.T, color=PALE, lw=1.2, gid="path", zorder=1)
+    room = Room(axes)
+    room.take_lines()
     for bench, outline in enumerate(found.dragon.outlines(states.poses[0])):
         if np.abs(outline).max(axis=1).min() < half:
-            axes.fill(*outline.T, fc=FAINT, ec=COLOURS.ink, lw=0.8, gid=f"bench-{bench}")
-    speeds = found.speed * states.speeds[0]
-    for handle, position in enumerate(states.positions[0]):
-        if np.abs(position).max() > 0.93 * half:
-            continue
-        fastest = handle in found.handles
-        colour = COLOURS.contact if fastest else COLOURS.ink
-        axes.plot(*position, "o", color=colour, ms=6 if fastest else 4, zorder=4)
-        axes.annotate(
-            f"{speeds[handle]:.2f}",
-            position.tolist(),
-            (7, 5),
-            textcoords="offset points",
-            size=10,
-            color=colour,
-            zorder=5,
-            path_effects=halo(),
-        )
+            fill = SHARED if bench else COLOURS.head
+            axes.fill(*outline.T, fc=fill, ec=COLOURS.ink, lw=0.8, zorder=2, gid=f"bench-{bench}")
+            room.take_path(np.concatenate([outline, outline[:1]]))
+    positions = states.positions[0]
+    shown = positions[np.abs(positions).max(axis=1) < half]
+    axes.plot(*shown.T, "o", color=COLOURS.ink, ms=4, zorder=4)
+    for handle, (speed, position) in enumerate(zip(found.speeds, positions, strict=False)):
+        colour = COLOURS.contact if handle in found.handles else COLOURS.ink
+        axes.plot(*position, "o", color=colour, ms=6, zorder=4)
+        style: dict[str, Any] = {"size": SMALL, "color": colour, "zorder": 5}
+        label_in_room(axes, room, position[None], f"{speed:.2f}", SPEED_OFFSETS, **style)
 
 
 STUDY = Study(

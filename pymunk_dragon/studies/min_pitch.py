@@ -33,7 +33,6 @@ from pymunk_dragon.studies._pitch_map import PITCH_RATIO, PitchMap, at_least_pit
 from pymunk_dragon.studies._study import INDENT, Progress, Result, Study, bracketed, silent
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 Limit = Literal["passing", "arrival", "start", "circle"]
@@ -56,21 +55,6 @@ STEP_TOLERANCE = 1e-12
 AT_END = 1e-9
 # Text of each cause of a smallest pitch.
 LIMITS = {"passing": "as the head passes", "arrival": "as the head arrives", "start": "as the dragon starts"}
-
-# Of the figure: distance in head lengths that the head travels while the gap over time is shown.
-CLOSE_UP_LENGTHS = 14.0
-# Of the figure: times at which gaps are sampled.
-GAP_SAMPLES = 1200
-# Of the figure: ends of the scale of gaps, mm.
-GAP_SCALE = (0.1, 400.0)
-# Of the figure: inches of height without the gap over time.
-UPPER_HEIGHT = 4.4
-# Of the figure: inches of height of the gap over time.
-LOWER_HEIGHT = 3.9
-# Of the figure: width of the view of the contact in head lengths.
-VIEW_LENGTHS = 1.35
-# Of the figure: points of the circle.
-CIRCLE_POINTS = 600
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -191,21 +175,9 @@ class MinPitch(Result):
         return [*lines, f"{INDENT}{shown} all larger pitches are free, and all smaller ones are not"]
 
     def _draw(self) -> Figure:
-        """The gap over the pitch, the contact of two benches, and the head's gap over time."""
-        from pymunk_dragon.drawing.figures.style import page, panel
+        from pymunk_dragon.studies._min_pitch_figure import draw
 
-        title, height = f"At a pitch of {self.pitch:.6f} m the head starts on the circle itself", UPPER_HEIGHT
-        if self.benches is not None:
-            first, second = self.benches
-            title = f"At a pitch of {self.pitch:.6f} m benches {first} and {second} just touch"
-            height = UPPER_HEIGHT + LOWER_HEIGHT
-        aim = f"handle 0 reaches the circle of {self.radius:g} m from turn {self.turns:g}"
-        figure = page(8.0, height, title, f"the smallest pitch at which {aim} without a collision")
-        _draw_gap_over_pitch(panel(figure, 0.85, height - 3.85, 3.4, 2.6), self)
-        _draw_contact(panel(figure, 4.75, height - 4.1, 2.95, 2.95), self)
-        if self.benches is not None:
-            _draw_gap_over_time(panel(figure, 0.85, 0.65, 6.85, 2.6), self)
-        return figure
+        return draw(self)
 
 
 def min_pitch(
@@ -373,85 +345,6 @@ def _bisected(inward: InwardMarch, blocked: float, larger: list[float]) -> tuple
     if free is None or hit.benches is None:
         raise DragonError(f"no limit of the pitch can be certified above {blocked:.9g} m")
     return free, hit
-
-
-def _draw_gap_over_pitch(axes: Axes, found: MinPitch) -> None:
-    """Draw the smallest gap of a march over the pitch."""
-    from pymunk_dragon.drawing.figures.charts import MM
-    from pymunk_dragon.drawing.figures.lines import label
-    from pymunk_dragon.drawing.figures.style import BLUE, COLOURS, FAINT, QUIET
-    from pymunk_dragon.studies._figures import heading
-
-    known = found.map
-    heading(axes, "smallest gap before the circle, mm")
-    axes.axhline(0.0, color=QUIET, lw=0.8)
-    axes.plot(known.pitches, MM * known.gaps, "o-", color=BLUE, lw=2.0, ms=3, gid="gap-over-pitch")
-    gap = 0.0 if found.benches is not None else MM * float(known.gaps[0])
-    axes.plot(found.pitch, gap, "o", color=COLOURS.contact, ms=7, zorder=4, gid="answer")
-    label_position: dict[str, Any] = {"offset": (8, -8), "ha": "left", "va": "top"}
-    if found.pitch > known.pitches.mean():
-        label_position = {"offset": (-8, 8), "ha": "right", "va": "bottom"}
-    label(axes, found.pitch, gap, f"{found.pitch:.9f} m", color=COLOURS.contact, **label_position)
-    low, high = axes.get_ylim()
-    if known.gaps[0] < 0:
-        axes.axhspan(low, 0.0, color=FAINT, lw=0, zorder=0)
-        axes.annotate("benches overlap", (0.97, 0.05), xycoords="axes fraction", ha="right", color=QUIET)
-    axes.set_ylim(low, high)
-    axes.set_xlabel("pitch (m)")
-    axes.margins(x=0.03)
-
-
-def _draw_contact(axes: Axes, found: MinPitch) -> None:
-    """Draw the benches around the head at the contact."""
-    from pymunk_dragon.drawing.figures.style import COLOURS, halo
-    from pymunk_dragon.studies._figures import circle, square
-
-    dragon = found.march.dragon
-    poses = found.march.at(found.march.time(found.distance)).poses[0]
-    x, y, _ = poses[0].tolist()
-    half = VIEW_LENGTHS * float(dragon.lengths[0]) / 2
-    square(axes, half, x, y)
-    circle(axes, found.radius, 1.2, CIRCLE_POINTS)
-    for bench, outline in reversed(list(enumerate(dragon.outlines(poses)))):
-        if np.hypot(*(outline.mean(axis=0) - (x, y))) > 2 * half:
-            continue
-        touches = bench in (found.benches or ())
-        colour = COLOURS.contact if touches else COLOURS.ink
-        style: dict[str, Any] = {"lw": 2.0 if touches else 1.1, "zorder": 3 + touches, "gid": f"bench-{bench}"}
-        axes.fill(*outline.T, fc=COLOURS.background, ec=colour, **style)
-        middle = poses[bench, :2]
-        if np.abs(middle - (x, y)).max() < 0.95 * half:
-            across, up = middle.tolist()
-            axes.text(across, up, str(bench), color=colour, ha="center", va="center", zorder=5, path_effects=halo())
-    note: dict[str, Any] = {"color": COLOURS.motion, "zorder": 6, "path_effects": halo()}
-    axes.annotate("dashed: the circle", (0.04, 0.05), xycoords="axes fraction", **note)
-    if found.point is not None:
-        axes.plot(*found.point, "o", color=COLOURS.contact, ms=5, zorder=6)
-
-
-def _draw_gap_over_time(axes: Axes, found: MinPitch) -> None:
-    """Draw the head's gap at the end of the march at the smallest pitch."""
-    from pymunk_dragon.drawing.figures.charts import gap_line
-    from pymunk_dragon.drawing.figures.lines import label, logarithmic
-    from pymunk_dragon.drawing.figures.style import COLOURS
-    from pymunk_dragon.studies._figures import heading
-
-    march = found.march
-    shown = CLOSE_UP_LENGTHS * float(march.dragon.lengths[0])
-    arrival = found.arrival_distance
-    since, time, end = march.time([max(0.0, arrival - shown), found.distance, arrival]).tolist()
-    heading(axes, "the gap of the head just before the circle at that pitch, mm")
-    times = np.linspace(since, end, GAP_SAMPLES)
-    if since < time:
-        times = np.unique([*times, time])
-    gap_line(axes, march, times, "last-gap")
-    logarithmic(axes, *GAP_SCALE)
-    axes.set_xlim(since, end)
-    axes.set_xlabel("time (s); the head arrives at the end")
-    if found.benches is not None and time > since:
-        label(
-            axes, time, GAP_SCALE[0], f"touch at {time:.4f} s", (-12, 6), ha="right", va="bottom", color=COLOURS.contact
-        )
 
 
 STUDY = Study(

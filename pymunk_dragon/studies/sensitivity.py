@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pymunk_dragon._language import text
 from pymunk_dragon._text import table
 from pymunk_dragon.collision import first_contact
 from pymunk_dragon.errors import ParameterError
@@ -51,22 +52,18 @@ SAME_CONTACT = 1e-6
 # Parts of which progress is reported: first contact, smallest pitch, and the derivatives of both.
 PARTS = 4
 
-# Of the figure: inches of height of a row.
-ROW_HEIGHT = 0.47
-# Of the figure: inches above the rows of a table, for its heading.
-HEADING_HEIGHT = 0.45
-# Of the figure: inches below the rows of a table, for its axis.
-FOOTER_HEIGHT = 0.8
-# Of the figure: inches from the page's top to the first table, for title and subtitle.
-TITLE_HEIGHT = 0.95
+# Of the figure: inches of height of a row, and from the page's bottom to the tables.
+ROW_HEIGHT, TABLE_BOTTOM = 0.4, 0.6
+# Of the figure: inches from a table's left edge to its columns: slopes as numbers, as lines, and ranges.
+NUMBERS_LEFT, LINES_LEFT, RANGES_LEFT = 1.05, 1.8, 2.45
 # Of the figure: ratio of an axis limit to the largest slope, and of the smallest slope to the other limit.
 AXIS_MARGIN = 3.0
-# How a range ends in the text and, where it is drawn, in the figure.
+# How a range ends in the text.
 ENDS = {
-    "nothing": ("and further", ""),
-    "no contact": ("then no contact there", "\nthen not"),
-    "another corner": ("then another corner", "\nother corner"),
-    "another pair": ("then {} and {}", "\nthen {} and {}"),
+    "nothing": "and further",
+    "no contact": "then no contact there",
+    "another corner": "then another corner",
+    "another pair": "then {} and {}",
 }
 
 
@@ -149,29 +146,22 @@ class Sensitivity(Result):
 
     def _draw(self) -> Figure:
         """The derivatives, and the range of each size in which they hold."""
-        from pymunk_dragon.drawing.figures.style import page, panel
+        from pymunk_dragon.drawing.figures.style import QUIET, SLIDE_HEIGHT, SLIDE_WIDTH, SMALL, slide
 
-        first, second = self.benches
-        parts = [(f"first contact, {self.time:.4f} s, benches {first} and {second}", "s", 1e3, self.times)]
+        name = text("first contact: {:.4f} s,\nbenches {} and {}").format(self.time, *self.benches)
+        tables = [(0.3, name, text("1 mm more, s"), 1e3, self.times)]
         if self.smallest.benches is not None:
-            first, second = self.smallest.benches
-            name = f"smallest pitch, {self.smallest.pitch:.6f} m, benches {first} and {second}"
-            parts.append((name, "mm", 1.0, self.pitches))
-        height = TITLE_HEIGHT + sum(HEADING_HEIGHT + FOOTER_HEIGHT + ROW_HEIGHT * len(rows) for *_, rows in parts)
-        figure = page(
-            8.0,
-            height,
-            "What a millimetre does to the first contact, and to the smallest pitch",
-            "exact slopes; and how far each size may change until the two touch no more, or others first",
+            name = text("smallest pitch: {:.6f} m,\nbenches {} and {}")
+            name = name.format(self.smallest.pitch, *self.smallest.benches)
+            tables.append((4.05, name, text("1 mm more, mm"), 1.0, self.pitches))
+        figure = slide(
+            text("What a millimetre does to the first contact, and to the smallest pitch"),
+            text("exact slopes, and the changes of each size for which the same benches touch"),
         )
-        top = height - TITLE_HEIGHT
-        for name, unit, per, rows in parts:
-            top -= HEADING_HEIGHT
-            tall = ROW_HEIGHT * len(rows)
-            figure.text(0.3 / 8.0, (top + 0.12) / height, name, size=11.5)
-            _draw_slopes(panel(figure, 1.5, top - tall, 2.75, tall), unit, per, rows)
-            _draw_reaches(panel(figure, 4.6, top - tall, 3.0, tall), rows)
-            top -= tall + FOOTER_HEIGHT
+        for left, name, heading, per, rows in tables:
+            _draw_table(figure, left, name, heading, per, rows)
+        note = text("Beyond these changes other benches touch first, or none. * Larger changes were not examined.")
+        figure.text(0.3 / SLIDE_WIDTH, 0.25 / SLIDE_HEIGHT, note, size=SMALL, color=QUIET)
         return figure
 
 
@@ -314,70 +304,60 @@ def _table(unit: str, per: float, slopes: Sequence[Slope]) -> list[str]:
 
 
 def _end_text(end: Reach | None) -> str | None:
-    return None if end is None else f"{1e3 * end.unchanged:+.4g} " + ENDS[end.by][0].format(*end.benches or ())
+    return None if end is None else f"{1e3 * end.unchanged:+.4g} " + ENDS[end.by].format(*end.benches or ())
 
 
-def _draw_slopes(axes: Axes, unit: str, per: float, rows: Sequence[Slope]) -> None:
-    """Draw the magnitude of each slope; markers of negative slopes are hollow."""
-    from matplotlib.ticker import NullLocator
+def _draw_table(figure: Figure, left: float, name: str, heading: str, per: float, rows: Sequence[Slope]) -> None:
+    """Draw the slopes of a result and the ranges of the sizes, with the name of the result above."""
+    from pymunk_dragon.drawing.figures.style import LINE_SPACING, QUIET, SMALL, panel
 
-    from pymunk_dragon.drawing.figures.style import BLUE, COLOURS, RULE
+    across, up = figure.get_size_inches()
+    height = ROW_HEIGHT * len(SIZES)
+    top = TABLE_BOTTOM + height
+    _draw_slopes(panel(figure, left + LINES_LEFT, TABLE_BOTTOM, RANGES_LEFT - LINES_LEFT - 0.15, height), per, rows)
+    figure.text(left / across, (top + 0.42) / up, name, size=11.5, linespacing=LINE_SPACING)
+    for inches, shown in ((NUMBERS_LEFT, heading), (RANGES_LEFT, text("for changes, mm"))):
+        figure.text((left + inches) / across, (top + 0.1) / up, shown, size=SMALL, color=QUIET)
+    names = _size_names()
+    for row_index, row in enumerate(rows):
+        style: dict[str, Any] = {"y": (top - (row_index + 0.5) * ROW_HEIGHT) / up, "size": SMALL, "va": "center"}
+        slope = f"{row.slope / per:+.5f}".replace("-", "\u2212")
+        figure.text(**style, x=left / across, s=names[row.size])
+        figure.text(**style, x=(left + NUMBERS_LEFT) / across, s=slope)
+        if row.less is not None and row.more is not None:
+            shown = text("{} to {}").format(_describe_end(row.less), _describe_end(row.more))
+            figure.text(**style, x=(left + RANGES_LEFT) / across, s=shown, gid=f"range-{row.size}")
 
-    values = np.array([row.slope / per for row in rows])
-    sizes = np.abs(values)
+
+def _draw_slopes(axes: Axes, per: float, rows: Sequence[Slope]) -> None:
+    """Draw the magnitude of each slope on a logarithmic scale; markers of negative slopes are hollow."""
+    from pymunk_dragon.drawing.figures.style import BLUE, COLOURS, PALE
+
+    sizes = np.abs([row.slope / per for row in rows])
     axes.set_xscale("log")
     axes.set_xlim(sizes.min() / AXIS_MARGIN, sizes.max() * AXIS_MARGIN)
-    _label_rows(axes, [row.size.replace("_", " ") for row in rows])
-    for row_index, (value, size) in enumerate(zip(values.tolist(), sizes.tolist(), strict=True)):
-        axes.plot([axes.get_xlim()[0], size], [row_index, row_index], color=RULE, lw=1.4, zorder=1)
-        face = BLUE if value > 0 else COLOURS.background
-        axes.plot(size, row_index, "o", color=BLUE, mfc=face, ms=7, mew=1.8, gid=f"slope-{rows[row_index].size}")
-        text = f"{value:+.5f}".replace("-", "\u2212")
-        axes.annotate(text, (size, row_index), (0, 7), textcoords="offset points", ha="center", size=10.5)
-    axes.xaxis.set_major_formatter("{x:g}")
-    axes.xaxis.set_minor_locator(NullLocator())
-    axes.set_xlabel(f"{unit} for each mm more; hollow: less")
+    axes.set_ylim(len(SIZES) - 0.5, -0.5)
+    axes.set_axis_off()
+    for row_index, (row, size) in enumerate(zip(rows, sizes.tolist(), strict=True)):
+        axes.plot([axes.get_xlim()[0], size], [row_index, row_index], color=PALE, lw=1.4, zorder=1)
+        face = BLUE if row.slope > 0 else COLOURS.background
+        axes.plot(size, row_index, "o", color=BLUE, mfc=face, ms=7, mew=1.8, gid=f"slope-{row.size}")
 
 
-def _draw_reaches(axes: Axes, rows: Sequence[Slope]) -> None:
-    """Draw the range in which each size may change without a change of the contact."""
-    from pymunk_dragon.drawing.figures.style import BLUE, COLOURS, QUIET
-
-    _label_rows(axes, [""] * len(rows))
-    for row_index, row in enumerate(rows):
-        if row.less is None or row.more is None:
-            continue
-        low, high = (100 * end.unchanged / row.value for end in (row.less, row.more))
-        axes.plot([low, high], [row_index, row_index], color=BLUE, lw=5, solid_capstyle="butt", gid=f"reach-{row.size}")
-        for x, end, direction in ((low, row.less, -1), (high, row.more, 1)):
-            axes.annotate(
-                _describe_end(end),
-                (x, row_index),
-                (5 * direction, 0),
-                textcoords="offset points",
-                ha="left" if direction > 0 else "right",
-                va="center_baseline",
-                size=10.5,
-                color=COLOURS.ink if end.changed is not None else QUIET,
-            )
-    axes.axvline(0, color=QUIET, lw=0.8, zorder=3)
-    axes.set_xlim(-19, 19)
-    axes.set_xticks([-10, -5, 0, 5, 10])
-    axes.set_xlabel("change of the size, %; grey: looked no further")
+def _size_names() -> dict[str, str]:
+    """Words for the sizes."""
+    return {
+        "width": text("width"),
+        "overhang": text("overhang"),
+        "head_spacing": text("head spacing"),
+        "body_spacing": text("body spacing"),
+        "pitch": text("pitch"),
+    }
 
 
 def _describe_end(end: Reach) -> str:
-    change = f"{1e3 * end.unchanged:+.3g} mm".replace("-", "\u2212")
-    return change + ENDS[end.by][1].format(*end.benches or ())
-
-
-def _label_rows(axes: Axes, names: Sequence[str]) -> None:
-    from pymunk_dragon.drawing.figures.style import COLOURS
-
-    axes.set_ylim(len(names) - 0.5, -0.5)
-    axes.set_yticks(range(len(names)), names)
-    axes.tick_params(axis="y", length=0, labelcolor=COLOURS.ink)
-    axes.spines["left"].set_visible(False)
+    change = f"{1e3 * end.unchanged:+.3g}".replace("-", "\u2212")
+    return change + "*" * (end.by == "nothing")
 
 
 STUDY = Study(

@@ -22,6 +22,7 @@ from pymunk_dragon._arrays import Array
 from pymunk_dragon._checks import finite, whole
 from pymunk_dragon._extras import library
 from pymunk_dragon._frozen import ArrayRecord, read_only
+from pymunk_dragon._language import text
 from pymunk_dragon.collision import FirstContact, first_contact
 from pymunk_dragon.errors import ParameterError, UnreachableError
 from pymunk_dragon.model.curves import UTurn
@@ -61,7 +62,7 @@ BORDER = 1.5
 # Of the figure: m of head travel before it enters the circle for which speeds are drawn.
 DISTANCE_BEFORE = 5.0
 # Of the figure: m of head travel after it enters the circle for which speeds are drawn.
-DISTANCE_AFTER = 35.0
+DISTANCE_AFTER = 20.0
 # Of the figure: points of a line.
 LINE_POINTS = 1200
 
@@ -175,24 +176,27 @@ class TurnResult(Result, ArrayRecord):
 
     def _draw(self) -> Figure:
         """Both paths with the dragon, and the speed of the fastest handle."""
-        from pymunk_dragon.drawing.figures.style import AMBER, BLUE, page, panel
+        from pymunk_dragon.drawing.figures.style import AMBER, BLUE, panel, slide
 
-        panels = [(0.3, self.march, self.turn.joints, f"two arcs, {self.turn.length:.4f} m", BLUE)]
-        title = f"The turn is {self.turn.length:.4f} m long on any two arcs"
-        note = f"no handle goes more than {self.max_ratio:.4g} times as fast as the head"
+        name = text("two arcs, {:.4f} m").format(self.turn.length)
+        panels = [(0.3, self.march, self.turn.joints, name, BLUE)]
+        title = text("The turn is {:.4f} m long on any two arcs").format(self.turn.length)
+        note = text("no handle goes more than {:.4g} times as fast as the head")
+        side, left = 2.9, 4.1
         if self.shortest is not None and self.shortest_march is not None:
-            short = self.shortest.turn
-            saved = 100 * (1 - short.length / self.turn.length)
-            name = f"{len(short.lengths)} arcs, {short.length:.4f} m"
-            panels.append((4.1, self.shortest_march, short.path.joints, name, AMBER))
-            title += f"; {len(short.lengths)} can do with {saved:.0f} % less"
-            note = "the best found on which " + note
-        figure = page(8.0, 8.0, title, note)
-        for left, march, joints, name, colour in panels:
-            axes = panel(figure, left, 3.2, 3.6, 3.6)
+            short, side, left = self.shortest.turn, 2.4, 5.75
+            arcs, saved = len(short.lengths), 100 * (1 - short.length / self.turn.length)
+            name = text("{} arcs, {:.4f} m").format(arcs, short.length)
+            panels.append((2.8, self.shortest_march, short.path.joints, name, AMBER))
+            title = text("The turn is {:.4f} m long on any two arcs; {} arcs save {:.0f} %")
+            title = title.format(self.turn.length, arcs, saved)
+            note = text("the best found on which no handle goes more than {:.4g} times as fast as the head")
+        figure = slide(title, note.format(self.max_ratio))
+        for start, march, joints, name, colour in panels:
+            axes = panel(figure, start, 3.35 - side, side, side)
             axes.set_title(name, loc="left", size=11.5, color=colour, pad=6)
             _draw_plan_view(axes, self.turn.radius, march, joints, colour)
-        _draw_speeds(panel(figure, 0.85, 0.65, 6.85, 1.9), self)
+        _draw_speeds(panel(figure, left, 0.7, 7.75 - left, 2.2), self)
         return figure
 
 
@@ -308,7 +312,7 @@ def _points(points: Array) -> str:
 def _draw_plan_view(axes: Axes, radius: float, march: March, joints: tuple[float, ...], colour: str) -> None:
     """Draw a turn between both spirals, and the dragon as it leaves the turn."""
     from pymunk_dragon.drawing.figures.lines import label
-    from pymunk_dragon.drawing.figures.style import COLOURS, FAINT, QUIET, RULE
+    from pymunk_dragon.drawing.figures.style import COLOURS, PALE, QUIET, SHARED
     from pymunk_dragon.studies._figures import circle, square
 
     half = radius + BORDER
@@ -317,14 +321,14 @@ def _draw_plan_view(axes: Axes, radius: float, march: March, joints: tuple[float
     dragon, head = march.dragon, joints[-1] + EXIT_DISTANCE
     for bench, outline in enumerate(dragon.outlines(march.at(march.time(head)).poses[0])):
         if np.abs(outline).max(axis=1).min() < half:
-            fill = COLOURS.head if bench == 0 else FAINT
+            fill = COLOURS.head if bench == 0 else SHARED
             axes.fill(*outline.T, fc=fill, ec=QUIET, lw=0.8, zorder=2, gid=f"bench-{bench}")
-    for since, until, line in ((-60.0, 0.0, RULE), (joints[-1], joints[-1] + 60.0, RULE), (0.0, joints[-1], colour)):
+    for since, until, line in ((-60.0, 0.0, PALE), (joints[-1], joints[-1] + 60.0, PALE), (0.0, joints[-1], colour)):
         path = march.curve.point(np.linspace(since, until, LINE_POINTS))
         axes.plot(*path.T, color=line, lw=2.4 if line == colour else 1.2, zorder=3 if line == colour else 1)
     axes.plot(*march.curve.point(joints).T, "o", color=colour, ms=5, zorder=4, gid="joints")
     # Labels of entry and exit are on the side without benches.
-    for name, joint, side in (("enters", 0, 1), ("leaves", -1, -1)):
+    for name, joint, side in ((text("enters"), 0, 1), (text("leaves"), -1, -1)):
         point = march.curve.point(joints[joint])
         note: dict[str, Any] = {"ha": "left" if side > 0 else "right", "va": "center", "color": QUIET}
         label(axes, point[0], point[1], name, (13 * side, 12 * side), zorder=5, **note)
@@ -336,7 +340,7 @@ def _draw_speeds(axes: Axes, found: TurnResult) -> None:
     from pymunk_dragon.drawing.figures.style import AMBER, BLUE, COLOURS
     from pymunk_dragon.studies._figures import heading
 
-    heading(axes, "fastest handle, times the head's speed", 8)
+    heading(axes, text("fastest handle,\ntimes the head's speed"), 16)
     distances = np.linspace(-DISTANCE_BEFORE, DISTANCE_AFTER, LINE_POINTS)
     for march, colour, gid in ((found.march, BLUE, "speeds"), (found.shortest_march, AMBER, "short-speeds")):
         if march is None:
@@ -347,7 +351,7 @@ def _draw_speeds(axes: Axes, found: TurnResult) -> None:
     label(axes, DISTANCE_AFTER, found.max_ratio, f"{found.max_ratio:.4g}", (0, 4), ha="right", color=COLOURS.contact)
     axes.set_xlim(-DISTANCE_BEFORE, DISTANCE_AFTER)
     axes.set_ylim(0.98, None)
-    axes.set_xlabel("distance of the head since it entered the circle (m)")
+    axes.set_xlabel(text("distance of the head (m)"))
 
 
 STUDY = Study(

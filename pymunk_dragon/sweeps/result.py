@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from pymunk_dragon._checks import word
 from pymunk_dragon._files import check_destination, written_in_place
+from pymunk_dragon._language import text
 from pymunk_dragon.studies import Result
 from pymunk_dragon.sweeps.evaluation import Outcome
 from pymunk_dragon.sweeps.journal import Journal
@@ -131,6 +132,7 @@ class Sweep(Result):
         width = len(self.names)
         numbers = [row[width] for row in rows]
         status = self._of_quantity.index("status") if "status" in self._of_quantity else None
+        subtitle = text("{0} at {1} points, {2} failed") if self.failed else text("{0} at {1} points")
         return draw(
             Map(
                 names=self.names,
@@ -142,9 +144,8 @@ class Sweep(Result):
                     "failed" if row[-1] is not None else None if status is None else row[width + status] for row in rows
                 ],
                 reference=self.reference,
-                title=self._summary,
-                subtitle=f"{self.quantity} at {self.points} points"
-                + (f", {self.failed} failed" if self.failed else ""),
+                title=text(self._summary),
+                subtitle=subtitle.format(self.quantity, self.points, self.failed),
             )
         )
 

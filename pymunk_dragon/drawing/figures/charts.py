@@ -8,9 +8,19 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pymunk_dragon._arrays import Array, Indices
+from pymunk_dragon._language import text
 from pymunk_dragon.collision import FirstContact, separation
-from pymunk_dragon.drawing.figures.lines import NAME_OFFSET, bundle, label, logarithmic, name, several_times, time_name
-from pymunk_dragon.drawing.figures.style import AMBER, BLUE, COLOURS, FAINT, QUIET, page, panel
+from pymunk_dragon.drawing.figures.lines import (
+    bundle,
+    label_in_room,
+    logarithmic,
+    name,
+    name_line,
+    several_times,
+    time_name,
+)
+from pymunk_dragon.drawing.figures.room import Room
+from pymunk_dragon.drawing.figures.style import AMBER, BLUE, COLOURS, FAINT, QUIET, panel, slide
 from pymunk_dragon.drawing.figures.times import (
     TimeInterval,
     contact_or_end,
@@ -35,20 +45,19 @@ GAP_SAMPLES = 1400
 CLOSE_UP_LENGTHS = 4.5
 # Millimetres per metre.
 MM = 1e3
-# mm: lower end of the scale.
-MIN_GAP = 0.3
+# mm: lower end of the scale, below which are the labels of near misses.
+MIN_GAP = 0.15
 # mm: replaces smaller gaps, because a gap of 0 has no logarithm; below the scale.
-GAP_OF_CONTACT = 0.03
-# mm: position of the contact's label on the line, above the labels of the near misses.
-CONTACT_LABEL_GAP = 1.2
-# Free border at the right of a chart over time, as a fraction of the time interval.
-RIGHT_BORDER = 0.02
+GAP_OF_CONTACT = 0.02
+# Points: offsets of the labels of near misses, and of contacts, from their points.
+NEAR_MISS_OFFSETS = [(x, y) for y in (-24.0, -30.0) for x in (0.0, -20.0, 20.0, -40.0, 40.0, -60.0, 60.0)]
+CONTACT_OFFSETS = [(x, y) for y in range(20, 160, 10) for x in (36.0, 40.0)]
+# Free border at the right of a chart over time, as a fraction of the time interval: small, and for a label.
+RIGHT_BORDER, LABEL_BORDER = 0.02, 0.26
 # Ratio of the upper end of the scale to the largest value.
 TOP_BORDER = 1.5
 # Largest number of points of a line over time.
 TIME_SAMPLES = 600
-# Position of a line's label, as a fraction of the line: at the ends the lines are too close to each other.
-LABEL_POSITION = 0.42
 # Units of position errors: smallest error in m, units per metre, and symbol.
 UNITS = ((1.0, 1.0, "m"), (1e-3, 1e3, "mm"), (0.0, 1e6, "\u00b5m"))
 # N: larger forces are displayed as whole numbers.
@@ -57,8 +66,10 @@ MIN_WHOLE_FORCE = 10.0
 NO_FORCE = 1e-6
 # Powers of ten covered by the scale of position errors.
 DRIFT_DECADES = 4
-# Powers of ten covered by the scale of impulses.
-IMPULSE_DECADES = 3
+# Largest powers of ten covered by the scale of impulses, and ratio of its ends to the data.
+IMPULSE_DECADES, IMPULSE_BORDER = 3, 1.12
+# Fraction of the joints: free border before the first one, for labels.
+LABELS_LEFT = 0.16
 
 
 def gap(march: March, interval: TimeInterval) -> Figure:
@@ -67,53 +78,60 @@ def gap(march: March, interval: TimeInterval) -> Figure:
         raise ParameterError("benches", march.dragon.benches, "3 or more: neighbours have no gap")
     hit, begin = contact_or_end(march, interval), interval[0]
     near_misses = [near_miss for near_miss in hit.near_misses or () if near_miss.benches[0] == 0]
-    title = "How near the head comes to other benches than its neighbour"
+    title = text("How near the head comes to other benches than its neighbour")
     if spirals_in(march):
-        title = "The tighter the coil, the closer the head comes to the benches that it passes"
+        title = text("The tighter the coil, the closer the head comes to the benches that it passes")
     if hit.contact and near_misses:
         narrow = min(near_misses, key=lambda near_miss: near_miss.gap)
-        passed, met = narrow.benches[1], hit.contact.benches[1]
-        title = f"The head slips past bench {passed} by {MM * narrow.gap:.1f} mm, and then hits bench {met}"
-    figure = page(
-        8.0,
-        7.6,
-        title,
-        "gap between the head and the nearest bench but its neighbour, mm; dashed, to each bench by itself",
+        title = text("The head slips past bench {} by {:.1f} mm, and then hits bench {}").format(
+            narrow.benches[1], MM * narrow.gap, hit.contact.benches[1]
+        )
+    figure = slide(
+        title, text("gap between the head and the nearest bench but its neighbour, mm; dashed: to each bench by itself")
     )
     since = max(begin, float(march.time(march.distance(hit.time) - CLOSE_UP_LENGTHS * march.dragon.lengths[0])))
-    whole = panel(figure, 0.85, 4.85, 6.85, 1.75)
-    close = panel(figure, 0.85, 0.65, 6.85, 3.5)
+    whole = panel(figure, 0.75, 0.65, 2.2, 2.75)
+    close = panel(figure, 3.25, 0.65, 4.5, 2.75, sharey=whole)
     whole.axvspan(since, hit.time, color=FAINT, lw=0)
     widest = gap_line(whole, march, _sample_times(begin, hit), "gap")
     gap_line(close, march, _sample_times(since, hit), "last-gap")
-    for axes, left in ((whole, begin), (close, since)):
-        axes.set_xlim(left, hit.time + RIGHT_BORDER * (hit.time - left))
+    for axes, left, border in ((whole, begin, RIGHT_BORDER), (close, since, LABEL_BORDER if hit.contact else 0.0)):
+        axes.set_xlim(left, hit.time + border * (hit.time - left))
+        axes.set_xticks([tick for tick in several_times(left, hit.time) if tick < hit.time])
         logarithmic(axes, MIN_GAP, TOP_BORDER * widest)
-    close.set_xlabel("time (s)")
+        axes.set_xlabel(text("time (s)"))
+    close.tick_params(labelleft=False)
+    room = Room(close)
+    room.take_lines()
+    if hit.contact:
+        note = text("bench {}:\ncontact at\n{:.4f} s").format(hit.contact.benches[1], hit.time)
+        at = np.array([[hit.time, MIN_GAP]])
+        label_in_room(close, room, at, note, CONTACT_OFFSETS, color=COLOURS.contact)
     for near_miss in near_misses:
         if near_miss.time > since:
-            close.plot(near_miss.time, MM * near_miss.gap, "o", color=COLOURS.ink, ms=6)
-            text = f"bench {near_miss.benches[1]}: {MM * near_miss.gap:.3f} mm\nat {near_miss.time:.3f} s"
-            label(close, near_miss.time, MM * near_miss.gap, text, (0, -8), ha="center", va="top")
-    if hit.contact:
-        text = f"bench {hit.contact.benches[1]}:\ncontact at\n{hit.time:.4f} s"
-        label(close, hit.time, CONTACT_LABEL_GAP, text, (-9, 0), ha="right", va="bottom", color=COLOURS.contact)
+            at = np.array([[near_miss.time, MM * near_miss.gap]])
+            close.plot(*at.T, "o", color=COLOURS.ink, ms=6)
+            note = text("bench {}: {:.3f} mm\nat {:.3f} s").format(near_miss.benches[1], *at[0, ::-1])
+            label_in_room(close, room, at, note, NEAR_MISS_OFFSETS)
     return figure
 
 
 def speeds(march: March, interval: TimeInterval) -> Figure:
     """Draw the speed along the dragon at several times."""
-    end, when = last_regular_time(contact_or_end(march, interval), interval[0])
+    end, touching = last_regular_time(contact_or_end(march, interval), interval[0])
     times = several_times(interval[0], end)
     values = march.at(times).speeds
-    title = f"The handles go at {values.min():.3f} to {values.max():.3f} m/s"
+    title = text("The handles go at {:.3f} to {:.3f} m/s").format(values.min(), values.max())
     if spirals_in(march):
-        title = f"The tighter the coil, the slower the body: {values[-1, -1]:.3f} m/s {when}"
-    figure = page(8.0, 5.6, title, "speed of every handle, m/s")
-    axes = panel(figure, 0.85, 0.65, 5.9, 3.9)
+        title = text("The tighter the coil, the slower the body: {:.3f} m/s shortly before the end")
+        if touching:
+            title = text("The tighter the coil, the slower the body: {:.3f} m/s at the first contact")
+        title = title.format(values[-1, -1])
+    figure = slide(title, text("speed of every handle at several times, m/s"))
+    axes = panel(figure, 0.85, 0.65, 6.0, 2.85)
     lines = bundle(axes, values, "speed")
-    name(axes, lines, times, -1, NAME_OFFSET)
-    axes.set_xlabel("handle, from the head to the tail")
+    name(axes, lines, times)
+    axes.set_xlabel(text("handle, from the head to the tail"))
     return figure
 
 
@@ -124,46 +142,43 @@ def drift(run: Run) -> Figure:
     if len(run.times) == 1 or not run.max_drift > 0:
         raise ParameterError("run", "one without a drift", "one that the engine has played for a while")
     scale, unit = next((scale, unit) for least, scale, unit in UNITS if run.max_drift >= least)
-    figure = page(
-        8.0,
-        5.6,
-        f"The engine stays within {scale * run.max_drift:.3g} {unit} of the exact model",
-        f"distance of every bench's worse hole from where the exact model has it, {unit}",
+    figure = slide(
+        text("The engine stays within {:.3g} {} of the exact model").format(scale * run.max_drift, unit),
+        text("position errors of the benches, at the worse of their two holes, {}").format(unit),
     )
-    over_time = panel(figure, 0.85, 0.65, 3.7, 3.9)
-    along = panel(figure, 4.75, 0.65, 2.2, 3.9, sharey=over_time)
-    frames = _thinned(run)
-    middle = len(frames) // 3
-
-    def draw(subject: str, drifts: Array, colour: str, dashes: Any, offset: float, side: str) -> None:
-        worst = scale * np.fmax.reduce(drifts[frames], axis=1)
-        over_time.plot(run.times[frames], worst, color=colour, lw=2.2, ls=dashes, gid=subject.replace(" ", "-"))
-        label(over_time, run.times[frames[middle]], worst[middle], subject, (0, offset), "center", side, color=colour)
-
-    # The upper line has its label above, the lower line below.
-    draw("any bench", run.drift, BLUE, "-", 6, "bottom")
-    if run.march.dragon.benches > HEAD_BENCHES:
-        draw(f"first {HEAD_BENCHES} benches", run.drift[:, :HEAD_BENCHES], AMBER, (0, (4, 1.2)), -6, "top")
-    rows = _rows(run, several_times(float(run.times[0]), float(run.times[-1]))[1:])
-    profiles = scale * run.drift[rows]
-    lines = bundle(along, profiles, "drift")
+    over_time = panel(figure, 0.8, 0.65, 3.75, 2.85)
+    along = panel(figure, 4.8, 0.65, 2.15, 2.85, sharey=over_time)
     low, high = _decades(scale * run.max_drift, DRIFT_DECADES)
     near_misses = contact_or_end(run.march, time_interval(run)).near_misses or ()
     gaps = [near_miss.gap for near_miss in near_misses if run.times[0] <= near_miss.time <= run.times[-1]]
-    if gaps:
-        # An engine with a position error as large as the smallest gap can find the wrong first contact.
-        least = scale * min(gaps)
-        high = max(high, 2 * least)
-        for axes in (over_time, along):
-            axes.axhline(least, color=COLOURS.ink, lw=1.0, ls=(0, (1, 2)), gid="smallest-gap")
-        text = f"smallest gap: {least:.3g} {unit}"
-        label(over_time, float(run.times[0]), least, text, (8, -6), va="top")
-    logarithmic(over_time, low, high)
-    name(along, lines, run.times[rows], -1, NAME_OFFSET)
-    along.tick_params(labelleft=False)
+    # An engine with a position error as large as the smallest gap can find the wrong first contact.
+    least = scale * min(gaps, default=0.0)
+    logarithmic(over_time, low, max(high, 2 * least))
     over_time.set_xlim(run.times[0], run.times[-1])
-    over_time.set_xlabel("time (s)")
-    along.set_xlabel("bench")
+    frames = _thinned(run)
+    named: list[tuple[Array, str, str]] = []
+    if gaps:
+        for axes in (over_time, along):
+            axes.axhline(least, color=COLOURS.ink, lw=1.2, ls=(0, (1, 2)), gid="smallest-gap")
+        note = text("smallest gap: {:.3g} {}").format(least, unit)
+        named.append((np.column_stack([run.times[frames], np.full(len(frames), least)]), note, COLOURS.ink))
+    shown: list[tuple[str, str, Array, str, Any]] = [("any-bench", text("largest of all"), run.drift, BLUE, "-")]
+    if run.march.dragon.benches > HEAD_BENCHES:
+        note = text("largest of the first {}").format(HEAD_BENCHES)
+        shown.append((f"first-{HEAD_BENCHES}-benches", note, run.drift[:, :HEAD_BENCHES], AMBER, (0, (4, 1.2))))
+    for gid, note, drifts, colour, dashes in shown:
+        worst = scale * np.fmax.reduce(drifts[frames], axis=1)
+        over_time.plot(run.times[frames], worst, color=colour, lw=2.2, ls=dashes, gid=gid)
+        named.append((np.column_stack([run.times[frames], np.maximum(worst, low)]), note, colour))
+    room = Room(over_time)
+    room.take_lines()
+    for points, note, colour in named:
+        name_line(over_time, room, points, note, colour)
+    rows = _rows(run, several_times(float(run.times[0]), float(run.times[-1]))[1:])
+    name(along, bundle(along, scale * run.drift[rows], "drift"), run.times[rows])
+    along.tick_params(labelleft=False)
+    over_time.set_xlabel(text("time (s)"))
+    along.set_xlabel(text("bench"))
     return figure
 
 
@@ -183,23 +198,41 @@ def impulses(run: Run) -> Figure:
     if not values.max() > 0:
         raise ParameterError("run", "one whose joints carry nothing", "one that the engine has played for a while")
     last = time_name(run.times[rows[-1]])
-    figure = page(
-        8.0,
-        5.6,
-        f"The joints carry up to {_force(least)} at first, and up to {_force(most)} at {last}",
-        f"impulse in every joint in a substep of {1e3 * substep:g} ms, N s; at the right the force that makes it, N",
+    figure = slide(
+        text("The joints carry up to {} at first, and up to {} at {}").format(_force(least), _force(most), last),
+        text("impulse in every joint in a substep of {:g} ms, N s; at the right the force that makes it, N").format(
+            1e3 * substep
+        ),
     )
-    axes = panel(figure, 0.85, 0.65, 6.25, 3.9)
+    axes = panel(figure, 0.85, 0.65, 6.25, 2.85)
     lines = bundle(axes, values, "impulse")
-    logarithmic(axes, *_decades(float(values.max()), IMPULSE_DECADES))
+    _impulse_scale(axes, values)
     force = axes.secondary_yaxis("right", functions=(partial(np.multiply, 1 / substep), partial(np.multiply, substep)))
+    force.yaxis.set_major_locator(_round_values())
     force.yaxis.set_major_formatter("{x:g}")
     force.minorticks_off()
     force.spines["right"].set_visible(True)
-    # Labels are not at the lines' ends, where the lines converge.
-    name(axes, lines, run.times[rows], int(LABEL_POSITION * values.shape[1]), 0, ha="center")
-    axes.set_xlabel("joint, from the head to the tail; joint i is between benches i and i + 1")
+    # The labels are at the head, where the lines are farthest apart.
+    axes.set_xlim(-LABELS_LEFT * values.shape[1], values.shape[1] - 1)
+    axes.set_xticks([tick for tick in axes.get_xticks() if 0 <= tick < values.shape[1]])
+    name(axes, lines, run.times[rows], "left")
+    axes.set_xlabel(text("joint, from the head to the tail; joint i is between benches i and i + 1"))
     return figure
+
+
+def _impulse_scale(axes: Axes, values: Array) -> None:
+    """Set a logarithmic scale from the smallest to the largest of `values`, or to a few powers of ten below."""
+    low, high = float(values.min()), float(values.max())
+    low = max(low, high / 10.0**IMPULSE_DECADES)
+    logarithmic(axes, low / IMPULSE_BORDER, high * IMPULSE_BORDER)
+    axes.yaxis.set_major_locator(_round_values())
+
+
+def _round_values() -> Any:
+    """Return a locator of the values 1, 2, 3 and 5 times a power of ten."""
+    from matplotlib.ticker import LogLocator
+
+    return LogLocator(subs=(1.0, 2.0, 3.0, 5.0))
 
 
 def _sample_times(begin: float, hit: FirstContact) -> Array:
@@ -216,7 +249,9 @@ def gap_line(axes: Axes, march: March, times: Array, gid: str) -> float:
         for bench in np.unique(nearest).astype(int).tolist():
             line = MM * _gaps_to(march, times, bench)
             axes.plot(times, np.maximum(line, GAP_OF_CONTACT), color=QUIET, lw=0.8, ls=(0, (4, 2)), gid=f"gap-{bench}")
-    axes.plot(times, np.maximum(MM * smallest, GAP_OF_CONTACT), color=BLUE, lw=2.0, gid=gid)
+    axes.plot(
+        times, np.maximum(MM * smallest, GAP_OF_CONTACT), color=BLUE, lw=2.0 if gid == "last-gap" else 1.2, gid=gid
+    )
     return MM * float(smallest.max())
 
 

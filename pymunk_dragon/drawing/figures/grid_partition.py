@@ -8,20 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pymunk_dragon._arrays import Array
+from pymunk_dragon._language import text
 from pymunk_dragon.collision import Grid
-from pymunk_dragon.drawing.figures.lines import label
-from pymunk_dragon.drawing.figures.style import (
-    CANDIDATE,
-    COLOURS,
-    FAINT,
-    RULE,
-    SHARED,
-    WIDE_HALO,
-    halo,
-    page,
-    panel,
-)
-from pymunk_dragon.drawing.figures.times import TimeInterval, contact_or_end, describe, spirals_in
+from pymunk_dragon.drawing.figures.style import CANDIDATE, COLOURS, FAINT, RULE, SHARED, SMALL, halo, key, panel, slide
+from pymunk_dragon.drawing.figures.times import TimeInterval, contact_or_end
 from pymunk_dragon.model.march import March
 
 if TYPE_CHECKING:
@@ -31,19 +21,16 @@ if TYPE_CHECKING:
 
 Cells = NDArray[np.int64]
 
-# Distance between the lines of the key, as a fraction of the axes.
-KEY_STEP = 0.065
 # Inches: least distance between the indices of cells.
-INDEX_SPACING = 0.28
+INDEX_SPACING = 0.24
 # Inches: length of the shortest bench that is labelled with its number.
-MIN_NUMBERED_LENGTH = 0.5
-# Colour and content of the cells.
-SHADES = ((FAINT, "one bench"), (SHARED, "neighbours only"), (CANDIDATE, "candidates"))
+MIN_NUMBERED_LENGTH = 0.45
 
 
 def grid(march: March, interval: TimeInterval) -> Figure:
     """Draw the grid partition at the first contact, and the benches in its cells (the paper's figure 6)."""
     from matplotlib.colors import ListedColormap
+    from matplotlib.patches import Patch
 
     hit = contact_or_end(march, interval)
     dragon, cells = march.dragon, Grid.of(march)
@@ -52,18 +39,17 @@ def grid(march: March, interval: TimeInterval) -> Figure:
     pairs = cells.pairs(corners)
     origin = "({:g}, {:g})".format(*cells.origin).replace("-", "\u2212")
     touching = hit.benches or ()
-    touch = " of {} and {}".format(*touching) if touching else ""
     apart = (dragon.benches - 1) * (dragon.benches - 2) // 2
-    # The title omits these words if the numbers are long.
-    of_benches = "of benches " if apart < 10_000 else ""
-    figure = page(
-        8.0,
-        8.3,
-        f"Of {apart} pairs {of_benches}that share no hole, {len(pairs)} share a cell and are tested",
-        f"at {describe(hit)}{touch}, {hit.time:.2f} s; cells of {cells.cell:g} m, counted from {origin} m",
+    title = text("Of {} pairs of benches\nthat share no hole,\n{} share a cell\nand are tested").format(
+        apart, len(pairs)
     )
-    hollow = spirals_in(march)
-    axes = panel(figure, 0.75, 0.3, 6.95, 6.6) if hollow else panel(figure, 0.75, 0.75, 6.95, 6.15)
+    subtitle = text("at the end, {2:.2f} s;\ncells of {3:g} m,\ncounted from {4} m")
+    if hit.status == "contact":
+        subtitle = text("at the first contact of {0} and {1},\n{2:.2f} s; cells of {3:g} m,\ncounted from {4} m")
+    figure = slide(
+        title.format(apart, len(pairs)), subtitle.format(*(hit.benches or (0, 0)), hit.time, cells.cell, origin)
+    )
+    axes = panel(figure, 3.95, 0.15, 3.75, 3.75)
     kinds, (top, left) = _kinds(cells, corners)
     rows, columns = kinds.shape
     x = cells.origin[0] + cells.cell * np.arange(left, left + columns + 1)
@@ -78,22 +64,16 @@ def grid(march: March, interval: TimeInterval) -> Figure:
         if dragon.lengths[bench] * scale >= MIN_NUMBERED_LENGTH:
             across, up, _ = poses[bench].tolist()
             axes.text(
-                across, up, str(bench), color=style["color"], ha="center", va="center", zorder=5, path_effects=halo()
+                *(across, up, str(bench)),
+                color=style["color"],
+                size=SMALL,
+                ha="center",
+                va="center",
+                zorder=5,
+                path_effects=halo(),
             )
-    if hollow:
-        # At the centre of the spiral, which has no benches.
-        left_edge, top_edge = (x[0] + x[-1]) / 2 - KEY_STEP * (x[-1] - x[0]), (y[0] + y[-1]) / 2
-        points = [(left_edge, top_edge + (1 - row) * KEY_STEP * (y[0] - y[-1])) for row in range(len(SHADES))]
-    else:
-        # Below the grid.
-        axes = panel(figure, 0.75, 0.2, 6.95, 0.4)
-        axes.set_axis_off()
-        axes.set_xlim(0, len(SHADES))
-        axes.set_ylim(-1, 1)
-        points = [(column + 0.1, 0.0) for column in range(len(SHADES))]
-    for (across, up), (shade, text) in zip(points, SHADES, strict=True):
-        axes.plot(across, up, "s", color=shade, ms=17, mec=RULE)
-        label(axes, across, up, text, (14, 0), va="center_baseline", border=WIDE_HALO if hollow else 0.0)
+    shades = ((FAINT, text("one bench")), (SHARED, text("neighbours only")), (CANDIDATE, text("candidates")))
+    key(figure, [Patch(fc=shade, ec=RULE, label=name) for shade, name in shades], 0.3, 1.0)
     return figure
 
 
@@ -130,6 +110,6 @@ def _indices(axes: Axes, x: Array, y: Array, top: int, left: int) -> float:
         shown = numbers % every == 0
         axis.set_ticks(((edges[:-1] + edges[1:]) / 2)[shown], [str(number) for number in numbers[shown]])
     axes.xaxis.set_label_position("top")
-    axes.set_xlabel("column j →")
-    axes.set_ylabel("← row i")
+    axes.set_xlabel(text("column j →"))
+    axes.set_ylabel(text("← row i"))
     return scale

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from pymunk_dragon._arrays import Array
-from pymunk_dragon.drawing.figures.style import COLOURS, RULE, WIDE_HALO, blend, halo
+from pymunk_dragon._language import text
+from pymunk_dragon.drawing.figures.style import COLOURS, LINE_SPACING, POINTS_PER_INCH, RULE, WIDE_HALO, blend, halo
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.text import Annotation
+
+    from pymunk_dragon.drawing.figures.room import Room
 
 
 # Fraction of a time interval: times closer than this are drawn only once.
@@ -21,8 +24,14 @@ MIN_TIME_DIFFERENCE = 0.02
 FIRST_COLOUR = "#6391bb"
 # Points: distance between the centres of two lines of text.
 LINE_HEIGHT = 14.0
-# Points: distance from a line's end to its label.
-NAME_OFFSET = 7.0
+# Points: distance from a line's end, or a point, to its label, which a leader bridges.
+LEADER = 15.0
+# Points: width of leaders.
+LEADER_WIDTH = 0.9
+# Points: distances from a line to the middle of its label above or below.
+LABEL_DISTANCES = (12.0, 16.0, 20.0, 26.0)
+# Largest number of powers of ten that all have a tick.
+MAX_DECADES = 8
 # Largest number of handles or joints that all have a tick label.
 MAX_NUMBERED = 10
 
@@ -38,10 +47,11 @@ def several_times(begin: float, end: float) -> Array:
 
 def logarithmic(axes: Axes, low: float, high: float) -> None:
     """Set a logarithmic scale from `low` to `high` with plain numbers and thin grid lines."""
-    from matplotlib.ticker import NullLocator
+    from matplotlib.ticker import LogLocator, NullLocator
 
     axes.set_yscale("log")
     axes.set_ylim(low, high)
+    axes.yaxis.set_major_locator(LogLocator(numticks=MAX_DECADES))
     axes.yaxis.set_major_formatter("{x:g}")
     axes.yaxis.set_minor_locator(NullLocator())
     axes.grid(axis="y", color=RULE, lw=0.6)
@@ -62,14 +72,59 @@ def bundle(axes: Axes, values: Array, gid: str) -> list[Any]:
     return lines
 
 
-def name(axes: Axes, lines: Sequence[Any], times: Array, at: int, offset: float, ha: str = "left") -> None:
-    """Label the lines with their times at their points `at`, without overlaps."""
-    to_pixels = axes.transData
-    points = to_pixels.transform([line.get_xydata()[at] for line in lines])
-    points[:, 1] = spread(points[:, 1].tolist(), LINE_HEIGHT / 72 * axes.figure.dpi)
-    for (x, y), time in zip(to_pixels.inverted().transform(points).tolist(), times.tolist(), strict=True):
-        note = label(axes, x, y, time_name(time), (offset, 0), ha=ha, va="center_baseline")
-        note.set_annotation_clip(False)
+def name(axes: Axes, lines: Sequence[Any], times: Array, side: Literal["left", "right"] = "right") -> None:
+    """Label the lines at their left or right ends with their times; leaders connect ends and labels."""
+    ends = [line.get_xydata()[-1 if side == "right" else 0] for line in lines]
+    across = axes.transData.transform(ends)[0, 0]
+    offset = LEADER / POINTS_PER_INCH * axes.figure.dpi
+    lead(
+        axes,
+        np.array(ends),
+        [time_name(time) for time in times.tolist()],
+        across + (offset if side == "right" else -offset),
+        [line.get_color() for line in lines],
+    )
+
+
+def lead(axes: Axes, points: Array, names: Sequence[str], across: float, colours: Sequence[str]) -> None:
+    """Label points (K, 2) in a column at `across` pixels, with leaders from the points, without overlaps."""
+    pixels = axes.transData.transform(points.reshape(-1, 2))
+    scale = POINTS_PER_INCH / axes.figure.dpi
+    heights = spread(pixels[:, 1].tolist(), LINE_HEIGHT / scale)
+    for point, (x, y), height, shown, colour in zip(points, pixels, heights, names, colours, strict=True):
+        right = across > x
+        style = {"arrowstyle": "-", "color": colour, "lw": LEADER_WIDTH, "shrinkA": 2, "shrinkB": 0}
+        note = axes.annotate(
+            shown,
+            (float(point[0]), float(point[1])),
+            (scale * (across - x), scale * (height - y)),
+            textcoords="offset points",
+            ha="left" if right else "right",
+            va="center",
+            arrowprops=style | {"relpos": (0.0 if right else 1.0, 0.5)},
+            annotation_clip=False,
+        )
+        note.set_zorder(4)
+
+
+def name_line(axes: Axes, room: Room, points: Array, shown: str, colour: str) -> None:
+    """Write the name of a line through `points` (K, 2) above or below the line, where there is room."""
+    offsets = [(0.0, side * distance) for distance in LABEL_DISTANCES for side in (1, -1)]
+    label_in_room(axes, room, points, shown, offsets, color=colour)
+
+
+def label_in_room(
+    axes: Axes, room: Room, points: Array, shown: str, offsets: Sequence[tuple[float, float]], **style: Any
+) -> None:
+    """Write text at one of the `offsets`, in points, from one of `points` (K, 2), where there is room in the panel."""
+    x, y = points[0].tolist()
+    note = axes.text(x, y, shown, ha="center", va="center", linespacing=LINE_SPACING, **style)
+    note.set_path_effects(halo())
+    moves = np.array(offsets) / POINTS_PER_INCH * axes.figure.dpi
+    positions = (axes.transData.transform(points)[:, None] + moves).reshape(-1, 2)
+    frame, half = axes.get_window_extent(), np.array(note.get_window_extent().size) / 2
+    inside = ((positions - half >= frame.min) & (positions + half <= frame.max)).all(axis=1)
+    room.put(note, axes.transData.inverted().transform(positions[inside] if inside.any() else positions), needed=True)
 
 
 def spread(positions: Sequence[float], spacing: float) -> list[float]:
@@ -93,14 +148,14 @@ def spread(positions: Sequence[float], spacing: float) -> list[float]:
 
 def time_name(time: float) -> str:
     """Format a time to the hundredth of a second, without trailing zeros."""
-    return f"{time:.2f}".rstrip("0").rstrip(".") + " s"
+    return text("{} s").format(f"{time:.2f}".rstrip("0").rstrip("."))
 
 
 def label(
     axes: Axes,
     x: float,
     y: float,
-    text: str,
+    shown: str,
     offset: tuple[float, float],
     ha: str = "left",
     va: str = "baseline",
@@ -112,7 +167,7 @@ def label(
 ) -> Annotation:
     """Write text beside a point, at an offset in points, with a `border` that keeps it readable on lines."""
     return axes.annotate(
-        text,
+        shown,
         (x, y),
         offset,
         textcoords="offset points",

@@ -64,16 +64,11 @@ def contact_or_end(march: March, interval: TimeInterval, *, touching: bool = Fal
     return hit
 
 
-def describe(hit: FirstContact) -> str:
-    """Describe the time of `hit` in words."""
-    return "the first contact" if hit.status == "contact" else "the end"
-
-
-def last_regular_time(hit: FirstContact, since: float) -> tuple[float, str]:
-    """Return the time of the contact, s, or a time shortly before the end without contact, and its description."""
+def last_regular_time(hit: FirstContact, since: float) -> tuple[float, bool]:
+    """Return the time of the contact, s, or a time shortly before the end without contact, and whether it is one."""
     if hit.status == "contact":
-        return hit.time, "at the first contact"
-    return since + REGULAR_FRACTION * (hit.time - since), "shortly before the end"
+        return hit.time, True
+    return since + REGULAR_FRACTION * (hit.time - since), False
 
 
 def closing_time(march: March, begin: float, end: float) -> float:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from pymunk_dragon.drawing.figures.room import Room
 from pymunk_dragon.drawing.figures.style import COLOURS, page, panel
 from pymunk_dragon.sweeps.figure.pages import (
     LABELS,
@@ -30,7 +31,6 @@ from pymunk_dragon.sweeps.figure.panels import (
     label_contours,
     put_reference,
 )
-from pymunk_dragon.sweeps.figure.room import Room
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

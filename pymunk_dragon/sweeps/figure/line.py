@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pymunk_dragon._arrays import Array
+from pymunk_dragon.drawing.figures.room import Room
 from pymunk_dragon.drawing.figures.style import BLUE, COLOURS, RULE, page, panel
 from pymunk_dragon.sweeps.figure.pages import (
     LABELS,
@@ -23,7 +24,6 @@ from pymunk_dragon.sweeps.figure.pages import (
     words,
 )
 from pymunk_dragon.sweeps.figure.panels import TINTS, draw_reference, put_name, put_reference
-from pymunk_dragon.sweeps.figure.room import Room
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

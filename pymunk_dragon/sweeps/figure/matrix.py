@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pymunk_dragon._arrays import Indices
+from pymunk_dragon._language import text
 from pymunk_dragon.drawing.figures.style import BLUE, COLOURS, MARGIN, QUIET, page, panel
 from pymunk_dragon.sweeps.figure.pages import (
     LEFT,
@@ -164,11 +165,11 @@ def _explain(
         top -= BAR_HEIGHT + 0.5
     entries = [jump_entry(content)] if has_jumps else []
     if any(content.reference_at(axis) is not None for axis in range(len(content.names))):
-        entries.insert(0, Line2D([], [], **reference_style(5.5), label="reference"))
+        entries.insert(0, Line2D([], [], **reference_style(5.5), label=text("reference")))
     entries += tint_entries(content, set(), points=has_points)
     legend(figure, entries, left, top=top, columns=1)
     near = [words(name, *found) for name, found in zip(content.names, slices, strict=True) if len(found) == 1]
     if any(slices):
-        where = ", ".join(near) if all(len(found) <= 1 for found in slices) else "the reference"
-        text = figure.text(LEFT / across, NOTE / up, f"maps: slices near {where}")
-        text.set(size=SMALL, color=QUIET, gid="slices")
+        where = ", ".join(near) if all(len(found) <= 1 for found in slices) else text("the reference")
+        note = figure.text(LEFT / across, NOTE / up, text("maps: slices near {}").format(where))
+        note.set(size=SMALL, color=QUIET, gid="slices")

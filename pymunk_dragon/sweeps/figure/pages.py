@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from pymunk_dragon._arrays import Array
+from pymunk_dragon._language import text
 from pymunk_dragon.drawing.figures.style import COLOURS, MARGIN, QUIET, panel
 from pymunk_dragon.sweeps.figure.panels import JUMP, SMALL, TINTS, Samples, colour_map
 
@@ -104,6 +105,8 @@ def interval(values: Array) -> tuple[float, float]:
 def words(name: str, value: float | None = None) -> str:
     """The name of an axis or a column in words, with its unit if it has one, or with a value and the unit.
 
+    Names of the package are translated.
+
     Examples
     --------
     >>> words("head_spacing"), words("benches"), words("start_s", 3.5)
@@ -111,14 +114,16 @@ def words(name: str, value: float | None = None) -> str:
     """
     parts = re.findall(r"[0-9A-Za-z]+", name.rpartition(".")[2].removesuffix("_s"))
     unit = next((unit for unit, known in UNITS.items() if parts and parts[-1] in known), "")
+    joined = " ".join(parts)
+    name = text(joined)
     if value is not None:
-        return " ".join([*parts, f"{value:g}", unit]).strip()
-    return " ".join(parts) + (f", {unit}" if unit else "")
+        return " ".join([name, f"{value:g}", unit]).strip()
+    return text("{}, {}").format(name, unit) if unit else name
 
 
-def heading(axes: Axes, text: str) -> None:
+def heading(axes: Axes, name: str) -> None:
     """Write the name of a panel's ordinates above its left end."""
-    axes.set_title(text, loc="left", size=HEADING, color=QUIET, pad=10)
+    axes.set_title(name, loc="left", size=HEADING, color=QUIET, pad=10)
 
 
 def levels(low: float, high: float, count: int = LEVELS) -> Array:
@@ -156,10 +161,14 @@ def jump_entry(content: Content) -> Any:
     """Entry of the legend for the lines between classes."""
     from matplotlib.lines import Line2D
 
+    # Names with two numbers are pairs of benches.
     pairs = any(
-        " and " in content.samples.names[number] for number in content.samples.classes[content.samples.coloured]
+        re.search(r"\d\D+\d", content.samples.names[number])
+        for number in content.samples.classes[content.samples.coloured]
     )
-    return Line2D([], [], color=COLOURS.ink, lw=JUMP, label="other benches touch first" if pairs else "jump")
+    return Line2D(
+        [], [], color=COLOURS.ink, lw=JUMP, label=text("other benches touch first") if pairs else text("jump")
+    )
 
 
 def tint_entries(content: Content, named: set[int], *, points: bool = False) -> list[Any]:
@@ -172,9 +181,9 @@ def tint_entries(content: Content, named: set[int], *, points: bool = False) -> 
     for tint in (TINTS[key] for key in content.tints if key not in written):
         if points:
             style: dict[str, Any] = {"marker": tint.marker, "mfc": tint.colour, "mec": QUIET, "ms": 6, "ls": ""}
-            entries.append(Line2D([], [], **style, label=tint.text))
+            entries.append(Line2D([], [], **style, label=text(tint.text)))
         else:
-            entries.append(Patch(**tint.region | {"lw": 0.8}, label=tint.text))
+            entries.append(Patch(**tint.region | {"lw": 0.8}, label=text(tint.text)))
     return entries
 
 
@@ -200,5 +209,5 @@ def legend(figure: Figure, entries: list[Any], left: float = LEFT, *, top: float
         handletextpad=0.7,
         columnspacing=1.8,
     )
-    for text in found.get_texts():
-        text.set_color(QUIET)
+    for written in found.get_texts():
+        written.set_color(QUIET)

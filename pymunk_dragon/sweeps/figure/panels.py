@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pymunk_dragon._arrays import Array, Flags, Indices
-from pymunk_dragon.drawing.figures.style import COLOURS, HALO, QUIET, halo
-from pymunk_dragon.sweeps.figure.room import POINTS_PER_INCH, Room
+from pymunk_dragon._language import text
+from pymunk_dragon.drawing.figures.room import Room
+from pymunk_dragon.drawing.figures.style import COLOURS, HALO, POINTS_PER_INCH, QUIET, halo
 from pymunk_dragon.sweeps.figure.triangles import Pieces, pieces
 
 if TYPE_CHECKING:
@@ -112,7 +113,7 @@ class Samples:
             if key not in numbers:
                 numbers[key] = len(numbers)
                 tints.append(tint)
-                names.append(_benches(label) if tint is None else TINTS[tint].text)
+                names.append(_benches(label) if tint is None else text(TINTS[tint].text))
             classes.append(numbers[key])
         return cls(values=drawn, classes=np.array(classes, dtype=np.intp), tints=tints, names=names)
 
@@ -129,7 +130,7 @@ class Samples:
 def _benches(label: Any) -> str:
     """The whole numbers of a label, which are benches."""
     parts = label if isinstance(label, tuple) else (label,)
-    return " and ".join(
+    return text(" and ").join(
         str(part) for part in parts if isinstance(part, int | np.integer) and not isinstance(part, bool)
     )
 
@@ -219,10 +220,10 @@ def label_contours(axes: Axes, contours: dict[float, Array], norm: Normalize, ro
     from matplotlib.patheffects import withStroke
 
     for level, points in contours.items():
-        text = axes.text(0, 0, f"{level:g}", **CENTRED, color=_legible(norm, level), gid="contour-label")
+        note = axes.text(0, 0, f"{level:g}", **CENTRED, color=_legible(norm, level), gid="contour-label")
         # A border in the colour of the level interrupts the line.
-        text.set_path_effects([withStroke(linewidth=HALO, foreground=colour_map()(norm(level)))])
-        room.put(text, points, crossing=True)
+        note.set_path_effects([withStroke(linewidth=HALO, foreground=colour_map()(norm(level)))])
+        room.put(note, points, crossing=True)
 
 
 def _length(axes: Axes, line: Array) -> float:
@@ -279,19 +280,19 @@ def put_name(
     if not name:
         return False
     for written, rotation in ((name, 0), (_two_lines(name), 0), (name, direction)):
-        text = axes.text(0, 0, written, rotation=rotation, **CENTRED, color=colour, gid=f"name-{number}")
+        note = axes.text(0, 0, written, rotation=rotation, **CENTRED, color=colour, gid=f"name-{number}")
         if tint is not None:
-            text.set_bbox({"facecolor": TINTS[tint].colour, "edgecolor": "none", "pad": 1.5})
-        if room.put(text, positions(text)):
+            note.set_bbox({"facecolor": TINTS[tint].colour, "edgecolor": "none", "pad": 1.5})
+        if room.put(note, positions(note)):
             return True
     return False
 
 
-def _two_lines(text: str) -> str:
-    """The text with a line break instead of the space that is nearest to its middle."""
-    spaces = [i for i, character in enumerate(text) if character == " "]
-    middle = min(spaces, key=lambda i: abs(2 * i + 1 - len(text)), default=len(text))
-    return text[:middle] + "\n" + text[middle + 1 :]
+def _two_lines(name: str) -> str:
+    """The name with a line break instead of the space that is nearest to its middle."""
+    spaces = [i for i, character in enumerate(name) if character == " "]
+    middle = min(spaces, key=lambda i: abs(2 * i + 1 - len(name)), default=len(name))
+    return name[:middle] + "\n" + name[middle + 1 :]
 
 
 def draw_reference(axes: Axes, x: float, y: float, size: float = 7.0) -> None:
@@ -306,13 +307,15 @@ def reference_style(size: float) -> dict[str, Any]:
 
 def put_reference(axes: Axes, x: float, y: float, room: Room) -> None:
     """Write the word for the reference dragon beside its dot."""
-    text = axes.text(0, 0, "reference", **CENTRED, color=COLOURS.contact, path_effects=halo())
-    box = text.get_window_extent()
+    note = axes.text(0, 0, text("reference"), **CENTRED, color=COLOURS.contact, path_effects=halo())
+    box = note.get_window_extent()
     across, up = axes.transData.transform((x, y))
     aside, above = box.width / 2 + box.height, 1.2 * box.height
     room.take(np.full((1, 2, 2), (x, y)))
     positions = [(across + i * aside, up + k * above) for k in (0, 1, -1) for i in (1, -1, 0) if (i, k) != (0, 0)]
-    room.put(text, axes.transData.inverted().transform(positions), needed=True)
+    # Above and beside the panel are other names.
+    inside = [at for at in positions if axes.bbox.padded(-box.height / 2).contains(*at)]
+    room.put(note, axes.transData.inverted().transform(inside or positions), needed=True)
 
 
 def _fill(axes: Axes, triangles: Array, tint: Tint, name: str) -> None:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pymunk_dragon._arrays import Array, Flags, Indices
+from pymunk_dragon.drawing.figures.style import POINTS_PER_INCH
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -22,8 +23,6 @@ ROWS = 4
 MAX_POSITIONS = 1000
 # Points: width of the lattice's border around the panel.
 BORDER = 60.0
-# Points per inch.
-POINTS_PER_INCH = 72.0
 
 
 class Room:
@@ -53,6 +52,12 @@ class Room:
     def take_path(self, points: Array, *, crossable: bool = False) -> None:
         """Keep the lines between successive points (K, 2) free."""
         self.take(np.stack([points[:-1], points[1:]], axis=1), crossable=crossable)
+
+    def take_lines(self) -> None:
+        """Keep all lines that are drawn on the axes free."""
+        for line in self._axes.get_lines():
+            points = np.asarray(line.get_transform().transform(line.get_xydata()))
+            self._mark(np.stack([points[:-1], points[1:]], axis=1))
 
     def put(self, text: Text, positions: Array, *, needed: bool = False, crossing: bool = False) -> bool:
         """Move `text` to one of the `positions` (K, 2), in data coordinates, and return whether one has room.
