@@ -58,10 +58,12 @@ STUDIES = ["min-pitch", "min-pitch of a wide circle", "max-speed", "max-speed of
 STUDIES += ["u-turn", "u-turn without search"]
 
 
-def drawing(name: str) -> Any:
-    if name in FIGURES:
-        return figure(name, played() if FIGURES[name].needs_run else None)
-    return result(name).plot()
+@cache
+def drawing(name: str, lang: str = "en") -> Any:
+    with in_language(lang):
+        if name in FIGURES:
+            return figure(name, played() if FIGURES[name].needs_run else None)
+        return result(name).plot()
 
 
 @pytest.fixture
@@ -121,8 +123,8 @@ def check_texts(drawing: Any, boxes: list[tuple[Any, Any]]) -> None:
     """No text is cut off, or overlaps other text, or covers a line without hiding it."""
     width, height = drawing.canvas.get_width_height()
     for text, box in boxes:
-        assert 5 < box.x0 < box.x1 < width - 5, text
-        assert 5 < box.y0 < box.y1 < height - 5, text
+        assert 10 < box.x0 < box.x1 < width - 10, text
+        assert 10 < box.y0 < box.y1 < height - 10, text
         # Numbers in discs and on benches are on the lines that they number.
         if text.get_bbox_patch() is None and not text.get_text().isdigit():
             for line, path in lines(drawing):
@@ -134,8 +136,7 @@ def check_texts(drawing: Any, boxes: list[tuple[Any, Any]]) -> None:
 @pytest.mark.parametrize("lang", LANGUAGES)
 @pytest.mark.parametrize("name", CHARTS + STUDIES)
 def test_labels_are_clear_of_lines_and_of_each_other(name: str, lang: str, texts: Any) -> None:
-    with in_language(lang):
-        shown = drawing(name)
+    shown = drawing(name, lang)
     boxes = texts(shown)
     assert len(boxes) > 5
     check_texts(shown, boxes)
@@ -191,9 +192,7 @@ def test_labels_of_a_sweep_are_in_the_language_and_do_not_overlap(axes: Any, lan
 
 @pytest.mark.parametrize("name", CHARTS + STUDIES)
 def test_chinese_figures_have_no_english_words_and_all_glyphs(name: str, texts: Any, recwarn: Any) -> None:
-    with in_language("zh"):
-        shown = drawing(name)
-        boxes = texts(shown)
+    boxes = texts(drawing(name, "zh"))
     assert not [warning for warning in recwarn if "Glyph" in str(warning.message)]
     units = {"m", "mm", "ms", "s", "N", "x", "y", "i", "j"}
     for text, _ in boxes:
