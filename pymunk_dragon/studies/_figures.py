@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pymunk_dragon.drawing.figures.style import COLOURS, QUIET, RULE
+from pymunk_dragon.drawing.figures.style import COLOURS, LINE_SPACING, QUIET, RULE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -17,7 +17,7 @@ POINTS = 1200
 
 def heading(axes: Axes, text: str, pad: float = 10) -> None:
     """Write the heading of a panel above its left end."""
-    axes.set_title(text, loc="left", size=11.5, color=QUIET, pad=pad)
+    axes.set_title(text, loc="left", size=11.5, color=QUIET, pad=pad, linespacing=LINE_SPACING)
 
 
 def square(axes: Axes, half: float, x: float = 0.0, y: float = 0.0) -> None:

@@ -53,7 +53,7 @@ SAME_CONTACT = 1e-6
 PARTS = 4
 
 # Of the figure: inches of height of a row, and from the page's bottom to the tables.
-ROW_HEIGHT, TABLE_BOTTOM = 0.4, 0.6
+ROW_HEIGHT, TABLE_BOTTOM = 0.4, 0.58
 # Of the figure: inches from a table's left edge to its columns: slopes as numbers, as lines, and ranges.
 NUMBERS_LEFT, LINES_LEFT, RANGES_LEFT = 1.05, 1.8, 2.45
 # Of the figure: ratio of an axis limit to the largest slope, and of the smallest slope to the other limit.
@@ -149,11 +149,11 @@ class Sensitivity(Result):
         from pymunk_dragon.drawing.figures.style import QUIET, SLIDE_HEIGHT, SLIDE_WIDTH, SMALL, slide
 
         name = text("first contact: {:.4f} s,\nbenches {} and {}").format(self.time, *self.benches)
-        tables = [(0.3, name, text("1 mm more, s"), 1e3, self.times)]
+        tables = [(0.3, name, text("change in s\nfor 1 mm more"), 1e3, self.times)]
         if self.smallest.benches is not None:
             name = text("smallest pitch: {:.6f} m,\nbenches {} and {}")
             name = name.format(self.smallest.pitch, *self.smallest.benches)
-            tables.append((4.05, name, text("1 mm more, mm"), 1.0, self.pitches))
+            tables.append((4.05, name, text("change in mm\nfor 1 mm more"), 1.0, self.pitches))
         figure = slide(
             text("What a millimetre does to the first contact, and to the smallest pitch"),
             text("exact slopes, and the changes of each size for which the same benches touch"),
@@ -315,12 +315,13 @@ def _draw_table(figure: Figure, left: float, name: str, heading: str, per: float
     height = ROW_HEIGHT * len(SIZES)
     top = TABLE_BOTTOM + height
     _draw_slopes(panel(figure, left + LINES_LEFT, TABLE_BOTTOM, RANGES_LEFT - LINES_LEFT - 0.15, height), per, rows)
-    figure.text(left / across, (top + 0.42) / up, name, size=11.5, linespacing=LINE_SPACING)
-    for inches, shown in ((NUMBERS_LEFT, heading), (RANGES_LEFT, text("for changes, mm"))):
-        figure.text((left + inches) / across, (top + 0.1) / up, shown, size=SMALL, color=QUIET)
+    figure.text(left / across, (top + 0.56) / up, name, size=11.5, linespacing=LINE_SPACING)
+    for inches, shown in ((NUMBERS_LEFT, heading), (RANGES_LEFT, text("valid for changes\nof the size, mm"))):
+        style: dict[str, Any] = {"size": SMALL, "color": QUIET, "linespacing": LINE_SPACING}
+        figure.text((left + inches) / across, (top + 0.08) / up, shown, **style)
     names = _size_names()
     for row_index, row in enumerate(rows):
-        style: dict[str, Any] = {"y": (top - (row_index + 0.5) * ROW_HEIGHT) / up, "size": SMALL, "va": "center"}
+        style = {"y": (top - (row_index + 0.5) * ROW_HEIGHT) / up, "size": SMALL, "va": "center"}
         slope = f"{row.slope / per:+.5f}".replace("-", "\u2212")
         figure.text(**style, x=left / across, s=names[row.size])
         figure.text(**style, x=(left + NUMBERS_LEFT) / across, s=slope)
