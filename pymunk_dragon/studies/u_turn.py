@@ -342,7 +342,7 @@ def _draw_speeds(axes: Axes, found: TurnResult) -> None:
 
     heading(axes, text("fastest handle,\ntimes the head's speed"), 16)
     distances = np.linspace(-DISTANCE_BEFORE, DISTANCE_AFTER, LINE_POINTS)
-    for march, colour, gid in ((found.march, BLUE, "speeds"), (found.shortest_march, AMBER, "short-speeds")):
+    for march, colour, gid in ((found.shortest_march, AMBER, "short-speeds"), (found.march, BLUE, "speeds")):
         if march is None:
             continue
         speeds = march.at(march.time(distances)).speeds

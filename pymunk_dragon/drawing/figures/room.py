@@ -50,8 +50,9 @@ class Room:
         self._mark(self._axes.transData.transform(lines.reshape(-1, 2)).reshape(-1, 2, 2), crossable)
 
     def take_path(self, points: Array, *, crossable: bool = False) -> None:
-        """Keep the lines between successive points (K, 2) free."""
-        self.take(np.stack([points[:-1], points[1:]], axis=1), crossable=crossable)
+        """Keep the lines between successive points (K, 2), or a single point, free."""
+        ends = points[1:] if len(points) > 1 else points
+        self.take(np.stack([points[: len(ends)], ends], axis=1), crossable=crossable)
 
     def take_lines(self) -> None:
         """Keep all lines that are drawn on the axes free."""

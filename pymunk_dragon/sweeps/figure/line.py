@@ -119,8 +119,8 @@ def _mark(axes: Axes, x: float, y: float | None, room: Room) -> None:
     dashed: Any = (0, (5, 3))
     axes.axvline(x, color=COLOURS.contact, lw=1.0, ls=dashed, zorder=1.5)
     draw_reference(axes, x, low if y is None else y)
-    put_reference(axes, x, low if y is None else y, room)
     room.take(_verticals(np.array([x]), low, high))
+    put_reference(axes, x, low if y is None else y, room)
 
 
 def _verticals(x: Array, low: float, high: float) -> Array:

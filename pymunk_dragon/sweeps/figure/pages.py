@@ -32,7 +32,7 @@ WIDTH = 8.0
 # Inches: from a page's left edge to the panels.
 LEFT = 0.85
 # Inches: from a page's top to the panels.
-TOP = 1.45
+TOP = 1.25
 # Inches: height of the numbers and of the name below a panel.
 LABELS = 0.65
 # Inches: free space at a page's bottom.
