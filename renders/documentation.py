@@ -12,7 +12,7 @@ import inspect
 import re
 import shutil
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -63,6 +63,8 @@ MODULES = {
 }
 # Pages of `renders/` that are copied where they exist, and their titles.
 COPIES = {"lessons.html": "All lessons", "march.html": "A player", "report.html": "A report"}
+# Pages that list something, and their titles.
+LISTS = {"names.html": "All names", "gallery.html": "Gallery"}
 PICTURES = (".gif", ".png", ".svg")
 # The address of a file in HTML: `src="renders/march.gif"`, `href="README.md"`.
 ADDRESS = re.compile(r'\b(href|src)="([^"#:]+)')
@@ -181,11 +183,6 @@ def short_annotation(annotation: object, *arguments: Any, **options: Any) -> str
     return ARRAY.sub(r"NDArray[\1]", text)
 
 
-def own(member: doc.Doc[Any]) -> list[doc.Doc[Any]]:
-    """The members of a class."""
-    return member.own_members if isinstance(member, doc.Class) else []
-
-
 def write(path: Path, text: str) -> None:
     """Write a page."""
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -198,53 +195,63 @@ def copy(source: Path, target: Path) -> None:
     shutil.copyfile(source, target)
 
 
+def page_titles(copied: Iterable[str]) -> dict[str, str]:
+    """The titles of all pages by their addresses, in the order of the sidebar."""
+    start, chinese, *others = TEXTS.values()
+    modules = {module_page(module): title for module, title in MODULES.items()}
+    return dict([start, chinese, *modules.items(), *LISTS.items(), *((page, COPIES[page]) for page in copied), *others])
+
+
+def configure(titles: Mapping[str, str]) -> None:
+    """Set the options of pdoc, and what the templates of this project use."""
+    version = pymunk_dragon.__version__
+    render.configure(
+        docformat="numpy",
+        show_source=False,
+        footer_text=f"pymunk_dragon {version}",
+        template_directory=RENDERS / "templates",
+    )
+    public = {f"pymunk_dragon.{name}" for name in pymunk_dragon._MODULES}
+    render.env.globals.update(titles=titles, public=public, version=version)
+
+
+def documented_modules() -> dict[str, doc.Module]:
+    """The modules that have a page, by their names in `MODULES`."""
+    modules = {name: doc.Module(import_module(f"pymunk_dragon.{name}")) for name in MODULES}
+    # pdoc computes the docstring on first use.
+    vars(modules["cli"])["docstring"] = f"{modules['cli'].docstring}\n\n{commands_text()}"
+    return modules
+
+
+def anchors(module: doc.Module) -> set[str]:
+    """The anchors of the classes and functions of a module, and of the members of the classes."""
+    members = module.flattened_own_members
+    inner = [own for member in members if isinstance(member, doc.Class) for own in member.own_members]
+    return {member.qualname for member in (*members, *inner)}
+
+
 def build(directory: Path, commands: Mapping[str, str], copies: Path = RENDERS) -> None:
     """Write the site to `directory`, which is made anew.
 
     `commands` has the arguments of the program that make each file of `renders/`; `copies` is the folder of the pages
     that are copied.
     """
-    titles = dict(TEXTS.values())
-    copied = {name: title for name, title in COPIES.items() if (copies / name).exists()}
-    pages = [
-        ("index.html", titles["index.html"]),
-        ("index.zh.html", titles["index.zh.html"]),
-        *((module_page(module), title) for module, title in MODULES.items()),
-        ("names.html", "All names"),
-        ("gallery.html", "Gallery"),
-        *copied.items(),
-        ("contributing.html", titles["contributing.html"]),
-        ("changelog.html", titles["changelog.html"]),
-    ]
-    footer = f"pymunk_dragon {pymunk_dragon.__version__}"
-    render.configure(docformat="numpy", show_source=False, footer_text=footer, template_directory=RENDERS / "templates")
-    render.env.globals.update(
-        pages=pages,
-        titles=MODULES,
-        public={f"pymunk_dragon.{name}" for name in pymunk_dragon._MODULES},
-        version=pymunk_dragon.__version__,
-    )
-
-    modules = {name: doc.Module(import_module(f"pymunk_dragon.{name}")) for name in MODULES}
-    cli_page = modules["cli"]
-    cli_page.__dict__["docstring"] = f"{cli_page.docstring}\n\n{commands_text()}"
-    members = {
-        name: {member.qualname for each in module.flattened_own_members for member in (each, *own(each))}
-        for name, module in modules.items()
-    }
+    copied = [name for name in COPIES if (copies / name).exists()]
+    titles = page_titles(copied)
+    configure(titles)
+    modules = documented_modules()
+    members = {name: anchors(module) for name, module in modules.items()}
     texts = {page: (ROOT / file).read_text(encoding="utf-8") for file, (page, _) in TEXTS.items()}
-    texts |= {module_page(name): module.docstring for name, module in modules.items()}
+    docstrings = {module_page(name): module.docstring for name, module in modules.items()}
+    lists = {"names.html": names_text(), "gallery.html": gallery_text(docstrings | texts, commands)}
 
     if directory.exists():
         shutil.rmtree(directory)
-    written = {page: texts[page] for page, _ in TEXTS.values()}
-    written |= {"names.html": names_text(), "gallery.html": gallery_text(texts, commands)}
     template = render.env.get_template("page.html.jinja2")
-    for page, text in written.items():
-        content = to_html(text)
-        whole = template.render(title=dict(pages)[page], content=content, current=page)
-        if page.endswith(".zh.html"):
-            whole = whole.replace('<html lang="en">', '<html lang="zh">', 1)
+    for page, text in (texts | lists).items():
+        language = "zh" if page.endswith(".zh.html") else "en"
+        whole = template.render(title=titles[page], content=to_html(text), current=page)
+        whole = whole.replace('<html lang="en">', f'<html lang="{language}">', 1)
         write(directory / page, with_links(page, whole, members))
     everything = {module.modulename: module for module in modules.values()}
     # There is no setting for annotations: pdoc calls this function of Python's for those of results and fields, and
