@@ -72,6 +72,8 @@ ADDRESS = re.compile(r'\b(href|src)="([^"#:]+)')
 NAME = re.compile(r"(?<!\">)<code>((\w+)(?:\.\w+)*)(\(.*?\))?</code>")
 # A link within a page. pdoc makes some to members that a class has from a class without a page.
 LOCAL = re.compile(r'<a href="#([^"]+)">(.*?)</a>')
+# A picture or a link with a relative address in Markdown, and the text of the link.
+RELATIVE = re.compile(r"(!)?\[(?(1)[^]]*|([^]]*))\]\(renders/[^)]*\)")
 # The type behind `NDArray[np.float64]`.
 ARRAY = re.compile(r"numpy\.ndarray\[tuple\[(?:typing\.)?Any, \.\.\.\], numpy\.dtype\[numpy\.(\w+)\]\]")
 # How Python writes the annotations of parameters.
@@ -261,6 +263,9 @@ def build(directory: Path, commands: Mapping[str, str], copies: Path = RENDERS) 
         for name, module in modules.items():
             page = module_page(name)
             write(directory / page, with_links(page, render.html_module(module, everything), members))
+        for module in modules.values():
+            # Results of a search are shown on pages in other folders, where relative addresses lead nowhere.
+            vars(module)["docstring"] = RELATIVE.sub(lambda found: found[2] or "", module.docstring)
         write(directory / "search.js", render.search_index(everything))
     for picture in (*RENDERS.glob("*.*"), *RENDERS.glob("figures/*.*")):
         if picture.suffix in PICTURES:

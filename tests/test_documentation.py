@@ -118,3 +118,6 @@ def test_search_finds_a_public_name(browser, site):
     with opened(browser, (site / "index.html").as_uri()) as seen:
         seen.page.fill("input[type=search]", "first_contact")
         wait_until(seen.page, "document.querySelectorAll('main a[href*=\"#first_contact\"]').length > 0")
+        seen.page.fill("input[type=search]", "gap")
+        wait_until(seen.page, "document.querySelector('main').innerText.includes(\"results for 'gap'\")")
+        assert [text for text in seen.complaints if "Failed" in text] == []
