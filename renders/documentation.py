@@ -51,7 +51,7 @@ MODULES = {
     "physics": "Engine",
     "drawing": "Films",
     "drawing.figures": "Figures",
-    "drawing.debug_draw": "Any Pymunk space",
+    "drawing.debug_draw": "Debug drawing",
     "player": "Player",
     "reports": "Reports",
     "sessions": "Live",

@@ -48,16 +48,16 @@ first contact at t = 412.442193 s: benches 0 and 8 at (1.445751, 2.132263) m
 2. **An interval is cleared by a bound.** At the midpoint of an interval the poses of the benches, and the gap of each
    pair, are computed. Bounds on the curvature of the path and on the angles of the benches bound the second
    derivative of every corner, and so, by Taylor's theorem, the displacement of each bench within the interval. A pair
-   is clear if its gap is larger than both displacements. This is conservative advancement (B. Mirtich, "Impulse-based
-   Dynamic Simulation of Rigid Body Systems", 1996), applied to all pairs at once.
+   is clear if its gap is larger than the two displacements together. This is conservative advancement (B. Mirtich,
+   "Impulse-based Dynamic Simulation of Rigid Body Systems", 1996), applied to all pairs at once.
 3. **An interval that is not cleared is divided**, until the rest is shorter than a picosecond. The first interval
    that stays is the contact.
 4. **Rounding is included.** The bound also covers the error of the computed coordinates, from the points of the curve
    through the chain to the corners. `FirstContact.resolution` is the largest overlap that the proof does not rule
    out.
 5. **Few pairs need tests.** If all benches behind the head are equal, they pass through the same poses one after the
-   other. So a first contact involves bench 0 or 1, or a bench that is still on the part of the path on which no bench
-   in front of it has been. The docstring of `collision/first_contact.py` has the claim and its proof, that of
+   other. So a first contact involves bench 0 or 1, or a bench that has not yet reached the coordinate at which the
+   bench before it started. The docstring of `collision/first_contact.py` has the claim and its proof, that of
    `collision/bounds.py` the bounds.
 
 The result has a status, as the time-of-impact queries of physics engines have: `contact`, `clear`, `overlapping` (at
