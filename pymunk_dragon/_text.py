@@ -3,34 +3,24 @@
 from __future__ import annotations
 
 import re
+import unicodedata
 from collections.abc import Iterable, Sequence
 from typing import Any
 
 
-def table(heads: str, formats: Sequence[str], rows: Iterable[Sequence[Any]]) -> list[str]:
+def table(heads: Sequence[str], formats: Sequence[str], rows: Iterable[Sequence[Any]]) -> list[str]:
     """Lines of a table: the heads, and the rows with one format specification for each column; None is a dash."""
-    return [heads, *("  ".join(map(_cell, row, formats)) for row in rows)]
+    return ["  ".join(map(_cell, row, formats)).rstrip() for row in (heads, *rows)]
+
+
+def width(text: str) -> int:
+    """Columns that a text has in a terminal, where a Chinese character has two."""
+    return sum(2 if unicodedata.east_asian_width(character) in "WF" else 1 for character in text)
 
 
 def _cell(value: Any, specification: str) -> str:
-    if value is not None:
+    if value is not None and not isinstance(value, str):
         return format(value, specification)
-    width = re.search(r"\d+", specification)
-    align = "<" if specification.startswith("<") else ">"
-    return format("-", align + width[0] if width else "")
-
-
-def contact_text(
-    status: str, benches: tuple[int, int] | None, point: tuple[float, float] | None, time: float, decimals: int = 6
-) -> str:
-    """When and where two benches first touch, in one line, or until which time none do.
-
-    `decimals` is the number of decimals of the time of a contact that are certain.
-    """
-    if benches is None or point is None:
-        reason = ", after which a handle has no position on the curve" if status == "unreachable" else ""
-        return f"no contact until t = {time:.6g} s{reason}"
-    (i, j), (x, y) = benches, point
-    if status == "overlapping":
-        return f"benches {i} and {j} overlap at the start, t = {time:.{decimals}f} s"
-    return f"first contact at t = {time:.{decimals}f} s: benches {i} and {j} at ({x:.6f}, {y:.6f}) m"
+    shown, least = value or "-", re.search(r"\d+", specification)
+    padding = " " * (int(least[0]) - width(shown)) if least else ""
+    return shown + padding if specification.startswith("<") else padding + shown

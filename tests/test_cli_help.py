@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import re
 import shlex
@@ -240,9 +239,3 @@ def test_program_answers_the_shell():
     assert "complete -o nosort -F" in answered(**{COMPLETE_VARIABLE: "zsh_source"}) + answered(
         **{COMPLETE_VARIABLE: "bash_source"}
     )
-
-
-def test_json_of_a_language_is_the_same(call):
-    for command in (["contact", "--until", "10"], ["figure"], ["study"], ["study", "max-speed", "--benches", "9"]):
-        english, chinese = (json.loads(call(*command, "--json", "--lang", lang)[1]) for lang in ("en", "zh"))
-        assert english == chinese

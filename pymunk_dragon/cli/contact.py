@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from pymunk_dragon._language import text
 from pymunk_dragon.cli.command import DragonCommand
 from pymunk_dragon.cli.completion import words
 from pymunk_dragon.cli.options import (
@@ -73,7 +74,7 @@ def contact(
 
         library("xlsxwriter")
     methods = METHODS if compare else (method,)
-    answers, texts = zip(*(_answer(march, name, given, start=start, until=until) for name in methods), strict=True)
+    answers, printed = zip(*(_answer(march, name, given, start=start, until=until) for name in methods), strict=True)
     if compare:
         result: dict[str, Any] = {"methods": answers}
     else:
@@ -88,7 +89,7 @@ def contact(
     if as_json:
         print_json(result)
     else:
-        click.echo(_comparison(answers) if compare else texts[0])
+        click.echo(_comparison(answers) if compare else printed[0])
 
 
 def _answer(
@@ -105,18 +106,18 @@ def _answer(
         from pymunk_dragon.cli.simulate import played
 
         run = played(march, fine=own.get("fine", False), start=start, until=until)
-        values, text = _run_values(run), str(run).partition("\n")[0]
+        values, shown = _run_values(run), str(run).partition("\n")[0]
     else:
         search = first_contact if method == "exact" else scan
         with progress("t") as show:
 
             def report(time: float, last: float) -> None:
-                show(time - start, last - start, f"t = {time:.1f} s")
+                show(time - start, last - start, text("t = {time:.1f} s").format(time=time))
 
             found = search(march, start=start, until=until, progress=report, **own)
-        values, text = found.to_dict(), str(found)
+        values, shown = found.to_dict(), str(found)
     wall = perf_counter() - begin
-    return {"status": values["status"], "method": method} | values | {"wall_seconds": wall}, text
+    return {"status": values["status"], "method": method} | values | {"wall_seconds": wall}, shown
 
 
 def _run_values(run: Run) -> dict[str, Any]:
@@ -129,22 +130,34 @@ def _run_values(run: Run) -> dict[str, Any]:
 
 def _comparison(answers: Sequence[dict[str, Any]]) -> str:
     """Table of the methods' results and costs; lateness is relative to the first method."""
-    from pymunk_dragon._text import table
+    from pymunk_dragon._text import table, width
 
     first = answers[0]["time"]
     rows = (
         (
             answer["method"],
-            answer["status"],
+            text(answer["status"]),
             answer["time"],
-            "{} and {}".format(*answer["benches"]) if answer["benches"] else None,
+            "{}, {}".format(*answer["benches"]) if answer["benches"] else None,
             None if None in (answer["time"], first) else 1e3 * (answer["time"] - first),
             *(answer[name] for name in ("samples", "tests", "wall_seconds")),
         )
         for answer in answers
     )
-    heads = "method  status       time (s)       benches  late by (ms)  samples  pairs tested  seconds"
-    return "\n".join(table(heads, ("<6", "<11", "13.9f", ">9", "+12.6f", "7d", "12d", "7.2f"), rows))
+    heads = (
+        text("method"),
+        text("status"),
+        text("time (s)"),
+        text("benches"),
+        text("late (ms)"),
+        text("samples"),
+        text("pairs"),
+        text("seconds"),
+    )
+    listed = list(rows)
+    status = max(width(row[1]) for row in (heads, *listed))
+    formats = ("<6", f"<{status}", "13.9f", ">9", "+9.6f", "7d", "8d", "7.2f")
+    return "\n".join(table(heads, formats, listed))
 
 
 def _write_contact_sheet(march: March, answer: dict[str, Any], path: Path) -> None:

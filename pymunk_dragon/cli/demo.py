@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 from pymunk_dragon._extras import library
-from pymunk_dragon._language import language
+from pymunk_dragon._language import language, text
 from pymunk_dragon.cli.command import DragonCommand
 from pymunk_dragon.cli.completion import named
 from pymunk_dragon.cli.options import destination_of, json_option, output_option
@@ -22,7 +22,7 @@ def _lessons() -> dict[str, str]:
     from pymunk_dragon.lessons import LESSONS
 
     titles = {lesson.name: lesson.text("title", language()) for lesson in LESSONS.values()}
-    return titles | {ALL: "all lessons", LIST: "their names and titles"}
+    return titles | {ALL: text("all lessons"), LIST: text("their names and titles")}
 
 
 @click.command(cls=DragonCommand, examples=("", "spiral", "3 --lang zh", "all -o lessons.html"))
@@ -51,7 +51,9 @@ def demo(name: str | None, save: str | None, pause: bool, as_json: bool, output:
                 lessons,
                 destination,
                 language=language(),
-                progress=lambda done, total: show(done, total, f"lesson {done} of {total}"),
+                progress=lambda done, total: show(
+                    done, total, text("lesson {done} of {total}").format(done=done, total=total)
+                ),
             )
         wrote(destination)
         if as_json:

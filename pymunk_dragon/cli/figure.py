@@ -62,7 +62,7 @@ def figure(
         if as_json:
             print_json({"figures": shown})
         else:
-            click.echo("\n".join(f"{known:<13} {shows}" for known, shows in shown.items()))
+            click.echo("\n".join(f"{known:<13} {text(shows)}" for known, shows in shown.items()))
         return
     source = _source(run_file, scenario_file)
     if name == ALL:

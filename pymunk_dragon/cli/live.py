@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from pymunk_dragon._language import text
 from pymunk_dragon.cli.command import DragonCommand
 from pymunk_dragon.cli.completion import files, named, words
 from pymunk_dragon.cli.options import chosen, destination_of, march_of, scenario_options, start_option
@@ -107,9 +108,9 @@ def live(
     running = serve(session, host=host, port=port, allow_hosts=allow_host, browser=not no_browser, path=None)
     try:
         if host not in ("127.0.0.1", "localhost", "::1"):
-            click.echo("Anybody who can reach this address and knows it can control the session:", err=True)
-        click.echo(f"control: {running.address}")
-        click.echo(f"watch:   {running.watch_address}")
+            click.echo(text("Anybody who can reach this address and knows it can control the session:"), err=True)
+        click.echo(text("control: {address}").format(address=running.address))
+        click.echo(text("watch:   {address}").format(address=running.watch_address))
         if log is not None:
             _wait_for_replay(session, log)
         session.wait()
@@ -157,13 +158,14 @@ def _wait_for_replay(session: Session, log: Log) -> None:
         return
     if digest != log.digest:
         raise DragonError(f"the replay of {log.steps} steps ends in another state: other versions of the libraries?")
-    click.echo(f"replay:  {log.steps} steps, equal to the recording to the bit")
+    click.echo(text("replay:  {steps} steps, equal to the recording to the bit").format(steps=log.steps))
 
 
 def _write(session: Session, path: Path) -> None:
     """Write the recording, with progress for a film."""
     from pymunk_dragon.sessions.recording import record
 
-    with progress(f"writing {path.name}") as show:
-        record(session, path, lambda done, total: show(done, total, f"writing {path.name}"))
+    label = text("writing {name}").format(name=path.name)
+    with progress(label) as show:
+        record(session, path, lambda done, total: show(done, total, label))
     wrote(path)

@@ -14,6 +14,8 @@ from pymunk_dragon._language import text
 
 # Steps of a progress bar.
 STEPS = 1000
+# Columns of a progress bar: with the longest label, that of a sweep, its line fits in 80.
+BAR = 14
 
 
 @contextmanager
@@ -27,7 +29,9 @@ def progress(label: str) -> Iterator[Callable[[float, float, str], None]]:
 
         def show(done: float, total: float, now: str) -> None:
             if not bars:
-                bar = click.progressbar(length=STEPS, label=label, file=sys.stderr, hidden=not sys.stderr.isatty())
+                bar = click.progressbar(
+                    length=STEPS, width=BAR, label=label, file=sys.stderr, hidden=not sys.stderr.isatty()
+                )
                 bars.append(stack.enter_context(bar))
             [bar] = bars
             bar.label = now

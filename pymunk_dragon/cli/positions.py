@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from pymunk_dragon._language import text
 from pymunk_dragon.cli.command import DragonCommand
 from pymunk_dragon.cli.options import (
     destination_of,
@@ -75,10 +76,10 @@ def positions(
         click.echo(states.text(chosen))
 
 
-def _handles(text: str, last: int) -> list[int]:
-    numbers = number_list("handles", text)
+def _handles(given: str, last: int) -> list[int]:
+    numbers = number_list("handles", given)
     if not all(number.is_integer() and 0 <= number <= last for number in numbers):
-        raise ParameterError("handles", text, f"whole numbers from 0 to {last}")
+        raise ParameterError("handles", given, f"whole numbers from 0 to {last}")
     return [int(number) for number in numbers]
 
 
@@ -95,7 +96,9 @@ def _write_contest_tables(march: March, times: list[float], path: Path) -> None:
     from pymunk_dragon.reports import write_tables
 
     with progress("row") as show:
-        write_tables(march, times, path, progress=lambda done, total: show(done, total, f"row {done}"))
+        write_tables(
+            march, times, path, progress=lambda done, total: show(done, total, text("row {done}").format(done=done))
+        )
 
 
 def _write_csv(path: Path, rows: Iterable[tuple[float, ...]]) -> None:

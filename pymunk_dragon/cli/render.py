@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from pymunk_dragon._language import text
 from pymunk_dragon.cli.command import DragonCommand
 from pymunk_dragon.cli.completion import files, words
 from pymunk_dragon.cli.options import (
@@ -52,8 +53,8 @@ def mark_options(command: Command) -> Command:
         if value:
             context.meta.setdefault("marks", []).append(parameter.name)
 
-    for name, text in reversed(MARKS.items()):
-        add = click.option(f"--{name}", is_flag=True, help=text, callback=collect, expose_value=False)
+    for name, shows in reversed(MARKS.items()):
+        add = click.option(f"--{name}", is_flag=True, help=shows, callback=collect, expose_value=False)
         command = add(command)
     return command
 
@@ -137,11 +138,15 @@ def render(
         with progress("frame") as show:
 
             def report(done: int, total: int) -> None:
-                show(done, total, f"frame {done}")
+                show(done, total, text("frame {done}").format(done=done))
 
             processes = workers if workers is not None else _spare_cores()
             timing = write_film(sources, destination, film, report, processes)
-        facts = [f"{len(timing.times)} frames", f"{timing.ends[-1]:.1f} s", f"from t = {timing.times[0]:g} s"]
+        facts = [
+            text("{count} frames").format(count=len(timing.times)),
+            f"{timing.ends[-1]:.1f} s",
+            text("from t = {time:g} s").format(time=timing.times[0]),
+        ]
     wrote(destination, *facts)
     if as_json:
         print_json({"output": str(destination), "bytes": destination.stat().st_size})
@@ -165,7 +170,7 @@ def _write_player(sources: list[Run | March], path: Path, given: dict[str, Any])
         times = np.arange(start, until, PLAYER_STRIDE / float(source.speed_profile.fastest(start, until)))
         run = Run.exact(source, np.append(times, until))
     with progress("page") as show:
-        write_player(run, path, title=given.get("title"), progress=lambda done, total: show(done, total, "page"))
+        write_player(run, path, title=given.get("title"), progress=lambda done, total: show(done, total, text("page")))
 
 
 def _sources(run_files: tuple[str, ...], scenario_file: str | None, exact: bool) -> list[Run | March]:
@@ -193,11 +198,11 @@ def _spare_cores() -> int:
     return min(usable - 1, MAX_WORKERS)
 
 
-def _size(text: str) -> int | tuple[int, int]:
+def _size(given: str) -> int | tuple[int, int]:
     try:
-        lengths = [int(length) for length in text.lower().split("x")]
+        lengths = [int(length) for length in given.lower().split("x")]
     except ValueError:
         lengths = []
     if len(lengths) not in (1, 2):
-        raise ParameterError("size", text, "pixels such as 480, or 640x360")
+        raise ParameterError("size", given, "pixels such as 480, or 640x360")
     return lengths[0] if len(lengths) == 1 else (lengths[0], lengths[1])

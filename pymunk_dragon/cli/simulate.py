@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from pymunk_dragon._language import text
 from pymunk_dragon.cli.command import DragonCommand
 from pymunk_dragon.cli.completion import words
 from pymunk_dragon.cli.options import (
@@ -98,9 +99,9 @@ def simulate(
     run = played(march, fine=fine, start=start, until=until, guide=guide, settings=settings)
     if output is not None:
         run.save(output)
-        wrote(Path(output), f"{len(run.times)} frames")
+        wrote(Path(output), text("{count} frames").format(count=len(run.times)))
     else:
-        note("the run is not kept: -o RUN.npz saves it")
+        note(text("the run is not kept: -o RUN.npz saves it"))
     if as_json:
         print_json(run.to_dict())
     else:
@@ -130,6 +131,7 @@ def played(
     with progress("t") as show:
 
         def report(time: float, last: float) -> None:
-            show(time - start, last - start, f"t = {time:.1f} s, {last:.0f} s at the latest")
+            now = text("t = {time:.1f} s, {last:.0f} s at the latest").format(time=time, last=last)
+            show(time - start, last - start, now)
 
         return play(march, guide=guide, start=start, until=until, settings=settings, progress=report)

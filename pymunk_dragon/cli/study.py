@@ -8,6 +8,7 @@ from typing import Any
 
 import click
 
+from pymunk_dragon._language import text
 from pymunk_dragon.cli.command import DragonCommand
 from pymunk_dragon.cli.completion import named
 from pymunk_dragon.cli.options import chosen, destination_of, json_option, note_units, output_option, scenario_options
@@ -80,7 +81,7 @@ def study(
         if as_json:
             print_json({"studies": summaries})
         else:
-            click.echo("\n".join(f"{known:<11}  {summary}" for known, summary in summaries.items()))
+            click.echo("\n".join(f"{known:<11}  {text(summary)}" for known, summary in summaries.items()))
         return
     takes = STUDIES[name].parameters if scenario_file is not None and name in STUDIES else ()
     values = _of_file(scenario_file, takes) | chosen()

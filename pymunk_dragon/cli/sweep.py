@@ -10,6 +10,7 @@ from time import perf_counter
 
 import click
 
+from pymunk_dragon._language import text
 from pymunk_dragon.cli.command import DragonCommand
 from pymunk_dragon.cli.completion import named, words
 from pymunk_dragon.cli.options import chosen, json_option, note_units, number_list, scenario_options
@@ -108,7 +109,11 @@ def sweep(
             nonlocal resumed
             resumed = done - 1 if resumed is None else resumed
             rate = (done - resumed) / (perf_counter() - begin)
-            show(done, total, f"{done} of {total} points, {rate:.3g} a second")
+            show(
+                done,
+                total,
+                text("{done} of {total} points, {rate:.3g} a second").format(done=done, total=total, rate=rate),
+            )
 
         found = run_sweep(
             values | chosen(),
@@ -138,18 +143,18 @@ def sweep(
         raise DragonError(f"{found.failed} of {found.points} points failed; the column error has the reasons")
 
 
-def _axes(texts: tuple[str, ...], *, intervals: bool) -> dict[str, list[float]]:
+def _axes(given: tuple[str, ...], *, intervals: bool) -> dict[str, list[float]]:
     """Values of each axis, by its name."""
     axes: dict[str, list[float]] = {}
-    for text in texts:
-        name, equals, values = text.partition("=")
+    for each in given:
+        name, equals, values = each.partition("=")
         name = name.strip().replace("-", "_")
         if not equals or name in axes:
-            raise ParameterError("axis", text, AXIS if not equals else f"given once for {name}")
+            raise ParameterError("axis", each, AXIS if not equals else f"given once for {name}")
         # An interval, low:high, is a list of two numbers.
         listed = values.replace(":", ",") if intervals and values.count(":") == 1 and "," not in values else values
         try:
             axes[name] = number_list("axis", listed)
         except ParameterError as error:
-            raise ParameterError("axis", text, AXIS) from error
+            raise ParameterError("axis", each, AXIS) from error
     return axes

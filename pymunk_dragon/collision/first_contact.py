@@ -34,11 +34,11 @@ import numpy as np
 
 from pymunk_dragon._arrays import Array, Flags, Indices
 from pymunk_dragon._display import Printed
-from pymunk_dragon._text import contact_text
+from pymunk_dragon._language import text
 from pymunk_dragon.collision.bounds import Intervals, MotionBounds, handles_in_reach, overlapping_pair
 from pymunk_dragon.collision.near_misses import NearMiss, near_misses
 from pymunk_dragon.collision.sat import separation
-from pymunk_dragon.model.contact import Contact
+from pymunk_dragon.model.contact import Contact, contact_text
 from pymunk_dragon.model.march import March, checked_times
 
 __all__ = ["FirstContact", "Status", "first_contact"]
@@ -162,7 +162,8 @@ class FirstContact(Printed):
         first = contact_text(self.status, self.benches, self.point, self.time, decimals)
         lines = [first, *map(str, self.near_misses or ())]
         if self.resolution is not None and self.resolution > COARSE:
-            lines.append(f"benches that overlap by less than {1e6 * self.resolution:.2g} micrometres count as apart")
+            least = text("benches that overlap by less than {amount:.2g} micrometres count as apart")
+            lines.append(least.format(amount=1e6 * self.resolution))
         return "\n".join(lines)
 
     @property

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pymunk_dragon._arrays import Array, Indices, as_vectors
+from pymunk_dragon._language import text
 from pymunk_dragon.collision.sat import separation
 from pymunk_dragon.model.march import March
 
@@ -48,7 +49,8 @@ class NearMiss:
 
     def __str__(self) -> str:
         i, j = self.benches
-        return f"near miss at t = {self.time:.4f} s: benches {i} and {j}, {1e3 * self.gap:.3f} mm apart"
+        line = text("near miss at t = {t:.4f} s: benches {i} and {j}, {gap:.3f} mm apart")
+        return line.format(t=self.time, i=i, j=j, gap=1e3 * self.gap)
 
 
 def near_misses(march: March, samples: Array, start: float, end: float, near: float) -> tuple[NearMiss, ...]:

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import Any, Literal, Self, get_args, overload
 
+from pymunk_dragon._language import text
 from pymunk_dragon._text import table
 from pymunk_dragon.errors import DragonError
 
@@ -149,7 +150,7 @@ class ContactLog(Sequence[ContactEvent]):
     >>> len(log.of("begin"))
     1
     >>> print(log)
-    benches   touch from (s)  to (s)
+    benches  touch from (s)  to (s)
       0   8           1.000  2.500
     """
 
@@ -160,10 +161,11 @@ class ContactLog(Sequence[ContactEvent]):
 
     def __str__(self) -> str:
         rows = (
-            ("{:3d} {:3d}".format(*one.benches), one.begin, "the end" if one.end is None else f"{one.end:.3f}")
+            ("{:3d} {:3d}".format(*one.benches), one.begin, text("the end") if one.end is None else f"{one.end:.3f}")
             for one in self.windows()
         )
-        return "\n".join(table("benches   touch from (s)  to (s)", ("", "14.3f", ""), rows))
+        heads = (text("benches"), text("touch from (s)"), text("to (s)"))
+        return "\n".join(table(heads, ("<7", "14.3f", ""), rows))
 
     def __len__(self) -> int:
         return len(self.events)
@@ -223,3 +225,23 @@ def _read(kind: Any, value: Any) -> Any:
     if not (value in kind if isinstance(kind, frozenset) else type(value) in (int, kind) and math.isfinite(value)):
         raise DragonError(f"{value!r} is none of the values of a contact")
     return value
+
+
+def contact_text(
+    status: str, benches: tuple[int, int] | None, point: Vector | None, time: float, decimals: int = 6
+) -> str:
+    """When and where two benches first touch, in one line, or until which time none do.
+
+    `decimals` is the number of decimals of the time of a contact that are certain.
+    """
+    if benches is None or point is None:
+        if status == "unreachable":
+            return text("no contact until t = {t:.6g} s, after which a handle has no position on the curve").format(
+                t=time
+            )
+        return text("no contact until t = {t:.6g} s").format(t=time)
+    values = {"i": benches[0], "j": benches[1], "t": f"{time:.{decimals}f}"}
+    if status == "overlapping":
+        return text("benches {i} and {j} overlap at the start, t = {t} s").format(**values)
+    x, y = point
+    return text("first contact at t = {t} s: benches {i} and {j} at ({x:.6f}, {y:.6f}) m").format(**values, x=x, y=y)

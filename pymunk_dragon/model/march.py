@@ -14,6 +14,7 @@ from pymunk_dragon._arrays import Array, as_vectors
 from pymunk_dragon._checks import finite, positive, whole
 from pymunk_dragon._display import Displayed
 from pymunk_dragon._frozen import ArrayRecord, read_only
+from pymunk_dragon._language import text
 from pymunk_dragon._text import table
 from pymunk_dragon.errors import ParameterError, UnreachableError
 from pymunk_dragon.model.chain import ChainMotion
@@ -86,7 +87,7 @@ class States(ArrayRecord):
 
     def text(self, handles: Sequence[int] | None = None) -> str:
         """Table of `rows`, as `positions` prints it."""
-        heads = "     t (s)  handle       x (m)       y (m)  speed (m/s)"
+        heads = ("t (s)", text("handle"), "x (m)", "y (m)", text("speed (m/s)"))
         # Adding 0 turns the -0.0 of a rounded tiny number into 0.0.
         rows = [(*row[:2], *(round(value, 6) + 0.0 for value in row[2:])) for row in self.rows(handles)]
         return "\n".join(table(heads, ("10.6g", "6d", "10.6f", "10.6f", "11.6f"), rows))

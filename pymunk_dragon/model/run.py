@@ -19,9 +19,9 @@ from pymunk_dragon._arrays import Array
 from pymunk_dragon._checks import finite, whole, word
 from pymunk_dragon._display import Displayed
 from pymunk_dragon._frozen import ArrayRecord, frozen, read_only
-from pymunk_dragon._text import contact_text
+from pymunk_dragon._language import text
 from pymunk_dragon.errors import DragonError, ParameterError
-from pymunk_dragon.model.contact import Contact, ContactEvent, ContactLog
+from pymunk_dragon.model.contact import Contact, ContactEvent, ContactLog, contact_text
 from pymunk_dragon.model.dragon import hermite
 from pymunk_dragon.model.march import March, check_march
 from pymunk_dragon.model.run_file import opened_archive, present_names, write_archive
@@ -108,7 +108,8 @@ class Run(ArrayRecord, Displayed):
     Run(16 benches, 16 frames from 411 s to 412.474 s, contact)
     >>> print(run)  # doctest: +ELLIPSIS
     first contact at t = 412.47... s: benches 0 and 8 at (...) m
-    drift 0.00... mm in the first twelve benches, 0.00... mm anywhere; ... times as fast as real time
+    drift 0.00... mm in the first twelve benches, 0.00... mm anywhere
+    ... times as fast as real time
     >>> run.player, run.guide, run.settings.iterations, run.substeps
     ('pymunk', 'rails', 10, 74)
     >>> run.poses_at([411.05, 411.15]).shape
@@ -163,13 +164,15 @@ class Run(ArrayRecord, Displayed):
             status = "overlapping" if touch.time <= self.start else self.outcome
             lines = [contact_text(status, touch.benches, touch.point, touch.time)]
         elif self.player == "exact":
-            lines = [f"exact model until t = {until:.6g} s, without a search for contacts"]
+            lines = [text("exact model until t = {t:.6g} s, without a search for contacts").format(t=until)]
         else:
             lines = [contact_text(self.outcome, None, None, until)]
         if self.player != "exact":
             head, largest, speed = 1e3 * self.head_drift, 1e3 * self.max_drift, self.to_dict()["realtime_factor"]
-            times = "" if speed is None else f"; {speed:.1f} times as fast as real time"
-            lines.append(f"drift {head:.3f} mm in the first twelve benches, {largest:.3f} mm anywhere{times}")
+            drift = text("drift {head:.3f} mm in the first twelve benches, {largest:.3f} mm anywhere")
+            lines.append(drift.format(head=head, largest=largest))
+            if speed is not None:
+                lines.append(text("{speed:.1f} times as fast as real time").format(speed=speed))
         if self.settings is not None and self.settings.contacts != "stop":
             lines.append(str(self.events))
         return "\n".join(lines)

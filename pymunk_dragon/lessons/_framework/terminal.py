@@ -14,6 +14,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import NoReturn
 
+from pymunk_dragon._text import width
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.lessons._framework.guess import Guess
 from pymunk_dragon.lessons._framework.lesson_file import live_scene, next_lesson
@@ -155,7 +156,7 @@ def wrapped(text: str, columns: int) -> Iterator[str]:
     """
     line = ""
     for piece in _pieces(unbroken(" ".join(text.split()))):
-        if line and _width(line) + _width(piece.rstrip(" ")) > columns:
+        if line and width(line) + width(piece.rstrip(" ")) > columns:
             yield line.rstrip(" ").replace(NO_BREAK, " ")
             line = ""
         line += piece
@@ -181,12 +182,7 @@ def _may_break(before: str, behind: str) -> bool:
         return False
     if unicodedata.category(behind) in CLOSING or unicodedata.category(before) in OPENING:
         return False
-    return _width(before + behind) > 2
-
-
-def _width(text: str) -> int:
-    """Columns of `text`."""
-    return sum(2 if unicodedata.east_asian_width(character) in "WF" else 1 for character in text)
+    return width(before + behind) > 2
 
 
 def _program() -> str:
