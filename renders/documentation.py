@@ -68,7 +68,8 @@ LISTS = {"names.html": "All names", "gallery.html": "Gallery"}
 PICTURES = (".gif", ".png", ".svg")
 # The address of a file in HTML: `src="renders/march.gif"`, `href="README.md"`.
 ADDRESS = re.compile(r'\b(href|src)="([^"#:]+)')
-# A name in the code of a text, or a member of one: `March`, `March.at`, `simulate(...)`. Not in a link.
+# In the code of a text a module, a name or a member of one: `pymunk_dragon.physics`, `March`, `March.at`,
+# `simulate(...)`. Not in a link.
 NAME = re.compile(r"(?<!\">)<code>((\w+)(?:\.\w+)*)(\(.*?\))?</code>")
 # A link within a page. pdoc makes some to members that a class has from a class without a page.
 LOCAL = re.compile(r'<a href="#([^"]+)">(.*?)</a>')
@@ -144,7 +145,7 @@ def commands_text() -> str:
 
 
 def with_links(page: str, text: str, members: Mapping[str, set[str]]) -> str:
-    """The HTML `text` of a page, with the addresses of the site, and links for public names in code.
+    """The HTML `text` of a page, with the addresses of the site, and links for modules and public names in code.
 
     `members` has the anchors of each module's page.
     """
@@ -161,6 +162,9 @@ def with_links(page: str, text: str, members: Mapping[str, set[str]]) -> str:
 
     def name(found: re.Match[str]) -> str:
         whole, first, call = found.groups()
+        module = whole.removeprefix("pymunk_dragon.")
+        if whole != module and module in MODULES:
+            return f'<a href="{top}{module_page(module)}">{found[0]}</a>'
         # A lower-case word in code may also be a command, as `report`, or a parameter.
         if first not in names or not (call or first != first.lower() or "_" in first):
             return found[0]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shlex
 import subprocess
 from html.parser import HTMLParser
@@ -21,8 +22,10 @@ PICTURES = {path.relative_to(ROOT / "renders").as_posix() for path in (ROOT / "r
 
 def commands():
     """The arguments that the Makefile passes, without making anything."""
+    # The tests may have been started by make, whose options are not for this one.
+    alone = {name: value for name, value in os.environ.items() if not name.startswith(("MAKE", "MFLAGS"))}
     shown = subprocess.run(
-        ["make", "--dry-run", "docs"], cwd=ROOT, capture_output=True, text=True, check=True, timeout=60
+        ["make", "--dry-run", "docs"], cwd=ROOT, env=alone, capture_output=True, text=True, check=True, timeout=60
     ).stdout
     [line] = [line for line in shown.splitlines() if "renders/documentation.py renders/docs" in line]
     return dict(argument.split("=", 1) for argument in shlex.split(line)[3:])
