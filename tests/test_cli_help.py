@@ -148,7 +148,7 @@ def test_long_pitch_is_allowed_and_noted_on_a_terminal_only(call, terminal):
         ("positions --times 0 -o p.csv", "p.csv", ""),
         ("contact --from 412 -o c.json", "c.json", ""),
         ("simulate --until 1 --benches 9 -o r.npz", "r.npz", r"\d+ frames, "),
-        ("render run.npz --size 64", "run.gif", r"\d+ frames, \d+\.\d s, "),
+        ("render run.npz --size 64", "run.gif", r"\d+ frames, \d+\.\d s, from t = 79 s, "),
         ("report run.npz -o r.json", "r.json", ""),
         ("figure grid", "grid.png", ""),
         ("study max-speed --benches 9 -o s.json", "s.json", ""),

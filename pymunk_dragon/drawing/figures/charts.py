@@ -244,7 +244,7 @@ def _sample_times(begin: float, hit: FirstContact) -> Array:
 def gap_line(axes: Axes, march: March, times: Array, gid: str) -> float:
     """Draw the head's smallest gap and return its maximum, mm; `last-gap` adds the gap to each closest bench."""
     found = [smallest_gap(march.dragon, snapshot.poses) for snapshot in snapshots(march, times)]
-    nearest, smallest = np.array(found, dtype=float).T
+    nearest, smallest = np.array([(each.bench, each.distance) for each in found if each is not None]).T
     if gid == "last-gap":
         for bench in np.unique(nearest).astype(int).tolist():
             line = MM * _gaps_to(march, times, bench)
