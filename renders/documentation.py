@@ -163,7 +163,7 @@ def with_links(page: str, text: str, members: Mapping[str, set[str]]) -> str:
     def name(found: re.Match[str]) -> str:
         whole, first, call = found.groups()
         module = whole.removeprefix("pymunk_dragon.")
-        if whole != module and module in MODULES:
+        if whole != module and module in MODULES and module_page(module) != page:
             return f'<a href="{top}{module_page(module)}">{found[0]}</a>'
         # A lower-case word in code may also be a command, as `report`, or a parameter.
         if first not in names or not (call or first != first.lower() or "_" in first):
