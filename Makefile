@@ -16,7 +16,7 @@ MAKEFLAGS += --jobs=$(shell getconf _NPROCESSORS_ONLN) $(if $(filter output-sync
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' Makefile | sed -E 's/^([a-z-]+):.*## /\1\t/' | expand -t 12
 
-# The virtual environment, in three steps: the core, the program's extras, and what tests and lint need.
+# The virtual environment, in four steps: the core, the extras of the program, pdoc, and what tests and lint need.
 $(VENV)/core: pyproject.toml
 	@echo "setting up $(VENV)"
 	@$(PYTHON) -m venv $(VENV)
