@@ -71,6 +71,8 @@ ADDRESS = re.compile(r'\b(href|src)="([^"#:]+)')
 # In the code of a text a module, a name or a member of one: `pymunk_dragon.physics`, `March`, `March.at`,
 # `simulate(...)`. Not in a link.
 NAME = re.compile(r"(?<!\">)<code>((\w+)(?:\.\w+)*)(\(.*?\))?</code>")
+# A comment for doctest in an example.
+DIRECTIVE = re.compile(r' *<span class="c1"># doctest:[^<]*</span>')
 # A link within a page. pdoc makes some to members that a class has from a class without a page.
 LOCAL = re.compile(r'<a href="#([^"]+)">(.*?)</a>')
 # A picture or a link with a relative address in Markdown, and the text of the link.
@@ -177,7 +179,7 @@ def with_links(page: str, text: str, members: Mapping[str, set[str]]) -> str:
     def local(found: re.Match[str]) -> str:
         return found[0] if f'id="{found[1]}"' in text else found[2]
 
-    return ADDRESS.sub(address, NAME.sub(name, LOCAL.sub(local, text)))
+    return ADDRESS.sub(address, NAME.sub(name, LOCAL.sub(local, DIRECTIVE.sub("", text))))
 
 
 def short_annotation(annotation: object, *arguments: Any, **options: Any) -> str:
