@@ -17,7 +17,7 @@ from pymunk_dragon._extras import missing_extra
 
 LANGUAGES = ("en", "zh")
 # Packages with a `zh.toml`.
-PACKAGES = ("cli", "drawing", "player", "reports", "sessions", "studies", "sweeps")
+PACKAGES = ("cli", "drawing", "lessons", "player", "reports", "sessions", "studies", "sweeps")
 
 _language: ContextVar[str] = ContextVar("language", default="en")
 

@@ -110,7 +110,8 @@ def test_address_remembers_the_language_that_was_chosen(browser, address):
 def test_screen_readers_get_one_language(seen, language):
     """What stands for a picture is in the language that is read; the buttons say in which their names are."""
     seen.page.click(f".languages button[value={language}]")
-    heard = seen.page.evaluate("[...document.querySelectorAll('section img:first-child')].map((image) => image.alt)")
+    images = f"[...document.querySelectorAll('section :is([lang={language}], div:not([lang])) > img:first-child')]"
+    heard = seen.page.evaluate(f"{images}.map((image) => image.alt)")
     # Behind a number stands a space at which no line ends.
     assert [alt.replace("\u00a0", " ") for alt in heard] == [
         lesson.text("picture", language).replace("`", "") for lesson in ALL
@@ -278,6 +279,18 @@ def test_page_ends_with_glossary_and_references(seen, language):
     found = notes(language)
     for each in [*(part for entry in found.glossary.values() for part in entry), *found.references.values()]:
         assert longest(each) in text
+
+
+@pytest.mark.thorough
+@needs_browser
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_figures_are_in_the_language_of_the_page(seen, language):
+    seen.page.click(f".languages button[value={language}]")
+    seen.page.evaluate(UNFOLD)
+    picture = seen.page.locator("#spiral figure img >> visible=true")
+    assert picture.count() == 1
+    found = base64.b64decode(picture.get_attribute("src").partition(",")[2])
+    assert found == played("spiral").pictures[language]
 
 
 def test_film_at_the_top_of_the_page_is_small_and_the_same_every_time():

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 from pymunk_dragon._extras import optional_imports
 from pymunk_dragon._files import written_in_place
+from pymunk_dragon._language import in_language
+from pymunk_dragon.lessons._framework.figure_texts import translate
 from pymunk_dragon.lessons._framework.guess import Guess
 from pymunk_dragon.lessons._framework.notebook import NotebookOutput
 from pymunk_dragon.lessons._framework.play import current_output
@@ -65,8 +67,11 @@ class Lesson:
         self.order = order
         self.live = live
         default = NotebookOutput if "ipykernel" in sys.modules else Terminal.of_program
-        self._output = current_output.get() or default()
         self._style = ExitStack()
+        self._output = current_output.get() or default()
+        if current_output.get() is None:
+            # `play` does so for the others.
+            self._style.enter_context(in_language(self._output.languages[0]))
         self._guesses: tuple[Guess, ...] = ()
         self._output.say(name, "title", title)
 
@@ -162,8 +167,13 @@ class Lesson:
         """Show the picture of the lesson: a film written to `file`, or a figure."""
         # The style of `subplots` also applies to a film of a figure. It ends here: what is drawn next has its own.
         with self._style:
-            if not isinstance(picture, Path):
-                with written_in_place(path := self.file(".png")) as draft:
-                    picture.savefig(draft)
-                picture = path
-        self._output.show(self.name, picture)
+            if isinstance(picture, Path):
+                self._output.show(self.name, picture)
+                return
+            for number, language in enumerate(self._output.languages):
+                path = self.file(f".{language}.png" if number else ".png")
+                with in_language(language):
+                    translate(picture)
+                    with written_in_place(path) as draft:
+                        picture.savefig(draft)
+                    self._output.show(self.name, path)

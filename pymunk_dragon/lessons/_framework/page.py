@@ -99,7 +99,7 @@ def _values(recording: Recording) -> dict[str, Any]:
         ],
         "teacher": _teachers_notes(lesson.name),
         "printed": recording.printed.strip("\n"),
-        "film": _film(recording.picture, recording.file.suffix),
+        "films": {each: _film(picture, recording.file.suffix) for each, picture in recording.pictures.items()},
         "code": _highlighted(lesson.code),
         "program": {"file": lesson.path.name, "data": _address(lesson.source.encode(), ".py")},
         "notebooks": {

@@ -5,14 +5,16 @@ from __future__ import annotations
 import io
 import runpy
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import ExitStack, redirect_stdout
 from contextvars import ContextVar
 from dataclasses import dataclass
 from pathlib import Path
 
 from pymunk_dragon._extras import optional_imports
+from pymunk_dragon._language import LANGUAGES, in_language, language
 from pymunk_dragon.errors import DragonError, ParameterError
+from pymunk_dragon.lessons._framework.figure_texts import has_font
 from pymunk_dragon.lessons._framework.guess import Guess
 from pymunk_dragon.lessons._framework.lesson_file import LessonFile
 
@@ -20,7 +22,15 @@ MEDIA_TYPES = {".gif": "image/gif", ".png": "image/png", ".py": "text/x-python",
 
 
 class Output:
-    """Receives the texts and the picture of a lesson while its file runs. The methods of this base class do nothing."""
+    """Receives the texts and the picture of a lesson while its file runs. The methods of this base class do nothing.
+
+    Attributes
+    ----------
+    languages : tuple of str
+        Languages of the picture: a figure is drawn in each of them, a film in the first.
+    """
+
+    languages: tuple[str, ...] = ("en",)
 
     def folder(self) -> Path:
         """Folder in which the lesson writes its picture; by default the current one."""
@@ -33,7 +43,7 @@ class Output:
         """
 
     def show(self, lesson: str, picture: Path) -> None:
-        """Take the file of the picture."""
+        """Take the file of the picture; that of a figure in a second language has it in its name, as spiral.zh.png."""
 
 
 # Output of the lesson that `play` runs in this context; None for a lesson that is run as a program of its own.
@@ -50,7 +60,7 @@ def play(lesson: LessonFile, output: Output) -> None:
     """
     token = current_output.set(output)
     try:
-        with optional_imports():
+        with optional_imports(), in_language(output.languages[0]):
             runpy.run_path(str(lesson.path), run_name="__main__")
     finally:
         current_output.reset(token)
@@ -66,16 +76,21 @@ class Recording:
         The lesson.
     printed : str
         What its code printed, without its texts.
-    picture : bytes
-        Content of the file of its picture or film.
+    pictures : mapping of str to bytes
+        Content of the file of its picture or film in English, and of a figure in other languages.
     file : Path
-        That file, which `record` removes unless it is given a folder.
+        That file in English, which `record` removes unless it is given a folder.
     """
 
     lesson: LessonFile
     printed: str
-    picture: bytes
+    pictures: Mapping[str, bytes]
     file: Path
+
+    @property
+    def picture(self) -> bytes:
+        """The picture or film in English."""
+        return self.pictures["en"]
 
 
 def record(lesson: LessonFile, save: str | Path | None = None) -> Recording:
@@ -86,7 +101,7 @@ def record(lesson: LessonFile, save: str | Path | None = None) -> Recording:
     lesson : LessonFile
         The lesson.
     save : path, optional
-        Folder for the picture, made if it does not exist. By default the picture's file is removed.
+        Folder for the picture in English, made if it does not exist. By default the picture's file is removed.
 
     Returns
     -------
@@ -110,30 +125,32 @@ def record(lesson: LessonFile, save: str | Path | None = None) -> Recording:
     't =   0 s  r = 8.800 m  walking 1.0000 m/s  turning 0.1136 rad/s, a round in 55.3 s'
     """
     printed = io.StringIO()
+    kept = save is not None
     with ExitStack() as stack:
         if save is None:
             save = stack.enter_context(tempfile.TemporaryDirectory(prefix="pymunk-dragon-"))
-        recorder = _Recorder(make_folder(save))
+        recorder = _Recorder(make_folder(save), ("en",) if kept else LANGUAGES)
         with redirect_stdout(printed):
             play(lesson, recorder)
-        if recorder.picture is None:
+        if "en" not in recorder.files:
             raise DragonError(f"the lesson {lesson.name!r} shows no picture")
-        return Recording(lesson, printed.getvalue(), recorder.picture.read_bytes(), recorder.picture)
+        pictures = {each: file.read_bytes() for each, file in recorder.files.items()}
+        return Recording(lesson, printed.getvalue(), pictures, recorder.files["en"])
 
 
 class _Recorder(Output):
-    """Output that keeps the picture; the texts are known from the lesson's file."""
+    """Output that keeps the pictures; the texts are known from the lesson's file."""
 
-    picture: Path | None = None
-
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, languages: Iterable[str]) -> None:
+        self.languages = tuple(filter(has_font, languages))
+        self.files: dict[str, Path] = {}
         self._folder = folder
 
     def folder(self) -> Path:
         return self._folder
 
     def show(self, lesson: str, picture: Path) -> None:
-        self.picture = picture
+        self.files[language()] = picture
 
 
 def make_folder(path: str | Path) -> Path:

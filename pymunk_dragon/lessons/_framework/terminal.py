@@ -16,6 +16,7 @@ from typing import NoReturn
 
 from pymunk_dragon._text import width
 from pymunk_dragon.errors import ParameterError
+from pymunk_dragon.lessons._framework.figure_texts import has_font
 from pymunk_dragon.lessons._framework.guess import Guess
 from pymunk_dragon.lessons._framework.lesson_file import live_scene, next_lesson
 from pymunk_dragon.lessons._framework.markup import NO_BREAK, plain, unbroken
@@ -63,6 +64,7 @@ class Terminal(Output):
 
     def __init__(self, save: str | Path | None = None, language: str = "en", pause: bool = False) -> None:
         self._save, self._language, self._pause = save, check_language(language), pause
+        self.languages = (language if has_font(language) else "en",)
         # Now, because `play` replaces sys.argv[0] by the lesson's file.
         self._program = _program()
         check_output(language)

@@ -9,7 +9,8 @@ function speak(language) {
   document.title = document.querySelector(`h1 [lang="${language}"]`).textContent;
   for (const button of buttons) button.setAttribute("aria-pressed", button.value === language);
   for (const figure of document.querySelectorAll("figure")) {
-    figure.querySelector("img").alt = figure.querySelector(`figcaption [lang="${language}"]`).textContent;
+    const alt = figure.querySelector(`figcaption [lang="${language}"]`).textContent;
+    for (const image of figure.querySelectorAll("img:first-child")) image.alt = alt;
   }
 }
 
