@@ -332,14 +332,14 @@ def test_exact_poses_and_position_errors_are_the_models(visit, bumpy, time):
 
 
 def test_exact_model_is_outlined_with_its_distance_magnified_as_the_legend_says(visit, bumpy):
-    with visit("#t=86&show=exact", name="bumpy") as found:
+    with visit("#t=86&follow=head&show=exact", name="bumpy", device_scale_factor=2) as found:
         page = found.page
         legend = shown(page, "legend-exact-text")
         factor = int(legend.removeprefix("Exact model, error × ").replace(",", ""))
         assert factor > 1
         poses, exact = (np.array(ask(page, f"player.{name}(86)")) for name in ("poses", "exactPoses"))
         magnified = poses + factor * (exact - poses)
-        outline = bumpy.march.dragon.outlines(magnified)[5]
+        outline = bumpy.march.dragon.outlines(magnified)[1]
         middle = (outline[0] + outline[1]) / 2
         near = [middle + np.array([dx, dy]) for dx in (-0.02, 0, 0.02) for dy in (-0.02, 0, 0.02)]
         assert LIGHT.motion in {page.evaluate(COLOUR, point.tolist()) for point in near}

@@ -294,11 +294,9 @@ def _speed_text(speed: float | Sequence[Sequence[float]] | None) -> str:
         return text("a changing speed")
     if isinstance(speed, Sequence):
         least, most = (bound(entry[1] for entry in speed) for bound in (min, max))
-        return (
-            text("{least} to {most} m/s").format(least=f"{least:g}", most=f"{most:g}")
-            if least < most
-            else f"{most:g} m/s"
-        )
+        if least < most:
+            return text("{least} to {most} m/s").format(least=f"{least:g}", most=f"{most:g}")
+        return f"{most:g} m/s"
     return f"{speed:g} m/s"
 
 
