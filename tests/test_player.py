@@ -27,8 +27,9 @@ from pymunk_dragon.model.contact import Contact, ContactEvent, ContactLog
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
+from pymunk_dragon.physics import simulate
 from pymunk_dragon.player import player_page, write_player
-from pymunk_dragon.player.data import contact_windows, curve_points, handle_vectors, pack
+from pymunk_dragon.player.data import contact_windows, curve_points, exact_offsets, handle_vectors, pack
 from pymunk_dragon.player.page import DARK, LIGHT, PARTS, catalogue
 from pymunk_dragon.reports import summarize
 
@@ -418,3 +419,48 @@ def test_page_of_a_chinese_program_opens_in_chinese(run):
     with in_language("zh"):
         chinese = player_page(run)
     assert chinese.replace('lang="zh"', 'lang="en"', 1) == player_page(run)
+
+
+@pytest.fixture(scope="module")
+def engine_run():
+    return simulate(March(Dragon(benches=16)), start=411.0)
+
+
+def test_exact_models_offsets_come_back_within_half_a_micrometre(engine_run):
+    exact = engine_run.march.at(engine_run.times).positions
+    offsets = exact - handle_vectors(*engine_run.march.dragon.holes(engine_run.poses))
+    page = Page(player_page(engine_run))
+    assert page.payload["exact"]["step"] == pytest.approx(0.5e-6)
+    np.testing.assert_allclose(page_vectors(page, "exact"), offsets, rtol=0, atol=0.26e-6)
+
+
+def test_exact_models_offsets_take_little_of_the_page(engine_run):
+    without = replace(engine_run, drift=engine_run.drift + 1.0)
+    assert len(player_page(engine_run)) < 1.15 * len(player_page(without))
+
+
+def test_dragon_without_a_guide_is_metres_away_from_the_exact_model():
+    run = simulate(March(Dragon(benches=16), turns=8), guide="none", contacts="report", until=20.0)
+    offsets = exact_offsets(run)
+    assert np.linalg.norm(offsets, axis=-1).max() == pytest.approx(run.drift.max(), rel=0.01)
+    assert run.drift.max() > 1
+    payload = Page(player_page(run)).payload
+    assert payload["exact"]["step"] == pytest.approx(np.abs(offsets).max() / 4000)
+
+
+def test_frames_without_a_state_of_the_model_have_no_offsets(engine_run):
+    drift = engine_run.drift.copy()
+    drift[10:] = np.nan
+    assert exact_offsets(replace(engine_run, drift=drift)).shape == (10, 17, 2)
+    drift[:] = np.nan
+    assert exact_offsets(replace(engine_run, drift=drift)) is None
+
+
+def test_run_whose_errors_belong_to_other_times_has_no_offsets(engine_run):
+    # As after a change of the speed in a live session.
+    assert exact_offsets(replace(engine_run, times=engine_run.times + 0.1)) is None
+
+
+def test_run_of_the_exact_model_has_no_offsets(page):
+    assert page.payload["exact"] is None
+    assert page.blocks.get("exact-packed", "") == ""

@@ -107,9 +107,9 @@ def player_page(run: Run, *, title: str | None = None) -> str:
     -----
     The page's `dragon` is a promise of an object that controls the player. A page that holds it in a frame without a
     sandbox may call `frame.contentWindow.dragon.then((player) => player.seek(409.8))`. A link has the same effect:
-    `#t=409.8&follow=head`. `show=curve,contacts,exact` chooses what is drawn, `slow=off` switches slow motion near events
-    off, and `lang=zh`, or `?zh` before the `#`, chooses Chinese. Only the page of a run of the engine has the exact
-    model's positions.
+    `#t=409.8&follow=head`. `show=curve,contacts,exact` chooses what is drawn, `slow=off` switches slow motion off, and
+    `lang=zh`, or `?zh` before the `#`, chooses Chinese. Only the page of a run of the engine has the exact model's
+    positions.
 
     Examples
     --------
