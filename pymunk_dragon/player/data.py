@@ -33,7 +33,7 @@ VELOCITY_STEP = 4
 # Step of the exact model's offsets as a fraction of a bench's width, 0.5 micrometres at the contest's 0.3 m, or as a
 # fraction of the largest offset if that is larger.
 EXACT_STEP = 1 / 600_000
-EXACT_SHARE = 1 / 4000
+EXACT_SHARE = 1e-5
 # Differences between the offsets' lengths and the position errors of a run, m, that come from rounding.
 ROUNDING = 1e-9
 # Order of the differences. The paper's run in steps of 0.2 micrometres takes 2.7 MB at order 2, 1.8 MB at order 3
@@ -104,12 +104,16 @@ def player_data(summary: Summary) -> tuple[dict[str, Any], dict[str, str]]:
     return payload, {name: values.text if values else "" for name, values in packed.items()}
 
 
-def pack(vectors: Array, step: float) -> Packed:
-    """Pack `vectors` (F, H, 2) in steps of `step`, or larger ones where they exceed the range of 32 bits."""
+def pack(vectors: Array, step: float, *, from_zero: bool = False) -> Packed:
+    """Pack `vectors` (F, H, 2) in steps of `step`, or larger ones where they exceed the range of 32 bits.
+
+    They are counted from zero, which is then exact, or from the middle of their range.
+    """
     low, high = vectors.min(axis=(0, 1)), vectors.max(axis=(0, 1))
     # Halved first: the sum of two large numbers may overflow.
-    origin = low / 2 + high / 2
-    step = max(step, float((high / 2 - low / 2).max()) / MAX_COUNT)
+    origin = np.zeros(2) if from_zero else low / 2 + high / 2
+    reach = np.maximum(high - origin, origin - low)
+    step = max(step, float(reach.max()) / MAX_COUNT)
     # By point, coordinate and time, so that the differences of one track are adjacent.
     counts = np.rint((vectors - origin) / step).astype(np.int64).transpose(1, 2, 0)
     for _ in range(ORDER):
@@ -208,7 +212,9 @@ def exact_offsets(run: Run) -> Array | None:
 
 def _pack_exact(run: Run, narrowest: float) -> Packed | None:
     offsets = exact_offsets(run)
-    return None if offsets is None else pack(offsets, max(EXACT_STEP * narrowest, EXACT_SHARE * np.abs(offsets).max()))
+    if offsets is None:
+        return None
+    return pack(offsets, max(EXACT_STEP * narrowest, EXACT_SHARE * float(np.abs(offsets).max())), from_zero=True)
 
 
 def _pack_handles(holes: tuple[Array, Array], step: float) -> tuple[Packed, float]:

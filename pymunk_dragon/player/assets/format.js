@@ -20,9 +20,9 @@ function formatLength(metres, error) {
   return `${length.toFixed(Math.min(significant, decimals(1000 * error)))} mm`;
 }
 
-// A position error in m with an error in m: in micrometres below a tenth of a millimetre.
+// A position error in m with an error in m: in micrometres if it is small and known to a micrometre.
 function formatError(metres, error) {
-  return metres < SMALL_ERROR ? `${(1e6 * metres).toFixed(decimals(1e6 * error))} μm` : formatLength(metres, error);
+  return metres < SMALL_ERROR && error < 1e-6 ? `${(1e6 * metres).toFixed(decimals(1e6 * error))} μm` : formatLength(metres, error);
 }
 
 // Numbers of one bench: velocity and speed in m/s, angle in degrees, gap and its error in m.
