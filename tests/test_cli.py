@@ -266,6 +266,20 @@ def test_render_sets_runs_side_by_side_with_their_marks_and_words(call, tmp_path
     assert len(pictures) == 5
 
 
+def test_film_of_a_march_ends_with_its_first_contact(call, tmp_path, monkeypatch):
+    noted = []
+    monkeypatch.setattr("pymunk_dragon.cli.render.wrote", lambda path, *facts: noted.append((path.suffix, *facts)))
+    assert call("render", "--benches", "16", "-o", tmp_path / "m.gif", "--size", "64")[0] == 0
+    assert call("render", "--benches", "16", "-o", tmp_path / "m.gif", "--size", "64", "--until", "60")[0] == 0
+    assert call("render", "--benches", "16", "-o", tmp_path / "m.png", "--size", "64")[0] == 0
+    # The last 74 s before the contact at 412.47 s.
+    assert noted == [
+        (".gif", "171 frames", "11.0 s", "from t = 338 s"),
+        (".gif", "111 frames", "8.0 s", "from t = 0 s"),
+        (".png",),
+    ]
+
+
 def test_render_writes_texts_in_a_language_and_with_a_legend(call, tmp_path):
     picture = tmp_path / "p.png"
 

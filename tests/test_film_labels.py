@@ -210,6 +210,12 @@ def test_exact_model_beside_a_run_shows_its_own_contact(reference, texts):
     assert pixels(picture[:, 402:], "contact") > 20
 
 
+def test_film_of_a_march_shows_its_contact(tmp_path, texts):
+    march = March(Dragon(benches=16))
+    render(march, tmp_path / "film.gif", start=412, until=first_contact(march, start=411).time, size=200)
+    assert "contact: benches 0 and 8" in texts
+
+
 def test_march_alone_has_no_errors(texts):
     still(SMALL, 5.0, Film(size=300))
     assert not any(line.startswith("position error") for line in texts)

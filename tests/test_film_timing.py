@@ -131,6 +131,17 @@ def test_near_misses_of_the_exact_model_are_no_events_of_an_unguided_run(referen
     assert [event.time for event in events_of([unguided], (400, 412.5))] == [CONTACT]
 
 
+def test_contacts_of_two_runs_at_nearly_the_same_time_are_one_event(reference):
+    later = with_contact(replace(reference, first_contact=None), CONTACT - 1e-4)
+    assert events_of([reference, later, reference.march], (0, CONTACT)) == events_of([later], (0, CONTACT))
+
+
+def test_film_of_a_march_slows_down_towards_its_contact():
+    events = events_of([March()], (0, 412.4738376821))
+    assert [event.time for event in events] == pytest.approx([*NEAR_MISSES, CONTACT], abs=1e-3)
+    assert events[-1].added == 2 * events[0].added
+
+
 def test_many_events_do_not_make_the_film_long():
     runs = [with_contact(Run.exact(March(Dragon(benches=60)), [0, 412]), time) for time in (100, 200, 300, 350)]
     events = events_of(runs, (0, 412))

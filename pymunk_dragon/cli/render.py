@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -34,7 +35,7 @@ MARKS = {
     "normals": "Contact normals.",
     "impulses": "Impulses in the joints, as discs.",
 }
-# s: default length of a film of a march.
+# s: default length of a film of a march without contact.
 MARCH_FILM = 60.0
 # m: distance that the head travels between the frames of a march in a player.
 PLAYER_STRIDE = 0.1
@@ -71,7 +72,7 @@ def marks() -> tuple[Any, ...]:
 @scenario_options
 @click.option("--exact", is_flag=True, help="Show the exact model beside the run.")
 @click.option("--from", "start", type=float, metavar="T", help="First time, s.  [such that a film takes 11 s]")
-@click.option("--until", type=float, metavar="T", help=f"Last time, s.  [the run's, or {MARCH_FILM:g} s of a march]")
+@click.option("--until", type=float, metavar="T", help="Last time, s.  [the run's, or a march's first contact]")
 @click.option("--speedup", type=float, metavar="X", help="Simulated s in 1 s of film.  [slower towards contacts]")
 @click.option("--fps", type=int, metavar="N", help="Frames in a second, at most 60, and 50 in a GIF.  [20]")
 @click.option("--size", metavar="PIXELS", help="Width and height: 440, or 640x360.  [440]")
@@ -125,7 +126,7 @@ def render(
         given["size"] = _size(size)
     sources = _sources(run_files, scenario_file, exact)
     if isinstance(sources[0], March):
-        given.setdefault("until", min(given.get("start", 0.0) + MARCH_FILM, sources[0].end))
+        given.setdefault("until", _end(sources[0], given.get("start", 0.0), film=ending in FILM_ENDINGS))
     view = Camera(follow=follow, span=span)  # type: ignore[arg-type]  # Camera checks the word.
     film = Film(camera=view, show=marks(), **given)
     if ending in PLAYER_ENDINGS:
@@ -181,6 +182,17 @@ def _sources(run_files: tuple[str, ...], scenario_file: str | None, exact: bool)
         return [march_of(scenario_file)]
     runs = [run_of(file, scenario_file) for file in run_files]
     return [*runs, runs[0].march] if exact else [*runs]
+
+
+def _end(march: March, start: float, *, film: bool) -> float:
+    """Default last time of a march, s: of a film, the first contact on a curve with an end."""
+    from pymunk_dragon.collision import first_contact
+
+    if film and start < march.end < math.inf:
+        found = first_contact(march, start=start)
+        if found.status == "contact":
+            return found.time
+    return min(start + MARCH_FILM, march.end)
 
 
 def _refuse(what: str, *names: str) -> None:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from pymunk_dragon._arrays import Array
 from pymunk_dragon._checks import word
 from pymunk_dragon._language import text
-from pymunk_dragon.collision import first_contact
+from pymunk_dragon.collision import FirstContact, first_contact
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.contact import Contact
 from pymunk_dragon.model.march import March
@@ -28,6 +28,8 @@ Mark = Literal["contacts", "normals", "impulses", "velocities", "grid"]
 
 # Frames whose poses are computed at once: enough to amortise the cost of a call, few enough to limit memory.
 CHUNK_FRAMES = 32
+# s: margin by which the search for a contact at the end of a film extends beyond the end.
+CONTACT_MARGIN = 1e-6
 # Times at which the extent of a dragon is sampled.
 EXTENT_SAMPLES = 64
 # Substeps: a contact callback is shown if it is at most this much older than the frame. The last substep, and a margin
@@ -138,6 +140,12 @@ def sample(source: Source, times: Array, marks: tuple[Mark, ...] = (), *, extent
     )
 
 
+def first_contact_until(march: March, start: float, until: float) -> FirstContact:
+    """Search for the first contact of the exact model from `start` to `until`, s, including a contact at `until`."""
+    found = first_contact(march, start=start, until=min(until + CONTACT_MARGIN, march.end))
+    return replace(found, time=min(found.time, until))
+
+
 def with_errors(clip: Clip, run: Run, times: Array, reach: float, length: float) -> Clip:
     """Return the clip of the march of `run` at `times` (F,), with its contact and the magnified errors of the run.
 
@@ -151,7 +159,7 @@ def with_errors(clip: Clip, run: Run, times: Array, reach: float, length: float)
     near = np.linalg.norm(exact[-1, :, :2] - exact[-1, 0, :2], axis=-1) <= reach
     largest = float(np.linalg.norm((run.poses_at(samples) - exact)[:, near, :2], axis=-1).max())
     if run.first_contact is not None:
-        clip = replace(clip, contact=first_contact(march, start=float(ends[0]), until=float(ends[1])).contact)
+        clip = replace(clip, contact=first_contact_until(march, *ends.tolist()).contact)
     if largest == 0:
         return clip
     factor = max(1.0, float(f"{length / largest:.0e}"))

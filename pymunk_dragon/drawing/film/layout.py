@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,8 +17,9 @@ from pymunk_dragon.drawing.film.settings import Film
 from pymunk_dragon.drawing.lettering import Lettering
 from pymunk_dragon.drawing.palette import CODES
 from pymunk_dragon.drawing.scene import Scene
-from pymunk_dragon.drawing.snapshots import Clip, Snapshot, Source, sample, with_errors
+from pymunk_dragon.drawing.snapshots import Clip, Snapshot, Source, first_contact_until, sample, with_errors
 from pymunk_dragon.errors import ParameterError
+from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 
 # Ratio of the title's type size to that of the other text.
@@ -131,6 +133,8 @@ def sampled(sources: Sequence[Source], times: Array, film: Film) -> list[Clip]:
             length = float(dragon.spacings.min() if whole else dragon.widths.min())
             reach = np.inf if whole else (film.camera.span or HEAD_SPAN * float(dragon.widths[0])) / 2
             clip = with_errors(clip, run, times, reach, length)
+        elif isinstance(source, March) and times[0] < times[-1]:
+            clip = replace(clip, contact=first_contact_until(source, float(times[0]), float(times[-1])).contact)
         clips.append(clip)
     return clips
 

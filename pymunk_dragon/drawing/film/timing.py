@@ -9,13 +9,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from pymunk_dragon._arrays import Array
-from pymunk_dragon.collision import first_contact
-from pymunk_dragon.drawing.snapshots import Source
+from pymunk_dragon.drawing.snapshots import Source, first_contact_until
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 
@@ -165,7 +164,10 @@ def _rate(duration: float, added: float, step: float, fps: int | None) -> tuple[
 
 
 def events_of(sources: Sequence[Source], window: tuple[float, float]) -> list[Event]:
-    """Near misses and first contacts of `sources` within a window (first and last time, s)."""
+    """Near misses and first contacts of `sources` within a window (first and last time, s).
+
+    Events of two sources that are closer than half a width are one.
+    """
     found: dict[float, tuple[float, March]] = {}
     searched: list[March] = []
     for source in sources:
@@ -176,11 +178,18 @@ def events_of(sources: Sequence[Source], window: tuple[float, float]) -> list[Ev
             searched.append(march)
             begin, end = _played(source, window)
             if begin < end:
-                misses = first_contact(march, start=begin, until=end).near_misses
-                found |= {miss.time: (NEAR_MISS_TIME, march) for miss in misses or ()}
-    inside = {time: event for time, event in found.items() if window[0] <= time <= window[1]}
-    share = min(1.0, EVENTS_TIME / max(1e-9, sum(added for added, _ in inside.values())))
-    return [Event(time, share * added, _width(march, time)) for time, (added, march) in sorted(inside.items())]
+                exact = first_contact_until(march, begin, end)
+                found |= {miss.time: (NEAR_MISS_TIME, march) for miss in exact.near_misses or ()}
+                if isinstance(source, March) and exact.contact:
+                    found[exact.contact.time] = (CONTACT_TIME, march)
+    events: list[Event] = []
+    for time, (added, march) in sorted(found.items(), key=lambda item: (-item[1][0], item[0])):
+        event = Event(time, added, _width(march, time))
+        apart = all(abs(time - other.time) > event.width / 2 for other in events)
+        if apart and window[0] <= time <= window[1]:
+            events.append(event)
+    share = min(1.0, EVENTS_TIME / max(1e-9, sum(event.added for event in events)))
+    return sorted((replace(event, added=share * event.added) for event in events), key=lambda event: event.time)
 
 
 def _follows_march(source: Source) -> bool:
