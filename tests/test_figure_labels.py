@@ -199,3 +199,19 @@ def test_chinese_figures_have_no_english_words_and_all_glyphs(name: str, texts: 
         words = "".join(c if c.isascii() and c.isalpha() else " " for c in text.get_text()).split()
         assert set(words) <= units, text
         assert text.get_fontfamily()[0] == "Noto Sans SC"
+
+
+@pytest.mark.parametrize(("name", "source"), [("impulses", None), ("gap", "tractor"), ("gap", "arm")])
+def test_logarithmic_scales_fit_their_data(name: str, source: str | None) -> None:
+    shown = drawing(name) if source is None else figure(name, OTHERS[source])
+    axes = shown.axes[0]
+    values = np.concatenate([line.get_ydata() for line in axes.get_lines()])
+    low, high = axes.get_ylim()
+    assert low < values.min() < values.max() < high
+    assert np.log10(high / low) < np.log10(values.max() / values.min()) + 0.4
+    assert len([tick for tick in axes.get_yticks() if low <= tick <= high]) >= 2
+
+
+def test_negative_times_have_minus_signs() -> None:
+    [axes] = figure("speeds", OTHERS["u-turn"]).axes
+    assert [text.get_text() for text in axes.texts][:2] == ["\N{MINUS SIGN}20 s", "\N{MINUS SIGN}10 s"]

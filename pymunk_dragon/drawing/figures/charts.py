@@ -13,6 +13,7 @@ from pymunk_dragon.collision import FirstContact, separation
 from pymunk_dragon.drawing.figures.lines import (
     bundle,
     label_in_room,
+    log_locator,
     logarithmic,
     name,
     name_line,
@@ -54,8 +55,10 @@ NEAR_MISS_OFFSETS = [(x, y) for y in (-24.0, -30.0) for x in (0.0, -20.0, 20.0, 
 CONTACT_OFFSETS = [(x, y) for y in range(20, 160, 10) for x in (36.0, 40.0)]
 # Free border at the right of a chart over time, as a fraction of the time interval: small, and for a label.
 RIGHT_BORDER, LABEL_BORDER = 0.02, 0.26
-# Ratio of the upper end of the scale to the largest value.
-TOP_BORDER = 1.5
+# Ratio of the upper end of the scale to the largest value, and of the smallest one to the lower end.
+BORDER = 1.5
+# The same for the lower end, with room for the labels of near misses.
+LABEL_ROOM = 6.0
 # Largest number of points of a line over time.
 TIME_SAMPLES = 600
 # Units of position errors: smallest error in m, units per metre, and symbol.
@@ -93,19 +96,20 @@ def gap(march: March, interval: TimeInterval) -> Figure:
     whole = panel(figure, 0.75, 0.65, 2.2, 2.75)
     close = panel(figure, 3.25, 0.65, 4.5, 2.75, sharey=whole)
     whole.axvspan(since, hit.time, color=FAINT, lw=0)
-    widest = gap_line(whole, march, _sample_times(begin, hit), "gap")
+    narrowest, widest = gap_line(whole, march, _sample_times(begin, hit), "gap")
+    low = MIN_GAP if hit.contact else max(MIN_GAP, narrowest / (LABEL_ROOM if near_misses else BORDER))
     gap_line(close, march, _sample_times(since, hit), "last-gap")
     for axes, left, border in ((whole, begin, RIGHT_BORDER), (close, since, LABEL_BORDER if hit.contact else 0.0)):
         axes.set_xlim(left, hit.time + border * (hit.time - left))
         axes.set_xticks([tick for tick in several_times(left, hit.time) if tick < hit.time])
-        logarithmic(axes, MIN_GAP, TOP_BORDER * widest)
+        logarithmic(axes, low, BORDER * widest)
         axes.set_xlabel(text("time (s)"))
     close.tick_params(labelleft=False)
     room = Room(close)
     room.take_lines()
     if hit.contact:
         note = text("bench {}:\ncontact at\n{:.4f} s").format(hit.contact.benches[1], hit.time)
-        at = np.array([[hit.time, MIN_GAP]])
+        at = np.array([[hit.time, low]])
         label_in_room(close, room, at, note, CONTACT_OFFSETS, color=COLOURS.contact)
     for near_miss in near_misses:
         if near_miss.time > since:
@@ -206,9 +210,11 @@ def impulses(run: Run) -> Figure:
     )
     axes = panel(figure, 0.85, 0.65, 6.25, 2.85)
     lines = bundle(axes, values, "impulse")
-    _impulse_scale(axes, values)
+    low, high = float(values.min()), float(values.max())
+    low, high = max(low, high / 10.0**IMPULSE_DECADES) / IMPULSE_BORDER, high * IMPULSE_BORDER
+    logarithmic(axes, low, high)
     force = axes.secondary_yaxis("right", functions=(partial(np.multiply, 1 / substep), partial(np.multiply, substep)))
-    force.yaxis.set_major_locator(_round_values())
+    force.yaxis.set_major_locator(log_locator(low, high))
     force.yaxis.set_major_formatter("{x:g}")
     force.minorticks_off()
     force.spines["right"].set_visible(True)
@@ -220,29 +226,14 @@ def impulses(run: Run) -> Figure:
     return figure
 
 
-def _impulse_scale(axes: Axes, values: Array) -> None:
-    """Set a logarithmic scale from the smallest to the largest of `values`, or to a few powers of ten below."""
-    low, high = float(values.min()), float(values.max())
-    low = max(low, high / 10.0**IMPULSE_DECADES)
-    logarithmic(axes, low / IMPULSE_BORDER, high * IMPULSE_BORDER)
-    axes.yaxis.set_major_locator(_round_values())
-
-
-def _round_values() -> Any:
-    """Return a locator of the values 1, 2, 3 and 5 times a power of ten."""
-    from matplotlib.ticker import LogLocator
-
-    return LogLocator(subs=(1.0, 2.0, 3.0, 5.0))
-
-
 def _sample_times(begin: float, hit: FirstContact) -> Array:
     """Return the times, s, from `begin` to the end at which gaps are sampled, including those of near misses."""
     smallest = [near_miss.time for near_miss in hit.near_misses or () if near_miss.time > begin]
     return np.unique([*np.linspace(begin, hit.time, GAP_SAMPLES), *smallest])
 
 
-def gap_line(axes: Axes, march: March, times: Array, gid: str) -> float:
-    """Draw the head's smallest gap and return its maximum, mm; `last-gap` adds the gap to each closest bench."""
+def gap_line(axes: Axes, march: March, times: Array, gid: str) -> tuple[float, float]:
+    """Draw the head's smallest gap, and return its range, mm; `last-gap` adds the gap to each closest bench."""
     found = [smallest_gap(march.dragon, snapshot.poses) for snapshot in snapshots(march, times)]
     nearest, smallest = np.array([(each.bench, each.distance) for each in found if each is not None]).T
     if gid == "last-gap":
@@ -252,7 +243,7 @@ def gap_line(axes: Axes, march: March, times: Array, gid: str) -> float:
     axes.plot(
         times, np.maximum(MM * smallest, GAP_OF_CONTACT), color=BLUE, lw=2.0 if gid == "last-gap" else 1.2, gid=gid
     )
-    return MM * float(smallest.max())
+    return MM * float(smallest.min()), MM * float(smallest.max())
 
 
 def _gaps_to(march: March, times: Array, bench: int) -> Array:

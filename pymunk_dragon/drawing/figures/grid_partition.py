@@ -108,7 +108,9 @@ def _indices(axes: Axes, x: Array, y: Array, top: int, left: int) -> float:
     for axis, edges, begin in ((axes.xaxis, x, left), (axes.yaxis, y, top)):
         numbers = np.arange(begin, begin + len(edges) - 1)
         shown = numbers % every == 0
-        axis.set_ticks(((edges[:-1] + edges[1:]) / 2)[shown], [str(number) for number in numbers[shown]])
+        axis.set_ticks(
+            ((edges[:-1] + edges[1:]) / 2)[shown], [f"{number}".replace("-", "\u2212") for number in numbers[shown]]
+        )
     axes.xaxis.set_label_position("top")
     axes.set_xlabel(text("column j →"))
     axes.set_ylabel(text("← row i"))

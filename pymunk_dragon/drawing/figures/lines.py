@@ -30,8 +30,10 @@ LEADER = 15.0
 LEADER_WIDTH = 0.9
 # Points: distances from a line to the middle of its label above or below.
 LABEL_DISTANCES = (12.0, 16.0, 20.0, 26.0)
-# Largest number of powers of ten that all have a tick.
-MAX_DECADES = 8
+# Ratio of the ends of a logarithmic scale below which also numbers between powers of ten have ticks.
+SHORT_SCALE = 30.0
+# Largest number of ticks of a logarithmic scale.
+MAX_TICKS = 12
 # Largest number of handles or joints that all have a tick label.
 MAX_NUMBERED = 10
 
@@ -47,15 +49,22 @@ def several_times(begin: float, end: float) -> Array:
 
 def logarithmic(axes: Axes, low: float, high: float) -> None:
     """Set a logarithmic scale from `low` to `high` with plain numbers and thin grid lines."""
-    from matplotlib.ticker import LogLocator, NullLocator
+    from matplotlib.ticker import NullLocator
 
     axes.set_yscale("log")
     axes.set_ylim(low, high)
-    axes.yaxis.set_major_locator(LogLocator(numticks=MAX_DECADES))
+    axes.yaxis.set_major_locator(log_locator(low, high))
     axes.yaxis.set_major_formatter("{x:g}")
     axes.yaxis.set_minor_locator(NullLocator())
     axes.grid(axis="y", color=RULE, lw=0.6)
     axes.set_axisbelow(True)
+
+
+def log_locator(low: float, high: float) -> Any:
+    """Return a locator of the powers of ten from `low` to `high` and, on a short scale, of numbers between them."""
+    from matplotlib.ticker import LogLocator
+
+    return LogLocator(subs=(1.0, 2.0, 3.0, 5.0) if high < SHORT_SCALE * low else (1.0,), numticks=MAX_TICKS)
 
 
 def bundle(axes: Axes, values: Array, gid: str) -> list[Any]:
@@ -148,7 +157,7 @@ def spread(positions: Sequence[float], spacing: float) -> list[float]:
 
 def time_name(time: float) -> str:
     """Format a time to the hundredth of a second, without trailing zeros."""
-    return text("{} s").format(f"{time:.2f}".rstrip("0").rstrip("."))
+    return text("{} s").format(f"{time:.2f}".rstrip("0").rstrip(".").replace("-", "\u2212"))
 
 
 def label(

@@ -157,14 +157,16 @@ def velocities(march: March, interval: TimeInterval) -> Figure:
         gid="velocities",
     )
     axes.plot(*positions[handles].T, "o", color=COLOURS.ink, ms=6, zorder=4, gid="handles")
-    _set_limits(axes, centre, reach, ARROW_BORDER, wide=6.95 / 3.05)
+    # Arrows along a spiral hardly leave it.
+    border = ARROW_BORDER if spirals_in(march) else ARROW_FRACTION + DOT_BORDER
+    _set_limits(axes, centre, reach, border, wide=6.95 / 3.05)
     # Labels are in two columns, at the left and at the right of the curve.
     sides = np.where(positions[handles, 0] < centre[0], -1, 1)
     # A leader along an arrow would hide it.
     sides = np.where(sides * arrows[:, 0] > ALONG * np.hypot(*arrows.T), -sides, sides)
     for side in (-1, 1):
         rows = np.flatnonzero(sides == side)
-        column = axes.transData.transform((centre[0] + side * (1 + ARROW_BORDER) * reach, centre[1]))[0]
+        column = axes.transData.transform((centre[0] + side * (1 + border) * reach, centre[1]))[0]
         names = [text("handle {}: {:.3f} m/s").format(handles[row], speeds[row]) for row in rows]
         lead(axes, positions[handles[rows]], names, column, [QUIET] * len(rows))
     return figure
@@ -227,9 +229,9 @@ def _set_limits(axes: Axes, centre: Array, reach: float, border: float, *, wide:
     axes.set_aspect("equal")
     axes.set_xlim(x - wide * half, x + wide * half)
     axes.set_ylim(y - half, y + half)
-    ticks = np.asarray(MaxNLocator(5, steps=[1, 2, 4, 5, 10]).tick_values(-half, half))
     for axis, middle, name in ((axes.xaxis, x, "x (m)"), (axes.yaxis, y, "y (m)")):
-        axis.set_ticks([tick for tick in (ticks + np.round(middle)).tolist() if abs(tick - middle) <= half])
+        ticks = np.asarray(MaxNLocator(5, steps=[1, 2, 4, 5, 10]).tick_values(middle - half, middle + half))
+        axis.set_ticks(ticks[np.abs(ticks - middle) <= half].tolist())
         axis.set_label_text(name)
 
 
