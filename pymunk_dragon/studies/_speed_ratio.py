@@ -27,6 +27,7 @@ from typing import Any
 import numpy as np
 
 from pymunk_dragon._arrays import Array
+from pymunk_dragon._language import text
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model import chain
 from pymunk_dragon.model.curves import Composite, Reversed
@@ -89,8 +90,10 @@ class SpeedRatio:
         return {"ratio": self.ratio, "excess": self.excess, "handle": self.handle, "distance": self.distance}
 
     def __str__(self) -> str:
-        where = f"handle {self.handle}, {self.ratio:.6f} times as fast as the head, as that is {self.distance:.3f} m in"
-        return f"{where}: certified to {self.excess:.1g}"
+        return text(
+            "handle {handle}, {ratio:.6f} times as fast as the head,\n"
+            "as that is {distance:.3f} m in: certified to {excess:.1g}"
+        ).format(handle=self.handle, ratio=self.ratio, distance=self.distance, excess=self.excess)
 
 
 def largest_ratio(dragon: Dragon, path: Composite, progress: Progress = silent) -> SpeedRatio:

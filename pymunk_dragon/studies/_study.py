@@ -9,6 +9,7 @@ from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from pymunk_dragon._text import width
 from pymunk_dragon.errors import MissingExtraError
 
 if TYPE_CHECKING:
@@ -20,8 +21,14 @@ Evidence = TypeVar("Evidence")
 
 # Names of the sizes of a dragon, which all studies take.
 DRAGON = ("benches", "head_spacing", "body_spacing", "overhang", "width")
-# Spaces before continued lines of a text.
-INDENT = " " * 11
+# Columns of the labels of a text.
+LABEL = 11
+
+
+def labelled(label: str, lines: str) -> list[str]:
+    """Lines of a text beside a label."""
+    first, *rest = lines.split("\n")
+    return [label + " " * (LABEL - width(label)) + first, *(" " * LABEL + line for line in rest)]
 
 
 def silent(done: float, total: float) -> None:

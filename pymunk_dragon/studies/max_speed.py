@@ -19,7 +19,7 @@ from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.speed import MAX_SPEED, MIN_SPEED
 from pymunk_dragon.studies._speed_ratio import SpeedRatio, largest_ratio
-from pymunk_dragon.studies._study import INDENT, Option, Progress, Result, Study, silent
+from pymunk_dragon.studies._study import Option, Progress, Result, Study, labelled, silent
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -90,14 +90,23 @@ class MaxSpeed(Result, SpeedRatio):
 
     def _lines(self) -> list[str]:
         first, last = self.handles[0], self.handles[-1]
-        subject = f"handle {first} goes" if first == last else f"handles {first} to {last} go"
-        shown = "  ".join(f"{speed:.3f}" for speed in self.speeds)
+        if first == last:
+            subject = text("handle {first} goes").format(first=first)
+        else:
+            subject = text("handles {first} to {last} go").format(first=first, last=last)
+        limit = text(
+            "{subject} {ratio:.10f} times as fast as the head\n"
+            "{time:.4f} s after it entered the circle, {distance:.4f} m into it"
+        ).format(subject=subject, ratio=self.ratio, time=self.time, distance=self.distance)
+        speeds = " ".join(f"{speed:.3f}" for speed in self.speeds)
+        excess = text("no handle exceeds that by more than {excess:.2g} of it ({count} evaluations)")
         return [
-            f"largest speed of the head {self.speed:.10f} m/s: no handle exceeds {self.limit:g} m/s",
-            f"limit:     {subject} {self.ratio:.10f} times as fast as the head {self.time:.4f} s after it entered",
-            f"{INDENT}the circle, {self.distance:.4f} m into it",
-            f"then:      handles 0, 1, 2, ... go {shown} m/s",
-            f"certified: no handle exceeds that by more than {self.excess:.2g} of it ({self.evaluations} evaluations)",
+            text("largest speed of the head {speed:.10f} m/s: no handle exceeds {limit:g} m/s").format(
+                speed=self.speed, limit=self.limit
+            ),
+            *labelled(text("limit:"), limit),
+            *labelled(text("then:"), text("handles 0, 1, 2, ... go\n{speeds} m/s").format(speeds=speeds)),
+            *labelled(text("certified:"), excess.format(excess=self.excess, count=self.evaluations)),
         ]
 
     def _draw(self) -> Figure:

@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from pymunk_dragon._checks import finite, positive
+from pymunk_dragon._language import text
 from pymunk_dragon.collision import FirstContact, first_contact
 from pymunk_dragon.errors import DragonError, ParameterError
 from pymunk_dragon.model.curves.spiral import MAX_PITCH
@@ -30,7 +31,7 @@ from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.studies._gaps import PITCH, Gaps, InwardMarch, SampledGaps, gaps_of
 from pymunk_dragon.studies._pitch_map import PITCH_RATIO, PitchMap, at_least_pitch, pitch_map, smallest_gaps
-from pymunk_dragon.studies._study import INDENT, Progress, Result, Study, bracketed, silent
+from pymunk_dragon.studies._study import Progress, Result, Study, bracketed, labelled, silent
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -143,36 +144,49 @@ class MinPitch(Result):
 
     def _lines(self) -> list[str]:
         arrival = self.march.time(self.arrival_distance)
-        reached = f"handle 0 reaches the circle of {self.radius:g} m after {arrival:.3f} s"
-        lines = [f"smallest pitch {self.pitch:.12f} m: {reached}"]
-        certified = f"certified: no contact at {self.clear_pitch:.12f} m"
+        lines = [
+            text("smallest pitch {pitch:.12f} m: handle 0 reaches the circle of {radius:g} m").format(
+                pitch=self.pitch, radius=self.radius
+            ),
+            *labelled("", text("after {time:.3f} s").format(time=arrival)),
+        ]
         if self.benches is None or self.point is None:
-            lines += [
-                "limit:     the circle, on which it starts; with a smaller pitch it would start inside",
-                certified,
-            ]
+            limit = text("the circle, on which it starts;\nwith a smaller pitch it would start inside")
+            certified = text("no contact at {clear:.12f} m").format(clear=self.clear_pitch)
         else:
             (i, j), (x, y) = self.benches, self.point
-            where = f"t = {self.march.time(self.distance):.6f} s at ({x:.6f}, {y:.6f}) m"
-            lines += [
-                f"limit:     benches {i} and {j} touch without overlapping {LIMITS[self.limit]}, {where}",
-                f"{certified}, but one at {self.contact_pitch:.12f} m",
-            ]
+            limit = text(
+                "benches {i} and {j} touch without overlapping {cause},\nt = {time:.6f} s at ({x:.6f}, {y:.6f}) m"
+            ).format(i=i, j=j, cause=text(LIMITS[self.limit]), time=self.march.time(self.distance), x=x, y=y)
+            certified = text("no contact at {clear:.12f} m, but one at {contact:.12f} m").format(
+                clear=self.clear_pitch, contact=self.contact_pitch
+            )
+        return [
+            *lines,
+            *labelled(text("limit:"), limit),
+            *labelled(text("certified:"), certified),
+            *labelled(text("map:"), self._map_text()),
+        ]
+
+    def _map_text(self) -> str:
+        """What is known of other pitches."""
         known = self.map
-        lines.append(
-            f"map:       {len(known.pitches)} pitches from {known.pitches[0]:.4g} to {known.pitches[-1]:.4g} m;"
+        pitches = text("{count} pitches from {first:.4g} to {last:.4g} m;").format(
+            count=len(known.pitches), first=known.pitches[0], last=known.pitches[-1]
         )
+        near = 1e3 * known.threshold
         if known.growth is None:
-            lines.append(f"{INDENT}no gap comes within {1e3 * known.threshold:.3g} mm of zero;")
+            gaps = text("no gap comes within {near:.3g} mm of zero;").format(near=near)
         else:
-            least, most = known.growth
-            near = f"{1e3 * known.threshold:.3g} mm of zero"
-            lines += [
-                f"{INDENT}all {known.samples} gaps sampled within {near} change with the pitch,",
-                f"{INDENT}the head being on the same circle, by {least:.2f} to {most:.2f} mm for each mm;",
-            ]
-        shown = "so" if self.half_line else "which does not show that"
-        return [*lines, f"{INDENT}{shown} all larger pitches are free, and all smaller ones are not"]
+            gaps = text(
+                "all {samples} gaps sampled within {near:.3g} mm of zero change with the pitch,\n"
+                "the head being on the same circle, by {least:.2f} to {most:.2f} mm for each mm;"
+            ).format(samples=known.samples, near=near, least=known.growth[0], most=known.growth[1])
+        if self.half_line:
+            end = text("so all larger pitches are free, and all smaller ones are not")
+        else:
+            end = text("which does not show that all larger pitches are free, and all smaller ones are not")
+        return "\n".join((pitches, gaps, end))
 
     def _draw(self) -> Figure:
         from pymunk_dragon.studies._min_pitch_figure import draw

@@ -137,12 +137,15 @@ class Sensitivity(Result):
 
     def _lines(self) -> list[str]:
         i, j = self.benches
-        lines = [f"first contact at t = {self.time:.9f} s: benches {i} and {j}", *_table("s", 1e3, self.times)]
-        smallest = f"smallest pitch {self.smallest.pitch:.12f} m: "
+        first = text("first contact at t = {time:.9f} s: benches {i} and {j}").format(time=self.time, i=i, j=j)
+        lines = [first, *_table(text("s for a mm"), 1e3, self.times)]
+        pitch = self.smallest.pitch
         if self.smallest.benches is None:
-            return [*lines, smallest + "limited by the circle, whatever the benches"]
+            limited = text("smallest pitch {pitch:.12f} m: limited by the circle, whatever the benches")
+            return [*lines, limited.format(pitch=pitch)]
         i, j = self.smallest.benches
-        return [*lines, f"{smallest}benches {i} and {j}", *_table("mm", 1.0, self.pitches)]
+        smallest = text("smallest pitch {pitch:.12f} m: benches {i} and {j}").format(pitch=pitch, i=i, j=j)
+        return [*lines, smallest, *_table(text("mm for a mm"), 1.0, self.pitches)]
 
     def _draw(self) -> Figure:
         """The derivatives, and the range of each size in which they hold."""
@@ -294,17 +297,17 @@ def _slopes(
 
 
 def _table(unit: str, per: float, slopes: Sequence[Slope]) -> list[str]:
-    """Lines of a table of derivatives per mm; `per` converts them from SI units."""
-    heads = f"  size          now (mm)  {f'{unit} for a mm':>11}  holds from (mm)             to (mm)"
+    """Lines of a table of derivatives per mm, with their unit; `per` converts them from SI units."""
+    heads = ("  " + text("size"), text("now (mm)"), unit, text("holds from (mm)"), text("to (mm)"))
     rows = []
     for row in slopes:
-        name, ends = "  " + row.size.replace("_", "-"), map(_end_text, (row.less, row.more))
-        rows.append((name, 1e3 * row.value, row.slope / per, *ends))
-    return table(heads, ("<14", "8.2f", "+11.7f", "<26", ""), rows)
+        size, ends = row.size.replace("_", "-"), map(_end_text, (row.less, row.more))
+        rows.append(("  " + text(size), 1e3 * row.value, row.slope / per, *ends))
+    return table(heads, ("<16", "8.2f", "+11.7f", "<28", ""), rows)
 
 
 def _end_text(end: Reach | None) -> str | None:
-    return None if end is None else f"{1e3 * end.unchanged:+.4g} " + ENDS[end.by].format(*end.benches or ())
+    return None if end is None else f"{1e3 * end.unchanged:+.4g} " + text(ENDS[end.by]).format(*end.benches or ())
 
 
 def _draw_table(figure: Figure, left: float, name: str, heading: str, per: float, rows: Sequence[Slope]) -> None:

@@ -30,7 +30,7 @@ from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.studies._shortest import Shortest, shortest_turn
 from pymunk_dragon.studies._speed_ratio import SpeedRatio, largest_ratio
-from pymunk_dragon.studies._study import INDENT, Option, Progress, Result, Study, silent
+from pymunk_dragon.studies._study import Option, Progress, Result, Study, labelled, silent
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -138,41 +138,65 @@ class TurnResult(Result, ArrayRecord):
         turn = self.turn
         first, second = turn.radii.tolist()
         ratios, lengths = zip(*self.lengths, strict=True)
-        lines = [
-            f"the turn:  {turn.length:.6f} m on arcs of {first:.6f} and {second:.6f} m,",
-            f"{INDENT}each of {math.degrees(abs(turn.sweeps[0])):.6f} degrees, about {_points(turn.centres)} m,",
-            f"{INDENT}which touch at {_points(turn.tangent_points)} m",
-            f"contact:   {self._contact_text(self.contact)}",
-            f"fastest:   {self.peak_speed_ratio}",
-            f"two arcs:  always as long: {min(lengths):.12f} to {max(lengths):.12f} m where the radii are",
-            f"{INDENT}as {min(ratios):g} to 1 up to {max(ratios):g} to 1. Both turn by the same angle, and their "
-            f"chords\n{INDENT}make up the circle's diameter",
+        arcs = text(
+            "{length:.6f} m on arcs of {first:.6f} and {second:.6f} m,\n"
+            "each of {angle:.6f} degrees,\nabout {centres} m,\nwhich touch at\n{points} m"
+        ).format(
+            length=turn.length,
+            first=first,
+            second=second,
+            angle=math.degrees(abs(turn.sweeps[0])),
+            centres=_points(turn.centres),
+            points=_points(turn.tangent_points),
+        )
+        always = text(
+            "always as long: {shortest:.12f} to {longest:.12f} m\n"
+            "where the radii are as {least:g} to 1 up to {most:g} to 1.\n"
+            "Both turn by the same angle, and their chords make up\nthe circle's diameter"
+        ).format(shortest=min(lengths), longest=max(lengths), least=min(ratios), most=max(ratios))
+        return [
+            *labelled(text("the turn:"), arcs),
+            *labelled(text("contact:"), self._contact_text(self.contact)),
+            *labelled(text("fastest:"), str(self.peak_speed_ratio)),
+            *labelled(text("two arcs:"), always),
+            *self._lines_of_shortest(),
         ]
+
+    def _lines_of_shortest(self) -> list[str]:
+        """Lines about the shortest turn that was found."""
         shortest = self.shortest
         if shortest is None or self.shortest_contact is None:
-            return lines
+            return []
         short = shortest.turn
-        arcs = zip(short.curvatures, short.lengths, strict=True)
+        best = text("{length:.4f} m on {arcs} arcs: best found, not proven to be the shortest")
+        searched = text(
+            "turns on n circular arcs, tangent to each other and to both spirals\n"
+            "where these meet the circle, inside the circle, with radii of at least\n"
+            "{radius:g} m, on which every handle goes forward and none more than\n"
+            "{ratio:.6f} times as fast as the head"
+        )
+        lengths = [text("{length:.4f} m on {arcs}").format(length=long, arcs=arcs) for arcs, long in shortest.lengths]
+        arcs = [_arc_text(i, *arc) for i, arc in enumerate(zip(short.curvatures, short.lengths, strict=True), start=1)]
+        limit = text("handles at the limit: {handles}").format(handles=", ".join(map(str, shortest.binding)))
         return [
-            *lines,
-            f"shorter:   {short.length:.4f} m on {len(short.lengths)} arcs: best found, not proven to be the shortest",
-            "searched:  turns on n circular arcs, tangent to each other and to both spirals where these meet the "
-            f"circle,\n{INDENT}inside the circle, with radii of at least {shortest.min_radius:g} m, on which",
-            f"{INDENT}every handle goes forward and none more than {self.max_ratio:.6f} times as fast as the head",
-            "by n:      " + ", ".join(f"{length:.4f} m on {arcs}" for arcs, length in shortest.lengths),
-            *(f"{INDENT}arc {i}: {_arc_text(*arc)}" for i, arc in enumerate(arcs, start=1)),
-            f"contact:   {self._contact_text(self.shortest_contact)}",
-            f"fastest:   {shortest.ratio};",
-            f"{INDENT}handles at the limit: {', '.join(map(str, shortest.binding))}",
+            *labelled(text("shorter:"), best.format(length=short.length, arcs=len(short.lengths))),
+            *labelled(text("searched:"), searched.format(radius=shortest.min_radius, ratio=self.max_ratio)),
+            *labelled(text("by n:"), "\n".join((", ".join(lengths), *arcs))),
+            *labelled(text("contact:"), self._contact_text(self.shortest_contact)),
+            *labelled(text("fastest:"), f"{shortest.ratio};\n{limit}"),
         ]
 
     def _contact_text(self, found: FirstContact) -> str:
+        start, end = self.times[0], self.times[-1]
+        if found.status == "clear" and found.near_misses == ():
+            certified = text("none from {start:g} to {end:g} s,\nnor a gap below a thirtieth of the width: certified")
+            return certified.format(start=start, end=end)
         if found.status == "clear":
-            no_gap = ", nor a gap below a thirtieth of the width" if found.near_misses == () else ""
-            return f"none from {self.times[0]:g} to {self.times[-1]:g} s{no_gap}: certified"
+            return text("none from {start:g} to {end:g} s: certified").format(start=start, end=end)
         if found.benches is None:
-            return f"none, but the dragon gets stuck at t = {found.time:.6f} s"
-        return f"benches {found.benches[0]} and {found.benches[1]} touch at t = {found.time:.6f} s"
+            return text("none, but the dragon gets stuck at t = {time:.6f} s").format(time=found.time)
+        i, j = found.benches
+        return text("benches {i} and {j} touch at t = {time:.6f} s").format(i=i, j=j, time=found.time)
 
     def _draw(self) -> Figure:
         """Both paths with the dragon, and the speed of the fastest handle."""
@@ -298,11 +322,14 @@ def _contact(march: March, times: Array) -> FirstContact:
     return first_contact(march, start=float(times[0]), until=float(times[-1]))
 
 
-def _arc_text(curvature: float, length: float) -> str:
+def _arc_text(number: int, curvature: float, length: float) -> str:
     if curvature == 0:
-        return f"{length:.4f} m, straight"
-    side = "left" if curvature > 0 else "right"
-    return f"{length:.4f} m, to the {side} with a radius of {1 / abs(curvature):.4f} m"
+        return text("arc {i}: {length:.4f} m, straight").format(i=number, length=length)
+    if curvature > 0:
+        line = text("arc {i}: {length:.4f} m, to the left with a radius of {radius:.4f} m")
+    else:
+        line = text("arc {i}: {length:.4f} m, to the right with a radius of {radius:.4f} m")
+    return line.format(i=number, length=length, radius=1 / abs(curvature))
 
 
 def _points(points: Array) -> str:
