@@ -105,7 +105,7 @@ first contact to 10 s after it (`python tests/bench/bench_pile_up.py`):
 
 With a head that only pulls (`--guide none`) the dragon straightens, and bench 1 runs into bench 28 after 10.9 s:
 
-![Guided by rails it stays on its path; without, it straightens and hits itself](renders/guides.gif)
+![With a guide the dragon stays on its path; without one it straightens, and benches touch](renders/guides.gif)
 
 `simulate(guide=...)` also takes a guide of your own, derived from `PathGuide`.
 """
