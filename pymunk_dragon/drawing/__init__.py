@@ -15,12 +15,12 @@ $ pymunk-dragon render run.npz -o marks.png --camera head --velocities --grid --
 
 ![The engine, and the exact model with the engine's position error magnified](renders/exact.gif)
 
-Without options a film shows what a class should see. It slows down towards near misses and contacts, shows at most 0.66 m
-of march a frame (0.4 of the distance between two holes of a bench), lasts 8 to 20 s at 20 frames a second, and holds its
-last frame for 2.5 s. The reference march is shown from t = 338 s in 11 s; `--from 0` shows all of it in 20 s, at 50 frames
-a second. `--speedup`, `--fps`, `--from`, `--until` and `--hold` override this. Beside a run, `--exact` shows the exact
-model with the engine's position error magnified by the factor in the legend. `--lang zh` writes in Chinese
-(`pip install 'pymunk-dragon[chinese]'`).
+Without options a film shows what a class should see. It slows down towards near misses and contacts, shows at most
+0.66 m of march a frame (0.4 of the distance between two holes of a bench), lasts 8 to 20 s at 20 frames a second, and
+holds its last frame for 2.5 s. The reference march is shown from t = 338 s in 11 s; `--from 0` shows all of it in 20
+s, at 50 frames a second. `--speedup`, `--fps`, `--from`, `--until` and `--hold` override this. Beside a run,
+`--exact` shows the exact model with the engine's position error magnified by the factor in the legend. `--lang zh`
+writes in Chinese (`pip install 'pymunk-dragon[chinese]'`).
 
 Flags lay marks over the benches: velocities, the grid, impulses of the joints, contacts and their normals. `--title`
 and `--caption` stand above and below (with `--font FILE` for characters that the default font lacks):
