@@ -119,10 +119,12 @@ class Sweep(Result):
         return {name: getattr(self, name) for name in ("points", "failed", "resumed", "seconds")}
 
     def _lines(self) -> list[str]:
-        counts = [f"{self.points} points of {self.quantity} over {' and '.join(self.names)}"]
-        counts += [
-            f"{number} {what}" for number, what in ((self.resumed, "resumed"), (self.failed, "failed")) if number
-        ]
+        points, names = text("{count} points of {quantity} over {names}"), text(" and ").join(self.names)
+        counts = [points.format(count=self.points, quantity=self.quantity, names=names)]
+        if self.resumed:
+            counts.append(text("{count} resumed").format(count=self.resumed))
+        if self.failed:
+            counts.append(text("{count} failed").format(count=self.failed))
         return [", ".join(counts) + f": {self.seconds:.1f} s"]
 
     def _draw(self) -> Figure:
