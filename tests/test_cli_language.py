@@ -47,6 +47,7 @@ def numbers(text):
         ["positions", "--times", "0,60", "--handles", "0,223"],
         ["simulate", *SHORT, "--until", "412.6", "--contacts", "report"],
         ["simulate", "--until", "0.2"],
+        ["positions", "--paper"],
         ["study", "min-pitch", "--benches", "60"],
         ["study", "max-speed", "--benches", "9"],
         ["study", "sensitivity", "--benches", "60"],

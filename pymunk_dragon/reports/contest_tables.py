@@ -13,6 +13,8 @@ from numpy.typing import ArrayLike
 
 from pymunk_dragon._arrays import Array
 from pymunk_dragon._files import check_destination, written_in_place
+from pymunk_dragon._language import text
+from pymunk_dragon._text import table, width
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.march import March
 from pymunk_dragon.reports.summary import TABLE_TIMES
@@ -159,13 +161,13 @@ def paper_tables(march: March, impact_time: float | None) -> str:
     times = [f"{time:g} s" for time in TABLE_TIMES]
     coordinates = states.positions[:, handles].reshape(len(times), -1).T
     names = [f"{handle} {axis}" for handle in handles for axis in "xy"]
-    lines = _table("Table 1: positions, m", times, names, coordinates)
-    lines += _table("Table 2: speeds, m/s", times, handles, states.speeds[:, handles].T)
+    lines = _table(text("Table 1: positions, m"), times, names, coordinates)
+    lines += _table(text("Table 2: speeds, m/s"), times, handles, states.speeds[:, handles].T)
     if impact_time is not None:
         states = march.at([impact_time])
         values = np.column_stack([states.positions[0, handles], states.speeds[0, handles]])
-        title = f"Table 3: at the first contact, {impact_time:.9f} s"
-        lines += _table(title, ["x (m)", "y (m)", "speed (m/s)"], handles, values)
+        title = text("Table 3: at the first contact, {time:.9f} s").format(time=impact_time)
+        lines += _table(title, ["x (m)", "y (m)", text("speed (m/s)")], handles, values)
     return "\n".join(lines[:-1])
 
 
@@ -197,8 +199,9 @@ def _rows(
 
 def _table(title: str, labels: Sequence[str], names: Sequence[object], rows: Array) -> list[str]:
     """Lines of a text table with truncated values."""
-    cells = [
-        ["handle", *labels],
-        *([str(name), *map(truncate, row)] for name, row in zip(names, rows.tolist(), strict=True)),
+    cells = [[str(name), *map(truncate, row)] for name, row in zip(names, rows.tolist(), strict=True)]
+    return [
+        title,
+        *table((text("handle"), *labels), (">12", *(f">{max(10, width(label))}" for label in labels)), cells),
+        "",
     ]
-    return [title, *("".join(f"{cell:>12}" for cell in row) for row in cells), ""]
