@@ -110,6 +110,12 @@ def test_misspelt_parameter_of_a_scenario_file_gets_the_similar_one(call, tmp_pa
     assert "did you mean pitch?" in call("positions", "--scenario", scenario)[2]
 
 
+def test_option_before_the_command_is_sent_behind_it(call):
+    code, _, err = call("--lang", "zh", "contact")
+    assert code == 2
+    assert err == "pymunk-dragon: there is no option --lang here: options of a command stand after its name\n"
+
+
 def test_word_that_is_not_similar_gets_no_hint(call):
     assert call("simulate", "--guide", "xyz")[2].endswith("must be one of rails, none\n")
 

@@ -30,6 +30,8 @@ def option_hint(error: click.NoSuchOption) -> str:
     same = OTHER_WORDS.get(error.option_name)
     if same in flags:
         return f"there is no option {error.option_name}: use {same}"
+    if error.ctx is not None and isinstance(error.ctx.command, click.Group):
+        return f"there is no option {error.option_name} here: options of a command stand after its name"
     similar = f": did you mean {error.possibilities[0]}?" if error.possibilities else ""
     return f"there is no option {error.option_name}{similar}"
 
