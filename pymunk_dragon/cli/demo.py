@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 from pymunk_dragon._extras import library
-from pymunk_dragon._language import language, text
+from pymunk_dragon._language import in_language, language, text
 from pymunk_dragon.cli.command import DragonCommand
 from pymunk_dragon.cli.completion import named
 from pymunk_dragon.cli.options import destination_of, json_option, output_option
@@ -45,34 +45,37 @@ def demo(name: str | None, save: str | None, pause: bool, as_json: bool, output:
     if (save is not None or pause) and (name is None or output is not None):
         raise click.UsageError("--save and --pause are for a lesson that is played: give its name, and no -o")
     destination = destination_of(output, endings(lessons))
+    lang = language()
     if destination is not None:
-        with progress("lessons") as show:
+        now = text("lesson {done} of {total}")
+        # The programs of lessons are English, with English output and pictures. Their texts are in the language.
+        with progress("lessons") as show, in_language("en"):
             write_lessons(
                 lessons,
                 destination,
-                language=language(),
-                progress=lambda done, total: show(
-                    done, total, text("lesson {done} of {total}").format(done=done, total=total)
-                ),
+                language=lang,
+                progress=lambda done, total: show(done, total, now.format(done=done, total=total)),
             )
         wrote(destination)
         if as_json:
             print_json({"output": str(destination), "bytes": destination.stat().st_size})
     elif name is None:
-        _list({lesson.name: lesson.text("title", language()) for lesson in lessons}, as_json)
+        _list({lesson.name: lesson.text("title", lang) for lesson in lessons}, as_json)
     elif as_json:
         if name == ALL:
             raise click.UsageError("--json is for one lesson: give its name")
-        recording = record(LESSONS[name], save)
-        said = {part: LESSONS[name].text(part, language()) for part in PARTS}
+        with in_language("en"):
+            recording = record(LESSONS[name], save)
+        said = {part: LESSONS[name].text(part, lang) for part in PARTS}
         result = {"lesson": name, "said": said, "printed": recording.printed}
         print_json(result | {"picture": str(recording.file) if save else None})
     else:
         for each in lessons:
             for needed in each.libraries:
                 library(needed)
-        for each in lessons:
-            play(each, Terminal(save, language(), pause))
+        with in_language("en"):
+            for each in lessons:
+                play(each, Terminal(save, lang, pause))
 
 
 def _lesson_of(name: str | None, known: list[str]) -> str | None:

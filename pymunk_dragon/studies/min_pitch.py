@@ -95,7 +95,7 @@ class MinPitch(Result):
     --------
     >>> found = min_pitch(Dragon(benches=25))
     >>> found
-    <MinPitch: smallest pitch 0.450337393027 m: handle 0 reaches the circle of 4.5 m after 220.934 s>
+    <MinPitch: smallest pitch 0.450337393027 m: handle 0 reaches the circle of 4.5 m>
     >>> found.benches, found.half_line
     ((0, 19), True)
     """
@@ -233,8 +233,10 @@ def min_pitch(
     Examples
     --------
     >>> print(min_pitch(Dragon(benches=25)))  # doctest: +ELLIPSIS
-    smallest pitch 0.450337393027 m: handle 0 reaches the circle of 4.5 m after 220.934 s
-    limit:     benches 0 and 19 touch without overlapping as the head passes, ...
+    smallest pitch 0.450337393027 m: handle 0 reaches the circle of 4.5 m
+               after 220.934 s
+    limit:     benches 0 and 19 touch without overlapping as the head passes,
+    ...
     """
     dragon = dragon or Dragon()
     turns = positive("turns", turns, MAX_TURNS, "")
