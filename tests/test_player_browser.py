@@ -687,13 +687,15 @@ def test_link_that_changes_is_followed(visit):
 
 
 @pytest.mark.parametrize(
-    "link", ["#", "#t=", "#t=soon&at=1&span=-3&show=all&bench=9999&speed=3", "#t=1e999&%", "#head"]
+    "link",
+    ["#", "#t=", "#t=soon&at=1&span=-3&show=all&bench=9999&speed=3", "#t=1e999&%", "#head", "#lang=toString&slow=on"],
 )
 def test_link_that_makes_no_sense_is_no_harm(visit, link):
     with visit(link) as found:
         assert found.complaints == []
         assert ask(found.page, "player.time") == 405
         assert ask(found.page, "player.view.follow") == "field"
+        assert found.page.evaluate("document.documentElement.lang") == "en"
 
 
 def test_address_follows_the_run_but_not_all_too_often(visit):

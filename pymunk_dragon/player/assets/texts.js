@@ -21,7 +21,7 @@ const localized = (english, values = {}) => fill(translated(english), values);
 function languageIn(part) {
   const query = new URLSearchParams(part.slice(1));
   const name = query.get("lang") ?? Object.keys(CATALOGUES).find((each) => query.has(each));
-  return name in CATALOGUES ? name : undefined;
+  return Object.hasOwn(CATALOGUES, name) ? name : undefined;
 }
 
 // Without a choice in #lang=zh: that in ?lang=zh or ?zh, or the language in which the page was written.
