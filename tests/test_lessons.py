@@ -142,12 +142,9 @@ def test_figure_is_also_in_chinese(name, monkeypatch):
     )
     english, chinese = record(LESSONS[name]).pictures.values()
     assert english == before.picture != chinese
-    # The numbers on the axes come later.
-    pairs = [pair for pair in zip(*shown, strict=True) if re.search("[a-z]{2}", pair[0])]
-    assert pairs
-    for words, translated in pairs:
-        assert re.search("[\u4e00-\u9fff]", translated) or words in ("GrooveJoint", "PinJoint")
-        assert figures(words) == figures(translated)
+    words, translated = ([text for text in texts if re.search("[a-z]{2}|[\u4e00-\u9fff]", text)] for texts in shown)
+    assert figures(" ".join(words)) == figures(" ".join(translated))
+    assert all(re.search("[\u4e00-\u9fff]", text) or text in ("GrooveJoint", "PinJoint") for text in translated)
 
 
 def texts_of(figure):
@@ -357,6 +354,8 @@ def test_program_gives_a_lesson_as_json(call, tmp_path):
     assert code == 0
     found = json.loads(out)
     assert found["said"] == {part: LESSONS["spiral"].text(part, "zh") for part in PARTS}
+    [guess] = found["guesses"]
+    assert (guess["choices"][guess["right"]], guess["measured"]) == ("约 17 s", "17.1 s")
     assert found["printed"] == played("spiral").printed
     assert Path(found["picture"]).read_bytes() == played("spiral").picture
     assert json.loads(call("demo", "spiral", "--json")[1])["picture"] is None

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
+
 import click
 
 from pymunk_dragon._extras import library
@@ -67,7 +69,8 @@ def demo(name: str | None, save: str | None, pause: bool, as_json: bool, output:
         with in_language("en"):
             recording = record(LESSONS[name], save)
         said = {part: LESSONS[name].text(part, lang) for part in PARTS}
-        result = {"lesson": name, "said": said, "printed": recording.printed}
+        guesses = [asdict(guess) for guess in LESSONS[name].guesses_in(lang)]
+        result = {"lesson": name, "said": said, "guesses": guesses, "printed": recording.printed}
         print_json(result | {"picture": str(recording.file) if save else None})
     else:
         for each in lessons:
