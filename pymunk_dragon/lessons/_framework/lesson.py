@@ -146,7 +146,9 @@ class Lesson:
         """
         from pymunk_dragon.drawing.figures.style import chart, styled
 
-        self._style.enter_context(styled())
+        # `translate` sets the font of another language.
+        with in_language("en"):
+            self._style.enter_context(styled())
         with optional_imports():
             import matplotlib
         # The font has no minus sign for powers of ten, which a student's axes may have.
@@ -170,6 +172,9 @@ class Lesson:
             if isinstance(picture, Path):
                 self._output.show(self.name, picture)
                 return
+            if self._output.languages[0] != "en":
+                # The layout depends on what was drawn before: the same here as after a picture in English.
+                picture.draw_without_rendering()
             for number, language in enumerate(self._output.languages):
                 path = self.file(f".{language}.png" if number else ".png")
                 with in_language(language):
