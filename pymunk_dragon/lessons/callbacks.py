@@ -12,7 +12,7 @@ from pymunk_dragon.lessons import Lesson
 lesson = Lesson("callbacks", "Which events does a contact cause?", order=100, live="jam")
 
 lesson.question(
-    "Nobody asks Pymunk whether two bodies touch: one gives it functions, and it calls them back. When does it call, "
+    "Pymunk reports contacts through callbacks: a program gives it functions, and it calls them. When does it call, "
     "what does it know by then, and what becomes of an error in such a function?"
 )
 lesson.predict(

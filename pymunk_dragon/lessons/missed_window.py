@@ -10,7 +10,7 @@ from pymunk_dragon.lessons import Lesson
 lesson = Lesson("missed-window", "How long must a contact last to be seen?", order=70)
 
 lesson.question(
-    "Make all benches one millimetre wider: 0.301 m. A program that looks each second whether any two overlap finds "
+    "Make all benches one millimetre wider: 0.301 m. A program that checks each second whether any two overlap finds "
     "the head, bench 0, in bench 8, and traces it back to 412.442 s. Has nothing touched before?"
 )
 lesson.predict(
@@ -64,12 +64,12 @@ charts[1].set(ylim=(-0.1, 0.32), xlabel="time (s)")
 lesson.show(figure)
 
 lesson.picture(
-    "The head's gap to the benches that it passes, and the looks each second as dots; below, the same from close by."
+    "The head's gap to the benches that it passes, and a sample each second as dots; below, the same from close by."
 )
 lesson.answer(
     "The head touches bench 11 at 409.776 s, for 0.109 s and 0.023 mm deep, and at 410 s there is a gap again. No "
-    "step is short enough, as the next contact may be shorter; but if you know how fast a gap can close, each look "
-    "clears a stretch of time, and you look again only where a doubt is left, as above, and as `first_contact` does.",
+    "step is short enough, as the next contact may be shorter; but if you know how fast a gap can close, each sample "
+    "clears a time interval, and you sample again only where a doubt is left, as above, and as `first_contact` does.",
     ("there was one short contact", "0.109 s long"),
     ("no step is short enough", "4665 samples where they are needed"),
 )

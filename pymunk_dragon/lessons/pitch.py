@@ -57,7 +57,9 @@ for pitch, height, side in ((free, 0.01, "right"), (found.pitch, -0.022, "left")
 axes.set(xlabel="pitch (m)", ylabel="smallest gap seen (mm)", xticks=pitches[::2])
 lesson.show(figure)
 
-lesson.picture("The smallest gap on the way in, over the pitch, as looks each second and each hundredth see it.")
+lesson.picture(
+    "The smallest gap on the way in, over the pitch, as samples each second and each hundredth of a second see it."
+)
 lesson.answer(
     "The smallest pitch is 0.450337393 m, half as much again as the width, because a straight bench on a curve "
     "sticks out at its ends and sags in at its middle; with it the head just touches bench 19. Looks each second "

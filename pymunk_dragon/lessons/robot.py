@@ -9,8 +9,8 @@ from pymunk_dragon.model.curves import Sampled
 lesson = Lesson("robot", "Does the arm reach the end of its path?", order=150, live="robot-arm")
 
 lesson.question(
-    "A snake arm looks into engines where no hand can reach: its 16 links go where the tip went before. You draw the "
-    "way and lead the tip along it at a constant speed; how fast do the joints go, and does the arm get in its own way?"
+    "A snake arm looks into engines where no hand can reach: its 16 links go where the tip went before. You draw a "
+    "path, and the tip follows it at a constant speed; how fast do the joints go, and does the arm block itself?"
 )
 lesson.predict(
     "The tip goes at 0.2 m/s along a drawn curve, with bends to both sides and a narrow loop at its end.",
@@ -53,8 +53,8 @@ lesson.show(film)
 lesson.picture("The arm's 16 links follow the tip along a curve that was drawn by hand, until it runs into link 13.")
 lesson.answer(
     "No joint is more than some 3 % faster or slower than the tip: both ends of a link go equally fast along it, so "
-    "the faster one is the one that goes more across it. But after 8.668 s the tip runs into link 13, so this is no "
-    "way for this arm.",
+    "the faster one is the one that goes more across it. But after 8.668 s the tip runs into link 13, so this arm "
+    "cannot follow this path.",
     ("as fast to 3 %", "0.194 m/s to 0.204 m/s"),
     ("no", "it meets link 13 at 8.6677 s"),
 )
@@ -64,6 +64,6 @@ lesson.check(
 )
 lesson.change(
     "Let `points` end in (0.1, 0.05), (0.2, 0), and the tip slips past. Then draw a path of your own: the "
-    "documentation of scenario files (`make docs`) shows how a file holds your dragon and curve, and "
+    "documentation of scenario files (`make docs`) describes the file that holds a dragon and its curve, and "
     "`pymunk-dragon study` lists what else to ask."
 )

@@ -10,8 +10,8 @@ from pymunk_dragon.studies import max_speed
 lesson = Lesson("speed-limit", "Who is the fastest in the turn?", order=140)
 
 lesson.question(
-    "In the turn inside the circle 9 m wide the head keeps a steady pace, but not everybody behind it can. If nobody "
-    "may ever be faster than 2 m/s, who is the first at that limit, and how fast may the head go?"
+    "In the turn inside the circle 9 m wide the head keeps a steady speed, but not everybody behind it can. If 2 m/s "
+    "is the limit for all, who reaches it first, and how fast may the head go?"
 )
 lesson.predict(
     "Imagine the turn from above, with the head at a steady speed on both arcs.",
@@ -64,5 +64,5 @@ lesson.check(
 )
 lesson.change(
     "Set `ratio` to 1.0, two equal arcs: the turn is as long as before, but how fast may the head go now, who is the "
-    "fastest, and at which of the three lines is the hurry?"
+    "fastest, and at which of the three lines is the largest speed?"
 )
