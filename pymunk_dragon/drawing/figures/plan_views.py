@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pymunk_dragon._arrays import Array
-from pymunk_dragon._language import font, text
+from pymunk_dragon._language import text
 from pymunk_dragon.drawing.figures.lines import lead
 from pymunk_dragon.drawing.figures.style import BLUE, COLOURS, PALE, QUIET, SMALL, key, panel, slide
 from pymunk_dragon.drawing.figures.times import (
@@ -194,7 +194,7 @@ def collision(march: March, interval: TimeInterval) -> Still:
 
 def _still(march: March, time: float, title: str) -> Still:
     """Return the picture at `time`, s, with a title that has the number of benches."""
-    return Run.exact(march, [time]), Film(size=STILL_SIZE, title=title.format(march.dragon.benches), font=font())
+    return Run.exact(march, [time]), Film(size=STILL_SIZE, title=title.format(march.dragon.benches))
 
 
 def _path_from_start(march: March, begin: float, end: float) -> Array:
