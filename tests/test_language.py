@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import tomllib
 from pathlib import Path
 from string import Formatter
 
@@ -34,6 +35,13 @@ def fields(template):
 
 def test_each_text_of_the_code_is_translated():
     assert used() - set(texts("zh")) == set()
+
+
+def test_packages_translate_the_same_text_alike():
+    found = {}
+    for path in FOLDER.glob("*/zh.toml"):
+        for english, chinese in tomllib.loads(path.read_text(encoding="utf-8"))["texts"].items():
+            assert found.setdefault(english, chinese) == chinese
 
 
 def test_translations_have_the_same_values_to_fill_in():
