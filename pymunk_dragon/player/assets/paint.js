@@ -7,6 +7,7 @@ const CURVE_CHUNK = 64; // points of the curve that are tested together for visi
 const SMALLEST_HOLE = 2.5; // pixels: smallest hole that is drawn
 const OUTLINE_WIDTH = 0.06; // width of outlines over that of a bench
 const THINNEST_OUTLINE = 0.5; // pixels
+const HEAD_BORDER = 3; // times: border of the head in contact
 const THICKEST_OUTLINE = 1.25; // pixels
 
 // Names of the colours, as in the films' `Palette`.
@@ -108,19 +109,23 @@ class Painter {
     const { context, colours, motion, view } = this;
     const tail = motion.benches - 1;
     const special = (i) => i === 0 || i === tail || inContact.has(i);
-    context.strokeStyle = colours.ink;
-    context.lineWidth = Math.min(Math.max(OUTLINE_WIDTH * motion.narrowest * view.scale, THINNEST_OUTLINE), THICKEST_OUTLINE);
-    const paint = (chosen) => {
+    const thin = Math.min(Math.max(OUTLINE_WIDTH * motion.narrowest * view.scale, THINNEST_OUTLINE), THICKEST_OUTLINE);
+    const paint = (chosen, border = colours.ink, width = thin) => {
       if (!chosen.length) return;
       const path = new Path2D();
       for (const i of chosen) this.outline(path, benches, i);
       context.fillStyle = this.colourOf(chosen[0], inContact);
       context.fill(path);
+      context.strokeStyle = border;
+      context.lineWidth = width;
       context.stroke(path);
     };
     // Only neighbours overlap, so even benches share a path, and odd ones are drawn on top of them.
     for (const parity of [0, 1]) paint(visible.filter((i) => i % 2 === parity && !special(i)));
-    for (const i of visible.filter(special)) paint([i]);
+    for (const i of visible.filter(special)) {
+      if (i === 0 && inContact.has(0)) paint([0], colours.contact, HEAD_BORDER * thin);
+      else paint([i]);
+    }
     const radius = this.payload.dragon.hole / 2 * view.scale;
     if (2 * radius >= SMALLEST_HOLE) this.drawHoles(benches, visible, radius, colours.ink);
   }
@@ -153,9 +158,10 @@ class Painter {
     this.drawHoles(benches, [i], this.payload.dragon.hole / 2 * this.view.scale, colours.ink);
   }
 
+  // The head keeps its colour in contact, and gets a border in the colour of the contact.
   colourOf(i, inContact) {
     const { contact, head, tail, body } = this.colours;
-    return inContact.has(i) ? contact : i === 0 ? head : i === this.motion.benches - 1 ? tail : body;
+    return i === 0 ? head : inContact.has(i) ? contact : i === this.motion.benches - 1 ? tail : body;
   }
 
   // Text with a rim of the background's colour.
