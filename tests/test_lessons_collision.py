@@ -355,6 +355,6 @@ def test_pitch_check_is_the_way_in_along_circles():
 @pytest.mark.thorough
 def test_pitch_that_is_changed_never_comes_out_too_large_and_grows_a_little_less_than_the_width(tmp_path):
     for step in (0.5, 0.1):
-        printed = changed("pitch", tmp_path, ("0.4505, 1.0", f"0.4505, {step}"))
+        printed = changed("pitch", tmp_path, ("0.30, 0.55, 1.0", f"0.30, 0.55, {step}"))
         assert 0.450274 < numbers(printed[2])[1] < 0.450337
     assert 0.0095 < min_pitch(Dragon(width=0.31)).pitch - 0.450337393 < 0.01
