@@ -507,7 +507,6 @@ def test_every_scenario_option_refuses_what_it_cannot_be(complaint, name, value)
         (["render", "-o", "f.gif", "--size", "1x2x3"], ["size", "1x2x3"]),
         (["render", "-o", "f.gif", "--camera", "tail"], ["--camera is 'tail'", "head"]),
         (["render", "-o", "f.gif", "--lang", "de"], ["--lang is 'de'", "en, zh"]),
-        (["render", "-o", "f.html", "--lang", "zh"], ["page", "--lang"]),
         (["render", "-o", "f.gif", "--speedup", "0"], ["--speedup is 0.0"]),
         (["render", "run.npz", "--pitch", "1", "-o", "f.gif"], ["scenario"]),
         (["report", "nowhere.npz", "-o", "r.html"], ["nowhere.npz"]),
