@@ -13,7 +13,7 @@ $ pymunk-dragon demo near-miss -o near_miss.py
 $ pymunk-dragon demo near-miss -o near-miss.ipynb
 ```
 
-![The first lesson on the page, unfolded](renders/lessons.png)
+![The first lesson on the page, with what it prints](renders/lessons.png)
 
 ## A lesson of your own
 
