@@ -17,7 +17,13 @@ from documents import DOCUMENTS, ROOT
 import pymunk_dragon
 from pymunk_dragon import Dragon, March, Run, write_player
 
-PICTURES = {path.relative_to(ROOT / "renders").as_posix() for path in (ROOT / "renders").rglob("*.[gp][in][fg]")}
+# Not those that `make docs` copies.
+RENDERS = ROOT / "renders"
+PICTURES = {
+    path.relative_to(RENDERS).as_posix()
+    for folder in (RENDERS, RENDERS / "figures")
+    for path in folder.glob("*.[gp][in][fg]")
+}
 
 
 def commands():
