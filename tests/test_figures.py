@@ -194,7 +194,7 @@ def test_the_arrows_are_the_velocities_at_the_contact(drawn: dict[str, Any]) -> 
     np.testing.assert_allclose(arrows.XY, places, atol=1e-8)
     texts = {text.get_text() for text in drawn["velocities"].findobj(matplotlib.text.Text)}
     for handle, (vx, vy) in zip(handles, expected, strict=True):
-        assert f"handle {handle}\n{math.hypot(vx, vy):.3f} m/s" in texts
+        assert f"handle {handle}: {math.hypot(vx, vy):.3f} m/s" in texts
 
 
 def test_cells_are_shaded_as_shapely_finds_benches_in_them(drawn: dict[str, Any]) -> None:
