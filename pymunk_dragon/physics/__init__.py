@@ -7,7 +7,8 @@ path.
 ```console
 $ pymunk-dragon simulate --from 400 -o run.npz
 first contact at t = 412.473851 s: benches 0 and 8 at (1.474407, 2.110656) m
-drift 0.003 mm in the first twelve benches, 0.028 mm anywhere; 56.8 times as fast as real time
+drift 0.003 mm in the first twelve benches, 0.028 mm anywhere
+56.8 times as fast as real time
 ```
 
 ## How exact the engine is
