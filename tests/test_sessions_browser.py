@@ -187,7 +187,7 @@ def test_benches_1_and_28_meet_after_all_are_let_go_in_the_page(browser):
         wait_until(page, "!live.state.running && live.state.free_from === 1 && live.state.contacts === 'stop'")
         # The space key belongs to the list of speeds, which has the focus.
         page.click("#play")
-        wait_until(page, "!live.state.running && live.frame.step > 100", seconds=60)
+        wait_until(page, "!live.state.running && live.frame?.step > 100", seconds=60)
         assert page.evaluate("live.frame.time") == pytest.approx(10.894, abs=0.05)
         assert "benches 1 and 28 touch" in page.text_content("#events")
         contacts = np.array(page.evaluate("Array.from(live.frame.contacts)")).reshape(-1, 7)
@@ -301,9 +301,9 @@ def test_page_works_behind_a_proxy_with_a_prefix(browser):
         page.click("#play")
         wait_until(page, "!live.state.running")
         page.click("#reset")
-        wait_until(page, "live.frame.step === 0")
+        wait_until(page, "live.frame?.step === 0")
         page.click("#play")
-        wait_until(page, "live.frame.step > 10")
+        wait_until(page, "live.frame?.step > 10")
         with page.expect_download() as download:
             page.click("#save")
         assert Log.load(download.value.path().rename(download.value.path().with_suffix(".json"))).plan
@@ -348,7 +348,7 @@ def test_button_changes_the_language_of_a_session_there_and_back(browser):
     with served(scene) as session, visit(browser, session.address) as found:
         page = found.page
         page.select_option("#speed", "20")
-        wait_until(page, "!live.state.running && live.frame.step > 100", seconds=60)
+        wait_until(page, "!live.state.running && live.frame?.step > 100", seconds=60)
         assert re.search(r"benches \d+ and \d+ touch", page.text_content("#events"))
         page.click("#language")
         wait_until(page, "document.documentElement.lang === 'zh'")
