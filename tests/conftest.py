@@ -26,7 +26,7 @@ from pymunk_dragon.model.march import March
 
 # Examples share the machine with whatever else runs there, so none has a time limit of its own. They are the same every
 # time, so that a failure comes from a change; `--hypothesis-profile=explore` throws the dice.
-# A failure is not explained: that traces every line, and Python 3.11 was seen to stand still in it for ever.
+# A failure is not explained: that traces every line. A worker on Python 3.11 once stood still, probably in it.
 PHASES = set(hypothesis.Phase) - {hypothesis.Phase.explain}
 hypothesis.settings.register_profile("explore", deadline=None, print_blob=True)
 hypothesis.settings.register_profile("house", deadline=None, derandomize=True, phases=PHASES)
