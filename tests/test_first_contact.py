@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 from scipy.optimize import brentq
 
 from pymunk_dragon.collision import first_contact, scan
-from pymunk_dragon.collision.bounds import Intervals, MotionBounds
+from pymunk_dragon.collision.bounds import UNPROVEN_ROUNDING, Intervals, MotionBounds
 from pymunk_dragon.collision.sat import separation
 from pymunk_dragon.errors import DragonError, ParameterError, UnreachableError
 from pymunk_dragon.model.curves import Arc, Composite, Line, Spiral
@@ -214,6 +214,23 @@ def test_march_past_the_last_place_is_unreachable_there():
     with pytest.raises(UnreachableError):
         march.at(found.time + 1e-11)
     assert first_contact(march, until=1e6).time == found.time
+
+
+def test_rounding_without_a_proven_bound_counts_to_the_resolution(seed_impact):
+    """It has none in the last 1e-8 m before the dragon cannot go on."""
+    assert first_contact(March(Dragon(benches=3), turns=8)).resolution == UNPROVEN_ROUNDING
+    assert seed_impact.resolution < 1e-9
+
+
+@pytest.mark.parametrize(("benches", "pitch", "turns"), [(3, 0.55, 8), (6, 1.2, 6), (8, 0.9, 5)])
+def test_rounding_is_far_below_what_is_assumed_where_it_is_not_proven(benches, pitch, turns):
+    march = March(Dragon(benches=benches), Spiral(pitch=pitch), turns=turns)
+    sizes = {"benches": benches, "head_spacing": 2.86, "body_spacing": 1.65}
+    last = first_contact(march).time
+    for time in (last, last - 1e-12, last - 1e-10):
+        assert not MotionBounds(march, Intervals.between(march, np.array([time - 2e-13, time]))).proven.any()
+        exact, _ = oracle.solve(time, **sizes, pitch=pitch, turns=turns, speed=1, difference=False)
+        assert np.abs(march.at(time).positions[0] - np.array(exact, dtype=float)).max() < UNPROVEN_ROUNDING / 100
 
 
 def test_benches_that_overlap_at_the_start_are_said_to():

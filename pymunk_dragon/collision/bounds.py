@@ -46,6 +46,8 @@ ROUNDED = 18
 QUARTER = np.pi / 2
 # Change of the cosines of a bench's angles that rounding may cause; checked against the bound on rounding.
 SLACK = 1e-5
+# m. Rounding error of gaps where the proof does not hold.
+UNPROVEN_ROUNDING = 1e-4
 # Largest sine of the angle from a bench to its path up to which the simpler bounds hold tightly.
 SHALLOW = 0.7
 # Benches up to which all pairs of circles are compared: the grid takes longer.
@@ -138,7 +140,9 @@ class MotionBounds:
     Attributes
     ----------
     rounding : ndarray, shape (T,)
-        Bound on the rounding error of gaps and of the bounds on them, m.
+        Bound on the rounding error of gaps and of the bounds on them, m; `UNPROVEN_ROUNDING` where there is no proof.
+    proven : ndarray of bool, shape (T,)
+        Whether the bound on the rounding error is proven.
     lows : ndarray, shape (T, H)
         Lowest arc-length coordinates of the handles within the interval, m.
     travel : ndarray, shape (T, H)
@@ -168,8 +172,10 @@ class MotionBounds:
         self._curvature = march.curve.max_curvature(self.lows[:, 1:] - errors[:, 1:], highs[:, :-1] + errors[:, :-1])
         worst = errors.max(axis=1)
         change = 1.5 * (2 / self._spacings.min() + self._curvature.max(axis=1)) * worst
-        rounding = 6 * (1 + 2 * float(np.max(self._arms / self._spacings[:, None]))) * worst
-        self.rounding = np.where(change <= SLACK, rounding, np.inf)
+        # m of a corner's displacement for each m of the displacement of both handles.
+        self._leverage = 1 + 2 * float(np.max(self._arms / self._spacings[:, None]))
+        self.proven = change <= SLACK
+        self.rounding = np.where(self.proven, 6 * self._leverage * worst, UNPROVEN_ROUNDING)
         self._known, self._rates = self._bounds(middle.handles_s, self.travel[:, :-1] + 2 * errors[:, :-1])
 
     @property
@@ -267,6 +273,13 @@ class MotionBounds:
             gaps = (gaps - np.abs(speeds) * travel - second * travel**2 / 2).min(axis=1) - self.rounding[rows]
         # Velocity ratios over thousands of benches may overflow, and one between may be unknown.
         return np.where(known & np.isfinite(gaps), gaps, -np.inf)
+
+    def gaps_by_travel(self, rows: Indices, pairs: Indices, gaps: Array) -> Array:
+        """The same from the gaps at the midpoint and the handles' travel, which also hold where rates have no bound."""
+        travel = np.maximum(self.travel[:, :-1], self.travel[:, 1:])
+        both = travel[rows, pairs[:, 0]] + travel[rows, pairs[:, 1]]
+        lowest: Array = gaps - self._leverage * both - self.rounding[rows]
+        return lowest
 
     def _squareness(self, rows: Indices, benches: Indices, directions: Complex) -> Array:
         """Largest squared cosine (P,) of the angles from `directions` (P,) to the edges' normals of `benches` (P,)."""

@@ -2,8 +2,7 @@
 
 Sampling the motion at discrete times misses a contact that opens again between two samples. Here a time interval is
 cleared only by proof: the gap between two benches at its midpoint, less a bound on how far each may move within the
-interval (`bounds.py`), is positive. An interval that is not cleared is divided, down to a picosecond (at the end of the
-motion, where coordinates are known to micrometres only, to 1e-10 s). This is
+interval (`bounds.py`), is positive. An interval that is not cleared is divided, down to a picosecond. This is
 conservative advancement (B. Mirtich, "Impulse-based Dynamic Simulation of Rigid Body Systems", 1996), applied to all
 pairs at once.
 
@@ -35,7 +34,13 @@ import numpy as np
 from pymunk_dragon._arrays import Array, Flags, Indices
 from pymunk_dragon._display import Printed
 from pymunk_dragon._language import text
-from pymunk_dragon.collision.bounds import Intervals, MotionBounds, handles_in_reach, overlapping_pair
+from pymunk_dragon.collision.bounds import (
+    UNPROVEN_ROUNDING,
+    Intervals,
+    MotionBounds,
+    handles_in_reach,
+    overlapping_pair,
+)
 from pymunk_dragon.collision.near_misses import NearMiss, near_misses
 from pymunk_dragon.collision.sat import separation
 from pymunk_dragon.model.contact import Contact, contact_text
@@ -71,14 +76,9 @@ LIMITED_TOLERANCE = 2.5e-7
 RESOLUTION = 1e-12
 # The same in last digits of the head's distance.
 LAST_DIGITS = 4
-# The same where the rounding of the coordinates has no bound, as within 1e-8 m of the end of the motion: they are
-# known to micrometres there, and change by as much in such an interval.
-UNBOUNDED_RESOLUTION = 1e-10
 # Intervals that are not cleared are divided into so many parts that there are about as many pairs to test as this: for
 # fewer, NumPy's overhead per call dominates.
 PAIRS = 300
-# The same where no gap has a bound, as close to the end of the motion: only much shorter intervals have one.
-UNBOUNDED_PAIRS = 1000
 # Bounds on the number of parts.
 FEWEST_PARTS = 2
 MOST_PARTS = 256
@@ -121,8 +121,9 @@ class FirstContact(Printed):
     tests : int
         Number of pair tests, over all samples.
     resolution : float or None
-        Largest overlap before `time` that the certificate does not rule out, m: rounding, and about a micrometre where
-        a gap stays near zero for long. None if nothing was certified.
+        Largest overlap before `time` that the certificate does not rule out, m: rounding, about a micrometre where a
+        gap stays near zero for long, and 0.1 mm where the march ends because the chain has no state after it. None if
+        nothing was certified.
 
     Examples
     --------
@@ -379,6 +380,7 @@ class _Search:
         bounds = MotionBounds(march, intervals)
         tested = bounds.at_new_poses(self._start_s if self._alike else np.full_like(self._start_s, np.inf))
         rows, pairs = bounds.candidates(self._near, tested)
+        self._note_unproven(bounds.proven)
         sampled = np.zeros(rows.size, dtype=bool)
         limit = 0.0
         while rows.size:
@@ -394,6 +396,9 @@ class _Search:
                 open_ = gaps > self._near
             else:
                 gaps = bounds.smallest_gaps_together(rows, pairs, found.normal)
+                if (unproven := ~bounds.proven[rows]).any():
+                    by_travel = bounds.gaps_by_travel(rows[unproven], pairs[unproven], found.distance[unproven])
+                    gaps[unproven] = by_travel
                 fresh = np.isfinite(gaps) & ~sampled
                 sampled |= fresh
                 fresh &= (gaps <= self._near) & (pairs[:, 0] <= 1 if self._alike else True)
@@ -402,11 +407,11 @@ class _Search:
                 limit = limit or max(self._share(times) * WORK_LIMIT, WORK_GROWTH * work)
                 tolerance = GAP_TOLERANCE if work <= limit else LIMITED_TOLERANCE * (work / limit) ** 2
                 open_ = self._are_open(intervals, bounds, rows, gaps, tolerance)
+            self._note_unproven(bounds.proven[rows[open_]])
             left = ~open_ & (intervals.begins[rows] < self._hit)
             rows, pairs, sampled = rows[left], pairs[left], sampled[left]
             if rows.size:
-                most = PAIRS if np.isfinite(gaps[left]).any() else UNBOUNDED_PAIRS
-                parts = min(max(most // rows.size, FEWEST_PARTS), MOST_PARTS)
+                parts = min(max(PAIRS // rows.size, FEWEST_PARTS), MOST_PARTS)
                 used = np.bincount(rows) > 0
                 chosen, rows = np.flatnonzero(used), (np.cumsum(used) - 1)[rows]
                 intervals = intervals.divided(march, chosen, parts, int(pairs.max()) + 2)
@@ -431,9 +436,12 @@ class _Search:
         within = (gaps > -(bounds.rounding[rows] + tolerance)) & (intervals.ends[rows] + length < self._hit)
         self._resolution = max(self._resolution, -float(gaps[within].min(initial=0.0)))
         latest = float(np.abs(intervals.middles[rows]).max())
-        finest = np.where(np.isinf(bounds.rounding[rows]), UNBOUNDED_RESOLUTION, RESOLUTION)
-        open_: Flags = (gaps > 0) | within | (length <= np.maximum(finest, LAST_DIGITS * float(np.spacing(latest))))
-        return open_
+        return (gaps > 0) | within | (length <= max(RESOLUTION, LAST_DIGITS * float(np.spacing(latest))))
+
+    def _note_unproven(self, proven: Flags) -> None:
+        """Include `UNPROVEN_ROUNDING` in the resolution if intervals were cleared without a proof for rounding."""
+        if not proven.all():
+            self._resolution = max(self._resolution, UNPROVEN_ROUNDING)
 
     def _note_contact(self, times: Array, pairs: Indices, distances: Array) -> None:
         """Count the tests, and keep the earliest contact among them."""
