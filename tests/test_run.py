@@ -28,7 +28,8 @@ from pymunk_dragon.model.contact import Contact, ContactEvent, ContactLog
 from pymunk_dragon.model.curves import Spiral
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
-from pymunk_dragon.model.run import Run, versions
+from pymunk_dragon.model.provenance import versions
+from pymunk_dragon.model.run import Run
 from pymunk_dragon.model.settings import EngineSettings
 
 MARCH = March(Dragon(benches=4, width=0.29), Spiral(pitch=0.6), turns=9.5, speed=1.25)

@@ -69,9 +69,10 @@ Medians on two cores (`python tests/bench/bench_collision.py`): the exact answer
 them in the grid and pairing them 0.6 ms. The whole process `pymunk-dragon contact` takes 0.39 s.
 """
 
-from pymunk_dragon.collision.first_contact import FirstContact, first_contact
+from pymunk_dragon.collision.first_contact import first_contact
 from pymunk_dragon.collision.grid import Grid
 from pymunk_dragon.collision.near_misses import NearMiss
+from pymunk_dragon.collision.result import FirstContact
 from pymunk_dragon.collision.sat import Separation, separation
 from pymunk_dragon.collision.scan import scan
 

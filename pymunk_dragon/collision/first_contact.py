@@ -26,14 +26,11 @@ functions g, all pairs are tested at all times.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import asdict, dataclass, replace
-from typing import Any, Literal
+from dataclasses import replace
 
 import numpy as np
 
 from pymunk_dragon._arrays import Array, Flags, Indices
-from pymunk_dragon._display import Printed
-from pymunk_dragon._language import text
 from pymunk_dragon.collision.bounds import (
     UNPROVEN_ROUNDING,
     Intervals,
@@ -41,15 +38,13 @@ from pymunk_dragon.collision.bounds import (
     handles_in_reach,
     overlapping_pair,
 )
-from pymunk_dragon.collision.near_misses import NearMiss, near_misses
-from pymunk_dragon.collision.sat import separation
-from pymunk_dragon.model.contact import Contact, contact_text
+from pymunk_dragon.collision.near_misses import near_misses
+from pymunk_dragon.collision.result import FirstContact, Status
 from pymunk_dragon.model.march import March, checked_times
 
-__all__ = ["FirstContact", "Status", "first_contact"]
+__all__ = ["first_contact"]
 
 Progress = Callable[[float, float], None]
-Status = Literal["contact", "clear", "overlapping", "unreachable"]
 
 # Length of the initial intervals, in shortest spacings. Other values only change the number of divisions.
 INTERVAL = 1.2
@@ -88,130 +83,6 @@ NEAR_MISS = 1 / 30
 NEAR_MISS_INTERVAL = 0.4
 # Points per pass in the search for the last time at which the chain has a state.
 LAST_POINTS = 33
-# m. Resolution above which the text of a result names it.
-COARSE = 1e-8
-# Decimals of a contact's time in the text of a result that is certified.
-CERTIFIED_DECIMALS = 9
-# The same of other results.
-SAMPLED_DECIMALS = 6
-
-
-@dataclass(frozen=True, kw_only=True)
-class FirstContact(Printed):
-    """Result of a search for the first contact of benches that are not neighbours.
-
-    Attributes
-    ----------
-    status : {"contact", "clear", "overlapping", "unreachable"}
-        "contact": two benches touch at `time`. "clear": no benches touch until the end. "overlapping": two benches
-        overlap at the start. "unreachable": the chain has no state after `time`, and no benches touch before.
-    time : float
-        Of the contact, the end, the start or the last state, s.
-    benches : tuple of int or None
-        Benches that touch or overlap, the smaller number first.
-    point : tuple of float or None
-        Contact point, m.
-    normal : tuple of float or None
-        Unit vector from the first bench towards the second.
-    near_misses : tuple of NearMiss or None
-        Local minima of gaps below a thirtieth of the width before `time`, in the order of time. If all benches behind
-        the head pass through the same poses, only those of benches 0 and 1. None if gaps were not measured.
-    samples : int
-        Number of times at which poses were computed.
-    tests : int
-        Number of pair tests, over all samples.
-    resolution : float or None
-        Largest overlap before `time` that the certificate does not rule out, m: rounding, about a micrometre where a
-        gap stays near zero for long, and 0.1 mm where the march ends because the chain has no state after it. None if
-        nothing was certified.
-
-    Examples
-    --------
-    >>> from pymunk_dragon import March, first_contact
-    >>> hit = first_contact(March(), start=405)
-    >>> round(hit.time, 6), hit.benches, len(hit.near_misses)
-    (412.473838, (0, 8), 2)
-    """
-
-    status: Status
-    time: float
-    benches: tuple[int, int] | None
-    point: tuple[float, float] | None
-    normal: tuple[float, float] | None
-    near_misses: tuple[NearMiss, ...] | None
-    samples: int
-    tests: int
-    resolution: float | None = None
-
-    def to_dict(self) -> dict[str, Any]:
-        """Values in SI units, as `contact --json` prints them; None for all values of a contact where there is none."""
-        return {
-            "status": self.status,
-            "time": None if self.benches is None else self.time,
-            "benches": self.benches,
-            "point": self.point,
-            "normal": self.normal,
-            "near_misses": None if self.near_misses is None else [asdict(miss) for miss in self.near_misses],
-            "until": self.time,
-            "resolution": self.resolution,
-            "samples": self.samples,
-            "tests": self.tests,
-        }
-
-    def __str__(self) -> str:
-        decimals = SAMPLED_DECIMALS if self.resolution is None else CERTIFIED_DECIMALS
-        first = contact_text(self.status, self.benches, self.point, self.time, decimals)
-        lines = [first, *map(str, self.near_misses or ())]
-        if self.resolution is not None and self.resolution > COARSE:
-            least = text("benches that overlap by less than {amount:.2g} micrometres count as apart")
-            lines.append(least.format(amount=1e6 * self.resolution))
-        return "\n".join(lines)
-
-    @property
-    def contact(self) -> Contact | None:
-        """The result as a `Contact`, the type of `Run.first_contact`; None for every status but "contact"."""
-        if self.status != "contact" or self.benches is None or self.point is None or self.normal is None:
-            return None
-        return Contact(
-            time=self.time,
-            raw_time=self.time,
-            benches=self.benches,
-            point=self.point,
-            normal=self.normal,
-            depth=0.0,
-        )
-
-    @classmethod
-    def at(
-        cls,
-        march: March,
-        status: Status,
-        time: float,
-        pair: tuple[int, int] | None,
-        *,
-        near_misses: tuple[NearMiss, ...] | None,
-        samples: int,
-        tests: int,
-        resolution: float | None = None,
-    ) -> FirstContact:
-        """Result at `time`, with the contact point and the normal of the benches `pair` if there is one."""
-        point = normal = None
-        if pair is not None:
-            poses = march.at(time, handles=pair[1] + 2).poses[0]
-            found = separation(*march.dragon.outlines(poses)[list(pair)])
-            (x, y), (nx, ny) = found.point.tolist(), found.normal.tolist()
-            point, normal = (x, y), (nx, ny)
-        return cls(
-            status=status,
-            time=time,
-            benches=pair,
-            point=point,
-            normal=normal,
-            near_misses=near_misses,
-            samples=samples,
-            tests=tests,
-            resolution=resolution,
-        )
 
 
 def first_contact(

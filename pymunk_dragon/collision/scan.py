@@ -11,8 +11,8 @@ import numpy as np
 
 from pymunk_dragon._arrays import Array
 from pymunk_dragon._checks import positive
-from pymunk_dragon.collision.first_contact import FirstContact, Status
 from pymunk_dragon.collision.grid import Grid
+from pymunk_dragon.collision.result import FirstContact, Status
 from pymunk_dragon.collision.sat import separation
 from pymunk_dragon.errors import ParameterError, UnreachableError
 from pymunk_dragon.model.march import March, checked_times

@@ -20,7 +20,7 @@ from pymunk_dragon.errors import ParameterError, UnreachableError
 from pymunk_dragon.model.chain import ChainMotion
 from pymunk_dragon.model.continuation import Continuation
 from pymunk_dragon.model.curves import Curve, Reversed, Spiral
-from pymunk_dragon.model.curves.base import check_curve
+from pymunk_dragon.model.curves._arguments import check_curve
 from pymunk_dragon.model.curves.spiral import MAX_TURNS
 from pymunk_dragon.model.dragon import Dragon, bench_poses
 from pymunk_dragon.model.speed import ConstantSpeed, Speed, speed_of

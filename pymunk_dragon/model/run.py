@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import math
-import platform
-import sys
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import asdict, dataclass, field
 from functools import cached_property
-from importlib.metadata import version
 from pathlib import Path
 from typing import IO, Any, Literal, get_args
 
@@ -16,14 +13,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pymunk_dragon._arrays import Array
-from pymunk_dragon._checks import finite, whole, word
+from pymunk_dragon._checks import word
 from pymunk_dragon._display import Displayed
 from pymunk_dragon._frozen import ArrayRecord, frozen, read_only
 from pymunk_dragon._language import text
-from pymunk_dragon.errors import DragonError, ParameterError
+from pymunk_dragon.errors import DragonError
 from pymunk_dragon.model.contact import Contact, ContactEvent, ContactLog, contact_text
 from pymunk_dragon.model.dragon import hermite
 from pymunk_dragon.model.march import March, check_march
+from pymunk_dragon.model.provenance import attributes_of, versions
 from pymunk_dragon.model.run_file import opened_archive, present_names, write_archive
 from pymunk_dragon.model.scenario import Scenario
 from pymunk_dragon.model.settings import EngineSettings
@@ -41,8 +39,6 @@ MAY_LACK = ("pose_velocities", "joint_impulses")
 LEAST_INTERVAL = 0.5
 # Frames whose polynomial gives such a velocity: its error is then of a higher order than the cubic's own.
 DIFFERENCE_POINTS = 5
-# Settings that `provenance` holds only where they are not their defaults, for files as they have always been.
-OPTIONAL_SETTINGS = ("head_force", "drag", "frame_interval")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -150,7 +146,7 @@ class Run(ArrayRecord, Displayed):
             raise DragonError("a run's times are not finite and rising, or there are none")
         word("outcome", self.outcome, get_args(Outcome))
         object.__setattr__(self, "provenance", frozen(self.provenance))
-        for name, value in _attributes(self.provenance, float(self.times[0])).items():
+        for name, value in attributes_of(self.provenance, float(self.times[0])).items():
             object.__setattr__(self, name, value)
 
     def __repr__(self) -> str:
@@ -398,40 +394,6 @@ def check_saveable(march: March) -> None:
     pymunk_dragon.errors.ParameterError: speed is <function ...>, but must be a number or a table to be written down...
     """
     Scenario.of(march)
-
-
-def versions() -> dict[str, str]:
-    """Versions of Python and of the libraries that decide a run's numbers."""
-    names = ("pymunk-dragon", "pymunk", "numpy")
-    return {"python": platform.python_version()} | {name: version(name) for name in names}
-
-
-def engine_provenance(
-    settings: EngineSettings, *, guide: str, start: float, until: float, substeps: int
-) -> dict[str, Any]:
-    """The `provenance` of a run of the engine from `start` to at most `until`, s."""
-    values = {"player": "pymunk", "guide": guide, "contacts": settings.contacts, "start": start, "until": until}
-    values |= {"substep": settings.substep, "iterations": settings.iterations, "substeps": substeps}
-    given = {name: getattr(settings, name) for name in OPTIONAL_SETTINGS}
-    changed = {name: value for name, value in given.items() if value != getattr(EngineSettings, name)}
-    return values | {"versions": versions()} | changed
-
-
-def _attributes(provenance: Mapping[str, Any], start: float) -> dict[str, Any]:
-    """Attributes of a run from its `provenance`; `start` is that of its first frame, s."""
-    for name, kind, words in (("player", str, "a text"), ("guide", str, "a text"), ("versions", Mapping, "a mapping")):
-        if provenance.get(name) is not None and not isinstance(provenance[name], kind):
-            raise ParameterError(name, provenance[name], words)
-    settings = {f.name: provenance[f.name] for f in fields(EngineSettings) if f.name in provenance}
-    substeps = provenance.get("substeps")
-    return {
-        "player": provenance.get("player"),
-        "guide": provenance.get("guide"),
-        "settings": EngineSettings(**settings) if settings else None,
-        "start": finite("start", provenance.get("start", start), -math.inf, math.inf, "s"),
-        "substeps": None if substeps is None else whole("substeps", substeps, 0, sys.maxsize),
-        "versions": provenance.get("versions") or {},
-    }
 
 
 def _derivative_weights(nodes: Array, times: Array) -> Array:

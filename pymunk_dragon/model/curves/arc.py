@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike
 from pymunk_dragon._arrays import Array
 from pymunk_dragon._checks import finite
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.model.curves.base import FARTHEST, Curve, overlap, plane_point, within
+from pymunk_dragon.model.curves._arguments import FARTHEST, overlap, plane_point, within
+from pymunk_dragon.model.curves.base import Curve
 
 __all__ = ["Arc"]
 

@@ -1,9 +1,9 @@
-"""The base class of curves, the registry of their kinds, and helpers for curves with ends."""
+"""The base class of curves, and the registry of their kinds."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import MISSING, fields, is_dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -11,14 +11,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pymunk_dragon._arrays import Array, Complex, Flags, as_complex
-from pymunk_dragon._checks import did_you_mean, finite, number
+from pymunk_dragon._checks import did_you_mean
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model import chain
 from pymunk_dragon.model.chain import ChainMotion
 from pymunk_dragon.model.curves._checked import CHECK, checked_bound, checked_method
 
-# m from the origin. At this distance a double still resolves 0.02 nm.
-FARTHEST = 1e5
 # Benches that are computed one by one before the chain behind them is computed as a whole again.
 BLOCK = 16
 # Levels of curves inside curves. A level takes up to 4 of Python's 1000 nested calls in an evaluation.
@@ -119,7 +117,7 @@ class Curve(ABC):
         own = {}
         for name in (*CHECKED, *DERIVED):
             base = next(base for base in cls.__mro__ if name in vars(base))
-            if not _is_of_package(base):
+            if not is_of_package(base):
                 own[name] = vars(base)[name]
         if "point" in own or "tangent" in own:
             for name in DERIVED:
@@ -361,61 +359,6 @@ class Curve(ABC):
         return _from_dict(values, "curve", 1)
 
 
-def check_curve(name: str, value: object) -> None:
-    """Check that `value` is a curve, and call each method of a class outside the package with coordinates (1, 3).
-
-    Raises
-    ------
-    ParameterError
-        If it is no curve, its ends are no numbers in the order of travel, or a method returns anything but finite
-        numbers of the shape that `Curve` requires.
-    """
-    if not isinstance(value, Curve):
-        raise ParameterError(name, value, "a Curve")
-    if _is_of_package(type(value)):
-        return
-    kind = type(value).__name__
-    ends = getattr(value, "begin_s", None), getattr(value, "end_s", None)
-    begin, end = map(number, ends)
-    # Written so that nan fails.
-    if not begin < end:
-        raise ParameterError(f"{kind}.begin_s and end_s", ends, "two numbers, m, the first one smaller")
-    if np.isinf(begin):
-        begin = min(end, 1.0) - 1
-    coordinates = begin + min(end - begin, 1.0) * np.array([[0.25, 0.5, 0.75]])
-    for method in (value.point, value.tangent, value.curvature):
-        method(coordinates)
-    value.max_curvature(coordinates[:, :-1], coordinates[:, 1:])
-
-
-def within(s: ArrayLike, begin: float, end: float) -> Array:
-    """Coordinates as an array, with nan for those that are not from `begin` to `end`."""
-    coordinates = np.asarray(s, dtype=float)
-    return np.where((coordinates >= begin) & (coordinates <= end), coordinates, np.nan)
-
-
-def overlap(s: ArrayLike, other: ArrayLike, begin: float, end: float) -> tuple[Array, Array]:
-    """Lower and upper ends of the intersections of the intervals from `s` to `other` with that from `begin` to `end`.
-
-    If an intersection is empty, its lower end is above its upper end.
-    """
-    lower, upper = np.minimum(s, other), np.maximum(s, other)
-    return np.maximum(lower, begin), np.minimum(upper, end)
-
-
-def plane_point(name: str, value: object) -> tuple[float, float]:
-    """`value` as x and y in m, or a `ParameterError`."""
-    bound = f"two numbers x, y from {-FARTHEST:g} to {FARTHEST:g} m"
-    if isinstance(value, Iterable) and np.shape(parts := list(value)) == (2,):
-        try:
-            x, y = (finite(name, part, -FARTHEST, FARTHEST, "m") for part in parts)
-        except ParameterError:
-            pass
-        else:
-            return x, y
-    raise ParameterError(name, value, bound)
-
-
 def _register(kind: object, cls: type[Any]) -> None:
     """Add a class to `Curve.kinds`; a class of the same name, as in a notebook's cell, is replaced."""
     if not isinstance(kind, str):
@@ -426,7 +369,7 @@ def _register(kind: object, cls: type[Any]) -> None:
     Curve.kinds[kind] = cls
 
 
-def _is_of_package(cls: type[Any]) -> bool:
+def is_of_package(cls: type[Any]) -> bool:
     """Whether a class belongs to the package; the results of others are checked at each call."""
     return cls.__module__.startswith(__package__)
 

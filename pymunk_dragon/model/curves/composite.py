@@ -13,7 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from pymunk_dragon._arrays import Array, Complex, as_complex, as_vectors
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.model.curves.base import Curve, check_curve, overlap, within
+from pymunk_dragon.model.curves._arguments import check_curve, overlap, within
+from pymunk_dragon.model.curves.base import Curve
 
 __all__ = ["Composite"]
 

@@ -10,7 +10,8 @@ from numpy.typing import ArrayLike
 
 from pymunk_dragon._arrays import Array
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.model.curves.base import Curve, plane_point, within
+from pymunk_dragon.model.curves._arguments import plane_point, within
+from pymunk_dragon.model.curves.base import Curve
 
 __all__ = ["Line"]
 

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pymunk_dragon._arrays import Array
-from pymunk_dragon.model.curves.base import Curve, check_curve
+from pymunk_dragon.model.curves._arguments import check_curve
+from pymunk_dragon.model.curves.base import Curve
 
 __all__ = ["Reversed"]
 

@@ -10,7 +10,8 @@ from numpy.typing import ArrayLike
 from pymunk_dragon._arrays import Array, Complex
 from pymunk_dragon._checks import number
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.model.curves.base import Curve, check_curve, overlap, within
+from pymunk_dragon.model.curves._arguments import check_curve, overlap, within
+from pymunk_dragon.model.curves.base import Curve
 
 __all__ = ["Section"]
 

@@ -11,6 +11,15 @@ from pymunk_dragon._arrays import Array, Complex, Flags, as_complex, as_vectors
 from pymunk_dragon._checks import finite, positive
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model import chain
+from pymunk_dragon.model.curves._unit_spiral import (
+    MAX_PASSES,
+    STEP_TOLERANCE,
+    arc_rate,
+    estimated_angle,
+    first_reached,
+    squared_distance,
+    unit_vector,
+)
 from pymunk_dragon.model.curves.base import Curve
 
 __all__ = ["Spiral"]
@@ -24,21 +33,13 @@ MAX_PITCH = 1000.0
 TURN = 2 * np.pi
 # A thousand turns of the contest's pitch are a dance floor of a kilometre; more is taken for a typing error.
 MAX_TURNS = 1000.0
-# Newton doubles its digits at every pass and reaches a double's last one in about 6; bisection, its fallback, in 53.
-MAX_PASSES = 80
 # Most benches need 2; what needs more than this is better kept within a bracket.
 FREE_PASSES = 6
-# Share of an angle: after so small a step of Newton's the next one would be below the last digit.
-STEP_TOLERANCE = 1e-10
 # The same for Halley's, which trebles the digits.
 HALLEY_TOLERANCE = 5e-6
-# Last digits by which rounding may change the square of a distance: five operations, of which the sine has two.
-ROUNDED_SQUARE = 8
 # Spacings over k between which a rear handle may vanish near the centre and exist again further in: from m(theta*) to
 # 2 pi, and by rounding a little more (see `chain_follows_motion`).
 INNERMOST = 5.78, 6.29
-# Arc length over k / 2 from which the angle is guessed by its asymptotic form; that is right to 2 % there.
-FAR_OUT = 8.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -143,9 +144,9 @@ class Spiral(Curve, kind="spiral"):
         length = np.atleast_1d(self._length(s))
         # Twice the arc length over k: theta sqrt(theta^2 + 1) + arcsinh theta (eq. 3-5).
         target = np.maximum(length, 0.0) * (2 / self.k)
-        theta = _estimated_angle(target)
+        theta = estimated_angle(target)
         for _ in range(MAX_PASSES):
-            rise = _rise(theta)
+            rise = arc_rate(theta)
             newton = theta + rise
             np.log(newton, out=newton)
             newton -= target
@@ -171,13 +172,13 @@ class Spiral(Curve, kind="spiral"):
     def speeds_by_difference(self, now: Array, later: Array, step: float) -> Array:
         """Speeds (...), m/s, of handles at `now`, and at `later` after `step` s, from their polar angles (eq. 15)."""
         theta = self.angle(now)
-        speeds: Array = self.k * _rise(theta) * np.abs(self.angle(later) - theta) / step
+        speeds: Array = self.k * arc_rate(theta) * np.abs(self.angle(later) - theta) / step
         return speeds
 
     def point(self, s: ArrayLike) -> Array:
         """Position (..., 2) in m (eq. 7, 8, 11)."""
         theta = self.angle(s)
-        return as_vectors(self._placed(self.k * theta * _direction(theta)))
+        return as_vectors(self._placed(self.k * theta * unit_vector(theta)))
 
     def tangent(self, s: ArrayLike) -> Array:
         """Unit vector (..., 2) in the direction of travel."""
@@ -187,8 +188,8 @@ class Spiral(Curve, kind="spiral"):
     def frame(self, s: ArrayLike) -> tuple[Array, Array]:
         """Positions and unit vectors in the direction of travel, each (..., 2)."""
         theta = self.angle(s)
-        direction = _direction(theta)
-        points, tangents = self.k * theta * direction, self._tangent(theta, direction, _rise(theta))
+        direction = unit_vector(theta)
+        points, tangents = self.k * theta * direction, self._tangent(theta, direction, arc_rate(theta))
         return as_vectors(self._placed(points)), as_vectors(self._placed(tangents))
 
     def curvature(self, s: ArrayLike) -> Array:
@@ -219,13 +220,13 @@ class Spiral(Curve, kind="spiral"):
         curvature = 1 / np.sqrt(self.k * (length[:, 1:] + length[:, :-1]))
         length[:, 1:] = np.cumsum(chain.arcs(spacings, curvature), axis=1) - heads[:, None]
         length *= 2 / self.k
-        parameters = -_estimated_angle(length)
+        parameters = -estimated_angle(length)
         parameters[:, 0] = self.parameter(heads)
         return parameters
 
     def motion(self, parameter: Array) -> tuple[Complex, Complex]:
         """Positions and their derivatives by the parameter, each (...), as complex numbers."""
-        derivatives = _direction(self._sign * parameter)
+        derivatives = unit_vector(self._sign * parameter)
         derivatives *= self._sign * self.k
         points = parameter * derivatives
         derivatives += self._sign * 1j * points
@@ -254,11 +255,11 @@ class Spiral(Curve, kind="spiral"):
             return super().behind(parameter, chord)
         theta, reach = -parameter, (chord / self.k) ** 2
         # The chord of a circle with the radius that the spiral has halfway, to third order.
-        phi = chord / (self.k * _rise(theta + chord / (2 * self.k * _rise(theta))))
+        phi = chord / (self.k * arc_rate(theta + chord / (2 * self.k * arc_rate(theta))))
         phi += phi**3 / 24
         with np.errstate(all="ignore"):
             for _ in range(FREE_PASSES):
-                value, growth = _squared_distance(phi, theta)
+                value, growth = squared_distance(phi, theta)
                 step = (value - reach) / growth
                 phi = phi - step
                 settled = np.abs(step) <= STEP_TOLERANCE * phi
@@ -269,7 +270,7 @@ class Spiral(Curve, kind="spiral"):
             found = settled & (phi < np.pi)
         missed = ~(found | np.isnan(theta))
         if missed.any():
-            phi[missed] = _first_reached(theta[missed], reach)
+            phi[missed] = first_reached(theta[missed], reach)
         return -(theta + phi)
 
     def chain_follows_motion(self, spacings: Array) -> bool:
@@ -305,7 +306,7 @@ class Spiral(Curve, kind="spiral"):
         turns -= theta
         turns *= 1 / TURN
         theta = theta + TURN * np.rint(turns)
-        rise = _rise(theta)
+        rise = arc_rate(theta)
         # The arc length of eq. 3-5; a logarithm costs less than its arcsinh.
         coordinate = np.log(theta + rise)
         coordinate += theta * rise
@@ -332,11 +333,11 @@ class Spiral(Curve, kind="spiral"):
 
     def arc(self, theta: Array) -> Array:
         """Arc length from the centre, m: the closed form of eq. 3-5."""
-        length: Array = self.k / 2 * (theta * _rise(theta) + np.arcsinh(theta))
+        length: Array = self.k / 2 * (theta * arc_rate(theta) + np.arcsinh(theta))
         return length
 
     def _curvature_at(self, theta: Array) -> Array:
-        rise = _rise(theta)
+        rise = arc_rate(theta)
         curvature: Array = (rise + 1 / rise) / (self.k * rise**2)
         return curvature
 
@@ -364,116 +365,3 @@ class Spiral(Curve, kind="spiral"):
         if self.rotation:
             vectors = vectors * np.exp(-1j * self.rotation)
         return vectors.conj() if self.mirrored else vectors
-
-
-def _squared_distance(phi: Array, theta: Array) -> tuple[Array, Array]:
-    """|P(theta + phi) - P(theta)|^2 / k^2, in a form without cancellation for small phi, and its growth with phi."""
-    sine = np.sin(phi / 2)
-    product = 2 * theta * (theta + phi)
-    turned = 2 * sine**2
-    return phi**2 + product * turned, 2 * phi + 2 * theta * turned + product * np.sin(phi)
-
-
-def _growth(phi: Array, theta: Array) -> Array:
-    return _squared_distance(phi, theta)[1]
-
-
-def _growth_rate(phi: Array, theta: Array) -> Array:
-    """Half the derivative of `_growth` by phi."""
-    rate: Array = 1 + 2 * theta * np.sin(phi) + theta * (theta + phi) * np.cos(phi)
-    return rate
-
-
-def _first_reached(theta: Array, reach: float) -> Array:
-    """How far back, in rad, the squared distance over k^2 first is `reach`, by Newton within a bracket; else nan."""
-    limit = np.full(theta.shape, np.pi)
-    beyond = _squared_distance(limit, theta)[0] < reach
-    if beyond.any():
-        limit[beyond] = _first_maximum(theta[beyond])
-        beyond = _squared_distance(limit, theta)[0] < reach
-    low, high = np.zeros(theta.shape), limit
-    phi = limit / 2
-    for _ in range(MAX_PASSES):
-        value, growth = _squared_distance(phi, theta)
-        short = value < reach
-        low, high = np.where(short, phi, low), np.where(short, high, phi)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            better = phi - (value - reach) / growth
-        # A step that leaves the bracket (or is nan, where the distance has its maximum) becomes a bisection.
-        better = np.where((better >= low) & (better <= high), better, (low + high) / 2)
-        # Close to the maximum, where the growth is small, the rounding of the distance moves the root.
-        rounding = growth * 2 * np.spacing(theta + phi) + ROUNDED_SQUARE * np.spacing(reach)
-        done = np.abs(better - phi) * growth <= rounding
-        phi = better
-        if np.all(done | beyond):
-            break
-    return np.where(beyond, np.nan, phi)
-
-
-def _first_maximum(theta: Array) -> Array:
-    """How far back, in rad, the straight distance from `theta` keeps growing: to its first maximum or one turn."""
-    # Past 3 pi / 2 the growth is convex. At 3 pi / 2 itself it has the sign of 1 - theta: more than one radian from
-    # the centre the maximum lies before. Closer than that the spiral opens nearly as fast as it turns: from 0.986 rad
-    # to 1 rad the distance still falls for a moment, about where its growth is least, and below that it never does.
-    high = np.full(theta.shape, 1.5 * np.pi)
-    central = theta <= 1
-    if central.any():
-        high[central] = _least_growth(theta[central])
-    low = np.full(theta.shape, np.pi)
-    endless = _growth(high, theta) > 0
-    middle = (low + high) / 2
-    for _ in range(MAX_PASSES):
-        growth = _growth(middle, theta)
-        low, high = np.where(growth > 0, middle, low), np.where(growth > 0, high, middle)
-        newton = middle - growth / (2 * _growth_rate(middle, theta))
-        better = np.where((newton >= low) & (newton <= high), newton, (low + high) / 2)
-        done = np.abs(better - middle) <= STEP_TOLERANCE
-        middle = better
-        if np.all(done | endless):
-            break
-    return np.where(endless, 2 * np.pi, middle)
-
-
-def _least_growth(theta: Array) -> Array:
-    """Where in the last quarter of the first turn back, in rad, the distance from `theta` grows least."""
-    low, high = np.full(theta.shape, 1.5 * np.pi), np.full(theta.shape, 2 * np.pi)
-    for _ in range(MAX_PASSES):
-        phi = (low + high) / 2
-        falling = _growth_rate(phi, theta) < 0
-        low, high = np.where(falling, phi, low), np.where(falling, high, phi)
-    return low
-
-
-def _estimated_angle(target: Array) -> Array:
-    """Angle by twice its arc length over k: by two terms of the asymptotic form, or by the tangent at the centre."""
-    # theta^2 = target - log(4 theta^2) / 2 - 1 / 2 - ..., used twice.
-    far = np.maximum(target, FAR_OUT)
-    logs = np.log(4 * far)
-    logs *= -2
-    logs -= 2
-    logs += 4 * far
-    np.log(logs, out=logs)
-    logs /= 2
-    far -= logs
-    far -= 0.5
-    theta = np.sqrt(far, out=far)
-    near = target <= FAR_OUT
-    if near.any():
-        theta[near] = target[near] / 2
-    return theta
-
-
-def _rise(theta: Array) -> Array:
-    """Arc length per radian, over k. Angles are far too small for their squares to overflow."""
-    rise: Array = np.sqrt(theta * theta + 1)
-    return rise
-
-
-def _direction(theta: Array) -> Complex:
-    """e^(i theta), from the tangent of half the angle: NumPy computes it several times as fast as sine and cosine."""
-    half = np.tan(theta / 2)
-    share = 2 / (1 + half * half)
-    direction = np.empty(theta.shape, dtype=complex)
-    np.subtract(share, 1, out=direction.real)
-    np.multiply(share, half, out=direction.imag)
-    return direction

@@ -14,7 +14,8 @@ from pymunk_dragon._arrays import Array, Indices
 from pymunk_dragon._extras import library
 from pymunk_dragon._files import number_rows
 from pymunk_dragon.errors import FileFormatError, ParameterError
-from pymunk_dragon.model.curves.base import FARTHEST, Curve, overlap, within
+from pymunk_dragon.model.curves._arguments import FARTHEST, overlap, within
+from pymunk_dragon.model.curves.base import Curve
 
 # The module of cells needs NumPy's polynomials, and is imported where such a path is used.
 if TYPE_CHECKING:
