@@ -14,10 +14,11 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from pymunk_dragon._extras import missing_extra
+from pymunk_dragon.errors import MissingExtraError
 
 LANGUAGES = ("en", "zh")
 # Packages with a `zh.toml`.
-PACKAGES = ("cli", "drawing", "lessons", "player", "reports", "sessions", "studies", "sweeps")
+PACKAGES = ("cli", "drawing", "player", "reports", "sessions", "studies", "sweeps")
 
 _language: ContextVar[str] = ContextVar("language", default="en")
 
@@ -85,3 +86,13 @@ def font() -> Path | None:
     if found is None or found.origin is None:
         raise missing_extra("zhplot")
     return Path(found.origin).with_name("fonts") / "NotoSansSC-Regular.ttf"
+
+
+def has_font(name: str) -> bool:
+    """Whether a font with the characters of a language is installed."""
+    with in_language(name):
+        try:
+            font()
+        except MissingExtraError:
+            return False
+        return True

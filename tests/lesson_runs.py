@@ -15,14 +15,15 @@ SHARED = "PYMUNK_DRAGON_TESTS_SHARED"
 
 
 @cache
-def played(name: str) -> Recording:
-    """The recording of a lesson."""
+def played(name: str, language: str = "en") -> Recording:
+    """The recording of a lesson in a language."""
+    lesson = LESSONS[name].in_language(language)
     if SHARED not in os.environ:
-        return record(LESSONS[name])
-    file = Path(os.environ[SHARED]) / f"{name}.pickle"
+        return record(lesson)
+    file = Path(os.environ[SHARED]) / f"{name}.{language}.pickle"
     if not file.exists():
         draft = file.with_suffix(f".{os.getpid()}")
-        draft.write_bytes(pickle.dumps(record(LESSONS[name])))
+        draft.write_bytes(pickle.dumps(record(lesson)))
         os.replace(draft, file)
     found: Recording = pickle.loads(file.read_bytes())
     return found

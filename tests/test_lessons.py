@@ -30,21 +30,21 @@ from conftest import assert_says
 from hypothesis import given
 from hypothesis import strategies as st
 from lesson_runs import played
-from matplotlib.text import Text
 from PIL import Image
 
+from pymunk_dragon._language import in_language
 from pymunk_dragon.errors import MissingExtraError, ParameterError
-from pymunk_dragon.lessons import LANGUAGES, LESSONS, Lesson, LessonFile, Terminal, play, record, write_lessons
+from pymunk_dragon.lessons import LANGUAGES, LESSONS, LessonFile, Terminal, play, record, write_lessons
 from pymunk_dragon.lessons._framework import (
     PARTS,
     guess,
     lesson_file,
     make_notebook,
+    make_page,
     markup,
     notebook,
     terminal,
 )
-from pymunk_dragon.lessons._framework.figure_texts import translate
 from pymunk_dragon.lessons._framework.markup import in_mathml, in_unicode, pieces, plain
 from pymunk_dragon.lessons._framework.notes import notes
 
@@ -69,9 +69,9 @@ def flat(text):
 
 def said(lesson, language="en"):
     """All that a lesson says in a terminal."""
-    guesses = lesson.guesses_in(language)
-    texts = [lesson.text(part, language) for part in PARTS]
-    texts += [text for each in guesses for text in (each.question, *each.lettered(), each.result())]
+    lesson = lesson.in_language(language)
+    texts = [lesson.text(part) for part in PARTS]
+    texts += [text for each in lesson.guesses for text in (each.question, *each.lettered(), each.result())]
     return [flat(plain(text)) for text in texts]
 
 
@@ -120,42 +120,81 @@ def test_lesson_reads_like_one(name):
 
 @pytest.mark.thorough
 @every_lesson
-def test_program_copied_out_runs_alone_and_does_the_same(name, tmp_path):
-    copy = shutil.copy(LESSONS[name].path, tmp_path / "copied.py")
-    done = run_program(copy, "--save", tmp_path / "kept" / "here", "--lang", "zh", cwd=tmp_path)
+@every_language
+def test_program_copied_out_runs_alone_and_does_the_same(name, language, tmp_path):
+    copy = tmp_path / "copied.py"
+    copy.write_text(LESSONS[name].in_language(language).source, encoding="utf-8")
+    done = run_program(copy, "--save", tmp_path / "kept" / "here", cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
-    found = played(name)
+    found = played(name, language)
     [picture] = (tmp_path / "kept" / "here").iterdir()
     assert picture.name in (f"{name}.png", f"{name}.gif")
-    if picture.suffix == ".png":
-        assert picture.read_bytes() == found.pictures["zh"]
+    assert picture.read_bytes() == found.picture
     assert found.printed in done.stdout
     assert "\x1b" not in done.stdout
-    assert all(text in flat(done.stdout) for text in said(LESSONS[name], "zh"))
+    assert all(text in flat(done.stdout) for text in said(LESSONS[name], language))
 
 
-@pytest.mark.parametrize("name", [name for name, lesson in LESSONS.items() if "lesson.show(figure)" in lesson.code])
-def test_figure_is_also_in_chinese(name, monkeypatch):
-    before, shown = played(name), []
-    monkeypatch.setattr(
-        f"{Lesson.__module__}.translate", lambda figure: shown.append((translate(figure), texts_of(figure))[1])
-    )
-    english, chinese = record(LESSONS[name]).pictures.values()
-    assert english == before.picture != chinese
-    words, translated = ([text for text in texts if re.search("[a-z]{2}|[\u4e00-\u9fff]", text)] for texts in shown)
-    assert figures(" ".join(words)) == figures(" ".join(translated))
-    assert all(re.search("[\u4e00-\u9fff]", text) or text in ("GrooveJoint", "PinJoint") for text in translated)
+@every_lesson
+def test_chinese_program_differs_only_in_its_texts(name):
+    def structure(source):
+        tree = ast.parse(source)
+        for node in ast.walk(tree):
+            match node:
+                case ast.Constant(str()):
+                    node.value = ""
+                case ast.Call(ast.Name("Lesson")):
+                    node.keywords = [each for each in node.keywords if each.arg != "language"]
+                case ast.JoinedStr():
+                    fields = [each for each in node.values if isinstance(each, ast.FormattedValue)]
+                    node.values = sorted(fields, key=lambda each: ast.dump(each.value))
+        return ast.dump(tree)
+
+    assert structure(LESSONS[name].in_language("zh").source) == structure(LESSONS[name].source)
 
 
-def texts_of(figure):
-    return [artist.get_text() for artist in figure.findobj(Text)]
+@every_lesson
+def test_fragments_of_translations_are_in_the_program(name):
+    assert [english for english, _ in CATALOGUES["zh"][name]["program"] if english not in LESSONS[name].code] == []
 
 
-def test_without_a_chinese_font_figures_are_in_english(monkeypatch, tmp_path, capsys):
+# What is left in Chinese output: units, symbols, names in Python, and a message of Python's own.
+KEPT = re.compile(
+    "m|mm|µm|s|kg|N|rad|e|r|t|x|y|A|B|C|cos|March|Grid|walk|scan|first_contact|separation|GrooveJoint|PinJoint"
+    "|begin|pre_solve|post_solve|separate|division|by|zero"
+)
+
+
+@every_lesson
+def test_chinese_output_has_the_same_numbers_and_no_english_words(name):
+    english, chinese = played(name).printed, played(name, "zh").printed
+    assert Counter(figures(english)) == Counter(figures(chinese))
+    assert [word for word in re.findall(r"[A-Za-zµ_]+", chinese) if not KEPT.fullmatch(word)] == []
+    assert re.search("[\u4e00-\u9fff]", chinese)
+    assert max(map(width, chinese.splitlines())) <= max(110, *map(len, english.splitlines()))
+
+
+def test_comments_of_chinese_programs_are_chinese():
+    for lesson in LESSONS.values():
+        comments = re.findall(r"# ([^\n]+)", lesson.in_language("zh").code)
+        assert [
+            each for each in comments if not re.search("[\u4e00-\u9fff]", each) and re.search("[a-z]{4}", each)
+        ] == []
+
+
+def test_picture_is_in_the_language_of_the_lesson():
+    assert played("tension").picture != played("tension", "zh").picture
+    assert played("unguided").picture != played("unguided", "zh").picture
+
+
+def test_without_a_chinese_font_one_line_names_the_extra(monkeypatch, tmp_path, call):
     monkeypatch.setattr("pymunk_dragon._language.find_spec", lambda name: None)
-    play(LESSONS["tension"], Terminal(tmp_path, "zh"))
-    assert (tmp_path / "tension.png").read_bytes() == played("tension").picture
-    assert "铰接处" in capsys.readouterr().out
+    code, out, err = call("demo", "tension", "--lang", "zh", "--save", tmp_path)
+    assert (code, out) == (2, "")
+    assert_says(Exception(err.strip()), "pymunk-dragon[chinese]")
+    # A page has the lessons in English then.
+    assert call("demo", "tension", "-o", tmp_path / "page.html")[0] == 0
+    assert (tmp_path / "page.html").read_text(encoding="utf-8") == make_page([[played("tension")]])
 
 
 @pytest.mark.parametrize("name", ["spiral", "sat"])  # a picture with axes, and a film of them
@@ -179,7 +218,7 @@ def test_picture_is_small_in_bytes_and_large_enough_to_see(name):
 @every_language
 def test_number_to_check_is_one_that_the_lesson_prints(name, language):
     printed = figures(played(name).printed)
-    assert [number for number in figures(LESSONS[name].text("check", language)) if number in printed]
+    assert [number for number in figures(LESSONS[name].in_language(language).text("check")) if number in printed]
 
 
 @every_language
@@ -192,7 +231,7 @@ def test_catalogue_has_every_word(language):
 @pytest.mark.parametrize("language", [each for each in LANGUAGES if each != "en"])
 def test_no_entry_of_a_catalogue_is_missing_or_left_over(language):
     catalogue = {name: set(texts) for name, texts in CATALOGUES[language].items() if name != "words"}
-    assert catalogue == {name: {*PARTS, "guesses", "measured"} for name in LESSONS}
+    assert catalogue == {name: {*PARTS, "guesses", "measured", "program"} for name in LESSONS}
 
 
 @every_language
@@ -210,7 +249,7 @@ def test_notes_for_teachers_are_on_every_lesson(language):
 def test_every_lesson_has_guesses_of_which_one_choice_is_right(name, language):
     lesson = LESSONS[name]
     assert lesson.guesses
-    for each in lesson.guesses_in(language):
+    for each in lesson.in_language(language).guesses:
         assert len(set(each.choices)) == len(each.choices) >= 2
         assert 0 <= each.right < len(each.choices)
         assert set(figures(each.measured)) <= {*figures(played(name).printed), *figures(lesson.text("answer"))}
@@ -240,7 +279,7 @@ def test_a_result_is_one_of_the_choices(tmp_path):
 @every_lesson
 @pytest.mark.parametrize("part", PARTS)
 def test_chinese_says_the_same_numbers_and_names(name, part):
-    english, chinese = (LESSONS[name].text(part, language) for language in LANGUAGES)
+    english, chinese = (LESSONS[name].in_language(each).text(part) for each in LANGUAGES)
     assert any("\u4e00" <= character <= "\u9fff" for character in chinese)
     assert Counter(figures(english)) == Counter(figures(chinese))
     assert Counter(re.findall("`[^`]+`", english)) == Counter(re.findall("`[^`]+`", chinese))
@@ -250,7 +289,7 @@ def test_chinese_says_the_same_numbers_and_names(name, part):
 @every_lesson
 def test_chinese_guesses_have_the_same_numbers(name):
     lesson = LESSONS[name]
-    for english, chinese in zip(lesson.guesses, lesson.guesses_in("zh"), strict=True):
+    for english, chinese in zip(lesson.guesses, lesson.in_language("zh").guesses, strict=True):
         assert (len(english.choices), english.right) == (len(chinese.choices), chinese.right)
         for part in ("question", "choices", "measured"):
             assert Counter(figures(str(getattr(english, part)))) == Counter(figures(str(getattr(chinese, part))))
@@ -259,7 +298,7 @@ def test_chinese_guesses_have_the_same_numbers(name):
 @every_lesson
 @every_language
 def test_formulas_are_readable_everywhere(name, language):
-    texts = [LESSONS[name].text(part, language) for part in PARTS]
+    texts = [LESSONS[name].in_language(language).text(part) for part in PARTS]
     texts += asdict(notes(language).lessons[name]).values()
     for text in map(str, texts):
         assert not re.search(r"[\\{}$]", "".join(piece if kind == "text" else "" for kind, piece in pieces(text)))
@@ -270,13 +309,13 @@ def test_formulas_are_readable_everywhere(name, language):
 
 
 def cells(name, language="en"):
-    return nbformat.reads(make_notebook(LESSONS[name], language), as_version=4).cells
+    return nbformat.reads(make_notebook(LESSONS[name].in_language(language)), as_version=4).cells
 
 
 @every_lesson
 @every_language
 def test_notebook_has_the_lessons_code_and_words(name, language):
-    lesson = LESSONS[name]
+    lesson = LESSONS[name].in_language(language)
     found = cells(name, language)
     install, *programs = [cell.source for cell in found if cell.cell_type == "code"]
     assert '%pip install --quiet "pymunk-dragon[demos]"' in install
@@ -289,20 +328,23 @@ def test_notebook_has_the_lessons_code_and_words(name, language):
         re.sub(r"\\([^\w\s])", r"\1", piece) if kind == "text" else f"`{piece}`" if kind == "code" else f"${piece}$"
         for kind, piece in pieces(prose)
     )
-    assert all(lesson.text(part, language) in prose for part in PARTS)
-    assert all(choice in prose for each in lesson.guesses_in(language) for choice in each.lettered())
-    assert make_notebook(lesson, language) == make_notebook(lesson, language)
+    assert all(lesson.text(part) in prose for part in PARTS)
+    assert all(choice in prose for each in lesson.guesses for choice in each.lettered())
+    assert make_notebook(lesson) == make_notebook(lesson)
 
 
 @pytest.mark.thorough
 @every_lesson
-def test_notebook_runs_and_shows_what_the_lesson_shows(name, tmp_path):
-    made = nbformat.reads(make_notebook(LESSONS[name]), as_version=4)
+@every_language
+def test_notebook_runs_and_shows_what_the_lesson_shows(name, language, tmp_path):
+    made = nbformat.reads(make_notebook(LESSONS[name].in_language(language)), as_version=4)
     nbclient.NotebookClient(made, timeout=120, resources={"metadata": {"path": tmp_path}}).execute()
     outputs = [output for cell in made.cells if cell.cell_type == "code" for output in cell.outputs]
-    assert "".join(output.text for output in outputs if output.get("name") == "stdout") == played(name).printed
+    assert (
+        "".join(output.text for output in outputs if output.get("name") == "stdout") == played(name, language).printed
+    )
     [picture] = tmp_path.iterdir()
-    assert picture.read_bytes() == played(name).picture
+    assert picture.read_bytes() == played(name, language).picture
     # As HTML, which also a page has that is made from the notebook.
     [html] = [output.data["text/html"] for output in outputs if "text/html" in output.get("data", {})]
     assert b64encode(picture.read_bytes()).decode() in html
@@ -321,9 +363,11 @@ def test_program_lists_the_lessons(call, language):
     lines = out.splitlines()
     assert len(lines) == 15
     for number, (line, lesson) in enumerate(zip(lines, LESSONS.values(), strict=True), start=1):
-        assert line.split(maxsplit=2) == [str(number), lesson.name, lesson.text("title", language)]
+        assert line.split(maxsplit=2) == [str(number), lesson.name, lesson.in_language(language).title]
     _, out, _ = call("demo", "--lang", language, "--json")
-    assert json.loads(out) == {"lessons": {lesson.name: lesson.text("title", language) for lesson in LESSONS.values()}}
+    assert json.loads(out) == {
+        "lessons": {lesson.name: lesson.in_language(language).title for lesson in LESSONS.values()}
+    }
 
 
 def test_program_plays_a_lesson_and_names_the_next(call, tmp_path):
@@ -353,17 +397,17 @@ def test_program_gives_a_lesson_as_json(call, tmp_path):
     code, out, _ = call("demo", "spiral", "--json", "--save", tmp_path, "--lang", "zh")
     assert code == 0
     found = json.loads(out)
-    assert found["said"] == {part: LESSONS["spiral"].text(part, "zh") for part in PARTS}
+    assert found["said"] == {part: LESSONS["spiral"].in_language("zh").text(part) for part in PARTS}
     [guess] = found["guesses"]
     assert (guess["choices"][guess["right"]], guess["measured"]) == ("约 17 s", "17.1 s")
-    assert found["printed"] == played("spiral").printed
-    assert Path(found["picture"]).read_bytes() == played("spiral").picture
+    assert found["printed"] == played("spiral", "zh").printed
+    assert Path(found["picture"]).read_bytes() == played("spiral", "zh").picture
     assert json.loads(call("demo", "spiral", "--json")[1])["picture"] is None
 
 
 def test_program_writes_notebooks_and_programs(call, tmp_path):
     assert call("demo", "chain", "-o", tmp_path / "a.ipynb", "--lang", "zh")[0] == 0
-    assert (tmp_path / "a.ipynb").read_text(encoding="utf-8") == make_notebook(LESSONS["chain"], "zh")
+    assert (tmp_path / "a.ipynb").read_text(encoding="utf-8") == make_notebook(LESSONS["chain"].in_language("zh"))
     assert call("demo", "chain", "-o", tmp_path / "a.py")[0] == 0
     assert (tmp_path / "a.py").read_bytes() == LESSONS["chain"].path.read_bytes()
 
@@ -409,7 +453,7 @@ def test_folder_that_cannot_be_written_is_reported_before_the_lesson(call, monke
     assert_says(Exception(err.strip()), "save is", str(tmp_path), "Permission denied")
 
 
-@pytest.mark.parametrize("arguments", [["--lang", "fr"], ["--save", __file__], ["--sav"], ["x"]])
+@pytest.mark.parametrize("arguments", [["--lang", "zh"], ["--save", __file__], ["--sav"], ["x"]])
 def test_bad_input_of_a_program_copied_out_is_one_line(tmp_path, arguments):
     copy = shutil.copy(LESSONS["spiral"].path, tmp_path / "copied.py")
     done = run_program(copy, *arguments)
@@ -562,9 +606,10 @@ def test_no_line_of_chinese_begins_with_a_stop_or_ends_with_an_opening_bracket()
 @every_language
 def test_terminal_text_fits_its_width(name, language, monkeypatch, capsys):
     monkeypatch.setenv("COLUMNS", "60")
-    output = Terminal(language=language)
-    for part in PARTS[:-1]:
-        output.say(name, part, LESSONS[name].text(part), LESSONS[name].guesses if part in ("predict", "answer") else ())
+    lesson = LESSONS[name].in_language(language)
+    with in_language(language):
+        for part in PARTS[:-1]:
+            Terminal().say(name, part, lesson.text(part), lesson.guesses if part in ("predict", "answer") else ())
     assert all(width(line) <= 60 for line in capsys.readouterr().out.splitlines())
 
 
@@ -578,8 +623,9 @@ def test_a_students_own_lesson_speaks_english_and_needs_no_catalogue(tmp_path, c
         encoding="utf-8",
     )
     lesson = LessonFile.read(own)
-    assert (lesson.name, lesson.title, lesson.text("question", "zh")) == ("own", "My own", "Why?")
-    play(lesson, Terminal(language="zh"))
+    chinese = lesson.in_language("zh")
+    assert (lesson.name, chinese.title, chinese.text("question")) == ("own", "My own", "Why?")
+    play(chinese, Terminal())
     out = capsys.readouterr().out
     assert "Why?" in out
     assert "42" in out
@@ -587,5 +633,5 @@ def test_a_students_own_lesson_speaks_english_and_needs_no_catalogue(tmp_path, c
 
 def test_unknown_language_is_refused():
     with pytest.raises(ParameterError) as caught:
-        Terminal(language="xx")
+        LESSONS["spiral"].in_language("xx")
     assert_says(caught.value, "language is 'xx'", "en, zh")

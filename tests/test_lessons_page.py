@@ -18,10 +18,15 @@ ALL = list(LESSONS.values())
 FILMS = [name for name, lesson in LESSONS.items() if '.file(".gif")' in lesson.source]
 
 
+def in_all_languages(name):
+    """The recordings of a lesson."""
+    return [played(name, each) for each in LANGUAGES]
+
+
 @pytest.fixture(scope="module")
 def address(tmp_path_factory):
     file = tmp_path_factory.mktemp("lessons") / "lessons.html"
-    file.write_text(make_page([played(name) for name in LESSONS]), encoding="utf-8", newline="\n")
+    file.write_text(make_page(list(map(in_all_languages, LESSONS))), encoding="utf-8", newline="\n")
     return file.as_uri()
 
 
@@ -72,15 +77,12 @@ def test_page_is_no_wider_than_the_window_and_requests_nothing(browser, address,
 def test_one_language_is_seen_at_a_time(seen, language):
     seen.page.click(f".languages button[value={language}]")
     seen.page.evaluate(UNFOLD)
-    # The code is as it is, and some of it is English.
-    code = "document.querySelectorAll('.code').forEach((code) => code.hidden = {})"
-    seen.page.evaluate(code.format("true"))
     text = "".join("".join(seen.page.locator("header, .text").all_inner_texts()).split())
-    seen.page.evaluate(code.format("false"))
-    for lesson in ALL:
+    for lesson in (lesson.in_language(each) for lesson in ALL for each in LANGUAGES):
         for part in PARTS:
-            for each in LANGUAGES:
-                assert (longest(lesson.text(part, each)) in text) == (each == language), (lesson.name, part, each)
+            assert (longest(lesson.text(part)) in text) == (lesson.language == language), (lesson.name, part)
+    for lesson in ALL:
+        assert "".join(played(lesson.name, language).printed.split()) in text
     assert seen.page.title() == seen.page.inner_text("h1")
 
 
@@ -114,7 +116,7 @@ def test_screen_readers_get_one_language(seen, language):
     heard = seen.page.evaluate(f"{images}.map((image) => image.alt)")
     # Behind a number stands a space at which no line ends.
     assert [alt.replace("\u00a0", " ") for alt in heard] == [
-        lesson.text("picture", language).replace("`", "") for lesson in ALL
+        lesson.in_language(language).text("picture").replace("`", "") for lesson in ALL
     ]
     assert seen.page.evaluate("[...document.querySelectorAll('.languages button')].map((button) => button.lang)") == [
         *LANGUAGES
@@ -137,7 +139,9 @@ def test_answers_and_pictures_are_folded_at_first(seen):
     assert not seen.page.get_by_text(LESSONS["spiral"].text("answer").split("`")[0][:40]).first.is_visible()
     seen.page.click("#spiral .run summary")
     assert seen.page.locator("#spiral figure").is_visible()
-    assert seen.page.locator("#spiral .printed").inner_text().strip() == played("spiral").printed.strip()
+    assert (
+        seen.page.locator("#spiral .printed >> visible=true").inner_text().strip() == played("spiral").printed.strip()
+    )
     seen.page.click("#spiral .answer summary")
     assert longest(LESSONS["spiral"].text("answer")) in "".join(seen.page.inner_text("#spiral .answer").split())
 
@@ -175,8 +179,8 @@ def test_paper_shows_everything_and_the_end_of_films(seen):
     seen.page.evaluate("dispatchEvent(new Event('beforeprint'))")
     assert seen.page.locator(".answer p").first.is_visible()
     for name in FILMS:
-        assert seen.page.locator(f"#{name} .last-frame").is_visible()
-        assert not seen.page.locator(f"#{name} .film").is_visible()
+        assert seen.page.locator(f"#{name} .last-frame >> visible=true").count() == 1
+        assert seen.page.locator(f"#{name} .film >> visible=true").count() == 0
     seen.page.evaluate("dispatchEvent(new Event('afterprint'))")
     assert seen.page.evaluate("document.querySelectorAll('details[open]').length") == 0
 
@@ -186,8 +190,9 @@ def test_paper_shows_everything_and_the_end_of_films(seen):
 def test_without_script_films_and_text_are_there_all_the_same(browser, address):
     with opened(browser, address, java_script_enabled=False) as seen:
         seen.page.click(f"#{FILMS[0]} .run summary")
-        assert seen.page.locator(f"#{FILMS[0]} .film").is_visible()
-        assert seen.page.locator(f"#{FILMS[0]} .film").get_attribute("src").startswith("data:image/gif;base64,")
+        film = seen.page.locator(f"#{FILMS[0]} .film >> visible=true")
+        assert film.count() == 1
+        assert film.get_attribute("src").startswith("data:image/gif;base64,")
         assert not seen.page.locator(".languages").is_visible()
 
 
@@ -198,18 +203,21 @@ def test_programs_and_notebooks_can_be_taken_from_the_page(seen):
         links = seen.page.locator(f"#{lesson.name} .files a")
         files = dict(links.evaluate_all("(all) => all.map((a) => [a.download + '|' + (a.lang || ''), a.href])"))
         content = {name: base64.b64decode(href.split(",", 1)[1]).decode() for name, href in files.items()}
-        assert content.pop(f"{lesson.path.name}|") == lesson.source
-        assert content == {f"{lesson.name}.ipynb|{each}": make_notebook(lesson, each) for each in LANGUAGES}
+        expected = {}
+        for each in map(lesson.in_language, LANGUAGES):
+            expected[f"{each.path.name}|{each.language}"] = each.source
+            expected[f"{each.name}.ipynb|{each.language}"] = make_notebook(each)
+        assert content == expected
 
 
 @pytest.mark.thorough
 @needs_browser
 def test_page_shows_the_code_as_it_stands(browser, address):
     with opened(browser, address) as seen:
-        assert not any(seen.page.locator(f"#{lesson.name} .code pre").is_visible() for lesson in ALL)
+        assert seen.page.locator(".code pre >> visible=true").count() == 0
         seen.page.evaluate(UNFOLD)
         for lesson in ALL:
-            assert seen.page.locator(f"#{lesson.name} .code pre").inner_text().strip() == lesson.code
+            assert seen.page.locator(f"#{lesson.name} .code pre >> visible=true").inner_text().strip() == lesson.code
 
 
 @pytest.mark.thorough
@@ -246,13 +254,13 @@ def test_sheets_for_the_class_have_no_answers_and_those_for_the_teacher_do(seen,
     )
     seen.page.evaluate(f"document.querySelector('{'#grid' if one else 'header'} .sheets [value={kind}]').click()")
     paper = "".join(seen.page.evaluate("window.paper").split())
-    for lesson in ALL:
+    for lesson in (each.in_language(language) for each in ALL):
         printed = not one or lesson.name == "grid"
-        result, *_ = lesson.guesses_in(language)
-        assert (longest(lesson.text("question", language)) in paper) == (printed and kind == "class")
+        result, *_ = lesson.guesses
+        assert (longest(lesson.text("question")) in paper) == (printed and kind == "class")
         assert (longest(lesson.code[:200]) in paper) == (printed and kind == "class")
         for part in ("picture", "answer", "check", "change"):
-            assert (longest(lesson.text(part, language)) in paper) == (printed and kind == "teacher")
+            assert (longest(lesson.text(part)) in paper) == (printed and kind == "teacher")
         assert (longest(result.result()) in paper) == (printed and kind == "teacher")
         assert (longest(notes(language).lessons[lesson.name].needs) in paper) == (printed and kind == "teacher")
     assert longest(notes(language).references["pymunk"]) not in paper
@@ -290,7 +298,7 @@ def test_figures_are_in_the_language_of_the_page(seen, language):
     picture = seen.page.locator("#spiral figure img >> visible=true")
     assert picture.count() == 1
     found = base64.b64decode(picture.get_attribute("src").partition(",")[2])
-    assert found == played("spiral").pictures[language]
+    assert found == played("spiral", language).picture
 
 
 def test_film_at_the_top_of_the_page_is_small_and_the_same_every_time():
@@ -306,7 +314,9 @@ def test_page_is_written_with_progress_and_the_same_every_time(tmp_path):
         [LESSONS["spiral"], LESSONS["chain"]], tmp_path / "two.html", progress=lambda *steps: told.append(steps)
     )
     assert told == [(1, 2), (2, 2)]
-    assert (tmp_path / "two.html").read_text(encoding="utf-8") == make_page([played("spiral"), played("chain")])
+    assert (tmp_path / "two.html").read_text(encoding="utf-8") == make_page(
+        [*map(in_all_languages, ("spiral", "chain"))]
+    )
 
 
 def test_interrupted_page_leaves_the_old_one(tmp_path, monkeypatch):

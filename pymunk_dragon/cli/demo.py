@@ -7,7 +7,7 @@ from dataclasses import asdict
 import click
 
 from pymunk_dragon._extras import library
-from pymunk_dragon._language import in_language, language, text
+from pymunk_dragon._language import language, text
 from pymunk_dragon.cli.command import DragonCommand
 from pymunk_dragon.cli.completion import named
 from pymunk_dragon.cli.options import destination_of, json_option, output_option
@@ -23,7 +23,7 @@ def _lessons() -> dict[str, str]:
     """Names of the lessons, with their titles, and the words that stand for several."""
     from pymunk_dragon.lessons import LESSONS
 
-    titles = {lesson.name: lesson.text("title", language()) for lesson in LESSONS.values()}
+    titles = {lesson.name: lesson.in_language(language()).title for lesson in LESSONS.values()}
     return titles | {ALL: text("all lessons"), LIST: text("their names and titles")}
 
 
@@ -40,7 +40,7 @@ def demo(name: str | None, save: str | None, pause: bool, as_json: bool, output:
     try.
     """
     from pymunk_dragon.lessons import LESSONS, Terminal, play, record, write_lessons
-    from pymunk_dragon.lessons._framework import PARTS, endings
+    from pymunk_dragon.lessons._framework import PARTS, check_output, endings
 
     name = _lesson_of(name, list(LESSONS))
     lessons = list(LESSONS.values()) if name in (None, ALL) else [LESSONS[name]]
@@ -50,8 +50,7 @@ def demo(name: str | None, save: str | None, pause: bool, as_json: bool, output:
     lang = language()
     if destination is not None:
         now = text("lesson {done} of {total}")
-        # The programs of lessons are English, with English output and pictures. Their texts are in the language.
-        with progress("lessons") as show, in_language("en"):
+        with progress("lessons") as show:
             write_lessons(
                 lessons,
                 destination,
@@ -62,23 +61,23 @@ def demo(name: str | None, save: str | None, pause: bool, as_json: bool, output:
         if as_json:
             print_json({"output": str(destination), "bytes": destination.stat().st_size})
     elif name is None:
-        _list({lesson.name: lesson.text("title", lang) for lesson in lessons}, as_json)
+        _list({lesson.name: lesson.in_language(lang).title for lesson in lessons}, as_json)
     elif as_json:
         if name == ALL:
             raise click.UsageError("--json is for one lesson: give its name")
-        with in_language("en"):
-            recording = record(LESSONS[name], save)
-        said = {part: LESSONS[name].text(part, lang) for part in PARTS}
-        guesses = [asdict(guess) for guess in LESSONS[name].guesses_in(lang)]
+        lesson = LESSONS[name].in_language(lang)
+        recording = record(lesson, save)
+        said = {part: lesson.text(part) for part in PARTS}
+        guesses = [asdict(guess) for guess in lesson.guesses]
         result = {"lesson": name, "said": said, "guesses": guesses, "printed": recording.printed}
         print_json(result | {"picture": str(recording.file) if save else None})
     else:
         for each in lessons:
             for needed in each.libraries:
                 library(needed)
-        with in_language("en"):
-            for each in lessons:
-                play(each, Terminal(save, lang, pause))
+        check_output(lang)
+        for each in lessons:
+            play(each.in_language(lang), Terminal(save, pause))
 
 
 def _lesson_of(name: str | None, known: list[str]) -> str | None:

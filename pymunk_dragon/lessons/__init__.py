@@ -20,8 +20,11 @@ $ pymunk-dragon demo near-miss -o near-miss.ipynb
 A new lesson is one file in this folder, in the form of the others: `Lesson` with a name, a title and an order, a
 question, a prediction with guesses, code that shows one picture, what the picture shows, an answer with the results of
 the guesses, a check and a change. `order` sorts the lessons; a value between those of two others puts it there. Its
-Chinese texts go to `_framework/zh.toml`, notes for teachers to `_framework/notes.en.toml` and `notes.zh.toml`. Formulas
-are LaTeX between dollar signs.
+Chinese texts go to `_framework/zh.toml`, with the Chinese of the strings and comments in its program, and notes for
+teachers to `_framework/notes.en.toml` and `notes.zh.toml`. Formulas are LaTeX between dollar signs.
+
+`LessonFile.in_language` gives a lesson in another language. Its program, what it prints and its picture are then in that
+language.
 """
 
 from collections.abc import Mapping

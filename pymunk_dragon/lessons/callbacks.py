@@ -53,7 +53,7 @@ for step in range(80):
     space.step(0.02)
     if 30 <= step < 70:
         frames.append(Image.new("RGB", (400, 380), "white"))
-        ImageDraw.Draw(frames[-1]).text((90, 210), "\n".join(calls), "black", font_size=14)
+        ImageDraw.Draw(frames[-1]).text((90, 210), "\n".join(calls), "black", lesson.font(14))
         options = PillowDrawOptions(frames[-1], positive_y_is_up=True, line_width=2)
         options.fit(pymunk.BB(-2.0, -2.5, 2.6, 1.9))
         space.debug_draw(options)

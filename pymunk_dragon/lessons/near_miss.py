@@ -50,7 +50,7 @@ for name, (x, y) in zip("CAB", (march.dragon.outlines(state.poses)[0, 0, 3], *st
     print(f"{name} ({x:.6f}, {y:.6f}) m")
 
 film = lesson.file(".gif")
-render(careful, film, camera=Camera(follow="head", span=5), start=406, speedup=1, fps=8, size=360, hold=2)
+render(careful, film, camera=Camera(follow="head", span=5), start=406, speedup=1.5, size=290)
 lesson.show(film)
 
 lesson.picture("The head slips past benches 9 and 11 and meets bench 8; the gap is written below.")

@@ -33,7 +33,7 @@ march = March(arm, Sampled(np.array(points)), speed=0.2)
 # As for the dragon: does it run into itself, exactly and in Pymunk, ...
 hit = first_contact(march)
 run = simulate(march, frame_interval=0.1)
-print(f"exact    t = {hit.time:.4f} s   {hit.status}   links {hit.benches}")
+print(f"exact    t = {hit.time:.4f} s   " + (f"contact   links {hit.benches}" if hit.benches else "clear"))
 touch = run.first_contact
 print(f"engine   t = {run.times[-1]:.4f} s   " + (f"contact   links {touch.benches}" if touch else "clear"))
 
@@ -47,7 +47,7 @@ for time in (states.times[now] - 0.1, states.times[now] + 0.1):  # where the slo
     print(f"         joint {joint:2d}   t = {time:.1f} s   at ({x:.4f}, {y:.4f}) m")
 
 film = lesson.file(".gif")
-render(run, film, speedup=1, fps=10, size=(540, 300), hold=2)
+render(run, film, speedup=1, size=(540, 300))
 lesson.show(film)
 
 lesson.picture("The arm's 16 links follow the tip along a curve that was drawn by hand, until it runs into link 13.")

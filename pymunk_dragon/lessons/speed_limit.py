@@ -24,7 +24,7 @@ print(f"{found.limit:g} m/s / {found.ratio:.10f} = {found.speed:.10f} m/s  head'
 print(f"t = {found.time:.4f} s  handles {found.handles} at {found.limit:g} m/s")
 march = March(found.dragon, found.curve, speed=found.speed)
 
-# At that moment: the angles between a bench and the ways that its front and its rear handle go.
+# At that moment: the angles from a bench to the velocities of its front and rear handles.
 state, product = march.at(found.time), 1.0
 for i in range(found.handle):
     bench = state.positions[0, i] - state.positions[0, i + 1]

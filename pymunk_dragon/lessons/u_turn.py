@@ -31,7 +31,7 @@ marches = [March(curve=UTurn(ratio=ratio)) for ratio in (contest, rival)]
 headings = (f"radii {contest:g} to 1", f"radii {rival:g} to 1")
 film = lesson.file(".gif")
 camera = Camera(span=11.5)
-render(marches, film, start=-4, until=24, speedup=4, fps=10, size=(250, 275), camera=camera, headings=headings, hold=2)
+render(marches, film, start=-4, until=24, speedup=5, size=(220, 242), camera=camera, headings=headings)
 lesson.show(film)
 
 lesson.picture("Two dragons take different ways round, and leave side by side.")

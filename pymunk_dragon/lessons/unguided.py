@@ -33,7 +33,7 @@ for name, run in [("with   ", guided), ("without", alone)]:
         print(f"{name} {what}" + "".join(f"{np.hypot(*far[bench]):8.3f}" for bench in some) + " m")
 
 film = lesson.file(".gif")
-render([guided, alone], film, headings=("with dancers", "without dancers"), speedup=2, fps=8, size=(330, 370), hold=2)
+render([guided, alone], film, headings=("with dancers", "without dancers"), speedup=3, size=(260, 290))
 lesson.show(film)
 
 lesson.picture("On the left dancers keep every bench on the spiral; on the right only the head pulls.")

@@ -8,10 +8,11 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from PIL import ImageFont
+
 from pymunk_dragon._extras import optional_imports
 from pymunk_dragon._files import written_in_place
-from pymunk_dragon._language import in_language
-from pymunk_dragon.lessons._framework.figure_texts import translate
+from pymunk_dragon._language import font, in_language
 from pymunk_dragon.lessons._framework.guess import Guess
 from pymunk_dragon.lessons._framework.notebook import NotebookOutput
 from pymunk_dragon.lessons._framework.play import current_output
@@ -27,7 +28,7 @@ FIGURE_SIZE = (5.2, 3.7)
 class Lesson:
     """A lesson that is running: its file calls a method for each text, and runs its code between them.
 
-    Run as a program, ``python near_miss.py --save pictures --lang zh``, it prints to the terminal. In a notebook it
+    Run as a program, ``python near_miss.py --save pictures``, it prints to the terminal. In a notebook it
     shows its picture.
 
     Parameters
@@ -35,7 +36,9 @@ class Lesson:
     name : str
         Name of the lesson on the command line and in the files of translations.
     title : str
-        Title in English.
+        Title.
+    language : str, optional
+        One of `LANGUAGES`, that of the texts; "en" in a file of the package.
     order : float, optional
         The lessons of the package are listed by increasing order; steps of ten leave room for more. It has no effect
         while the lesson runs.
@@ -62,16 +65,18 @@ class Lesson:
     >>> lesson.change("Make it four times as long.")  # doctest: +SKIP
     """
 
-    def __init__(self, name: str, title: str, *, order: float | None = None, live: str | None = None) -> None:
+    def __init__(
+        self, name: str, title: str, *, language: str = "en", order: float | None = None, live: str | None = None
+    ) -> None:
         self.name = name
         self.order = order
         self.live = live
-        default = NotebookOutput if "ipykernel" in sys.modules else Terminal.of_program
-        self._style = ExitStack()
-        self._output = current_output.get() or default()
-        if current_output.get() is None:
-            # `play` does so for the others.
-            self._style.enter_context(in_language(self._output.languages[0]))
+        self._style, self._language = ExitStack(), ExitStack()
+        played = current_output.get()
+        if played is None:
+            # Until the program ends; `play` does so for the others.
+            self._language.enter_context(in_language(language))
+        self._output = played or (NotebookOutput() if "ipykernel" in sys.modules else Terminal.of_program())
         self._guesses: tuple[Guess, ...] = ()
         self._output.say(name, "title", title)
 
@@ -111,6 +116,17 @@ class Lesson:
         """File for the lesson's picture or film: the name of the lesson with an ending, as ".gif"."""
         return self._output.folder() / f"{self.name}{ending}"
 
+    def font(self, size: float) -> Any:
+        """A font of Pillow, `size` pixels high, with the characters of the lesson's language.
+
+        Raises
+        ------
+        MissingExtraError
+            If the language needs one that is not installed.
+        """
+        face = font()
+        return ImageFont.load_default(size) if face is None else ImageFont.truetype(face, size)
+
     def subplots(
         self,
         rows: int = 1,
@@ -146,9 +162,7 @@ class Lesson:
         """
         from pymunk_dragon.drawing.figures.style import chart, styled
 
-        # `translate` sets the font of another language.
-        with in_language("en"):
-            self._style.enter_context(styled())
+        self._style.enter_context(styled())
         with optional_imports():
             import matplotlib
         # The font has no minus sign for powers of ten, which a student's axes may have.
@@ -169,16 +183,8 @@ class Lesson:
         """Show the picture of the lesson: a film written to `file`, or a figure."""
         # The style of `subplots` also applies to a film of a figure. It ends here: what is drawn next has its own.
         with self._style:
-            if isinstance(picture, Path):
-                self._output.show(self.name, picture)
-                return
-            if self._output.languages[0] != "en":
-                # The layout depends on what was drawn before: the same here as after a picture in English.
-                picture.draw_without_rendering()
-            for number, language in enumerate(self._output.languages):
-                path = self.file(f".{language}.png" if number else ".png")
-                with in_language(language):
-                    translate(picture)
-                    with written_in_place(path) as draft:
-                        picture.savefig(draft)
-                    self._output.show(self.name, path)
+            if not isinstance(picture, Path):
+                figure, picture = picture, self.file(".png")
+                with written_in_place(picture) as draft:
+                    figure.savefig(draft)
+            self._output.show(self.name, picture)

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import ast
+import json
+import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
 from types import MappingProxyType
 
 from pymunk_dragon.lessons._framework.guess import Guess
-from pymunk_dragon.lessons._framework.translations import translated, translated_guesses
+from pymunk_dragon.lessons._framework.translations import check_language, translations
 
 FOLDER = Path(__file__).parent.parent
 # Methods of `Lesson` whose first argument is a text that ends a block of code.
@@ -49,7 +51,7 @@ class LessonFile:
     >>> lesson = LESSONS["near-miss"]
     >>> lesson.path.name, lesson.order
     ('near_miss.py', 60)
-    >>> lesson.text("title"), lesson.text("title", "zh")
+    >>> lesson.text("title"), lesson.in_language("zh").text("title")
     ('A hit or a near miss?', '碰上了，还是擦肩而过？')
     >>> print(lesson.code.splitlines()[0])
     import numpy as np
@@ -62,6 +64,7 @@ class LessonFile:
     live: str
     blocks: tuple[tuple[str, str], ...]
     guesses: tuple[Guess, ...]
+    language: str = "en"
 
     @classmethod
     def read(cls, path: Path) -> LessonFile:
@@ -102,8 +105,21 @@ class LessonFile:
 
     @property
     def source(self) -> str:
-        """The whole file."""
-        return self.path.read_text(encoding="utf-8")
+        """The whole program; in English the file."""
+        if self.language == "en":
+            return self.path.read_text(encoding="utf-8")
+        parts = [text if kind == CODE else self._call(kind, text) for kind, text in self.blocks]
+        return "\n\n".join([f'"""{self.title}"""', *parts]) + "\n"
+
+    def _call(self, part: str, text: str) -> str:
+        """The call of a method of `Lesson` with a text."""
+        tuples: list[tuple[str, ...]] = []
+        if part == "predict":
+            tuples = [(guess.question, *guess.choices) for guess in self.guesses]
+        elif part == "answer":
+            tuples = [(guess.choices[guess.right], guess.measured) for guess in self.guesses]
+        more = [f"({', '.join(map(_literal, texts))})" for texts in tuples]
+        return "\n".join([f"lesson.{part}(", *(f"    {each}," for each in (_literal(text), *more)), ")"])
 
     @property
     def code(self) -> str:
@@ -115,14 +131,52 @@ class LessonFile:
         """Libraries of extras without which the lesson cannot run."""
         return [library for word, library in NEEDED.items() if word in self.code]
 
-    def text(self, part: str, language: str = "en") -> str:
-        """One of `PARTS` in `language`, or in English if there is no translation."""
-        english = dict(self.blocks) | {"title": self.title}
-        return translated(self.name, part, language, english[part])
+    def text(self, part: str) -> str:
+        """One of `PARTS`."""
+        return {"title": self.title, **dict(self.blocks)}[part]
 
-    def guesses_in(self, language: str) -> tuple[Guess, ...]:
-        """The guesses in `language`, or in English if there is no translation."""
-        return translated_guesses(self.name, language, self.guesses)
+    def in_language(self, language: str) -> LessonFile:
+        """The lesson in another language, if it is in English; what has no translation stays English.
+
+        Raises
+        ------
+        ParameterError
+            If the language is unknown.
+        """
+        if check_language(language) == self.language:
+            return self
+        found = translations(self.name, language)
+        title = found.get("title", self.title)
+        fragments = dict(found.get("program", ()))
+        fragments[_literal(self.title)] = f"{_literal(title)}, language={_literal(language)}"
+        return replace(
+            self,
+            language=language,
+            title=title,
+            blocks=tuple(
+                (kind, _replaced(text, fragments) if kind == CODE else found.get(kind, text))
+                for kind, text in self.blocks
+            ),
+            guesses=tuple(
+                replace(guess, question=question, choices=tuple(choices), measured=measured)
+                for guess, (question, *choices), measured in zip(
+                    self.guesses, found["guesses"], found["measured"], strict=True
+                )
+            )
+            if "guesses" in found
+            else self.guesses,
+        )
+
+
+def _literal(text: str) -> str:
+    """`text` as Python source."""
+    return json.dumps(text, ensure_ascii=False)
+
+
+def _replaced(code: str, fragments: Mapping[str, str]) -> str:
+    """`code` with fragments replaced, each of which may contain others."""
+    longest_first = sorted(fragments, key=len, reverse=True)
+    return re.sub("|".join(map(re.escape, longest_first)), lambda found: fragments[found[0]], code)
 
 
 def _one_line(text: str) -> str:

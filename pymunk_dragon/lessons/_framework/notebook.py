@@ -18,7 +18,7 @@ MARKDOWN = "markdown"
 END_OF_CELL = re.compile(r"\n{2,}(?=# )")
 # First code cell, for services on which nothing is installed.
 INSTALL = """\
-# Installs what this lesson needs, unless it is installed.
+# {comment}
 from importlib.util import find_spec
 
 if not all(map(find_spec, {libraries})):
@@ -26,15 +26,13 @@ if not all(map(find_spec, {libraries})):
 """
 
 
-def make_notebook(lesson: LessonFile, language: str = "en") -> str:
+def make_notebook(lesson: LessonFile) -> str:
     """A lesson as the JSON text of a notebook.
 
     Parameters
     ----------
     lesson : LessonFile
         The lesson, which is not run.
-    language : str
-        One of `LANGUAGES`, that of the texts.
 
     Returns
     -------
@@ -58,7 +56,7 @@ def make_notebook(lesson: LessonFile, language: str = "en") -> str:
         import nbformat
         from nbformat import v4
     cells = []
-    for number, (kind, text) in enumerate(_cells(lesson, language)):
+    for number, (kind, text) in enumerate(_cells(lesson)):
         name = f"{lesson.name}-{number}"
         cells.append(v4.new_code_cell(text, id=name) if kind == CODE else v4.new_markdown_cell(text, id=name))
     metadata = {
@@ -70,21 +68,21 @@ def make_notebook(lesson: LessonFile, language: str = "en") -> str:
     return f"{nbformat.writes(made)}\n"
 
 
-def _cells(lesson: LessonFile, language: str) -> Iterator[tuple[str, str]]:
+def _cells(lesson: LessonFile) -> Iterator[tuple[str, str]]:
     """Kind and text of each cell."""
+    language = lesson.language
 
     def section(part: str) -> str:
-        return f"**{heading(part, language)}**\n\n{_escaped(lesson.text(part, language))}"
+        return f"**{heading(part, language)}**\n\n{_escaped(lesson.text(part))}"
 
-    guesses = lesson.guesses_in(language)
-    choices = ["\n".join([f"{_escaped(guess.question)}\n", *_items(guess.lettered())]) for guess in guesses]
-    title = f"# {_escaped(lesson.text('title', language))}"
+    choices = ["\n".join([f"{_escaped(guess.question)}\n", *_items(guess.lettered())]) for guess in lesson.guesses]
+    title = f"# {_escaped(lesson.text('title'))}"
     yield MARKDOWN, "\n\n".join([title, section("question"), section("predict"), *choices])
-    yield CODE, INSTALL.format(libraries=["pymunk_dragon", *lesson.libraries])
+    yield CODE, INSTALL.format(comment=heading("install", language), libraries=["pymunk_dragon", *lesson.libraries])
     for kind, text in lesson.blocks:
         if kind == CODE:
             yield from ((CODE, cell) for cell in END_OF_CELL.split(text))
-    results = "\n".join(_items([f"{guess.question} {guess.result()}" for guess in guesses]))
+    results = "\n".join(_items([f"{guess.question} {guess.result()}" for guess in lesson.guesses]))
     answer = "\n\n".join([section("picture"), section("answer"), results, section("check"), section("change")])
     yield MARKDOWN, f"<details><summary>{heading('answer', language)}</summary>\n\n{answer}\n\n</details>"
     if lesson.live:

@@ -14,6 +14,7 @@ from pymunk_dragon._html import asset, data_address, filled, policy
 from pymunk_dragon.drawing import Film, write_film
 from pymunk_dragon.drawing.film.stills import last_frame, picture_size
 from pymunk_dragon.lessons._framework.guess import Guess
+from pymunk_dragon.lessons._framework.lesson_file import LessonFile
 from pymunk_dragon.lessons._framework.markup import in_mathml, pieces, unbroken
 from pymunk_dragon.lessons._framework.notebook import make_notebook
 from pymunk_dragon.lessons._framework.notes import notes
@@ -39,13 +40,13 @@ def check_libraries() -> None:
         library(name)
 
 
-def make_page(recordings: Sequence[Recording], language: str = "en") -> str:
+def make_page(recordings: Sequence[Sequence[Recording]], language: str = "en") -> str:
     """Lessons that were run as the text of one HTML page in all languages.
 
     Parameters
     ----------
-    recordings : sequence of Recording
-        The lessons with their printed lines and pictures.
+    recordings : sequence of sequences of Recording
+        For each lesson its printed lines and picture, first in English, and then in other languages.
     language : str
         The language in which the page opens.
 
@@ -62,7 +63,7 @@ def make_page(recordings: Sequence[Recording], language: str = "en") -> str:
     Examples
     --------
     >>> from pymunk_dragon.lessons import LESSONS, record
-    >>> text = make_page([record(LESSONS["spiral"])], "zh")  # doctest: +SKIP
+    >>> text = make_page([[record(LESSONS["spiral"])]], "zh")  # doctest: +SKIP
     """
     style, script = asset(__package__, "assets/lessons.css"), asset(__package__, "assets/lessons.js")
     return filled(
@@ -86,27 +87,31 @@ def make_page(recordings: Sequence[Recording], language: str = "en") -> str:
     )
 
 
-def _values(recording: Recording) -> dict[str, Any]:
+def _values(recordings: Sequence[Recording]) -> dict[str, Any]:
     """Values of a lesson in the template."""
-    lesson = recording.lesson
+    english = recordings[0].lesson
+    lessons = {each: english.in_language(each) for each in LANGUAGES}
+    run = {recording.lesson.language: recording for recording in recordings}
     return {
-        "name": lesson.name,
-        "live": lesson.live,
-        "texts": {part: {each: _pieces(lesson.text(part, each)) for each in LANGUAGES} for part in PARTS},
+        "name": english.name,
+        "live": english.live,
+        "texts": {part: {each: _pieces(lesson.text(part)) for each, lesson in lessons.items()} for part in PARTS},
         "guesses": [
             _guess(dict(zip(LANGUAGES, versions, strict=True)))
-            for versions in zip(*map(lesson.guesses_in, LANGUAGES), strict=True)
+            for versions in zip(*(lesson.guesses for lesson in lessons.values()), strict=True)
         ],
-        "teacher": _teachers_notes(lesson.name),
-        "printed": recording.printed.strip("\n"),
-        "films": {each: _film(picture, recording.file.suffix) for each, picture in recording.pictures.items()},
-        "code": _highlighted(lesson.code),
-        "program": {"file": lesson.path.name, "data": _address(lesson.source.encode(), ".py")},
-        "notebooks": {
-            each: {"file": f"{lesson.name}.ipynb", "data": _address(make_notebook(lesson, each).encode(), ".ipynb")}
-            for each in LANGUAGES
-        },
+        "teacher": _teachers_notes(english.name),
+        "printed": {each: recording.printed.strip("\n") for each, recording in run.items()},
+        "films": {each: _film(recording.picture, recording.file.suffix) for each, recording in run.items()},
+        "code": {each: _highlighted(recording.lesson.code) for each, recording in run.items()},
+        "files": {each: _files(lesson) for each, lesson in lessons.items()},
     }
+
+
+def _files(lesson: LessonFile) -> dict[str, str]:
+    """Names and addresses of the files of a lesson: its program, and its notebook."""
+    program, notebook = lesson.source.encode(), make_notebook(lesson).encode()
+    return {lesson.path.name: _address(program, ".py"), f"{lesson.name}.ipynb": _address(notebook, ".ipynb")}
 
 
 def _guess(versions: Mapping[str, Guess]) -> dict[str, Any]:

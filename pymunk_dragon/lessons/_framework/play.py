@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import io
-import runpy
 import tempfile
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Sequence
 from contextlib import ExitStack, redirect_stdout
 from contextvars import ContextVar
 from dataclasses import dataclass
 from pathlib import Path
 
 from pymunk_dragon._extras import optional_imports
-from pymunk_dragon._language import LANGUAGES, in_language, language
+from pymunk_dragon._language import font, in_language
 from pymunk_dragon.errors import DragonError, ParameterError
-from pymunk_dragon.lessons._framework.figure_texts import has_font
 from pymunk_dragon.lessons._framework.guess import Guess
 from pymunk_dragon.lessons._framework.lesson_file import LessonFile
 
@@ -22,28 +20,20 @@ MEDIA_TYPES = {".gif": "image/gif", ".png": "image/png", ".py": "text/x-python",
 
 
 class Output:
-    """Receives the texts and the picture of a lesson while its file runs. The methods of this base class do nothing.
-
-    Attributes
-    ----------
-    languages : tuple of str
-        Languages of the picture: a figure is drawn in each of them, a film in the first.
-    """
-
-    languages: tuple[str, ...] = ("en",)
+    """Receives the texts and the picture of a lesson while its program runs. The methods of this class do nothing."""
 
     def folder(self) -> Path:
         """Folder in which the lesson writes its picture; by default the current one."""
         return Path()
 
-    def say(self, lesson: str, part: str, english: str, guesses: Sequence[Guess] = ()) -> None:
+    def say(self, lesson: str, part: str, text: str, guesses: Sequence[Guess] = ()) -> None:
         """Take a text of the lesson named `lesson`; `part` is "title", "question", ...
 
         A prediction has guesses, and an answer has them with their results.
         """
 
     def show(self, lesson: str, picture: Path) -> None:
-        """Take the file of the picture; that of a figure in a second language has it in its name, as spiral.zh.png."""
+        """Take the file of the picture."""
 
 
 # Output of the lesson that `play` runs in this context; None for a lesson that is run as a program of its own.
@@ -51,17 +41,20 @@ current_output: ContextVar[Output | None] = ContextVar("current_output", default
 
 
 def play(lesson: LessonFile, output: Output) -> None:
-    """Run the file of a lesson, with its texts and its picture given to `output`.
+    """Run the program of a lesson in its language, with its texts and its picture given to `output`.
 
     Raises
     ------
     MissingExtraError
-        If a library that the lesson uses is not installed.
+        If a library that the lesson uses, or the font of its language, is not installed.
     """
     token = current_output.set(output)
     try:
-        with optional_imports(), in_language(output.languages[0]):
-            runpy.run_path(str(lesson.path), run_name="__main__")
+        with optional_imports(), in_language(lesson.language):
+            font()
+            exec(
+                compile(lesson.source, str(lesson.path), "exec"), {"__name__": "__main__", "__file__": str(lesson.path)}
+            )
     finally:
         current_output.reset(token)
 
@@ -76,21 +69,16 @@ class Recording:
         The lesson.
     printed : str
         What its code printed, without its texts.
-    pictures : mapping of str to bytes
-        Content of the file of its picture or film in English, and of a figure in other languages.
+    picture : bytes
+        Content of the file of its picture or film.
     file : Path
-        That file in English, which `record` removes unless it is given a folder.
+        That file, which `record` removes unless it is given a folder.
     """
 
     lesson: LessonFile
     printed: str
-    pictures: Mapping[str, bytes]
+    picture: bytes
     file: Path
-
-    @property
-    def picture(self) -> bytes:
-        """The picture or film in English."""
-        return self.pictures["en"]
 
 
 def record(lesson: LessonFile, save: str | Path | None = None) -> Recording:
@@ -101,7 +89,7 @@ def record(lesson: LessonFile, save: str | Path | None = None) -> Recording:
     lesson : LessonFile
         The lesson.
     save : path, optional
-        Folder for the picture in English, made if it does not exist. By default the picture's file is removed.
+        Folder for the picture, made if it does not exist. By default the picture's file is removed.
 
     Returns
     -------
@@ -125,32 +113,29 @@ def record(lesson: LessonFile, save: str | Path | None = None) -> Recording:
     't =   0 s  r = 8.800 m  walking 1.0000 m/s  turning 0.1136 rad/s, a round in 55.3 s'
     """
     printed = io.StringIO()
-    kept = save is not None
     with ExitStack() as stack:
         if save is None:
             save = stack.enter_context(tempfile.TemporaryDirectory(prefix="pymunk-dragon-"))
-        recorder = _Recorder(make_folder(save), ("en",) if kept else LANGUAGES)
+        recorder = _Recorder(make_folder(save))
         with redirect_stdout(printed):
             play(lesson, recorder)
-        if "en" not in recorder.files:
+        if recorder.file is None:
             raise DragonError(f"the lesson {lesson.name!r} shows no picture")
-        pictures = {each: file.read_bytes() for each, file in recorder.files.items()}
-        return Recording(lesson, printed.getvalue(), pictures, recorder.files["en"])
+        return Recording(lesson, printed.getvalue(), recorder.file.read_bytes(), recorder.file)
 
 
 class _Recorder(Output):
-    """Output that keeps the pictures; the texts are known from the lesson's file."""
+    """Output that keeps the picture; the texts are known from the lesson's file."""
 
-    def __init__(self, folder: Path, languages: Iterable[str]) -> None:
-        self.languages = tuple(filter(has_font, languages))
-        self.files: dict[str, Path] = {}
+    def __init__(self, folder: Path) -> None:
+        self.file: Path | None = None
         self._folder = folder
 
     def folder(self) -> Path:
         return self._folder
 
     def show(self, lesson: str, picture: Path) -> None:
-        self.files[language()] = picture
+        self.file = picture
 
 
 def make_folder(path: str | Path) -> Path:

@@ -14,20 +14,14 @@ from contextlib import suppress
 from pathlib import Path
 from typing import NoReturn
 
+from pymunk_dragon._language import language
 from pymunk_dragon._text import width
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.lessons._framework.figure_texts import has_font
 from pymunk_dragon.lessons._framework.guess import Guess
 from pymunk_dragon.lessons._framework.lesson_file import live_scene, next_lesson
 from pymunk_dragon.lessons._framework.markup import NO_BREAK, plain, unbroken
 from pymunk_dragon.lessons._framework.play import Output, make_folder
-from pymunk_dragon.lessons._framework.translations import (
-    LANGUAGES,
-    check_language,
-    heading,
-    translated,
-    translated_guesses,
-)
+from pymunk_dragon.lessons._framework.translations import heading
 
 # Columns of text also in a wider terminal: longer lines are hard to read.
 MAX_COLUMNS = 88
@@ -46,28 +40,24 @@ class Terminal(Output):
     ----------
     save : path, optional
         Folder for the picture, made if it does not exist; by default a new one for temporary files.
-    language : str
-        One of `LANGUAGES`.
     pause : bool
         Whether to wait for Enter after the prediction.
 
     Raises
     ------
     ParameterError
-        If the language is unknown, stdout cannot encode it, or the folder cannot be made.
+        If the folder cannot be made.
 
     Examples
     --------
     >>> from pymunk_dragon.lessons import LESSONS, Terminal, play
-    >>> play(LESSONS["spiral"], Terminal(save="pictures", language="zh"))  # doctest: +SKIP
+    >>> play(LESSONS["spiral"].in_language("zh"), Terminal(save="pictures"))  # doctest: +SKIP
     """
 
-    def __init__(self, save: str | Path | None = None, language: str = "en", pause: bool = False) -> None:
-        self._save, self._language, self._pause = save, check_language(language), pause
-        self.languages = (language if has_font(language) else "en",)
-        # Now, because `play` replaces sys.argv[0] by the lesson's file.
+    def __init__(self, save: str | Path | None = None, pause: bool = False) -> None:
+        self._save, self._pause = save, pause
+        # Now, because a lesson may change sys.argv.
         self._program = _program()
-        check_output(language)
         if save is not None:
             make_folder(save)
 
@@ -76,12 +66,11 @@ class Terminal(Output):
         """The terminal of a lesson that is run as a program, from its arguments; exits with code 2 if they are bad."""
         parser = _Parser(prog=Path(sys.argv[0]).name, description="A lesson of the bench dragon.")
         parser.add_argument("--save", metavar="DIR", help="folder for the picture")
-        text = "language of the text: " + ", ".join(LANGUAGES)
-        parser.add_argument("--lang", default="en", choices=LANGUAGES, metavar="LANG", help=text)
         parser.add_argument("--pause", action="store_true", help="wait for Enter before it shows what happens")
         arguments = parser.parse_args()
         try:
-            return cls(arguments.save, arguments.lang, arguments.pause)
+            check_output(language())
+            return cls(arguments.save, arguments.pause)
         except ParameterError as error:
             parser.error(str(error))
 
@@ -91,21 +80,20 @@ class Terminal(Output):
             self._save = tempfile.mkdtemp(prefix="pymunk-dragon-")
         return Path(self._save)
 
-    def say(self, lesson: str, part: str, english: str, guesses: Sequence[Guess] = ()) -> None:
+    def say(self, lesson: str, part: str, text: str, guesses: Sequence[Guess] = ()) -> None:
         """Print a text below its heading, and its guesses; after the last one, the command for the next lesson."""
-        text = translated(lesson, part, self._language, english)
         if part == "title":
             print(_bold(text))
             return
         self._print(part, *self._wrapped(text))
-        for guess in translated_guesses(lesson, self._language, guesses):
+        for guess in guesses:
             self._guess(guess, answered=part == "answer")
         if part == "predict":
             print(flush=True)
             # Without a stdin, or at its end, nobody can press Enter.
             if self._pause and sys.stdin is not None:
                 with suppress(EOFError):
-                    input(heading("pause", self._language) + " ")
+                    input(heading("pause", language()) + " ")
         if part == "change" and (scene := live_scene(lesson)):
             self._print("live", f"{self._program} live {scene}")
         if part == "change" and (after := next_lesson(lesson)) is not None:
@@ -129,19 +117,19 @@ class Terminal(Output):
 
     def _print(self, name: str, *lines: str) -> None:
         """Print indented lines below a heading."""
-        print("\n" + _bold(heading(name, self._language)))
+        print("\n" + _bold(heading(name, language())))
         for line in lines:
             print(INDENT + line)
 
 
-def check_output(language: str) -> None:
+def check_output(name: str) -> None:
     """Check that stdout can encode a language; a ParameterError if it cannot, as Chinese in ASCII."""
     encoding = sys.stdout.encoding or "utf-8"
     try:
-        heading("pause", language).encode(encoding)
+        heading("pause", name).encode(encoding)
     except UnicodeEncodeError as error:
         bound = f"a language that {encoding} can write; PYTHONIOENCODING=utf-8 in the environment writes all"
-        raise ParameterError("language", language, bound) from error
+        raise ParameterError("language", name, bound) from error
 
 
 class _Parser(argparse.ArgumentParser):
