@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 import tomllib
 from pathlib import Path
 from string import Formatter
@@ -26,6 +27,8 @@ def used():
                 for part in ast.walk(node.args[0]):
                     if isinstance(part, ast.Constant) and isinstance(part.value, str):
                         found.add(part.value)
+    for path in FOLDER.rglob("*.j2"):
+        found |= set(re.findall(r'\btext\("([^"]+)"\)', path.read_text(encoding="utf-8")))
     return found
 
 

@@ -23,6 +23,7 @@ from jsonschema import Draft202012Validator, ValidationError
 from marches import ARM, TRACTOR, U_TURN
 from markdown_it import MarkdownIt
 
+from pymunk_dragon._language import in_language
 from pymunk_dragon.errors import DragonError, MissingExtraError, ParameterError, UnreachableError
 from pymunk_dragon.model.contact import ContactEvent, ContactLog
 from pymunk_dragon.model.curves import Spiral, UTurn
@@ -896,3 +897,43 @@ def test_contest_table_without_its_library_is_one_line(tmp_path, monkeypatch):
     with pytest.raises(MissingExtraError, match="XLSX"):
         write_tables(SMALL, [0], tmp_path / "table.xlsx")
     assert list(tmp_path.iterdir()) == []
+
+
+# What is left in Chinese reports: units, symbols, and names of settings, versions, phases and programs.
+ENGLISH_WORDS = re.compile(
+    "[ijmsxyNe]|mm|ms|µm|rad|Spiral|Pymunk|pymunk|pymunk-dragon|numpy|python|JSON|XLSX|begin|pre_solve|post_solve|separate"
+    "|guide|rails|contacts|report|start|until|substeps?|iterations|frame_interval|settings|nested|empty|none|True"
+)
+
+
+def words_of(ending, content):
+    """Text of a report that people read."""
+    if ending == ".md":
+        return content.decode().replace("\\", "")
+    if ending == ".html":
+        seen = re.sub(r"<style>.*?</style>|<meta[^>]*>", "", content.decode(), flags=re.S)
+        labels = re.findall(r'(?:alt|aria-label)="([^"]*)"', seen)
+        return " ".join([re.sub(r"<[^>]+>", " ", seen), *labels])
+    book = openpyxl.load_workbook(io.BytesIO(content))
+    cells = [str(cell) for sheet in book for row in sheet.iter_rows(values_only=True) for cell in row if cell]
+    return " ".join([*book.sheetnames, *cells])
+
+
+@pytest.mark.parametrize("ending", [".html", ".md", ".xlsx"])
+@pytest.mark.parametrize("name", [name for name in RUNS if name != "hostile labels"])
+def test_report_in_chinese_has_no_english_words(name, played, ending, tmp_path):
+    any_run = RUNS[name](played)
+    with in_language("zh"):
+        chinese = words_of(ending, written(any_run, ending, tmp_path))
+    found = re.findall(r"[A-Za-zµ](?:[A-Za-zµ_-]*[A-Za-z])?", chinese)
+    assert [word for word in found if not ENGLISH_WORDS.fullmatch(word)] == []
+    assert len(re.findall("[\u4e00-\u9fff]", chinese)) > 150
+    english = words_of(ending, written(any_run, ending, tmp_path))
+    assert sorted(re.findall(r"\d+\.\d+", chinese)) == sorted(re.findall(r"\d+\.\d+", english))
+
+
+def test_data_files_are_the_same_in_all_languages(played, tmp_path):
+    for ending in (".json", ".csv"):
+        english = written(played, ending, tmp_path)
+        with in_language("zh"):
+            assert written(played, ending, tmp_path) == english

@@ -23,8 +23,7 @@ the guesses, a check and a change. `order` sorts the lessons; a value between th
 Chinese texts go to `_framework/zh.toml`, with the Chinese of the strings and comments in its program, and notes for
 teachers to `_framework/notes.en.toml` and `notes.zh.toml`. Formulas are LaTeX between dollar signs.
 
-`LessonFile.in_language` gives a lesson in another language. Its program, what it prints and its picture are then in that
-language.
+`LessonFile.in_language` gives a lesson in another language: its program, what that prints, and its picture.
 """
 
 from collections.abc import Mapping

@@ -88,17 +88,23 @@ def _curve_name(kind: str) -> str:
 def key_figures(summary: Summary) -> Facts:
     """The most important numbers of the run."""
     begin, end = summary.run.times[[0, -1]].tolist()
-    figures = [("simulated", f"{format_number(begin, 2)} to {_time_text(end, 2)}")]
+    figures = [
+        (text("simulated"), text("{begin} to {end}").format(begin=format_number(begin, 2), end=_time_text(end, 2)))
+    ]
     if time_error := _time_error_text(summary):
-        figures.append(("against the exact first contact", time_error))
+        figures.append((text("against the exact first contact"), time_error))
     if summary.near_misses:
         closest = min(summary.near_misses, key=lambda miss: miss.gap)
-        figures.append((f"closest near miss, benches {format_pair(closest.benches)}", format_length(closest.gap)))
+        name = text("closest near miss, benches {pair}").format(pair=format_pair(closest.benches))
+        figures.append((name, format_length(closest.gap)))
     if summary.player != "exact":
         drift = summary.drift
         figures += [
-            (f"largest position error, first {drift.head_benches} benches", format_length(drift.head)),
-            ("largest position error, any bench", format_length(drift.max)),
+            (
+                text("largest position error, first {count} benches").format(count=drift.head_benches),
+                format_length(drift.head),
+            ),
+            (text("largest position error, any bench"), format_length(drift.max)),
         ]
     return figures
 
@@ -106,12 +112,14 @@ def key_figures(summary: Summary) -> Facts:
 def sections(summary: Summary) -> list[Section]:
     """Sections of a report, in order."""
     return [
-        Section("first-contact", "First contact", _comparison(summary), facts=_contacts(summary)),
-        Section("near-misses", "Near misses", [_near_miss_note(summary)], tables={"": tables.near_misses(summary)}),
-        Section("windows", "Contact windows", [_window_note(summary)], tables={"": tables.windows(summary)}),
+        Section("first-contact", text("First contact"), _comparison(summary), facts=_contacts(summary)),
+        Section(
+            "near-misses", text("Near misses"), [_near_miss_note(summary)], tables={"": tables.near_misses(summary)}
+        ),
+        Section("windows", text("Contact windows"), [_window_note(summary)], tables={"": tables.windows(summary)}),
         _drift(summary),
-        Section("handles", "Handles", _handle_notes(summary), tables=tables.handles_by_time(summary)),
-        Section("events", "Events", [_event_note(summary)], tables={"": tables.events_as_text(summary)}),
+        Section("handles", text("Handles"), _handle_notes(summary), tables=tables.handles_by_time(summary)),
+        Section("events", text("Events"), [_event_note(summary)], tables={"": tables.events_as_text(summary)}),
         provenance(summary),
     ]
 
@@ -158,54 +166,60 @@ def _contacts(summary: Summary) -> dict[str, Facts]:
     """First contacts of the run and of the exact model."""
     first, exact, facts = summary.run.first_contact, summary.exact, {}
     if first is not None:
-        facts["In this run"] = _contact_facts(first, 6)
+        here = text("In this run")
+        facts[here] = _contact_facts(first, 6)
         if summary.player != "exact":
-            facts["In this run"] += [
-                ("Detected at the end of a substep", _time_text(first.raw_time, 6)),
-                ("Depth when detected", format_length(first.depth)),
+            facts[here] += [
+                (text("Detected at the end of a substep"), _time_text(first.raw_time, 6)),
+                (text("Depth when detected"), format_length(first.depth)),
             ]
     if summary.player != "exact" and exact is not None and exact.status == "contact":
-        facts["In the exact model"] = _contact_facts(exact, 9)
+        facts[text("In the exact model")] = _contact_facts(exact, 9)
     return facts
 
 
 def _contact_facts(contact: Contact | FirstContact, decimals: int) -> Facts:
     """A contact as facts; `decimals` are those of its time."""
     return [
-        ("Benches", format_pair(contact.benches)),
-        ("Time", _time_text(contact.time, decimals)),
-        ("Point", f"{format_vector(contact.point, 6)} m"),
-        ("Normal, from the first to the second", format_vector(contact.normal, 6)),
+        (text("Benches that touch"), format_pair(contact.benches)),
+        (text("Time"), _time_text(contact.time, decimals)),
+        (text("Point"), f"{format_vector(contact.point, 6)} m"),
+        (text("Normal, from the first to the second"), format_vector(contact.normal, 6)),
     ]
 
 
 def _comparison(summary: Summary) -> list[str]:
     """Comparison of the run's first contact, or its absence, with the exact model."""
     first, exact = summary.run.first_contact, summary.exact
-    notes = ["None in this run."] if first is None else []
+    notes = [text("None in this run.")] if first is None else []
     if exact is None:
-        notes.append("No result of the exact model: the run has no time interval in which the dragon is on the curve.")
+        notes.append(
+            text("No result of the exact model: the run has no time interval in which the dragon is on the curve.")
+        )
     elif not summary.guided:
-        notes.append(f"No guide kept this dragon on its path. On the path: {_exact_text(exact)}")
+        notes.append(
+            text("No guide kept this dragon on its path. On the path: {result}").format(result=_exact_text(exact))
+        )
     elif first is None or exact.status != "contact":
-        notes.append(f"The exact model: {_exact_text(exact)}")
+        notes.append(text("The exact model: {result}").format(result=_exact_text(exact)))
     elif first.benches != exact.benches:
-        notes.append(f"The exact model has another first contact: {_exact_text(exact)}")
+        notes.append(text("The exact model has another first contact: {result}").format(result=_exact_text(exact)))
     elif summary.player != "exact":
-        error = _time_error_text(summary) or "of unknown time"
-        notes.append(f"The same benches touch in the exact model; the contact of the run is {error}.")
+        error = _time_error_text(summary) or text("of unknown time")
+        same = text("The same benches touch in the exact model; the contact of the run is {error}.")
+        notes.append(same.format(error=error))
     return notes
 
 
 def _exact_text(exact: FirstContact) -> str:
     """Result of the exact model as a sentence."""
-    time, benches = _time_text(exact.time, 6), format_pair(exact.benches)
-    return {
-        "contact": f"benches {benches} touch at {time}.",
-        "clear": f"no contact until {time}.",
-        "overlapping": f"benches {benches} overlap from the start on, at {time}.",
-        "unreachable": f"no contact until {time}, where the dragon reaches the end of the curve.",
+    template = {
+        "contact": text("benches {pair} touch at {time}."),
+        "clear": text("no contact until {time}."),
+        "overlapping": text("benches {pair} overlap from the start on, at {time}."),
+        "unreachable": text("no contact until {time}, where the dragon reaches the end of the curve."),
     }[exact.status]
+    return template.format(pair=format_pair(exact.benches), time=_time_text(exact.time, 6))
 
 
 def _time_error_text(summary: Summary) -> str | None:
@@ -216,52 +230,63 @@ def _time_error_text(summary: Summary) -> str | None:
     if first.benches != exact.benches or not math.isfinite(first.time):
         return None
     error_ms = 1e3 * (first.time - exact.time)
-    return f"{format_number(abs(error_ms), 3)} ms {'early' if error_ms < 0 else 'late'}"
+    template = text("{error} ms early") if error_ms < 0 else text("{error} ms late")
+    return template.format(error=format_number(abs(error_ms), 3))
 
 
 def _near_miss_note(summary: Summary) -> str:
     if summary.near_misses is None:
-        return "Not searched for."
+        return text("Not searched for.")
     if not summary.near_misses:
-        return "None."
-    return "Small local minima of the distance between benches that are not neighbours, in the exact model."
+        return text("None.")
+    return text("Small local minima of the distance between benches that are not neighbours, in the exact model.")
 
 
 def _window_note(summary: Summary) -> str:
     windows = summary.windows
     if summary.player == "exact":
-        return "The exact model gives the beginning of a contact, not its end."
+        return text("The exact model gives the beginning of a contact, not its end.")
     if not windows:
-        return "No contact windows."
+        return text("No contact windows.")
     if len(windows) == 1 and summary.run.first_contact is not None and windows[0].end is None:
-        return "The run ended during its first contact, so the duration of the contact is unknown."
-    return "Pairs of benches in contact, from the first contact on; times are the ends of substeps."
+        return text("The run ended during its first contact, so the duration of the contact is unknown.")
+    return text("Pairs of benches in contact, from the first contact on; times are the ends of substeps.")
 
 
 def _drift(summary: Summary) -> Section:
     if summary.player == "exact":
-        return Section("drift", "Position error", ["None: the run is the exact model's own."])
-    note = "Distance of a bench's hole from its position in the exact model, for the hole with the larger distance."
+        return Section("drift", text("Position error"), [text("None: the run is the exact model's own.")])
+    note = text(
+        "Distance of a bench's hole from its position in the exact model, for the hole with the larger distance."
+    )
     drift = summary.drift
     facts = [
-        (f"Largest of the first {drift.head_benches} benches", _drift_text(drift.head, drift.head_at)),
-        ("Largest of any bench", _drift_text(drift.max, drift.max_at)),
+        (
+            text("Largest of the first {count} benches").format(count=drift.head_benches),
+            _drift_text(drift.head, drift.head_at),
+        ),
+        (text("Largest of any bench"), _drift_text(drift.max, drift.max_at)),
     ]
-    return Section("drift", "Position error", [note], facts={"": facts})
+    return Section("drift", text("Position error"), [note], facts={"": facts})
 
 
 def _handle_notes(summary: Summary) -> list[str]:
-    notes = ["Positions and speeds of the handles of the paper's tables, in the exact model."]
+    notes = [text("Positions and speeds of the handles of the paper's tables, in the exact model.")]
     if summary.handles.contact is not None:
-        source = {"exact": "the exact first contact", "run": "the run's first contact"}[summary.handles.contact]
-        notes.append(f"The last column is the time of {source}.")
+        last = {
+            "exact": text("The last column is the time of the exact first contact."),
+            "run": text("The last column is the time of the run's first contact."),
+        }
+        notes.append(last[summary.handles.contact])
     return notes
 
 
 def _event_note(summary: Summary) -> str:
     if not (count := len(summary.run.events)):
-        return "No collision callbacks."
-    return f"{count} collision callback{'s' * (count > 1)} of the engine, in the order in which they came."
+        return text("No collision callbacks.")
+    if count == 1:
+        return text("One collision callback of the engine.")
+    return text("{count} collision callbacks of the engine, in the order in which they came.").format(count=count)
 
 
 def _settings(values: Mapping[str, Any], prefix: str = "") -> Facts:
@@ -280,12 +305,12 @@ def _value_text(value: Any, digits: int) -> str:
     if value is None:
         return MISSING
     if isinstance(value, bool):
-        return "yes" if value else "no"
+        return text("yes") if value else text("no")
     if isinstance(value, float):
         return f"{value:.{digits}g}"
     if isinstance(value, list):
         return ", ".join(_value_text(item, digits) for item in value) or MISSING
-    return "none" if value == {} else str(value)
+    return text("none") if value == {} else str(value)
 
 
 def _speed_text(speed: float | Sequence[Sequence[float]] | None) -> str:
@@ -306,4 +331,7 @@ def _time_text(time: float, decimals: int) -> str:
 
 def _drift_text(drift: float, peak: Peak | None) -> str:
     """Position error with its bench and time."""
-    return MISSING if peak is None else f"{format_length(drift)} (bench {peak.bench} at {_time_text(peak.time, 3)})"
+    if peak is None:
+        return MISSING
+    template = text("{error} (bench {bench} at {time})")
+    return template.format(error=format_length(drift), bench=peak.bench, time=_time_text(peak.time, 3))

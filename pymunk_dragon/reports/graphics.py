@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from pymunk_dragon._arrays import Array
+from pymunk_dragon._language import text
 from pymunk_dragon.drawing import Camera, Film, still_png
 from pymunk_dragon.model.contact import ContactWindow
 from pymunk_dragon.reports.summary import Summary
@@ -93,13 +94,13 @@ def stills(summary: Summary) -> list[tuple[str, bytes]]:
     run, first = summary.run, summary.run.first_contact
     if first is None:
         end = float(run.times[-1])
-        return [(f"The whole dragon at {end:.2f} s", still_png(run, end, _film(Camera())))]
+        return [(text("The whole dragon at {time} s").format(time=f"{end:.2f}"), still_png(run, end, _film(Camera())))]
     time = float(np.clip(first.time, run.times[0], run.times[-1]))
     distance = float(np.max(np.abs(np.array(first.point) - run.poses_at(time)[0, 0, :2])))
     close = Camera(follow="head", span=max(CLOSE_SPAN, 2 * CLOSE_MARGIN * distance))
     return [
-        (f"Benches {format_pair(first.benches)} touch", still_png(run, time, _film(close))),
-        ("The whole dragon at that time", still_png(run, time, _film(Camera()))),
+        (text("Benches {pair} touch").format(pair=format_pair(first.benches)), still_png(run, time, _film(close))),
+        (text("The whole dragon at that time"), still_png(run, time, _film(Camera()))),
     ]
 
 
@@ -143,10 +144,10 @@ def drift_chart(summary: Summary) -> DriftChart | None:
     scale, unit = next((scale, unit) for least, scale, unit in UNITS if drift.max >= least)
     top = TOP_MARGIN * drift.max * scale
     levels = [Tick(100 - 100 * level / top, f"{level:.6g}") for level in ticks(0.0, drift.max * scale)]
-    lines = [Line("any bench", "any", _segments(drift.times, drift.max_over_time, top / scale))]
+    lines = [Line(text("any bench"), "any", _segments(drift.times, drift.max_over_time, top / scale))]
     if drift.head_benches < summary.run.march.dragon.benches:
         head = _segments(drift.times, drift.head_over_time, top / scale)
-        lines.append(Line(f"first {drift.head_benches} benches", "head", head))
+        lines.append(Line(text("first {count} benches").format(count=drift.head_benches), "head", head))
     return DriftChart(lines, _ticks(begin, end), levels, unit)
 
 
@@ -168,9 +169,13 @@ def _bars(windows: Sequence[ContactWindow], low: float, high: float) -> list[Bar
 def _bar(windows: Sequence[ContactWindow], low: float, high: float) -> Bar:
     begin, end = windows[0].begin, max(_end(windows[-1], high), windows[0].begin)
     unfinished = windows[-1].end is None
-    count = f"{len(windows)} contacts from " if len(windows) > 1 else ""
-    interval = f"{begin:.4f} s to {'the end' if unfinished else f'{end:.4f} s'}"
-    label = f"benches {format_pair(windows[0].benches)}: {count}{interval}"
+    one = text("benches {pair}: {begin} to {end}")
+    label = (one if len(windows) == 1 else text("benches {pair}: {count} contacts from {begin} to {end}")).format(
+        pair=format_pair(windows[0].benches),
+        count=len(windows),
+        begin=f"{begin:.4f} s",
+        end=text("the end") if unfinished else f"{end:.4f} s",
+    )
     at = _percent(begin, low, high)
     return Bar(at, round(_percent(end, low, high) - at, 3), unfinished, label)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pymunk_dragon._html import data_address, filled
+from pymunk_dragon._language import language, text
 from pymunk_dragon.reports.document import headline, key_figures, sections, subtitle
 from pymunk_dragon.reports.graphics import drift_chart, stills, timeline
 from pymunk_dragon.reports.summary import Summary
@@ -16,6 +17,8 @@ def html(summary: Summary) -> str:
     return filled(
         __package__,
         "report.html.j2",
+        language=language(),
+        text=text,
         headline=headline(summary),
         subtitle=subtitle(summary),
         key_figures=key_figures(summary),

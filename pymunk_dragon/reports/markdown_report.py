@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
+from pymunk_dragon._language import text
 from pymunk_dragon.reports.document import headline, key_figures, sections, subtitle
 from pymunk_dragon.reports.summary import Summary
 from pymunk_dragon.reports.tables import Table
@@ -15,7 +16,7 @@ MARKUP = re.compile(r"[\\`*_{}\[\]<>|&~$#@!]")
 
 def markdown(summary: Summary) -> str:
     """Report as Markdown."""
-    parts = [f"# {_escaped(headline(summary))}", f"{_escaped(subtitle(summary))}.", _facts(key_figures(summary))]
+    parts = [f"# {_escaped(headline(summary))}", _escaped(subtitle(summary) + text(".")), _facts(key_figures(summary))]
     for section in sections(summary):
         parts += [f"## {section.title}", _escaped(" ".join(section.notes))]
         for heading, facts in section.facts.items():
@@ -32,7 +33,7 @@ def _facts(facts: Iterable[tuple[str, str]]) -> str:
 
 
 def _table(table: Table) -> str:
-    alignments = " | ".join("---" if column.text else "---:" for column in table.columns)
+    alignments = " | ".join("---" if column.is_text else "---:" for column in table.columns)
     return "\n".join([_row(column.label for column in table.columns), f"| {alignments} |", *map(_row, table.text_rows)])
 
 

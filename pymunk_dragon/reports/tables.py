@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from pymunk_dragon._language import text
 from pymunk_dragon.model.contact import ContactEvent
 from pymunk_dragon.reports.summary import Summary
 
@@ -37,7 +38,7 @@ class Column(NamedTuple):
         Digits after the decimal point in documents; None for text and integers.
     scale : float
         Factor from the SI value to the displayed value: 1000 for mm.
-    text : bool
+    is_text : bool
         Whether the column holds text, which is aligned to the left.
     """
 
@@ -45,11 +46,9 @@ class Column(NamedTuple):
     key: str = ""
     decimals: int | None = None
     scale: float = 1.0
-    text: bool = False
+    is_text: bool = False
 
 
-BENCHES = (Column("bench i", "bench_i"), Column("bench j", "bench_j"))
-GAP = Column("gap (mm)", "gap_m", 3, 1e3)
 NO_VECTOR = (None, None)
 
 
@@ -78,7 +77,8 @@ class Table:
         """A sentence on the rows that `text_rows` omits; empty if all rows are shown."""
         if len(self.rows) <= MAX_SHOWN_ROWS:
             return ""
-        return f"These are the first {MAX_SHOWN_ROWS} of {len(self.rows)} rows; all are in the JSON and XLSX reports."
+        note = text("These are the first {shown} of {count} rows; all are in the JSON and XLSX reports.")
+        return note.format(shown=MAX_SHOWN_ROWS, count=len(self.rows))
 
 
 def format_number(value: float | None, decimals: int, scale: float = 1.0) -> str:
@@ -106,18 +106,20 @@ def format_vector(value: Sequence[float] | None, decimals: int) -> str:
 
 def format_pair(benches: Sequence[int] | None) -> str:
     """Two benches as `0 and 8`."""
-    return MISSING if benches is None else " and ".join(map(str, benches))
+    return MISSING if benches is None else text("{i} and {j}").format(i=benches[0], j=benches[1])
 
 
 def near_misses(summary: Summary) -> Table:
     """Near misses of the exact model, sorted by time."""
     rows = ((miss.time, *miss.benches, miss.gap) for miss in summary.near_misses or ())
-    return Table.of((Column("time (s)", "time_s", 4), *BENCHES, GAP), rows)
+    return Table.of((Column(text("time (s)"), "time_s", 4), *_bench_columns(), _gap_column()), rows)
 
 
 def events(summary: Summary) -> Table:
     """Collision callbacks, a row each, with a column for each coordinate."""
-    return _event_table([(event.phase, event) for event in summary.run.events], Column("phase", "phase", text=True))
+    return _event_table(
+        [(event.phase, event) for event in summary.run.events], Column(text("phase"), "phase", is_text=True)
+    )
 
 
 def all_events(summary: Summary) -> Table:
@@ -130,45 +132,49 @@ def all_events(summary: Summary) -> Table:
     found += ((event.phase, event) for event in summary.run.events)
     # Events without a time, as in a damaged file, come last.
     found.sort(key=lambda item: item[1].time if math.isfinite(item[1].time) else math.inf)
-    table = _event_table(found, Column("what", "what", text=True))
+    table = _event_table(found, Column(text("what"), "what", is_text=True))
     gaps = (getattr(event, "gap", None) for _, event in found)
-    return Table.of((*table.columns, GAP), ((*row, gap) for row, gap in zip(table.rows, gaps, strict=True)))
+    return Table.of((*table.columns, _gap_column()), ((*row, gap) for row, gap in zip(table.rows, gaps, strict=True)))
 
 
 def events_as_text(summary: Summary) -> Table:
     """Collision callbacks as text, with points, vectors and pairs in one column each."""
     cells: dict[str, Callable[[ContactEvent], str]] = {
-        "time (s)": lambda event: format_number(event.time, 4),
-        "phase": lambda event: event.phase,
-        "benches": lambda event: format_pair(event.benches),
-        "points (m)": lambda event: " ".join(format_vector(point, 3) for point in event.points) or MISSING,
-        "normal": lambda event: format_vector(event.normal, 3),
-        "depth (mm)": lambda event: format_number(event.depth, 3, 1e3),
-        "relative velocity (m/s)": lambda event: format_vector(event.relative_velocity, 3),
-        "impulse (N s)": lambda event: format_vector(event.impulse, 4),
+        text("time (s)"): lambda event: format_number(event.time, 4),
+        text("phase"): lambda event: event.phase,
+        text("benches"): lambda event: format_pair(event.benches),
+        text("points (m)"): lambda event: " ".join(format_vector(point, 3) for point in event.points) or MISSING,
+        text("normal"): lambda event: format_vector(event.normal, 3),
+        text("depth (mm)"): lambda event: format_number(event.depth, 3, 1e3),
+        text("relative velocity (m/s)"): lambda event: format_vector(event.relative_velocity, 3),
+        text("impulse (N s)"): lambda event: format_vector(event.impulse, 4),
     }
-    columns = [Column(label, text=label in ("phase", "benches")) for label in cells]
+    columns = [Column(label, is_text=label in (text("phase"), text("benches"))) for label in cells]
     return Table(columns, [[cell(event) for cell in cells.values()] for event in summary.run.events])
 
 
 def windows(summary: Summary) -> Table:
     """Contact windows of pairs; a window has no end if the benches were in contact when the run ended."""
-    times = (Column("from (s)", "begin_s", 4), Column("to (s)", "end_s", 4), Column("for (s)", "length_s", 4))
+    times = (
+        Column(text("from (s)"), "begin_s", 4),
+        Column(text("to (s)"), "end_s", 4),
+        Column(text("for (s)"), "length_s", 4),
+    )
     rows = (
         (*window.benches, window.begin, window.end, None if window.end is None else window.end - window.begin)
         for window in summary.windows
     )
-    return Table.of((*BENCHES, *times), rows)
+    return Table.of((*_bench_columns(), *times), rows)
 
 
 def handles(summary: Summary) -> Table:
     """Positions and speeds of the reported handles, a row for each handle and time."""
     columns = (
-        Column("time (s)", "time_s", 6),
-        Column("handle", "handle"),
+        Column(text("time (s)"), "time_s", 6),
+        Column(text("handle"), "handle"),
         Column("x (m)", "x_m", 6),
         Column("y (m)", "y_m", 6),
-        Column("speed (m/s)", "speed_m_s", 6),
+        Column(text("speed (m/s)"), "speed_m_s", 6),
     )
     found = summary.handles
     rows = [
@@ -188,7 +194,7 @@ def handles_by_time(summary: Summary) -> dict[str, Table]:
     labels = [f"{time:g} s" for time in found.times]
     if found.contact is not None:
         labels[-1] = f"{format_number(found.times[-1], 6)} s"
-    columns = (Column("handle", "handle", text=True), *(Column(label, label, 6) for label in labels))
+    columns = (Column(text("handle"), "handle", is_text=True), *(Column(label, label, 6) for label in labels))
 
     def table(names: Iterable[str], values: NDArray[np.float64]) -> Table:
         return Table.of(columns, ((name, *row) for name, row in zip(names, values.tolist(), strict=True)))
@@ -196,8 +202,8 @@ def handles_by_time(summary: Summary) -> dict[str, Table]:
     # Positions (T, H, 2) as rows x, y of each handle, (2 H, T).
     positions = found.positions.reshape(len(found.times), -1).T
     return {
-        "Positions": table((f"{handle} {axis} (m)" for handle in found.numbers for axis in "xy"), positions),
-        "Speeds": table((f"{handle} (m/s)" for handle in found.numbers), found.speeds.T),
+        text("Positions"): table((f"{handle} {axis} (m)" for handle in found.numbers for axis in "xy"), positions),
+        text("Speeds"): table((f"{handle} (m/s)" for handle in found.numbers), found.speeds.T),
     }
 
 
@@ -205,32 +211,41 @@ def drift(summary: Summary) -> Table:
     """Largest position error of each frame."""
     found = summary.drift
     columns = (
-        Column("time (s)", "time_s", 3),
-        Column(f"first {found.head_benches} benches (mm)", "head_drift_m", 4, 1e3),
-        Column("any bench (mm)", "max_drift_m", 4, 1e3),
+        Column(text("time (s)"), "time_s", 3),
+        Column(text("first {count} benches (mm)").format(count=found.head_benches), "head_drift_m", 4, 1e3),
+        Column(text("any bench (mm)"), "max_drift_m", 4, 1e3),
     )
     series = (found.times.tolist(), found.head_over_time.tolist(), found.max_over_time.tolist())
     return Table.of(columns, zip(*series, strict=True))
+
+
+def _bench_columns() -> tuple[Column, Column]:
+    """Columns of the numbers of two benches."""
+    return Column(text("bench i"), "bench_i"), Column(text("bench j"), "bench_j")
+
+
+def _gap_column() -> Column:
+    return Column(text("gap (mm)"), "gap_m", 3, 1e3)
 
 
 def _event_table(found: Sequence[tuple[str, Any]], name: Column) -> Table:
     """A row for each (name, event). Events lack some of the attributes; first contacts have a single point."""
     all_points = [[event.point] if hasattr(event, "point") else getattr(event, "points", ()) for _, event in found]
     point_count = max([MIN_POINTS, *map(len, all_points)])
-    columns = [Column("time (s)", "time_s", 6), name, *BENCHES]
+    columns = [Column(text("time (s)"), "time_s", 6), name, *_bench_columns()]
     for number in range(1, point_count + 1):
-        columns += _vector_columns(f"point {number}", f"point{number}", "m")
-    columns += _vector_columns("normal", "normal", "")
-    columns.append(Column("depth (mm)", "depth_m", 4, 1e3))
-    columns += _vector_columns("relative velocity", "relative_velocity", "m_s")
-    columns += _vector_columns("impulse", "impulse", "N_s")
+        columns += _vector_columns(text("point {number}").format(number=number), f"point{number}", "m")
+    columns += _vector_columns(text("normal"), "normal", "")
+    columns.append(Column(text("depth (mm)"), "depth_m", 4, 1e3))
+    columns += _vector_columns(text("relative velocity"), "relative_velocity", "m_s")
+    columns += _vector_columns(text("impulse"), "impulse", "N_s")
     rows = []
-    for (text, event), points in zip(found, all_points, strict=True):
+    for (kind, event), points in zip(found, all_points, strict=True):
         vectors = [getattr(event, vector, None) or NO_VECTOR for vector in ("normal", "relative_velocity", "impulse")]
         normal, velocity, impulse = vectors
         padded = [*points, *[NO_VECTOR] * (point_count - len(points))]
         depth = getattr(event, "depth", None)
-        rows.append((event.time, text, *event.benches, *chain(*padded), *normal, depth, *velocity, *impulse))
+        rows.append((event.time, kind, *event.benches, *chain(*padded), *normal, depth, *velocity, *impulse))
     return Table.of(columns, rows)
 
 

@@ -11,6 +11,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pymunk_dragon._extras import library
+from pymunk_dragon._language import text
+from pymunk_dragon._text import width
 from pymunk_dragon.reports import document, tables
 from pymunk_dragon.reports.graphics import STILL_SIZE, stills
 from pymunk_dragon.reports.summary import Summary
@@ -110,18 +112,18 @@ def xlsx(summary: Summary) -> bytes:
     content = BytesIO()
     with open_workbook(content) as book:
         _add_summary(book, summary)
-        _add_table(book, "Near misses", tables.near_misses(summary))
-        _add_table(book, "Events", tables.events(summary))
-        _add_table(book, "Windows", tables.windows(summary))
-        _add_table(book, "Handles", tables.handles(summary))
+        _add_table(book, text("Near misses"), tables.near_misses(summary))
+        _add_table(book, text("Events"), tables.events(summary))
+        _add_table(book, text("Windows"), tables.windows(summary))
+        _add_table(book, text("Handles"), tables.handles(summary))
         drift = tables.drift(summary)
-        _add_drift_chart(book, _add_table(book, "Drift", drift), drift)
+        _add_drift_chart(book, _add_table(book, text("Drift"), drift), drift)
     return content.getvalue()
 
 
 def _add_summary(book: Workbook, summary: Summary) -> None:
     """Add the headline, notes, facts and pictures."""
-    worksheet = book.add_worksheet("Summary")
+    worksheet = book.add_worksheet(text("Summary"))
     worksheet.set_column(0, 0, NAME_WIDTH)
     worksheet.set_column(1, 1, FACT_WIDTH)
     title, heading = book.add_format({"bold": True, "font_size": 16}), book.add_format({"bold": True})
@@ -135,12 +137,12 @@ def _add_summary(book: Workbook, summary: Summary) -> None:
             row += 1
             worksheet.merge_range(row, 0, row, 1, "", wrapped)
             worksheet.write_string(row, 0, note, wrapped)
-            worksheet.set_row(row, LINE_HEIGHT * (1 + len(note) // (NAME_WIDTH + FACT_WIDTH)))
+            worksheet.set_row(row, LINE_HEIGHT * (1 + width(note) // (NAME_WIDTH + FACT_WIDTH)))
         for name, facts in section.facts.items():
             for cells in [(name,), *facts] if name else facts:
                 row += 1
-                for column, text in enumerate(cells):
-                    worksheet.write_string(row, column, text[:MAX_TEXT])
+                for column, cell in enumerate(cells):
+                    worksheet.write_string(row, column, cell[:MAX_TEXT])
         row += 2
     scale = PICTURE_SIZE / STILL_SIZE
     for index, (caption, png) in enumerate(stills(summary)):
@@ -153,7 +155,8 @@ def _add_table(book: Workbook, name: str, table: Table) -> Worksheet:
     header = book.add_format({"bold": True, "text_wrap": True, "bottom": 1})
     worksheet = add_worksheet(book, name, table.columns, table.rows[: MAX_ROWS - 1], header=header)
     if len(table.rows) >= MAX_ROWS:
-        note = f"the first {MAX_ROWS - 1} of {len(table.rows)} rows; all are in the JSON report"
+        template = text("the first {shown} of {count} rows; all are in the JSON report")
+        note = template.format(shown=MAX_ROWS - 1, count=len(table.rows))
         worksheet.write_string(0, len(table.columns), note, header)
     return worksheet
 
@@ -169,7 +172,7 @@ def _add_drift_chart(book: Workbook, worksheet: Worksheet, table: Table) -> None
         series = {"name": (0, index), "categories": (1, 0, last, 0), "values": (1, index, last, index)}
         chart.add_series({name: [worksheet.name, *cells] for name, cells in series.items()})
     chart.set_x_axis({"name": table.columns[0].label, "min": table.rows[0][0], "max": table.rows[-1][0]})
-    chart.set_y_axis({"name": "position error (mm)", "min": 0})
+    chart.set_y_axis({"name": text("position error (mm)"), "min": 0})
     chart.set_legend({"position": "bottom"})
     chart.set_size(CHART_SIZE)
     worksheet.insert_chart(1, len(table.columns) + 1, chart)
