@@ -6,7 +6,7 @@ import re
 
 import pytest
 
-from pymunk_dragon._language import texts
+from pymunk_dragon._language import LANGUAGES, texts
 from pymunk_dragon._text import width
 from pymunk_dragon.drawing.figures import FIGURES
 from pymunk_dragon.model.march import March
@@ -113,3 +113,27 @@ def test_messages_on_a_terminal_are_chinese(terminal, tmp_path, monkeypatch):
 def test_lines_of_a_terminal_have_at_most_80_columns(terminal, command, lang):
     shown = re.sub(r"\x1b\[[?\d]*\w", "", terminal(*command, "--lang", lang))
     assert max(map(width, re.split(r"[\r\n]", shown))) <= 80
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["positions", "--paper"],
+        ["contact"],
+        ["contact", "--compare", "--benches", "20", "--from", "405"],
+        ["simulate", "--from", "411", "--benches", "20"],
+        ["study"],
+        ["study", "min-pitch", "--benches", "60"],
+        ["study", "max-speed"],
+        ["study", "u-turn", "--no-search"],
+        ["study", "sensitivity"],
+        ["figure"],
+        ["demo"],
+    ],
+    ids=" ".join,
+)
+def test_printed_lines_fit_a_terminal_of_80_columns(call, arguments, language):
+    code, out, err = call(*arguments, "--lang", language)
+    assert code == 0
+    assert max(map(width, (out + err).splitlines())) <= 80

@@ -46,7 +46,7 @@ def _names() -> dict[str, str]:
 @click.argument("run_file", metavar="[RUN.npz]", required=False, shell_complete=files(".npz"))
 @scenario_options
 @json_option
-@output_option(".png, or .svg or .pdf where the figure has axes; of all figures a folder", "NAME.png")
+@output_option(".png or .pdf, or .svg where the figure has axes; of all figures a folder", "NAME.png")
 def figure(
     name: str | None, run_file: str | None, scenario_file: str | None, as_json: bool, output: str | None
 ) -> None:

@@ -202,6 +202,6 @@ def _table(title: str, labels: Sequence[str], names: Sequence[object], rows: Arr
     cells = [[str(name), *map(truncate, row)] for name, row in zip(names, rows.tolist(), strict=True)]
     return [
         title,
-        *table((text("handle"), *labels), (">12", *(f">{max(10, width(label))}" for label in labels)), cells),
+        *table((text("handle"), *labels), (">8", *(f">{max(10, width(label))}" for label in labels)), cells),
         "",
     ]

@@ -255,7 +255,7 @@ def _draw_positions(axes: Axes, found: MaxSpeed) -> None:
 
 STUDY = Study(
     name="max-speed",
-    summary="the largest speed of the head in the U-turn at which no handle is too fast (question 5)",
+    summary="largest speed of the head in the U-turn (question 5)",
     run=max_speed,
     options={"limit": Option(kind=float, metavar="M/S", text="no handle shall be faster, m/s.  [2]")},
 )

@@ -365,6 +365,6 @@ def _bisected(inward: InwardMarch, blocked: float, larger: list[float]) -> tuple
 
 STUDY = Study(
     name="min-pitch",
-    summary="the smallest pitch at which the head reaches the turning circle (the contest's question 3)",
+    summary="smallest pitch at which the head reaches the circle (question 3)",
     run=min_pitch,
 )

@@ -60,8 +60,8 @@ NUMBERS_LEFT, LINES_LEFT, RANGES_LEFT = 1.05, 1.8, 2.45
 AXIS_MARGIN = 3.0
 # How a range ends in the text.
 ENDS = {
-    "nothing": "and further",
-    "no contact": "then no contact there",
+    "nothing": "or more",
+    "no contact": "then none",
     "another corner": "then another corner",
     "another pair": "then {} and {}",
 }
@@ -138,14 +138,14 @@ class Sensitivity(Result):
     def _lines(self) -> list[str]:
         i, j = self.benches
         first = text("first contact at t = {time:.9f} s: benches {i} and {j}").format(time=self.time, i=i, j=j)
-        lines = [first, *_table(text("s for a mm"), 1e3, self.times)]
+        lines = [first, *_table(text("s per mm"), 1e3, self.times)]
         pitch = self.smallest.pitch
         if self.smallest.benches is None:
             limited = text("smallest pitch {pitch:.12f} m: limited by the circle, whatever the benches")
             return [*lines, limited.format(pitch=pitch)]
         i, j = self.smallest.benches
         smallest = text("smallest pitch {pitch:.12f} m: benches {i} and {j}").format(pitch=pitch, i=i, j=j)
-        return [*lines, smallest, *_table(text("mm for a mm"), 1.0, self.pitches)]
+        return [*lines, smallest, *_table(text("mm per mm"), 1.0, self.pitches)]
 
     def _draw(self) -> Figure:
         """The derivatives, and the range of each size in which they hold."""
@@ -298,12 +298,12 @@ def _slopes(
 
 def _table(unit: str, per: float, slopes: Sequence[Slope]) -> list[str]:
     """Lines of a table of derivatives per mm, with their unit; `per` converts them from SI units."""
-    heads = ("  " + text("size"), text("now (mm)"), unit, text("holds from (mm)"), text("to (mm)"))
+    heads = (" " + text("size"), text("now (mm)"), unit, text("holds from (mm)"), text("to (mm)"))
     rows = []
     for row in slopes:
         size, ends = row.size.replace("_", "-"), map(_end_text, (row.less, row.more))
-        rows.append(("  " + text(size), 1e3 * row.value, row.slope / per, *ends))
-    return table(heads, ("<16", "8.2f", "+11.7f", "<28", ""), rows)
+        rows.append((" " + text(size), 1e3 * row.value, row.slope / per, *ends))
+    return table(heads, ("<13", "8.2f", "+10.7f", "<20", ""), rows)
 
 
 def _end_text(end: Reach | None) -> str | None:
@@ -366,6 +366,6 @@ def _describe_end(end: Reach) -> str:
 
 STUDY = Study(
     name="sensitivity",
-    summary="what each size of the benches does to the first contact, and to that pitch",
+    summary="effect of each size of the benches on first contact and that pitch",
     run=sensitivity,
 )

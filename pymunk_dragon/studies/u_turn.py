@@ -383,7 +383,7 @@ def _draw_speeds(axes: Axes, found: TurnResult) -> None:
 
 STUDY = Study(
     name="u-turn",
-    summary="the turn inside the circle, and the shortest one that is found (the contest's question 4)",
+    summary="turn inside the circle, and the shortest one found (question 4)",
     run=u_turn,
     options={
         "fastest": Option(kind=float, metavar="X", text="largest speed of a handle over that of the head."),

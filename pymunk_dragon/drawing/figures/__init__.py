@@ -97,7 +97,7 @@ class Kind:
     --------
     >>> from pymunk_dragon.drawing.figures import FIGURES
     >>> FIGURES["drift"].needs_run, FIGURES["collision"].endings
-    (True, ('.png',))
+    (True, ('.png', '.pdf'))
     """
 
     shows: str
@@ -193,7 +193,7 @@ def styled_figure(draw: Callable[[], Figure]) -> Figure:
 
 
 def write_figure(name: str, path: str | Path, source: Source | None = None) -> None:
-    """Write one of `FIGURES` as PNG, or as SVG or PDF if it has axes.
+    """Write one of `FIGURES` as PNG or PDF, or as SVG if it has axes.
 
     Parameters
     ----------

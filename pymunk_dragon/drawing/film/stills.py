@@ -17,18 +17,24 @@ from pymunk_dragon.drawing.film.settings import Film, checked_sources, shared_wi
 from pymunk_dragon.drawing.snapshots import Source
 
 # All endings of still pictures, in lower case.
-STILL_ENDINGS = (".png",)
+STILL_ENDINGS = (".png", ".pdf")
+# Pixels per inch of a picture in a PDF: a page of 8 inches has 1600.
+PDF_RESOLUTION = 200.0
+# JPEG quality of a picture in a PDF: edges and text have no visible artefacts.
+PDF_QUALITY = {"quality": 95, "subsampling": 0}
+# Properties of a PDF that are omitted, so that equal pictures give equal bytes.
+PDF_OMITTED = dict.fromkeys(("title", "creationDate", "modDate"))
 
 
 def write_still(source: Source | Sequence[Source], time: float, path: str | Path, film: Film | None = None) -> None:
-    """Write the picture at one time as a PNG file.
+    """Write the picture at one time as a PNG file, or as a PDF with one page.
 
     Parameters
     ----------
     source, time, film
         As in `still`.
     path : path
-        File to write, .png. If writing is interrupted, an old file is kept and no incomplete file is left.
+        File to write, .png or .pdf. If writing is interrupted, an old file is kept and no incomplete file is left.
 
     Raises
     ------
@@ -46,9 +52,14 @@ def write_still(source: Source | Sequence[Source], time: float, path: str | Path
     >>> write_still(March(Dragon(benches=16)), 60.0, "march.png", Film(size=640))  # doctest: +SKIP
     """
     destination = check_destination(path, STILL_ENDINGS)
-    picture = still_png(source, time, film)
+    if destination.suffix.lower() != ".pdf":
+        png = still_png(source, time, film)
+        with written_in_place(destination) as draft:
+            draft.write_bytes(png)
+        return
+    picture = Image.fromarray(still(source, time, film))
     with written_in_place(destination) as draft:
-        draft.write_bytes(picture)
+        picture.save(draft, format="PDF", resolution=PDF_RESOLUTION, **PDF_QUALITY, **PDF_OMITTED)
 
 
 def still_png(source: Source | Sequence[Source], time: float, film: Film | None = None) -> bytes:
