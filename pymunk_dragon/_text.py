@@ -4,8 +4,15 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
+
+# A space at which no line is broken.
+NO_BREAK = "\u00a0"
+# Unicode categories of characters that do not begin a line, as stops.
+CLOSING = ("Pe", "Pf", "Po")
+# Unicode categories of characters that do not end a line, as opening brackets.
+OPENING = ("Ps", "Pi")
 
 
 def table(heads: Sequence[str], formats: Sequence[str], rows: Iterable[Sequence[Any]]) -> list[str]:
@@ -18,9 +25,50 @@ def width(text: str) -> int:
     return sum(2 if unicodedata.east_asian_width(character) in "WF" else 1 for character in text)
 
 
+def wrapped(text: str, columns: int) -> Iterator[str]:
+    """Lines of `text`, at most `columns` wide where they can be broken; a Chinese character has two columns.
+
+    `textwrap` counts characters and breaks at spaces only.
+    """
+    line = ""
+    for piece in _pieces(unbroken(re.sub(r"\s*\n\s*", " ", text.strip()))):
+        if line and width(line) + width(piece.rstrip(" ")) > columns:
+            yield line.rstrip(" ").replace(NO_BREAK, " ")
+            line = ""
+        line += piece
+    yield line.rstrip(" ").replace(NO_BREAK, " ")
+
+
+def unbroken(text: str) -> str:
+    """`text` with a space that does not break behind each number, so that 1 m/s stays on one line."""
+    return re.sub(r"(?<=\d) (?=\w)", NO_BREAK, text)
+
+
 def _cell(value: Any, specification: str) -> str:
     if value is not None and not isinstance(value, str):
         return format(value, specification)
     shown, least = value or "-", re.search(r"\d+", specification)
     padding = " " * (int(least[0]) - width(shown)) if least else ""
     return shown + padding if specification.startswith("<") else padding + shown
+
+
+def _pieces(text: str) -> Iterator[str]:
+    """Parts of `text` without a break: words with the space behind, and wide characters with stops and brackets."""
+    piece = ""
+    for character in text:
+        if piece and _may_break(piece[-1], character):
+            yield piece
+            piece = ""
+        piece += character
+    yield piece
+
+
+def _may_break(before: str, behind: str) -> bool:
+    """Whether a line may end between two characters."""
+    if behind in (" ", NO_BREAK) or before == NO_BREAK:
+        return False
+    if before == " ":
+        return True
+    if unicodedata.category(behind) in CLOSING or unicodedata.category(before) in OPENING:
+        return False
+    return width(before + behind) > 2

@@ -17,8 +17,6 @@ MARKED = re.compile(r"`[^`]*`|\$[^$]*\$")
 KINDS: dict[str, Kind] = {"`": "code", "$": "formula"}
 # Name of a function in MathML, unless a bracket follows.
 FUNCTION = re.compile(r"(<mi>(?:arc)?(?:sin|cos|tan)</mi>)(?!<mo)")
-# A space at which no line is broken.
-NO_BREAK = "\u00a0"
 # LaTeX commands of the formulas as characters; those of functions, as \cos, are their own names.
 SYMBOLS = {
     r"\theta": "θ",
@@ -93,8 +91,3 @@ def in_mathml(formula: str) -> str:
     """
     made = str(library("latex2mathml.converter").convert(formula))
     return FUNCTION.sub(r'\1<mspace width="0.167em" />', made)
-
-
-def unbroken(text: str) -> str:
-    """`text` with a space that does not break behind each number, so that 1 m/s stays on one line."""
-    return re.sub(r"(?<=\d) (?=\w)", NO_BREAK, text)

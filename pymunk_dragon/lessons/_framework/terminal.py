@@ -8,18 +8,17 @@ import shlex
 import shutil
 import sys
 import tempfile
-import unicodedata
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import NoReturn
 
 from pymunk_dragon._language import language
-from pymunk_dragon._text import width
+from pymunk_dragon._text import wrapped
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.lessons._framework.guess import Guess
 from pymunk_dragon.lessons._framework.lesson_file import live_scene, next_lesson
-from pymunk_dragon.lessons._framework.markup import NO_BREAK, plain, unbroken
+from pymunk_dragon.lessons._framework.markup import plain
 from pymunk_dragon.lessons._framework.play import Output, make_folder
 from pymunk_dragon.lessons._framework.translations import heading
 
@@ -27,10 +26,6 @@ from pymunk_dragon.lessons._framework.translations import heading
 MAX_COLUMNS = 88
 INDENT = "  "
 PROGRAM = "pymunk-dragon"
-# Unicode categories of characters that do not begin a line, as stops.
-CLOSING = ("Pe", "Pf", "Po")
-# Unicode categories of characters that do not end a line, as opening brackets.
-OPENING = ("Ps", "Pi")
 
 
 class Terminal(Output):
@@ -137,42 +132,6 @@ class _Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         self.exit(2, f"{self.prog}: {message}\n")
-
-
-def wrapped(text: str, columns: int) -> Iterator[str]:
-    """Lines of `text`, at most `columns` wide where they can be broken; a Chinese character has two columns.
-
-    `textwrap` counts characters and breaks at spaces only.
-    """
-    line = ""
-    for piece in _pieces(unbroken(" ".join(text.split()))):
-        if line and width(line) + width(piece.rstrip(" ")) > columns:
-            yield line.rstrip(" ").replace(NO_BREAK, " ")
-            line = ""
-        line += piece
-    yield line.rstrip(" ").replace(NO_BREAK, " ")
-
-
-def _pieces(text: str) -> Iterator[str]:
-    """Parts of `text` without a break: words with the space behind, and wide characters with stops and brackets."""
-    piece = ""
-    for character in text:
-        if piece and _may_break(piece[-1], character):
-            yield piece
-            piece = ""
-        piece += character
-    yield piece
-
-
-def _may_break(before: str, behind: str) -> bool:
-    """Whether a line may end between two characters."""
-    if before == " ":
-        return True
-    if behind in (" ", NO_BREAK) or before == NO_BREAK:
-        return False
-    if unicodedata.category(behind) in CLOSING or unicodedata.category(before) in OPENING:
-        return False
-    return width(before + behind) > 2
 
 
 def _program() -> str:
