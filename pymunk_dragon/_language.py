@@ -37,9 +37,12 @@ def in_language(name: str) -> Iterator[None]:
     ParameterError
         If it is not one of `LANGUAGES`.
     """
-    from pymunk_dragon._checks import word
+    if name not in LANGUAGES:
+        # Imported only here, because it imports NumPy.
+        from pymunk_dragon._checks import word
 
-    token = _language.set(word("lang", name, LANGUAGES))
+        word("lang", name, LANGUAGES)
+    token = _language.set(name)
     try:
         yield
     finally:

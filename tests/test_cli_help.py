@@ -111,9 +111,9 @@ def test_misspelt_parameter_of_a_scenario_file_gets_the_similar_one(call, tmp_pa
 
 
 def test_option_before_the_command_is_sent_behind_it(call):
-    code, _, err = call("--lang", "zh", "contact")
+    code, _, err = call("--pitch", "0.5", "contact")
     assert code == 2
-    assert err == "pymunk-dragon: there is no option --lang here: options of a command stand after its name\n"
+    assert err == "pymunk-dragon: there is no option --pitch here: options of a command stand after its name\n"
 
 
 def test_word_that_is_not_similar_gets_no_hint(call):

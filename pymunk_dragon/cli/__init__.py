@@ -42,6 +42,9 @@ from io import TextIOWrapper
 import click
 
 from pymunk_dragon import __version__
+from pymunk_dragon._language import in_language
+from pymunk_dragon.cli.command import language_of, language_option, write_examples
+from pymunk_dragon.cli.help import Context
 from pymunk_dragon.cli.hints import option_hint
 from pymunk_dragon.cli.options import PROGRAM
 from pymunk_dragon.errors import (
@@ -74,13 +77,20 @@ def main(arguments: list[str] | None = None) -> None:
 def status(arguments: list[str] | None = None) -> int:
     """Run the program and return its exit code."""
     _open_streams()
+    given = list(sys.argv[1:] if arguments is None else arguments)
+    with in_language(language_of(given)):
+        return _status(given)
+
+
+def _status(arguments: list[str]) -> int:
+    """Run the program in the present language and return its exit code."""
     try:
         if COMPLETE_VARIABLE in os.environ:
             from click.shell_completion import shell_complete
 
             return shell_complete(cli, {}, PROGRAM, COMPLETE_VARIABLE, os.environ[COMPLETE_VARIABLE])
         # Not `cli.main`, which prints an empty line when it is interrupted.
-        with cli.make_context(PROGRAM, list(sys.argv[1:] if arguments is None else arguments)) as context:
+        with cli.make_context(PROGRAM, arguments) as context:
             cli.invoke(context)
         sys.stdout.flush()
         return DONE
@@ -160,14 +170,19 @@ class _Commands(Mapping[str, click.Command]):
 class _Group(click.Group):
     """The program: a name that no command has gets the most similar one as a hint."""
 
+    context_class = Context
+
     def list_commands(self, ctx: click.Context) -> list[str]:
         """The names of the commands in the order in which one uses them."""
         return list(COMMANDS)
 
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the commands, each with the first paragraph of its help."""
+        with formatter.section("Commands"):
+            formatter.write_dl([(name, str(_command(name).help).partition("\n\n")[0]) for name in COMMANDS])
+
     def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the examples."""
-        from pymunk_dragon.cli.command import write_examples
-
         write_examples(formatter, EXAMPLES)
 
     def resolve_command(
@@ -186,3 +201,6 @@ class _Group(click.Group):
 @click.version_option(__version__, "-V", "--version", prog_name=PROGRAM)
 def cli() -> None:
     """A bench dragon on its spiral: positions, speeds, and the first contact with itself."""
+
+
+cli.params.append(language_option())

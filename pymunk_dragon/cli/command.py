@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import os
+import re
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import click
 
-from pymunk_dragon._language import LANGUAGES, in_language
+from pymunk_dragon._language import LANGUAGES
 from pymunk_dragon.cli.completion import words
+from pymunk_dragon.cli.help import Context
 from pymunk_dragon.cli.options import PROGRAM, SCENARIO_HEADINGS, named_by_flag, with_hint
 from pymunk_dragon.errors import FileFormatError, ParameterError
 
@@ -22,21 +25,12 @@ class DragonCommand(click.Command):
     Its help has its own options first, those of a scenario under headings, and `examples`: arguments of the command.
     """
 
+    context_class = Context
+
     def __init__(self, *arguments: Any, examples: tuple[str, ...], **settings: Any) -> None:
         super().__init__(*arguments, **settings)
         self.examples = examples
-        self.params.append(
-            click.Option(
-                ["--lang", "language"],
-                default="en",
-                envvar=LANGUAGE_VARIABLE,
-                expose_value=False,
-                callback=_keep_language,
-                metavar="LANG",
-                help=f"Language of texts: en or zh.  [{LANGUAGE_VARIABLE} of the environment, or en]",
-                shell_complete=words(*LANGUAGES),
-            )
-        )
+        self.params.append(language_option())
 
     def heading(self, option: click.Parameter) -> str:
         """Heading of an option in the help."""
@@ -58,10 +52,9 @@ class DragonCommand(click.Command):
         write_examples(formatter, [f"{self.name} {example}" for example in self.examples])
 
     def invoke(self, ctx: click.Context) -> Any:
-        """Run the command in its language."""
+        """Run the command."""
         try:
-            with in_language(ctx.meta["language"]):
-                return super().invoke(ctx)
+            return super().invoke(ctx)
         except (ParameterError, FileFormatError) as error:
             raise with_hint(named_by_flag(error)) from error
         except click.UsageError as error:
@@ -75,10 +68,30 @@ def write_examples(formatter: click.HelpFormatter, examples: Iterable[str]) -> N
             formatter.write(f"{'':{formatter.current_indent}}{PROGRAM} {example}".rstrip() + "\n")
 
 
-def _keep_language(context: click.Context, parameter: click.Parameter, value: str) -> None:
-    """Keep the language for `invoke`, if there is such a language."""
+def language_option() -> click.Option:
+    """The option --lang, whose value `language_of` finds before Click does, for the help and for errors."""
+    return click.Option(
+        ["--lang", "language"],
+        default="en",
+        envvar=LANGUAGE_VARIABLE,
+        expose_value=False,
+        callback=_check_language,
+        metavar="LANG",
+        help=f"Language of texts: en or zh.  [{LANGUAGE_VARIABLE} of the environment, or en]",
+        shell_complete=words(*LANGUAGES),
+    )
+
+
+def language_of(arguments: Sequence[str]) -> str:
+    """The language that is chosen by the last --lang among the arguments, or by the environment."""
+    given = re.findall(r"^--lang[=\n](.*)$", "\n".join(arguments), re.MULTILINE)
+    last = [os.environ.get(LANGUAGE_VARIABLE), *given][-1]
+    return last if last in LANGUAGES else "en"
+
+
+def _check_language(context: click.Context, parameter: click.Parameter, value: str) -> None:
+    """Check that there is such a language."""
     if value not in LANGUAGES:
         given = context.get_parameter_source("language")
         name = LANGUAGE_VARIABLE if given is click.core.ParameterSource.ENVIRONMENT else "--lang"
         raise ParameterError(name, value, "one of " + ", ".join(LANGUAGES))
-    context.meta["language"] = value
