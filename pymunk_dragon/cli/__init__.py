@@ -46,6 +46,7 @@ from pymunk_dragon._language import in_language
 from pymunk_dragon.cli.command import language_of, language_option, write_examples
 from pymunk_dragon.cli.help import Context
 from pymunk_dragon.cli.hints import option_hint
+from pymunk_dragon.cli.messages import message
 from pymunk_dragon.cli.options import PROGRAM
 from pymunk_dragon.errors import (
     DragonError,
@@ -97,18 +98,20 @@ def _status(arguments: list[str]) -> int:
     except click.exceptions.Exit as end:
         return end.exit_code
     except click.exceptions.NoArgsIsHelpError as error:
-        return _complain(error.format_message(), BAD_INPUT)
+        with suppress(OSError):
+            click.echo(error.format_message(), err=True)
+        return BAD_INPUT
     except click.NoSuchOption as error:
-        return _complain(f"{PROGRAM}: {one_line(option_hint(error))}", BAD_INPUT)
+        return _complain(option_hint(error), BAD_INPUT)
     except click.ClickException as error:
-        return _complain(f"{PROGRAM}: {one_line(error.format_message())}", BAD_INPUT)
+        return _complain(error.format_message(), BAD_INPUT)
     except (ParameterError, UnreachableError, FileFormatError, MissingExtraError) as error:
-        return _complain(f"{PROGRAM}: {error}", BAD_INPUT)
+        return _complain(str(error), BAD_INPUT)
     except DragonError as error:
-        return _complain(f"{PROGRAM}: {error}", FAILED)
+        return _complain(str(error), FAILED)
     except KeyboardInterrupt as end:
         # With what is left to be resumed, if there is something.
-        return _complain(": ".join((PROGRAM, "interrupted", *map(str, end.args))), INTERRUPTED)
+        return _complain(": ".join(("interrupted", *map(str, end.args))), INTERRUPTED)
     except BrokenPipeError:
         # The reader of stdout has closed it, as `head` does.
         _drop_output()
@@ -117,9 +120,9 @@ def _status(arguments: list[str]) -> int:
         # Nearly always stdout: functions that read and write files raise errors of the package.
         _drop_output()
         what = f"{error.filename}: " if error.filename else ""
-        return _complain(f"{PROGRAM}: cannot read or write: {what}{error.strerror or error}", FAILED)
+        return _complain(f"cannot read or write: {what}{error.strerror or error}", FAILED)
     except MemoryError:
-        return _complain(f"{PROGRAM}: not enough memory for a dragon of this size", FAILED)
+        return _complain("not enough memory for a dragon of this size", FAILED)
 
 
 def _open_streams() -> None:
@@ -138,10 +141,10 @@ def _drop_output() -> None:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
-def _complain(message: str, code: int) -> int:
-    """Print an error message and return the exit code."""
+def _complain(english: str, code: int) -> int:
+    """Print an error message in one line and return the exit code."""
     with suppress(OSError):
-        click.echo(message, err=True)
+        click.echo(f"{PROGRAM}: {message(one_line(english))}", err=True)
     return code
 
 

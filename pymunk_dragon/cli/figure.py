@@ -19,6 +19,7 @@ from pymunk_dragon.cli.options import (
     run_of,
     scenario_options,
 )
+from pymunk_dragon.cli.messages import message
 from pymunk_dragon.cli.output import print_json, progress, wrote
 from pymunk_dragon.errors import OutputError, ParameterError, UnreachableError
 
@@ -99,7 +100,7 @@ def _write_all(folder: Path, source: Source | None, run_file: str | None, as_jso
             show(done, len(FIGURES), name)
             destination = folder / f"{name}.png"
             if kind.needs_run and run_file is None:
-                left_out[name] = text("it is drawn from a run of the engine: give RUN.npz")
+                left_out[name] = "it is drawn from a run of the engine: give RUN.npz"
                 continue
             try:
                 write_figure(name, destination, source)
@@ -111,7 +112,7 @@ def _write_all(folder: Path, source: Source | None, run_file: str | None, as_jso
     for destination in written:
         wrote(destination)
     for name, reason in left_out.items():
-        click.echo(text("left out {name}: {reason}").format(name=name, reason=reason), err=True)
+        click.echo(text("left out {name}: {reason}").format(name=name, reason=message(reason)), err=True)
     if as_json:
         files = [{"output": str(path), "bytes": path.stat().st_size} for path in written]
         print_json({"outputs": files, "left_out": left_out})

@@ -400,8 +400,8 @@ def _from_dict(values: Mapping[str, Any], where: str, depth: int) -> Curve:
     given = dict(values)
     kind = given.pop("kind", None)
     if not (isinstance(kind, str) and kind in Curve.kinds):
-        hint = did_you_mean(kind, Curve.kinds)
-        raise ParameterError(f"{where}.kind", kind, f"one of {', '.join(sorted(Curve.kinds))}{hint}")
+        bound = f"one of {', '.join(sorted(Curve.kinds))}{did_you_mean(kind, Curve.kinds)}"
+        raise ParameterError(f"{where}.kind", kind, bound)
     parameters = _parameters(Curve.kinds[kind])
     for name, value in given.items():
         if name not in parameters:
