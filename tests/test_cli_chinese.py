@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import ast
+import json
 import re
+import sys
 import tomllib
 from importlib import import_module
 from importlib.resources import files
@@ -17,7 +19,10 @@ from pymunk_dragon._extras import FEATURES
 from pymunk_dragon._language import in_language, texts
 from pymunk_dragon._text import width
 from pymunk_dragon.cli import COMMANDS, PROGRAM, cli
-from pymunk_dragon.cli.messages import CAUSE, PARTS, message
+from pymunk_dragon.cli.messages import message
+from pymunk_dragon.errors import ParameterError
+from pymunk_dragon.model.march import March
+from pymunk_dragon.model.run import Run
 
 # Two English words, one behind the other.
 ENGLISH = re.compile(r"(?<![\w-])[a-z]{2,}[,;:]? [a-z]{2,}")
@@ -76,7 +81,7 @@ def test_explanations_of_the_help_begin_in_one_column(help_of, command):
 def test_language_of_the_help_may_stand_anywhere(help_of, monkeypatch, command):
     chinese = help_of(*command.split(), "--help", "--lang", "zh")
     assert "选项：" in chinese
-    for arguments in (["--lang", "zh", "--help"], ["--lang=zh", "-h"], ["--lang", "en", "-h", "--lang", "zh"]):
+    for arguments in (["--lang", "zh", "--help"], ["--lang=zh", "--help"], ["--lang", "en", "--help", "--lang", "zh"]):
         assert help_of(*command.split(), *arguments) == chinese
     assert help_of("--lang", "zh", *command.split(), "--help") == chinese
     monkeypatch.setenv("PYMUNK_DRAGON_LANG", "zh")
@@ -158,7 +163,10 @@ CONTAINING = {
     "7 has no 7: leave it out, or write a film",
     "7 must be 7",
     "7; 7",
+    "line 7 must hold 7, but has a 7",
+    "line 7 must hold 7, not 7",
     "line 7: 7",
+    "no line holds 7",
     "of another sweep: 7",
 }
 
@@ -178,8 +186,9 @@ def strings_of(node, module, function):
             found = [before + more for before in found for more in strings_of(part, module, function) or ["7"]]
         return found
     if isinstance(node, ast.Call):
-        name = getattr(node.func, "id", getattr(node.func, "attr", ""))
-        return [""] if name == "did_you_mean" else strings_of(node.func.value, module, function) if name == "rstrip" else []
+        if isinstance(node.func, ast.Attribute) and node.func.attr == "rstrip":
+            return strings_of(node.func.value, module, function)
+        return [""] if getattr(node.func, "id", "") == "did_you_mean" else []
     if isinstance(node, ast.Name):
         known = getattr(import_module(module), node.id, None)
         if isinstance(known, str):
@@ -236,3 +245,117 @@ def test_message_without_a_translation_of_a_part_stays_english():
     with in_language("zh"):
         for english in ("no such message", "pitch is 3, but must be no such bound", "run.npz: no such reason"):
             assert message(english) == english
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """The current folder, with a run of the exact model and files that are none."""
+    monkeypatch.chdir(tmp_path)
+    Run.exact(March(turns=8), [79, 80]).save("run.npz")
+    Path("text.npz").write_text("no run")
+    Path("bad.toml").write_text("pitch =")
+    Path("keys.toml").write_text("pich = 0.6")
+    Path("letters.csv").write_text("0,0\na,b\n")
+    return tmp_path
+
+
+MISTAKES = {
+    # Click
+    "contact --pitch abc": "--pitch 的值无效：'abc' 不是数。",
+    "contact --benches 1.5": "--benches 的值无效：'1.5' 不是整数。",
+    "contact --speed fast": "--speed 的值无效：'fast' 既不是数，也不是以 .csv 结尾的表格文件",
+    "contact --pitch": "选项 --pitch 需要一个值。",
+    "contact --json=3": "选项 --json 不接受值。",
+    "contact more": "多余的参数：more",
+    "contact much more": "多余的参数：much more",
+    "report": "缺少参数 RUN.npz。",
+    "--lang zh": "缺少命令。",
+    # Names
+    "contct": "没有命令 'contct'：是否想用 contact？",
+    "--pitch 3 contact": "这里没有选项 --pitch：命令的选项要写在命令名称之后",
+    "contact --zzz": "没有选项 --zzz",
+    "contact --pich 3": "没有选项 --pich：是否想用 --pitch？",
+    "contact --duration 3": "没有选项 --duration：请用 --until",
+    "simulate --guide rail": "--guide 为 'rail'，但必须是 rails, none 之一：是否想用 rails？",
+    "study minpitch": "study 为 'minpitch'，但必须是 min-pitch, max-speed, sensitivity, u-turn 之一："
+    "是否想用 min-pitch？",
+    "contact --curve uturn": "--curve 为 'uturn'，但必须是名称 spiral 或 u-turn、以 .csv 结尾的点的文件，"
+    "或者含有 kind 的表：是否想用 u-turn？",
+    # Numbers
+    "contact --pitch 0": "--pitch 为 0.0，但必须是 0.001 到 1000 m 之间的数",
+    "contact --pitch 0.2": "--pitch 为 0.2，但必须大于板凳的宽度 0.3 m",
+    "contact --width 30": "pitch 为 0.55，但必须大于板凳的宽度 30 m；长度的单位是 m：是否想用 --width 0.3？",
+    "contact --benches 1": "--benches 为 1，但必须是 2 到 10000 之间的整数",
+    "simulate --substep 0": "--substep 为 0.0，但必须是大于 0、不超过 1e+09 s 的数",
+    "contact --from 20 --until 10": "--until 为 10.0，但必须晚于开始时刻 20 s",
+    "positions --times a": "--times 为 'a'，但必须是若干个数，例如 0,60,120，或者 起:止:步长，例如 0:300:1",
+    "positions --times 2000": "0 号把手在 t = 2000 s 时没有位置：曲线到 t = 442.59 s 为止",
+    "sweep --axis pitch": "--axis 为 'pitch'，但必须是 名称=值，例如 pitch=0.4:0.8:0.01 或 benches=50,100；"
+    "有 --samples 时是区间 pitch=0.4:0.8",
+    "sweep": "没有给出 --axis，但它必须至少有一个：参数和它的值",
+    # Files
+    "report none.npz": "run 为 'none.npz'，但必须是可以读取的文件（没有这个文件或文件夹）",
+    "report text.npz": "text.npz：不是 pymunk_dragon 的运行文件，或者已损坏",
+    "report run.npz -o r.txt": "-o 为 'r.txt'，但必须是以 .json 或 .csv 或 .md 或 .html 或 .xlsx 结尾的文件名",
+    "contact -o none/c.json": "-o 为 'none/c.json'，但必须位于可以写入的文件夹中（没有这个文件或文件夹）",
+    "contact --scenario none.toml": "--scenario 为 'none.toml'，但必须是可以读取的文件（没有这个文件或文件夹）",
+    "contact --scenario bad.toml": "--scenario bad.toml：不是 TOML 文件：",
+    "contact --scenario keys.toml": "pich 为 0.6，但必须省略：可用的参数有 benches, ",
+    "contact --curve letters.csv": "--curve letters.csv：第 2 行必须是 x（m）和 y（m），而不是 'a,b'",
+    # Options that do not go together
+    "contact --step 2": "--step 用于 grid 方法：请加上 --method grid",
+    "simulate --fine --substep 1": "--fine 已经选定子步和迭代次数：请去掉 --substep 和 --iterations",
+    "render run.npz --pitch 1": "运行文件已含有自己的场景：请去掉板凳龙和曲线的选项",
+    "render run.npz -o r.html --fps 9": "网页没有 --fps：请去掉它，或者写成动画",
+    "render --impulses --until 3": "--impulses 必须去掉：只有物理引擎的运行才有铰接的冲量",
+    "study min-pitch --arcs 3": "--arcs 为 3，但必须去掉：min-pitch 的参数是 benches, ",
+    "figure drift": "没有给出 run，但它必须是物理引擎的运行：插图 drift 由它绘制",
+    "figure drift run.npz": "run 是精确模型的运行，但必须是物理引擎的运行，只有它才有位置误差",
+    "demo --pause": "--save 和 --pause 用于运行一课：请给出课程的名称，并去掉 -o",
+    "live --exit": "--exit 用于回放：请用 --replay 给出录制文件",
+}
+
+
+@pytest.mark.parametrize("arguments", MISTAKES)
+def test_mistake_is_answered_in_chinese_in_one_line(call, folder, monkeypatch, arguments):
+    monkeypatch.setenv("PYMUNK_DRAGON_LANG", "zh")
+    code, out, err = call(*arguments.split())
+    assert (code, out) == (2, "")
+    assert err.startswith(f"pymunk-dragon: {MISTAKES[arguments]}")
+    assert err.count("\n") == 1
+
+
+def test_missing_extra_is_named_in_chinese(call, folder, monkeypatch):
+    monkeypatch.setitem(sys.modules, "aiohttp", None)
+    code, _, err = call("live", "near-miss", "--lang", "zh")
+    assert (code, err) == (2, "pymunk-dragon: 实时操作需要先运行：pip install 'pymunk-dragon[live]'\n")
+
+
+def test_failure_and_interruption_are_chinese(call, monkeypatch, tmp_path):
+    monkeypatch.setenv("PYMUNK_DRAGON_LANG", "zh")
+    code, _, err = call("contact", "--until", "9", "-o", tmp_path / "c.xlsx")
+    assert (code, err) == (1, f"pymunk-dragon: 到 t = 9 s 为止没有碰撞，所以没有写入 {tmp_path / 'c.xlsx'}\n")
+
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("pymunk_dragon.cli.positions.march_of", interrupted)
+    assert call("positions") == (130, "", "pymunk-dragon: 已中断\n")
+
+
+def test_error_in_an_option_before_the_language_is_chinese(call):
+    assert call("contact", "--zzz", "--lang", "zh")[2] == "pymunk-dragon: 没有选项 --zzz\n"
+    assert call("contact", "--zzz", "--lang", "en")[2] == "pymunk-dragon: there is no option --zzz\n"
+
+
+def test_exceptions_stay_english(monkeypatch):
+    monkeypatch.setenv("PYMUNK_DRAGON_LANG", "zh")
+    with in_language("zh"), pytest.raises(ParameterError, match="must be a number above 0"):
+        March(turns=-1)
+
+
+def test_figures_that_are_left_out_are_named_in_chinese_but_in_english_in_json(call, folder):
+    code, out, err = call("figure", "all", "run.npz", "--json", "--lang", "zh")
+    assert code == 0
+    assert "未绘制 drift：run 是精确模型的运行，但必须是" in err
+    assert "one of the exact model" in json.loads(out)["left_out"]["drift"]

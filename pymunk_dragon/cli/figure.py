@@ -10,6 +10,7 @@ import click
 from pymunk_dragon._language import text
 from pymunk_dragon.cli.command import DragonCommand
 from pymunk_dragon.cli.completion import files, named
+from pymunk_dragon.cli.messages import message
 from pymunk_dragon.cli.options import (
     chosen,
     destination_of,
@@ -19,7 +20,6 @@ from pymunk_dragon.cli.options import (
     run_of,
     scenario_options,
 )
-from pymunk_dragon.cli.messages import message
 from pymunk_dragon.cli.output import print_json, progress, wrote
 from pymunk_dragon.errors import OutputError, ParameterError, UnreachableError
 

@@ -10,12 +10,14 @@ import re
 from functools import cache
 from string import Formatter
 
-from pymunk_dragon._language import language
+from pymunk_dragon._language import language, text
 
 # Fields that are messages themselves. Without a translation of one, the whole message stays English.
-PARTS = ("bound", "feature", "hint", "message", "reason")
-# Field for the words of the operating system or of another library, which stay as they are if they are not in the table.
+PARTS = ("bound", "columns", "feature", "message", "reason")
+# Field for words of the operating system or of another library, which may stay English.
 CAUSE = "cause"
+# Field for words between which is "or".
+CHOICES = "choices"
 
 
 def message(english: str) -> str:
@@ -45,21 +47,31 @@ def _value(name: str, english: str) -> str | None:
     """The value of a field in the present language; None if it is a message without a translation."""
     if name in PARTS:
         return _found(english)
+    if name == CHOICES:
+        return english.replace(" or ", text(" or "))
     return message(english) if name == CAUSE else english
 
 
 @cache
 def _templates(name: str) -> list[tuple[re.Pattern[str], str]]:
-    """Patterns of messages with their translations, those with most characters outside of fields first."""
+    """Patterns of messages with their translations.
+
+    First those with parts, because other fields could match whole parts; then those with more characters of their own.
+    """
     import tomllib
     from importlib.resources import files
 
     table = tomllib.loads(files(__package__).joinpath(f"{name}.toml").read_text(encoding="utf-8"))["messages"]
     parsed = {english: list(Formatter().parse(english)) for english in table}
-    ordered = sorted(table, key=lambda english: -sum(len(literal) for literal, *_ in parsed[english]))
-    return [(_pattern(parsed[english]), table[english]) for english in ordered]
+
+    def rank(english: str) -> tuple[bool, int]:
+        whole = not any(field in PARTS for _, field, *_ in parsed[english])
+        return whole, -sum(len(literal) for literal, *_ in parsed[english])
+
+    return [(_pattern(parsed[english]), table[english]) for english in sorted(table, key=rank)]
 
 
 def _pattern(parsed: list[tuple[str, str | None, str | None, str | None]]) -> re.Pattern[str]:
-    """The pattern of a parsed template."""
-    return re.compile("".join(re.escape(literal) + (f"(?P<{field}>.+?)" if field else "") for literal, field, *_ in parsed))
+    """The pattern of a parsed template. A name has no colon, behind which would be a part."""
+    any_of = {field: f"(?P<{field}>{'[^:]' if field == 'name' else '.'}+?)" for _, field, *_ in parsed if field}
+    return re.compile("".join(re.escape(literal) + any_of.get(field or "", "") for literal, field, *_ in parsed))
