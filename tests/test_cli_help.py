@@ -204,6 +204,8 @@ def completions(line):
         ("render --camera ", ["field", "head"]),
         ("sweep --quantity engine", ["engine-contact-time", "engine-error"]),
         ("sweep --sampling ", ["sobol", "random"]),
+        ("sweep --axis p", ["pitch="]),
+        ("sweep --axis l", ["limit="]),
         ("positions --lang ", ["en", "zh"]),
         ("study --min", ["--min-radius"]),
         ("frobnicate --x", []),

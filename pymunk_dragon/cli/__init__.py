@@ -3,7 +3,8 @@
 Every command but `report`, which reads a run, and `demo` takes the same dragon and curve, as flags or as a file
 (`pymunk_dragon.model.scenario`). Lists are `0,60,120` or `0:300:1`, with both ends. `-o FILE` writes a file, whose
 ending chooses the format. `--json` prints one JSON object on stdout and nothing else there; progress and messages go
-to stderr.
+to stderr. `--lang zh`, or `PYMUNK_DRAGON_LANG=zh` in the environment, chooses Chinese for results, messages, help and
+errors.
 
 | exit code | meaning |
 | --- | --- |

@@ -27,6 +27,13 @@ def _quantities() -> dict[str, str]:
     return {name: quantity.summary for name, quantity in QUANTITIES.items()}
 
 
+def _parameters() -> dict[str, str]:
+    """Parameters that can be axes, each with the sign before its values."""
+    from pymunk_dragon.sweeps.quantities import QUANTITIES
+
+    return {f"{name}=": "" for quantity in QUANTITIES.values() for name in quantity.parameters}
+
+
 @click.command(
     cls=DragonCommand,
     examples=(
@@ -35,7 +42,13 @@ def _quantities() -> dict[str, str]:
     ),
 )
 @scenario_options
-@click.option("--axis", multiple=True, metavar="NAME=VALUES", help="Parameter and its values; one for each axis.")
+@click.option(
+    "--axis",
+    multiple=True,
+    metavar="NAME=VALUES",
+    help="Parameter and its values; one for each axis.",
+    shell_complete=named(_parameters),
+)
 @click.option(
     "--quantity",
     metavar="NAME",
