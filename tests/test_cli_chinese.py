@@ -241,6 +241,41 @@ def test_templates_of_messages_have_the_same_fields():
     assert {english for english, chinese in table.items() if fields(english) != fields(chinese)} == set()
 
 
+@pytest.mark.parametrize(
+    ("english", "chinese"),
+    [
+        (
+            "interrupted: 3 of 9 points are in s.csv.journal, from where the sweep can be resumed",
+            "已中断：9 个点中的 3 个已记录在 s.csv.journal，可以从那里继续",
+        ),
+        (
+            "the Dask scheduler x has no workers; 3 of 9 points are in j, from where the sweep can be resumed",
+            "Dask 调度器 x 没有工作进程；9 个点中的 3 个已记录在 j，可以从那里继续",
+        ),
+        ("cannot write b.gif: No space left on device", "无法写入 b.gif：磁盘空间不足"),
+        ("cannot read or write: c.csv: Permission denied", "无法读写：c.csv：没有权限"),
+        ("cannot read or write: Input/output error", "无法读写：Input/output error"),
+        (
+            "j: of another sweep: axes pitch was [1], but is [2]",
+            "j：属于另一个 sweep：axes pitch 原来是 [1]，现在是 [2]",
+        ),
+        ("r.npz: a damaged run: its times are not finite numbers", "r.npz：运行文件已损坏：其中的 times 不是有限的数"),
+        (
+            "point 3 is [nan, 0.0], but must be at least 0.1 m from the one before",
+            "第 3 个点为 [nan, 0.0]，但必须离前一个点至少 0.1 m",
+        ),
+        (
+            "v.csv: line 2 must hold a time in s and a speed in m/s, not 'x'",
+            "v.csv：第 2 行必须是时刻（s）和速度（m/s），而不是 'x'",
+        ),
+        ("note: lengths are in m: did you mean --pitch 0.55?", "注意：长度的单位是 m：是否想用 --pitch 0.55？"),
+    ],
+)
+def test_parts_of_a_message_are_translated(english, chinese):
+    with in_language("zh"):
+        assert message(english) == chinese
+
+
 def test_message_without_a_translation_of_a_part_stays_english():
     with in_language("zh"):
         for english in ("no such message", "pitch is 3, but must be no such bound", "run.npz: no such reason"):

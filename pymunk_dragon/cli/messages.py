@@ -65,7 +65,7 @@ def _templates(name: str) -> list[tuple[re.Pattern[str], str]]:
     parsed = {english: list(Formatter().parse(english)) for english in table}
 
     def rank(english: str) -> tuple[bool, int]:
-        whole = not any(field in PARTS for _, field, *_ in parsed[english])
+        whole = not any(field in (*PARTS, CAUSE) for _, field, *_ in parsed[english])
         return whole, -sum(len(literal) for literal, *_ in parsed[english])
 
     return [(_pattern(parsed[english]), table[english]) for english in sorted(table, key=rank)]
