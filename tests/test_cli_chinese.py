@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import ast
 import json
+import os
 import re
+import subprocess
 import sys
 import tomllib
 from importlib import import_module
@@ -376,6 +378,18 @@ def test_failure_and_interruption_are_chinese(call, monkeypatch, tmp_path):
 
     monkeypatch.setattr("pymunk_dragon.cli.positions.march_of", interrupted)
     assert call("positions") == (130, "", "pymunk-dragon: 已中断\n")
+
+
+@pytest.mark.parametrize(("encoding", "said"), [("gbk", "没有选项 --zzz"), ("latin-1", "there is no option --zzz")])
+def test_error_is_english_where_stderr_cannot_encode_chinese(encoding, said):
+    done = subprocess.run(
+        [sys.executable, "-m", "pymunk_dragon", "contact", "--zzz", "--lang", "zh"],
+        capture_output=True,
+        encoding=encoding,
+        env=os.environ | {"PYTHONIOENCODING": encoding},
+        check=False,
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (2, "", f"pymunk-dragon: {said}\n")
 
 
 def test_error_in_an_option_before_the_language_is_chinese(call):

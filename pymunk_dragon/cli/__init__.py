@@ -143,9 +143,14 @@ def _drop_output() -> None:
 
 
 def _complain(english: str, code: int) -> int:
-    """Print an error message in one line and return the exit code."""
+    """Print an error message in one line, in English if stderr cannot encode it otherwise, and return the exit code."""
+    line = one_line(english)
+    with suppress(UnicodeEncodeError):
+        translated = message(line)
+        translated.encode(sys.stderr.encoding or "utf-8")
+        line = translated
     with suppress(OSError):
-        click.echo(f"{PROGRAM}: {message(one_line(english))}", err=True)
+        click.echo(f"{PROGRAM}: {line}", err=True)
     return code
 
 
