@@ -1216,8 +1216,10 @@ def test_frames_are_of_the_scene_that_was_described_before_them():
 
 
 def server_texts():
-    """Texts that the page gets from the server and shows: scenes, parameters and events."""
+    """Texts that the page gets from the server and shows: scenes, parameters, events and errors."""
     found = {"benches {i} and {j} touch", "bench {i} and an obstacle touch", "the head is at the end of its path"}
+    found |= {"the bodies flew apart: reset, and take shorter steps", "the recording is full, and has ended"}
+    found |= {"more than {i} messages in a second: the others are ignored", "this address only watches"}
     for each in [*SCENES.values(), dragon(March())]:
         found |= {each.title, each.text}
         for parameter in each.build({}).parameters:

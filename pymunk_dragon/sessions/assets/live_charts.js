@@ -1,5 +1,7 @@
 // The three charts: position error, tension along the chain, and the time that a step takes.
 
+const ERROR_KNOWN = 1e-8; // m: errors are shown to a hundredth of a micrometre.
+
 class LiveCharts {
   constructor(painter) {
     this.painter = painter;
@@ -41,7 +43,7 @@ class LiveCharts {
     chart.begin(decadeTicks([low, high]), colours, font);
     chart.line(track.map(([across, value]) => [across, value > 0 ? (Math.log10(value) - low) / (high - low) : NaN]), colours.any);
     const worst = errors.reduce((one, value, i) => (value > (errors[one] ?? -1) ? i : one), -1);
-    setText("value-error", worst < 0 ? "–" : localized("{error}, bench {i}", { error: formatLength(errors[worst], 0), i: worst }));
+    setText("value-error", worst < 0 ? "–" : localized("{error}, bench {i}", { error: formatError(errors[worst], ERROR_KNOWN), i: worst }));
   }
 
   drawForces(chart, { forces }, cuts) {

@@ -2,7 +2,7 @@
 
 const SPEEDS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20]; // simulated over real time
 
-// An event of the server, whose numbers are fields {i}, {j}, ... of a text.
+// An event or an error of the server, whose numbers are fields {i}, {j}, ... of a text.
 function translatedNumbers(text) {
   const numbers = text.match(/\d+/g) ?? [];
   const names = "ijk";

@@ -180,6 +180,6 @@ class Tools {
     if (joint) return localized("joint {i}: {force}", { i: joint.number, force: formatForce(forces[joint.number]) });
     if (bench === undefined) return "";
     if (!(errors[bench] > 0)) return localized("bench {i}", { i: bench });
-    return localized("bench {i}: error {error}", { i: bench, error: formatLength(errors[bench], 0) });
+    return localized("bench {i}: error {error}", { i: bench, error: formatError(errors[bench], ERROR_KNOWN) });
   }
 }
