@@ -1,7 +1,7 @@
 """Rendering: pictures of a dragon's state, films, figures and debug drawing.
 
 `render` and `pymunk-dragon render` take the format from the file's ending: a GIF, an APNG, a WebP, an MP4 (with
-`pip install 'pymunk-dragon[mp4]'`), or a PNG of one moment. The program also writes the page of
+`pip install 'pymunk-dragon[mp4]'`), or a PNG or PDF of one moment. The program also writes the page of
 `pymunk_dragon.player`, `.html`. Several runs stand side by side, and `--exact` puts the exact model beside a run.
 
 ```console
@@ -35,14 +35,14 @@ anti-aliasing, as `python tests/bench/bench_film.py` measures them on two cores:
 
 | method | ms a frame | times ours | MB | memory, MB |
 | --- | --- | --- | --- | --- |
-| GIF, drawn by two processes | 3.9 | 1 | 7.4 | 135 |
-| GIF, drawn by one | 4.6 | 1.2 | 7.4 | 58 |
-| APNG, by two | 9.5 | 2.4 | 9.3 | 363 |
-| WebP, by two | 10.4 | 2.7 | 10.0 | 170 |
-| MP4, by one beside FFmpeg | 8.0 | 2.1 | 7.1 | 143 |
-| imageio, a stack of RGB frames | 32.2 | 8.3 | 8.9 | 1025 |
-| matplotlib, `FuncAnimation` and `PillowWriter` | 58.4 | 15.0 | 21.0 | 702 |
-| the same, without axes and title | 49.3 | 12.7 | 27.4 | 701 |
+| GIF, drawn by two processes | 4.0 | 1 | 6.4 | 134 |
+| GIF, drawn by one | 5.3 | 1.3 | 6.4 | 55 |
+| APNG, by two | 9.7 | 2.4 | 8.3 | 361 |
+| WebP, by two | 9.9 | 2.5 | 9.5 | 167 |
+| MP4, by one beside FFmpeg | 8.4 | 2.1 | 6.5 | 142 |
+| imageio, a stack of RGB frames | 37.8 | 9.5 | 7.7 | 1024 |
+| matplotlib, `FuncAnimation` and `PillowWriter` | 67.5 | 16.9 | 21.0 | 700 |
+| the same, without axes and title | 55.0 | 13.8 | 27.4 | 700 |
 
 `render` starts several processes for 150 frames and more; `workers=1` forbids it.
 
@@ -50,9 +50,9 @@ A shorter film, from `python tests/bench/bench_speed.py`:
 
 | GIF of 60 frames | ms | share |
 | --- | --- | --- |
-| `write_film`, one process | 310 | 1 |
-| imageio, a stack of RGB frames | 2290 | 7.4 |
-| matplotlib, `FuncAnimation` and `PillowWriter` | 4045 | 13.0 |
+| `write_film`, one process | 352 | 1 |
+| imageio, a stack of RGB frames | 2267 | 6.4 |
+| matplotlib, `FuncAnimation` and `PillowWriter` | 4249 | 12.1 |
 """
 
 from pymunk_dragon.drawing.camera import Camera

@@ -1,9 +1,13 @@
 """A run as one self-contained page that plays it.
 
 The page is one HTML file that plays a run in any current browser, without network: play, step, scrub, zoom, follow
-the head, and switch on handles, velocities, contacts, the grid and bench numbers. Point at a bench to read its speed,
-its angle and the gap to the nearest other bench. N and P jump to near misses and contacts, and the address
-(`run.html#t=409.8&follow=head`) leads to the same moment on another screen.
+the head, and switch on handles, velocities, contacts, the grid, bench numbers and, for a run of the engine, the exact
+model. Point at a bench to read its speed, its angle and the gap to the nearest other bench. Playing slows down near
+events.
+
+N and P jump to near misses and contacts, and L plays the last 10 s. Z and X show a shorter or longer part of the
+timeline, and C the whole run. The key ? lists all keys. The address (`run.html#t=409.8&follow=head`) leads to the same
+moment on another screen, and `run.html?zh` opens the page in Chinese.
 
 ```console
 $ pymunk-dragon simulate --from 405 -o run.npz
@@ -14,7 +18,7 @@ $ pymunk-dragon render run.npz -o run.html
 
 Between two frames, page, films and `Run.poses_at` follow cubic polynomials with the positions and velocities of both
 frames, and no number has more digits than the page's data. The whole run of the reference scenario, 4,126 frames of
-224 handles, is a page of 1.90 MB (`python tests/bench/bench_player.py renders/march.npz`).
+224 handles, is a page of 2.08 MB (`python tests/bench/bench_player.py renders/march.npz`).
 """
 
 from pymunk_dragon.player.page import PLAYER_ENDINGS, player_page, write_player
