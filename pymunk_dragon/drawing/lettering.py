@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
+from pymunk_dragon._language import font
 from pymunk_dragon.drawing.palette import TYPE_RAMP
 from pymunk_dragon.errors import ParameterError
 
@@ -91,6 +92,18 @@ class Lettering:
                 parts.append("")
             parts[-1] += character
         return parts
+
+
+def pillow_font(size: float) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
+    """A font of Pillow, `size` pixels high, with the characters of the present language.
+
+    Raises
+    ------
+    MissingExtraError
+        If the language needs a font that is not installed.
+    """
+    face = font()
+    return ImageFont.load_default(size) if face is None else ImageFont.truetype(face, size)
 
 
 @lru_cache(maxsize=8)

@@ -8,11 +8,10 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from PIL import ImageFont
-
 from pymunk_dragon._extras import optional_imports
 from pymunk_dragon._files import written_in_place
-from pymunk_dragon._language import font, in_language
+from pymunk_dragon._language import in_language
+from pymunk_dragon.drawing.lettering import pillow_font
 from pymunk_dragon.lessons._framework.guess import Guess
 from pymunk_dragon.lessons._framework.notebook import NotebookOutput
 from pymunk_dragon.lessons._framework.play import current_output
@@ -124,8 +123,7 @@ class Lesson:
         MissingExtraError
             If the language needs one that is not installed.
         """
-        face = font()
-        return ImageFont.load_default(size) if face is None else ImageFont.truetype(face, size)
+        return pillow_font(size)
 
     def subplots(
         self,

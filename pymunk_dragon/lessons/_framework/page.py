@@ -11,6 +11,7 @@ from typing import Any
 
 from pymunk_dragon._extras import library, optional_imports
 from pymunk_dragon._html import asset, data_address, filled, policy
+from pymunk_dragon._language import has_font, in_language
 from pymunk_dragon._text import unbroken
 from pymunk_dragon.drawing import Film, write_film
 from pymunk_dragon.drawing.film.stills import last_frame, picture_size
@@ -30,8 +31,8 @@ PAGE_WORDS = (
     *("print_class", "print_teacher", "print_class_all", "print_teacher_all"),
 )
 # Film at the top of the page: the last 52 s before the first contact. Its step of 0.6 m a frame is short against a
-# bench, and its file has some 1.2 MB.
-FILM = Film(start=360, until=412.474, speedup=12, fps=20, size=360, hold=2.5)
+# bench, and its file has some 1.1 MB.
+FILM = Film(start=360, until=412.474, speedup=12, fps=20, size=330, hold=2.5)
 
 
 def check_libraries() -> None:
@@ -74,7 +75,7 @@ def make_page(recordings: Sequence[Sequence[Recording]], language: str = "en") -
         languages={each: heading("language", each) for each in LANGUAGES},
         words={name: {each: heading(name, each) for each in LANGUAGES} for name in (*PAGE_WORDS, *PARTS[1:])},
         lessons=[_values(recording) for recording in recordings],
-        film=_film(_dragon(), ".gif"),
+        films={each: _film(_dragon(each), ".gif") for each in LANGUAGES if has_font(each)},
         glossary=[
             [{each: _pieces(notes(each).glossary[key][part]) for each in LANGUAGES} for part in range(2)]
             for key in notes("en").glossary
@@ -152,9 +153,9 @@ def _film(picture: bytes, ending: str) -> dict[str, Any]:
 
 
 @cache
-def _dragon() -> bytes:
+def _dragon(language: str) -> bytes:
     """The film at the top of the page: the march of the reference scenario into its first contact."""
-    with tempfile.TemporaryDirectory(prefix="pymunk-dragon-") as folder:
+    with tempfile.TemporaryDirectory(prefix="pymunk-dragon-") as folder, in_language(language):
         file = Path(folder) / "march.gif"
         write_film(March(), file, FILM)
         return file.read_bytes()
