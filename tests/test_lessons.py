@@ -380,6 +380,13 @@ def test_program_plays_a_lesson_and_names_the_next(call, tmp_path):
     assert following.endswith(" demo chain")
 
 
+def test_the_next_lesson_is_named_in_the_same_language(capsys):
+    with in_language("zh"):
+        Terminal().say("spiral", "change", "")
+    assert capsys.readouterr().out.splitlines()[-1].endswith(" demo chain --lang zh")
+    assert "`pymunk-dragon demo chain -o chain.ipynb --lang zh`" in cells("spiral", "zh")[-1].source
+
+
 def test_the_last_lesson_has_no_next_one(capsys):
     for name, names_a_lesson in (("speed-limit", True), ("robot", False)):
         Terminal().say(name, "change", "")

@@ -11,7 +11,7 @@ from pymunk_dragon._html import data_address
 from pymunk_dragon.lessons._framework.lesson_file import CODE, LessonFile, next_lesson
 from pymunk_dragon.lessons._framework.markup import pieces
 from pymunk_dragon.lessons._framework.play import MEDIA_TYPES, Output
-from pymunk_dragon.lessons._framework.translations import heading
+from pymunk_dragon.lessons._framework.translations import heading, option
 
 MARKDOWN = "markdown"
 # End of a cell: an empty line before a paragraph of code that begins with a comment.
@@ -88,7 +88,8 @@ def _cells(lesson: LessonFile) -> Iterator[tuple[str, str]]:
     if lesson.live:
         yield MARKDOWN, f"**{heading('live', language)}**\n\n`pymunk-dragon live {lesson.live}`"
     if (after := next_lesson(lesson.name)) is not None:
-        yield MARKDOWN, f"**{heading('next', language)}**\n\n`pymunk-dragon demo {after} -o {after}.ipynb`"
+        command = f"pymunk-dragon demo {after} -o {after}.ipynb"
+        yield MARKDOWN, f"**{heading('next', language)}**\n\n`{command}{option(language)}`"
 
 
 def _items(lines: Iterable[str]) -> list[str]:

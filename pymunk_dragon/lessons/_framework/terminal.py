@@ -20,7 +20,7 @@ from pymunk_dragon.lessons._framework.guess import Guess
 from pymunk_dragon.lessons._framework.lesson_file import live_scene, next_lesson
 from pymunk_dragon.lessons._framework.markup import plain
 from pymunk_dragon.lessons._framework.play import Output, make_folder
-from pymunk_dragon.lessons._framework.translations import heading
+from pymunk_dragon.lessons._framework.translations import heading, option
 
 # Columns of text also in a wider terminal: longer lines are hard to read.
 MAX_COLUMNS = 88
@@ -92,7 +92,7 @@ class Terminal(Output):
         if part == "change" and (scene := live_scene(lesson)):
             self._print("live", f"{self._program} live {scene}")
         if part == "change" and (after := next_lesson(lesson)) is not None:
-            self._print("next", f"{self._program} demo {after}")
+            self._print("next", f"{self._program} demo {after}{option(language())}")
 
     def show(self, lesson: str, picture: Path) -> None:
         """Print the file of the picture."""

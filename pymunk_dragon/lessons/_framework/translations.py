@@ -24,6 +24,11 @@ def check_language(language: str) -> str:
     return word("language", language, LANGUAGES)
 
 
+def option(language: str) -> str:
+    """What follows a command that is printed in a language, so that its output is in this language too."""
+    return "" if language == "en" else f" --lang {language}"
+
+
 def heading(name: str, language: str) -> str:
     """A heading or another text that all lessons share, such as that of a part."""
     word: str = _texts(language)["words"][name]
