@@ -142,8 +142,10 @@ def test_tail_stays_when_its_joint_is_cut_with_the_tool(browser):
 
 def film_pictures(path):
     """Pictures of a video, (F, height, width, 3)."""
-    # FFmpeg itself: imageio's reader leaves its pipes open.
-    command = [imageio_ffmpeg.get_ffmpeg_exe(), "-i", str(path), "-f", "rawvideo", "-pix_fmt", "rgb24", "-"]
+    # FFmpeg itself: imageio's reader leaves its pipes open. "passthrough" because a browser's film has pictures at
+    # irregular times; by default, FFmpeg repeats them at a constant rate that it guesses (60 a second of 30).
+    command = [imageio_ffmpeg.get_ffmpeg_exe(), "-i", str(path), "-fps_mode", "passthrough"]
+    command += ["-f", "rawvideo", "-pix_fmt", "rgb24", "-"]
     done = subprocess.run(command, capture_output=True, check=True)
     [width, height] = re.search(r"Video: .* (\d{2,})x(\d{2,})", done.stderr.decode()).groups()
     return np.frombuffer(done.stdout, np.uint8).reshape(-1, int(height), int(width), 3)
