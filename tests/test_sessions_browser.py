@@ -140,6 +140,21 @@ def test_tail_stays_when_its_joint_is_cut_with_the_tool(browser):
         assert_replays(session)
 
 
+def test_page_shows_the_largest_error_in_micrometres_and_its_bench(browser):
+    with served(dragon(March(Dragon(benches=30)))) as session, visit(browser, session.address) as found:
+        page = found.page
+        wait_until(page, "live.frame.time > 1")
+        page.keyboard.press("Space")
+        wait_until(page, "!live.state.running")
+        # A frame of the time when it stood still.
+        page.wait_for_timeout(200)
+        number, bench = re.fullmatch(r"([\d.]+) \u03bcm, bench (\d+)", page.inner_text("#value-error")).groups()
+        with session.paused():
+            _, errors = session._session.scene._exact()
+    assert int(bench) == errors.argmax()
+    assert float(number) * 1e-6 == pytest.approx(errors.max(), abs=1e-8)
+
+
 def film_pictures(path):
     """Pictures of a video, (F, height, width, 3)."""
     # FFmpeg itself: imageio's reader leaves its pipes open. "passthrough" because a browser's film has pictures at
