@@ -19,6 +19,7 @@ from scipy.optimize import brentq
 
 from pymunk_dragon.collision import first_contact, scan
 from pymunk_dragon.collision.bounds import UNPROVEN_ROUNDING, Intervals, MotionBounds
+from pymunk_dragon.collision.near_misses import near_misses
 from pymunk_dragon.collision.sat import separation
 from pymunk_dragon.errors import DragonError, ParameterError, UnreachableError
 from pymunk_dragon.model.curves import Arc, Composite, Line, Spiral
@@ -214,6 +215,25 @@ def test_march_past_the_last_place_is_unreachable_there():
     with pytest.raises(UnreachableError):
         march.at(found.time + 1e-11)
     assert first_contact(march, until=1e6).time == found.time
+
+
+@pytest.mark.parametrize("speed", [0.7, 1.375, 2.9])
+@pytest.mark.parametrize(("benches", "pitch", "turns"), [(3, 0.55, 8), (6, 1.2, 6), (8, 0.9, 5)])
+def test_whether_the_last_time_has_a_state_does_not_depend_on_rounding(benches, pitch, turns, speed):
+    march = March(Dragon(benches=benches), Spiral(pitch=pitch), turns=turns, speed=speed)
+    found = first_contact(march)
+    assert found.status == "unreachable"
+    # NumPy rounds in other ways for other numbers of times, and on other processors.
+    for count in (1, 2, 7, 64):
+        march.at(np.full(count, found.time + 5e-13 / speed))
+    with pytest.raises(UnreachableError):
+        march.at(found.time + 1e-11 / speed)
+
+
+def test_no_near_miss_is_searched_where_the_chain_has_no_state():
+    march = March(Dragon(benches=3), turns=8)
+    last = first_contact(march).time
+    assert near_misses(march, np.array([[0, 2, last - 1e-10, 2e-10, 0.001]]), 0, last, 0.01) == ()
 
 
 def test_rounding_without_a_proven_bound_counts_to_the_resolution(seed_impact):

@@ -307,7 +307,7 @@ class _Search:
         within = (gaps > -(bounds.rounding[rows] + tolerance)) & (intervals.ends[rows] + length < self._hit)
         self._resolution = max(self._resolution, -float(gaps[within].min(initial=0.0)))
         latest = float(np.abs(intervals.middles[rows]).max())
-        return (gaps > 0) | within | (length <= max(RESOLUTION, LAST_DIGITS * float(np.spacing(latest))))
+        return (gaps > 0) | within | (length <= _resolution(latest))
 
     def _note_unproven(self, proven: Flags) -> None:
         """Include `UNPROVEN_ROUNDING` in the resolution if intervals were cleared without a proof for rounding."""
@@ -331,15 +331,24 @@ class _Search:
         self._small_gaps.append(np.column_stack([pairs, times, lengths, distances])[chosen])
 
 
+def _resolution(time: float) -> float:
+    """Length of the shortest intervals about a time, m of the head's distance."""
+    return max(RESOLUTION, LAST_DIGITS * float(np.spacing(abs(time))))
+
+
 def _last_reachable(march: March, reachable: float, later: float) -> float:
-    """Last time at which the chain has a state, between one at which it has and one at which it has not."""
+    """Last time at which the chain has a state, between one at which it has and one at which it has not.
+
+    It is early by the resolution: nearer to the end, rounding decides whether there is a state, and rounding depends on
+    the processor and on the number of times that are computed together.
+    """
     lost = np.isnan(march.handles_s_or_nan(later)[0])
     # A handle behind the first one that is lost later may be lost earlier, but hardly ever is.
     for handles in (int(lost.argmax()) + 1, march.dragon.handles):
         found = _last_time(march, reachable, later, handles)
         if not np.isnan(march.handles_s_or_nan(found)).any():
             break
-    return found
+    return max(reachable, found - _resolution(found))
 
 
 def _last_time(march: March, reachable: float, later: float, handles: int) -> float:

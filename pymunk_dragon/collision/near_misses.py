@@ -86,7 +86,8 @@ def _local_minima(march: March, pairs: Indices, low: Array, high: Array) -> Arra
 
     Each is time, first bench, second bench, and gap in m. A bracket whose gap is smallest at one of its ends has none.
     """
-    margin = np.maximum(BRACKET_END_SHARE * (high - low), BRACKET_END)
+    # No time is outside a bracket that is shorter than both margins: the chain may have no state there.
+    margin = np.clip(BRACKET_END_SHARE * (high - low), BRACKET_END, (high - low) / 2)
     times = np.column_stack([low, np.linspace(low + margin, high - margin, MINIMUM_POINTS, axis=-1), high])
     gaps = _gaps(march, pairs, times)
     best = gaps.argmin(axis=1)
