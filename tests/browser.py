@@ -75,7 +75,7 @@ def english_words(page: Page) -> set[str]:
     return {word for text in page.evaluate(TEXTS) for word in re.findall(r"[A-Za-z]{3,}", text)}
 
 
-def wait_until(page: Page, expression: str, seconds: float = 10.0) -> None:
+def wait_until(page: Page, expression: str, seconds: float = 30.0) -> None:
     """Wait for an expression to become true; Playwright's own way needs `eval`, which a strict page forbids."""
     end = time.monotonic() + seconds
     while not page.evaluate(expression):

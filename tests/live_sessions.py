@@ -20,7 +20,7 @@ from pymunk_dragon.sessions.scenes import planned
 from pymunk_dragon.sessions.session import Session
 
 # s that anything may take on a busy machine.
-PATIENCE = 20.0
+PATIENCE = 60.0
 # Layout of a frame's head, from the description of the protocol.
 HEAD = struct.Struct("<6I5d5f")
 
