@@ -118,6 +118,8 @@ def test_option_before_the_command_is_sent_behind_it(call):
 
 def test_word_that_is_not_similar_gets_no_hint(call):
     assert call("simulate", "--guide", "xyz")[2].endswith("must be one of rails, none\n")
+    # Another program's word for --substep, which this command does not have; its letters are in --width.
+    assert call("render", "--dt", "0.1")[2].endswith("there is no option --dt\n")
 
 
 @pytest.mark.parametrize(

@@ -32,7 +32,7 @@ def option_hint(error: click.NoSuchOption) -> str:
         return f"there is no option {error.option_name}: use {same}"
     if error.ctx is not None and isinstance(error.ctx.command, click.Group):
         return f"there is no option {error.option_name} here: options of a command stand after its name"
-    similar = f": did you mean {error.possibilities[0]}?" if error.possibilities else ""
+    similar = f": did you mean {error.possibilities[0]}?" if error.possibilities and same is None else ""
     return f"there is no option {error.option_name}{similar}"
 
 
