@@ -380,11 +380,15 @@ def test_program_plays_a_lesson_and_names_the_next(call, tmp_path):
     assert following.endswith(" demo chain")
 
 
-def test_the_next_lesson_is_named_in_the_same_language(capsys):
+def test_commands_after_a_lesson_are_in_the_same_language(capsys):
     with in_language("zh"):
-        Terminal().say("spiral", "change", "")
-    assert capsys.readouterr().out.splitlines()[-1].endswith(" demo chain --lang zh")
-    assert "`pymunk-dragon demo chain -o chain.ipynb --lang zh`" in cells("spiral", "zh")[-1].source
+        Terminal().say("callbacks", "change", "")
+    printed = capsys.readouterr().out
+    assert " live jam --lang zh\n" in printed
+    assert " demo tension --lang zh\n" in printed
+    *_, live, following = cells("callbacks", "zh")
+    assert "`pymunk-dragon live jam --lang zh`" in live.source
+    assert "`pymunk-dragon demo tension -o tension.ipynb --lang zh`" in following.source
 
 
 def test_the_last_lesson_has_no_next_one(capsys):

@@ -83,6 +83,11 @@ def test_one_language_is_seen_at_a_time(seen, language):
             assert (longest(lesson.text(part)) in text) == (lesson.language == language), (lesson.name, part)
     for lesson in ALL:
         assert "".join(played(lesson.name, language).printed.split()) in text
+    codes = seen.page.locator("code:visible").all_inner_texts()
+    commands = [each for each in codes if re.match("pymunk-dragon (demo|live) ", each)]
+    expected = [f"pymunk-dragon demo {lesson.name}" for lesson in ALL]
+    expected += [f"pymunk-dragon live {lesson.live}" for lesson in ALL if lesson.live]
+    assert sorted(commands) == sorted(each + {"en": "", "zh": " --lang zh"}[language] for each in expected)
     assert seen.page.title() == seen.page.inner_text("h1")
 
 

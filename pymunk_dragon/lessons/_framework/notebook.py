@@ -86,10 +86,11 @@ def _cells(lesson: LessonFile) -> Iterator[tuple[str, str]]:
     answer = "\n\n".join([section("picture"), section("answer"), results, section("check"), section("change")])
     yield MARKDOWN, f"<details><summary>{heading('answer', language)}</summary>\n\n{answer}\n\n</details>"
     if lesson.live:
-        yield MARKDOWN, f"**{heading('live', language)}**\n\n`pymunk-dragon live {lesson.live}`"
+        command = f"pymunk-dragon live {lesson.live}{option(language)}"
+        yield MARKDOWN, f"**{heading('live', language)}**\n\n`{command}`"
     if (after := next_lesson(lesson.name)) is not None:
-        command = f"pymunk-dragon demo {after} -o {after}.ipynb"
-        yield MARKDOWN, f"**{heading('next', language)}**\n\n`{command}{option(language)}`"
+        command = f"pymunk-dragon demo {after} -o {after}.ipynb{option(language)}"
+        yield MARKDOWN, f"**{heading('next', language)}**\n\n`{command}`"
 
 
 def _items(lines: Iterable[str]) -> list[str]:

@@ -21,7 +21,7 @@ from pymunk_dragon.lessons._framework.markup import in_mathml, pieces
 from pymunk_dragon.lessons._framework.notebook import make_notebook
 from pymunk_dragon.lessons._framework.notes import notes
 from pymunk_dragon.lessons._framework.play import MEDIA_TYPES, Recording
-from pymunk_dragon.lessons._framework.translations import LANGUAGES, PARTS, heading
+from pymunk_dragon.lessons._framework.translations import LANGUAGES, PARTS, heading, option
 from pymunk_dragon.model.march import March
 
 # Texts of the page itself in the files of translations.
@@ -73,6 +73,7 @@ def make_page(recordings: Sequence[Sequence[Recording]], language: str = "en") -
         "assets/lessons.html.j2",
         language=language,
         languages={each: heading("language", each) for each in LANGUAGES},
+        options={each: option(each) for each in LANGUAGES},
         words={name: {each: heading(name, each) for each in LANGUAGES} for name in (*PAGE_WORDS, *PARTS[1:])},
         lessons=[_values(recording) for recording in recordings],
         films={each: _film(_dragon(each), ".gif") for each in LANGUAGES if has_font(each)},

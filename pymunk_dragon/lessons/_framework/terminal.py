@@ -90,7 +90,7 @@ class Terminal(Output):
                 with suppress(EOFError):
                     input(heading("pause", language()) + " ")
         if part == "change" and (scene := live_scene(lesson)):
-            self._print("live", f"{self._program} live {scene}")
+            self._print("live", f"{self._program} live {scene}{option(language())}")
         if part == "change" and (after := next_lesson(lesson)) is not None:
             self._print("next", f"{self._program} demo {after}{option(language())}")
 
