@@ -17,6 +17,7 @@ from aiohttp import WSMsgType, web
 from browser import english_words, needs_browser, opened, wait_until
 from live_sessions import PATIENCE, replayed, served
 
+from pymunk_dragon._language import in_language
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
@@ -346,13 +347,16 @@ def test_page_switches_scenes_and_sets_parameters_without_complaints(browser):
             wait_until(page, f"live.drawn > {drawn} + 3")
 
 
-@pytest.mark.parametrize("link", ["&zh", "&lang=zh", "#lang=zh"])
-def test_page_is_chinese_if_the_address_says_so(browser, link):
-    with served("jam") as session, visit(browser, session.address + link) as found:
+@pytest.mark.parametrize(
+    ("program", "link"), [("en", "&zh"), ("en", "&lang=zh"), ("en", "#lang=zh"), ("zh", "")], ids="".join
+)
+def test_page_is_chinese_if_the_program_or_the_address_is(browser, program, link):
+    with in_language(program), served("jam") as session, visit(browser, session.address + link) as found:
         page = found.page
         assert page.evaluate("document.documentElement.lang") == "zh"
-        # Commands of the lessons stay as they are.
-        allowed = {"pymunk", "dragon", "demo", "callbacks", "tension"}
+        assert "pymunk-dragon demo callbacks --lang zh" in page.text_content("body")
+        # Words of the commands of lessons.
+        allowed = {"pymunk", "dragon", "demo", "callbacks", "tension", "lang"}
         assert english_words(page) <= allowed
         page.select_option("#scene", "pendulum")
         wait_until(page, "live.scene.name === 'pendulum' && live.frame?.generation === live.scene.generation")

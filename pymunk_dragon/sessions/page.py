@@ -18,8 +18,8 @@ SCRIPTS = (
 
 
 @cache
-def live_page(title: str) -> tuple[str, str]:
-    """The page, and its content security policy."""
+def live_page(title: str, language: str) -> tuple[str, str]:
+    """The page, which opens in a language, and its content security policy."""
     style = colour_variables() + asset(player.__name__, "assets/player.css") + asset(__package__, "assets/live.css")
     script = "".join(asset(player.__name__, f"assets/{name}.js") for name in PLAYER_SCRIPTS)
     script += "".join(asset(__package__, f"assets/{name}.js") for name in SCRIPTS)
@@ -27,6 +27,7 @@ def live_page(title: str) -> tuple[str, str]:
     page = substituted(
         asset(__package__, "assets/live.html"),
         policy=escape(rules),
+        language=language,
         title=escape(title),
         style=style,
         script=script,

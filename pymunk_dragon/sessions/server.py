@@ -22,6 +22,7 @@ from urllib.parse import urlsplit
 
 from aiohttp import WSMsgType, web
 
+from pymunk_dragon._language import language
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.sessions.log import Log
 from pymunk_dragon.sessions.messages import MAX_MESSAGE, parsed
@@ -130,6 +131,8 @@ class Server:
         self._any_address = host not in LOOPBACK
         if self._any_address:
             self._allowed.add(socket.gethostname().lower())
+        # Now, because the thread of the server does not have it.
+        self._language = language()
         self._clients: set[_Client] = set()
         self._holder: _Client | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
@@ -264,7 +267,7 @@ class Server:
         return self._any_address
 
     async def _page(self, request: web.Request) -> web.Response:
-        page, rules = live_page(self.session.source.title)
+        page, rules = live_page(self.session.source.title, self._language)
         headers = {**HEADERS, "Content-Security-Policy": rules}
         return web.Response(text=page, content_type="text/html", headers=headers)
 

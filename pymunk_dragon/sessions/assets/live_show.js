@@ -16,7 +16,8 @@ function showScene(live) {
   const title = translated(scene.title);
   document.title = title;
   setText("title", title);
-  const lesson = scene.lesson ? ` ${localized("Lesson:")} pymunk-dragon demo ${scene.lesson}` : "";
+  const option = language === "en" ? "" : ` --lang ${language}`;
+  const lesson = scene.lesson ? ` ${localized("Lesson:")} pymunk-dragon demo ${scene.lesson}${option}` : "";
   setText("text", translated(scene.text) + lesson);
   const list = element("scene");
   list.replaceChildren(...scene.scenes.map((each) => new Option(translated(each.title), each.name)));
