@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import unicodedata
 from collections.abc import Iterable, Iterator, Sequence
+from itertools import takewhile
 from typing import Any
 
 # A space at which no line is broken.
@@ -42,6 +43,11 @@ def wrapped(text: str, columns: int) -> Iterator[str]:
 def unbroken(text: str) -> str:
     """`text` with a space that does not break behind each number, so that 1 m/s stays on one line."""
     return re.sub(r"(?<=\d) (?=\w)", NO_BREAK, text)
+
+
+def closing(text: str) -> str:
+    """The characters with which `text` begins that do not begin a line."""
+    return "".join(takewhile(lambda character: unicodedata.category(character) in CLOSING, text))
 
 
 def _cell(value: Any, specification: str) -> str:

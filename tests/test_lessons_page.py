@@ -283,6 +283,40 @@ def test_formulas_are_mathml_and_none_is_left_as_latex(seen):
     assert seen.page.locator("#spiral .answer [lang=en] msqrt").count() == 3
 
 
+# Lines that begin with a stop, as the last words before it; and options of commands that are on two lines.
+BAD_BREAKS = """() => {
+  const found = [];
+  const texts = document.createTreeWalker(document.querySelector("main"), NodeFilter.SHOW_TEXT);
+  const range = document.createRange();
+  for (let text = texts.nextNode(); text; text = texts.nextNode()) {
+    const block = text.parentElement.closest("p, li, dd, legend, label");
+    if (!block || !text.parentElement.checkVisibility()) continue;
+    for (const { 0: stop, index } of text.data.matchAll(/[.,:;)。，：；、）](?=\\s|$|\\p{Script=Han})|--(?=lang)/gu)) {
+      const box = (at) => {
+        range.setStart(text, at);
+        range.setEnd(text, at + 1);
+        return range.getBoundingClientRect();
+      };
+      const edge = block.getBoundingClientRect().left + parseFloat(getComputedStyle(block).paddingLeft);
+      const isBad = stop === "--" ? box(index).top !== box(index + 2).top : Math.abs(box(index).left - edge) < 1;
+      if (isBad) found.push(block.textContent.trim().slice(-40));
+    }
+  }
+  return found;
+}"""
+
+
+@pytest.mark.thorough
+@needs_browser
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_no_line_begins_with_a_stop_and_no_option_is_cut(seen, language):
+    seen.page.click(f".languages button[value={language}]")
+    seen.page.evaluate(UNFOLD)
+    for width in range(320, 900, 20):
+        seen.page.set_viewport_size({"width": width, "height": 900})
+        assert seen.page.evaluate(BAD_BREAKS) == [], width
+
+
 @pytest.mark.thorough
 @needs_browser
 @pytest.mark.parametrize("language", LANGUAGES)

@@ -6,13 +6,14 @@ import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
 from functools import cache
+from html import escape
 from pathlib import Path
 from typing import Any
 
 from pymunk_dragon._extras import library, optional_imports
 from pymunk_dragon._html import asset, data_address, filled, policy
 from pymunk_dragon._language import has_font, in_language
-from pymunk_dragon._text import unbroken
+from pymunk_dragon._text import closing, unbroken
 from pymunk_dragon.drawing import Film, write_film
 from pymunk_dragon.drawing.film.stills import last_frame, picture_size
 from pymunk_dragon.lessons._framework.guess import Guess
@@ -139,9 +140,16 @@ def _teachers_notes(name: str) -> dict[str, Any] | None:
 
 
 def _pieces(text: str) -> list[tuple[str, str]]:
-    """Kind and content of the parts of a text; formulas as MathML."""
+    """Kind and content of the parts of a text; formulas as MathML, each with the stops behind it."""
     written: dict[str, Callable[[str], str]] = {"text": unbroken, "code": str, "formula": in_mathml}
-    return [(kind, written[kind](piece)) for kind, piece in pieces(text)]
+    found: list[tuple[str, str]] = []
+    for kind, piece in pieces(text):
+        # Browsers end a line between a formula and a stop.
+        stops = closing(piece) if kind == "text" and found and found[-1][0] == "formula" else ""
+        if stops:
+            found[-1] = "formula", found[-1][1] + escape(stops)
+        found.append((kind, written[kind](piece[len(stops) :])))
+    return found
 
 
 def _film(picture: bytes, ending: str) -> dict[str, Any]:
