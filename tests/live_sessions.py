@@ -95,7 +95,7 @@ def played(source: object, **options: object) -> Iterator[Played]:
 
 
 def replayed(log: Log) -> tuple[str | None, Session]:
-    """Digest of the last state of a replay, as fast as it goes, and its session."""
+    """The last poses of a replay, as fast as it goes, and its session."""
     session = Session(planned(log.plan))
     session.speed = 20.0
     session.play_again(log.inputs, log.values, log.steps)

@@ -17,6 +17,8 @@ import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
+from dataclasses import replace
+from pathlib import Path
 from urllib.parse import urlsplit
 
 import aiohttp
@@ -35,7 +37,7 @@ from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 from pymunk_dragon.player.page import PARTS, catalogue
 from pymunk_dragon.sessions import live
-from pymunk_dragon.sessions.log import InputLog, Log
+from pymunk_dragon.sessions.log import InputLog, Log, as_text
 from pymunk_dragon.sessions.messages import ACTIONS
 from pymunk_dragon.sessions.recording import record, save
 from pymunk_dragon.sessions.scenes import SCENES, dragon, planned, ready
@@ -117,8 +119,8 @@ def touched(request):
 
 def test_replay_ends_in_the_same_state_to_the_bit(touched):
     log, _ = touched
-    digest, session = replayed(log)
-    assert digest == log.digest
+    poses, session = replayed(log)
+    assert poses == log.poses
     assert list(session.inputs) == log.inputs
 
 
@@ -126,9 +128,9 @@ def test_replay_of_other_inputs_ends_elsewhere(touched):
     log, _ = touched
     step, message = log.inputs[1]
     log.inputs[1] = step, {**message, "x": message["x"] + 1e-6}
-    digest, _ = replayed(log)
+    poses, _ = replayed(log)
     log.inputs[1] = step, message
-    assert digest != log.digest
+    assert poses != log.poses
 
 
 def test_recordings_as_npz_and_json_are_the_same_log(touched, tmp_path):
@@ -138,7 +140,7 @@ def test_recordings_as_npz_and_json_are_the_same_log(touched, tmp_path):
     for name in ("session.npz", "session.json"):
         read = Log.load(tmp_path / name)
         assert json.loads(read.to_json()) == json.loads(log.to_json())
-        assert replayed(read)[0] == log.digest
+        assert replayed(read)[0] == log.poses
 
 
 def test_inputs_after_the_last_step_are_replayed_too_and_the_session_can_be_touched_afterwards():
@@ -146,8 +148,8 @@ def test_inputs_after_the_last_step_are_replayed_too_and_the_session_can_be_touc
         on.step(5)
         on.do("cut", joint=3)
         log = Log.of(on.session)
-    digest, session = replayed(log)
-    assert digest == log.digest
+    poses, session = replayed(log)
+    assert poses == log.poses
     assert session.scene.cuts == [3]
     assert not session.state()["replaying"]
 
@@ -157,8 +159,8 @@ def test_replay_without_steps_ends_at_once():
         on.do("obstacle", shape="round", x=1.0, y=2.0, size=0.3)
         log = Log.of(on.session)
     assert log.steps == 0
-    digest, session = replayed(log)
-    assert digest == log.digest
+    poses, session = replayed(log)
+    assert poses == log.poses
     assert len(session.scene.obstacles) == 1
 
 
@@ -189,7 +191,7 @@ def test_replay_goes_on_where_the_recorded_session_paused_at_a_contact():
         assert on.step(1000) < 1000
         assert on.step(50) == 50
         log = Log.of(on.session)
-    assert replayed(log)[0] == log.digest
+    assert replayed(log)[0] == log.poses
 
 
 def test_replay_in_which_bodies_fly_apart_ends_with_an_error():
@@ -223,7 +225,7 @@ def test_inputs_are_refused_during_a_replay_and_change_nothing():
     session = replay_session(log, [])
     errors = []
     session.post({"do": "cut", "joint": 2}, errors.append)
-    assert session.wait_for_replay() == log.digest
+    assert session.wait_for_replay() == log.poses
     session.stop()
     assert len(errors) == 1
     assert session.scene.cuts == [5]
@@ -392,7 +394,7 @@ def test_sliders_that_rebuild_begin_anew_with_their_value(name, value):
         on.run(0.5)
         assert on.frame().errors.max() < 1e-4
         log = Log.of(on.session)
-    assert replayed(log)[0] == log.digest
+    assert replayed(log)[0] == log.poses
 
 
 def test_values_out_of_range_are_refused_with_one_line_and_change_nothing():
@@ -442,12 +444,12 @@ def test_messages_for_things_that_do_not_exist_are_refused_with_one_line(source)
 
 def test_reset_undoes_everything():
     with played(dragon(SHORT)) as on:
-        fresh = on.session.state(), on.session.digest()
+        fresh = on.session.state(), on.session.poses()
         touch_a_dragon(on)
         assert on.do("reset") is None
         state = on.session.state()
         assert state.pop("generation") == fresh[0].pop("generation") + 1
-        assert (state, on.session.digest()) == fresh
+        assert (state, on.session.poses()) == fresh
         assert (on.scene.steps, on.scene.time, list(on.session.inputs)) == (0, 0.0, [])
 
 
@@ -461,14 +463,14 @@ def test_reset_undoes_everything_in_a_space_of_ones_own():
         space.add(body, pymunk.Circle(body, 0.3), pymunk.PivotJoint(before, body, (link, 0)))
         before = body
     with played(space) as on:
-        fresh, digest = on.session.state(), on.session.digest()
+        fresh, poses = on.session.state(), on.session.poses()
         touch_a_space(on)
         on.do("grab", body=0, x=0.5, y=0.0)
         on.step(7)
         assert on.do("reset") is None
         state = on.session.state()
         assert state.pop("generation") == fresh.pop("generation") + 1
-        assert (state, on.session.digest()) == (fresh, digest)
+        assert (state, on.session.poses()) == (fresh, poses)
         assert len(space.shapes) == 2
         assert len(space.constraints) == 2
         assert space.gravity == (0, -10)
@@ -938,7 +940,7 @@ def test_ctrl_c_ends_the_program_within_2_s_and_writes_the_recording(tmp_path):
     assert [line for line in err.splitlines() if "wrote" not in line] == ["pymunk-dragon: interrupted"]
     log = Log.load(path)
     assert log.steps > 20
-    assert replayed(log)[0] == log.digest
+    assert replayed(log)[0] == log.poses
 
 
 def test_replay_at_the_command_line_tells_that_it_is_equal(tmp_path):
@@ -954,9 +956,36 @@ def test_replay_at_the_command_line_tells_that_it_is_equal(tmp_path):
     assert process.returncode == 130
 
 
+def test_replay_that_ends_elsewhere_is_written_and_says_how_far(call, tmp_path):
+    with played("pendulum") as on:
+        touch_a_space(on)
+    log = Log.of(on.session)
+    poses = on.scene.poses()
+    poses[0, 0] += 0.125
+    poses[-1, 2] -= 0.25
+    (tmp_path / "session.json").write_text(replace(log, poses=as_text(poses)).to_json())
+    code, out, err = call("live", "--exit", "--replay", tmp_path / "session.json", "-o", tmp_path / "session.npz")
+    assert (code, err) == (0, "")
+    assert out == f"replay:  {log.steps} steps, poses within 2.5e-01 m and rad of the recording\n"
+    assert Log.load(tmp_path / "session.npz").poses == log.poses
+
+
+# Names of features in versions of NumPy; it ignores others.
+@pytest.mark.parametrize("features", ["", "X86_V4 AVX512_SKX", "X86_V4 X86_V3 AVX512_SKX AVX2 FMA3"])
+def test_recording_of_the_film_in_the_readme_can_be_replayed_on_any_processor(features, tmp_path):
+    recording = Path(__file__).parents[1] / "renders" / "live.json"
+    command = [sys.executable, "-m", "pymunk_dragon", "live", "--replay", recording, "--exit"]
+    environment = os.environ | {"NPY_DISABLE_CPU_FEATURES": features}
+    done = subprocess.run(command, capture_output=True, text=True, check=True, env=environment)
+    steps, _, end = done.stdout.partition(", ")
+    assert steps == "replay:  1000 steps"
+    found = re.fullmatch(r"equal to the recording to the bit\n|poses within (\S+) m and rad of the recording\n", end)
+    assert float(found[1] or 0) < 1e-9
+
+
 TAMPERED = {
-    "other input": (1, lambda log: log["inputs"][1][1].update(x=0.123)),
-    "other digest": (1, lambda log: log.update(digest="0" * 64)),
+    "poses of another scene": (1, lambda log: log.update(poses="0" * 64)),
+    "odd poses": (2, lambda log: log.update(poses="0")),
     "impossible input": (1, lambda log: log["inputs"].append([3, {"do": "cut", "joint": 99}])),
     "huge setting": (1, lambda log: log["inputs"].insert(0, [0, {"do": "set", "name": "iterations", "value": 1e300}])),
     "no input": (2, lambda log: log["inputs"].append([3, {"do": "quit"}])),
@@ -1013,9 +1042,9 @@ def test_film_shows_an_obstacle_from_when_it_was_put_until_it_was_removed(tmp_pa
         on.run(0.5)
         on.do("remove", obstacle=1)
         on.run(0.5)
-        digest = on.session.digest()
+        poses = on.session.poses()
     record(on.session, tmp_path / "session.gif")
-    assert on.session.digest() == digest
+    assert on.session.poses() == poses
     with Image.open(tmp_path / "session.gif") as film:
         colours = []
         for frame in range(film.n_frames):
@@ -1057,7 +1086,7 @@ def test_client_records_a_span_as_a_run(tmp_path):
     assert len(run.times) == pytest.approx(33, abs=3)
     log = on.session.recorded.log
     assert log.inputs == [(log.steps, {"do": "cut", "joint": 3})]
-    assert replayed(log)[0] == log.digest
+    assert replayed(log)[0] == log.poses
 
 
 def test_recording_of_a_client_ends_when_it_is_full(monkeypatch):

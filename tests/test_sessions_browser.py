@@ -64,7 +64,7 @@ def log_of(session):
 def assert_replays(session):
     log = log_of(session)
     assert log.steps > 0
-    assert replayed(log)[0] == log.digest
+    assert replayed(log)[0] == log.poses
 
 
 def test_rod_follows_the_mouse_and_the_replay_is_equal(browser):

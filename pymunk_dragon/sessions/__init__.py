@@ -35,7 +35,8 @@ with live(space, step=1 / 240, browser=False) as session:
 
 **Record** in the page films the picture and keeps a run, which can be saved afterwards. `--record FILE` writes .npz,
 or a film, at the end. Every input is logged with the number of the step before which it took effect, so
-`--replay FILE` repeats a session to the bit, on the same machine and versions. The film above is
+`--replay FILE` repeats a session: to the bit on the same machine and versions; elsewhere processors and libraries may
+round differently, and the program says by how much the last poses differ. The film above is
 
 ```sh
 pymunk-dragon live --replay renders/live.json --exit -o renders/live.gif

@@ -1,9 +1,10 @@
-"""What a session remembers: what was done, from which it is played again to the bit, and frames."""
+"""What a session remembers: what was done, from which it is played again, and frames."""
 
 from __future__ import annotations
 
 import json
 import zlib
+from base64 import b64decode, b64encode
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -69,6 +70,16 @@ class InputLog:
             yield step, message
 
 
+def as_text(numbers: Array) -> str:
+    """Numbers to the last bit, in base64, which has room for those that JSON has not, as NaN."""
+    return b64encode(np.ascontiguousarray(numbers, "<f8").tobytes()).decode()
+
+
+def _numbers(text: str) -> Array:
+    """What `as_text` wrote."""
+    return np.frombuffer(b64decode(text, validate=True), "<f8")
+
+
 def _line(step: int, message: dict[str, Any]) -> bytes:
     return json.dumps([step, message]).encode() + b"\n"
 
@@ -87,15 +98,15 @@ class Log:
         Number of steps.
     inputs : list of (int, dict)
         Numbers of the steps before which messages took effect, and these.
-    digest : str
-        Digest of all poses after the last step.
+    poses : str
+        Poses of all bodies after the last step, as `as_text` writes them.
     """
 
     plan: Mapping[str, Any] | None
     values: Mapping[str, float]
     steps: int
     inputs: list[tuple[int, dict[str, Any]]]
-    digest: str
+    poses: str
 
     @classmethod
     def of(cls, session: Session) -> Log:
@@ -105,7 +116,7 @@ class Log:
             values=dict(session.values),
             steps=session.scene.steps,
             inputs=list(session.inputs),
-            digest=session.digest(),
+            poses=session.poses(),
         )
 
     @classmethod
@@ -140,8 +151,21 @@ class Log:
             values={str(name): float(value) for name, value in notes["values"].items()},
             steps=whole("steps", notes["steps"], 0, MAX_STEPS),
             inputs=inputs,
-            digest=str(notes["digest"]),
+            poses=as_text(_numbers(notes["poses"])),
         )
+
+    def difference(self, poses: str) -> float:
+        """Largest difference of coordinates, m, and angles, rad, of a replay's last poses from the recording's.
+
+        Raises
+        ------
+        DragonError
+            If they are not of as many bodies.
+        """
+        recorded, replayed = _numbers(self.poses), _numbers(poses)
+        if len(recorded) != len(replayed):
+            raise DragonError("the recording ends with another number of bodies than its replay")
+        return float(np.abs(recorded - replayed).max(initial=0.0))
 
     def to_json(self) -> str:
         """The log as JSON, which `load` reads."""

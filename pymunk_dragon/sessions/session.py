@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import io
 import tempfile
 import threading
@@ -17,7 +16,7 @@ import numpy as np
 
 from pymunk_dragon._checks import finite, whole, word
 from pymunk_dragon.errors import DragonError, ParameterError
-from pymunk_dragon.sessions.log import MAX_INPUTS, Frames, InputLog, Recorded
+from pymunk_dragon.sessions.log import MAX_INPUTS, Frames, InputLog, Recorded, as_text
 from pymunk_dragon.sessions.messages import INPUTS
 from pymunk_dragon.sessions.scenes import SCENES, Parameter, Ready, ready
 
@@ -100,7 +99,7 @@ class Session:
         self._waiting: deque[tuple[dict[str, Any], Callable[[str], None]]] = deque()
         self._calls: deque[Callable[[], None]] = deque()
         self._replayed = threading.Event()
-        self._replay_digest: str | None = None
+        self._replay_poses: str | None = None
         self._replay_error: str | None = None
         self._rate = self._step_seconds = 0.0
         self._stepping = threading.Lock()
@@ -167,7 +166,7 @@ class Session:
             pass
 
     def wait_for_replay(self) -> str | None:
-        """Wait for the end of a replay: the digest of its last state, or None if it was ended before.
+        """Wait for the end of a replay: its last poses, or None if it was ended before.
 
         Raises
         ------
@@ -178,7 +177,7 @@ class Session:
             pass
         if self._replay_error is not None:
             raise DragonError(self._replay_error)
-        return self._replay_digest
+        return self._replay_poses
 
     def play_again(self, inputs: Sequence[tuple[int, dict[str, Any]]], values: Mapping[str, float], steps: int) -> None:
         """Build the scene with these values, and carry out inputs before the steps of these numbers, up to `steps`.
@@ -200,9 +199,9 @@ class Session:
         """Send the state again after the next step."""
         self._changed = True
 
-    def digest(self) -> str:
-        """Digest of the bodies' poses, to the last bit."""
-        return hashlib.sha256(np.ascontiguousarray(self.scene.poses()).tobytes()).hexdigest()
+    def poses(self) -> str:
+        """The bodies' poses to the last bit, as text."""
+        return as_text(self.scene.poses())
 
     # ---- the thread
 
@@ -301,7 +300,7 @@ class Session:
                 self._fail_replay(f"the replay ends before step {step}, which has an input that is impossible: {error}")
                 return
         if self.scene.steps >= self.replayed_steps:
-            self._replay_digest = self.digest()
+            self._replay_poses = self.poses()
             self._end_replay()
 
     def _fail_replay(self, reason: str) -> None:
