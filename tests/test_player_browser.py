@@ -367,6 +367,21 @@ def test_legend_names_the_colours(visit):
         assert colours[:4] == [f"rgb({', '.join(str(int(c[i : i + 2], 16)) for i in (1, 3, 5))})" for c in expected]
 
 
+@pytest.mark.parametrize("language", ["", "?zh"])
+@pytest.mark.parametrize(("width", "height"), [(844, 390), (640, 400), (320, 568)])
+def test_legend_leaves_most_of_a_small_picture_free(visit, width, height, language):
+    with visit(f"{language}#t=86&show=exact", name="bumpy", width=width, height=height) as found:
+        page = found.page
+        assert page.is_visible("#legend-exact")
+        legend, field = (
+            sum(
+                box["width"] * box["height"] for box in (each.bounding_box() for each in page.query_selector_all(names))
+            )
+            for names in (".legend li:not([hidden])", "#field")
+        )
+        assert legend < field / 5
+
+
 @pytest.mark.parametrize("link", ["?zh", "?lang=zh", "#lang=zh"])
 def test_page_is_chinese_if_the_address_says_so(visit, link):
     with visit(link, name="bumpy", locale="en-GB") as found:
