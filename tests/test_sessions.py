@@ -35,6 +35,7 @@ from pymunk_dragon.model.curves import Line
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
+from pymunk_dragon.physics import simulate
 from pymunk_dragon.player.page import PARTS, catalogue
 from pymunk_dragon.sessions import live
 from pymunk_dragon.sessions.log import InputLog, Log, as_text
@@ -1016,6 +1017,21 @@ def test_tampered_recording_fails_with_one_line(name, call, tmp_path):
     assert code == expected
     assert_says(ValueError(err.strip()))
     assert err.startswith("pymunk-dragon: ")
+
+
+@pytest.mark.parametrize(
+    ("file", "reason"),
+    [
+        ("absent.npz", " is 'absent.npz', but must be a readable file (No such file or directory)"),
+        ("absent.json", " is 'absent.json', but must be a readable file (No such file or directory)"),
+        ("run.npz", " run.npz: no recording of a live session, or a damaged one"),
+    ],
+)
+def test_file_that_is_no_recording_is_named_with_the_option(file, reason, call, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    simulate(SHORT, until=1).save("run.npz")
+    code, _, err = call("live", "--exit", "--replay", file)
+    assert (code, err) == (2, f"pymunk-dragon: --replay{reason}\n")
 
 
 # ---- films

@@ -47,8 +47,10 @@ def write_archive(path: str | Path | IO[bytes], notes: Mapping[str, Any], arrays
 
 
 @contextmanager
-def opened_archive(path: str | Path) -> Iterator[Archive]:
+def opened_archive(path: str | Path, name: str = "run") -> Iterator[Archive]:
     """Open a file that `write_archive` wrote; what is raised inside is the fault of its contents.
+
+    `name` is that of the parameter or option that has the path.
 
     Raises
     ------
@@ -61,7 +63,7 @@ def opened_archive(path: str | Path) -> Iterator[Archive]:
         file = Path(path).open("rb")  # noqa: SIM115 (closed below, where what is wrong is the content)
     except (OSError, ValueError) as error:
         reason = (isinstance(error, OSError) and error.strerror) or error
-        raise ParameterError("run", str(path), f"a readable file ({reason})") from error
+        raise ParameterError(name, str(path), f"a readable file ({reason})") from error
     try:
         with file:
             # Of a pipe or a device, whose end may never come, no more than a run can hold.

@@ -131,13 +131,14 @@ class Log:
             If it is no recording, or a damaged one.
         """
         if str(path).endswith(".json"):
-            text = read_text(path, "recording")
-            try:
-                return cls._of(json.loads(text))
-            except Exception as error:  # Whatever it is, the content is to blame.
-                raise FileFormatError(path, "no recording of a live session, or a damaged one") from error
-        with opened_archive(path) as archive:
-            return cls._of(archive.notes["provenance"]["live"])
+            text = read_text(path, "replay")
+        else:
+            with opened_archive(path, "replay") as archive:
+                text = json.dumps(archive.notes["provenance"].get("live"))
+        try:
+            return cls._of(json.loads(text))
+        except Exception as error:  # Whatever it is, the content is to blame.
+            raise FileFormatError(path, "no recording of a live session, or a damaged one") from error
 
     @classmethod
     def _of(cls, notes: Mapping[str, Any]) -> Log:
