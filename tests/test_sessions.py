@@ -1096,29 +1096,29 @@ def test_client_records_a_span_as_a_run(tmp_path):
         on.run(0.5)
     assert (state["recording"], state["recorded"]) == (False, pytest.approx(1.0))
     with (tmp_path / "run.npz").open("wb") as file:
-        save(on.session.recorded, file)
+        save(on.session.recorder.recorded, file)
     run = Run.load(tmp_path / "run.npz")
     assert (run.times[0], run.times[-1]) == pytest.approx((0.5, 1.5))
     assert len(run.times) == pytest.approx(33, abs=3)
-    log = on.session.recorded.log
+    log = on.session.recorder.recorded.log
     assert log.inputs == [(log.steps, {"do": "cut", "joint": 3})]
     assert replayed(log)[0] == log.poses
 
 
 def test_recording_of_a_client_ends_when_it_is_full(monkeypatch):
-    monkeypatch.setattr("pymunk_dragon.sessions.session.MAX_RECORDED", 20_000)
+    monkeypatch.setattr("pymunk_dragon.sessions.frames.MAX_RECORDED", 20_000)
     with played(dragon(SHORT)) as on:
         on.do("record")
         on.run(5.0)
         assert not on.session.state()["recording"]
     assert on.errors == ["the recording is full, and has ended"]
-    assert on.session.recorded.poses.nbytes < 25_000
+    assert on.session.recorder.recorded.poses.nbytes < 25_000
 
 
 def test_full_disk_ends_the_frames_and_not_the_session(monkeypatch):
     with played(dragon(SHORT), record=True) as on:
         on.run(0.1)
-        monkeypatch.setattr(on.session.frames, "append", full_disk)
+        monkeypatch.setattr(on.session.recorder.frames, "append", full_disk)
         on.run(1.0)
     assert on.errors == ["frames are no longer kept: No space left on device"]
     assert on.scene.time == pytest.approx(1.1)

@@ -1,4 +1,4 @@
-"""What a session remembers: what was done, from which it is played again, and frames."""
+"""What was done in a session, from which it is played again."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from base64 import b64decode, b64encode
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from pymunk_dragon._files import read_text
 from pymunk_dragon.errors import DragonError, FileFormatError
 from pymunk_dragon.model.run_file import opened_archive
 from pymunk_dragon.sessions.messages import INPUTS, checked
-from pymunk_dragon.sessions.scenes import Scene, planned
+from pymunk_dragon.sessions.scenes import planned
 
 if TYPE_CHECKING:
     from pymunk_dragon.sessions.session import Session
@@ -27,8 +27,6 @@ if TYPE_CHECKING:
 MAX_INPUTS = 1_000_000
 # Steps of a recording, at most.
 MAX_STEPS = 100_000_000
-# Before the poses of a frame: time, and time of the march.
-TIMES = 2
 
 
 class InputLog:
@@ -171,74 +169,3 @@ class Log:
     def to_json(self) -> str:
         """The log as JSON, which `load` reads."""
         return json.dumps(asdict(self), allow_nan=False)
-
-
-class Frames:
-    """Times and poses of a scene, in a file.
-
-    Parameters
-    ----------
-    file : binary file
-        An empty file, for reading and writing.
-    limit : float
-        Size, bytes, after which it is full.
-    """
-
-    def __init__(self, file: IO[bytes], limit: float = np.inf) -> None:
-        self._file, self._limit = file, limit
-
-    def clear(self) -> None:
-        """Forget all frames."""
-        self._file.seek(0)
-        self._file.truncate()
-
-    def append(self, scene: Scene) -> None:
-        """Add the present state of the scene."""
-        self._file.write(_row(scene).tobytes())
-
-    @property
-    def is_full(self) -> bool:
-        """Whether there is no room for another frame."""
-        return self._file.tell() >= self._limit
-
-    def arrays(self, scene: Scene) -> tuple[Array, Array, Array]:
-        """Times (F,) and times of the march (F,), s, and poses (F, B, 3); the last are the present ones."""
-        bodies = len(scene.bodies)
-        self._file.seek(0)
-        rows = np.frombuffer(self._file.read()).reshape(-1, TIMES + 3 * bodies)
-        if not len(rows) or rows[-1, 0] < scene.time:
-            rows = np.vstack([rows, _row(scene)])
-        return rows[:, 0], rows[:, 1], rows[:, TIMES:].reshape(len(rows), bodies, 3)
-
-
-def _row(scene: Scene) -> Array:
-    return np.concatenate([[scene.time, scene.march_time], scene.poses().ravel()])
-
-
-@dataclass(frozen=True, kw_only=True)
-class Recorded:
-    """What happened in a session up to a moment.
-
-    Attributes
-    ----------
-    scene : Scene
-        The scene, which may have gone on since.
-    log : Log
-        What was done since the scene was built.
-    times, march_times : ndarray, shape (F,)
-        Times of the frames, and of the march, s.
-    poses : ndarray, shape (F, B, 3)
-        Poses of the bodies: m, m, rad.
-    """
-
-    scene: Scene
-    log: Log
-    times: Array
-    march_times: Array
-    poses: Array
-
-    @classmethod
-    def of(cls, session: Session, frames: Frames) -> Recorded:
-        """Frames of a session that does not step at the moment."""
-        times, march_times, poses = frames.arrays(session.scene)
-        return cls(scene=session.scene, log=Log.of(session), times=times, march_times=march_times, poses=poses)

@@ -21,7 +21,7 @@ from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.provenance import engine_provenance
 from pymunk_dragon.model.run import Run
 from pymunk_dragon.model.run_file import write_archive
-from pymunk_dragon.sessions.log import Frames, Recorded
+from pymunk_dragon.sessions.frames import Frames, Recorded
 from pymunk_dragon.sessions.scenes import DragonScene, Scene
 from pymunk_dragon.sessions.scenes.base import ANCHORS
 from pymunk_dragon.sessions.session import Session
@@ -64,7 +64,7 @@ def record(session: Session, path: str | Path, progress: Progress | None = None)
         If writing fails.
     """
     destination = check_destination(path, RECORDING_ENDINGS)
-    recorded = Recorded.of(session, session.frames or Frames(io.BytesIO()))
+    recorded = Recorded.of(session, session.recorder.frames or Frames(io.BytesIO()))
     if destination.suffix.lower() == ".npz":
         save(recorded, destination)
     elif len(recorded.times) < 2:

@@ -273,7 +273,7 @@ class Server:
 
     async def _run_file(self, request: web.Request) -> web.Response:
         """What a client recorded last, as .npz."""
-        recorded = self.session.recorded
+        recorded = self.session.recorder.recorded
         if recorded is None:
             return web.Response(status=404, text="Nothing was recorded.\n", headers=HEADERS)
         file = io.BytesIO()

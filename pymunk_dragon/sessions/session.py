@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import io
-import tempfile
 import threading
-import weakref
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
@@ -16,8 +13,10 @@ import numpy as np
 
 from pymunk_dragon._checks import finite, whole, word
 from pymunk_dragon.errors import DragonError, ParameterError
-from pymunk_dragon.sessions.log import MAX_INPUTS, Frames, InputLog, Recorded, as_text
+from pymunk_dragon.sessions.frames import Recorder
+from pymunk_dragon.sessions.log import MAX_INPUTS, InputLog, as_text
 from pymunk_dragon.sessions.messages import INPUTS
+from pymunk_dragon.sessions.replay import PATIENCE, Replay
 from pymunk_dragon.sessions.scenes import SCENES, Parameter, Ready, ready
 
 # Simulated over real time.
@@ -38,14 +37,8 @@ RATE_TIME = 1.0
 SMOOTHING = 0.1
 # Messages that wait for the thread; a client that floods loses the others.
 MAX_WAITING = 1000
-# Simulated s between recorded frames.
-RECORDED = 1 / 30
-# s between two moments at which a waiting thread takes notice of Ctrl-C.
-PATIENCE = 0.2
 # Steps between two checks whether the bodies flew apart.
 CHECKED = 10
-# Bytes of frames after which a recording that a client began ends: ten minutes of 223 benches.
-MAX_RECORDED = 100_000_000
 
 
 class _StoppedError(Exception):
@@ -78,10 +71,8 @@ class Session:
         Simulated over real time.
     inputs : InputLog
         What was done since the scene was built.
-    frames : Frames or None
-        Frames since the scene was built, if they are kept.
-    recorded : Recorded or None
-        What a client recorded last.
+    recorder : Recorder
+        Frames of the session, and the recording of a client.
     """
 
     def __init__(self, source: Ready, *, record: bool = False, running: bool = True) -> None:
@@ -91,16 +82,10 @@ class Session:
         self.clients = 0
         self.running, self.speed = running, 1.0
         self.generation = 0
-        self.frames = self._frames_in_a_file() if record else None
-        self.recorded: Recorded | None = None
-        self._recording: Frames | None = None
-        self.replay: deque[tuple[int, dict[str, Any]]] = deque()
-        self.replayed_steps: int | None = None
+        self.recorder = Recorder(always=record)
+        self._replay = Replay((), 0)
         self._waiting: deque[tuple[dict[str, Any], Callable[[str], None]]] = deque()
         self._calls: deque[Callable[[], None]] = deque()
-        self._replayed = threading.Event()
-        self._replay_poses: str | None = None
-        self._replay_error: str | None = None
         self._rate = self._step_seconds = 0.0
         self._stepping = threading.Lock()
         self._changed, self._ended = False, threading.Event()
@@ -148,14 +133,15 @@ class Session:
 
     def state(self) -> dict[str, Any]:
         """What changes now and then."""
+        recorded = self.recorder.recorded
         return {
             "kind": "state",
             "generation": self.generation,
             "running": self.running,
             "speed": self.speed,
-            "recording": self._recording is not None,
-            "recorded": None if self.recorded is None else float(np.ptp(self.recorded.times)),
-            "replaying": self.replayed_steps is not None,
+            "recording": self.recorder.is_recording,
+            "recorded": None if recorded is None else float(np.ptp(recorded.times)),
+            "replaying": not self._replay.has_ended,
             "clients": self.clients,
             **self.scene.state(),
         }
@@ -166,18 +152,14 @@ class Session:
             pass
 
     def wait_for_replay(self) -> str | None:
-        """Wait for the end of a replay: its last poses, or None if it was ended before.
+        """Wait for the end of a replay, and return its last poses, or None if it was cancelled.
 
         Raises
         ------
         DragonError
             If an input of the recording cannot be carried out.
         """
-        while not self._replayed.wait(PATIENCE):
-            pass
-        if self._replay_error is not None:
-            raise DragonError(self._replay_error)
-        return self._replay_poses
+        return self._replay.wait()
 
     def play_again(self, inputs: Sequence[tuple[int, dict[str, Any]]], values: Mapping[str, float], steps: int) -> None:
         """Build the scene with these values, and carry out inputs before the steps of these numbers, up to `steps`.
@@ -185,14 +167,12 @@ class Session:
         Only before `start` and after `stop`.
         """
         self._rebuild(values)
-        self.replay.extend(inputs)
-        self.replayed_steps = steps
-        self._replayed.clear()
-        self._replay()
+        self._replay = Replay(inputs, steps)
+        self._go_on_with_replay()
 
     def step_to(self, time: float) -> None:
         """Make the steps of a replay up to this time, s, while the thread does not run."""
-        while self.replayed_steps is not None and self.scene.time < time - self.scene.step_length / 2:
+        while not self._replay.has_ended and self.scene.time < time - self.scene.step_length / 2:
             self._step()
 
     def touch(self) -> None:
@@ -269,50 +249,45 @@ class Session:
             if scene.steps % CHECKED == 0 and not np.isfinite(scene.poses()).all():
                 raise DragonError("the bodies flew apart: reset, and take shorter steps")
         except Exception as error:
-            self._pause()
-            if self.replayed_steps is None:
-                self.tell({"kind": "error", "text": str(error)})
+            if self._replay.has_ended:
+                self._pause()
+                self._tell_error(str(error))
             else:
                 self._fail_replay(f"the replay ends at step {scene.steps}: {error}")
             return
         self._step_seconds += SMOOTHING * (perf_counter() - begin - self._step_seconds)
-        if scene.steps % self._steps_of_frame == 0:
-            self._keep_frame()
+        self._keep_frame()
         for text in scene.events:
             self.tell({"kind": "event", "time": scene.time, "text": text})
         scene.events.clear()
         if scene.stops:
             scene.stops = False
             # The recorded session went on after that.
-            if self.replayed_steps is None:
+            if self._replay.has_ended:
                 self._pause()
-        self._replay()
+        self._go_on_with_replay()
 
-    def _replay(self) -> None:
+    def _go_on_with_replay(self) -> None:
         """Carry out the inputs of a replay that belong before the next step; after its last step it ends."""
-        if self.replayed_steps is None:
+        if self._replay.has_ended:
             return
-        while self.replay and self.replay[0][0] <= self.scene.steps:
-            step, message = self.replay.popleft()
+        for step, message in self._replay.due(self.scene.steps):
             try:
                 self._apply(message)
             except DragonError as error:
                 self._fail_replay(f"the replay ends before step {step}, which has an input that is impossible: {error}")
                 return
-        if self.scene.steps >= self.replayed_steps:
-            self._replay_poses = self.poses()
-            self._end_replay()
+        if self.scene.steps >= self._replay.steps:
+            self._pause()
+            self._replay.end(poses=self.poses())
 
     def _fail_replay(self, reason: str) -> None:
-        self._replay_error = reason
-        self.tell({"kind": "error", "text": reason})
-        self._end_replay()
-
-    def _end_replay(self) -> None:
-        self.replay.clear()
-        self.replayed_steps = None
-        self._replayed.set()
         self._pause()
+        self._tell_error(reason)
+        self._replay.end(error=reason)
+
+    def _tell_error(self, text: str) -> None:
+        self.tell({"kind": "error", "text": text})
 
     def _pause(self) -> None:
         self.running, self._single_steps = False, 0
@@ -350,14 +325,15 @@ class Session:
             self._choose(message["name"])
             self.running = True
         elif action == "record":
-            self._recording = Frames(io.BytesIO(), MAX_RECORDED)
-            self._recording.append(self.scene)
+            self.recorder.begin(self.scene)
         elif action == "finish":
-            self._finish()
+            if not self.recorder.is_recording:
+                raise ParameterError("message", action, "sent while a recording goes on")
+            self.recorder.finish(self)
         self._changed = True
 
     def _input(self, message: dict[str, Any]) -> None:
-        if self.replayed_steps is not None:
+        if not self._replay.has_ended:
             raise ParameterError("message", message["do"], "sent after the replay has ended")
         if message["do"] == "set":
             parameter = self._parameter(message["name"])
@@ -402,10 +378,7 @@ class Session:
         self.scene, self.values = scene, dict(values)
         self.generation += 1
         self.inputs = InputLog()
-        self.replay.clear()
-        self.replayed_steps = None
-        self._replayed.set()
-        self._steps_of_frame = max(1, round(RECORDED / scene.step_length))
+        self._replay.end()
         self._single_steps = 0
         self._description = {
             "kind": "scene",
@@ -417,8 +390,7 @@ class Session:
             "scenes": self._choices(),
             **scene.to_dict(),
         }
-        for frames in self._kept():
-            frames.clear()
+        self.recorder.rebuilt(scene)
         self._keep_frame()
         self._changed = True
         self.tell(self._description)
@@ -427,30 +399,7 @@ class Session:
         choices = {self._own.name: self._own} | SCENES
         return [{"name": name, "title": each.title} for name, each in choices.items()]
 
-    def _frames_in_a_file(self) -> Frames:
-        """Frames in a file without a name, which is gone with the session."""
-        file = tempfile.TemporaryFile()  # noqa: SIM115 (it is closed with the session)
-        weakref.finalize(self, file.close)
-        return Frames(file)
-
-    def _kept(self) -> list[Frames]:
-        """Where frames are kept at the moment."""
-        return [frames for frames in (self.frames, self._recording) if frames is not None]
-
     def _keep_frame(self) -> None:
-        try:
-            for frames in self._kept():
-                frames.append(self.scene)
-        except OSError as error:
-            self.frames = None
-            self.tell({"kind": "error", "text": f"frames are no longer kept: {error.strerror}"})
-        if self._recording is not None and self._recording.is_full:
-            self._finish()
-            self.tell({"kind": "error", "text": "the recording is full, and has ended"})
-
-    def _finish(self) -> None:
-        """End the recording that a client began."""
-        if self._recording is None:
-            raise ParameterError("message", "finish", "sent while a recording goes on")
-        self.recorded, self._recording = Recorded.of(self, self._recording), None
-        self._changed = True
+        for text in self.recorder.keep(self):
+            self._tell_error(text)
+            self._changed = True
