@@ -87,7 +87,7 @@ def crossings(time: float, bench: float) -> int:
 
 
 def test_circle_meets_the_spiral_so_often() -> None:
-    assert lines("chain", "places at")[0][0] == crossings(300, 2.86) == 22
+    assert lines("chain", "points at")[0][0] == crossings(300, 2.86) == 22
     assert numbers(said("chain", "answer"))[0] == numbers(said("chain", "check"))[-1] == 22
     # What the student finds who changes the file as asked.
     assert crossings(300, 1.65) < 22

@@ -52,6 +52,13 @@ views = pytest.mark.parametrize(("media", "width"), [("screen", 1280), ("screen"
 UNFOLD = "document.querySelectorAll('details').forEach((details) => details.open = true)"
 
 
+@pytest.fixture
+def unfolded(seen, language):
+    seen.page.click(f".languages button[value={language}]")
+    seen.page.evaluate(UNFOLD)
+    return seen
+
+
 def longest(text):
     """The longest part of a text without a formula, of which a browser's text is another one; without spaces."""
     parts = ["".join(part.split()) for part in re.split(r"\$[^$]*\$", text.replace("`", ""))]
@@ -74,21 +81,19 @@ def test_page_is_no_wider_than_the_window_and_requests_nothing(browser, address,
 @pytest.mark.thorough
 @needs_browser
 @pytest.mark.parametrize("language", LANGUAGES)
-def test_one_language_is_seen_at_a_time(seen, language):
-    seen.page.click(f".languages button[value={language}]")
-    seen.page.evaluate(UNFOLD)
-    text = "".join("".join(seen.page.locator("header, .text").all_inner_texts()).split())
+def test_one_language_is_seen_at_a_time(unfolded, language):
+    text = "".join("".join(unfolded.page.locator("header, .text").all_inner_texts()).split())
     for lesson in (lesson.in_language(each) for lesson in ALL for each in LANGUAGES):
         for part in PARTS:
             assert (longest(lesson.text(part)) in text) == (lesson.language == language), (lesson.name, part)
     for lesson in ALL:
         assert "".join(played(lesson.name, language).printed.split()) in text
-    codes = seen.page.locator("code:visible").all_inner_texts()
+    codes = unfolded.page.locator("code:visible").all_inner_texts()
     commands = [each for each in codes if re.match("pymunk-dragon (demo|live) ", each)]
     expected = [f"pymunk-dragon demo {lesson.name}" for lesson in ALL]
     expected += [f"pymunk-dragon live {lesson.live}" for lesson in ALL if lesson.live]
     assert sorted(commands) == sorted(each + {"en": "", "zh": " --lang zh"}[language] for each in expected)
-    assert seen.page.title() == seen.page.inner_text("h1")
+    assert unfolded.page.title() == unfolded.page.inner_text("h1")
 
 
 @pytest.mark.thorough
@@ -309,12 +314,10 @@ BAD_BREAKS = """() => {
 @pytest.mark.thorough
 @needs_browser
 @pytest.mark.parametrize("language", LANGUAGES)
-def test_no_line_begins_with_a_stop_and_no_option_is_cut(seen, language):
-    seen.page.click(f".languages button[value={language}]")
-    seen.page.evaluate(UNFOLD)
+def test_no_line_begins_with_a_stop_and_no_option_is_cut(unfolded, language):
     for width in range(320, 900, 20):
-        seen.page.set_viewport_size({"width": width, "height": 900})
-        assert seen.page.evaluate(BAD_BREAKS) == [], width
+        unfolded.page.set_viewport_size({"width": width, "height": 900})
+        assert unfolded.page.evaluate(BAD_BREAKS) == [], width
 
 
 @pytest.mark.thorough
@@ -331,10 +334,8 @@ def test_page_ends_with_glossary_and_references(seen, language):
 @pytest.mark.thorough
 @needs_browser
 @pytest.mark.parametrize("language", LANGUAGES)
-def test_figures_are_in_the_language_of_the_page(seen, language):
-    seen.page.click(f".languages button[value={language}]")
-    seen.page.evaluate(UNFOLD)
-    picture = seen.page.locator("#spiral figure img >> visible=true")
+def test_figures_are_in_the_language_of_the_page(unfolded, language):
+    picture = unfolded.page.locator("#spiral figure img >> visible=true")
     assert picture.count() == 1
     found = base64.b64decode(picture.get_attribute("src").partition(",")[2])
     assert found == played("spiral", language).picture

@@ -11,7 +11,7 @@ lesson = Lesson("chain", "Where does the next handle go?", order=20)
 lesson.question(
     "Two handles carry the head bench, both on the spiral, 2.86 m apart in a straight line. If the front one, handle "
     "0, is known, the next one is where the circle of radius 2.86 m round it meets the spiral. How often does it, and "
-    "which place is meant?"
+    "which point is meant?"
 )
 lesson.predict(
     "Draw the spiral with turns 0.55 m apart, and a circle of radius 2.86 m round a point on it.",
@@ -35,7 +35,7 @@ points = spiral.point(found)
 
 # The points nearest to handle 0 along the path.
 back = int(np.searchsorted(found, here)) - 1
-print(f"{len(found)} places at {bench} m from handle 0, whose r = {np.hypot(*handle):.3f} m")
+print(f"{len(found)} points at {bench} m from handle 0, whose r = {np.hypot(*handle):.3f} m")
 for j in range(back - 2, back + 4):
     turns = (spiral.angle(found[j]) - spiral.angle(here)) / (2 * np.pi)
     x, y = points[j]
@@ -65,7 +65,7 @@ lesson.answer(
     "path is meant: 2.900 m along it, as the path is an arc and the bench is its chord. The two beside it on the "
     "circle, less than 0.6 m off, are one turn further out or in: no walk takes the bench there, but a solver with a "
     "bad guess does.",
-    ("22 times", "22 places"),
+    ("22 times", "22 points"),
     ("4 cm longer", "2.900 m"),
 )
 lesson.check(
@@ -73,6 +73,6 @@ lesson.check(
     r"chord of 2.86 m is $2 R \arcsin(2.86 / (2 R))$, with the arcsine in radians. And count the dots: 22."
 )
 lesson.change(
-    "Set `bench` to 1.65, as long as all benches but the head: how many places are there, and how much longer is the "
+    "Set `bench` to 1.65, as long as all benches but the head: how many points are there, and how much longer is the "
     "arc now? Then put it back and set `t` to 400: now the centre lies within the circle, and the number is odd. Why?"
 )

@@ -21,7 +21,7 @@ lesson.predict(
 
 march = March(Dragon(width=0.301))
 for name, hit in {"scan": scan(march, step=1), "first_contact": first_contact(march)}.items():
-    print(f"{name:14}{hit.time:.6f} s  benches {hit.benches}  {hit.samples:5} looks")
+    print(f"{name:14}{hit.time:.6f} s  benches {hit.benches}  {hit.samples:5} samples")
 
 
 def gap(times: ArrayLike) -> NDArray[np.float64]:
@@ -42,7 +42,7 @@ for halvings in range(31):
     begins = begins[gaps <= 2 * fastest * length / 2]
     begins = np.sort(np.concatenate([begins, begins + length / 2]))
     begins = begins[begins < until]
-print(f"{'this search':14}{until:.6f} s  none before {begins[0]:.5f} s  {samples} looks")
+print(f"{'this search':14}{until:.6f} s  none before {begins[0]:.5f} s  {samples} samples")
 
 # How long and how deep the contact is, and the angle between the two benches when it is deepest.
 times = until + np.linspace(-0.07, 0.27, 34_001)

@@ -37,33 +37,32 @@ def smallest_gap(pitch: float, step: float) -> float:
 
 
 # With a sample each second: halve the bracket, which begins with a bench's width and the contest's pitch.
-blocked, free, look = 0.30, 0.55, 1.0  # m, m, s
+blocked, free, interval = 0.30, 0.55, 1.0  # m, m, s
 while free - blocked > 1e-7:
     middle = (blocked + free) / 2
-    blocked, free = (blocked, middle) if smallest_gap(middle, look) > 0 else (middle, free)
-for step in (look, 0.01):
+    blocked, free = (blocked, middle) if smallest_gap(middle, interval) > 0 else (middle, free)
+for step in (interval, 0.01):
     print(f"each {step:4g} s     {free:.6f} m  gap {smallest_gap(free, step):.3f} mm")
 
 figure, axes = lesson.subplots()
 pitches = round(found.pitch, 4) + np.linspace(-1e-4, 1e-4, 9)
-for step, style, colour in ((look, "--", AMBER), (0.01, "-", BLUE)):
+for step, style, colour in ((interval, "--", AMBER), (0.01, "-", BLUE)):
     axes.plot(pitches, [smallest_gap(pitch, step) for pitch in pitches], style, color=colour)
-axes.text(pitches[5], 0.12, f"each {look:g} s ", color=AMBER, ha="right")
+axes.text(pitches[5], 0.12, f"each {interval:g} s ", color=AMBER, ha="right")
 axes.text(pitches[3], -0.09, "  each 0.01 s", color=BLUE)
 axes.axhline(0, color=QUIET, lw=0.8)
 for pitch, height, side in ((free, 0.01, "right"), (found.pitch, -0.022, "left")):
     axes.plot(pitch, 0, "o", color=COLOURS.ink)
     axes.text(pitch, height, f" {pitch:.6f} m ", ha=side)
-axes.set(xlabel="pitch (m)", ylabel="smallest gap seen (mm)", xticks=pitches[::2])
+axes.set(xlabel="pitch (m)", ylabel="smallest gap sampled (mm)", xticks=pitches[::2])
 lesson.show(figure)
 
-lesson.picture(
-    "The smallest gap on the way in, over the pitch, as samples each second and each hundredth of a second see it."
-)
+lesson.picture("The smallest gap on the way in, over the pitch, sampled each second and each hundredth of a second.")
 lesson.answer(
     "The smallest pitch is 0.450337393 m, half as much again as the width, because a straight bench on a curve "
-    "sticks out at its ends and sags in at its middle; with it the head just touches bench 19. Looks each second "
-    "find 0.450274 m, which is too small: they see nothing overlap, but between two of them benches do, by 0.064 mm.",
+    "sticks out at its ends and sags in at its middle; with it the head just touches bench 19. Samples each "
+    "second give 0.450274 m, which is too small: no sample has an overlap, but between two of them benches overlap by "
+    "0.064 mm.",
     ("0.45 m", "0.450337393 m"),
     ("too small", "0.450274 m"),
 )
@@ -72,6 +71,6 @@ lesson.check(
     "radius of $(7.205398 + 4.5) / 2$ m. As circles these are 220.917 m, at 1 m/s; the rest is the way inward."
 )
 lesson.change(
-    "Set `look` to 0.5 or 0.1: does the pitch ever come out too large? Then ask for the smallest "
+    "Set `interval` to 0.5 or 0.1: does the pitch ever come out too large? Then ask for the smallest "
     "pitch of wider benches, `min_pitch(Dragon(width=0.31))`: does 10 mm of width take 10 mm of pitch?"
 )

@@ -60,7 +60,7 @@ lesson.answer(
 )
 lesson.check(
     "The slowest speed of 0.194 m/s: it is printed where that joint was 0.1 s before and 0.1 s after. Divide the "
-    "distance between the two places by 0.2 s."
+    "distance between the two positions by 0.2 s."
 )
 lesson.change(
     "Let `points` end in (0.1, 0.05), (0.2, 0), and the tip slips past. Then draw a path of your own: the "

@@ -52,7 +52,7 @@ lesson.answer(
     "Handles 3 to 7 are 1.6048 times as fast as the head, so 1.2462663582 m/s is all that it may go: it has just "
     "left the narrow arc while handle 1 is still on it, so the path crosses the head bench at 46 degrees in front "
     "and at 63 degrees behind. Both handles are equally fast along the rigid bench, so it moves the rear one like a "
-    "lever, 1.55 times as fast, and bench 2, which lies across the place where both arcs meet, adds another 3 "
+    "lever, 1.55 times as fast, and bench 2, which lies across the point where both arcs meet, adds another 3 "
     "percent.",
     ("somebody close behind it", "handles 3 to 7, at 2 m/s"),
     ("about 1.25 m/s", "1.2462663582 m/s"),
