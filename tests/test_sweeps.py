@@ -612,13 +612,13 @@ def test_no_more_batches_are_in_flight_than_workers_can_use(shuffled):
         assert other.most_waiting <= 2
 
 
-def test_batch_ends_early_when_its_points_become_slow(monkeypatch, threads):
+def test_batch_ends_early_when_its_points_become_slow(monkeypatch):
     monkeypatch.setattr(evaluation, "LONGEST_BATCH", 0.05)
     told = []
     axes = {"x": range(60)}
-    found = sweep(SMALL, axes, functions.slow_at_the_end, threads, progress=lambda *counts: told.append(counts))
+    found = sweep(SMALL, axes, functions.slow_at_the_end, Immediate(), progress=lambda *counts: told.append(counts))
     assert found.column("v").tolist() == list(range(60))
-    # Two points a batch and worker, although there were batches of ten before.
+    # Two points a batch, and two batches at a time, although there were batches of ten before.
     assert max(b - a for (a, _), (b, _) in pairwise(told) if a >= 44) <= 4
 
 
@@ -1085,15 +1085,17 @@ def test_executor_that_was_closed_is_an_error():
 
 @pytest.mark.parametrize("quantity", [functions.spinning, functions.ignoring])
 def test_point_that_exceeds_its_time_in_a_thread_fails_alone(threads, quantity):
-    found = sweep(SMALL, X, quantity, threads, timeout=0.1)
+    found = sweep(SMALL, X, quantity, threads, timeout=1.0)
     errors = [row[-1] for row in found.rows()]
-    assert errors == [None] * 3 + ["takes longer than the time limit of 0.1 s"] + [None] * 2
+    assert errors == [None] * 3 + ["takes longer than the time limit of 1 s"] + [None] * 2
 
 
 def test_batches_that_wait_for_their_turn_are_not_too_late(monkeypatch, threads):
-    # Batches of ten points, each of which takes long, go before a single one.
+    # The last point waits for two batches that take longer than its time limit and the grace together.
     monkeypatch.setattr(computation, "GRACE", 0.05)
-    found = sweep({**SMALL, "pause": 0.06}, {"x": range(60)}, functions.slow_at_the_end, threads, timeout=0.3)
+    monkeypatch.setattr(computation, "POLL", 0.1)
+    scenario, axes = {**SMALL, "pause": 0.06}, {"x": range(40, 121)}
+    found = sweep(scenario, axes, functions.slow_at_the_end, threads, timeout=2.0, batch_size=40)
     assert found.failed == 0
 
 
