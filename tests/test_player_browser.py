@@ -102,6 +102,11 @@ def settled(page, what):
     wait_until(page, f"dragon.then((player) => {what})")
 
 
+def announced(page):
+    """Wait for the text that screen readers are given a while after the last input."""
+    wait_until(page, "document.getElementById('announcement').textContent !== ''")
+
+
 @pytest.mark.parametrize("name", ["seed", "bumpy"])
 def test_page_asks_for_nothing_and_browser_has_nothing_to_complain_about(visit, addresses, name):
     with visit(name=name) as found:
@@ -178,13 +183,17 @@ def test_speed_is_simulated_over_real_time(visit, rate):
           player.play();
           const frame = () => new Promise(requestAnimationFrame);
           await frame();
-          const now = await frame(), time = player.time;
-          let later = now;
-          while (later < now + 500) later = await frame();
-          return [(later - now) / 1000, player.time - time];
+          const passed = [], gone = [];
+          for (let now = await frame(), time = player.time; passed.length < 31;) {
+            const later = await frame();
+            passed.push((later - now) / 1000);
+            gone.push(player.time - time);
+            [now, time] = [later, player.time];
+          }
+          return [passed, gone];
         }""")
-        # The player's own frame may come before or after the test's, and a stalled machine does not make it jump.
-        assert gone == pytest.approx(rate * passed, rel=0.35)
+        # On a machine that stalls, some frames take long, for which the player does not jump.
+        assert np.median(gone) == pytest.approx(rate * np.median(passed), rel=0.35)
 
 
 RATES = """([begin, end]) => dragon.then((player) => Array.from({ length: 401 }, (_, k) => {
@@ -387,7 +396,7 @@ def test_page_is_chinese_if_the_address_says_so(visit, link):
     with visit(link, name="bumpy", locale="en-GB") as found:
         page = found.page
         assert page.evaluate("document.documentElement.lang") == "zh"
-        page.wait_for_timeout(800)
+        announced(page)
         # The title of the document is that of the run.
         assert english_words(page) - set(page.title().split()) <= {"CSV"}
         assert found.complaints == []
@@ -402,8 +411,8 @@ def test_page_is_english_without_a_choice_whatever_the_browser_prefers(visit):
 def test_button_changes_the_language_there_and_back(visit):
     with visit("#t=409.832", name="seed") as found:
         page = found.page
-        page.wait_for_timeout(800)
-        before = page.evaluate(TEXTS)
+        announced(page)
+        page.evaluate(f"window.before = JSON.stringify(({TEXTS})())")
         page.click("#language")
         assert page.evaluate("document.documentElement.lang") == "zh"
         assert shown(page, "gap") == "0.865 mm，至 11 号"
@@ -411,8 +420,7 @@ def test_button_changes_the_language_there_and_back(visit):
         wait_until(page, "location.hash.includes('lang=zh')")
         page.click("#language")
         wait_until(page, "!location.hash.includes('lang')")
-        page.wait_for_timeout(800)
-        assert page.evaluate(TEXTS) == before
+        wait_until(page, f"JSON.stringify(({TEXTS})()) === window.before")
         assert ask(page, "player.time") == 409.832
 
 
@@ -684,8 +692,8 @@ def test_link_that_the_page_wrote_gives_the_same_picture(visit):
         page.keyboard.press("+")
         page.mouse.move(700, 300)
         page.mouse.wheel(0, -200)
+        # The wheel ends that the head is followed.
         wait_until(page, "location.hash.includes('at=')")
-        page.wait_for_timeout(600)
         link, before = page.evaluate("location.hash"), ask(page, "player.view")
     with visit(link) as found:
         after = ask(found.page, "player.view")
@@ -724,17 +732,17 @@ def test_link_that_makes_no_sense_is_no_harm(visit, link):
 def test_address_follows_the_run_but_not_all_too_often(visit):
     with visit() as found:
         found.page.evaluate("""() => {
-          window.writes = 0;
+          [window.writes, window.begin] = [0, performance.now()];
           const replaceState = history.replaceState.bind(history);
           history.replaceState = (...given) => { window.writes += 1; replaceState(...given); };
         }""")
         found.page.keyboard.press("Space")
         settled(found.page, "player.time > 406")
         found.page.keyboard.press("Space")
-        found.page.wait_for_timeout(700)
-        assert found.page.evaluate("window.writes") <= 5
         time = ask(found.page, "player.time")
-        assert float(found.page.evaluate("location.hash").removeprefix("#t=")) == pytest.approx(time, abs=1e-4)
+        wait_until(found.page, f"Math.abs(location.hash.slice(3) - {time}) < 1e-4")
+        # At once, and then twice a second.
+        assert found.page.evaluate("window.writes <= 2 + (performance.now() - window.begin) / 500")
 
 
 def test_wheel_zooms_around_the_pointer(visit):
@@ -861,8 +869,7 @@ def test_colours_are_those_of_the_readers_scheme(visit, scheme, palette):
 def test_colours_follow_a_scheme_that_changes(visit):
     with visit("#t=409", color_scheme="light") as found:
         found.page.emulate_media(color_scheme="dark")
-        found.page.wait_for_timeout(100)
-        assert found.page.evaluate(COLOUR, [12.0, 0.0]) == DARK.background
+        wait_until(found.page, f"({COLOUR})([12, 0]).then((colour) => colour === {DARK.background!r})")
 
 
 @pytest.mark.parametrize(("motion", "plays"), [("no-preference", True), ("reduce", False)])
@@ -915,8 +922,7 @@ def test_page_works_within_a_frame_of_another_one(browser, seed, tmp_path, sandb
     with opened(browser, outer.as_uri()) as found:
         frame = found.page.frame_locator("iframe")
         frame.locator("#next").click()
-        found.page.wait_for_timeout(700)
-        assert frame.locator("#clock").text_content() == "406.85"
+        frame.locator("#clock:text-is('406.85')").wait_for()
         frame.locator("#help").click()
         frame.locator("#close").click()
         assert frame.locator("#about").is_hidden()

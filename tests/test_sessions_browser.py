@@ -55,6 +55,19 @@ def place(page, x, y):
     return page.evaluate(PLACE, [float(x), float(y)])
 
 
+def pause(page, session):
+    """Pause with the space key, and wait until the page shows the last step."""
+    page.keyboard.press("Space")
+    wait_until(page, "!live.state.running")
+    wait_until(page, f"live.frame.step === {session._session.scene.steps}")
+    page.evaluate("new Promise(requestAnimationFrame)")
+
+
+def wait_simulated(page, seconds):
+    """Wait until so much simulated time has passed."""
+    wait_until(page, f"live.frame.time > {page.evaluate('live.frame.time') + seconds}")
+
+
 def log_of(session):
     """The log of a session between two steps."""
     with session.paused():
@@ -70,10 +83,7 @@ def assert_replays(session):
 def test_rod_follows_the_mouse_and_the_replay_is_equal(browser):
     with served("pendulum") as session, visit(browser, session.address) as found:
         page = found.page
-        page.keyboard.press("Space")
-        wait_until(page, "!live.state.running")
-        # A frame of the time when it stood still.
-        page.wait_for_timeout(200)
+        pause(page, session)
         x, y, angle = poses(page)[2]
         page.mouse.move(*place(page, x + 0.4 * np.cos(angle), y + 0.4 * np.sin(angle)))
         page.mouse.down()
@@ -81,7 +91,7 @@ def test_rod_follows_the_mouse_and_the_replay_is_equal(browser):
         page.keyboard.press("Space")
         goal = place(page, 1.0, -1.0)
         page.mouse.move(*goal, steps=8)
-        page.wait_for_timeout(1500)
+        wait_simulated(page, 1.5)
         x, y, angle = poses(page)[2]
         end = place(page, x + 0.4 * np.cos(angle), y + 0.4 * np.sin(angle))
         assert np.hypot(*np.subtract(end, goal)) < 15
@@ -99,7 +109,7 @@ def test_bench_without_dancers_follows_the_mouse_and_its_neighbours_come_along(b
         page.click("#release")
         wait_until(page, "live.state.free_from === 1")
         page.evaluate("live.send({do: 'set', name: 'speed', value: 0})")
-        page.wait_for_timeout(1000)
+        wait_simulated(page, 1.0)
         before = poses(page)
         x, y, _ = before[-1]
         page.mouse.move(*place(page, x, y))
@@ -107,7 +117,7 @@ def test_bench_without_dancers_follows_the_mouse_and_its_neighbours_come_along(b
         wait_until(page, "live.frame.held !== null")
         goal = x + 1.0, y + 1.0
         page.mouse.move(*place(page, *goal), steps=8)
-        page.wait_for_timeout(3000)
+        wait_simulated(page, 3.0)
         after = poses(page)
         page.mouse.up()
         wait_until(page, "live.frame.held === null")
@@ -121,10 +131,8 @@ def test_bench_without_dancers_follows_the_mouse_and_its_neighbours_come_along(b
 def test_tail_stays_when_its_joint_is_cut_with_the_tool(browser):
     with served(dragon(March(Dragon(benches=60)))) as session, visit(browser, session.address) as found:
         page = found.page
-        page.wait_for_timeout(500)
-        page.keyboard.press("Space")
-        wait_until(page, "!live.state.running")
-        page.wait_for_timeout(200)
+        wait_simulated(page, 0.5)
+        pause(page, session)
         page.click("label:has(#tool-cut)")
         front, _ = session._session.scene.march.dragon.holes(poses(page))
         page.mouse.click(*place(page, *front[30]))
@@ -132,9 +140,9 @@ def test_tail_stays_when_its_joint_is_cut_with_the_tool(browser):
         [cut] = page.evaluate("live.state.cuts")
         assert abs(cut - 29) <= 1
         page.keyboard.press("Space")
-        page.wait_for_timeout(2500)
+        wait_simulated(page, 2.5)
         before = poses(page)
-        page.wait_for_timeout(1000)
+        wait_simulated(page, 1.0)
         moved = np.hypot(*(poses(page) - before)[:, :2].T)
         assert moved[: cut + 1].min() > 0.5
         assert moved[cut + 1 :].max() < 0.01
@@ -145,10 +153,7 @@ def test_page_shows_the_largest_error_in_micrometres_and_its_bench(browser):
     with served(dragon(March(Dragon(benches=30)))) as session, visit(browser, session.address) as found:
         page = found.page
         wait_until(page, "live.frame.time > 1")
-        page.keyboard.press("Space")
-        wait_until(page, "!live.state.running")
-        # A frame of the time when it stood still.
-        page.wait_for_timeout(200)
+        pause(page, session)
         number, bench = re.fullmatch(r"([\d.]+) \u03bcm, bench (\d+)", page.inner_text("#value-error")).groups()
         with session.paused():
             _, errors = session._session.scene._exact()
@@ -172,7 +177,7 @@ def test_button_records_a_film_and_a_run(browser, tmp_path):
         page = found.page
         page.click("#record")
         wait_until(page, "live.state.recording")
-        page.wait_for_timeout(2000)
+        wait_simulated(page, 2.0)
         page.click("#record")
         for name in ("film", "run"):
             page.wait_for_selector(f"#{name}")
@@ -186,10 +191,11 @@ def test_button_records_a_film_and_a_run(browser, tmp_path):
                 pictures = film_pictures(saved)
         page.click("#recorded-close")
         assert page.is_hidden("#recorded")
-    assert np.ptp(run.times) == pytest.approx(2.0, abs=0.8)
+    # How much longer depends on how busy the machine is.
+    assert np.ptp(run.times) > 1.9
     assert run.drift.max() < 1e-4
     # The film is of the canvas, and the dragon moves in it.
-    assert 20 < len(pictures) < 100
+    assert len(pictures) > 20
     assert pictures[0].shape[:2] == pytest.approx((500, 900), rel=0.4)
     assert np.abs(pictures[0].astype(float) - pictures[-1]).max() > 100
 
@@ -230,7 +236,7 @@ def test_finger_drags_a_box_on_a_phone(browser):
         for share in np.linspace(0, 1, 9)[1:]:
             point("touchMove", [a + share * (b - a) for a, b in zip(begin, goal, strict=True)])
         wait_until(page, "live.frame.held !== null")
-        page.wait_for_timeout(1500)
+        wait_simulated(page, 1.5)
         later = poses(page)[-1]
         assert np.hypot(*(later[:2] - (x + 0.8, y + 0.8))) < 0.2
         point("touchEnd", None)
@@ -248,7 +254,7 @@ def test_watching_page_has_no_controls(browser):
         page.mouse.down()
         page.mouse.move(300, 300)
         page.mouse.up()
-        page.wait_for_timeout(300)
+        wait_simulated(page, 0.3)
         assert log_of(session).inputs == []
         assert session._session.running
 
@@ -360,7 +366,7 @@ def test_page_is_chinese_if_the_program_or_the_address_is(browser, program, link
         assert english_words(page) <= allowed
         page.select_option("#scene", "pendulum")
         wait_until(page, "live.scene.name === 'pendulum' && live.frame?.generation === live.scene.generation")
-        page.wait_for_timeout(300)
+        wait_simulated(page, 0.3)
         assert english_words(page) <= allowed
 
 
