@@ -139,6 +139,7 @@ Displayed.views = _views
 def __getattr__(name: str) -> Any:
     from importlib import import_module
 
+    # This package is above all those that it imports by name.
     for module, names in _MODULES.items():
         if name in names:
             return getattr(import_module(f"pymunk_dragon.{module}"), name)

@@ -60,6 +60,7 @@ def library(name: str) -> Any:
         If it cannot write its cache on import, as matplotlib its list of fonts.
     """
     try:
+        # Only libraries that are no part of this package.
         return import_module(name)
     except ImportError as error:
         raise missing_extra(name) from error

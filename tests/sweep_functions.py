@@ -131,6 +131,7 @@ def mixed(march: March, *, k: int):
     return {"v": [2**62 + 1, 0.5, None][k], "w": [1, "text", True][k]}
 
 
+# `Pointer` is defined nowhere, like a type that is imported for type checkers only.
 def annotated(march: March, *, gain: float = 1, points: Pointer = 0.5, count: int | None = None, wide: float | int = 1):  # noqa: F821
     return {"gained": gain + points + wide}
 

@@ -17,8 +17,6 @@ from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.physics import simulate
 
-pytest.importorskip("matplotlib")
-
 OF_RUN = {"drift", "impulses"}
 
 

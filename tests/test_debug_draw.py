@@ -491,11 +491,11 @@ def test_other_modes_are_refused_in_one_line(mode: str) -> None:
 def test_only_images_and_sound_line_widths_are_taken() -> None:
     for image in (None, "image.png", np.zeros((4, 4, 3))):
         with pytest.raises(ParameterError) as caught:
-            PillowDrawOptions(image)  # type: ignore[arg-type] # that is what is tested
+            PillowDrawOptions(image)
         assert_says(caught.value, "image", "PIL.Image.Image")
     for width in (0, -1, math.nan, 101, "1"):
         with pytest.raises(ParameterError) as caught:
-            PillowDrawOptions(white(), line_width=width)  # type: ignore[arg-type] # that is what is tested
+            PillowDrawOptions(white(), line_width=width)
         assert_says(caught.value, "line_width", "0.25", "100")
 
 
@@ -715,7 +715,7 @@ def test_overridden_methods_are_called_with_what_the_picture_shows() -> None:
 def test_functions_set_on_the_options_are_called_too_and_stay() -> None:
     options = PillowDrawOptions(white())
     dots: list[float] = []
-    call = options.draw_dot = lambda size, pos, color: dots.append(size)  # type: ignore[method-assign] # as users do
+    call = options.draw_dot = lambda size, pos, color: dots.append(size)
     for _ in range(2):
         joints().debug_draw(options)
     assert options.draw_dot is call

@@ -22,8 +22,6 @@ from pymunk_dragon.physics import simulate
 from pymunk_dragon.studies import max_speed, min_pitch, sensitivity, u_turn
 from pymunk_dragon.sweeps import sweep
 
-pytest.importorskip("matplotlib.text")
-
 # Height of a slide in lines of its smallest text.
 LINES = 40
 # Least contrast of text, and of lines.

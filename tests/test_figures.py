@@ -16,6 +16,7 @@ from typing import Any
 
 import hypothesis
 import hypothesis.strategies as st
+import matplotlib.text
 import mpmath as mp
 import numpy as np
 import oracle
@@ -36,9 +37,6 @@ from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 from pymunk_dragon.physics import simulate
-
-matplotlib = pytest.importorskip("matplotlib")
-pytest.importorskip("matplotlib.text")
 
 CHARTS = [name for name, kind in FIGURES.items() if kind.still is None]
 STILLS = [name for name, kind in FIGURES.items() if kind.still is not None]

@@ -13,6 +13,7 @@ from typing import Any
 
 import hypothesis
 import hypothesis.strategies as st
+import matplotlib.text
 import numpy as np
 import pytest
 from conftest import examples
@@ -24,9 +25,6 @@ from pymunk_dragon.sweeps.figure import Map, draw
 from pymunk_dragon.sweeps.figure.pages import words
 from pymunk_dragon.sweeps.figure.panels import TINTS, VALUES, colour_map
 from pymunk_dragon.sweeps.figure.triangles import pieces
-
-matplotlib = pytest.importorskip("matplotlib")
-pytest.importorskip("matplotlib.text")
 
 NAMES = ("pitch", "width", "turns", "overhang", "benches")
 REFERENCE = {"pitch": 0.55, "width": 0.3}
@@ -288,7 +286,7 @@ def test_tints_differ_without_colour() -> None:
     # As in print: by hatching, or by lightness.
     plain = [tint for tint in TINTS.values() if not tint.hatch]
     greys = [Image.new("RGB", (1, 1), tint.colour).convert("L").getpixel((0, 0)) for tint in plain]
-    assert all(abs(first - second) > 20 for first, second in combinations(greys, 2))  # type: ignore[operator]
+    assert all(abs(first - second) > 20 for first, second in combinations(greys, 2))
     hatches = [tint.hatch for tint in TINTS.values() if tint.hatch]
     assert len(set(hatches)) == len(hatches)
     assert len({tint.marker for tint in TINTS.values()}) == len(TINTS)

@@ -1057,7 +1057,7 @@ def test_journal_that_was_removed_before_it_was_locked_is_not_used(tmp_path, mon
 def test_results_of_many_sweeps_leave_no_file_open(tmp_path):
     folder = Path("/proc/self/fd")
     if not folder.exists():
-        pytest.skip("needs /proc")
+        pytest.skip("has no /proc, which lists the open files")
     before = len(names(folder))
     for i in range(20):
         sweep(SMALL, {"x": [1.0]}, functions.total, Immediate(), tmp_path / "map.csv" if i % 2 else None)

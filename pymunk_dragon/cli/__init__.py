@@ -156,7 +156,7 @@ def _complain(english: str, code: int) -> int:
 
 @cache
 def _command(name: str) -> click.Command:
-    """Import a command."""
+    """Import a command, a module of this package; importing all of them would take longer than most commands."""
     command: click.Command = getattr(import_module(f"{__name__}.{name}"), name)
     return command
 

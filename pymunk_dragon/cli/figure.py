@@ -71,7 +71,7 @@ def figure(
         return
     endings = FIGURES[name].endings if name in FIGURES else FIGURE_ENDINGS
     destination = destination_of(output or f"{name}.png", endings)
-    assert destination is not None
+    assert destination is not None  # There is a name in any case.
     write_figure(name, destination, source)
     wrote(destination)
     if as_json:

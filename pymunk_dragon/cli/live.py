@@ -138,7 +138,7 @@ def _replay(session: Session, log: Log | None, path: Path | None) -> None:
     """Play a recording without a page, and write it as another file."""
     from pymunk_dragon.sessions.session import SPEEDS
 
-    assert log is not None
+    assert log is not None  # Called for a replay only.
     session.speed = SPEEDS[1]
     session.start()
     try:

@@ -119,7 +119,7 @@ def render(
 
     name = Path(run_files[0]).stem if run_files else "march"
     destination = destination_of(output or f"{name}.gif", (*FILM_ENDINGS, *STILL_ENDINGS, *PLAYER_ENDINGS))
-    assert destination is not None
+    assert destination is not None  # There is a name in any case.
     ending, facts = destination.suffix.lower(), list[str]()
     given = {name: value for name, value in choices.items() if value is not None}
     if size is not None:

@@ -23,7 +23,7 @@ def report(run_file: str, as_json: bool, output: str | None) -> None:
     from pymunk_dragon.reports import report as write_report
 
     destination = destination_of(output or f"{Path(run_file).stem}.html", REPORT_ENDINGS)
-    assert destination is not None
+    assert destination is not None  # There is a name in any case.
     with progress("report") as show:
         write_report(Run.load(run_file), destination, progress=lambda done, total: show(done, total, "report"))
     wrote(destination)

@@ -121,7 +121,7 @@ class Overlay:
             draw.line([*corners, *corners[:2]], fill=255, width=OUTLINE_WIDTH)
 
     def _draw_velocities(self, draw: ImageDraw.ImageDraw, view: View, snapshot: Snapshot) -> None:
-        assert snapshot.velocities is not None
+        assert snapshot.velocities is not None  # Filled where velocities are shown.
         front, rear = self._march.dragon.holes(snapshot.poses)
         handles = np.concatenate([front, rear[-1:]])
         seen = view.holds(handles, float(ARROW_TIME * np.linalg.norm(snapshot.velocities, axis=-1).max()))

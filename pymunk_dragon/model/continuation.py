@@ -286,7 +286,7 @@ class _Branch:
     def _extend(self, direction: int, aim: float) -> None:
         """Append gentle cells of the grid up to the one that contains `aim`, or one cell that is proven."""
         tip = self._last_states[direction]
-        assert tip is not None
+        assert tip is not None  # `cover` extends only where the chain goes on.
         front, rear = tip
         end = self._gentle_run(front, rear, direction, aim)
         if end != front:

@@ -313,8 +313,10 @@ class Run(ArrayRecord, Displayed):
 
         Examples
         --------
-        >>> run.save("run.npz")  # doctest: +SKIP
-        >>> Run.load("run.npz") == run  # doctest: +SKIP
+        >>> from pymunk_dragon import Dragon, March, Run
+        >>> run = Run.exact(March(Dragon(benches=8)), [0.0, 1.0])
+        >>> run.save("run.npz")
+        >>> Run.load("run.npz") == run
         True
         """
         notes = {

@@ -89,7 +89,7 @@ class Archive:
 
     def __init__(self, archive: zipfile.ZipFile) -> None:
         self._archive = archive
-        assert archive.fp is not None
+        assert archive.fp is not None  # The archive is open.
         size = archive.fp.seek(0, os.SEEK_END)
         for name, most in (("notes.npy", MAX_NOTES), (None, MAX_UNPACKED)):
             unpacked = sum(member.file_size for member in archive.infolist() if name in (None, member.filename))

@@ -100,8 +100,8 @@ class SteeredWorld(World):
         given: dict[str, Any] = {name: value for name, value in changes.items() if value is not None}
         chosen = replace(self.settings, **given)
         self.settings = chosen.resolved(top_speed=self.top_speed, pulled_mass=self._pulled_mass)
-        assert self.settings.substep is not None
-        assert self.settings.iterations is not None
+        assert self.settings.substep is not None  # Set by `resolved`.
+        assert self.settings.iterations is not None  # Set by `resolved`.
         self.substep = self.settings.substep
         self.space.iterations = self.settings.iterations
         drag_rate = self.settings.drag * self.top_speed
@@ -139,7 +139,7 @@ class SteeredWorld(World):
 
         When all have arrived, dancers guide them again. To be called before each step while benches are `returning`.
         """
-        assert self.free_from is not None
+        assert self.free_from is not None  # Benches return only if some were free.
         exact, first = states.positions[0], self.free_from + 1
         # A carrier follows a moving target with a delay of this time, so its target is as far ahead: otherwise it would
         # brake the chain, whose tension would tear it apart when the carriers let go.

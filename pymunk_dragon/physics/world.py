@@ -137,8 +137,8 @@ class World:
         moments = [pymunk.moment_for_box(mass, size) for mass, size in zip(masses, self._sizes, strict=True)]
         pulled = masses[:1] if self.guide.balances_drag else masses
         self.settings = settings.resolved(top_speed=self.top_speed, pulled_mass=sum(pulled))
-        assert self.settings.substep is not None
-        assert self.settings.iterations is not None
+        assert self.settings.substep is not None  # Set by `resolved`.
+        assert self.settings.iterations is not None  # Set by `resolved`.
         self.substep = self.settings.substep
         drag_rate = self.settings.drag * self.top_speed
         self.space = pymunk.Space()

@@ -71,7 +71,8 @@ def write_player(
 
     Examples
     --------
-    >>> write_player(Run.load("run.npz"), "run.html")  # doctest: +SKIP
+    >>> from pymunk_dragon import Dragon, March, Run, write_player
+    >>> write_player(Run.exact(March(Dragon(benches=8)), [0.0, 1.0]), "run.html")
     """
     destination = check_destination(path, PLAYER_ENDINGS)
     notify = progress or (lambda done, total: None)

@@ -89,7 +89,9 @@ def report(run: Run, path: str | Path, *, progress: Callable[[int, int], None] |
 
     Examples
     --------
-    >>> report(Run.load("run.npz"), "report.html")  # doctest: +SKIP
+    >>> from pymunk_dragon import Dragon, March, report, simulate
+    >>> run = simulate(March(Dragon(benches=16)), start=411, contacts="report", until=412.6)
+    >>> report(run, "report.html")
     """
     destination = check_destination(path, REPORT_ENDINGS)
     chosen = FORMATS[destination.suffix.lower()]

@@ -76,7 +76,7 @@ def write_tables(march: March, times: ArrayLike, path: str | Path, *, progress: 
 
     Examples
     --------
-    >>> write_tables(March(), range(301), "result1.xlsx")  # doctest: +SKIP
+    >>> write_tables(March(), range(301), "result1.xlsx")
     """
     destination = check_destination(path, TABLE_ENDINGS)
     t = np.array(times, dtype=float).ravel()
@@ -120,7 +120,7 @@ def write_contact_table(march: March, impact_time: float, path: str | Path) -> N
 
     Examples
     --------
-    >>> write_contact_table(March(), 412.473838, "result2.xlsx")  # doctest: +SKIP
+    >>> write_contact_table(March(), 412.473838, "result2.xlsx")
     """
     destination = check_destination(path, TABLE_ENDINGS)
     states = march.at([impact_time])

@@ -97,7 +97,7 @@ def save(recorded: Recorded, file: Path | IO[bytes]) -> None:
 def _run(recorded: Recorded) -> Run:
     """The frames of a dragon as a run, with errors against the exact model at the times of the march."""
     scene, log, times, poses = recorded.scene, recorded.log, recorded.times, recorded.poses
-    assert isinstance(scene, DragonScene)
+    assert isinstance(scene, DragonScene)  # Only a dragon is saved as a run.
     exact = scene.march.at(recorded.march_times).positions
     front, rear = scene.march.dragon.holes(poses)
     errors = np.linalg.norm(front - exact[:, :-1], axis=-1), np.linalg.norm(rear - exact[:, 1:], axis=-1)

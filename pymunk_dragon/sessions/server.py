@@ -232,7 +232,7 @@ class Server:
         try:
             site = web.TCPSite(runner, self.host, self.port)
             await site.start()
-            assert site._server is not None
+            assert site._server is not None  # The site was started.
             self.port = site._server.sockets[0].getsockname()[1]  # type: ignore[attr-defined]  # asyncio's own server has it.
             self._begun.set()
             await self._end.wait()
@@ -298,7 +298,7 @@ class Server:
         connection = web.WebSocketResponse(compress=False, heartbeat=HEARTBEAT, max_msg_size=MAX_BYTES)
         await connection.prepare(request)
         transport = request.transport
-        assert transport is not None
+        assert transport is not None  # The request is being answered.
         client = _Client(connection, _has_token(request, self.token), transport.abort)
         client.tell(self._for(client, self.session.description()))
         self._clients.add(client)

@@ -245,7 +245,7 @@ class _Programme:
     def binding(self, turn: Turn) -> tuple[int, ...]:
         """Handles whose largest speed equals the limit."""
         found = self._evaluated(_unknowns(turn))
-        assert found is not None
+        assert found is not None  # Only called with a turn that exists.
         _, handles, logs = found[3]
         return tuple(np.unique(handles[logs > self.log_limit - BINDING]).tolist())
 

@@ -261,7 +261,7 @@ def min_pitch(
         inward = replace(least, pitch=pitch)
         contact = SampledGaps(inward).minimum()
         if contact is None or abs(contact.gaps[0]) > CERTIFIED:
-            assert hit.benches is not None
+            assert hit.benches is not None  # A contact is between two benches.
             contact = gaps_of(inward, hit.time, hit.benches)
     travelled = float(contact.travelled[0])
     limit: Limit = "passing"

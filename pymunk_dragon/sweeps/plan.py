@@ -116,7 +116,7 @@ def _base(quantity: Quantity, given: Mapping[str, Any], axes: Axes) -> dict[str,
             first = first or (ParameterError("axis", f"{error.name}={error.value}", error.bound) if on_axis else error)
         else:
             return {name: value for name, value in found.items() if name not in axes.names}
-    assert first is not None
+    assert first is not None  # There is at least one corner, and each failed.
     raise first
 
 

@@ -126,6 +126,7 @@ def _function(name: str) -> Callable[..., Values]:
     """The function `module:function`."""
     module, _, path = name.partition(":")
     try:
+        # A module of the user's.
         found: Any = import_module(module)
         for part in path.split("."):
             found = getattr(found, part)

@@ -261,7 +261,7 @@ def _begin_worker(started: Event) -> None:
     # What a quantity prints is not part of a table on stdout.
     os.dup2(2 if sys.stderr else os.open(os.devnull, os.O_WRONLY), 1)
     parent = parent_process()
-    assert parent is not None
+    assert parent is not None  # This is a worker process.
 
     def end() -> None:
         parent.join()

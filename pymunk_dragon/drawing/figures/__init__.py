@@ -214,7 +214,7 @@ def write_figure(name: str, path: str | Path, source: Source | None = None) -> N
     Examples
     --------
     >>> from pymunk_dragon.drawing.figures import write_figure
-    >>> write_figure("spiral", "spiral.svg")  # doctest: +SKIP
+    >>> write_figure("spiral", "spiral.svg")
     """
     kind = _kind(name)
     destination = check_destination(path, kind.endings)
@@ -240,7 +240,7 @@ def write_styled(draw: Callable[[], Figure], path: str | Path) -> None:
     Examples
     --------
     >>> from matplotlib.figure import Figure
-    >>> write_styled(Figure, "empty.svg")  # doctest: +SKIP
+    >>> write_styled(Figure, "empty.svg")
     """
     destination = check_destination(path, FIGURE_ENDINGS)
     with styled():
@@ -271,7 +271,7 @@ def _draw(name: str, kind: Kind, source: Source | None) -> Figure:
         if not isinstance(source, Run):
             raise ParameterError("run", source, f"a run of the engine, which the figure {name} is made from")
         return kind.of_run(source)
-    assert kind.of_march is not None
+    assert kind.of_march is not None  # A figure is of a run or of a march.
     return kind.of_march(*_march_and_interval(kind, source))
 
 

@@ -49,7 +49,7 @@ def write_still(source: Source | Sequence[Source], time: float, path: str | Path
     --------
     >>> from pymunk_dragon import Dragon, March
     >>> from pymunk_dragon.drawing import Film, write_still
-    >>> write_still(March(Dragon(benches=16)), 60.0, "march.png", Film(size=640))  # doctest: +SKIP
+    >>> write_still(March(Dragon(benches=16)), 60.0, "march.png", Film(size=640))
     """
     destination = check_destination(path, STILL_ENDINGS)
     if destination.suffix.lower() != ".pdf":

@@ -50,18 +50,41 @@ class Lesson:
 
     Examples
     --------
-    The file of a lesson in short; each call with a text prints it:
+    The file of a lesson in short, without a figure. Each call with a text prints it:
 
-    >>> lesson = Lesson("pendulum", "A swing in numbers", order=160)  # doctest: +SKIP
-    >>> lesson.question("How long does a pendulum of 1 m take?")  # doctest: +SKIP
-    >>> lesson.predict("Count aloud.", ("How long?", "one second", "two seconds"))  # doctest: +SKIP
-    >>> print(f"{2 * math.pi * (1 / 9.81) ** 0.5:.3f} s")  # doctest: +SKIP
-    >>> figure, axes = lesson.subplots()  # doctest: +SKIP
-    >>> lesson.show(figure)  # doctest: +SKIP
-    >>> lesson.picture("The period grows with the root of the length.")  # doctest: +SKIP
-    >>> lesson.answer("The mass does not matter.", ("two seconds", "2.006 s"))  # doctest: +SKIP
-    >>> lesson.check("2.006 s: count ten swings.")  # doctest: +SKIP
-    >>> lesson.change("Make it four times as long.")  # doctest: +SKIP
+    >>> import math
+    >>> lesson = Lesson("pendulum", "The period of a pendulum", order=160)
+    The period of a pendulum
+    >>> lesson.question("How long does a pendulum of 1 m take?")
+    <BLANKLINE>
+    Question
+      How long does a pendulum of 1 m take?
+    >>> lesson.predict("Count aloud.", ("How long?", "one second", "two seconds"))
+    <BLANKLINE>
+    Predict
+      Count aloud.
+    <BLANKLINE>
+      How long?
+      a) one second
+      b) two seconds
+    <BLANKLINE>
+    >>> print(f"{2 * math.pi * (1 / 9.81) ** 0.5:.3f} s")
+    2.006 s
+    >>> lesson.answer("The mass does not matter.", ("two seconds", "2.006 s"))
+    <BLANKLINE>
+    Answer
+      The mass does not matter.
+    <BLANKLINE>
+      How long?
+      b) two seconds (2.006 s)
+    >>> lesson.check("2.006 s: count ten periods.")
+    <BLANKLINE>
+    Check
+      2.006 s: count ten periods.
+    >>> lesson.change("Make it four times as long.")
+    <BLANKLINE>
+    Change and try
+      Make it four times as long.
     """
 
     def __init__(

@@ -66,7 +66,7 @@ def make_page(recordings: Sequence[Sequence[Recording]], language: str = "en") -
     Examples
     --------
     >>> from pymunk_dragon.lessons import LESSONS, record
-    >>> text = make_page([[record(LESSONS["spiral"])]], "zh")  # doctest: +SKIP
+    >>> text = make_page([[record(LESSONS["spiral"])]], "zh")
     """
     style, script = asset(__package__, "assets/lessons.css"), asset(__package__, "assets/lessons.js")
     return filled(

@@ -108,8 +108,8 @@ def record(lesson: LessonFile, save: str | Path | None = None) -> Recording:
     Examples
     --------
     >>> from pymunk_dragon.lessons import LESSONS, record
-    >>> recording = record(LESSONS["spiral"])  # doctest: +SKIP
-    >>> recording.printed.splitlines()[0]  # doctest: +SKIP
+    >>> recording = record(LESSONS["spiral"])
+    >>> recording.printed.splitlines()[0]
     't =   0 s  r = 8.800 m  walking 1.0000 m/s  turning 0.1136 rad/s, a round in 55.3 s'
     """
     printed = io.StringIO()

@@ -45,8 +45,13 @@ class Terminal(Output):
 
     Examples
     --------
+    >>> import io
+    >>> from contextlib import redirect_stdout
     >>> from pymunk_dragon.lessons import LESSONS, Terminal, play
-    >>> play(LESSONS["spiral"].in_language("zh"), Terminal(save="pictures"))  # doctest: +SKIP
+    >>> with redirect_stdout(io.StringIO()) as printed:
+    ...     play(LESSONS["spiral"].in_language("zh"), Terminal(save="pictures"))
+    >>> Path("pictures/spiral.png").exists()
+    True
     """
 
     def __init__(self, save: str | Path | None = None, pause: bool = False) -> None:

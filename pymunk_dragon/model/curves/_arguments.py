@@ -65,7 +65,7 @@ def plane_point(name: str, value: object) -> tuple[float, float]:
         try:
             x, y = (finite(name, part, -FARTHEST, FARTHEST, "m") for part in parts)
         except ParameterError:
-            pass
+            pass  # The error below names the whole value.
         else:
             return x, y
     raise ParameterError(name, value, bound)

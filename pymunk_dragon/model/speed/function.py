@@ -216,7 +216,7 @@ class SpeedFunction:
                 if values.shape == times.shape:
                     return answer("speed(t)", values, times.shape)
             except (TypeError, ValueError):
-                pass
+                pass  # It takes no arrays.
             return np.array([self._called_once(time) for time in times.tolist()])
 
     def _called_once(self, time: float) -> float:

@@ -366,7 +366,7 @@ def _shape(shape: pymunk.Shape) -> dict[str, Any]:
         return {"circle": [*shape.offset, shape.radius], **more}
     if isinstance(shape, pymunk.Segment):
         return {"segment": [*shape.a, *shape.b, shape.radius], **more}
-    assert isinstance(shape, pymunk.Poly)
+    assert isinstance(shape, pymunk.Poly)  # Pymunk has no fourth kind of shape.
     return {"polygon": [x for vertex in shape.get_vertices() for x in vertex], "radius": shape.radius, **more}
 
 

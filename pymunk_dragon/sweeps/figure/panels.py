@@ -182,7 +182,7 @@ def draw_points(axes: Axes, points: Array, samples: Samples, norm: Normalize, si
     width = (size / MARKER) ** 0.5
     for number in np.unique(samples.classes[~samples.coloured]).tolist():
         tint = samples.tints[number]
-        assert tint is not None
+        assert tint is not None  # Only coloured classes have none.
         x, y = points[samples.classes == number].T
         style = TINTS[tint].point | {"linewidths": 0.7 * width, "zorder": 2, "clip_on": False}
         axes.scatter(x, y, size, **style, gid=tint or "none")

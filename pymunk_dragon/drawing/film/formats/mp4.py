@@ -61,7 +61,7 @@ def write_mp4(path: Path, frames: Frames) -> None:
         # Ctrl-C must not reach FFmpeg: this process handles the interrupt and then ends FFmpeg.
         start_new_session=True,
     ) as process:
-        assert process.stdin is not None
+        assert process.stdin is not None  # It is a pipe.
         try:
             written = 0
             # FFmpeg closes its input only if it fails, and its messages tell why.
