@@ -183,17 +183,18 @@ def test_speed_is_simulated_over_real_time(visit, rate):
           player.play();
           const frame = () => new Promise(requestAnimationFrame);
           await frame();
-          const passed = [], gone = [];
-          for (let now = await frame(), time = player.time; passed.length < 31;) {
-            const later = await frame();
-            passed.push((later - now) / 1000);
-            gone.push(player.time - time);
-            [now, time] = [later, player.time];
+          let last = await frame(), passed = 0;
+          const time = player.time;
+          while (passed < 1) {
+            const now = await frame();
+            // A stalled machine does not make it jump.
+            passed += Math.min((now - last) / 1000, 0.25);
+            last = now;
           }
-          return [passed, gone];
+          return [passed, player.time - time];
         }""")
-        # On a machine that stalls, some frames take long, for which the player does not jump.
-        assert np.median(gone) == pytest.approx(rate * np.median(passed), rel=0.35)
+        # The player's own frame may come before or after the test's.
+        assert gone == pytest.approx(rate * passed, rel=0.35)
 
 
 RATES = """([begin, end]) => dragon.then((player) => Array.from({ length: 401 }, (_, k) => {

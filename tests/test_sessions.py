@@ -45,8 +45,8 @@ from pymunk_dragon.sessions.scenes import SCENES, dragon, planned, ready
 from pymunk_dragon.sessions.session import SPEEDS, Session
 
 SHORT = March(Dragon(benches=20))
-# s: what takes a second where nothing else runs, and ends too late, or never, where a client is in the way.
-SOON = 20.0
+# Measurements of time, of which one must be within its limit: another program may take the processor.
+ATTEMPTS = range(3)
 
 
 # ---- replays
@@ -782,18 +782,26 @@ def test_clients_that_never_read_slow_neither_physics_nor_others_nor_the_end():
         async with joined(address) as client:
             first = await client.shown(lambda frame: frame.time > 0.2)
             begin = time.monotonic()
-            while (await client.shown()).time < first.time + 1.0:
-                pass
-            return time.monotonic() - begin
+            frames = 0
+            while True:
+                frame = await client.shown()
+                frames += 1
+                if frame.time > first.time + 1.0:
+                    return frames, time.monotonic() - begin
 
-    with ExitStack() as stack:
-        session = stack.enter_context(served("dragon"))
-        for _ in range(8):
-            stack.enter_context(connected(session.address))
-        assert run(watch(session.address)) < SOON
-        begin = time.monotonic()
-        session.stop()
-        assert time.monotonic() - begin < SOON
+    def is_fast(attempt):
+        with ExitStack() as stack:
+            session = stack.enter_context(served("dragon"))
+            for _ in range(8):
+                stack.enter_context(connected(session.address))
+            frames, passed = run(watch(session.address))
+            begin = time.monotonic()
+            session.stop()
+            end = time.monotonic() - begin
+        print(attempt, frames, passed, end)
+        return frames > 20 and passed < 2.0 and end < 2.0
+
+    assert any(map(is_fast, ATTEMPTS))
 
 
 def test_client_that_floods_does_not_stop_others():
@@ -822,13 +830,19 @@ def test_client_that_floods_does_not_stop_others():
                 await client.told("pong", id=number)
             await client.send("cut", joint=2)
             await client.told("state", cuts=[2])
-            await client.shown(lambda frame: frame.time > first.time + 1.0 and frame.rate > 0.5)
-            assert time.monotonic() - begin < SOON
+            last = await client.shown(lambda frame: frame.time > first.time + 1.0)
+            passed = time.monotonic() - begin
         done.set()
         await flooding
+        return passed, last.rate
 
-    with served() as session:
-        run(talk(session.address))
+    def is_fast(attempt):
+        with served() as session:
+            passed, rate = run(talk(session.address))
+        print(attempt, passed, rate)
+        return passed < 3.0 and rate > 0.5
+
+    assert any(map(is_fast, ATTEMPTS))
 
 
 def test_body_is_dropped_when_its_holder_disconnects_and_only_then():
@@ -946,8 +960,7 @@ def seconds_after_ctrl_c(path):
 
 
 def test_ctrl_c_ends_the_program_within_2_s_and_writes_the_recording(tmp_path):
-    # More than once only where another program takes the processor.
-    assert any(seconds_after_ctrl_c(tmp_path / f"{number}.npz") < 2.0 for number in range(3))
+    assert any(seconds_after_ctrl_c(tmp_path / f"{attempt}.npz") < 2.0 for attempt in ATTEMPTS)
 
 
 def test_replay_at_the_command_line_tells_that_it_is_equal(tmp_path):
