@@ -14,7 +14,7 @@ from pymunk_dragon.cli.options import destination_of, json_option, output_option
 from pymunk_dragon.cli.output import print_json, progress, wrote
 from pymunk_dragon.errors import ParameterError
 
-# In place of a lesson's name.
+# Instead of a lesson's name.
 ALL = "all"
 LIST = "list"
 

@@ -9,7 +9,7 @@ from pymunk_dragon.model.dragon import bench_poses
 lesson = Lesson("near-miss", "A hit or a near miss?", order=60, live="near-miss")
 
 lesson.question(
-    "On its way in the head, which is bench 0, passes bench 9, then bench 11, and then runs into bench 8. A bench is "
+    "As it marches inward, the head, bench 0, passes bench 9, then bench 11, and then runs into bench 8. A bench is "
     "300 mm wide. How much room is left when it passes?"
 )
 lesson.predict(

@@ -23,7 +23,7 @@ lesson.predict(
 found = min_pitch()
 contact, arrival = found.march.time([found.distance, found.arrival_distance])
 print(f"smallest pitch  {found.pitch:.9f} m  benches {found.benches} touch at t = {contact:.3f} s")
-print(f"the way in      {16 * found.pitch:.6f} m to 4.5 m from the centre  {arrival:.3f} s")
+print(f"inward march    {16 * found.pitch:.6f} m to 4.5 m from the centre  {arrival:.3f} s")
 
 
 def smallest_gap(pitch: float, step: float) -> float:
@@ -57,7 +57,9 @@ for pitch, height, side in ((free, 0.01, "right"), (found.pitch, -0.022, "left")
 axes.set(xlabel="pitch (m)", ylabel="smallest gap sampled (mm)", xticks=pitches[::2])
 lesson.show(figure)
 
-lesson.picture("The smallest gap on the way in, over the pitch, sampled each second and each hundredth of a second.")
+lesson.picture(
+    "The smallest gap of the inward march, over the pitch, sampled each second and each hundredth of a second."
+)
 lesson.answer(
     "The smallest pitch is 0.450337393 m, half as much again as the width, because a straight bench on a curve "
     "sticks out at its ends and sags in at its middle; with it the head just touches bench 19. Samples each "
@@ -67,8 +69,9 @@ lesson.answer(
     ("too small", "0.450274 m"),
 )
 lesson.check(
-    "The way in takes 220.934 s: to 4.5 m from the centre there are $16 - 4.5 / 0.450337 = 6.007483$ turns, of a mean "
-    "radius of $(7.205398 + 4.5) / 2$ m. As circles these are 220.917 m, at 1 m/s; the rest is the way inward."
+    "The inward march takes 220.934 s: to 4.5 m from the centre there are $16 - 4.5 / 0.450337 = 6.007483$ turns, of a "
+    "mean radius of $(7.205398 + 4.5) / 2$ m. As circles these are 220.917 m, at 1 m/s; the rest is due to the motion "
+    "towards the centre."
 )
 lesson.change(
     "Set `interval` to 0.5 or 0.1: does the pitch ever come out too large? Then ask for the smallest "

@@ -67,5 +67,5 @@ lesson.check(
 )
 lesson.change(
     "Set `until` to 440: then the head comes within 70 cm of the centre. How fast do you turn, and is the walk still "
-    "steady? With `speed` = 0.5 and `until` = 800 it walks the same way: which of the numbers are halved?"
+    "steady? With `speed` = 0.5 and `until` = 800 it walks the same distance: which of the numbers are halved?"
 )

@@ -62,7 +62,7 @@ lesson.show(figure)
 lesson.picture("The force in each joint of a chain that is pulled along. The line is the formula.")
 lesson.answer(
     "The first joint, as each of them pulls all the benches behind it: the force falls evenly from head to tail, and "
-    "in stairs where every second bench is pushed. On ice nobody has to pull, because what moves goes on by itself.",
+    "in stairs where every second bench is pushed. On ice no one has to pull, because what moves goes on by itself.",
     ("the first, behind the head", "165.780 N"),
     ("none carries any", "0.000 N"),
 )

@@ -34,7 +34,7 @@ camera = Camera(span=11.5)
 render(marches, film, start=-4, until=24, speedup=5, size=(220, 242), camera=camera, headings=headings)
 lesson.show(film)
 
-lesson.picture("Two dragons take different ways round, and leave side by side.")
+lesson.picture("Two dragons turn along different curves, and leave side by side.")
 lesson.answer(
     "Both at once, after 13.621245 m: the head leaves opposite to where it came in, and in the same direction, so "
     "the one arc turns it by as much as the other turns it back, 173.118 degrees. Arcs of the same angle have the "
@@ -48,6 +48,6 @@ lesson.check(
     r"together are 9 m, and the length is $9 a / \sin a$."
 )
 lesson.change(
-    "Set `rival` to 2.5: the narrow arc is 2.58 m wide, and the holes of the head's bench are 2.86 m apart. Which way "
-    "does handle 1 go from t = 13 s on? Up to about which ratio does the dragon get round?"
+    "Set `rival` to 2.5: the narrow arc is 2.58 m wide, and the holes of the head's bench are 2.86 m apart. In which "
+    "direction does handle 1 go from t = 13 s on? Up to about which ratio does the dragon get round?"
 )

@@ -17,7 +17,7 @@ lesson.predict(
     ("How long does that go well?", "for seconds", "for minutes", "until the end"),
 )
 
-# The same march twice: nobody guides the benches, or dancers keep every hole on the path.
+# The same march twice: no dancers guide the benches, or dancers keep every hole on the path.
 march = March(Dragon(benches=223))
 alone = simulate(march, guide="none")
 hit = alone.first_contact

@@ -117,6 +117,7 @@ class Recorder:
         self.frames = self._in_a_file() if always else None
         self.recorded: Recorded | None = None
         self._recording: Frames | None = None
+        self._steps_of_frame = 1
 
     @property
     def is_recording(self) -> bool:
@@ -124,7 +125,7 @@ class Recorder:
         return self._recording is not None
 
     def rebuilt(self, scene: Scene) -> None:
-        """Remove all frames: the session has this new scene."""
+        """Begin anew with the session's new scene: remove all frames."""
         self._steps_of_frame = max(1, round(INTERVAL / scene.step_length))
         for frames in self._kept():
             frames.clear()

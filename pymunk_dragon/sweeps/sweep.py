@@ -86,7 +86,7 @@ def sweep(
     resume : bool
         Whether to use the journal of an interrupted sweep, if there is one.
     scheduler : str, optional
-        "local", or the address of a Dask scheduler such as ``"tcp://HOST:8786"``, in place of an executor.
+        "local", or the address of a Dask scheduler such as ``"tcp://HOST:8786"``, instead of an executor.
     workers : int, optional
         Number of processes, or points that the executor evaluates at the same time.
     batch_size : int, optional

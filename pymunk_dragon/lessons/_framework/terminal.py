@@ -90,7 +90,7 @@ class Terminal(Output):
             self._guess(guess, answered=part == "answer")
         if part == "predict":
             print(flush=True)
-            # Without a stdin, or at its end, nobody can press Enter.
+            # Without a stdin, or at its end, Enter cannot be pressed.
             if self._pause and sys.stdin is not None:
                 with suppress(EOFError):
                     input(heading("pause", language()) + " ")
