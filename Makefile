@@ -125,7 +125,7 @@ docs: $(PAGES:%=renders/%) $(VENV)/documentation ## build the documentation: ren
 
 # Options for pytest, as in `make test PYTEST="-k sat"`.
 PYTEST ?=
-RUN_TESTS = $(BIN)/python -m pytest -q --numprocesses auto --dist loadscope
+RUN_TESTS = $(BIN)/python -m pytest -q --numprocesses auto --dist worksteal
 
 test: $(VENV)/tools ## run the quick tests, which are most of them
 	$(RUN_TESTS) -m "not thorough" $(PYTEST)

@@ -13,16 +13,17 @@ from contextlib import suppress
 from pathlib import Path
 
 import hypothesis
-import lesson_runs
 import numpy as np
 import pytest
+import sharing
 from browser import chromium
 from gallery import share_off
 from PIL import Image
 from playwright.sync_api import Browser
+from sharing import shared_run
 
+from pymunk_dragon import Dragon, March, Run, simulate
 from pymunk_dragon.cli import main
-from pymunk_dragon.model.march import March
 
 # Examples share the machine with whatever else runs there, so none has a time limit of its own. They are the same every
 # time, so that a failure comes from a change; `--hypothesis-profile=explore` throws the dice.
@@ -46,11 +47,11 @@ SHARE = 0.002
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Let parallel processes share what they play, and take a seventh of the examples for `make test`."""
-    if getattr(config.option, "numprocesses", None):
+    """Let all test processes share files, and take a seventh of the examples for `make test`."""
+    if sharing.FOLDER not in os.environ:
         folder = tempfile.TemporaryDirectory(prefix="pymunk-dragon-tests-")
         config.add_cleanup(folder.cleanup)
-        os.environ[lesson_runs.SHARED] = folder.name
+        os.environ[sharing.FOLDER] = folder.name
     if config.option.markexpr == "not thorough" and not config.getoption("--hypothesis-profile"):
         hypothesis.settings.load_profile("quick")
 
@@ -91,6 +92,19 @@ def golden(request: pytest.FixtureRequest) -> Callable[..., None]:
 def seed_march() -> March:
     """The march of the paper."""
     return March()
+
+
+@pytest.fixture(scope="session")
+def late_run() -> Run:
+    """The paper's dragon as the engine plays it from 400 s, before both near misses, to its first contact."""
+    return shared_run("late", lambda: simulate(March(), start=400.0))
+
+
+@pytest.fixture(scope="session")
+def small_run() -> Run:
+    """16 benches as the engine plays them past their first contacts, which are only reported."""
+    march = March(Dragon(benches=16), turns=8)
+    return shared_run("small", lambda: simulate(march, start=77.5, until=84.5, contacts="report"))
 
 
 @pytest.fixture(scope="session")
