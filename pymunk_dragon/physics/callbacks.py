@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import pymunk
 
 from pymunk_dragon._arrays import Array
 from pymunk_dragon._signals import signals_held
+from pymunk_dragon.collision.sat import Separation, separation
 from pymunk_dragon.model.contact import Contact, ContactEvent, Phase
-from pymunk_dragon.model.dragon import Dragon
-from pymunk_dragon.physics.world import World, bench_shape
+from pymunk_dragon.model.dragon import Dragon, outlines
+from pymunk_dragon.physics.world import World
 
 Vector = tuple[float, float]
 
@@ -27,6 +29,9 @@ class Recorder:
     the end of `stepping`. Where contacts are only reported, the engine does not act on them, and
     `post_solve` never comes.
 
+    Pymunk 7.3.1 reports some rectangles in line as touching, metres deep, although they are apart. A contact deeper
+    than the narrowest bench is checked, and neither logged nor acted on where the benches are apart.
+
     Parameters
     ----------
     world : World
@@ -40,18 +45,21 @@ class Recorder:
         Time of the next events, s.
     events : list of ContactEvent
         All events.
-    begun : list of tuple of int
-        Pairs of benches whose contact began since this list was cleared.
+    begun : list of Contact
+        Contacts that began since this list was cleared, as at the end of their substep.
     """
 
     def __init__(self, world: World, on_event: Callable[[ContactEvent], None] | None = None) -> None:
         self.time = 0.0
         self.events: list[ContactEvent] = []
-        self.begun: list[tuple[int, int]] = []
+        self.begun: list[Contact] = []
         self._benches: dict[pymunk.Shape, tuple[int, pymunk.Body]] = {
             shape: (bench, body) for bench, (shape, body) in enumerate(zip(world.shapes, world.bodies, strict=True))
         }
         self._report_only = world.settings.contacts == "report"
+        self._narrowest = float(world.march.dragon.widths.min())
+        # Pairs whose contact has begun and not ended.
+        self._touching: set[tuple[int, int]] = set()
         self._on_event = on_event
         self._failure: BaseException | None = None
         self._closed = self._stepping = self._logging = False
@@ -105,28 +113,25 @@ class Recorder:
         return callback
 
     def _log(self, phase: Phase, arbiter: pymunk.Arbiter) -> None:
-        if phase != "separate" and self._report_only:
-            arbiter.process_collision = False
-        event = self._event(phase, arbiter)
-        if phase == "begin":
-            self.begun.append(event.benches)
-        self.events.append(event)
-        if self._on_event is not None:
-            self._on_event(event)
-
-    def _event(self, phase: Phase, arbiter: pymunk.Arbiter) -> ContactEvent:
         (first, first_body), (second, second_body) = (self._benches[shape] for shape in arbiter.shapes)
         swapped = first > second
         benches = (second, first) if swapped else (first, second)
+        known = benches in self._touching
         if phase == "separate":
-            return ContactEvent(time=self.time, phase=phase, benches=benches)
+            self._touching.discard(benches)
+            if known:
+                self._keep(ContactEvent(time=self.time, phase=phase, benches=benches))
+            return
         points, normal, depth = _manifold(arbiter.contact_point_set, swapped)
+        false = depth > self._narrowest and _apart(arbiter.shapes)
+        if phase != "post_solve":
+            arbiter.process_collision = not (self._report_only or false)
+        if false:
+            return
         x = sum(point[0] for point in points) / len(points)
         y = sum(point[1] for point in points) / len(points)
         relative = second_body.velocity_at_world_point((x, y)) - first_body.velocity_at_world_point((x, y))
-        # total_impulse is what the arbiter's first shape received.
-        impulse = _signed(arbiter.total_impulse, not swapped) if phase == "post_solve" else None
-        return ContactEvent(
+        event = ContactEvent(
             time=self.time,
             phase=phase,
             benches=benches,
@@ -134,8 +139,23 @@ class Recorder:
             normal=normal,
             depth=depth,
             relative_velocity=_signed(relative, swapped),
-            impulse=impulse,
+            # total_impulse is what the arbiter's first shape received.
+            impulse=_signed(arbiter.total_impulse, not swapped) if phase == "post_solve" else None,
         )
+        if not known:
+            self._touching.add(benches)
+            raw = Contact(
+                time=self.time, raw_time=self.time, benches=benches, point=points[0], normal=normal, depth=depth
+            )
+            self.begun.append(raw)
+            if phase != "begin":
+                self._keep(replace(event, phase="begin"))
+        self._keep(event)
+
+    def _keep(self, event: ContactEvent) -> None:
+        self.events.append(event)
+        if self._on_event is not None:
+            self._on_event(event)
 
 
 class Motion(NamedTuple):
@@ -154,64 +174,44 @@ class Motion(NamedTuple):
         return self.first + 2 * share * self.second
 
 
-def refined_contact(dragon: Dragon, benches: tuple[int, int], motion: Motion, times: tuple[float, float]) -> Contact:
-    """Contact of two benches that touch at the end of a substep, at the time within it when they began to.
-
-    Pymunk's own shape test tells whether they touch in between.
+def refined_contact(dragon: Dragon, contact: Contact, motion: Motion, begin: float) -> Contact:
+    """A contact that began in a substep, at the time within it when the two benches began to touch.
 
     Parameters
     ----------
     dragon : Dragon
         The dragon of the two benches.
-    benches : tuple of int
-        The two, the smaller number first.
+    contact : Contact
+        The contact at the end of the substep, as in `Recorder.begun`.
     motion : Motion
         Motion of all benches in the substep.
-    times : tuple of float
-        Times at its ends, s.
+    begin : float
+        Time at which the substep begins, s.
 
     Returns
     -------
     Contact
-        At the start of the substep if they touched there already.
+        At the start of the substep if they touched there already; at its end if they touch there by rounding only.
     """
-    pair = list(benches)
-    # Shape.shapes_collide fails an assertion of its own where shapes are apart (Pymunk 7.3.1); a query does not.
-    space = pymunk.Space()
-    bodies = [pymunk.Body(body_type=pymunk.Body.KINEMATIC) for _ in pair]
-    sizes = dragon.lengths[pair].tolist(), dragon.widths[pair].tolist()
-    first, second = (bench_shape(body, *size) for body, size in zip(bodies, zip(*sizes, strict=True), strict=True))
-    space.add(bodies[1], second)
+    pair = list(contact.benches)
+    sizes = dragon.lengths[pair], dragon.widths[pair]
 
-    def touch(share: float) -> pymunk.ContactPointSet | None:
-        for body, (x, y, angle) in zip(bodies, motion.poses(share)[pair].tolist(), strict=True):
-            body.position = x, y
-            body.angle = angle
-        space.reindex_shapes_for_body(bodies[1])
-        found = space.shape_query(first)
-        return found[0].contact_point_set if found else None
+    def separated(share: float) -> Separation:
+        return separation(*outlines(motion.poses(share)[pair], *sizes))
 
-    at_end = touch(1.0)
-    assert at_end is not None, "the engine saw these shapes touch at these poses"
-    apart, touching, at_touch = 0.0, 1.0, at_end
-    if contact := touch(apart):
-        touching, at_touch = apart, contact
+    apart, touching, found = 0.0, 1.0, separated(1.0)
+    if (at_begin := separated(0.0)).distance <= 0:
+        touching, found = 0.0, at_begin
+    elif found.distance > 0:
+        return contact
     for _ in range(BISECTIONS):
         middle = (apart + touching) / 2
-        if contact := touch(middle):
-            touching, at_touch = middle, contact
+        if (halfway := separated(middle)).distance <= 0:
+            touching, found = middle, halfway
         else:
             apart = middle
-    points, normal, _ = _manifold(at_touch, swapped=False)
-    *_, depth = _manifold(at_end, swapped=False)
-    return Contact(
-        time=times[0] + touching * (times[1] - times[0]),
-        raw_time=times[1],
-        benches=benches,
-        point=points[0],
-        normal=normal,
-        depth=depth,
-    )
+    (x, y), (u, v) = found.point.tolist(), found.normal.tolist()
+    return replace(contact, time=begin + touching * (contact.raw_time - begin), point=(x, y), normal=(u, v))
 
 
 def _manifold(contact: pymunk.ContactPointSet, swapped: bool) -> tuple[tuple[Vector, ...], Vector, float]:
@@ -220,6 +220,15 @@ def _manifold(contact: pymunk.ContactPointSet, swapped: bool) -> tuple[tuple[Vec
     middles = [(point.point_a + point.point_b) / 2 for point in ordered]
     points = tuple((float(middle.x), float(middle.y)) for middle in middles)
     return points, _signed(contact.normal, swapped), float(-ordered[0].distance)
+
+
+def _apart(shapes: Iterable[pymunk.Shape]) -> bool:
+    """Whether two rectangles of a space are apart."""
+    first, second = (
+        [shape.body.local_to_world(corner) for corner in shape.get_vertices()]  # type: ignore[union-attr]
+        for shape in shapes
+    )
+    return bool(separation(first, second).distance > 0)
 
 
 def _signed(vector: pymunk.Vec2d, swapped: bool) -> Vector:

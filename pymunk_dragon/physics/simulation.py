@@ -210,7 +210,7 @@ class _Loop:
         world, substep = self._world, times[1] - times[0]
         moved = interpolated(before, world.collided_poses, 1.0) - before
         motion = Motion(before, substep * velocities, moved - substep * velocities)
-        begun = [refined_contact(world.march.dragon, pair, motion, times) for pair in self._recorder.begun]
+        begun = [refined_contact(world.march.dragon, contact, motion, times[0]) for contact in self._recorder.begun]
         self.first_contact = min(begun, key=lambda contact: contact.time)
         if world.settings.contacts == "stop":
             share = (self.first_contact.time - times[0]) / substep

@@ -1,0 +1,102 @@
+"""Cases that gave wrong answers once."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from pymunk_dragon import Arc, Composite, Dragon, Line, March, Sampled, first_contact, simulate
+from pymunk_dragon.model.contact import Contact
+from pymunk_dragon.model.curves import Curve, spline
+from pymunk_dragon.physics.callbacks import Motion, refined_contact
+from pymunk_dragon.studies import max_speed
+
+# Benches in line, 0.279 mm apart, until the first ones reach the arc.
+ALIGNED = March(
+    Dragon(
+        benches=5,
+        head_spacing=1.3946210480004002,
+        body_spacing=1.3946210480004002,
+        overhang=0.6971710618954001,
+        width=0.9890491915732748,
+    ),
+    Composite(
+        [
+            Line(start=(0, 0), stop=(6.951189646793137, -4.575222436887432)),
+            Arc(
+                centre=(5.750644158985496, -6.399225418265977),
+                radius=2.1836429067897307,
+                begin_angle=0.9886832665873433,
+                sweep=-0.8897022307433354,
+            ),
+        ]
+    ),
+    speed=0.3,
+)
+
+
+def test_contact_that_pymunk_reports_of_benches_apart_is_ignored():
+    run, exact = simulate(ALIGNED), first_contact(ALIGNED)
+    assert run.first_contact.benches == exact.benches == (0, 2)
+    assert run.first_contact.time == pytest.approx(exact.time, abs=1e-3)
+    assert all(event.depth < 1e-3 for event in run.events)
+
+
+def test_contact_by_rounding_only_is_at_the_end_of_the_substep():
+    dragon = Dragon(benches=3, head_spacing=1.5, body_spacing=1.5, overhang=0.5, width=1.0)
+    poses = np.array([[0.0, 0.0, 0.0], [9.0, 9.0, 0.0], [2.5 + 1e-15, 0.0, 0.0]])
+    contact = Contact(time=1.1, raw_time=1.1, benches=(0, 2), point=(1.25, 0.0), normal=(1.0, 0.0), depth=0.0)
+    assert refined_contact(dragon, contact, Motion(poses, 0 * poses, 0 * poses), 1.0) == contact
+
+
+def test_constant_gap_is_no_near_miss():
+    path = Composite(
+        [Line(start=(-60, 0), stop=(0, 0)), Arc(centre=(0, 5), radius=5, begin_angle=-math.pi / 2, sweep=1.0)]
+    )
+    march = March(Dragon(benches=20, head_spacing=1.65, body_spacing=1.65, overhang=0.82), path, start_s=40.0)
+    for hit in (first_contact(march), first_contact(ALIGNED)):
+        assert (hit.status, hit.benches, hit.near_misses) == ("contact", (0, 2), ())
+
+
+@pytest.mark.thorough
+def test_sharp_bends_and_unequal_benches_need_few_evaluations_of_the_curve(monkeypatch):
+    calls = []
+    solved = spline._solved
+    monkeypatch.setattr(spline, "_solved", lambda *arguments: calls.append(0) or solved(*arguments))
+    points = [(-30, 0), (-20, 0), (-10, 0), (-4, 0)]
+    for i in range(6):
+        points += [(4 * i, 2.5 * (-1) ** i), (4 * i + 2, 0)]
+    spacings = [1.65 * (1 + 0.05 * math.sin(1.7 * i)) for i in range(9)]
+    assert first_contact(March(Dragon(benches=10, body_spacing=spacings), Sampled(points))).status == "clear"
+    assert len(calls) < 20_000
+
+
+class Endless(Curve):
+    """The x axis, without ends."""
+
+    begin_s, end_s = -math.inf, math.inf
+
+    def point(self, s):
+        return np.stack([np.asarray(s, float), np.zeros(np.shape(s))], axis=-1)
+
+    def tangent(self, s):
+        return np.broadcast_to([1.0, 0.0], (*np.shape(s), 2))
+
+    def curvature(self, s):
+        return np.zeros(np.shape(s))
+
+    def max_curvature(self, s, other):
+        return np.zeros(np.broadcast_shapes(np.shape(s), np.shape(other)))
+
+
+def test_curve_of_the_user_may_be_endless():
+    assert Endless().max_curvature([-math.inf, 0.0], [math.inf, math.nan]).tolist() == [0.0, 0.0]
+
+
+@pytest.mark.parametrize("radius", [4.5, 2.5])
+def test_excess_of_a_long_dragon_of_equal_benches_is_as_documented(radius):
+    found = max_speed(Dragon(benches=100, head_spacing=1.65, body_spacing=1.65), radius=radius)
+    curvature = found.curve.curvature(found.curve.end_s if math.isfinite(found.curve.end_s) else found.curve.joints[-1])
+    assert 1e-11 < found.excess <= 1 / math.sqrt(1 - (float(curvature) * 1.65 / 2) ** 2) - 1
