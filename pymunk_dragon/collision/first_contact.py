@@ -161,8 +161,8 @@ class _Search:
         self._duration, self._warm_up_end = 1.0, np.inf
         self._samples = self._tests = 0
         self._resolution = 0.0
-        # Rows of pair, time, length of the interval, gap.
-        self._small_gaps: list[Array] = [np.empty((0, 5))]
+        # Rows of pair, time, length of the interval, gap, bound on its rounding error.
+        self._small_gaps: list[Array] = [np.empty((0, 6))]
 
     def run(self, start: float, until: float, progress: Progress) -> FirstContact:
         """Result of the search between two times."""
@@ -273,7 +273,9 @@ class _Search:
                 fresh = np.isfinite(gaps) & ~sampled
                 sampled |= fresh
                 fresh &= (gaps <= self._near) & (pairs[:, 0] <= 1 if self._alike else True)
-                self._note_small_gaps(middles, length, pairs, found.distance, fresh)
+                lengths = np.full(rows.size, length)
+                samples = np.column_stack([pairs, middles, lengths, found.distance, bounds.rounding[rows]])
+                self._small_gaps.append(samples[fresh])
                 work = int(np.count_nonzero(used)) * (int(pairs.max()) + 2) + PAIR_WORK * rows.size
                 limit = limit or max(self._share(times) * WORK_LIMIT, WORK_GROWTH * work)
                 tolerance = GAP_TOLERANCE if work <= limit else LIMITED_TOLERANCE * (work / limit) ** 2
@@ -324,11 +326,6 @@ class _Search:
                 self._hit = float(times[earliest])
                 first, second = pairs[earliest].tolist()
                 self._pair = first, second
-
-    def _note_small_gaps(self, times: Array, length: float, pairs: Indices, distances: Array, chosen: Flags) -> None:
-        """Keep the `chosen` samples, whose gap may be small within an interval of this length about their time."""
-        lengths = np.full(times.size, length)
-        self._small_gaps.append(np.column_stack([pairs, times, lengths, distances])[chosen])
 
 
 def _resolution(time: float) -> float:

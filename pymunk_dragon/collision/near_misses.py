@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,6 +23,8 @@ MINIMUM_HANDLES = 300_000
 # m of the head's distance, and share of the bracket: so close to its end, the minimum lies outside the bracket.
 BRACKET_END = 1e-9
 BRACKET_END_SHARE = 1e-6
+# Share of the sum of their lengths: centres of adjacent intervals are half of it apart, but for rounding.
+ADJACENT = 0.51
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,7 +34,8 @@ class NearMiss:
     Attributes
     ----------
     time : float
-        s; accurate to a few microseconds only, because the gap is stationary there.
+        s; accurate to a few microseconds only, because the gap is stationary there. If the gap stays at its minimum,
+        one of the times.
     benches : tuple of int
         The smaller number first.
     gap : float
@@ -60,38 +64,59 @@ def near_misses(march: March, samples: Array, start: float, end: float, near: fl
     ----------
     march : March
         The motion.
-    samples : ndarray, shape (K, 5)
-        First bench, second bench, time, length of the interval about this time, and gap of each sample. Where a sample
-        has no neighbour, the gap there is known to be larger.
+    samples : ndarray, shape (K, 6)
+        First bench, second bench, time, length of the interval about this time, gap, and bound on the gap's rounding
+        error of each sample. Where an interval has no neighbour, the gap is larger there.
     """
     samples = samples[samples[:, 2] <= end]
-    if not samples.size:
+    brackets = np.array(list(_brackets(samples[np.lexsort(samples.T[2::-1])].tolist()))).reshape(-1, 5)
+    if not brackets.size:
         return ()
-    first, second, times, lengths, gaps = samples[np.lexsort(samples.T[2::-1])].T
-    follows = (np.diff(first) == 0) & (np.diff(second) == 0) & (np.diff(times) < 1.5 * lengths[1:])
-    falls = np.diff(gaps) < 0
-    smallest = ~np.append(follows & falls, False) & ~np.append(False, follows & ~falls)
-    pairs = np.stack([first, second], axis=-1)[smallest].astype(np.intp)
-    low, high = np.maximum(times - lengths, start)[smallest], np.minimum(times + lengths, end)[smallest]
+    pairs, (low, high, rounding) = brackets[:, :2].astype(np.intp), brackets[:, 2:].T
+    low, high = np.maximum(low, start), np.minimum(high, end)
     some = max(1, MINIMUM_HANDLES // (MINIMUM_POINTS * (int(pairs.max()) + 2)))
     parts = [slice(at, at + some) for at in range(0, len(pairs), some)]
-    minima = [_local_minima(march, pairs[part], low[part], high[part]) for part in parts]
+    minima = [_local_minima(march, pairs[part], low[part], high[part], rounding[part]) for part in parts]
     found = np.concatenate(minima)
     found = found[(found[:, 3] > 0) & (found[:, 3] < near)]
     return tuple(NearMiss(time=time, benches=(int(i), int(j)), gap=gap) for time, i, j, gap in sorted(found.tolist()))
 
 
-def _local_minima(march: March, pairs: Indices, low: Array, high: Array) -> Array:
+def _brackets(samples: list[list[float]]) -> Iterator[tuple[float, float, float, float, float]]:
+    """Pairs, times between which their gap has a local minimum, and rounding error, from samples in order.
+
+    The gap falls to a minimum and rises from it by more than rounding.
+    """
+    before: list[float] = [-1, -1, 0, 0, 0, 0]
+    falls, low, lowest, highest = False, 0.0, 0.0, 0.0
+    for sample in [*samples, before]:
+        first, second, time, length, gap, rounding = sample
+        if (first, second) != tuple(before[:2]) or time - before[2] > ADJACENT * (length + before[3]):
+            if falls:
+                yield before[0], before[1], low, before[2] + before[3] / 2, before[5]
+            falls, low, lowest = True, time - length / 2, gap
+        elif falls and gap < lowest - rounding:
+            low, lowest = before[2], gap
+        elif falls and gap > lowest + rounding:
+            yield first, second, low, time, rounding
+            falls, highest = False, gap
+        elif not falls and gap < highest - rounding:
+            falls, low, lowest = True, before[2], gap
+        highest = max(highest, gap)
+        before = sample
+
+
+def _local_minima(march: March, pairs: Indices, low: Array, high: Array, rounding: Array) -> Array:
     """Minima (B, 4) of the gaps of `pairs` (K, 2) inside the brackets from `low` to `high` (K,).
 
-    Each is time, first bench, second bench, and gap in m. A bracket whose gap is smallest at one of its ends has none.
+    Each is time, first bench, second bench, and gap in m. A bracket whose gap is no smaller inside than at one of its
+    ends, but for `rounding` (K,), has none.
     """
     # No time is outside a bracket that is shorter than both margins: the chain may have no state there.
     margin = np.clip(BRACKET_END_SHARE * (high - low), BRACKET_END, (high - low) / 2)
     times = np.column_stack([low, np.linspace(low + margin, high - margin, MINIMUM_POINTS, axis=-1), high])
     gaps = _gaps(march, pairs, times)
-    best = gaps.argmin(axis=1)
-    inside = (best > 0) & (best < MINIMUM_POINTS + 1) & (high - low > 2 * margin)
+    inside = (gaps[:, [0, -1]].min(axis=1) > gaps.min(axis=1) + rounding) & (high - low > 2 * margin)
     pairs, times, gaps = pairs[inside], times[inside], gaps[inside]
     rows = np.arange(len(pairs))
     for _ in range(MINIMUM_PASSES if rows.size else 0):
