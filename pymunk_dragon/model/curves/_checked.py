@@ -47,7 +47,7 @@ def checked_bound(name: str, method: Any, tail: tuple[int, ...]) -> Callable[[An
         called = f"{type(self).__name__}.{name}(s, other)"
         shape = np.broadcast_shapes(np.shape(s), np.shape(other))
         bounds = answer(called, method.__get__(self, type(self))(s, other), shape, tail)
-        bad = ~(np.isfinite(bounds) & (bounds >= 0) | np.isnan(np.add(s, other)))
+        bad = ~(np.isfinite(bounds) & (bounds >= 0) | np.isnan(s) | np.isnan(other))
         if bad.any():
             raise ParameterError(called, bounds[bad][0].item(), "finite and not negative, 1/m")
         return bounds
