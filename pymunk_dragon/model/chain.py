@@ -303,9 +303,11 @@ def rear_between(path: Path, s: Array, fronts: Array, chord: float, low: Array, 
     """
     first = s - path.begin_s
     high = np.minimum(high, first)
-    begins = path.point(np.full(s.shape, path.begin_s)) if np.isfinite(path.begin_s) else fronts
-    # Rounding may put a handle at the path's begin before it.
-    lost = np.isnan(low) | (low > first) | ((high == first) & (_length(fronts - begins) < chord * (1 - STEP_TOLERANCE)))
+    lost = np.isnan(low) | (low > first)
+    if (at_begin := high == first).any():
+        # Rounding may put a handle at the path's begin before it.
+        distance = _length(fronts[at_begin] - path.point(path.begin_s))
+        lost[at_begin] |= distance < chord * (1 - STEP_TOLERANCE)
     low, high = np.where(lost, np.nan, low), np.where(lost, np.nan, high)
     offset = high.copy()
     for _ in range(MAX_PASSES):

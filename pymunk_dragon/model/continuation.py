@@ -213,7 +213,9 @@ class _Branch:
     def __init__(self, curve: Curve, chord: float, front: float, rear: float) -> None:
         self._curve, self._chord, self._rear = curve, chord, rear
         # By direction: the state reached last, None where the function ends; edges of cells, and brackets of the rear.
-        self._last_states: dict[int, tuple[float, float] | None] = {-1: (front, rear), 1: (front, rear)}
+        # A state is both coordinates, and A and B if they are known.
+        state = front, rear, None
+        self._last_states: dict[int, tuple[float, float, Array | None] | None] = {-1: state, 1: state}
         self._ends = {-1: [front], 1: [front]}
         self._brackets: dict[int, list[tuple[float, float]]] = {-1: [], 1: []}
         # Coordinates of both handles at reversals; fronts between which there may be one, and how far two of them there
@@ -287,13 +289,15 @@ class _Branch:
         """Append gentle cells of the grid up to the one that contains `aim`, or one cell that is proven."""
         tip = self._last_states[direction]
         assert tip is not None  # `cover` extends only where the chain goes on.
-        front, rear = tip
+        front, rear, growth = tip
         end = self._gentle_run(front, rear, direction, aim)
         if end != front:
-            self._append(direction, end, self._gentle_rear(end), (np.nan, np.nan))
+            self._append(direction, (end, self._gentle_rear(end), None), (np.nan, np.nan))
             return
+        if growth is None:
+            growth = self._growth(np.array([front]), np.array([rear]))
         last = self._curve.end_s if direction > 0 else self._curve.begin_s
-        step, half, ahead, hidden = self._step(front, rear, direction)
+        step, half, hidden = self._step(front, rear, growth, direction)
         step = min(step, abs(last - front))
         shortest = max(SHORTEST * self._chord, 4 * float(np.spacing(abs(front))))
         while step > shortest and len(self._brackets[direction]) < MAX_CELLS:
@@ -303,19 +307,20 @@ class _Branch:
             if not np.isnan(there):
                 if hidden:
                     self._possible_reversals.append((min(front, following), max(front, following), hidden))
-                if (ahead >= 0) != (self._growth(np.array([following]), np.array([there]))[0][0] >= 0):
+                growth_there = self._growth(np.array([following]), np.array([there]))
+                if (growth[0, 0] >= 0) != (growth_there[0, 0] >= 0):
                     self._reversals.append(self._reversal(front, following, bracket))
-                self._append(direction, following, there, bracket)
+                self._append(direction, (following, there, growth_there), bracket)
                 return
             # The rear handle is before the begin of the curve.
             step /= 2
         self._last_states[direction] = None
 
-    def _append(self, direction: int, front: float, rear: float, bracket: tuple[float, float]) -> None:
-        """Add a cell."""
-        self._ends[direction].append(front)
+    def _append(self, direction: int, state: tuple[float, float, Array | None], bracket: tuple[float, float]) -> None:
+        """Add a cell that ends in a state."""
+        self._ends[direction].append(state[0])
         self._brackets[direction].append(bracket)
-        self._last_states[direction] = None if np.isnan(rear) else (front, rear)
+        self._last_states[direction] = None if np.isnan(state[1]) else state
 
     def _gentle_run(self, front: float, rear: float, direction: int, aim: float) -> float:
         """Where, from `front` on, a row of gentle cells of the grid ends; `front` itself if there is none."""
@@ -344,23 +349,21 @@ class _Branch:
         low, high = fronts - bracket[1], fronts - bracket[0]
         return rear_between(self._curve, fronts, self._curve.point(fronts), self._chord, low, high)
 
-    def _growth(self, fronts: Array, rears: Array) -> tuple[Array, Array]:
-        """A and B (T,) of the module's docstring."""
+    def _growth(self, fronts: Array, rears: Array) -> Array:
+        """A and B of the module's docstring, (2, T)."""
         points, tangents = self._curve.frame(np.stack([fronts, rears]))
-        between = points[0] - points[1]
-        ahead, behind = np.sum(tangents * between, axis=-1)
-        return ahead, behind
+        growth: Array = np.sum(tangents * (points[0] - points[1]), axis=-1)
+        return growth
 
-    def _step(self, front: float, rear: float, direction: int) -> tuple[float, float, float, float]:
-        """Length and half height of a proven cell, both 0 at a fold; A; and what reversals in it may hide, m."""
-        growth = self._growth(np.array([front]), np.array([rear]))
-        ahead, behind = float(growth[0][0]), float(growth[1][0])
+    def _step(self, front: float, rear: float, growth: Array, direction: int) -> tuple[float, float, float]:
+        """Length and half height of a proven cell, both 0 at a fold; and what reversals in it may hide, m."""
+        ahead, behind = growth[:, 0].tolist()
         window = WINDOW * self._chord
         others = np.array([front + direction * window, rear + window])
         curvature = self._curve.max_curvature(np.array([front, rear - window]), others)
         own, other = (1 + curvature * (self._chord + 2 * window)).tolist()
         if behind <= 0:
-            return 0.0, 0.0, ahead, 0.0
+            return 0.0, 0.0, 0.0
         half = min(window, behind / (2 * other))
         room, slope = half * (behind - other * half), abs(ahead) + half
         step = SAFE * min(2 * room / (slope + float(np.sqrt(slope**2 + 2 * own * room))), behind / 4, window)
@@ -369,10 +372,10 @@ class _Branch:
         change = own + 8 * abs(ahead) / behind
         certain = SAFE * abs(ahead) / change
         if step <= certain:
-            return step, half, ahead, 0.0
+            return step, half, 0.0
         step = min(step, max(certain, REVERSAL * self._chord))
         # Else |A| is below 2 `change` times the step in it.
-        return step, half, ahead, 0.0 if step <= certain else 8 * change * step**2 / behind
+        return step, half, 0.0 if step <= certain else 8 * change * step**2 / behind
 
     def _reversal(self, front: float, other: float, bracket: tuple[float, float]) -> tuple[float, float]:
         """Coordinates of both handles where A = 0, between two fronts at which its signs differ."""

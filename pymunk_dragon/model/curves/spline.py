@@ -31,7 +31,7 @@ MAX_POINTS = 50_000
 # m. Neighbouring points closer than this count as one point given twice, without a direction between them.
 MIN_CHORD = 1e-3
 # Coordinates evaluated together: their temporaries fit into a processor's cache.
-CHUNK = 8192
+CHUNK = 1024
 # Share of a cell: after so small a step of Newton's the next one would be below the last digit.
 STEP_TOLERANCE = 1e-9
 # Newton's method doubles the digits of a guess that is right to a hundredth; 3 are enough.
@@ -141,6 +141,11 @@ class Sampled(Curve, kind="sampled"):
         """Unit vector (..., 2) in the direction of travel."""
         return self._evaluated(s, _tangent, (2,))
 
+    def frame(self, s: ArrayLike) -> tuple[Array, Array]:
+        """Positions and unit vectors in the direction of travel, each (..., 2)."""
+        both = self._evaluated(s, _frame, (2, 2))
+        return both[..., 0, :], both[..., 1, :]
+
     def curvature(self, s: ArrayLike) -> Array:
         """Curvature (...) in 1/m, positive to the left."""
         from pymunk_dragon.model.curves._cells import cubic_curvature
@@ -205,6 +210,10 @@ def _tangent(cubics: Array, w: Array) -> Array:
     velocity = cubics[:, 1] + w * (2 * cubics[:, 2] + w * (3 * cubics[:, 3]))
     tangents: Array = velocity / np.hypot(velocity[:, :1], velocity[:, 1:])
     return tangents
+
+
+def _frame(cubics: Array, w: Array) -> Array:
+    return np.stack([_point(cubics, w), _tangent(cubics, w)], axis=1)
 
 
 def _checked(points: object) -> Array:
