@@ -37,11 +37,23 @@ ALIGNED = March(
 )
 
 
-def test_contact_that_pymunk_reports_of_benches_apart_is_ignored():
+def test_contacts_that_pymunk_reports_of_benches_apart_are_ignored():
+    """It reports one 5.6 m deep, and one without depth and normal."""
     run, exact = simulate(ALIGNED), first_contact(ALIGNED)
     assert run.first_contact.benches == exact.benches == (0, 2)
     assert run.first_contact.time == pytest.approx(exact.time, abs=1e-3)
     assert all(event.depth < 1e-3 for event in run.events)
+    dragon = Dragon(
+        benches=5,
+        head_spacing=1.5647357088711662,
+        body_spacing=1.5647357088711662,
+        overhang=0.7286387054942967,
+        width=0.16926126905240985,
+    )
+    straight = Line(
+        stop=(8.849066384190579 * math.cos(2.480352102995642), 8.849066384190579 * math.sin(2.480352102995642))
+    )
+    assert not simulate(March(dragon, straight)).events
 
 
 def test_contact_by_rounding_only_is_at_the_end_of_the_substep():

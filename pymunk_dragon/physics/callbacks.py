@@ -29,8 +29,9 @@ class Recorder:
     the end of `stepping`. Where contacts are only reported, the engine does not act on them, and
     `post_solve` never comes.
 
-    Pymunk 7.3.1 reports some rectangles in line as touching, metres deep, although they are apart. A contact deeper
-    than the narrowest bench is checked, and neither logged nor acted on where the benches are apart.
+    Pymunk 7.3.1 reports some rectangles in line as touching, metres deep or without a normal, although they are apart.
+    So a contact is checked where it begins and where it is deeper than the narrowest bench. It is neither logged nor
+    acted on while the benches are apart.
 
     Parameters
     ----------
@@ -123,7 +124,7 @@ class Recorder:
                 self._keep(ContactEvent(time=self.time, phase=phase, benches=benches))
             return
         points, normal, depth = _manifold(arbiter.contact_point_set, swapped)
-        false = depth > self._narrowest and _apart(arbiter.shapes)
+        false = (not known or depth > self._narrowest) and _apart(arbiter.shapes)
         if phase != "post_solve":
             arbiter.process_collision = not (self._report_only or false)
         if false:
