@@ -1,207 +1,206 @@
+"""Pictures of the dragon: colours, sizes, texts, marks, and other marches than the paper's."""
+
 from __future__ import annotations
 
 from dataclasses import replace
 from itertools import combinations_with_replacement
-from pathlib import Path
-from typing import Any
 
 import imageio.v3 as iio
 import numpy as np
 import pytest
+import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 from marches import ARM, TRACTOR, U_TURN
-from numpy.typing import NDArray
 from PIL import Image
 from shapely import affinity, box
 
-from pymunk_dragon.drawing import Camera, Film, Palette, render, write_film, write_still
-from pymunk_dragon.drawing.film.layout import Canvas, lay_out
-from pymunk_dragon.drawing.palette import BLOCK, CODES, TRANSPARENT, TYPE_RAMP, index_of, occurs
-from pymunk_dragon.drawing.scene import Nearest, hole_diameter, smallest_gap
+from pymunk_dragon import Camera, Contact, Dragon, March, Palette, Run, UTurn, first_contact
+from pymunk_dragon._language import in_language
+from pymunk_dragon.drawing import Film, render, still, write_still
+from pymunk_dragon.drawing.film.layout import lay_out
+from pymunk_dragon.drawing.lettering import Lettering
+from pymunk_dragon.drawing.palette import BLOCK, CODES, STRENGTHS, TRANSPARENT, TYPE_RAMP, index_of, occurs
+from pymunk_dragon.drawing.scene import RING_RADIUS, hole_diameter, smallest_gap
 from pymunk_dragon.drawing.snapshots import sample, snapshots
-from pymunk_dragon.errors import DragonError, ParameterError
-from pymunk_dragon.model.contact import Contact
-from pymunk_dragon.model.dragon import Dragon
-from pymunk_dragon.model.march import March
-from pymunk_dragon.model.run import Run
+from pymunk_dragon.errors import ParameterError
 
-SMALL = Dragon(benches=16)
-# The seed's first contact, as every solver of the project finds it.
-CONTACT_TIME = 412.4738
+PALETTE = Palette()
+SMALL = March(Dragon(benches=16), turns=4)
+HEAD = Camera(follow="head", span=4.0)
+# The paper's first contact, as every solver of the project finds it.
+CONTACT_TIME = 412.473838
 
 
 @pytest.fixture(scope="module")
-def march() -> March:
-    return March(SMALL, turns=4)
+def run():
+    return Run.exact(SMALL, np.linspace(0, 10, 1001))
 
 
 @pytest.fixture(scope="module")
-def run(march: March) -> Run:
-    return Run.exact(march, np.linspace(0, 10, 101))
-
-
-@pytest.fixture(scope="module")
-def seed() -> Run:
-    """The last seconds of the seed's run, with its contact."""
+def seed():
+    """The last seconds of the paper's march, with its contact."""
     run = Run.exact(March(), np.append(np.arange(405.0, 412.4, 0.2), CONTACT_TIME))
-    # The head's front left corner is what touches.
-    x, y = run.march.dragon.outlines(run.poses[-1])[0, 2]
-    contact = Contact(
-        time=CONTACT_TIME,
-        raw_time=CONTACT_TIME,
-        benches=(0, 8),
-        point=(float(x), float(y)),
-        normal=(0.0, 1.0),
-        depth=0.0,
-    )
-    return replace(run, first_contact=contact, outcome="contact")
+    hit = first_contact(run.march, start=405).contact
+    return replace(run, first_contact=replace(hit, time=CONTACT_TIME), outcome="contact")
 
 
-def colour_at(picture: NDArray[np.uint8], x: float, y: float) -> str:
-    return "#" + bytes(picture[int(y), int(x)].tolist()).hex()
+@pytest.fixture
+def texts(monkeypatch):
+    """Lines that are written into pictures."""
+    written = []
+    line = Lettering.line
+    monkeypatch.setattr(Lettering, "line", lambda self, text: written.append(text) or line(self, text))
+    return written
 
 
-def canvas_of(source: Run | March, film: Film, times: NDArray[np.float64]) -> Canvas:
-    return lay_out([sample(source, times, film.show, extent=film.camera.follow == "field")], film)
-
-
-def drawn(source: Run | March, film: Film, time: float) -> tuple[NDArray[np.uint8], Any]:
-    """Picture at a time, as RGB, and where points of the ground lie on it."""
-    canvas = canvas_of(source, film, film.timing([source]).times)
-    [snapshot] = snapshots(source, np.array([time]), film.show)
+def shown(source, time, film):
+    """A picture, and where points of the ground lie on it."""
+    sources, times = [source], np.array([time])
+    extent = film.camera.follow == "field"
+    canvas = lay_out([sample(each, times, film.show, extent=extent) for each in sources], film)
+    [snapshot] = snapshots(source, times, film.show)
     view = canvas.scenes[0].view(snapshot.poses)
-    picture = film.palette.table[np.asarray(canvas.draw([snapshot]))]
-    return picture, lambda points: view.pixels(points) / BLOCK
+    return still(source, time, film), lambda points: view.pixels(points) / BLOCK
 
 
-def test_the_last_frame_is_the_end_of_the_run(run: Run) -> None:
-    times = Film(fps=10, speedup=3).timing([run]).times
-    assert times[-1] == run.times[-1]
-    assert np.all(np.diff(times) > 0)
+def colour_at(picture, xy):
+    x, y = (int(v) for v in xy)
+    return "#" + bytes(picture[y, x].tolist()).hex()
 
 
-def test_a_window_shows_only_that_part(run: Run) -> None:
-    times = Film(fps=10, speedup=10, start=3, until=6).timing([run]).times
-    np.testing.assert_allclose(times, [3, 4, 5, 6])
+def count(picture, name):
+    """How many pixels of a picture have a colour of the palette."""
+    return int(np.all(picture == np.rint(PALETTE.rgb(name)), axis=-1).sum())
 
 
-def test_every_mixture_that_occurs_has_an_index_of_its_own() -> None:
+def near(picture, xy, size=1):
+    """Pixels at `xy` and beside it."""
+    x, y = (int(v) for v in xy)
+    return picture[max(y - size, 0) : y + size + 1, max(x - size, 0) : x + size + 1]
+
+
+def share_drawn(picture, points):
+    """Share of points of a picture that have something beside bare ground within a pixel."""
+    ground = PALETTE.rgb("background")
+    return np.mean([np.any(near(picture, point) != ground) for point in points])
+
+
+# Colours
+
+
+def test_every_mixture_that_occurs_has_an_index_with_its_mean_colour():
     mixtures = list(combinations_with_replacement(CODES, BLOCK**2))
     common = [m for m in mixtures if occurs(m)]
-    assert len(common) == 89
-    assert len({index_of(m) for m in common}) == len(common)
+    assert len({index_of(m) for m in common}) == len(common) == 89
     assert not {index_of(m) for m in mixtures} & {*TYPE_RAMP, TRANSPARENT}
+    for mixture in common:
+        block = Image.fromarray(np.array([CODES[name] for name in mixture], dtype=np.uint8).reshape(BLOCK, BLOCK))
+        colour = PALETTE.table[np.asarray(block.reduce(BLOCK))[0, 0]]
+        assert np.abs(colour - np.mean([PALETTE.rgb(name) for name in mixture], axis=0)).max() <= 0.5
 
 
-@pytest.mark.parametrize("mixture", [m for m in combinations_with_replacement(CODES, BLOCK**2) if occurs(m)])
-def test_shrinking_gives_the_mean_colour(mixture: tuple[str, ...]) -> None:
-    palette = Palette()
-    block = Image.fromarray(np.array([CODES[name] for name in mixture], dtype=np.uint8).reshape(BLOCK, BLOCK))
-    shown = palette.table[np.asarray(block.reduce(BLOCK))[0, 0]]
-    assert np.abs(shown - np.mean([palette.rgb(name) for name in mixture], axis=0)).max() <= 0.5
+def test_no_two_bench_colours_look_alike_to_anyone_or_in_grey():
+    # Machado, Oliveira and Fernandes 2009, severity 1, on linear light.
+    visions = {
+        "normal": np.eye(3),
+        "deuteranope": np.array([[0.367, 0.861, -0.228], [0.280, 0.673, 0.047], [-0.012, 0.043, 0.969]]),
+        "protanope": np.array([[0.152, 1.053, -0.205], [0.115, 0.786, 0.099], [-0.004, -0.048, 1.052]]),
+    }
+    colours = np.array([PALETTE.rgb(name) for name in ("head", "body", "tail", "contact", "background")])
+    for vision, matrix in visions.items():
+        seen = 255 * np.clip((colours / 255) ** 2.2 @ matrix.T, 0, 1) ** (1 / 2.2)
+        distances = np.linalg.norm(seen[:, None] - seen[None], axis=-1)[np.triu_indices(len(seen), 1)]
+        assert distances.min() > 60, vision
+    assert np.diff(np.sort(colours @ (0.299, 0.587, 0.114))).min() > 255 / 7
 
 
-@pytest.mark.parametrize(
-    ("film", "bound"),
-    [(Film(size=440), 0.001), (Film(size=640), 0.001), (Film(size=440, camera=Camera(follow="head")), 0.0)],
-)
-def test_hardly_a_pixel_has_not_its_mean_colour(
-    seed: Run, film: Film, bound: float, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    canvases: list[Image.Image] = []
-    reduce = Image.Image.reduce
-
-    def kept(image: Image.Image, factor: int) -> Image.Image:
-        canvases.append(image)
-        return reduce(image, factor)
-
-    monkeypatch.setattr(Image.Image, "reduce", kept)
-    drawn(seed, film, CONTACT_TIME)
-    canvas = np.asarray(canvases[-1])
-    codes = np.zeros((256, 3))
-    for name, code in CODES.items():
-        codes[code] = film.palette.rgb(name)
-    height, width = canvas.shape
-    true = codes[canvas].reshape(height // 2, 2, width // 2, 2, 3).mean(axis=(1, 3))
-    error = np.abs(film.palette.table[np.asarray(reduce(canvases[-1], BLOCK))] - true).max(axis=-1)
-    assert np.mean(error > 1) <= bound
-
-
-def test_head_body_and_tail_have_their_colours(seed: Run) -> None:
+def test_benches_have_their_colours_and_a_touched_one_that_of_the_contact(seed):
     film = Film(size=640)
-    picture, place = drawn(seed, film, 408.0)
+    picture, place = shown(seed, 408.0, film)
     centres = place(seed.poses_at([408.0])[0, :, :2])
-    assert colour_at(picture, *centres[0]) == film.palette.head
-    assert {colour_at(picture, *xy) for xy in centres[1:-1]} == {film.palette.body}
-    assert colour_at(picture, *centres[-1]) == film.palette.tail
+    assert colour_at(picture, centres[0]) == PALETTE.head
+    assert {colour_at(picture, xy) for xy in centres[1:-1]} == {PALETTE.body}
+    assert colour_at(picture, centres[-1]) == PALETTE.tail
+    for camera in (Camera(), Camera(follow="head")):
+        for time, body in ((CONTACT_TIME - 0.01, PALETTE.body), (CONTACT_TIME, PALETTE.contact)):
+            picture, place = shown(seed, time, replace(film, camera=camera))
+            poses = seed.poses_at([time])[0, [0, 8]]
+            # Half a metre in front of the centres: there is no ring, and no other bench.
+            points = place(poses[:, :2] + 0.5 * np.stack([np.cos(poses[:, 2]), np.sin(poses[:, 2])], axis=-1))
+            assert [colour_at(picture, point) for point in points] == [PALETTE.head, body]
 
 
-@pytest.mark.parametrize("follow", ["field", "head"])
-def test_body_changes_colour_at_the_contact_and_head_does_not(seed: Run, follow: Any) -> None:
-    film = Film(size=640, camera=Camera(follow=follow))
-    for time, colours in ((CONTACT_TIME - 0.01, ("head", "body")), (CONTACT_TIME, ("head", "contact"))):
-        picture, place = drawn(seed, film, time)
-        poses = seed.poses_at([time])[0, [0, 8]]
-        # Half a metre in front of the centres: there is no ring, and no other bench.
-        points = place(poses[:, :2] + 0.5 * np.stack([np.cos(poses[:, 2]), np.sin(poses[:, 2])], axis=-1))
-        assert tuple(colour_at(picture, *point) for point in points) == tuple(
-            getattr(film.palette, name) for name in colours
-        )
+def test_bad_cameras_palettes_marks_and_times_are_refused(run, tmp_path):
+    cases = [("span", lambda value=value: Camera(span=value)) for value in (0, -1, float("inf"), "wide")]
+    cases += [("follow", lambda: Camera(follow="tail"))]
+    for colour in ("red", "#12345", "#12345g", "#1234567", None):
+        cases += [("body", lambda colour=colour: Palette(body=colour))]
+    for mark in ("contacts", "normals", "impulses", "shadows"):
+        cases += [("show", lambda mark=mark: still(SMALL, 1.0, Film(show=(mark,))))]
+    cases += [("time", lambda: write_still(run, 11.0, tmp_path / "still.png"))]
+    for name, call in cases:
+        with pytest.raises(ParameterError, match=name):
+            call()
+    write_still(run, 4.0, tmp_path / "still.png", Film(size=120))
+    np.testing.assert_array_equal(iio.imread(tmp_path / "still.png"), still(run, 4.0, Film(size=120)))
 
 
-def test_a_bench_is_drawn_in_its_true_size() -> None:
+# Sizes
+
+
+def test_each_bench_is_drawn_in_its_true_size():
     march = March(Dragon(benches=2), turns=4)
-    film = Film(size=600, until=0, camera=Camera(follow="head", span=4), gap=False)
-    picture, _ = drawn(march, film, 0.0)
-    head = np.all(picture == film.palette.rgb("head"), axis=-1)
-    area = march.dragon.width * march.dragon.lengths[0] * (600 / 4) ** 2
+    picture, _ = shown(march, 0.0, Film(size=600, camera=HEAD, gap=False))
+    dragon, scale = march.dragon, 600 / 4
     # What is missing are the outline, half a pixel inside the edge, and the two holes.
-    outline = (march.dragon.width + march.dragon.lengths[0]) * 600 / 4
-    holes = 2 * np.pi * (0.055 / 2 * 600 / 4) ** 2
-    assert head.sum() == pytest.approx(area - 1.5 * outline - holes, rel=0.03)
+    outline = (dragon.width + dragon.lengths[0]) * scale
+    holes = 2 * np.pi * (0.055 / 2 * scale) ** 2
+    area = dragon.width * dragon.lengths[0] * scale**2
+    assert count(picture, "head") == pytest.approx(area - 1.5 * outline - holes, rel=0.03)
+    dragon = Dragon(body_spacing=[1.65, 2.5, 1.65], overhang=[0.2, 0.4, 0.1, 0.3], width=[0.2, 0.5, 0.3, 0.4])
+    march = March(dragon, turns=6)
+    picture, place = shown(march, 0.0, Film(size=600, gap=False))
+    ground = colour_at(picture, (5, 300))
+    for length, width, (x, y, angle) in zip(dragon.lengths, dragon.width, march.at(0.0).poses[0], strict=True):
+        along, left = np.array([np.cos(angle), np.sin(angle)]), np.array([-np.sin(angle), np.cos(angle)])
+        for way, reach in ((along, length / 2), (-along, length / 2), (left, width / 2), (-left, width / 2)):
+            inside, outside = place(np.array([[x, y] + (reach - 0.02) * way, [x, y] + (reach + 0.04) * way]))
+            assert colour_at(picture, inside) != ground
+            # An end lies on the neighbour, and nowhere else is there anything but the curve.
+            assert reach == length / 2 or colour_at(picture, outside) in (ground, PALETTE.curve)
 
 
-def test_the_camera_stays_above_the_head(run: Run) -> None:
-    film = Film(size=200, camera=Camera(follow="head"))
+def test_camera_stays_above_the_head_or_shows_every_bench(run):
     for time in (0.0, 3.3, 10.0):
-        picture, _ = drawn(run, film, time)
-        assert colour_at(picture, 100, 100) == film.palette.head
+        picture, _ = shown(run, time, Film(size=200, camera=Camera(follow="head")))
+        assert colour_at(picture, (100, 100)) == PALETTE.head
+        _, place = shown(run, time, Film(size=(300, 200)))
+        corners = place(SMALL.dragon.outlines(run.poses_at([time])[0])).reshape(-1, 2)
+        assert np.all((corners > 0) & (corners < (300, 200)))
+    for march, metres in ((SMALL, 6.0), (TRACTOR, 36.0), (ARM, 1.0)):
+        _, place = shown(march, 0.5, Film(size=600, camera=Camera(follow="head")))
+        (x0, _), (x1, _) = place([(0.0, 0.0), (1.0, 0.0)])
+        assert 600 / (x1 - x0) == pytest.approx(metres)
 
 
-def test_the_field_holds_every_bench_of_the_film(run: Run) -> None:
-    film = Film(size=(300, 200))
-    for time in (0.0, 10.0):
-        _, place = drawn(run, film, time)
-        corners = place(SMALL.outlines(run.poses_at([time])[0])).reshape(-1, 2)
-        assert np.all(corners > 0)
-        assert np.all(corners < (300, 200))
-
-
-@pytest.mark.parametrize(("time", "bench", "millimetres"), [(406.8, 9, 3.0), (409.8, 11, 0.9)])
-def test_the_gap_shows_the_near_misses(time: float, bench: int, millimetres: float) -> None:
-    march = March()
-    nearest = smallest_gap(march.dragon, march.at(time).poses[0])
-    assert nearest is not None
-    assert nearest[0] == bench
-    assert nearest[1] == pytest.approx(millimetres / 1000, abs=2e-4)
-
-
-def test_the_gap_is_the_smallest_distance_between_outlines(march: March) -> None:
-    poses = march.at(5.0).poses[0]
-    corners = SMALL.outlines(poses)
-    shares = np.linspace(0, 1, 401)[:, None, None]
-    edges = [(c + shares * (np.roll(c, -1, axis=0) - c)).reshape(-1, 2) for c in corners]
-    brute = {i: np.min(np.linalg.norm(edges[0][:, None] - edges[i][None], axis=-1)) for i in range(2, 5)}
-    bench, gap, _ = smallest_gap(replace(SMALL, benches=5), poses[:5]) or (0, 0.0, None)
-    assert bench == min(brute, key=lambda i: brute[i])
-    assert gap == pytest.approx(brute[bench], abs=1e-3)
+def test_curves_are_drawn_as_far_as_the_run_or_the_curve_goes():
+    run = Run.exact(U_TURN, np.arange(-20.0, 21.0))
+    picture, place = shown(run, -20.0, Film(size=800, gap=False, camera=Camera(span=16)))
+    # The head's overhang ends 0.3 m before it.
+    assert share_drawn(picture, place(U_TURN.curve.point(np.linspace(-19.5, 19.9, 300)))) == 1
+    assert hole_diameter(Dragon()) == 0.055
+    for march, time in ((TRACTOR, 20.0), (ARM, 8.0)):
+        points = march.curve.point(np.linspace(0, march.curve.end_s, 400)[1:-1])
+        film = Film(size=800, gap=False, camera=Camera(span=1.2 * float(np.ptp(points, axis=0).max())))
+        picture, place = shown(Run.exact(march, np.linspace(0, march.end, 50)), time, film)
+        assert share_drawn(picture, place(points)) > 0.99
+        assert hole_diameter(march.dragon) < march.dragon.widths.min()
 
 
 @given(st.lists(st.tuples(st.floats(-3, 3), st.floats(-3, 3), st.floats(-4, 4)), min_size=4, max_size=4))
-def test_the_gap_is_that_of_benches_of_their_own_widths(rows: list[tuple[float, float, float]]) -> None:
+def test_gap_is_that_of_shapely_for_benches_of_their_own_widths(rows):
     dragon = Dragon(body_spacing=[1.0, 2.0, 0.8], overhang=[0.3, 0.1, 0.2, 0.25], width=[0.5, 0.2, 1.1, 0.05])
-    poses = np.array(rows)
     # Shapely knows nothing of the project's outlines.
     benches = [
         affinity.translate(affinity.rotate(box(-a / 2, -c / 2, a / 2, c / 2), angle, use_radians=True), x, y)
@@ -209,198 +208,153 @@ def test_the_gap_is_that_of_benches_of_their_own_widths(rows: list[tuple[float, 
     ]
     gaps = {i: benches[0].distance(benches[i]) for i in (2, 3)}
     crossing = any(benches[0].intersects(benches[i]) for i in (2, 3))
-    bench, gap, _ = smallest_gap(dragon, poses) or (0, 0.0, None)
+    bench, gap, _ = smallest_gap(dragon, np.array(rows)) or (0, 0.0, None)
     assert crossing or gap == pytest.approx(min(gaps.values()), abs=1e-9)
     assert crossing or gaps[bench] == pytest.approx(gap, abs=1e-9)
 
 
-def test_each_bench_is_drawn_in_its_own_size() -> None:
-    dragon = Dragon(body_spacing=[1.65, 2.5, 1.65], overhang=[0.2, 0.4, 0.1, 0.3], width=[0.2, 0.5, 0.3, 0.4])
-    march = March(dragon, turns=6)
-    picture, place = drawn(march, Film(size=600, until=1.0, gap=False), 0.0)
-    pose, ground = march.at(0.0).poses[0], colour_at(picture, 5, 300)
-    for length, width, (x, y, angle) in zip(dragon.lengths, dragon.width, pose, strict=True):
-        along, left = np.array([np.cos(angle), np.sin(angle)]), np.array([-np.sin(angle), np.cos(angle)])
-        for way, reach in ((along, length / 2), (-along, length / 2), (left, width / 2), (-left, width / 2)):
-            inside, outside = place(np.array([[x, y] + (reach - 0.02) * way, [x, y] + (reach + 0.04) * way]))
-            assert colour_at(picture, *inside) != ground
-            # An end lies on the neighbour, and nowhere else is there anything but the curve.
-            assert reach == length / 2 or colour_at(picture, *outside) in (ground, Palette().curve)
+# Texts
 
 
-def test_a_dragon_of_head_and_tail_can_be_filmed(tmp_path: Path) -> None:
-    march = March(Dragon(benches=2), turns=3)
-    render(march, tmp_path / "film.gif", until=2, size=64, camera=Camera(follow="head"))
-    assert (tmp_path / "film.gif").stat().st_size > 0
+def test_legend_and_scale_bar_are_below_the_picture(texts):
+    film = Film(size=480, camera=Camera(follow="head", span=6.0))
+    with_legend, without = still(SMALL, 1.0, film), still(SMALL, 1.0, replace(film, legend=False))
+    assert without.shape == still(SMALL, 1.0, Film(size=480, legend=False)).shape == (480, 480, 3)
+    np.testing.assert_array_equal(with_legend[:480], without)
+    assert all(count(with_legend[480:], name) > 50 for name in ("head", "body", "tail"))
+    assert {"head", "body", "tail", "1 m", "head 1.00 m/s"} <= set(texts)
+    assert not {"in contact", "turning circle"} & set(texts)
+    # The longest horizontal line of the strip, with its ends, is as long as it says.
+    strip = np.all(with_legend[480:] == np.rint(PALETTE.rgb("ink")), axis=-1)
+    longest = max(len(run) for row in strip for run in "".join(" x"[int(pixel)] for pixel in row).split())
+    assert longest - 1 == round(480 / 6.0)
+    assert still(SMALL, 1.0, Film(size=200)).shape == (200, 200, 3)  # too narrow for a legend
 
 
-def test_a_march_gives_the_same_film_as_its_exact_run(march: March, tmp_path: Path) -> None:
-    film = Film(size=96, start=0, until=6, speedup=10)
-    write_film(march, tmp_path / "march.gif", film)
-    write_film(Run.exact(march, film.timing([march]).times), tmp_path / "run.gif", film)
-    assert (tmp_path / "march.gif").read_bytes() == (tmp_path / "run.gif").read_bytes()
+def test_contact_and_near_misses_are_named(seed, texts):
+    still(seed, CONTACT_TIME, Film(size=400))
+    assert {"in contact", "contact: benches 0 and 8"} <= set(texts)
+    texts.clear()
+    with in_language("zh"):
+        still(seed, CONTACT_TIME, Film(size=400))
+    assert {"\u9f99\u5934", "\u9f99\u8eab", "\u9f99\u5c3e", "\u78b0\u649e\uff1a\u677f\u51f3 0 \u4e0e 8"} <= set(texts)
+    run = replace(seed, first_contact=None)
+    for time, bench, gap in ((406.8466, 9, 3.0), (409.8320, 11, 0.9)):
+        found = smallest_gap(seed.march.dragon, seed.march.at(time).poses[0])
+        assert (found[0], found[1]) == (bench, pytest.approx(gap / 1000, abs=5e-5))
+        picture = still(run, time, Film(size=440, legend=False))
+        assert f"gap {gap} mm to bench {bench}" in texts
+        plain = still(run, time, Film(size=440, legend=False, gap=False))
+        rows, columns = np.nonzero(np.any(picture[:400] != plain[:400], axis=-1))
+        # A ring around the gap.
+        assert (np.ptp(rows), np.ptp(columns)) == pytest.approx((2 * RING_RADIUS, 2 * RING_RADIUS), abs=2)
 
 
-def test_progress_is_told_after_every_frame(run: Run, tmp_path: Path) -> None:
-    told: list[tuple[int, int]] = []
-    render(
-        run, tmp_path / "film.gif", size=64, fps=10, speedup=20, progress=lambda done, total: told.append((done, total))
+def test_film_of_a_march_shows_its_contact_and_the_start_that_it_has_chosen(tmp_path, texts):
+    march = March(Dragon(benches=16))
+    render(march, tmp_path / "film.gif", start=412, until=first_contact(march, start=411).time, size=64)
+    assert "contact: benches 0 and 8" in texts
+    assert not any(line.startswith("from t = ") for line in texts)
+    render(March(Dragon(benches=3), turns=16), tmp_path / "film.gif", until=300, fps=10, size=64)
+    assert any(line.startswith("from t = ") for line in texts)
+
+
+def test_turning_circle_is_drawn_dashed_and_named(texts):
+    picture, place = shown(March(Dragon(benches=16), UTurn()), 0.0, Film(size=600, gap=False, camera=Camera(span=15.0)))
+    assert "turning circle" in texts
+    angles = np.linspace(0, 2 * np.pi, 720, endpoint=False)
+    assert 0.5 < share_drawn(picture, place(4.5 * np.stack([np.cos(angles), np.sin(angles)], axis=-1))) < 1
+
+
+def test_exact_model_beside_a_run_shows_the_position_errors_of_the_run(run, seed, texts):
+    poses = run.poses.copy()
+    poses[..., 0] += np.linspace(0, 20e-6, 16)
+    displaced = replace(run, poses=poses, provenance={"player": "pymunk", "guide": "rails"})
+    for camera, factor in ((Camera(), "80,000"), (Camera(follow="head"), "20,000")):
+        picture = still([displaced, SMALL], 5.0, Film(size=300, camera=camera, gap=False))
+        assert {f"position error x {factor}", "position error up to 0.0200 mm"} <= set(texts)
+        assert count(picture[:260, :300], "motion") == 0
+        assert count(picture[:260, 302:], "motion") > 100
+    texts.clear()
+    still([run, SMALL], 5.0, Film(size=300))
+    assert not any(line.startswith("position error") for line in texts)
+    engine = replace(seed, provenance={"player": "pymunk", "guide": "rails"})
+    picture = still([engine, engine.march], CONTACT_TIME, Film(size=400, legend=False))
+    assert count(picture[:, 402:], "contact") > 20
+
+
+# Marks
+
+
+def test_arrow_points_to_where_the_handle_would_be_in_half_a_second(run):
+    picture, place = shown(SMALL, 3.0, Film(size=600, camera=HEAD, gap=False, show=("velocities",)))
+    states = SMALL.at([3.0])
+    for handle in (0, 1):
+        begin, velocity = states.positions[0, handle], states.velocities[0, handle]
+        for share in (0.3, 0.6, 0.95):
+            assert count(near(picture, place(begin + 0.5 * share * velocity)), "motion")
+        assert not count(near(picture, place(begin + 0.5 * 1.1 * velocity)), "motion")
+    [snapshot] = snapshots(run, np.array([4.321]), ("velocities",))
+    np.testing.assert_allclose(snapshot.velocities, SMALL.at([4.321]).velocities[0], atol=2e-3)
+    # A run of one frame moves only where its velocities are known.
+    unknown = replace(Run.exact(SMALL, [1.0]), pose_velocities=None)
+    [snapshot] = snapshots(unknown, np.array([1.0]), ("velocities",))
+    assert not snapshot.velocities.any()
+
+
+def test_cells_are_dark_where_a_bench_touches_them():
+    picture, place = shown(SMALL, 3.0, Film(size=600, gap=False, show=("grid",)))
+    benches = shapely.union_all([shapely.Polygon(c) for c in SMALL.dragon.outlines(SMALL.at([3.0]).poses[0])])
+    ground, strength = PALETTE.rgb("background"), STRENGTHS["grid"][0]
+    level = (1 - strength) * ground + strength * PALETTE.rgb("grid")
+    checked = {True: 0, False: 0}
+    for i, j in np.ndindex(8, 8):
+        x, y = (j - 4) * 0.55, (4 - i) * 0.55
+        square = shapely.box(x, y - 0.55, x + 0.55, y)
+        corners = place(np.array(square.exterior.coords))
+        (x0, y0), (x1, y1) = np.ceil(corners.min(axis=0)) + 1, np.floor(corners.max(axis=0)) - 1
+        inside = picture[int(y0) : int(y1), int(x0) : int(x1)].reshape(-1, 3)
+        filed = benches.intersects(square)
+        wanted, other = (level, ground) if filed else (ground, level)
+        checked[filed] += np.any(np.all(inside == np.rint(wanted), axis=-1))
+        assert not np.any(np.all(inside == np.rint(other), axis=-1))
+    assert checked[True] > 20
+    assert checked[False] > 5
+    film = Film(size=100, camera=Camera(span=50.0))  # cells too small to see
+    np.testing.assert_array_equal(still(SMALL, 3.0, film), still(SMALL, 3.0, replace(film, show=("grid",))))
+
+
+def test_contact_has_its_point_and_its_normal(run, small_run):
+    x, y = SMALL.dragon.outlines(run.poses_at([5.0])[0])[0, 2]
+    contact = Contact(time=5.0, raw_time=5.0, benches=(0, 9), point=(x, y), normal=(0.6, 0.8), depth=0.0)
+    touching = replace(run, first_contact=contact, outcome="contact")
+    film = Film(size=600, camera=HEAD, gap=False, show=("contacts", "normals"))
+    picture, place = shown(touching, 5.0, film)
+    x, y = place(contact.point)
+    assert count(near(picture, (x, y)), "force")
+    assert count(near(picture, (x + 0.6 * 30, y - 0.8 * 30)), "force")
+    assert not count(near(picture, (x - 0.6 * 15, y + 0.8 * 15)), "force")
+    assert not count(still(touching, 4.9, film), "force")
+    [window] = [window for window in small_run.events.windows() if window.end is not None]
+    inside, after = snapshots(
+        small_run, np.array([window.begin + window.end, 2 * window.begin - 0.1]) / 2, ("contacts",)
     )
-    assert told == [(i, 6) for i in range(1, 7)]
+    assert inside.touches
+    assert not after.touches
 
 
-@pytest.mark.parametrize(
-    ("name", "options"),
-    [
-        ("fps", {"fps": 51}),
-        ("fps", {"fps": 24.5}),
-        ("fps", {"fps": 0}),
-        ("fps", {"fps": "fast"}),
-        ("fps", {"fps": True}),
-        ("speedup", {"speedup": 0}),
-        ("speedup", {"speedup": float("nan")}),
-        ("speedup", {"speedup": 1e-5}),
-        ("size", {"size": 63}),
-        ("size", {"size": 5000}),
-        ("size", {"size": (640, 0)}),
-        ("size", {"size": (640, 640, 3)}),
-        ("size", {"size": 640.5}),
-        ("hold", {"hold": -1}),
-        ("hold", {"hold": float("inf")}),
-        ("start", {"start": -1}),
-        ("start", {"start": float("nan")}),
-        ("until", {"until": 11}),
-        ("until", {"start": 5, "until": 4}),
-    ],
-)
-def test_bad_options_get_one_line_that_names_them(run: Run, tmp_path: Path, name: str, options: dict[str, Any]) -> None:
-    with pytest.raises(ParameterError) as caught:
-        render(run, tmp_path / "film.gif", **options)
-    assert caught.value.name == name
-    assert "\n" not in str(caught.value)
-    assert list(tmp_path.iterdir()) == []
-
-
-@pytest.mark.parametrize("span", [0, -1, float("inf"), "wide"])
-def test_a_camera_checks_its_span(span: Any) -> None:
-    with pytest.raises(ParameterError, match="span"):
-        Camera(span=span)
-
-
-def test_a_camera_follows_only_what_it_knows() -> None:
-    with pytest.raises(ParameterError, match="one of field, head"):
-        Camera(follow="tail")
-
-
-@pytest.mark.parametrize("colour", ["red", "#12345", "#12345g", "#1234567", None])
-def test_a_palette_checks_its_colours(colour: Any) -> None:
-    with pytest.raises(ParameterError, match="#rrggbb"):
-        Palette(body=colour)
-
-
-def test_a_march_without_an_end_is_bad_input(march: March, tmp_path: Path) -> None:
-    with pytest.raises(ParameterError, match="until"):
-        render(march, tmp_path / "film.gif")
-
-
-def test_a_march_past_the_end_of_its_curve_is_bad_input(march: March, tmp_path: Path) -> None:
-    with pytest.raises(DragonError):
-        render(march, tmp_path / "film.gif", until=1000)
-    assert list(tmp_path.iterdir()) == []
-
-
-@pytest.mark.parametrize("name", ["film.avi", "film", "nowhere/film.gif"])
-def test_a_place_where_no_film_can_be_is_bad_input(run: Run, tmp_path: Path, name: str) -> None:
-    with pytest.raises(ParameterError, match="output"):
-        render(run, tmp_path / name)
-
-
-def test_a_still_is_the_picture_of_its_time(run: Run, tmp_path: Path) -> None:
-    film = Film(size=120, camera=Camera(follow="head"))
-    write_still(run, 4.0, tmp_path / "still.png", film)
-    np.testing.assert_array_equal(iio.imread(tmp_path / "still.png"), drawn(run, film, 4.0)[0])
-
-
-def test_a_still_outside_the_run_is_bad_input(run: Run, tmp_path: Path) -> None:
-    with pytest.raises(ParameterError, match="time"):
-        write_still(run, 11.0, tmp_path / "still.png")
-
-
-@pytest.mark.parametrize("vision", ["normal", "deuteranope", "protanope"])
-def test_no_two_bench_colours_look_alike_to_anyone(vision: str) -> None:
-    # Machado, Oliveira and Fernandes 2009, severity 1, on linear light.
-    matrices = {
-        "normal": np.eye(3),
-        "deuteranope": np.array([[0.367, 0.861, -0.228], [0.280, 0.673, 0.047], [-0.012, 0.043, 0.969]]),
-        "protanope": np.array([[0.152, 1.053, -0.205], [0.115, 0.786, 0.099], [-0.004, -0.048, 1.052]]),
-    }
-    palette = Palette()
-    names = ("head", "body", "tail", "contact", "background")
-    linear = np.array([(palette.rgb(name) / 255) ** 2.2 for name in names])
-    seen = 255 * np.clip(linear @ matrices[vision].T, 0, 1) ** (1 / 2.2)
-    distances = np.linalg.norm(seen[:, None] - seen[None], axis=-1)[np.triu_indices(len(names), 1)]
-    assert distances.min() > 60
-
-
-def test_no_two_bench_colours_look_alike_in_grey() -> None:
-    palette = Palette()
-    names = ("head", "body", "tail", "contact", "background")
-    greys = sorted(float(palette.rgb(name) @ (0.299, 0.587, 0.114)) for name in names)
-    assert np.diff(greys).min() > 255 / 7
-
-
-def test_the_defaults_film_the_seeds_march_in_3_megabytes(tmp_path: Path) -> None:
-    render(March(), tmp_path / "march.gif", until=CONTACT_TIME)
-    assert (tmp_path / "march.gif").stat().st_size <= 3_000_000
-
-
-# Other marches than the paper's
-
-
-def share_drawn(picture: NDArray[np.uint8], points: Any) -> float:
-    """Share of points of a picture that have something beside bare ground within a pixel."""
-    ground = np.all(picture == picture[5, -5], axis=-1)
-    columns, rows = np.floor(points).astype(int).T
-    return float(np.mean([not ground[y - 1 : y + 2, x - 1 : x + 2].all() for x, y in zip(columns, rows, strict=True)]))
-
-
-def test_a_curve_without_ends_is_drawn_as_far_as_the_run_goes() -> None:
-    run = Run.exact(U_TURN, np.arange(-20.0, 21.0))
-    picture, place = drawn(run, Film(size=800, gap=False, camera=Camera(span=16)), -20.0)
-    curve = U_TURN.curve
-    # The head's overhang ends 0.3 m before it.
-    assert share_drawn(picture, place(curve.point(np.linspace(-19.5, 19.9, 300)))) == 1
-    assert share_drawn(picture, place(curve.point(np.linspace(20.2, 25, 100)))) == 0
-
-
-@pytest.mark.parametrize(("march", "time"), [(TRACTOR, 20.0), (ARM, 8.0)], ids=["tractor", "arm"])
-def test_a_curve_with_two_ends_is_drawn_whole(march: March, time: float) -> None:
-    points = march.curve.point(np.linspace(0, march.curve.end_s, 400)[1:-1])
-    span = 1.2 * float(np.ptp(points, axis=0).max())
-    film = Film(size=800, gap=False, camera=Camera(span=span))
-    run = Run.exact(march, np.linspace(0, march.end, 50))
-    picture, place = drawn(run, film, time)
-    assert share_drawn(picture, place(points)) > 0.99
-
-
-def test_a_film_that_follows_the_head_shows_as_many_of_its_widths() -> None:
-    for march, metres in ((March(SMALL, turns=4), 6.0), (TRACTOR, 36.0), (ARM, 1.0)):
-        _, place = drawn(march, Film(size=600, until=1.0, camera=Camera(follow="head")), 0.5)
-        (x0, _), (x1, _) = place([(0.0, 0.0), (1.0, 0.0)])
-        assert 600 / (x1 - x0) == pytest.approx(metres)
-
-
-def test_holes_lie_within_their_benches() -> None:
-    assert hole_diameter(Dragon()) == 0.055
-    for march in (TRACTOR, ARM):
-        assert hole_diameter(march.dragon) < march.dragon.widths.min()
-        assert hole_diameter(march.dragon) / 2 < march.dragon.overhangs.min()
-
-
-@pytest.mark.parametrize(("metres", "words"), [(0.0009, "0.9 mm"), (0.0512, "51 mm"), (2.698, "2.70 m")])
-def test_a_gap_is_told_in_a_unit_that_suits_it(metres: float, words: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    told: list[str] = []
-    monkeypatch.setattr("pymunk_dragon.drawing.scene.smallest_gap", lambda *_: Nearest(5, metres, (0.0, 0.0)))
-    monkeypatch.setattr("pymunk_dragon.drawing.scene.Lettering.put", lambda self, _, *words, **__: told.extend(words))
-    drawn(March(SMALL, turns=4), Film(until=1.0, gap=True), 0.0)
-    assert f"gap {words} to bench 5" in told
+def test_area_of_a_disc_is_in_proportion_to_the_impulse_of_the_frame_before(run):
+    impulses = np.full((len(run.times), 15), 1.0)
+    impulses[:, 0] = 4.0
+    film = Film(size=1200, camera=Camera(follow="head", span=8.0), gap=False, show=("impulses",))
+    picture, place = shown(replace(run, joint_impulses=impulses), 5.0, film)
+    _, rear = SMALL.dragon.holes(run.poses_at([5.0])[0])
+    areas = [count(near(picture, xy, 40), "force") for xy in place(rear[:2])]
+    assert areas[0] / areas[1] == pytest.approx(4.0, rel=0.1)
+    strong, weak = (replace(run, joint_impulses=np.full((len(run.times), 15), value)) for value in (4.0, 1.0))
+    both = still([strong, weak], 5.0, replace(film, size=600))
+    assert count(both[:, :600], "force") / count(both[:, -600:], "force") == pytest.approx(4.0, rel=0.15)
+    rising = replace(run, joint_impulses=np.repeat(np.arange(len(run.times), dtype=float)[:, None], 15, axis=1))
+    for time, frame in ((0.0, 0), (0.0149, 1), (9.999, 999), (10.0, 1000)):
+        [snapshot] = snapshots(rising, np.array([time]), ("impulses",))
+        assert snapshot.impulses[0] == frame
