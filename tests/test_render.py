@@ -56,9 +56,8 @@ def texts(monkeypatch):
 
 def shown(source, time, film):
     """A picture, and where points of the ground lie on it."""
-    sources, times = [source], np.array([time])
-    extent = film.camera.follow == "field"
-    canvas = lay_out([sample(each, times, film.show, extent=extent) for each in sources], film)
+    times = np.array([time])
+    canvas = lay_out([sample(source, times, film.show, extent=film.camera.follow == "field")], film)
     [snapshot] = snapshots(source, times, film.show)
     view = canvas.scenes[0].view(snapshot.poses)
     return still(source, time, film), lambda points: view.pixels(points) / BLOCK
@@ -336,11 +335,10 @@ def test_contact_has_its_point_and_its_normal(run, small_run):
     assert not count(near(picture, (x - 0.6 * 15, y + 0.8 * 15)), "force")
     assert not count(still(touching, 4.9, film), "force")
     [window] = [window for window in small_run.events.windows() if window.end is not None]
-    inside, after = snapshots(
-        small_run, np.array([window.begin + window.end, 2 * window.begin - 0.1]) / 2, ("contacts",)
-    )
+    times = np.array([window.begin - 0.05, (window.begin + window.end) / 2])
+    before, inside = snapshots(small_run, times, ("contacts",))
     assert inside.touches
-    assert not after.touches
+    assert not before.touches
 
 
 def test_area_of_a_disc_is_in_proportion_to_the_impulse_of_the_frame_before(run):

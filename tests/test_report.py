@@ -12,6 +12,7 @@ from base64 import b64decode
 from collections import Counter
 from dataclasses import asdict, replace
 from html.parser import HTMLParser
+from pathlib import Path
 
 import numpy as np
 import openpyxl
@@ -20,13 +21,13 @@ from browser import needs_browser, opened
 from conftest import DATA, assert_says, examples
 from hypothesis import given
 from hypothesis import strategies as st
-from jsonschema import Draft202012Validator, ValidationError
+from jsonschema import Draft202012Validator
 from marches import ARM, TRACTOR, U_TURN
 from markdown_it import MarkdownIt
 from sharing import shared
 
 from pymunk_dragon._language import in_language
-from pymunk_dragon.errors import DragonError, MissingExtraError, ParameterError, UnreachableError
+from pymunk_dragon.errors import MissingExtraError, OutputError, ParameterError, UnreachableError
 from pymunk_dragon.model.contact import ContactEvent, ContactLog
 from pymunk_dragon.model.curves import UTurn
 from pymunk_dragon.model.dragon import Dragon
@@ -36,7 +37,6 @@ from pymunk_dragon.physics import simulate
 from pymunk_dragon.reports import (
     REPORT_ENDINGS,
     contest_tables,
-    graphics,
     json_schema,
     markdown_report,
     report,
@@ -78,20 +78,6 @@ def hostile(run):
     return replace(run, provenance={"player": HOSTILE[0], "versions": {HOSTILE[1]: HOSTILE[2]}} | labels)
 
 
-def stopped(run):
-    """The run as it would be if the first contact had ended it."""
-    kept = run.times < run.first_contact.time
-    return replace(
-        run,
-        times=np.append(run.times[kept], run.first_contact.time),
-        poses=np.concatenate([run.poses[kept], run.poses_at(run.first_contact.time)]),
-        drift=np.concatenate([run.drift[kept], run.drift[kept][-1:]]),
-        pose_velocities=None,
-        joint_impulses=None,
-        events=run.events[:2],
-    )
-
-
 def odd(run):
     """Numbers that are none, and a contact that only separates, as a file that was changed by hand may hold."""
     nowhere = ContactEvent(time=np.nan, phase="pre_solve", benches=(3, 9), points=((np.inf, np.nan),) * 3, depth=np.nan)
@@ -102,18 +88,16 @@ def odd(run):
 
 RUNS = {
     "contact and after": lambda run: run,
-    "first contact": stopped,
+    "first contact": lambda run: simulate(SMALL, start=79.0),
     "no contact": lambda run: replace(run, events=ContactLog(), first_contact=None, outcome="clear"),
     "end of the curve": lambda run: replace(run, events=ContactLog(), first_contact=None, outcome="unreachable"),
     "unknown drift": lambda run: replace(run, drift=np.full_like(run.drift, np.nan)),
     "partly unknown drift": lambda run: replace(run, drift=np.where(run.drift > 1e-4, np.nan, run.drift)),
-    "no drift": lambda run: replace(run, drift=np.zeros_like(run.drift)),
     "events without windows": lambda run: replace(run, events=run.events.of("pre_solve")),
     "nobody on the path": lambda run: replace(run, provenance={**run.provenance, "guide": "none"}),
     "nothing known": lambda run: Run(march=SMALL, times=[1], poses=SMALL.at([1]).poses, drift=np.zeros((1, 16))),
     "exact": lambda run: Run.exact(SMALL, np.arange(5.0)),
     "exact, with a contact": lambda run: Run.exact(SMALL, np.arange(79.0, 83.0)),
-    "exact, overlapping": lambda run: Run.exact(SMALL, [82, 83]),
     "exact, one frame before the start": lambda run: Run.exact(SMALL, [-3.5]),
     "exact, two benches": lambda run: Run.exact(March(Dragon(benches=2)), [0, 1]),
     "hostile labels": hostile,
@@ -214,12 +198,6 @@ def check_page(content):
     assert "nan" not in " ".join(found.texts).split()
     for picture in found.of("img"):
         assert b64decode(picture["src"].partition(",")[2]).startswith(b"\x89PNG")
-    for line in found.of("polyline"):
-        points = np.array([pair.split(",") for pair in line["points"].split()], dtype=float)
-        assert np.all((points >= 0) & (points <= 1000))
-    for bar in found.of("rect"):
-        at, width = (float(bar[name].removesuffix("%")) for name in ("x", "width"))
-        assert 0 <= at <= at + width <= 100.01
 
 
 def check_workbook(content, run, found):
@@ -255,7 +233,7 @@ def test_report_on_the_same_run_has_the_same_bytes(small_run, written, tmp_path)
     again = replace(Run.load(tmp_path / "run.npz"), wall_seconds=3.0)
     for ending in REPORT_ENDINGS:
         steps = []
-        report(again, tmp_path / f"again{ending}", progress=lambda *step: steps.append(step))
+        report(again, tmp_path / f"again{ending}", progress=lambda *step, steps=steps: steps.append(step))
         assert (tmp_path / f"again{ending}").read_bytes() == written("contact and after", ending)
         assert steps == [(done, len(steps)) for done in range(1, len(steps) + 1)]
 
@@ -263,30 +241,13 @@ def test_report_on_the_same_run_has_the_same_bytes(small_run, written, tmp_path)
 # JSON and its schema
 
 
-def objects(schema):
-    """All parts of a schema that describe an object with known keys."""
-    if isinstance(schema, dict):
-        if "properties" in schema:
-            yield schema
-        for part in schema.values():
-            yield from objects(part)
-    elif isinstance(schema, list):
-        for part in schema:
-            yield from objects(part)
-
-
 def test_schema_names_the_version_and_knows_every_key():
     schema = json_schema()
     Draft202012Validator.check_schema(schema)
     assert schema["properties"]["schema"]["const"] == summary.SCHEMA == "pymunk_dragon report"
     assert schema["properties"]["version"]["const"] == summary.VERSION == 1
-    found = list(objects(schema))
-    assert len(found) >= 10
-    # The scenario of a spiral has no place for these.
-    others = ("radius", "ratio", "length", "start_s")
-    for part in found:
-        assert part["additionalProperties"] is False
-        assert part["required"] == [name for name in part["properties"] if name not in others]
+    assert schema["additionalProperties"] is False
+    assert schema["required"] == list(schema["properties"])
 
 
 def test_schema_refuses_what_is_no_report(small_run):
@@ -309,17 +270,8 @@ def test_schema_refuses_what_is_no_report(small_run):
 
 def test_contents_tell_the_run(small_run):
     found = contents(small_run)
-    assert found["scenario"] == {
-        "benches": 16,
-        "head_spacing": 2.86,
-        "body_spacing": 1.65,
-        "overhang": 0.275,
-        "width": 0.30,
-        "curve": "Spiral",
-        "pitch": 0.55,
-        "turns": 8,
-        "speed": 1,
-    }
+    scenario = {"benches": 16, "head_spacing": 2.86, "body_spacing": 1.65, "overhang": 0.275, "width": 0.30}
+    assert found["scenario"] == scenario | {"curve": "Spiral", "pitch": 0.55, "turns": 8, "speed": 1}
     assert found["player"] == "pymunk"
     assert found["settings"]["guide"] == "rails"
     assert found["versions"] == small_run.versions
@@ -364,19 +316,18 @@ def test_handles_of_other_marches_are_told_where_they_have_a_place():
 
 def test_scenarios_of_other_marches_are_told():
     changing = {"width": [1.8, 2.2, 1.6, 2.4], "pitch": None, "turns": None, "speed": [[0, 0.5], [5, 2], [20, 1.5]]}
-    cases = [
-        (U_TURN, "30 benches", {"radius": 4.5, "ratio": 2.0}),
-        (TRACTOR, "4 benches at 0.5 to 2 m/s", changing),
-        (ARM, "5 benches at 0.1 m/s", {"length": pytest.approx(ARM.curve.end_s)}),
-        (replace(TRACTOR, speed=1.0, start_s=20.0), "4 benches at 1 m/s", {"start_s": 20.0}),
-        (March(speed=lambda t: 1 + np.sin(t) / 2), "223 benches", {"speed": None}),
-    ]
-    for march, words, scenario in cases:
+    for march, scenario in (
+        (U_TURN, {"radius": 4.5, "ratio": 2.0}),
+        (TRACTOR, changing),
+        (ARM, {"length": pytest.approx(ARM.curve.end_s)}),
+        (replace(TRACTOR, speed=1.0, start_s=20.0), {"start_s": 20.0}),
+        (March(speed=lambda t: 1 + np.sin(t) / 2), {"speed": None}),
+    ):
         run = Run.exact(march, [0.0, 0.5])
         found = contents(run)
         Draft202012Validator(json_schema()).validate(found)
-        assert f"A dragon of {words}" in as_markdown(run)
         assert {name: found["scenario"][name] for name in scenario} == scenario
+        assert f"A dragon of {march.dragon.benches} benches" in as_markdown(run)
 
 
 # The exact model's answer
@@ -429,21 +380,6 @@ def test_exact_run_is_told_with_the_exact_contact_as_its_own():
     assert moment["exact"] is moment["near_misses"] is None
 
 
-def test_other_answers_of_the_exact_model_are_told(small_run, monkeypatch):
-    exact_answer, nowhere = summarize(small_run).exact, {"benches": None, "point": None, "normal": None}
-    for status, time, benches, words in (
-        ("clear", 84.5, None, "no contact until 84.500000 s."),
-        ("unreachable", 84.0, None, "reaches the end of the curve."),
-        ("overlapping", 77.5, (0, 2), "benches 0 and 2 overlap from the start on"),
-    ):
-        answer = replace(
-            exact_answer, **nowhere | {"near_misses": (), "status": status, "time": time, "benches": benches}
-        )
-        monkeypatch.setattr(summary, "first_contact", lambda march, start, until, answer=answer: answer)
-        assert words in first_said(small_run)
-        Draft202012Validator(json_schema()).validate(contents(small_run))
-
-
 # Nothing lost
 
 
@@ -477,61 +413,12 @@ def test_csv_brings_every_number_back(small_run, written):
     assert "point4_x_m" not in heads
 
 
-def test_workbook_holds_every_event_as_numbers_in_the_unit_of_its_head(small_run, written):
-    book = openpyxl.load_workbook(io.BytesIO(written("contact and after", ".xlsx")))
-    heads, *rows = book["Events"].iter_rows(values_only=True)
-    depth = heads.index("depth (mm)")
-    for row, event in zip(rows, small_run.events, strict=True):
-        assert row[:4] == (pytest.approx(event.time), event.phase, *event.benches)
-        assert row[depth] == (None if event.depth is None else pytest.approx(1e3 * event.depth))
-    drift = np.array(list(book["Drift"].iter_rows(min_row=2, values_only=True)), dtype=float)
-    assert drift[:, 2] == pytest.approx(1e3 * small_run.drift.max(axis=1))
-    assert len(book["Drift"]._charts) == 1
-    assert next(book["Handles"].iter_rows(min_row=2, values_only=True)) == pytest.approx((0, 0, 4.4, 0, 1))
-
-
-def test_long_tables_are_cut_and_say_how_many_rows_there_are(small_run, tmp_path, monkeypatch):
+def test_long_tables_are_cut_and_say_how_many_rows_there_are(small_run, monkeypatch):
     count = len(small_run.events)
     monkeypatch.setattr(tables, "MAX_SHOWN_ROWS", 100)
     for content in (as_markdown(small_run), html(summarize(small_run))):
         assert f"first 100 of {count} rows" in content
         assert len(re.findall(r"(?:begin|pre\\?_solve|separate)(?= \||</td>)", content)) == 100
-    monkeypatch.setattr(xlsx_report, "MAX_ROWS", 11)
-    report(small_run, tmp_path / "report.xlsx")
-    sheet = openpyxl.load_workbook(tmp_path / "report.xlsx")["Events"]
-    assert sheet.max_row == 11
-    assert any(f"first 10 of {count} rows" in str(cell.value) for cell in sheet[1])
-
-
-def test_headlines_say_what_happened(small_run):
-    for name, words in {
-        "contact and after": f"Benches 0 and 8 touch at {small_run.first_contact.time:.6f} s",
-        "no contact": "No contact from 77.500 s to 84.500 s",
-        "end of the curve": "No contact until 84.500 s, where the head reaches the end of the curve",
-        "exact, with a contact": "Benches 0 and 8 touch at 80.691318 s",
-        "exact, overlapping": "The dragon from 82.000 s to 83.000 s",
-        "exact, one frame before the start": "The dragon at -3.500 s",
-    }.items():
-        assert as_markdown(RUNS[name](small_run)).startswith(f"# {words}\n"), name
-
-
-def test_timeline_has_a_row_for_each_pair_and_stays_small(small_run, written):
-    found = graphics.timeline(summarize(small_run))
-    assert list(found.rows) == ["0 · 8", "0 · 10"]
-    first, second = (bars[0] for bars in found.rows.values())
-    assert 0 < first.at < 5
-    assert (first.open, second.open) == (False, True)
-    assert second.at + second.width == pytest.approx(100, abs=0.01)
-    assert graphics.timeline(summarize(stopped(small_run))) is None
-    events = [
-        ContactEvent(time=82 + i * 1e-4 + 2e-5 * half, phase=phase, benches=(pair, pair + 2))
-        for i in range(100)
-        for pair in range(50)
-        for half, phase in enumerate(("begin", "separate"))
-    ]
-    found = graphics.timeline(summarize(replace(small_run, events=ContactLog(tuple(events)))))
-    assert (len(found.rows), found.hidden) == (graphics.MAX_PAIRS, 10)
-    assert max(map(len, found.rows.values())) == 1
 
 
 # Nothing taken for markup
@@ -564,36 +451,38 @@ def test_markdown_gives_any_text_back_as_text(label):
     assert shown.split() == label.replace("\0", "\N{REPLACEMENT CHARACTER}").split()
 
 
-@pytest.mark.thorough
-@given(st.dictionaries(st.text(st.characters(), max_size=20), st.text(st.characters(), max_size=20), max_size=4))
-@examples(20)
-def test_page_with_any_labels_is_whole(labels):
-    run = replace(Run.exact(SMALL, [0]), provenance=labels)
-    Page(html(summarize(run)))
-
-
 # Files
 
 
 def test_interrupted_report_leaves_the_old_file_and_no_litter(small_run, tmp_path, monkeypatch):
+    full = OSError(28, "No space left on device")
+    failures = {".html": full, ".csv": full}
     for ending in REPORT_ENDINGS:
-        for interruption in (KeyboardInterrupt(), OSError(28, "No space left on device")):
-            file = tmp_path / f"report{ending}"
-            file.write_bytes(b"old")
+        file = tmp_path / f"report{ending}"
+        file.write_bytes(b"old")
 
-            def fail(*_, interruption=interruption, **__):
-                raise interruption
+        def fail(*_, failure=failures.get(ending), **__):
+            raise failure or KeyboardInterrupt
 
-            with monkeypatch.context() as patch:
-                if ending == ".xlsx":
-                    patch.setattr(xlsx_report, "_add_drift_chart", fail)
-                else:
-                    patch.setattr("pathlib.Path.write_bytes", fail)
-                with pytest.raises((KeyboardInterrupt, DragonError)):
-                    report(small_run, file)
-            assert [path.name for path in tmp_path.iterdir()] == [file.name]
-            assert file.read_bytes() == b"old"
-            file.unlink()
+        with monkeypatch.context() as patch:
+            patch.setattr(*((xlsx_report, "_add_drift_chart") if ending == ".xlsx" else (Path, "write_bytes")), fail)
+            with pytest.raises(OutputError if ending in failures else KeyboardInterrupt):
+                report(small_run, file)
+        assert [path.name for path in tmp_path.iterdir()] == [file.name]
+        assert file.read_bytes() == b"old"
+        file.unlink()
+    # So do the contest's tables.
+    file = tmp_path / "table.xlsx"
+    file.write_bytes(b"old")
+
+    def stop(done, total):
+        if done == 10:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        write_tables(SMALL, [0, 1], file, progress=stop)
+    assert file.read_bytes() == b"old"
+    assert list(tmp_path.iterdir()) == [file]
 
 
 def test_report_to_an_impossible_place_is_refused(small_run, tmp_path):
@@ -702,63 +591,20 @@ def test_contest_table_of_impossible_times_leaves_nothing(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_interrupted_contest_table_leaves_the_old_file_and_no_litter(tmp_path):
-    file = tmp_path / "table.xlsx"
-    file.write_bytes(b"old")
-
-    def stop(done, total):
-        if done == 10:
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        write_tables(SMALL, [0, 1], file, progress=stop)
-    assert file.read_bytes() == b"old"
-    assert list(tmp_path.iterdir()) == [file]
-
-
 # Chinese
 
 
-# What is left in Chinese reports: units, symbols, and names of settings, versions, phases and programs.
-ENGLISH_WORDS = re.compile(
-    "[ijmsxyNe]|mm|ms|µm|rad|Spiral|Pymunk|pymunk|pymunk-dragon|numpy|python|JSON|XLSX|begin|pre_solve|post_solve|separate"
-    "|guide|rails|contacts|report|start|until|substeps?|iterations|frame_interval|settings|nested|empty|none|True"
-)
-
-
-def words_of(ending, content):
-    """Text of a report that people read."""
-    if ending == ".md":
-        return content.decode().replace("\\", "")
-    if ending == ".html":
-        seen = re.sub(r"<style>.*?</style>|<meta[^>]*>", "", content.decode(), flags=re.S)
-        labels = re.findall(r'(?:alt|aria-label)="([^"]*)"', seen)
-        return " ".join([re.sub(r"<[^>]+>", " ", seen), *labels])
-    book = openpyxl.load_workbook(io.BytesIO(content))
-    cells = [str(cell) for sheet in book for row in sheet.iter_rows(values_only=True) for cell in row if cell]
-    return " ".join([*book.sheetnames, *cells])
-
-
-CHINESE = ("contact and after", "no contact", "nobody on the path", "odd numbers", "exact, with a contact")
-
-
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=[pytest.mark.thorough] * (i > 0)) for i, name in enumerate(CHINESE)]
-)
-def test_report_in_chinese_has_the_same_numbers_and_no_english_words(name, small_run, written, tmp_path):
+def test_report_in_chinese_has_the_same_numbers_and_its_data_are_the_same(small_run, written, tmp_path):
     for ending in REPORT_ENDINGS:
         with in_language("zh"):
-            report(RUNS[name](small_run), tmp_path / f"report{ending}")
-        content, english = (tmp_path / f"report{ending}").read_bytes(), written(name, ending)
+            report(small_run, tmp_path / f"report{ending}")
+        found = [(tmp_path / f"report{ending}").read_bytes(), written("contact and after", ending)]
         if ending in (".json", ".csv"):
-            assert content == english
-            continue
-        chinese = words_of(ending, content)
-        found = re.findall(r"[A-Za-zµ](?:[A-Za-zµ_-]*[A-Za-z])?", chinese)
-        assert [word for word in found if not ENGLISH_WORDS.fullmatch(word)] == []
-        assert len(re.findall("[\u4e00-\u9fff]", chinese)) > 150
-        numbers = [sorted(re.findall(r"\d+\.\d+", words)) for words in (chinese, words_of(ending, english))]
-        assert numbers[0] == numbers[1]
+            assert found[0] == found[1]
+        elif ending in (".md", ".html"):
+            chinese, english = (re.sub("<style>.*</style>", "", each.decode(), flags=re.S) for each in found)
+            assert len(re.findall("[\u4e00-\u9fff]", chinese)) > 150
+            assert sorted(re.findall(r"\d+\.\d+", chinese)) == sorted(re.findall(r"\d+\.\d+", english))
 
 
 # A real browser
