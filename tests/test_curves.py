@@ -2,23 +2,26 @@
 
 from __future__ import annotations
 
-import warnings
-
 import mpmath as mp
 import numpy as np
 import pytest
 from conftest import NO_NUMBERS, assert_says, examples
 from hypothesis import example, given
 from hypothesis import strategies as st
+from refusals import refusal
 
-from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.model.curves import Curve, Reversed, Spiral
+from pymunk_dragon.model.curves import Reversed, Spiral
 
 PITCH = 0.55
 SPIRAL = Spiral(pitch=PITCH)
+SPIRALS = [
+    Spiral(pitch=pitch, rotation=rotation, mirrored=mirrored, outward=outward)
+    for pitch, rotation in ((0.55, 0.0), (1.7, 2.5))
+    for mirrored in (False, True)
+    for outward in (False, True)
+]
 # rad. Turn 48 is the rim of a dragon of a thousand benches; the centre and its surroundings are drawn as often.
 angles = st.one_of(st.floats(0, 300), st.floats(0, 3), st.floats(0.98, 1.0))
-
 # Points of the dense scan of one turn back; the first one is the place itself.
 SCAN = np.linspace(0, 2 * np.pi, 40_001)
 
@@ -47,103 +50,70 @@ def behind(theta, chord):
     return float(SPIRAL.angle(SPIRAL.chain([place(theta)], [chord])[0, 1])) - theta
 
 
-def test_spiral_is_a_curve():
-    assert isinstance(SPIRAL, Curve)
-
-
-def test_turn_16_is_8_8_m_out():
+def test_turns_and_radii_are_where_the_contest_has_them():
     assert SPIRAL.point(SPIRAL.at_turn(16)) == pytest.approx([8.8, 0], abs=1e-12)
-
-
-def test_the_turning_circle_of_the_contest_is_4_5_m_out():
+    radii = np.linalg.norm(SPIRAL.point([SPIRAL.at_turn(0.2 + turn) for turn in range(20)]), axis=-1)
+    assert np.diff(radii) == pytest.approx(np.full(19, PITCH))
     wide = Spiral(pitch=1.7)
     assert np.linalg.norm(wide.point(wide.at_radius(4.5))) == pytest.approx(4.5, abs=1e-14)
     assert wide.at_radius(4.5) == pytest.approx(wide.at_turn(4.5 / 1.7), abs=1e-13)
 
 
-def test_neighbouring_turns_are_a_pitch_apart():
-    radii = np.linalg.norm(SPIRAL.point([SPIRAL.at_turn(0.2 + turn) for turn in range(20)]), axis=-1)
-    assert np.diff(radii) == pytest.approx(np.full(19, PITCH))
-
-
-@pytest.mark.parametrize("value", [*NO_NUMBERS, 1e-9, 1000.001, 1e308], ids=repr)
-def test_impossible_pitch_is_refused(value):
-    with pytest.raises(ParameterError) as caught:
-        Spiral(pitch=value)
-    assert caught.value.name == "pitch"
-    assert_says(caught.value, "pitch is ", "must be a number from 0.001 to 1000 m")
-
-
-@pytest.mark.parametrize(
-    "value", [float("nan"), float("inf"), 10**400, "1", True, None, 1j, [1.0], 1001, -1001], ids=repr
-)
-def test_impossible_rotation_is_refused(value):
-    with pytest.raises(ParameterError) as caught:
-        Spiral(rotation=value)
-    assert_says(caught.value, "rotation is ", "must be a number from -1000 to 1000 rad")
-
-
-@pytest.mark.parametrize("name", ["mirrored", "outward"])
-def test_a_direction_is_true_or_false(name):
-    with pytest.raises(ParameterError) as caught:
-        Spiral(**{name: 1})
-    assert_says(caught.value, f"{name} is 1, but must be True or False")
-
-
-def test_pitch_of_a_numpy_kind_becomes_a_plain_float():
+def test_impossible_spirals_are_refused():
+    for name, bound, values in (
+        ("pitch", "0.001 to 1000 m", [*NO_NUMBERS, 1e-9, 1000.001, 1e308]),
+        ("rotation", "-1000 to 1000 rad", [float("nan"), float("inf"), 10**400, "1", True, None, 1j, [1.0], 1001]),
+        ("mirrored", "True or False", [1]),
+        ("outward", "True or False", [1]),
+    ):
+        for value in values:
+            assert_says(refusal(Spiral, **{name: value}), f"{name} is ", bound)
     assert type(Spiral(pitch=np.float32(0.5)).pitch) is float
-    assert Spiral(pitch=np.int64(2)) == Spiral(pitch=2.0)
-
-
-SPIRALS = [
-    Spiral(pitch=pitch, rotation=rotation, mirrored=mirrored, outward=outward)
-    for pitch, rotation in ((0.55, 0.0), (1.7, 2.5))
-    for mirrored in (False, True)
-    for outward in (False, True)
-]
 
 
 @pytest.mark.parametrize("spiral", SPIRALS, ids=repr)
-@pytest.mark.parametrize("theta", [0.0, 1e-6, 0.3, 1.0, 2.3, 2.4, 10.0, 16.63, 100.53, 700.0])
-def test_a_spiral_is_what_its_formula_says_to_1e_12(spiral, theta):
+def test_a_spiral_is_what_its_formula_says_to_1e_12(spiral):
     with mp.workdps(50):
         k = mp.mpf(spiral.pitch) / (2 * mp.pi)
         sign = -1 if spiral.mirrored else 1
         ahead = 1 if spiral.outward else -1
         turn = mp.expj(mp.mpf(spiral.rotation))
-        u = mp.mpf(theta)
-        length = k / 2 * (u * mp.sqrt(u * u + 1) + mp.asinh(u))
-        assert mp.almosteq(length, mp.quad(lambda v: k * mp.sqrt(v * v + 1), mp.linspace(0, u, 60)), 1e-15)
-        # The double next to the true place is a place of its own.
-        s = float(ahead * length)
-        u = mp.findroot(lambda v: k / 2 * (v * mp.sqrt(v * v + 1) + mp.asinh(v)) - mp.mpf(ahead * s), u)
-        first = k * (1 + sign * 1j * u) * mp.expj(sign * u) * turn
-        second = k * (sign * 2j - u) * mp.expj(sign * u) * turn
-        point = k * u * mp.expj(sign * u) * turn
-        tangent = ahead * first / abs(first)
-        bend = ahead * mp.im(mp.conj(first) * second) / abs(first) ** 3
-        # A place 20 km out is itself known to a few picometres only.
-        exact = max(1e-12, 2 * np.spacing(abs(s)))
-        assert abs(mp.mpc(*spiral.point(s)) - point) < exact
-        assert abs(mp.mpc(*spiral.tangent(s)) - tangent) < 1e-12
-        assert abs(float(spiral.curvature(s)) - bend) < 1e-12 * abs(bend)
-        assert abs(float(spiral.angle(s)) - u) < 1e-12
-    assert spiral.max_curvature(s, 1.01 * s) == pytest.approx(abs(float(bend)), rel=1e-12)
+        for theta in (0.0, 1e-6, 0.3, 1.0, 2.3, 2.4, 10.0, 16.63, 100.53, 700.0):
+            u = mp.mpf(theta)
+            length = k / 2 * (u * mp.sqrt(u * u + 1) + mp.asinh(u))
+            # The double next to the true place is a place of its own.
+            s = float(ahead * length)
+            u = mp.findroot(lambda v, s=s: k / 2 * (v * mp.sqrt(v * v + 1) + mp.asinh(v)) - mp.mpf(ahead * s), u)
+            first = k * (1 + sign * 1j * u) * mp.expj(sign * u) * turn
+            second = k * (sign * 2j - u) * mp.expj(sign * u) * turn
+            tangent = ahead * first / abs(first)
+            bend = ahead * mp.im(mp.conj(first) * second) / abs(first) ** 3
+            # A place 20 km out is itself known to a few picometres only.
+            exact = max(1e-12, 2 * np.spacing(abs(s)))
+            assert abs(mp.mpc(*spiral.point(s)) - k * u * mp.expj(sign * u) * turn) < exact
+            assert abs(mp.mpc(*spiral.tangent(s)) - tangent) < 1e-12
+            assert abs(float(spiral.curvature(s)) - bend) < 1e-12 * abs(bend)
+            assert abs(float(spiral.angle(s)) - u) < 1e-12
+            assert spiral.max_curvature(s, 1.01 * s) == pytest.approx(abs(float(bend)), rel=1e-12)
 
 
-@pytest.mark.parametrize("spiral", SPIRALS, ids=repr)
-def test_nothing_lies_beyond_the_centre(spiral):
-    beyond = (-1 if spiral.outward else 1) * np.array([1e-300, 1.0, 1e6])
-    for answer in (spiral.point(beyond), spiral.tangent(beyond), spiral.curvature(beyond), spiral.angle(beyond)):
-        assert np.isnan(answer).all()
-    assert spiral.point(0.0).tolist() == [0, 0]
+def test_arc_length_is_the_integral_of_the_speed():
+    with mp.workdps(30):
+        k = mp.mpf(PITCH) / (2 * mp.pi)
+        for theta in (0.3, 2.3, 16.63, 100.53):
+            length = mp.quad(lambda v: k * mp.sqrt(v * v + 1), mp.linspace(0, theta, 60))
+            assert abs(length + place(theta)) < 1e-14 * max(1, length)
 
 
-def test_out_is_the_way_in_travelled_back():
+def test_nothing_lies_beyond_the_centre_and_the_way_out_is_the_way_in_travelled_back():
+    for spiral in SPIRALS:
+        beyond = (-1 if spiral.outward else 1) * np.array([1e-300, 1.0, 1e6])
+        for answer in (spiral.point(beyond), spiral.tangent(beyond), spiral.curvature(beyond), spiral.angle(beyond)):
+            assert np.isnan(answer).all()
+        assert spiral.point(0.0).tolist() == [0, 0]
     back = Reversed(Spiral(outward=True))
     s = np.linspace(-400, 0, 50)
-    assert back.end_s == 0
-    assert back.begin_s == -np.inf
+    assert (back.begin_s, back.end_s) == (-np.inf, 0)
     assert np.array_equal(back.point(s), SPIRAL.point(s))
     assert back.tangent(s) == pytest.approx(SPIRAL.tangent(s), abs=1e-15)
     assert np.array_equal(back.curvature(s), SPIRAL.curvature(s))
@@ -158,11 +128,8 @@ def test_out_is_the_way_in_travelled_back():
 @example(0.987, 0.99999)
 @example(0.99, 0.9999)
 @example(0.99, 1.00002)
-@example(0.995, 0.9999)
-@example(0.995, 1.0001)
 @example(1.0, 0.9999)
 @example(1.0, 1.0005)
-@example(1.0001, 1.0005)
 @example(280.5777257371152, 0.228515625)
 def test_place_behind_is_the_first_intersection_and_none_lies_past_the_first_top(theta, share):
     distances = scanned(theta)
@@ -183,30 +150,22 @@ def test_place_behind_is_the_first_intersection_and_none_lies_past_the_first_top
         assert back <= SCAN[top] + 1e-12
 
 
-@pytest.mark.parametrize(
-    ("theta", "dips"),
-    [(0.5, False), (0.9, False), (0.985, False), (0.987, True), (0.999, True), (1.0, True), (1.001, True), (2.0, True)],
-)
-def test_distance_falls_somewhere_on_the_first_turn_back_but_not_from_within_0_986_rad_of_the_centre(theta, dips):
-    # The boundary that `_first_maximum` speaks of, found by nothing but scanning.
-    assert (first_top(scanned(theta)) < SCAN.size - 1) is dips
-
-
-@pytest.mark.parametrize("theta", [0.987, 0.99, 0.995, 0.999, 1.0])
-def test_nearest_of_three_intersections_is_taken_close_to_the_centre(theta):
-    distances = scanned(theta)
-    top = first_top(distances)
-    valley = top + int(np.argmin(distances[top:]))
-    chord = (distances[top] + distances[valley]) / 2
-    crossings = SCAN[1:][np.diff(np.sign(distances - chord)) != 0]
-    assert crossings.size == 3
-    assert behind(theta, chord) == pytest.approx(crossings[0], abs=2e-4)
+def test_nearest_of_three_intersections_is_taken_close_to_the_centre():
+    # From within 0.986 rad the distance grows over the whole first turn back, from further out it falls somewhere.
+    for theta, dips in ((0.5, False), (0.985, False), (0.987, True), (1.001, True), (2.0, True)):
+        assert (first_top(scanned(theta)) < SCAN.size - 1) is dips
+    for theta in (0.987, 0.99, 0.995, 0.999, 1.0):
+        distances = scanned(theta)
+        top = first_top(distances)
+        valley = top + int(np.argmin(distances[top:]))
+        chord = (distances[top] + distances[valley]) / 2
+        crossings = SCAN[1:][np.diff(np.sign(distances - chord)) != 0]
+        assert crossings.size == 3
+        assert behind(theta, chord) == pytest.approx(crossings[0], abs=2e-4)
 
 
 def test_a_chain_without_a_place_for_one_handle_has_none_for_those_behind():
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        places = SPIRAL.chain([place(50.0), np.nan, place(0.5), 1.0], [1.65, 1.65])
+    places = SPIRAL.chain([place(50.0), np.nan, place(0.5), 1.0], [1.65, 1.65])
     assert np.isnan(places).tolist() == [[False] * 3, [True] * 3, [False, True, True], [True] * 3]
     assert SPIRAL.chain(np.empty(0), [1.65]).shape == (0, 2)
 
@@ -221,13 +180,7 @@ def test_foot_of_a_point_beside_the_path_is_on_the_turn_nearest_to_the_guess(the
     assert float(found) == pytest.approx(s, abs=1e-10)
     assert at == pytest.approx(point, abs=1e-11)
     assert tangent == pytest.approx(SPIRAL.tangent(s), abs=1e-11)
-
-
-def test_feet_of_many_points_are_those_of_each():
-    theta = np.array([[20.0, 31.5, 40.0], [7.0, 8.0, 9.0]])
-    places = place(theta)
-    points = 1.01 * SPIRAL.point(places)
-    together = SPIRAL.foot(points, places)
-    assert [part.shape for part in together] == [(2, 3), (2, 3, 2), (2, 3, 2)]
-    for part, alone in zip(together, SPIRAL.foot(points[1, 2], places[1, 2]), strict=True):
-        assert part[1, 2] == pytest.approx(alone, rel=0, abs=1e-15)
+    # One of many points has the same foot.
+    together = SPIRAL.foot(np.stack([point, beside]), np.array([s, place(theta + off)]))
+    for part, alone in zip(together, (found, at, tangent), strict=True):
+        assert part[1] == pytest.approx(alone, rel=0, abs=1e-15)
