@@ -8,11 +8,12 @@ import pytest
 import shapely
 from conftest import assert_says
 from exact_curves import DIGITS, u_turn, walked_chain
+from refusals import refusal
 from test_curve_kinds import LogarithmicSpiral, logarithmic
 
 from pymunk_dragon.collision import first_contact
-from pymunk_dragon.errors import ParameterError, UnreachableError
-from pymunk_dragon.model.curves import Arc, Composite, Curve, Line, Reversed, Sampled, Section, Spiral, UTurn
+from pymunk_dragon.errors import UnreachableError
+from pymunk_dragon.model.curves import Arc, Composite, Line, Reversed, Sampled, Section, Spiral, UTurn
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.speed import SpeedTable
@@ -20,19 +21,48 @@ from pymunk_dragon.physics import simulate
 
 TURN = March(curve=UTurn())
 SMALL = Dragon(benches=12, head_spacing=0.5, body_spacing=0.3, overhang=0.05, width=0.1)
-# Straight on, round a hairpin whose legs are closer than a bench is long, and straight back.
-HAIRPIN = Composite(
-    [
-        Line(stop=(10, 0)),
-        Arc(centre=(10, 0.6), radius=0.6, begin_angle=-np.pi / 2, sweep=np.pi),
-        Line(start=(10, 1.2), stop=(0, 1.2)),
-    ]
+
+
+def hairpin(length, radius, back=0.0):
+    """Straight on, round to the left, and straight back."""
+    return Composite(
+        [
+            Line(stop=(length, 0)),
+            Arc(centre=(length, radius), radius=radius, begin_angle=-np.pi / 2, sweep=np.pi),
+            Line(start=(length, 2 * radius), stop=(back, 2 * radius)),
+        ]
+    )
+
+
+def loop(radius):
+    """Straight on, and round a loop that crosses the way in."""
+    return Composite(
+        [
+            Line(start=(-20, 0), stop=(0, 0)),
+            Arc(centre=(0, radius), radius=radius, begin_angle=-np.pi / 2, sweep=1.5 * np.pi),
+            Line(start=(-radius, radius), stop=(-radius, -6)),
+        ]
+    )
+
+
+# Its legs are closer than a bench is long.
+HAIRPIN = hairpin(10, 0.6)
+# Points of a loop that a hand may have drawn.
+DRAWN = Sampled(
+    [(-12, 0), (-8, 0.3), (-4, -0.2), (0, 0), (3, 1), (4, 4), (1.5, 6), (-1, 4), (-1.5, 1), (-1, -3), (1, -7)]
+)
+TABLE = SpeedTable([0, 4, 9], [0.5, 2, 1])
+LONG = Dragon(benches=21, head_spacing=0.9, body_spacing=0.8, overhang=0.1, width=0.3)
+UNLIKE = Dragon(
+    body_spacing=[1.0, 1.3, 0.8, 1.2, 1.1, 0.9] * 3,
+    head_spacing=1.4,
+    overhang=[0.2, 0.15, 0.1, 0.2, 0.12, 0.2] * 3 + [0.1],
+    width=[0.4, 0.2, 0.5, 0.3, 0.3, 0.2] * 3 + [0.6],
 )
 
 
 @pytest.mark.parametrize(
-    "time",
-    [7.5, 14.1, *(pytest.param(time, marks=pytest.mark.thorough) for time in (-0.5, 0.3, 3.0, 10.0, 12.0, 16.0, 30.0))],
+    "time", [14.1, *(pytest.param(time, marks=pytest.mark.thorough) for time in (-0.5, 0.3, 3.0, 7.5, 10.0, 16.0))]
 )
 def test_handles_in_the_u_turn_are_where_many_digits_have_them(time):
     """Also while the chain lies over one, two or all three joints."""
@@ -59,28 +89,21 @@ def test_handles_on_a_users_own_curve_are_where_many_digits_have_them():
             assert mp.hypot(u - x, v - y) < 1e-10
 
 
-@pytest.mark.parametrize("s", [9.0, 10.0, 11.0, 11.7, 12.0, 13.0, 14.5])
-def test_the_next_handle_is_the_nearest_along_the_path_where_the_path_comes_back_beside_itself(s):
-    place = HAIRPIN.chain([s], [1.5])[0, 1]
-    ways = np.linspace(0, s, 200_001)
-    away = np.linalg.norm(HAIRPIN.point(s - ways) - HAIRPIN.point(s), axis=-1)
-    falls = np.flatnonzero(np.diff(away) < 0)
-    reached = np.flatnonzero(away >= 1.5)
-    if falls.size and falls[0] < reached[0]:
-        # The bench would have to jump from one leg to the other.
-        assert np.isnan(place)
-    else:
-        assert s - place == pytest.approx(ways[reached[0]], abs=1e-4)
-        assert np.linalg.norm(HAIRPIN.point(place) - HAIRPIN.point(s)) == pytest.approx(1.5, abs=1e-14)
-
-
-def test_handles_on_a_path_through_points_are_the_first_that_a_scan_sees():
-    s = np.linspace(12, DRAWN.end_s, 25)
-    for place, found in zip(s, DRAWN.chain(s, [1.1])[:, 1], strict=True):
-        ways = np.linspace(0, 3, 30_001)
-        away = np.linalg.norm(DRAWN.point(place - ways) - DRAWN.point(place), axis=-1)
-        assert place - found == pytest.approx(ways[np.argmax(away >= 1.1)], abs=2e-4)
-        assert np.linalg.norm(DRAWN.point(found) - DRAWN.point(place)) == pytest.approx(1.1, abs=1e-12)
+def test_the_next_handle_is_the_nearest_along_the_path_that_a_scan_sees():
+    cases = [(HAIRPIN, s, 1.5) for s in (9.0, 10.0, 11.0, 11.7, 12.0, 13.0, 14.5)]
+    cases += [(DRAWN, s, 1.1) for s in np.linspace(12, DRAWN.end_s, 12)]
+    for curve, s, spacing in cases:
+        place = curve.chain([s], [spacing])[0, 1]
+        ways = np.linspace(0, min(s, 9), 40_001)
+        away = np.linalg.norm(curve.point(s - ways) - curve.point(s), axis=-1)
+        falls = np.flatnonzero(np.diff(away) < 0)
+        reached = np.flatnonzero(away >= spacing)
+        if falls.size and falls[0] < reached[0]:
+            # The bench would have to jump from one leg of the hairpin to the other.
+            assert np.isnan(place)
+        else:
+            assert s - place == pytest.approx(ways[reached[0]], abs=3e-4)
+            assert np.linalg.norm(curve.point(place) - curve.point(s)) == pytest.approx(spacing, abs=1e-12)
 
 
 def test_a_bench_that_fits_round_a_hairpin_stays_on_its_way_round():
@@ -92,13 +115,12 @@ def test_a_bench_that_fits_round_a_hairpin_stays_on_its_way_round():
     assert np.linalg.norm(gone[:, 0] - gone[:, 1], axis=-1) == pytest.approx(np.full(s.size, 1.1), abs=1e-13)
 
 
-@pytest.mark.parametrize("curve", [UTurn(), Reversed(UTurn(ratio=0.7)), HAIRPIN, LogarithmicSpiral()], ids=repr)
-def test_many_places_at_once_are_those_of_each(curve):
-    s = np.linspace(max(curve.begin_s, -20), min(curve.end_s, 30), 41)
-    together = curve.chain(s, [0.5, 0.3])
-    alone = np.concatenate([curve.chain([place], [0.5, 0.3]) for place in s])
-    assert np.allclose(together, alone, rtol=0, atol=1e-12, equal_nan=True)
-    assert np.array_equal(np.isnan(together), np.isnan(alone))
+def test_many_places_at_once_are_those_of_each():
+    for curve in (UTurn(), Reversed(UTurn(ratio=0.7)), HAIRPIN, LogarithmicSpiral()):
+        s = np.linspace(max(curve.begin_s, -20), min(curve.end_s, 30), 41)
+        together = curve.chain(s, [0.5, 0.3])
+        alone = np.concatenate([curve.chain([place], [0.5, 0.3]) for place in s])
+        np.testing.assert_allclose(together, alone, rtol=0, atol=1e-12)
 
 
 def test_places_before_the_begin_are_none_and_the_begin_itself_is_one():
@@ -109,18 +131,15 @@ def test_places_before_the_begin_are_none_and_the_begin_itself_is_one():
         [True, True, True],
     ]
     assert line.chain([1.5, 3.0], [1.5, 1.5])[1].tolist() == pytest.approx([3, 1.5, 0], abs=1e-15)
-
-
-def test_a_way_in_that_begins_somewhere_has_no_places_before():
+    # Also of a way in along a spiral.
     spiral = Spiral(pitch=1.7, rotation=1.0)
     place = spiral.at_radius(4.5)
     point, tangent = spiral.frame(place)
     path = Composite([Section(spiral, place - 10, place), Line(start=point, stop=point + 5 * tangent)])
     s = np.linspace(0.0, path.end_s, 31)
     places, same = path.chain(s, [1.2] * 6), Reversed(Reversed(path)).chain(s, [1.2] * 6)
-    assert np.array_equal(np.isnan(places), np.isnan(same))
     assert np.isnan(places).any()
-    assert np.allclose(places, same, rtol=0, atol=1e-12, equal_nan=True)
+    np.testing.assert_allclose(places, same, rtol=0, atol=1e-12)
     assert np.nanmin(places) >= 0
 
 
@@ -136,51 +155,38 @@ def test_the_foot_of_a_point_beside_the_path_is_where_it_was_set_off(curve):
         assert directions == pytest.approx(tangents, abs=2e-5)
 
 
-# Where a march starts
+# Where a march starts and ends
 
 
-def test_a_dragon_on_a_curve_that_begins_somewhere_starts_with_its_tail_there():
+def test_a_dragon_starts_with_its_tail_at_the_begin_of_the_curve_or_its_head_at_its_zero():
     march = March(SMALL, HAIRPIN)
     assert march.handles_s_or_nan(0.0)[0, -1] == pytest.approx(0, abs=2e-9)
     assert not np.isnan(march.handles_s_or_nan(0.0)).any()
-    assert np.isnan(march.handles_s_or_nan(-1e-3)[0, -1])
-
-
-def test_a_dragon_on_a_path_from_infinity_starts_at_its_zero():
-    assert March(curve=UTurn()).head_start == 0
+    error = refusal(march.at, -1e-3, error=UnreachableError)
+    assert (error.time, error.handle) == (-1e-3, 12)
+    assert TURN.head_start == 0
     assert March(curve=Spiral(), start_s=-100.0).handles_s_or_nan(0.0)[0, 0] == -100
 
 
-@pytest.mark.parametrize(
-    ("settings", "words"),
-    [
-        ({"curve": Line(stop=(100, 0))}, "curve is 'Line', but must be one that takes the whole dragon: 100 m"),
-        ({"curve": UTurn(), "turns": 16}, "turns is 16, but must be absent: only a Spiral has turns"),
-        ({"start_s": -400.0, "turns": 16}, "turns is 16, but must be absent where start_s is given"),
-        (
-            {"curve": HAIRPIN, "dragon": SMALL, "start_s": 40.0},
-            "start_s is 40.0, but must be a number from 0 to 21.885",
-        ),
-        ({"curve": HAIRPIN, "dragon": SMALL, "start_s": 1.0}, "room for the whole dragon behind it: handle 3 has none"),
-        ({"curve": HAIRPIN, "dragon": Dragon(benches=7)}, "it turns back within a bench"),
-        ({"start_s": 3.0}, "start_s is 3.0, but must be a number from -inf to 0 m"),
-        ({"start_s": "here"}, "start_s is 'here'"),
-    ],
-    ids=str,
-)
-def test_a_march_that_cannot_start_says_why(settings, words):
-    with pytest.raises(ParameterError) as caught:
-        March(**settings)
-    assert_says(caught.value, words)
-
-
-def test_a_handle_before_the_begin_is_told_from_one_in_a_bend():
-    march = March(SMALL, HAIRPIN)
-    with pytest.raises(UnreachableError) as caught:
-        march.at(-0.1)
-    assert_says(
-        caught.value, "handle 12 has no position at t = -0.1 s: the curve begins less than a spacing of 0.3 m behind"
-    )
+def test_a_march_or_a_search_that_cannot_start_is_refused_by_name():
+    for settings, name in (
+        ({"curve": Line(stop=(100, 0))}, "curve"),
+        ({"curve": HAIRPIN, "dragon": Dragon(benches=7)}, "curve"),
+        ({"curve": UTurn(), "turns": 16}, "turns"),
+        ({"start_s": -400.0, "turns": 16}, "turns"),
+        ({"curve": HAIRPIN, "dragon": SMALL, "start_s": 40.0}, "start_s"),
+        ({"curve": HAIRPIN, "dragon": SMALL, "start_s": 1.0}, "start_s"),
+        ({"start_s": 3.0}, "start_s"),
+        ({"start_s": "here"}, "start_s"),
+        ({"curve": UTurn(pitch=0.1, radius=4.5)}, "pitch"),
+    ):
+        assert refusal(March, **settings).name == name, settings
+    short = March(Dragon(benches=4, head_spacing=1.0, body_spacing=1.0), Line(stop=(10, 0)), start_s=5.0)
+    for ask in (first_contact, simulate):
+        assert refusal(ask, TURN).name == "until"
+        assert refusal(ask, short, start=100.0).name == "start"
+    for time, words in ((-2.5, "begins less than a spacing"), (-6, "begins at t = -5 s"), (6, "ends at t = 5 s")):
+        assert_says(refusal(short.at, time, error=UnreachableError), words)
 
 
 def test_a_bench_that_does_not_fit_round_a_hairpin_is_pushed_back_out_of_it():
@@ -189,10 +195,9 @@ def test_a_bench_that_does_not_fit_round_a_hairpin_is_pushed_back_out_of_it():
     heads = 10 + 0.6 * np.pi + np.array([0.0, 1.0, 2.0])
     assert march.handles_s_or_nan(heads - 8.0)[:, 1] == pytest.approx([8.4, 7.4, 6.4], abs=1e-12)
     # Until the last handle is pushed off the path.
-    with pytest.raises(UnreachableError) as caught:
-        march.at(np.linspace(0, march.end, 401))
-    assert caught.value.handle == 2
-    assert 8.0 + caught.value.time == pytest.approx(heads[0] + 6.4, abs=0.1)
+    error = refusal(march.at, np.linspace(0, march.end, 401), error=UnreachableError)
+    assert error.handle == 2
+    assert 8.0 + error.time == pytest.approx(heads[0] + 6.4, abs=0.1)
 
 
 # Speeds
@@ -208,11 +213,8 @@ def test_where_the_dragon_is_depends_on_the_way_alone():
     assert there.positions == pytest.approx(same.positions, abs=1e-12)
     assert there.speeds == pytest.approx(same.speeds * table.at(times)[:, None], abs=1e-12)
     assert changing.time(ways) == pytest.approx(times, abs=1e-12)
-
-
-def test_velocities_of_a_march_at_a_changing_speed_are_the_rates_of_its_positions():
-    march = March(SMALL, UTurn(pitch=0.8, radius=1.5), speed=lambda t: 1 + 0.5 * np.sin(t))
-    times, step = np.array([-2.0, 0.5, 2.5, 4.0]), 1e-5
+    march, step = March(SMALL, UTurn(pitch=0.8, radius=1.5), speed=lambda t: 1 + 0.5 * np.sin(t)), 1e-5
+    times = np.array([-2.0, 0.5, 2.5, 4.0])
     before, after = march.at(times - step).positions, march.at(times + step).positions
     assert march.at(times).velocities == pytest.approx((after - before) / (2 * step), abs=1e-8)
 
@@ -227,39 +229,7 @@ def test_the_first_contact_is_at_the_same_place_however_fast_the_head_goes(seed_
     assert [miss.gap for miss in hit.near_misses] == pytest.approx([miss.gap for miss in plain.near_misses], abs=1e-12)
 
 
-def test_a_search_without_an_end_wants_one():
-    for ask in (first_contact, simulate):
-        with pytest.raises(ParameterError) as caught:
-            ask(TURN)
-        assert_says(caught.value, "until is None, but must be a time, s, on a curve without end")
-
-
 # First contact and the engine on any curve
-
-
-def loop(radius):
-    """Straight on, and round a loop that crosses the way in."""
-    centre = (0, radius)
-    return Composite(
-        [
-            Line(start=(-20, 0), stop=(0, 0)),
-            Arc(centre=centre, radius=radius, begin_angle=-np.pi / 2, sweep=1.5 * np.pi),
-            Line(start=(-radius, radius), stop=(-radius, -6)),
-        ]
-    )
-
-
-# Points of a loop that a hand may have drawn.
-DRAWN = Sampled(
-    [(-12, 0), (-8, 0.3), (-4, -0.2), (0, 0), (3, 1), (4, 4), (1.5, 6), (-1, 4), (-1.5, 1), (-1, -3), (1, -7)]
-)
-LONG = Dragon(benches=21, head_spacing=0.9, body_spacing=0.8, overhang=0.1, width=0.3)
-UNLIKE = Dragon(
-    body_spacing=[1.0, 1.3, 0.8, 1.2, 1.1, 0.9] * 3,
-    head_spacing=1.4,
-    overhang=[0.2, 0.15, 0.1, 0.2, 0.12, 0.2] * 3 + [0.1],
-    width=[0.4, 0.2, 0.5, 0.3, 0.3, 0.2] * 3 + [0.6],
-)
 
 
 def first_overlap(march, times):
@@ -276,21 +246,18 @@ def first_overlap(march, times):
 @pytest.mark.parametrize(
     "march",
     [
-        March(LONG, loop(2)),
-        March(LONG, loop(2), speed=0.5),
-        March(UNLIKE, loop(1.5)),
-        March(UNLIKE, DRAWN, speed=SpeedTable([0, 4, 9], [0.5, 2, 1])),
-        March(Dragon(benches=30, width=1.2), UTurn(), start_s=-5.0),
+        March(UNLIKE, DRAWN, speed=TABLE),
+        pytest.param(March(LONG, loop(2), speed=0.5), marks=pytest.mark.thorough),
+        pytest.param(March(UNLIKE, loop(1.5)), marks=pytest.mark.thorough),
+        pytest.param(March(Dragon(benches=30, width=1.2), UTurn(), start_s=-5.0), marks=pytest.mark.thorough),
     ],
-    ids=["loop", "loop, slowly", "unlike benches", "drawn by hand", "too wide for the turn"],
+    ids=["drawn by hand", "loop", "unlike benches", "too wide for the turn"],
 )
 def test_first_contact_on_any_curve_is_where_shapely_first_sees_an_overlap(march):
     until = min(march.end, 40.0)
     hit = first_contact(march, until=until)
-    coarse = first_overlap(march, np.linspace(0, until, 801))
-    assert coarse is not None
     assert hit.status == "contact"
-    assert hit.time <= coarse[0]
+    assert hit.time <= first_overlap(march, np.linspace(0, until, 801))[0]
     # Nothing just before, and these two just after.
     assert first_overlap(march, np.linspace(max(0, hit.time - 0.2), hit.time - 1e-9, 101)) is None
     assert hit.benches in first_overlap(march, [hit.time + 1e-9])[1]
@@ -298,43 +265,32 @@ def test_first_contact_on_any_curve_is_where_shapely_first_sees_an_overlap(march
 
 def test_nothing_touches_in_the_turn_of_the_contest():
     hit = first_contact(TURN, start=-100, until=100)
-    assert hit.status == "clear"
-    assert hit.time == 100
+    assert (hit.status, hit.time) == ("clear", 100)
 
 
 def test_a_bench_that_is_wider_than_those_before_it_is_watched_to_the_end():
     """The head and bench 1 pass where the last bench, which is ten times as wide, does not."""
-    hairpin = Composite(
-        [
-            Line(stop=(20, 0)),
-            Arc(centre=(20, 0.8), radius=0.8, begin_angle=-np.pi / 2, sweep=np.pi),
-            Line(start=(20, 1.6), stop=(0, 1.6)),
-        ]
-    )
+    path = hairpin(20, 0.8)
     sizes = {"benches": 13, "head_spacing": 0.9, "body_spacing": 0.8, "overhang": 0.1}
-    plain, wide = March(Dragon(**sizes, width=0.3), hairpin), March(Dragon(**sizes, width=[0.3] * 12 + [3.2]), hairpin)
+    plain, wide = March(Dragon(**sizes, width=0.3), path), March(Dragon(**sizes, width=[0.3] * 12 + [3.2]), path)
     assert first_contact(plain).status == "clear"
     hit = first_contact(wide)
     assert hit.status == "contact"
     assert hit.benches[1] == 12
-    time, pairs = first_overlap(wide, np.linspace(0, hit.time + 1e-6, 2001))
-    assert time == pytest.approx(hit.time, abs=hit.time / 1999)
+    time, pairs = first_overlap(wide, np.linspace(0, hit.time + 1e-6, 401))
+    assert time == pytest.approx(hit.time, abs=hit.time / 399)
     assert hit.benches in pairs
 
 
 @pytest.mark.parametrize(
     ("march", "until"),
     [
-        (March(Dragon(benches=60), UTurn(), start_s=-4.0), 30.0),
-        (
-            March(Dragon(benches=9, head_spacing=1.4, body_spacing=1), DRAWN, speed=SpeedTable([0, 4, 9], [0.5, 2, 1])),
-            9.0,
-        ),
+        (March(Dragon(benches=9, head_spacing=1.4, body_spacing=1), DRAWN, speed=TABLE), 9.0),
         (March(Dragon(benches=12, head_spacing=0.9, body_spacing=0.8, overhang=0.1, width=0.3), HAIRPIN), 9.0),
-        (March(Dragon(benches=40), Spiral(pitch=1.2, outward=True), turns=7), 20.0),
-        (March(Dragon(benches=40), Spiral(rotation=2, mirrored=True), turns=7), 20.0),
+        pytest.param(March(Dragon(benches=60), UTurn(), start_s=-4.0), 30.0, marks=pytest.mark.thorough),
+        (March(Dragon(benches=12), Spiral(pitch=1.2, outward=True), turns=7), 9.0),
     ],
-    ids=["u-turn", "drawn by hand", "hairpin", "outward", "mirrored"],
+    ids=["drawn by hand", "hairpin", "u-turn", "outward"],
 )
 def test_rails_keep_the_dragon_on_any_curve(march, until):
     run = simulate(march, until=until)
@@ -346,8 +302,7 @@ def test_rails_keep_the_dragon_on_any_curve(march, until):
 @pytest.mark.thorough
 def test_the_contests_turn_is_played_through_without_a_false_contact():
     run = simulate(TURN, start=-100, until=100)
-    assert run.outcome == "clear"
-    assert len(run.events) == 0
+    assert (run.outcome, len(run.events)) == ("clear", 0)
     assert run.times[-1] == pytest.approx(100)
     assert run.head_drift < 2e-4
     assert run.max_drift < 4e-4
@@ -360,19 +315,11 @@ def test_engine_and_certificate_agree_on_the_first_contact_where_the_path_crosse
     assert run.first_contact.time == pytest.approx(exact.time, abs=2e-3)
 
 
-# A hairpin too tight for a bench of a metre: its rear handle is pushed back, and in the end off the path.
-TIGHT = Composite(
-    [
-        Line(stop=(3, 0)),
-        Arc(centre=(3, 0.45), radius=0.45, begin_angle=-np.pi / 2, sweep=np.pi),
-        Line(start=(3, 0.9), stop=(-9, 0.9)),
-    ]
-)
-
-
-@pytest.mark.parametrize(("benches", "width"), [(2, 0.05), (4, 0.05)])
-def test_search_for_a_contact_ends_where_motion_does(benches, width):
-    march = March(Dragon(benches=benches, head_spacing=1.0, body_spacing=0.5, overhang=0.05, width=width), TIGHT)
+@pytest.mark.parametrize("benches", [2, 4])
+def test_search_for_a_contact_ends_where_motion_does(benches):
+    """The hairpin is too tight for a bench of a metre: its rear handle is pushed back, and in the end off the path."""
+    dragon = Dragon(benches=benches, head_spacing=1.0, body_spacing=0.5, overhang=0.05, width=0.05)
+    march = March(dragon, hairpin(3, 0.45, back=-9))
     hit = first_contact(march)
     times = np.linspace(0, march.end, 20_001)
     lost = np.isnan(march.handles_s_or_nan(times)).any(axis=1)
@@ -385,66 +332,17 @@ def test_search_for_a_contact_ends_where_motion_does(benches, width):
 
 
 def test_the_end_of_a_curve_is_reached_whatever_rounding_does():
+    dragon = Dragon(benches=3, head_spacing=1.0, body_spacing=0.5, overhang=0.1)
     for speed in np.linspace(0.5, 1.5, 40):
-        march = March(
-            Dragon(benches=3, head_spacing=1.0, body_spacing=0.5, overhang=0.1), Line(stop=(7.7, 0.3)), speed=speed
-        )
+        march = March(dragon, Line(stop=(7.7, 0.3)), speed=speed)
         hit = first_contact(march)
         assert (hit.status, hit.time) == ("clear", march.end)
 
 
 @pytest.mark.thorough
-def test_a_path_that_soon_becomes_too_tight_is_not_searched_for_minutes():
+def test_a_path_that_soon_becomes_too_tight_is_searched_to_the_end_of_motion():
     arm = Dragon(benches=5, head_spacing=1.0, body_spacing=1.0, overhang=0.1, width=0.1)
     angles = np.linspace(-np.pi / 2, np.pi / 2, 12)[1:-1]
     bend = np.stack([6 + 0.4 * np.cos(angles), 0.4 + 0.4 * np.sin(angles)], axis=-1)
     path = Sampled(np.concatenate([[[x, 0] for x in range(7)], bend, [[x, 0.8] for x in range(6, -1, -1)]]))
-    hit = first_contact(March(arm, path))
-    assert hit.status == "unreachable"
-
-
-class Plain(Curve):
-    """A straight line by somebody who makes short work of it."""
-
-    begin_s, end_s = 0, 20
-
-    def point(self, s):
-        return np.moveaxis(np.array([s, np.zeros_like(s)]), 0, -1)
-
-    def tangent(self, s):
-        return np.broadcast_to([1, 0], (*np.shape(s), 2))
-
-    def curvature(self, s):
-        return 0
-
-    def max_curvature(self, s, other):
-        return 0
-
-
-def test_a_users_curve_may_answer_with_single_numbers_in_any_layout():
-    march = March(SMALL, Plain())
-    places = march.handles_s_or_nan([0.0, 1.0])
-    assert places[1] - places[0] == pytest.approx(np.ones(13), abs=1e-12)
-    assert first_contact(march, until=5.0).status == "clear"
-
-
-def test_times_before_and_after_a_curve_are_told_apart():
-    march = March(Dragon(benches=4, head_spacing=1.0, body_spacing=1.0), Line(stop=(10, 0)), start_s=5.0)
-    for time, words in (
-        (-2.5, "the curve begins less than"),
-        (-6, "the curve begins at t = -5 s"),
-        (6, "ends at t = 5"),
-    ):
-        with pytest.raises(UnreachableError) as caught:
-            march.at(time)
-        assert_says(caught.value, words)
-    for ask in (first_contact, simulate):
-        with pytest.raises(ParameterError) as caught:
-            ask(march, start=100.0)
-        assert_says(caught.value, "start is 100.0, but must be earlier than the end of the curve, 5 s")
-
-
-def test_a_turn_whose_ways_in_and_out_are_too_close_is_refused():
-    with pytest.raises(ParameterError) as caught:
-        March(curve=UTurn(pitch=0.1, radius=4.5))
-    assert_says(caught.value, "pitch is 0.1, but must be more than the width, 0.3 m")
+    assert first_contact(March(arm, path)).status == "unreachable"
