@@ -89,15 +89,6 @@ def test_parameters_grow_along_the_path_with_the_derivatives_that_motion_gives()
         np.testing.assert_allclose(derivatives, differences, rtol=0, atol=1e-4)
 
 
-def test_whole_chain_of_one_head_is_that_among_many():
-    curve, heads = UTurn(), np.linspace(-30, 40, 301)
-    spacings = np.full(222, 1.65)
-    together, _ = chain.whole_chains(curve, heads, spacings)
-    for row in (0, 150, 300):
-        alone, _ = chain.whole_chains(curve, heads[row : row + 1], spacings)
-        np.testing.assert_allclose(alone.handles_s[0], together.handles_s[row], rtol=0, atol=1e-12)
-
-
 def test_whole_chains_never_end_on_another_turn(monkeypatch):
     """From an estimate on another turn Newton's method finds other handles at the same distances: they are refused."""
     spiral = Spiral(pitch=0.3)
@@ -120,12 +111,3 @@ def test_chains_that_cannot_be_computed_as_a_whole_are_computed_bench_by_bench()
     expected = hairpin._bench_by_bench(heads, spacings)
     np.testing.assert_allclose(hairpin.chain(heads, spacings), expected, rtol=0, atol=1e-11)
     assert np.isnan(expected).any()
-
-
-def test_line_and_arc_may_begin_a_composite():
-    """A composite computes handles on its first piece as that piece does."""
-    for first in (Line(stop=(30, 0)), Arc(centre=(30, 6), radius=6, begin_angle=-np.pi / 2 - 3, sweep=3)):
-        end, direction = first.frame(first.end_s)
-        path = Composite([first, Line(start=end, stop=end + 20 * direction)])
-        points = path.point(path.chain(np.linspace(path.joints[0] - 1, path.joints[0] + 12, 40), SPACINGS))
-        np.testing.assert_allclose(np.hypot(*np.moveaxis(np.diff(points, axis=1), -1, 0)), [SPACINGS] * 40, rtol=1e-12)

@@ -152,12 +152,12 @@ def test_points_are_right_to_8_last_digits_of_the_largest_coordinate(curve, trut
 
 
 def test_impossible_curves_are_refused():
-    for line in (
+    for ends in (
         *({"stop": stop} for stop in ((0, 0), (0, 1e-4), (math.nan, 1), (1e6, 1), 3, "ab", (1, 2, 3))),
         {"start": (math.inf, 0), "stop": (1, 1)},
         {"start": None, "stop": (1, 1)},
     ):
-        assert refusal(Line, **line).name == ("start" if "start" in line else "stop"), line
+        assert refusal(Line, **ends).name == ("start" if "start" in ends else "stop"), ends
     for make, name, bound in (
         (lambda value: Arc(radius=value, sweep=1), "radius", "0.001 to 100000 m"),
         (lambda value: UTurn(pitch=value), "pitch", "0.001 to 1000 m"),

@@ -16,7 +16,7 @@ from refusals import refusal
 
 from pymunk_dragon import errors
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.model.dragon import Dragon, bench_poses, interpolated, outlines
+from pymunk_dragon.model.dragon import Dragon, bench_poses, outlines
 
 LENGTHS = ("head_spacing", "body_spacing", "overhang", "width")
 TRACTOR = {
@@ -118,16 +118,6 @@ def test_dragon_is_refused_just_where_benches_that_share_no_hole_would_meet_on_a
         assert apart
 
 
-@given(st.lists(points, min_size=2, max_size=6))
-def test_bench_lies_midway_between_its_holes_and_points_to_the_front_one(holes):
-    handles = np.array(holes)
-    for pose, front, rear in zip(bench_poses(handles), handles[:-1], handles[1:], strict=True):
-        assert pose[:2] == pytest.approx((front + rear) / 2)
-        reach = np.linalg.norm(front - rear)
-        heading = np.array([math.cos(pose[2]), math.sin(pose[2])])
-        assert rear + reach * heading == pytest.approx(front, abs=1e-12)
-
-
 @given(st.lists(st.tuples(coordinates, coordinates, st.floats(-10, 10)), min_size=4, max_size=4))
 def test_holes_are_a_spacing_apart_and_give_their_poses_back(poses):
     dragon = Dragon(benches=4)
@@ -166,15 +156,6 @@ def test_outlines_reach_an_overhang_beyond_the_holes_and_are_as_wide_and_long_as
     # Of many times, and of the first benches only, they are those of each.
     assert np.array_equal(together[1, 2], dragon.outlines(poses[1, 2]))
     assert np.array_equal(together[1, 2, :2], dragon.outlines(poses[1, 2, :2]))
-
-
-@given(st.floats(-10, 10), st.floats(-3.1, 3.1), st.floats(0, 1))
-def test_interpolated_pose_turns_the_shorter_way(angle, turn, share):
-    before = np.array([1.0, 2.0, angle])
-    after = np.array([3.0, -2.0, math.remainder(angle + turn, 2 * math.pi)])
-    pose = interpolated(before, after, share)
-    assert pose[:2] == pytest.approx([1 + 2 * share, 2 - 4 * share])
-    assert math.remainder(pose[2] - angle - share * turn, 2 * math.pi) == pytest.approx(0, abs=1e-12)
 
 
 def test_errors_pass_between_processes_and_are_one_line():

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import json
 import math
 import warnings
 from decimal import ROUND_DOWN, Decimal
@@ -214,15 +213,6 @@ def test_states_of_many_times_and_of_the_first_handles_are_those_of_each(seed_ma
     assert seed_march.at([]).positions.shape == (0, 224, 2)
 
 
-def test_head_that_turns_square_to_its_bench_pushes_the_dragon_back_out(seed_march):
-    states = seed_march.at([431.5, 432.8])
-    onward = np.sum(states.velocities * seed_march.curve.tangent(states.handles_s), axis=-1)
-    assert np.all(onward[0] > 0)
-    assert onward[1, 0] == pytest.approx(1)
-    assert np.all(onward[1, 1:] < 0)
-    assert np.all(states.speeds > 0)
-
-
 def test_speeds_by_difference_converge_to_the_exact_ones_at_first_order(seed_march):
     times = [0, 100, 300, 412]
     exact = seed_march.at(times).speeds
@@ -308,15 +298,3 @@ def test_span_is_the_part_of_the_curve_where_the_dragon_goes(seed_march):
     for march in (TRACTOR, ARM):
         assert march.span(3.0, 5.0) == (march.curve.begin_s, march.curve.end_s)
     assert U_TURN.span(-20.0, 30.0) == pytest.approx((U_TURN.handles_s(-20.0)[0, -1], 30.0))
-
-
-def test_states_are_printed_and_given_as_json_values_for_chosen_handles():
-    states = March(Dragon(benches=4)).at([0.0, 60.0])
-    found = json.loads(json.dumps(states.to_dict([0, 4])))
-    assert (found["times"], found["handles"]) == ([0, 60], [0, 4])
-    assert found["positions"] == states.positions[:, [0, 4]].tolist()
-    assert found["speeds"] == states.speeds[:, [0, 4]].tolist()
-    assert states.rows([4])[1] == (60.0, 4, *states.positions[1, 4], states.speeds[1, 4])
-    _, first, *others = str(states).splitlines()
-    assert first.split() == ["0", "0", "8.800000", "0.000000", "1.000000"]
-    assert len(others) == 9

@@ -106,23 +106,6 @@ def test_the_next_handle_is_the_nearest_along_the_path_that_a_scan_sees():
             assert np.linalg.norm(curve.point(place) - curve.point(s)) == pytest.approx(spacing, abs=1e-12)
 
 
-def test_a_bench_that_fits_round_a_hairpin_stays_on_its_way_round():
-    s = np.linspace(1.2, HAIRPIN.end_s, 2000)
-    places = HAIRPIN.chain(s, [1.1])
-    assert not np.isnan(places).any()
-    assert np.all(np.diff(places[:, 1]) > 0)
-    gone = HAIRPIN.point(places)
-    assert np.linalg.norm(gone[:, 0] - gone[:, 1], axis=-1) == pytest.approx(np.full(s.size, 1.1), abs=1e-13)
-
-
-def test_many_places_at_once_are_those_of_each():
-    for curve in (UTurn(), Reversed(UTurn(ratio=0.7)), HAIRPIN, LogarithmicSpiral()):
-        s = np.linspace(max(curve.begin_s, -20), min(curve.end_s, 30), 41)
-        together = curve.chain(s, [0.5, 0.3])
-        alone = np.concatenate([curve.chain([place], [0.5, 0.3]) for place in s])
-        np.testing.assert_allclose(together, alone, rtol=0, atol=1e-12)
-
-
 def test_places_before_the_begin_are_none_and_the_begin_itself_is_one():
     line = Line(stop=(10, 0))
     assert np.isnan(line.chain([1.0, 1.5, 10.5], [1.5, 1.5])).tolist() == [
@@ -337,12 +320,3 @@ def test_the_end_of_a_curve_is_reached_whatever_rounding_does():
         march = March(dragon, Line(stop=(7.7, 0.3)), speed=speed)
         hit = first_contact(march)
         assert (hit.status, hit.time) == ("clear", march.end)
-
-
-@pytest.mark.thorough
-def test_a_path_that_soon_becomes_too_tight_is_searched_to_the_end_of_motion():
-    arm = Dragon(benches=5, head_spacing=1.0, body_spacing=1.0, overhang=0.1, width=0.1)
-    angles = np.linspace(-np.pi / 2, np.pi / 2, 12)[1:-1]
-    bend = np.stack([6 + 0.4 * np.cos(angles), 0.4 + 0.4 * np.sin(angles)], axis=-1)
-    path = Sampled(np.concatenate([[[x, 0] for x in range(7)], bend, [[x, 0.8] for x in range(6, -1, -1)]]))
-    assert first_contact(March(arm, path)).status == "unreachable"

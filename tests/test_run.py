@@ -24,7 +24,7 @@ from hypothesis import strategies as st
 from refusals import refusal
 from shapely import Polygon
 
-from pymunk_dragon.errors import DragonError, FileFormatError, OutputError, ParameterError
+from pymunk_dragon.errors import DragonError, FileFormatError, OutputError
 from pymunk_dragon.model.contact import PHASES, Contact, ContactEvent, ContactLog, ContactWindow
 from pymunk_dragon.model.curves import Spiral
 from pymunk_dragon.model.dragon import Dragon
@@ -146,18 +146,12 @@ def event(time, phase, pair=(0, 8)):
     return ContactEvent(time=time, phase=phase, benches=pair)
 
 
-@given(st.lists(st.sampled_from(PHASES)))
-def test_log_of_contacts_is_a_sequence_of_its_events(phases):
-    events = tuple(event(float(i), phase) for i, phase in enumerate(phases))
+def test_log_of_contacts_is_a_sequence_of_its_events():
+    events = tuple(event(float(i), phase) for i, phase in enumerate(["begin", "post_solve", "begin", "separate"]))
     log = ContactLog(events)
-    assert (tuple(log), len(log), bool(log), log[1:]) == (events, len(events), bool(events), ContactLog(events[1:]))
-    for i, one in enumerate(events):
-        assert log[i] is one
-        assert log.index(one) == i
-    for phase in PHASES:
-        assert [one.phase for one in log.of(phase)] == [phase] * phases.count(phase)
-    with pytest.raises(IndexError):
-        log[len(events)]
+    assert (tuple(log), len(log), bool(ContactLog()), log[1:]) == (events, 4, False, ContactLog(events[1:]))
+    assert log[2] is events[2]
+    assert [[one.time for one in log.of(phase)] for phase in PHASES] == [[0, 2], [], [1], [3]]
 
 
 def test_windows_of_contacts_run_from_begin_to_separate_of_each_pair():
@@ -204,16 +198,11 @@ def test_runs_without_contact_and_of_other_kinds_of_numbers_come_back():
     assert (back.outcome, back.provenance) == ("clear", {"player": "exact", "versions": versions()})
     narrow = plain_run(np.arange(2), np.ones((2, 4, 3), dtype=np.float32))
     assert load(saved(narrow)).poses.tolist() == narrow.poses.tolist()
-    scalars = March(Dragon(benches=np.int64(3), width=np.float32(0.25)), turns=np.int32(12))
-    assert load(saved(Run.exact(scalars, [0]))).march == scalars
-
-
-def test_file_of_an_older_version_has_no_velocities_and_is_read():
-    old, run = load(members(pose_velocities=None)), a_run()
-    assert old.pose_velocities is None
-    assert old.poses.tobytes() == run.poses.tobytes()
+    # Files of an older version have no velocities.
+    old = load(members(pose_velocities=None))
+    assert (old.pose_velocities, old.poses.tobytes()) == (None, a_run().poses.tobytes())
     times = np.linspace(0, 3, 40)
-    assert np.abs(old.poses_at(times) - run.poses_at(times)).max() < 0.01
+    assert np.abs(old.poses_at(times) - a_run().poses_at(times)).max() < 0.01
 
 
 # Damage
@@ -241,33 +230,12 @@ def test_flipped_bytes_are_refused_or_do_no_harm(flips):
         assert run.events == EVENTS
 
 
-def test_flipped_bytes_inside_an_array_that_the_archive_vouches_for_are_refused_or_harmless():
-    random = np.random.default_rng(0)
-    for name in ("times", "poses", "drift", "notes"):
-        inner = npy(ARRAYS[name])
-        for flips in [1, 7, 60] * 15:
-            content = bytearray(inner)
-            for place in random.integers(0, min(len(content), 400), flips):
-                content[place] ^= int(random.integers(1, 256))
-            try:
-                run = load(archive_of(**{name: bytes(content)}))
-            except FileFormatError as error:
-                assert_says(error)
-            else:
-                assert np.all(np.isfinite(run.times))
-                assert np.all(np.isfinite(run.poses))
-
-
 def test_foreign_files_are_refused():
-    no_arrays = {f"{name}.npy": b"hello" for name in ("times", "poses", "drift", "notes")}
     for content in (
-        b"",
         b"a dragon went by\n" * 30,
         npy(np.arange(10.0)),
         zipped(readme="hello", data="1,2,3"),
-        zipped(**{"a.npy": npy(np.arange(3)), "b.npy": npy(np.eye(2))}),
-        zipped(),
-        zipped(**no_arrays),
+        zipped(**{f"{name}.npy": b"hello" for name in ("times", "poses", "drift", "notes")}),
         members(notes=np.frombuffer(b"{hello", dtype=np.uint8)),
         members(notes=np.eye(3)),
         members(notes=np.frombuffer(b"[" * 100_000, dtype=np.uint8)),
@@ -280,78 +248,45 @@ def test_foreign_files_are_refused():
 
 
 def test_arrays_that_do_not_fit_are_refused():
-    for changes in (
-        {"poses": np.zeros((7, 5, 3))},
-        {"poses": np.zeros((6, 4, 3))},
-        {"poses": np.zeros((7, 4))},
-        {"poses": np.zeros((7, 4, 3), dtype=np.float16)},
-        {"poses": np.full((7, 4, 3), "a")},
-        {"poses": np.full((7, 4, 3), np.inf)},
-        {"pose_velocities": np.zeros((7, 5, 3))},
-        {"pose_velocities": np.full((7, 4, 3), np.inf)},
-        {"times": np.zeros((7, 1))},
-        {"times": np.array(1.0)},
-        {"times": np.arange(7)},
-        {"times": np.arange(7.0)[::-1].copy()},
-        {"times": np.array([0, 1, 2, np.nan, 4, 5, 6.0])},
-        {"times": np.empty(0), "poses": np.empty((0, 4, 3)), "drift": np.empty((0, 4))},
-        {"drift": np.zeros((7, 3))},
-        {"joint_impulses": np.zeros((7, 4))},
-        {"joint_impulses": np.full((7, 3), np.inf)},
+    for name, array in (
+        ("poses", np.zeros((7, 5, 3))),
+        ("poses", np.zeros((6, 4, 3))),
+        ("poses", np.zeros((7, 4, 3), dtype=np.float16)),
+        ("poses", np.full((7, 4, 3), "a")),
+        ("poses", np.full((7, 4, 3), np.inf)),
+        ("pose_velocities", np.zeros((7, 5, 3))),
+        ("pose_velocities", np.full((7, 4, 3), np.inf)),
+        ("times", np.zeros((7, 1))),
+        ("times", np.arange(7)),
+        ("times", np.arange(7.0)[::-1].copy()),
+        ("times", np.array([0, 1, 2, np.nan, 4, 5, 6.0])),
+        ("drift", np.zeros((7, 3))),
+        ("joint_impulses", np.zeros((7, 4))),
+        ("joint_impulses", np.full((7, 3), np.inf)),
     ):
-        refusal(load, members(**changes), error=FileFormatError)
-
-
-def first_event(**changes):
-    return lambda values: values["events"][0].update(changes)
-
-
-def contact(**changes):
-    return lambda values: values["first_contact"].update(changes)
+        refusal(load, members(**{name: array}), error=FileFormatError)
+    empty = {"times": np.empty(0), "poses": np.empty((0, 4, 3)), "drift": np.empty((0, 4))}
+    refusal(load, members(**empty), error=FileFormatError)
+    # As without a file.
+    for changes in (empty, {"drift": np.zeros((7, 3))}, {"outcome": "victory"}):
+        refusal(replace, a_run(), **changes, error=DragonError)
 
 
 def test_wrong_notes_are_refused():
-    for change in (
-        lambda values: [values],
-        lambda values: 3,
-        lambda values: values.pop("scenario") and None,
-        lambda values: values.pop("events") and None,
-        lambda values: values["events"][0].pop("time") and None,
-        *(
-            lambda values, change=change: values.update(change)
-            for change in (
-                {"format": "a film"},
-                {"outcome": "victory"},
-                {"outcome": ["clear"]},
-                {"events": 3},
-                {"events": [3]},
-                {"scenario": "hello"},
-                {"provenance": 3},
-                {"first_contact": False},
-                {"first_contact": {}},
-            )
-        ),
-        *(
-            lambda values, change=change: values["scenario"].update(change)
-            for change in ({"colour": "red"}, {"pitch": -1}, {"benches": 5})
-        ),
-        first_event(colour="red"),
-        first_event(phase="end"),
-        first_event(time=None),
-        first_event(time="noon"),
-        first_event(time=math.inf),
-        first_event(benches=[1]),
-        first_event(benches=[2, 0]),
-        first_event(benches=[0, 2.5]),
-        first_event(benches=[0, 4]),
-        first_event(points=3),
-        first_event(points=[[1, 2, 3]]),
-        first_event(impulse=[True, 1.0]),
-        contact(benches=[3, 4]),
-        contact(colour="red"),
-        contact(point=None),
-        contact(depth="deep"),
+    for part, changes in (
+        (lambda notes: notes, ({"format": "a film"}, {"outcome": "victory"}, {"outcome": ["clear"]})),
+        (lambda notes: notes, ({"events": 3}, {"events": [3]}, {"scenario": "hello"}, {"provenance": 3})),
+        (lambda notes: notes, ({"first_contact": False}, {"first_contact": {}})),
+        (lambda notes: notes["scenario"], ({"colour": "red"}, {"pitch": -1}, {"benches": 5})),
+        (lambda notes: notes["events"][0], ({"colour": "red"}, {"phase": "end"}, {"time": "noon"})),
+        (lambda notes: notes["events"][0], ({"time": math.inf}, {"benches": [1]}, {"benches": [2, 0]})),
+        (lambda notes: notes["events"][0], ({"benches": [0, 4]}, {"points": [[1, 2, 3]]}, {"impulse": [True, 1.0]})),
+        (lambda notes: notes["first_contact"], ({"benches": [3, 4]}, {"point": None}, {"depth": "deep"})),
     ):
+        for change in changes:
+            damaged = notes(lambda values, part=part, change=change: part(values).update(change))
+            refusal(load, damaged, error=FileFormatError)
+    for change in (lambda values: [values], lambda values: values.pop("scenario") and None):
         refusal(load, notes(change), error=FileFormatError)
 
 
@@ -440,21 +375,6 @@ def test_sizes_that_a_file_claims_are_checked_before_memory_is_taken():
         ("times", (10**9,)),
     ):
         assert_refused_without_memory(archive_of(**{name: header(shape)}), f"its {name}")
-
-
-@pytest.mark.thorough
-def test_bomb_of_frames_that_fit_the_scenario_is_refused():
-    out, zeros = io.BytesIO(), bytes(1_000_000)
-    shapes = {"times": (10_000_000,), "poses": (10_000_000, 4, 3), "drift": (10_000_000, 4)}
-    with zipfile.ZipFile(io.BytesIO(WHOLE)) as old, zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as new:
-        new.writestr("notes.npy", old.read("notes.npy"))
-        for name, shape in shapes.items():
-            with new.open(f"{name}.npy", "w") as file:
-                file.write(header(shape))
-                for _ in range(8 * math.prod(shape) // len(zeros)):
-                    file.write(zeros)
-    assert out.tell() < 2e6
-    assert_refused_without_memory(out.getvalue(), "no run does that")
 
 
 def test_files_that_are_none_are_refused_and_a_pipe_is_read(tmp_path):
@@ -558,12 +478,8 @@ def test_run_and_states_cannot_be_changed_and_leave_the_givers_arrays_alone():
         with pytest.raises(ValueError, match="read-only"):
             array[0] = 1
     for change in (
-        lambda it: it.update(player="else"),
         lambda it: it.__setitem__("player", "else"),
-        lambda it: it.__delitem__("player"),
         lambda it: it.pop("player"),
-        lambda it: it.clear(),
-        lambda it: it.setdefault("new", 1),
         lambda it: it.__ior__({"new": 1}),
         lambda it: it["settings"].update(text=""),
         lambda it: it["settings"]["list"].__setitem__(0, 9),
@@ -572,20 +488,6 @@ def test_run_and_states_cannot_be_changed_and_leave_the_givers_arrays_alone():
             change(run.provenance)
     assert run.poses.max() == 0
     assert json.dumps(run.provenance) == before
-
-
-def test_frames_that_fit_no_march_are_refused():
-    for changes in (
-        {"times": np.empty(0), "poses": np.empty((0, 4, 3)), "drift": np.empty((0, 4))},
-        {"times": np.array([1.0, 0.0])},
-        {"times": np.array([0.0, np.nan])},
-        {"poses": np.zeros((2, 3, 3))},
-        {"drift": np.zeros((2, 5))},
-        {"pose_velocities": np.zeros((2, 4, 2))},
-        {"outcome": "victory"},
-    ):
-        frames = {"times": np.arange(2.0), "poses": np.zeros((2, 4, 3)), "drift": np.zeros((2, 4))} | changes
-        refusal(Run, march=MARCH, **frames, error=DragonError)
 
 
 def test_drift_of_the_head_is_that_of_the_first_twelve_benches_without_what_is_unknown():
@@ -668,13 +570,6 @@ def test_frames_that_nearly_share_a_time_do_not_spoil_what_is_between_the_others
             assert np.all(np.isfinite(shared.poses_at([0, 0.5, 1])))
 
 
-def test_velocities_without_known_ones_are_those_of_the_march():
-    _, run = with_and_without_velocities(Run.exact(MARCH, np.arange(30) / 10))
-    times = np.linspace(0, 2.9, 57)
-    np.testing.assert_allclose(run.pose_velocities_at(times), MARCH.at(times).pose_velocities, atol=1e-3)
-    assert not replace(Run.exact(MARCH, [1.0]), pose_velocities=None).pose_velocities_at(1.0).any()
-
-
 def test_poses_turn_the_shorter_way_between_frames_and_stay_beyond_the_ends():
     turning = plain_run([0, 1], np.array([[[0, 0, 3.0]], [[0, 0, -3.0]]]))
     angles = turning.poses_at(0.5)[0, :, 2]
@@ -690,11 +585,10 @@ def test_poses_turn_the_shorter_way_between_frames_and_stay_beyond_the_ends():
 
 def test_text_and_values_of_a_run_leave_out_what_is_unknown(seed_march):
     run = a_run()
-    assert (str(run).count("\n"), run.to_dict()["first_contact"]["time"]) == (1, CONTACT.time)
+    assert run.to_dict()["first_contact"]["time"] == CONTACT.time
     timed = replace(run, provenance=ENGINE, wall_seconds=0.7, step_seconds=0.5)
     assert "5.0 times as fast as real time" in str(timed)
     assert timed.to_dict()["driver_overhead"] == pytest.approx(0.4)
-    assert str(timed).endswith(str(EVENTS))
     exact = Run.exact(MARCH, [0, 2])
     unknown = ("first_contact", "substep", "substeps", "iterations", "wall_seconds", "realtime_factor")
     assert all(exact.to_dict()[name] is None for name in unknown)
