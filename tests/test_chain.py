@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pymunk_dragon._arrays import as_vectors
 from pymunk_dragon.model import chain
-from pymunk_dragon.model.curves import Arc, Composite, Line, Sampled, Section, Spiral, UTurn
+from pymunk_dragon.model.curves import Arc, Composite, Line, Sampled, Spiral, UTurn
 
 SPACINGS = np.array([2.86, 1.65, 1.65, 1.2])
 # Curves with a coordinate of the head, m, at which all handles are on one piece.
@@ -68,25 +67,6 @@ def test_whole_chains_are_those_laid_out_bench_by_bench(curve, head):
     np.testing.assert_allclose(motion.handles_s, expected, rtol=0, atol=1e-11)
     for part, other in zip(motion, chain.chain_motion(curve, expected, spacings), strict=True):
         np.testing.assert_allclose(part, other, rtol=0, atol=1e-11)
-
-
-def test_parameters_grow_along_the_path_with_the_derivatives_that_motion_gives():
-    for curve, low, high in (
-        (UTurn(), -20.0, 30.0),
-        (Spiral(), -60.0, -2.0),
-        (Spiral(pitch=1.7, rotation=1.0, mirrored=True, outward=True), 2.0, 60.0),
-        (Section(Spiral(), -60.0, -3.0), -60.0, -3.0),
-        (Arc(radius=6, sweep=-5), 0.0, 30.0),
-    ):
-        s = np.linspace(low, high, 1001)[1:-1]
-        parameters, step = curve.parameter(s), 1e-5
-        assert (np.diff(parameters) > 0).all()
-        np.testing.assert_allclose(curve.coordinate(parameters), s, rtol=0, atol=1e-11)
-        points, derivatives = curve.motion(parameters)
-        np.testing.assert_allclose(as_vectors(points), curve.point(s), rtol=0, atol=1e-11)
-        differences = (curve.motion(parameters + step)[0] - curve.motion(parameters - step)[0]) / (2 * step)
-        # Also across the joints of pieces with parameters of different units.
-        np.testing.assert_allclose(derivatives, differences, rtol=0, atol=1e-4)
 
 
 def test_whole_chains_never_end_on_another_turn(monkeypatch):

@@ -80,7 +80,7 @@ def test_a_spiral_is_what_its_formula_says_to_1e_12(spiral):
         turn = mp.expj(mp.mpf(spiral.rotation))
         for theta in (0.0, 1e-6, 0.3, 1.0, 2.3, 2.4, 10.0, 16.63, 100.53, 700.0):
             u = mp.mpf(theta)
-            length = k / 2 * (u * mp.sqrt(u * u + 1) + mp.asinh(u))
+            length = mp.quad(lambda v: k * mp.sqrt(v * v + 1), mp.linspace(0, u, 60))
             # The double next to the true place is a place of its own.
             s = float(ahead * length)
             u = mp.findroot(lambda v, s=s: k / 2 * (v * mp.sqrt(v * v + 1) + mp.asinh(v)) - mp.mpf(ahead * s), u)
@@ -95,14 +95,6 @@ def test_a_spiral_is_what_its_formula_says_to_1e_12(spiral):
             assert abs(float(spiral.curvature(s)) - bend) < 1e-12 * abs(bend)
             assert abs(float(spiral.angle(s)) - u) < 1e-12
             assert spiral.max_curvature(s, 1.01 * s) == pytest.approx(abs(float(bend)), rel=1e-12)
-
-
-def test_arc_length_is_the_integral_of_the_speed():
-    with mp.workdps(30):
-        k = mp.mpf(PITCH) / (2 * mp.pi)
-        for theta in (0.3, 2.3, 16.63, 100.53):
-            length = mp.quad(lambda v: k * mp.sqrt(v * v + 1), mp.linspace(0, theta, 60))
-            assert abs(length + place(theta)) < 1e-14 * max(1, length)
 
 
 def test_nothing_lies_beyond_the_centre_and_the_way_out_is_the_way_in_travelled_back():

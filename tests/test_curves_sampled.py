@@ -120,15 +120,6 @@ def test_what_makes_no_path_is_refused():
         assert_says(refusal(Sampled, points), words)
 
 
-def test_points_are_kept_apart_from_the_ones_given():
-    points = np.array(WAVE)
-    path = Sampled(points)
-    points[:] = 0
-    assert path.points.tolist() == WAVE.tolist()
-    with pytest.raises(ValueError, match="read-only"):
-        path.points[0] = 1
-
-
 def test_points_are_read_from_a_file_with_and_without_heads(tmp_path):
     file = tmp_path / "path.csv"
     for head in ("", "x,y\n", '"x (m)","y (m)"\n', "\n\n", "\N{ZERO WIDTH NO-BREAK SPACE}x,y\n"):

@@ -15,7 +15,6 @@ import pytest
 from conftest import NO_NUMBERS, assert_says
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from marches import ARM, TRACTOR, U_TURN
 from refusals import refusal
 
 from pymunk_dragon.errors import ParameterError, UnreachableError
@@ -287,13 +286,3 @@ def test_impossible_questions_are_refused_by_name(seed_march):
 
 
 # What is worth looking at
-
-
-def test_span_is_the_part_of_the_curve_where_the_dragon_goes(seed_march):
-    tail, early = seed_march.handles_s([0.0, -50.0])[:, -1]
-    assert seed_march.span(0.0, 100.0) == pytest.approx((tail, 0.0))
-    assert seed_march.span(-50.0, -40.0) == pytest.approx((early, 0.0))
-    # All of a curve with two ends.
-    for march in (TRACTOR, ARM):
-        assert march.span(3.0, 5.0) == (march.curve.begin_s, march.curve.end_s)
-    assert U_TURN.span(-20.0, 30.0) == pytest.approx((U_TURN.handles_s(-20.0)[0, -1], 30.0))

@@ -162,17 +162,6 @@ def test_a_march_or_a_search_that_cannot_start_is_refused_by_name():
         assert_says(refusal(short.at, time, error=UnreachableError), words)
 
 
-def test_a_bench_that_does_not_fit_round_a_hairpin_is_pushed_back_out_of_it():
-    march = March(Dragon(benches=2, head_spacing=2.0, body_spacing=2.0), HAIRPIN, start_s=8.0)
-    # Both handles are on the straight lines, 1.2 m apart, and the bench keeps its direction.
-    heads = 10 + 0.6 * np.pi + np.array([0.0, 1.0, 2.0])
-    assert march.handles_s_or_nan(heads - 8.0)[:, 1] == pytest.approx([8.4, 7.4, 6.4], abs=1e-12)
-    # Until the last handle is pushed off the path.
-    error = refusal(march.at, np.linspace(0, march.end, 401), error=UnreachableError)
-    assert error.handle == 2
-    assert 8.0 + error.time == pytest.approx(heads[0] + 6.4, abs=0.1)
-
-
 # Speeds
 
 

@@ -10,8 +10,7 @@ from refusals import refusal
 from test_curve_kinds import LogarithmicSpiral
 
 from pymunk_dragon.collision import Grid, first_contact, scan
-from pymunk_dragon.drawing import Camera, render
-from pymunk_dragon.drawing.figures import figure
+from pymunk_dragon.drawing import render
 from pymunk_dragon.model.curves import Composite, Reversed, Section, Spiral
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
@@ -21,7 +20,6 @@ from pymunk_dragon.model.speed import speed_of
 from pymunk_dragon.physics import World, simulate
 from pymunk_dragon.player import player_page
 from pymunk_dragon.reports import report
-from pymunk_dragon.studies import study
 
 SMALL = Dragon(benches=4)
 
@@ -130,17 +128,3 @@ def test_what_is_no_march_is_refused(tmp_path, monkeypatch):
         for value in (None, SMALL, "march"):
             assert refusal(take, value).name in ("march", "run", "source")
     assert list(tmp_path.iterdir()) == []
-
-
-def test_what_is_no_known_word_is_refused():
-    run = Run.exact(March(SMALL), [0.0, 1.0])
-    for name, take in (
-        ("guide", lambda word: simulate(run.march, until=1.0, guide=word)),
-        ("contacts", lambda word: simulate(run.march, until=1.0, contacts=word)),
-        ("follow", lambda word: Camera(follow=word)),
-        ("show", lambda word: render(run, "film.gif", show=(word,))),
-        ("study", lambda word: study(word, {})),
-        ("figure", lambda word: figure(word)),
-    ):
-        for value in (np.array(["rails", "stop"]), np.array("rails!"), None, 3, ["rails"], b"rails"):
-            assert refusal(take, value).name == name

@@ -231,15 +231,9 @@ def test_what_cannot_be_written_down_is_refused_before_a_run_is_made(tmp_path):
     for refuse in (Scenario.of, check_saveable, lambda march: run.save(tmp_path / "run.npz")):
         assert refusal(refuse, run.march).name == "speed"
     assert list(tmp_path.iterdir()) == []
-    own = LogarithmicSpiral()
-    for curve, where, kind in (
-        (type("Wide", (Spiral,), {})(), "curve", "Wide"),
-        (own, "curve", "LogarithmicSpiral"),
-        (Reversed(Section(own, 1, 100)), "curve.curve.curve", "LogarithmicSpiral"),
-        (Composite([Section(own, 1, 100)]), "curve.pieces[0].curve", "LogarithmicSpiral"),
-    ):
-        error = refusal(check_saveable, March(Dragon(benches=3), curve, start_s=max(curve.begin_s, -450) + 50))
-        assert (error.name, error.value) == (where, kind)
+    march = March(Dragon(benches=3), Composite([Section(LogarithmicSpiral(), 1, 100)]), start_s=50)
+    error = refusal(check_saveable, march)
+    assert (error.name, error.value) == ("curve.pieces[0].curve", "LogarithmicSpiral")
 
 
 def test_registered_curve_of_a_users_own_is_saved_and_read(tmp_path, monkeypatch):
