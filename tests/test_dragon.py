@@ -94,26 +94,6 @@ def test_dragons_of_the_same_sizes_are_equal_whatever_kind_of_numbers_they_are_g
         assert [type(getattr(dragon, name)) for name in ("benches", *LENGTHS)] == [int] + [float] * 4
 
 
-@given(st.lists(st.floats(0.01, 1.0), min_size=3, max_size=6), st.integers(0, 5))
-def test_dragon_is_refused_just_where_benches_that_share_no_hole_would_meet_on_a_line(overhangs, shortest):
-    benches, shortest = len(overhangs), shortest % len(overhangs)
-    spacings = [5.0] * benches
-    spacings[shortest] = 1.0
-    ends = np.concatenate([[0.0], -np.cumsum(spacings)])
-    front, rear = ends[:-1] + overhangs, ends[1:] - overhangs
-    apart = all(rear[i] > front[i + 2] for i in range(benches - 2))
-    # At the ends a bench has one neighbour only, and counts as its own second one.
-    if shortest in (0, benches - 1):
-        beside = overhangs[1] if shortest == 0 else overhangs[-2]
-        apart = overhangs[shortest] + beside < 1.0
-    try:
-        Dragon(head_spacing=spacings[0], body_spacing=spacings[1:], overhang=overhangs)
-    except ParameterError:
-        assert not apart
-    else:
-        assert apart
-
-
 @given(st.lists(st.tuples(coordinates, coordinates, st.floats(-10, 10)), min_size=4, max_size=4))
 def test_holes_are_a_spacing_apart_and_give_their_poses_back(poses):
     dragon = Dragon(benches=4)

@@ -87,25 +87,6 @@ def test_handle_is_pushed_back_and_motion_ends_for_good_where_the_closed_form_ha
     assert not np.isnan(HOOK.chain([HOOK.end_s], [3.0])).any()
 
 
-@pytest.mark.thorough
-def test_a_bench_behind_that_was_led_past_its_fold_does_not_come_back():
-    """A short head bench that jackknifes draws handle 1 back again from where bench 1 had to fold."""
-    path = Composite(
-        [
-            *HOOK.pieces[:-1],
-            Line(start=(-2.5, 2.5), stop=(-2.5, 3.35)),
-            Arc(centre=(-2.2, 3.35), radius=0.3, begin_angle=np.pi, sweep=-np.pi),
-            Line(start=(-1.9, 3.35), stop=(-1.9, 2.95)),
-        ]
-    )
-    dragon = Dragon(benches=3, head_spacing=0.7, body_spacing=[3.0, 0.5], overhang=0.05, width=0.1)
-    march = March(dragon, path, start_s=5.0)
-    ours, end = followed(march, np.linspace(march.head_start, path.end_s, 100)[1:])
-    assert end < path.end_s - 0.1
-    # The head bench alone moves on.
-    assert np.nanmax(ours[:, 1]) > RISE + 0.5 > ours[-1, 1]
-
-
 def test_a_handle_pushed_past_the_begin_of_the_curve_and_drawn_on_again_is_lost():
     # It begins 5.4 m further on.
     path = Composite([Line(start=(-4.6, 0), stop=(0, 0)), *HOOK.pieces[1:]])
@@ -147,6 +128,7 @@ def test_states_depend_neither_on_the_order_of_questions_nor_on_marches_that_sha
         assert np.array_equal(march.continuation.ranges(first, second), alone.continuation.ranges(first, second))
 
 
+@pytest.mark.thorough
 def test_a_spiral_and_the_same_by_the_code_for_any_curve_are_followed_alike_close_to_the_centre():
     """Where a rear handle vanishes near the centre and another one exists further in, motion has ended."""
     spiral = Spiral(pitch=1.0)

@@ -9,7 +9,7 @@ import shapely
 from conftest import assert_says
 from exact_curves import DIGITS, u_turn, walked_chain
 from refusals import refusal
-from test_curve_kinds import LogarithmicSpiral, logarithmic
+from test_curve_kinds import LogarithmicSpiral
 
 from pymunk_dragon.collision import first_contact
 from pymunk_dragon.errors import UnreachableError
@@ -78,15 +78,6 @@ def test_handles_in_the_u_turn_are_where_many_digits_have_them(time):
         before, after = (walked_chain(truth, mp.mpf(time) + sign * tiny, TURN.dragon.spacings[:9]) for sign in (-1, 1))
         for one, other, speed in zip(before, after, states.speeds[0].tolist(), strict=True):
             assert abs((other - one) / (2 * tiny) - mp.mpf(speed)) < 1e-9
-
-
-def test_handles_on_a_users_own_curve_are_where_many_digits_have_them():
-    march = March(SMALL, LogarithmicSpiral(), start_s=30.0)
-    with mp.workdps(DIGITS):
-        places = walked_chain(logarithmic, 30.0, SMALL.spacings)
-        for place, (x, y) in zip(places, march.at(0.0).positions[0].tolist(), strict=True):
-            u, v = logarithmic(place)[:2]
-            assert mp.hypot(u - x, v - y) < 1e-10
 
 
 def test_the_next_handle_is_the_nearest_along_the_path_that_a_scan_sees():
@@ -223,20 +214,6 @@ def test_first_contact_on_any_curve_is_where_shapely_first_sees_an_overlap(march
     # Nothing just before, and these two just after.
     assert first_overlap(march, np.linspace(max(0, hit.time - 0.2), hit.time - 1e-9, 101)) is None
     assert hit.benches in first_overlap(march, [hit.time + 1e-9])[1]
-
-
-def test_a_bench_that_is_wider_than_those_before_it_is_watched_to_the_end():
-    """The head and bench 1 pass where the last bench, which is ten times as wide, does not."""
-    path = hairpin(20, 0.8)
-    sizes = {"benches": 13, "head_spacing": 0.9, "body_spacing": 0.8, "overhang": 0.1}
-    plain, wide = March(Dragon(**sizes, width=0.3), path), March(Dragon(**sizes, width=[0.3] * 12 + [3.2]), path)
-    assert first_contact(plain).status == "clear"
-    hit = first_contact(wide)
-    assert hit.status == "contact"
-    assert hit.benches[1] == 12
-    time, pairs = first_overlap(wide, np.linspace(0, hit.time + 1e-6, 401))
-    assert time == pytest.approx(hit.time, abs=hit.time / 399)
-    assert hit.benches in pairs
 
 
 @pytest.mark.parametrize(
