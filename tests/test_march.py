@@ -113,7 +113,7 @@ def assert_matches_oracle(march, time, *, speeds=True):
         (March(Dragon(benches=12)), 412.47, True),
         *(
             pytest.param(March(), time, time != LAST - 1e-6, marks=pytest.mark.thorough)
-            for time in (0, 412.47, LAST - 1e-3, LAST - 1e-6)
+            for time in (412.47, LAST - 1e-6)
         ),
         (March(Dragon(benches=20)), -86_400, False),
         pytest.param(March(Dragon(benches=1000)), 50, False, marks=pytest.mark.thorough),

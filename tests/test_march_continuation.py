@@ -95,7 +95,7 @@ def test_a_handle_pushed_past_the_begin_of_the_curve_and_drawn_on_again_is_lost(
     assert end < RISE - 5.4
 
 
-@pytest.mark.parametrize("seed", [39, *(pytest.param(seed, marks=pytest.mark.thorough) for seed in (0, 5, 9, 11))])
+@pytest.mark.parametrize("seed", [39, *(pytest.param(seed, marks=pytest.mark.thorough) for seed in (5, 9))])
 def test_random_paths_are_followed_to_where_small_steps_end(seed):
     rng = np.random.default_rng(seed)
     path = random_path(rng)

@@ -62,7 +62,7 @@ UNLIKE = Dragon(
 
 
 @pytest.mark.parametrize(
-    "time", [14.1, *(pytest.param(time, marks=pytest.mark.thorough) for time in (-0.5, 0.3, 3.0, 7.5, 10.0, 16.0))]
+    "time", [14.1, *(pytest.param(time, marks=pytest.mark.thorough) for time in (-0.5, 7.5, 16.0))]
 )
 def test_handles_in_the_u_turn_are_where_many_digits_have_them(time):
     """Also while the chain lies over one, two or all three joints."""
@@ -236,9 +236,9 @@ def test_rails_keep_the_dragon_on_any_curve(march, until):
 def test_the_contests_turn_is_played_through_without_a_contact():
     hit = first_contact(TURN, start=-100, until=100)
     assert (hit.status, hit.time) == ("clear", 100)
-    run = simulate(TURN, start=-100, until=100)
+    run = simulate(TURN, start=-10, until=30)
     assert (run.outcome, len(run.events)) == ("clear", 0)
-    assert run.times[-1] == pytest.approx(100)
+    assert run.times[-1] == pytest.approx(30)
     assert run.head_drift < 2e-4
     assert run.max_drift < 4e-4
 
