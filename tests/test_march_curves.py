@@ -82,10 +82,10 @@ def test_handles_in_the_u_turn_are_where_many_digits_have_them(time):
 
 def test_the_next_handle_is_the_nearest_along_the_path_that_a_scan_sees():
     cases = [(HAIRPIN, s, 1.5) for s in (9.0, 10.0, 11.0, 11.7, 12.0, 13.0, 14.5)]
-    cases += [(DRAWN, s, 1.1) for s in np.linspace(12, DRAWN.end_s, 12)]
+    cases += [(DRAWN, s, 1.1) for s in np.linspace(12, DRAWN.end_s, 8)]
     for curve, s, spacing in cases:
         place = curve.chain([s], [spacing])[0, 1]
-        ways = np.linspace(0, min(s, 9), 40_001)
+        ways = np.linspace(0, 5, 60_001)
         away = np.linalg.norm(curve.point(s - ways) - curve.point(s), axis=-1)
         falls = np.flatnonzero(np.diff(away) < 0)
         reached = np.flatnonzero(away >= spacing)
@@ -93,7 +93,7 @@ def test_the_next_handle_is_the_nearest_along_the_path_that_a_scan_sees():
             # The bench would have to jump from one leg of the hairpin to the other.
             assert np.isnan(place)
         else:
-            assert s - place == pytest.approx(ways[reached[0]], abs=3e-4)
+            assert s - place == pytest.approx(ways[reached[0]], abs=1e-4)
             assert np.linalg.norm(curve.point(place) - curve.point(s)) == pytest.approx(spacing, abs=1e-12)
 
 
