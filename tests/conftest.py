@@ -70,7 +70,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 @pytest.fixture
 def golden(request: pytest.FixtureRequest) -> Callable[..., None]:
-    """A function that compares a picture with tests/data/<name>.png, as in `golden(image, "debug_draw/pendulum")`.
+    """A function that compares a picture with tests/data/<name>.png, as in `golden(image, "debug_draw/cradle")`.
 
     A full path does as well as a name. `share` is the share of pixels that may differ.
     """
