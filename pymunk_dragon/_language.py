@@ -1,7 +1,8 @@
 """The language of pictures, pages and printed output: English, and translations in files `zh.toml` of the packages.
 
 A text stands in the code in English, as `text("time (s)")`. A package's `zh.toml` has a table `texts` from English to
-Chinese. Text without a translation stays English.
+Chinese. A text without a translation is shown in English; `make lint` lists it. Code, the programs of lessons, errors
+and help are English.
 """
 
 from __future__ import annotations
@@ -14,12 +15,8 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from pymunk_dragon._extras import missing_extra
-from pymunk_dragon.errors import MissingExtraError
 
 LANGUAGES = ("en", "zh")
-# Packages with a `zh.toml`.
-PACKAGES = ("cli", "drawing", "player", "reports", "sessions", "studies", "sweeps")
-
 _language: ContextVar[str] = ContextVar("language", default="en")
 
 
@@ -64,13 +61,10 @@ def text(english: str) -> str:
 def texts(name: str) -> Mapping[str, str]:
     """All translations into a language."""
     import tomllib
-    from importlib.resources import files
 
     found: dict[str, str] = {}
-    for package in PACKAGES:
-        file = files("pymunk_dragon").joinpath(package, f"{name}.toml")
-        if file.is_file():
-            found |= tomllib.loads(file.read_text(encoding="utf-8"))["texts"]
+    for file in Path(__file__).parent.glob(f"*/{name}.toml"):
+        found |= tomllib.loads(file.read_text(encoding="utf-8"))["texts"]
     return found
 
 
@@ -89,13 +83,3 @@ def font() -> Path | None:
     if found is None or found.origin is None:
         raise missing_extra("zhplot")
     return Path(found.origin).with_name("fonts") / "NotoSansSC-Regular.ttf"
-
-
-def has_font(name: str) -> bool:
-    """Whether a font with the characters of a language is installed."""
-    with in_language(name):
-        try:
-            font()
-        except MissingExtraError:
-            return False
-        return True

@@ -3,8 +3,8 @@
 Every command but `report`, which reads a run, and `demo` takes the same dragon and curve, as flags or as a file
 (`pymunk_dragon.model.scenario`). Lists are `0,60,120` or `0:300:1`, with both ends. `-o FILE` writes a file, whose
 ending chooses the format. `--json` prints one JSON object on stdout and nothing else there; progress and messages go
-to stderr. `--lang zh`, or `PYMUNK_DRAGON_LANG=zh` in the environment, chooses Chinese for results, messages, help and
-errors.
+to stderr. `--lang zh`, or `PYMUNK_DRAGON_LANG=zh` in the environment, chooses Chinese for results, pictures, pages and
+lessons; help and errors are English.
 
 | exit code | meaning |
 | --- | --- |
@@ -45,9 +45,7 @@ import click
 from pymunk_dragon import __version__
 from pymunk_dragon._language import in_language
 from pymunk_dragon.cli.command import language_of, language_option, write_examples
-from pymunk_dragon.cli.help import Context
 from pymunk_dragon.cli.hints import option_hint
-from pymunk_dragon.cli.messages import message
 from pymunk_dragon.cli.options import PROGRAM
 from pymunk_dragon.errors import (
     DragonError,
@@ -142,15 +140,10 @@ def _drop_output() -> None:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
-def _complain(english: str, code: int) -> int:
-    """Print an error message in one line, in English if stderr cannot encode it otherwise, and return the exit code."""
-    line = one_line(english)
-    with suppress(UnicodeEncodeError):
-        translated = message(line)
-        translated.encode(sys.stderr.encoding or "utf-8")
-        line = translated
+def _complain(message: str, code: int) -> int:
+    """Print an error message in one line, and return the exit code."""
     with suppress(OSError):
-        click.echo(f"{PROGRAM}: {line}", err=True)
+        click.echo(f"{PROGRAM}: {one_line(message)}", err=True)
     return code
 
 
@@ -179,16 +172,9 @@ class _Commands(Mapping[str, click.Command]):
 class _Group(click.Group):
     """The program: a name that no command has gets the most similar one as a hint."""
 
-    context_class = Context
-
     def list_commands(self, ctx: click.Context) -> list[str]:
         """The names of the commands in the order in which one uses them."""
         return list(COMMANDS)
-
-    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """Write the commands, each with the first paragraph of its help."""
-        with formatter.section("Commands"):
-            formatter.write_dl([(name, str(_command(name).help).partition("\n\n")[0]) for name in COMMANDS])
 
     def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the examples."""

@@ -11,7 +11,6 @@ import click
 
 from pymunk_dragon._language import LANGUAGES
 from pymunk_dragon.cli.completion import words
-from pymunk_dragon.cli.help import Context
 from pymunk_dragon.cli.options import PROGRAM, SCENARIO_HEADINGS, named_by_flag, with_hint
 from pymunk_dragon.errors import FileFormatError, ParameterError
 
@@ -24,8 +23,6 @@ class DragonCommand(click.Command):
 
     Its help has its own options first, those of a scenario under headings, and `examples`: arguments of the command.
     """
-
-    context_class = Context
 
     def __init__(self, *arguments: Any, examples: tuple[str, ...], **settings: Any) -> None:
         super().__init__(*arguments, **settings)
@@ -69,7 +66,7 @@ def write_examples(formatter: click.HelpFormatter, examples: Iterable[str]) -> N
 
 
 def language_option() -> click.Option:
-    """The option --lang, whose value `language_of` finds before Click does, for the help and for errors."""
+    """The option --lang, whose value `language_of` finds before Click does."""
     return click.Option(
         ["--lang", "language"],
         default="en",
@@ -77,7 +74,7 @@ def language_option() -> click.Option:
         expose_value=False,
         callback=_check_language,
         metavar="LANG",
-        help=f"Language of texts: en or zh.  [{LANGUAGE_VARIABLE} of the environment, or en]",
+        help=f"Language of results: en or zh.  [{LANGUAGE_VARIABLE} of the environment, or en]",
         shell_complete=words(*LANGUAGES),
     )
 

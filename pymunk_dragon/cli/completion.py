@@ -8,8 +8,6 @@ from pathlib import Path
 import click
 from click.shell_completion import CompletionItem
 
-from pymunk_dragon._language import text
-
 Complete = Callable[[click.Context, click.Parameter, str], list[CompletionItem]]
 
 
@@ -23,7 +21,7 @@ def named(load: Callable[[], Mapping[str, str]]) -> Complete:
 
     def complete(context: click.Context, parameter: click.Parameter, incomplete: str) -> list[CompletionItem]:
         found = load().items()
-        return [CompletionItem(name, help=text(shows) or None) for name, shows in found if name.startswith(incomplete)]
+        return [CompletionItem(name, help=shows or None) for name, shows in found if name.startswith(incomplete)]
 
     return complete
 

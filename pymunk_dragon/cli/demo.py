@@ -23,8 +23,8 @@ def _lessons() -> dict[str, str]:
     """Names of the lessons, with their titles, and the words that stand for several."""
     from pymunk_dragon.lessons import LESSONS
 
-    titles = {lesson.name: lesson.in_language(language()).title for lesson in LESSONS.values()}
-    return titles | {ALL: text("all lessons"), LIST: text("their names and titles")}
+    titles = {lesson.name: lesson.title for lesson in LESSONS.values()}
+    return titles | {ALL: "all lessons", LIST: "their names and titles"}
 
 
 @click.command(cls=DragonCommand, examples=("", "spiral", "3 --lang zh", "all -o lessons.html"))
@@ -66,7 +66,7 @@ def demo(name: str | None, save: str | None, pause: bool, as_json: bool, output:
         if name == ALL:
             raise click.UsageError("--json is for one lesson: give its name")
         lesson = LESSONS[name].in_language(lang)
-        recording = record(lesson, save)
+        recording = record(LESSONS[name], save)
         said = {part: lesson.text(part) for part in PARTS}
         guesses = [asdict(guess) for guess in lesson.guesses]
         result = {"lesson": name, "said": said, "guesses": guesses, "printed": recording.printed}
@@ -77,7 +77,7 @@ def demo(name: str | None, save: str | None, pause: bool, as_json: bool, output:
                 library(needed)
         check_output(lang)
         for each in lessons:
-            play(each.in_language(lang), Terminal(save, pause))
+            play(each, Terminal(save, pause, lang))
 
 
 def _lesson_of(name: str | None, known: list[str]) -> str | None:

@@ -10,7 +10,6 @@ import click
 from pymunk_dragon._language import text
 from pymunk_dragon.cli.command import DragonCommand
 from pymunk_dragon.cli.completion import files, named
-from pymunk_dragon.cli.messages import message
 from pymunk_dragon.cli.options import (
     chosen,
     destination_of,
@@ -112,7 +111,7 @@ def _write_all(folder: Path, source: Source | None, run_file: str | None, as_jso
     for destination in written:
         wrote(destination)
     for name, reason in left_out.items():
-        click.echo(text("left out {name}: {reason}").format(name=name, reason=message(reason)), err=True)
+        click.echo(text("left out {name}: {reason}").format(name=name, reason=reason), err=True)
     if as_json:
         files = [{"output": str(path), "bytes": path.stat().st_size} for path in written]
         print_json({"outputs": files, "left_out": left_out})

@@ -11,7 +11,6 @@ import click
 
 from pymunk_dragon.cli.completion import files
 from pymunk_dragon.cli.hints import unit_hint
-from pymunk_dragon.cli.messages import message
 from pymunk_dragon.cli.output import note
 from pymunk_dragon.errors import FileFormatError, ParameterError
 
@@ -160,7 +159,7 @@ def march_of(scenario_file: str | None) -> March:
 def note_units() -> None:
     """Note lengths that are probably not in m. This is no error: a dragon of that size may be meant."""
     if hint := unit_hint(chosen()):
-        note(message(f"note: {hint}"))
+        note(f"note: {hint}")
 
 
 def run_of(run_file: str, scenario_file: str | None) -> Run:

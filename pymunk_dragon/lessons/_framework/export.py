@@ -6,7 +6,6 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from pymunk_dragon._files import check_destination, written_in_place
-from pymunk_dragon._language import LANGUAGES, has_font
 from pymunk_dragon.lessons._framework.lesson_file import LessonFile
 from pymunk_dragon.lessons._framework.notebook import make_notebook
 from pymunk_dragon.lessons._framework.page import check_libraries, make_page
@@ -37,7 +36,7 @@ def write_lessons(
     path : path
         File to write, ending in .html, .ipynb or .py. An interrupted call leaves the old file or none.
     language : str
-        One of `LANGUAGES`: that of a notebook or a program, or in which a page opens.
+        One of `LANGUAGES`: that of the texts of a notebook, or in which a page opens. A program is English.
     progress : callable, optional
         Called with the number of lessons that were run, and of all, after each one.
 
@@ -61,16 +60,14 @@ def write_lessons(
     destination = check_destination(path, endings(lessons))
     ending = destination.suffix.lower()
     if ending == PROGRAM:
-        text = lessons[0].in_language(language).source
+        text = lessons[0].source
     elif ending == NOTEBOOK:
         text = make_notebook(lessons[0].in_language(language))
     else:
         check_libraries()
         recordings = []
-        # In each language whose font is installed.
-        languages = list(filter(has_font, LANGUAGES))
         for done, lesson in enumerate(lessons, start=1):
-            recordings.append([record(lesson.in_language(each)) for each in languages])
+            recordings.append(record(lesson))
             if progress is not None:
                 progress(done, len(lessons))
         text = make_page(recordings, language)

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 from pymunk_dragon._extras import optional_imports
 from pymunk_dragon._files import written_in_place
-from pymunk_dragon._language import in_language
 from pymunk_dragon.drawing.lettering import pillow_font
 from pymunk_dragon.lessons._framework.guess import Guess
 from pymunk_dragon.lessons._framework.notebook import NotebookOutput
@@ -36,8 +35,6 @@ class Lesson:
         Name of the lesson on the command line and in the files of translations.
     title : str
         Title.
-    language : str, optional
-        One of `LANGUAGES`, that of the texts; "en" in a file of the package.
     order : float, optional
         The lessons of the package are listed by increasing order; steps of ten leave room for more. It has no effect
         while the lesson runs.
@@ -87,18 +84,14 @@ class Lesson:
       Make it four times as long.
     """
 
-    def __init__(
-        self, name: str, title: str, *, language: str = "en", order: float | None = None, live: str | None = None
-    ) -> None:
+    def __init__(self, name: str, title: str, *, order: float | None = None, live: str | None = None) -> None:
         self.name = name
         self.order = order
         self.live = live
-        self._style, self._language = ExitStack(), ExitStack()
-        played = current_output.get()
-        if played is None:
-            # Until the program ends; `play` does so for the others.
-            self._language.enter_context(in_language(language))
-        self._output = played or (NotebookOutput() if "ipykernel" in sys.modules else Terminal.of_program())
+        self._style = ExitStack()
+        self._output = current_output.get() or (
+            NotebookOutput() if "ipykernel" in sys.modules else Terminal.of_program()
+        )
         self._guesses: tuple[Guess, ...] = ()
         self._output.say(name, "title", title)
 
@@ -139,13 +132,7 @@ class Lesson:
         return self._output.folder() / f"{self.name}{ending}"
 
     def font(self, size: float) -> Any:
-        """A font of Pillow, `size` pixels high, with the characters of the lesson's language.
-
-        Raises
-        ------
-        MissingExtraError
-            If the language needs one that is not installed.
-        """
+        """A font of Pillow, `size` pixels high."""
         return pillow_font(size)
 
     def subplots(

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import ast
-import json
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cache
@@ -13,7 +11,7 @@ from pathlib import Path
 from types import MappingProxyType
 
 from pymunk_dragon.lessons._framework.guess import Guess
-from pymunk_dragon.lessons._framework.translations import check_language, translations
+from pymunk_dragon.lessons._framework.translations import check_language, translated_guesses, translations
 
 FOLDER = Path(__file__).parent.parent
 # Methods of `Lesson` whose first argument is a text that ends a block of code.
@@ -105,21 +103,8 @@ class LessonFile:
 
     @property
     def source(self) -> str:
-        """The whole program; in English the file."""
-        if self.language == "en":
-            return self.path.read_text(encoding="utf-8")
-        parts = [text if kind == CODE else self._call(kind, text) for kind, text in self.blocks]
-        return "\n\n".join([f'"""{self.title}"""', *parts]) + "\n"
-
-    def _call(self, part: str, text: str) -> str:
-        """The call of a method of `Lesson` with a text."""
-        tuples: list[tuple[str, ...]] = []
-        if part == "predict":
-            tuples = [(guess.question, *guess.choices) for guess in self.guesses]
-        elif part == "answer":
-            tuples = [(guess.choices[guess.right], guess.measured) for guess in self.guesses]
-        more = [f"({', '.join(map(_literal, texts))})" for texts in tuples]
-        return "\n".join([f"lesson.{part}(", *(f"    {each}," for each in (_literal(text), *more)), ")"])
+        """The whole program, which is English in all languages."""
+        return self.path.read_text(encoding="utf-8")
 
     @property
     def code(self) -> str:
@@ -132,51 +117,25 @@ class LessonFile:
         return [library for word, library in NEEDED.items() if word in self.code]
 
     def text(self, part: str) -> str:
-        """One of `PARTS`."""
-        return {"title": self.title, **dict(self.blocks)}[part]
+        """One of `PARTS`; empty if the lesson has none."""
+        return {"title": self.title, **dict(self.blocks)}.get(part, "")
 
     def in_language(self, language: str) -> LessonFile:
-        """The lesson in another language, if it is in English; what has no translation stays English.
+        """The lesson with its texts in another language; what has no translation stays English, as the program does.
 
         Raises
         ------
         ParameterError
             If the language is unknown.
         """
-        if check_language(language) == self.language:
-            return self
-        found = translations(self.name, language)
-        title = found.get("title", self.title)
-        fragments = dict(found.get("program", ()))
-        fragments[_literal(self.title)] = f"{_literal(title)}, language={_literal(language)}"
+        found = translations(self.name, check_language(language))
         return replace(
             self,
             language=language,
-            title=title,
-            blocks=tuple(
-                (kind, _replaced(text, fragments) if kind == CODE else found.get(kind, text))
-                for kind, text in self.blocks
-            ),
-            guesses=tuple(
-                replace(guess, question=question, choices=tuple(choices), measured=measured)
-                for guess, (question, *choices), measured in zip(
-                    self.guesses, found["guesses"], found["measured"], strict=True
-                )
-            )
-            if "guesses" in found
-            else self.guesses,
+            title=found.get("title", self.title),
+            blocks=tuple((kind, text if kind == CODE else found.get(kind, text)) for kind, text in self.blocks),
+            guesses=translated_guesses(self.name, self.guesses, language),
         )
-
-
-def _literal(text: str) -> str:
-    """`text` as Python source."""
-    return json.dumps(text, ensure_ascii=False)
-
-
-def _replaced(code: str, fragments: Mapping[str, str]) -> str:
-    """`code` with fragments replaced, each of which may contain others."""
-    longest_first = sorted(fragments, key=len, reverse=True)
-    return re.sub("|".join(map(re.escape, longest_first)), lambda found: fragments[found[0]], code)
 
 
 def _one_line(text: str) -> str:

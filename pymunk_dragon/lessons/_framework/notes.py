@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
+from typing import Any
 
 
 @dataclass(frozen=True)
@@ -52,16 +53,20 @@ class Notes:
 
 @cache
 def notes(language: str) -> Notes:
-    """The notes in a language.
+    """The notes in a language; what has no translation is in English.
 
     Examples
     --------
     >>> notes("en").lessons["spiral"].minutes
     30
     """
-    read = tomllib.loads(files(__package__).joinpath(f"notes.{language}.toml").read_text(encoding="utf-8"))
+    english, found = _read("en"), _read(language)
     return Notes(
-        {name: TeachersNotes(**values) for name, values in read["lessons"].items()},
-        {key: (term, meaning) for key, (term, meaning) in read["glossary"].items()},
-        read["references"],
+        {name: TeachersNotes(**values | found["lessons"].get(name, {})) for name, values in english["lessons"].items()},
+        {key: (term, meaning) for key, (term, meaning) in (english["glossary"] | found["glossary"]).items()},
+        english["references"] | found["references"],
     )
+
+
+def _read(language: str) -> Mapping[str, Any]:
+    return tomllib.loads(files(__package__).joinpath(f"notes.{language}.toml").read_text(encoding="utf-8"))

@@ -12,12 +12,11 @@ from typing import Any
 
 from pymunk_dragon._extras import library, optional_imports
 from pymunk_dragon._html import asset, data_address, filled, policy
-from pymunk_dragon._language import has_font, in_language
+from pymunk_dragon._language import in_language
 from pymunk_dragon._text import closing, unbroken
 from pymunk_dragon.drawing import Film, write_film
 from pymunk_dragon.drawing.film.stills import last_frame, picture_size
 from pymunk_dragon.lessons._framework.guess import Guess
-from pymunk_dragon.lessons._framework.lesson_file import LessonFile
 from pymunk_dragon.lessons._framework.markup import in_mathml, pieces
 from pymunk_dragon.lessons._framework.notebook import make_notebook
 from pymunk_dragon.lessons._framework.notes import notes
@@ -32,8 +31,8 @@ PAGE_WORDS = (
     *("print_class", "print_teacher", "print_class_all", "print_teacher_all"),
 )
 # Film at the top of the page: the last 52 s before the first contact. Its step of 0.6 m a frame is short against a
-# bench, and its file has some 1.1 MB.
-FILM = Film(start=360, until=412.474, speedup=12, fps=20, size=330, hold=2.5)
+# bench, and its file has some 1.1 MB. No legend: the film has no words in any language.
+FILM = Film(start=360, until=412.474, speedup=12, fps=20, size=330, hold=2.5, legend=False)
 
 
 def check_libraries() -> None:
@@ -43,13 +42,13 @@ def check_libraries() -> None:
         library(name)
 
 
-def make_page(recordings: Sequence[Sequence[Recording]], language: str = "en") -> str:
-    """Lessons that were run as the text of one HTML page in all languages.
+def make_page(recordings: Sequence[Recording], language: str = "en") -> str:
+    """Lessons that were run as the text of one HTML page, with their texts in all languages.
 
     Parameters
     ----------
-    recordings : sequence of sequences of Recording
-        For each lesson its printed lines and picture, first in English, and then in other languages.
+    recordings : sequence of Recording
+        For each lesson its printed lines and picture.
     language : str
         The language in which the page opens.
 
@@ -66,7 +65,7 @@ def make_page(recordings: Sequence[Sequence[Recording]], language: str = "en") -
     Examples
     --------
     >>> from pymunk_dragon.lessons import LESSONS, record
-    >>> text = make_page([[record(LESSONS["spiral"])]], "zh")
+    >>> text = make_page([record(LESSONS["spiral"])], "zh")
     """
     style, script = asset(__package__, "assets/lessons.css"), asset(__package__, "assets/lessons.js")
     return filled(
@@ -77,7 +76,7 @@ def make_page(recordings: Sequence[Sequence[Recording]], language: str = "en") -
         options={each: option(each) for each in LANGUAGES},
         words={name: {each: heading(name, each) for each in LANGUAGES} for name in (*PAGE_WORDS, *PARTS[1:])},
         lessons=[_values(recording) for recording in recordings],
-        films={each: _film(_dragon(each), ".gif") for each in LANGUAGES if has_font(each)},
+        film=_film(_dragon(), ".gif"),
         glossary=[
             [{each: _pieces(notes(each).glossary[key][part]) for each in LANGUAGES} for part in range(2)]
             for key in notes("en").glossary
@@ -91,11 +90,11 @@ def make_page(recordings: Sequence[Sequence[Recording]], language: str = "en") -
     )
 
 
-def _values(recordings: Sequence[Recording]) -> dict[str, Any]:
+def _values(recording: Recording) -> dict[str, Any]:
     """Values of a lesson in the template."""
-    english = recordings[0].lesson
+    english = recording.lesson
     lessons = {each: english.in_language(each) for each in LANGUAGES}
-    run = {recording.lesson.language: recording for recording in recordings}
+    program = english.source.encode()
     return {
         "name": english.name,
         "live": english.live,
@@ -105,17 +104,12 @@ def _values(recordings: Sequence[Recording]) -> dict[str, Any]:
             for versions in zip(*(lesson.guesses for lesson in lessons.values()), strict=True)
         ],
         "teacher": _teachers_notes(english.name),
-        "printed": {each: recording.printed.strip("\n") for each, recording in run.items()},
-        "films": {each: _film(recording.picture, recording.file.suffix) for each, recording in run.items()},
-        "code": {each: _highlighted(recording.lesson.code) for each, recording in run.items()},
-        "files": {each: _files(lesson) for each, lesson in lessons.items()},
+        "printed": recording.printed.strip("\n"),
+        "film": _film(recording.picture, recording.file.suffix),
+        "code": _highlighted(english.code),
+        "program": {"name": english.path.name, "address": _address(program, ".py")},
+        "notebooks": {each: _address(make_notebook(lesson).encode(), ".ipynb") for each, lesson in lessons.items()},
     }
-
-
-def _files(lesson: LessonFile) -> dict[str, str]:
-    """Names and addresses of the files of a lesson: its program, and its notebook."""
-    program, notebook = lesson.source.encode(), make_notebook(lesson).encode()
-    return {lesson.path.name: _address(program, ".py"), f"{lesson.name}.ipynb": _address(notebook, ".ipynb")}
 
 
 def _guess(versions: Mapping[str, Guess]) -> dict[str, Any]:
@@ -162,9 +156,9 @@ def _film(picture: bytes, ending: str) -> dict[str, Any]:
 
 
 @cache
-def _dragon(language: str) -> bytes:
+def _dragon() -> bytes:
     """The film at the top of the page: the march of the reference scenario into its first contact."""
-    with tempfile.TemporaryDirectory(prefix="pymunk-dragon-") as folder, in_language(language):
+    with tempfile.TemporaryDirectory(prefix="pymunk-dragon-") as folder, in_language("en"):
         file = Path(folder) / "march.gif"
         write_film(March(), file, FILM)
         return file.read_bytes()

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from pymunk_dragon._extras import optional_imports
-from pymunk_dragon._language import font, in_language
+from pymunk_dragon._language import in_language
 from pymunk_dragon.errors import DragonError, ParameterError
 from pymunk_dragon.lessons._framework.guess import Guess
 from pymunk_dragon.lessons._framework.lesson_file import LessonFile
@@ -41,20 +41,20 @@ current_output: ContextVar[Output | None] = ContextVar("current_output", default
 
 
 def play(lesson: LessonFile, output: Output) -> None:
-    """Run the program of a lesson in its language, with its texts and its picture given to `output`.
+    """Run the program of a lesson, with its texts and its picture given to `output`.
+
+    What the program prints and draws is English; `output` has the texts in its own language.
 
     Raises
     ------
     MissingExtraError
-        If a library that the lesson uses, or the font of its language, is not installed.
+        If a library that the lesson uses is not installed.
     """
     token = current_output.set(output)
     try:
-        with optional_imports(), in_language(lesson.language):
-            font()
-            exec(
-                compile(lesson.source, str(lesson.path), "exec"), {"__name__": "__main__", "__file__": str(lesson.path)}
-            )
+        with optional_imports(), in_language("en"):
+            code = compile(lesson.source, str(lesson.path), "exec")
+            exec(code, {"__name__": "__main__", "__file__": str(lesson.path)})
     finally:
         current_output.reset(token)
 

@@ -13,14 +13,20 @@ from contextlib import suppress
 from pathlib import Path
 from typing import NoReturn
 
-from pymunk_dragon._language import language
 from pymunk_dragon._text import wrapped
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.lessons._framework.guess import Guess
 from pymunk_dragon.lessons._framework.lesson_file import live_scene, next_lesson
 from pymunk_dragon.lessons._framework.markup import plain
 from pymunk_dragon.lessons._framework.play import Output, make_folder
-from pymunk_dragon.lessons._framework.translations import heading, option
+from pymunk_dragon.lessons._framework.translations import (
+    LANGUAGES,
+    check_language,
+    heading,
+    option,
+    translated_guesses,
+    translations,
+)
 
 # Columns of text also in a wider terminal: longer lines are hard to read.
 MAX_COLUMNS = 88
@@ -37,11 +43,13 @@ class Terminal(Output):
         Folder for the picture, made if it does not exist; by default a new one for temporary files.
     pause : bool
         Whether to wait for Enter after the prediction.
+    language : str
+        One of `LANGUAGES`, that of the texts; what the program of the lesson prints is English.
 
     Raises
     ------
     ParameterError
-        If the folder cannot be made.
+        If the folder cannot be made, or the language is unknown.
 
     Examples
     --------
@@ -49,13 +57,13 @@ class Terminal(Output):
     >>> from contextlib import redirect_stdout
     >>> from pymunk_dragon.lessons import LESSONS, Terminal, play
     >>> with redirect_stdout(io.StringIO()) as printed:
-    ...     play(LESSONS["spiral"].in_language("zh"), Terminal(save="pictures"))
+    ...     play(LESSONS["spiral"], Terminal(save="pictures", language="zh"))
     >>> Path("pictures/spiral.png").exists()
     True
     """
 
-    def __init__(self, save: str | Path | None = None, pause: bool = False) -> None:
-        self._save, self._pause = save, pause
+    def __init__(self, save: str | Path | None = None, pause: bool = False, language: str = "en") -> None:
+        self._save, self._pause, self._language = save, pause, check_language(language)
         # Now, because a lesson may change sys.argv.
         self._program = _program()
         if save is not None:
@@ -67,10 +75,11 @@ class Terminal(Output):
         parser = _Parser(prog=Path(sys.argv[0]).name, description="A lesson of the bench dragon.")
         parser.add_argument("--save", metavar="DIR", help="folder for the picture")
         parser.add_argument("--pause", action="store_true", help="wait for Enter before it shows what happens")
+        parser.add_argument("--lang", choices=LANGUAGES, default="en", help="language of the texts: en or zh")
         arguments = parser.parse_args()
         try:
-            check_output(language())
-            return cls(arguments.save, arguments.pause)
+            check_output(arguments.lang)
+            return cls(arguments.save, arguments.pause, arguments.lang)
         except ParameterError as error:
             parser.error(str(error))
 
@@ -82,22 +91,23 @@ class Terminal(Output):
 
     def say(self, lesson: str, part: str, text: str, guesses: Sequence[Guess] = ()) -> None:
         """Print a text below its heading, and its guesses; after the last one, the command for the next lesson."""
+        text = translations(lesson, self._language).get(part, text)
         if part == "title":
             print(_bold(text))
             return
         self._print(part, *self._wrapped(text))
-        for guess in guesses:
+        for guess in translated_guesses(lesson, guesses, self._language):
             self._guess(guess, answered=part == "answer")
         if part == "predict":
             print(flush=True)
             # Without a stdin, or at its end, Enter cannot be pressed.
             if self._pause and sys.stdin is not None:
                 with suppress(EOFError):
-                    input(heading("pause", language()) + " ")
+                    input(heading("pause", self._language) + " ")
         if part == "change" and (scene := live_scene(lesson)):
-            self._print("live", f"{self._program} live {scene}{option(language())}")
+            self._print("live", f"{self._program} live {scene}{option(self._language)}")
         if part == "change" and (after := next_lesson(lesson)) is not None:
-            self._print("next", f"{self._program} demo {after}{option(language())}")
+            self._print("next", f"{self._program} demo {after}{option(self._language)}")
 
     def show(self, lesson: str, picture: Path) -> None:
         """Print the file of the picture."""
@@ -117,7 +127,7 @@ class Terminal(Output):
 
     def _print(self, name: str, *lines: str) -> None:
         """Print indented lines below a heading."""
-        print("\n" + _bold(heading(name, language())))
+        print("\n" + _bold(heading(name, self._language)))
         for line in lines:
             print(INDENT + line)
 

@@ -1,18 +1,20 @@
 """Texts of the lessons in languages other than English, one TOML file for each language; and helpers to print them.
 
-A lesson's file is English. `zh.toml` has a table for each lesson: its texts, and as `program` fragments of its code
-with their translations. The table `words` has the headings that all lessons share; `en.toml` has only that.
+A lesson's file is English. `zh.toml` has a table for each lesson with its texts; what it lacks is shown in English. The
+table `words` has the headings that all lessons share; `en.toml` has only that.
 """
 
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cache
 from importlib.resources import files
 from typing import Any
 
 from pymunk_dragon._checks import word
+from pymunk_dragon.lessons._framework.guess import Guess
 
 LANGUAGES = ("en", "zh")
 # Texts of a lesson in the order in which they are printed.
@@ -31,13 +33,25 @@ def option(language: str) -> str:
 
 def heading(name: str, language: str) -> str:
     """A heading or another text that all lessons share, such as that of a part."""
-    word: str = _texts(language)["words"][name]
-    return word
+    found: str = _texts(language)["words"].get(name) or _texts("en")["words"][name]
+    return found
 
 
 def translations(lesson: str, language: str) -> Mapping[str, Any]:
-    """The texts of a lesson in `language`; none in English, and none of a student's own lesson."""
+    """The texts of a lesson in `language`; none in English, and none of a lesson without translations."""
     return _texts(language).get(lesson, {}) if language != "en" else {}
+
+
+def translated_guesses(lesson: str, guesses: Sequence[Guess], language: str) -> tuple[Guess, ...]:
+    """The guesses of a lesson in `language`; one without a translation of the same number of choices stays English."""
+    found = translations(lesson, language)
+    texts, results = found.get("guesses", ()), found.get("measured", ())
+    translated = list(guesses)
+    for i, (guess, (question, *choices)) in enumerate(zip(guesses, texts, strict=False)):
+        if len(choices) == len(guess.choices):
+            measured = results[i] if guess.measured and i < len(results) else guess.measured
+            translated[i] = replace(guess, question=question, choices=tuple(choices), measured=measured)
+    return tuple(translated)
 
 
 @cache

@@ -107,7 +107,7 @@ class Live {
   // After an error the controls show what the server has.
   showError(text) {
     if (this.state) setTimeout(() => this.setState(this.state), SETTLE);
-    setText("error", translatedNumbers(text));
+    setText("error", text);
     element("error").hidden = false;
     clearTimeout(this.errorTimer);
     this.errorTimer = setTimeout(() => { element("error").hidden = true; }, ERROR_SHOWN);
