@@ -140,11 +140,12 @@ KIND ?= lines or files
 fuzz: $(VENV)/tools ## run CASES random cases of each kind: command lines, scenario, CSV and run files  [5000]
 	FUZZ_CASES=$(CASES) $(BIN)/python -m pytest -q -s tests/fuzz -k 'no_case_fails and ($(KIND))'
 
-lint: $(VENV)/tools ## style, types, and which package imports which
+lint: $(VENV)/tools ## style, types, which package imports which, and which texts have no translation
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+	$(BIN)/python tests/translations.py
 
 BENCHMARKS := engine drift pile_up film collision speed answers sweep debug_draw lessons
 bench: $(VENV)/tools renders/march.npz ## measure the figures that README and the documentation quote

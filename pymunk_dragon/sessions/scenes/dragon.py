@@ -116,8 +116,8 @@ class DragonScene(Scene):
             first, second = sorted(self._number(shape.body) for shape in shapes)
             touching.add((first, second))
         for first, second in sorted(touching - self._touched):
-            what = f"bench {second} and an obstacle" if first < 0 else f"benches {first} and {second}"
-            self.events.append(f"{what} touch")
+            i, j = (second, first) if first < 0 else (first, second)
+            self.events.append(f"bench {i} and an obstacle touch" if j < 0 else f"benches {i} and {j} touch")
             self.stops |= self.world.contact == "stop"
         self._touched = touching
 

@@ -1,0 +1,72 @@
+"""For `make lint`, a warning for each text without a Chinese translation, and for each translation without a use."""
+
+from __future__ import annotations
+
+import ast
+import re
+import tomllib
+from collections.abc import Iterable
+from pathlib import Path
+
+from page_texts import html_texts, script_texts
+
+from pymunk_dragon._language import texts
+from pymunk_dragon.drawing.figures import FIGURES
+from pymunk_dragon.lessons import LESSONS
+from pymunk_dragon.lessons._framework import PARTS
+from pymunk_dragon.sessions.scenes import SCENES
+from pymunk_dragon.studies import STUDIES
+from pymunk_dragon.sweeps.quantities import QUANTITIES
+
+PACKAGE = Path(__file__).parent.parent / "pymunk_dragon"
+FRAMEWORK = PACKAGE / "lessons" / "_framework"
+
+
+def sources(ending: str) -> list[str]:
+    """Contents of the files of the package with an ending, but for the page of the lessons."""
+    return [path.read_text() for path in PACKAGE.rglob(f"*{ending}") if FRAMEWORK not in path.parents]
+
+
+def report(what: str, wanted: Iterable[str], found: Iterable[str]) -> None:
+    """Print keys that are wanted and not found, and the other way round."""
+    for key in sorted(set(wanted) - set(found)):
+        print(f"warning: no Chinese {what} {key!r}")
+    for key in sorted(set(found) - set(wanted)):
+        print(f"warning: unused Chinese {what} {key!r}")
+
+
+def strings(node: ast.AST) -> set[str]:
+    """The string literals in a part of a program, of which f-strings have the names of their fields."""
+    nodes = list(ast.walk(node))
+    found = {each.value for each in nodes if isinstance(each, ast.Constant) and isinstance(each.value, str)}
+    return found | {ast.unparse(each)[2:-1] for each in nodes if isinstance(each, ast.JoinedStr)}
+
+
+def with_parts(page: str) -> str:
+    """A page with the parts that it shares with others."""
+    parts = {path.stem: path.read_text() for path in (PACKAGE / "player" / "assets").glob("*.html")}
+    return re.sub(r"\{\{(\w+)\}\}", lambda found: parts.get(found[1], found[0]), page)
+
+
+trees = [ast.parse(source) for source in sources(".py")]
+calls = [node for tree in trees for node in ast.walk(tree) if isinstance(node, ast.Call) and node.args]
+wanted = set().union(*(strings(call.args[0]) for call in calls if getattr(call.func, "id", "") == "text"))
+wanted = wanted.union(*(re.findall(r'\btext\("([^"]+)"\)', source) for source in sources(".j2")))
+pages = [with_parts(page) for page in sources(".html") if "<body" in page]
+wanted = wanted.union(*map(script_texts, sources(".js")), *map(html_texts, pages))
+wanted |= {words for scene in SCENES.values() for words in (scene.title, scene.text)}
+wanted |= {known.summary for known in (*STUDIES.values(), *QUANTITIES.values())}
+wanted |= {kind.shows for kind in FIGURES.values()}
+# Texts that are looked up by a variable: other strings of the code, and names of columns and parameters.
+names = {name for quantity in QUANTITIES.values() for name in (*quantity.columns, *quantity.parameters)}
+others = {name.replace("_", mark) for name in names for mark in " -"}.union(*map(strings, trees))
+report("text", wanted | (others & set(texts("zh"))), texts("zh"))
+
+english, chinese = (tomllib.loads((FRAMEWORK / f"{each}.toml").read_text()) for each in ("en", "zh"))
+report("word of lessons", english["words"], chinese.pop("words"))
+report("texts of lesson", LESSONS, chinese)
+for name, found in chinese.items():
+    report(f"text of lesson {name}", (*PARTS, "guesses", "measured"), found)
+english, chinese = (tomllib.loads((FRAMEWORK / f"notes.{each}.toml").read_text()) for each in ("en", "zh"))
+for part in english:
+    report(f"note in {part}", LESSONS if part == "lessons" else english[part], chinese[part])
