@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 import click
 
 from pymunk_dragon._language import LANGUAGES
 from pymunk_dragon.cli.completion import words
-from pymunk_dragon.cli.options import PROGRAM, SCENARIO_HEADINGS, named_by_flag, with_hint
+from pymunk_dragon.cli.options import CURVE, DRAGON, PROGRAM, curve_options, named_by_flag, with_hint
 from pymunk_dragon.errors import FileFormatError, ParameterError
 
 # Default of --lang.
@@ -22,16 +22,43 @@ class DragonCommand(click.Command):
     """A command with the option --lang, whose errors name flags instead of the parameters that get their values.
 
     Its help has its own options first, those of a scenario under headings, and `examples`: arguments of the command.
+
+    What comes from a registry is imported when the command is run, not when it is listed: the options that the
+    functions in `registered` make, each before the option of its key, and the `names` that stand for {names} in the
+    help.
     """
 
-    def __init__(self, *arguments: Any, examples: tuple[str, ...], **settings: Any) -> None:
+    def __init__(
+        self,
+        *arguments: Any,
+        examples: tuple[str, ...],
+        registered: Mapping[str, Callable[[], Iterable[click.Option]]] | None = None,
+        names: Callable[[], Iterable[str]] | None = None,
+        **settings: Any,
+    ) -> None:
         super().__init__(*arguments, **settings)
         self.examples = examples
+        self.registered = dict(registered or {})
+        self.names = names
         self.params.append(language_option())
+        if any(option.name == "turns" for option in self.params):
+            self.registered["turns"] = curve_options
 
-    def heading(self, option: click.Parameter) -> str:
-        """Heading of an option in the help."""
-        return SCENARIO_HEADINGS.get(str(option.name), "Options")
+    def make_context(
+        self, info_name: str | None, args: list[str], parent: click.Context | None = None, **extra: Any
+    ) -> click.Context:
+        """Add the options from registries, and parse the arguments."""
+        while self.registered:
+            before, make = self.registered.popitem()
+            place = [option.name for option in self.params].index(before)
+            self.params[place:place] = make()
+        return super().make_context(info_name, args, parent, **extra)
+
+    def format_help_text(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the text of the help, with the names of a registry."""
+        if self.names is not None:
+            self.help = str(self.help).replace("{names}", ", ".join(self.names()))
+        super().format_help_text(ctx, formatter)
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the options, those of a scenario last."""
@@ -39,8 +66,8 @@ class DragonCommand(click.Command):
         for option in self.get_params(ctx):
             record = option.get_help_record(ctx)
             if record is not None and isinstance(option, click.Option):
-                groups.setdefault(self.heading(option), []).append(record)
-        for heading, records in sorted(groups.items(), key=lambda group: group[0] in SCENARIO_HEADINGS.values()):
+                groups.setdefault(getattr(option, "heading", "Options"), []).append(record)
+        for heading, records in sorted(groups.items(), key=lambda group: group[0] in (DRAGON, CURVE)):
             with formatter.section(heading):
                 formatter.write_dl(records)
 

@@ -27,7 +27,9 @@ def _scenes() -> dict[str, str]:
 
 
 @click.command(
-    cls=DragonCommand, examples=("", "near-miss", "--benches 60 --from 300 -o live.npz", "--replay live.npz")
+    cls=DragonCommand,
+    examples=("", "near-miss", "--benches 60 --from 300 -o live.npz", "--replay live.npz"),
+    names=_scenes,
 )
 @click.argument("scene", required=False, shell_complete=named(_scenes))
 @scenario_options
@@ -50,7 +52,7 @@ def _scenes() -> dict[str, str]:
     "output",
     metavar="FILE",
     shell_complete=files(),
-    help="File to write at the end: .npz, .gif, .apng, .webp or .mp4.",
+    help="File to write at the end: a run, .npz, or a film, as .gif.",
 )
 @click.option("--port", type=int, default=0, metavar="N", help="Port.  [a free one]")
 @click.option(
@@ -78,7 +80,7 @@ def live(
 ) -> None:
     """Play the dragon in real time, and touch it in a browser.
 
-    SCENE is a ready scene: dragon, unguided, sloppy-engine, near-miss, jam, robot-arm, pendulum, cradle or boxes.
+    SCENE is a ready scene: {names}.
     """
     own = chosen() or scenario_file or start or free_from is not None or contacts != "resolve"
     if (scene is not None) + bool(own) + (replay is not None) > 1:

@@ -35,57 +35,78 @@ def speed_or_file(value: str) -> float | str:
         raise click.BadParameter(f"{value!r} is neither a number nor a file of a table, which ends in .csv") from None
 
 
-# Options of a scenario whose values a shell completes.
-COMPLETIONS = {"curve": files(".csv", words=("spiral", "u-turn")), "speed": files(".csv")}
-# Type, placeholder and help of each option of a scenario; its flag is the name with hyphens.
+# Headings of the options of a scenario in the help.
+DRAGON, CURVE = "Dragon", "Curve and speed"
+# Type, placeholder and help of each option of a scenario but those of curves; its flag is the name with hyphens.
 SCENARIO_OPTIONS: dict[str, tuple[Any, str, str]] = {
     "benches": (int, "N", "Number of benches.  [223]"),
     "head_spacing": (float, "M", "Distance between the head's holes, m.  [2.86]"),
     "body_spacing": (float, "M", "Distance between any other bench's holes, m.  [1.65]"),
     "overhang": (float, "M", "From a hole to the end of the bench, m.  [0.275]"),
     "width": (float, "M", "Width of the benches, m.  [0.3]"),
-    "curve": (str, "NAME|FILE.csv", "spiral, u-turn, or a file with points x,y of a path, m.  [spiral]"),
-    "pitch": (float, "M", "Distance between the turns of the spiral, m.  [0.55, or 1.7 of a u-turn]"),
     "turns": (float, "X", "Turn of the spiral on which the head starts.  [16]"),
-    "radius": (float, "M", "Radius of the circle in which a u-turn is made, m.  [4.5]"),
-    "ratio": (float, "X", "Radius of a u-turn's first arc over that of its second.  [2]"),
     "speed": (speed_or_file, "M/S|FILE.csv", "Speed of the head, m/s, or a file with times and speeds t,v.  [1]"),
 }
-# Headings in the help of the options of a scenario.
-SCENARIO_HEADINGS = {"scenario_file": "Dragon"} | {
-    name: "Dragon" if name in ("benches", "head_spacing", "body_spacing", "overhang", "width") else "Curve and speed"
-    for name in SCENARIO_OPTIONS
-}
 
 
-def scenario_options(command: Command) -> Command:
-    """Add the options of a scenario to a command, which gets `scenario_file`; `chosen` has the others."""
+class Headed(click.Option):
+    """An option under a heading of its own in the help."""
+
+    def __init__(self, *arguments: Any, heading: str, **settings: Any) -> None:
+        super().__init__(*arguments, **settings)
+        self.heading = heading
+
+
+def _scenario_option(name: str, heading: str, **settings: Any) -> Headed:
+    """An option of a scenario, whose value `chosen` has."""
 
     def collect(context: click.Context, parameter: click.Parameter, value: Any) -> None:
         if value is not None:
             context.meta.setdefault("scenario", {})[parameter.name] = value
 
+    flag = "--" + name.replace("_", "-")
+    return Headed([flag, name], heading=heading, callback=collect, expose_value=False, **settings)
+
+
+def curve_options() -> list[Headed]:
+    """The options --curve and those of the registered curves."""
+    from pymunk_dragon.model.curves import Curve
+    from pymunk_dragon.model.scenario import named_curves
+
+    named = named_curves()
+    default = named[0]
+    text = f"{', '.join(named)}, or a file with points x,y of a path, m.  [{default}]"
+    complete = files(".csv", words=named)
+    options = [_scenario_option("curve", CURVE, metavar="NAME|FILE.csv", help=text, shell_complete=complete)]
+    flags: dict[str, list[str]] = {}
+    for kind, cls in Curve.kinds.items():
+        for name in cls.flags:
+            flags.setdefault(name, []).append(kind)
+    for name, kinds in flags.items():
+        metavar, text = Curve.kinds[kinds[0]].flags[name]
+        defaults = {kind: getattr(Curve.kinds[kind], name, None) for kind in kinds}
+        known = [f"{value:g}" + f" of a {kind}" * (kind != kinds[0]) for kind, value in defaults.items() if value]
+        text += f"  [{', or '.join(known)}]" if known else ""
+        options.append(_scenario_option(name, CURVE, type=float, metavar=metavar, help=text))
+    return options
+
+
+def scenario_options(command: Command) -> Command:
+    """Add the options of a scenario to a command, which gets `scenario_file`; `chosen` has the others."""
     for name, (kind, metavar, text) in reversed(SCENARIO_OPTIONS.items()):
-        flag = "--" + name.replace("_", "-")
-        add = click.option(
-            flag,
-            name,
-            type=kind,
-            metavar=metavar,
-            help=text,
-            callback=collect,
-            expose_value=False,
-            shell_complete=COMPLETIONS.get(name),
-        )
-        command = add(command)
-    file = click.option(
-        "--scenario",
-        "scenario_file",
-        metavar="FILE.toml",
-        help="Read the dragon, curve and speed from a file; options win.",
-        shell_complete=files(".toml"),
-    )
-    return file(command)
+        heading = CURVE if name in ("turns", "speed") else DRAGON
+        complete = files(".csv") if name == "speed" else None
+        option = _scenario_option(name, heading, type=kind, metavar=metavar, help=text, shell_complete=complete)
+        _add(command, option)
+    text = "Read the dragon, curve and speed from a file; options win."
+    flags = ["--scenario", "scenario_file"]
+    _add(command, Headed(flags, heading=DRAGON, metavar="FILE.toml", help=text, shell_complete=files(".toml")))
+    return command
+
+
+def _add(command: Any, option: click.Option) -> None:
+    """Add an option above those that a command has, as decorators of Click do."""
+    command.__click_params__ = [*getattr(command, "__click_params__", ()), option]
 
 
 json_option = click.option("--json", "as_json", is_flag=True, help="Print one JSON object and nothing else.")
@@ -112,7 +133,7 @@ def named_by_flag(error: ParameterError | FileFormatError) -> Exception:
     flags = {
         str(option.name): (option.opts[0], option.is_flag)
         for option in context.command.params
-        if isinstance(option, click.Option) and (option.name not in SCENARIO_OPTIONS or option.name in given)
+        if isinstance(option, click.Option) and (option.expose_value or option.name in given)
     }
     if isinstance(error, FileFormatError):
         for name, (flag, _) in flags.items():
@@ -120,7 +141,7 @@ def named_by_flag(error: ParameterError | FileFormatError) -> Exception:
                 return FileFormatError(f"{flag} {error.path}", error.reason)
         return error
     for name, (flag, is_flag) in flags.items():
-        if error.name in (name, flag.lstrip("-").replace("-", "_")):
+        if error.name.removeprefix("curve.") in (name, flag.lstrip("-").replace("-", "_")):
             return ParameterError(flag, error.value, error.bound)
         if is_flag and isinstance(error.value, str) and error.value == name:
             return click.UsageError(f"{flag} must be {error.bound}")

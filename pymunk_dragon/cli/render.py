@@ -13,7 +13,6 @@ from pymunk_dragon._language import text
 from pymunk_dragon.cli.command import DragonCommand
 from pymunk_dragon.cli.completion import files, words
 from pymunk_dragon.cli.options import (
-    Command,
     destination_of,
     json_option,
     march_of,
@@ -28,13 +27,6 @@ if TYPE_CHECKING:
     from pymunk_dragon.model.march import March
     from pymunk_dragon.model.run import Run
 
-MARKS = {
-    "velocities": "Arrows to where the handles would be in half a second.",
-    "grid": "The cells of the broad phase, darker where a bench is filed.",
-    "contacts": "Contact points.",
-    "normals": "Contact normals.",
-    "impulses": "Impulses in the joints, as discs.",
-}
 # s: default length of a film of a march without contact.
 MARCH_FILM = 60.0
 # m: distance that the head travels between the frames of a march in a player.
@@ -42,31 +34,42 @@ PLAYER_STRIDE = 0.1
 # Options that only films have.
 OF_FILMS = ("speedup", "fps", "hold", "workers")
 # Options that only films and stills have.
-OF_PICTURES = ("exact", "size", "follow", "span", "caption", "legend", "font", *MARKS)
+OF_PICTURES = ("exact", "size", "follow", "span", "caption", "legend", "font")
 # Worker processes: with more the first process, which writes the film, is the bottleneck.
 MAX_WORKERS = 3
 
 
-def mark_options(command: Command) -> Command:
-    """Add a flag for each mark to a command; `marks` returns the chosen ones."""
+def _overlay_options() -> list[click.Option]:
+    """A flag for each overlay; `_overlays` has the chosen ones."""
+    from pymunk_dragon.drawing import OVERLAYS
 
     def collect(context: click.Context, parameter: click.Parameter, value: bool) -> None:
         if value:
-            context.meta.setdefault("marks", []).append(parameter.name)
+            context.meta.setdefault("overlays", []).append(parameter.name)
 
-    for name, shows in reversed(MARKS.items()):
-        add = click.option(f"--{name}", is_flag=True, help=shows, callback=collect, expose_value=False)
-        command = add(command)
-    return command
+    return [
+        click.Option([f"--{name}"], is_flag=True, help=overlay.shows, callback=collect, expose_value=False)
+        for name, overlay in OVERLAYS.items()
+    ]
 
 
-def marks() -> tuple[Any, ...]:
-    """Return the marks whose flags were given."""
-    return tuple(click.get_current_context().meta.get("marks", ()))
+def _overlays() -> tuple[str, ...]:
+    """The overlays whose flags were given."""
+    return tuple(click.get_current_context().meta.get("overlays", ()))
+
+
+def _endings() -> tuple[str, ...]:
+    """Endings of films."""
+    from pymunk_dragon.drawing import FILM_ENDINGS
+
+    return FILM_ENDINGS
 
 
 @click.command(
-    cls=DragonCommand, examples=("run.npz", "run.npz --exact --camera head -o both.mp4", "--until 60 -o march.gif")
+    cls=DragonCommand,
+    examples=("run.npz", "run.npz --exact --camera head -o both.mp4", "--until 60 -o march.gif"),
+    registered={"title": _overlay_options},
+    names=_endings,
 )
 @click.argument("run_files", metavar="[RUN.npz]...", nargs=-1, shell_complete=files(".npz"))
 @scenario_options
@@ -86,7 +89,6 @@ def marks() -> tuple[Any, ...]:
 )
 @click.option("--span", type=float, metavar="M", help="Width of the ground in view, m.")
 @click.option("--hold", type=float, metavar="T", help="How long the last frame stays, s.  [2.5]")
-@mark_options
 @click.option("--title", metavar="TEXT", help="A line above the picture.")
 @click.option("--caption", metavar="TEXT", help="Lines below the picture.")
 @click.option("--legend/--no-legend", default=None, help="Legend and scale bar below the picture.  [shown]")
@@ -95,7 +97,7 @@ def marks() -> tuple[Any, ...]:
     "--workers", type=int, metavar="N", help="Other processes that draw a long film.  [spare cores, at most 3]"
 )
 @json_option
-@output_option(".gif, .mp4, .apng or .webp; .png for a picture at --until; .html for a player", "RUN.gif")
+@output_option("a film; .png, a picture at --until; or .html, a page that plays the run", "RUN.gif")
 def render(
     run_files: tuple[str, ...],
     scenario_file: str | None,
@@ -110,10 +112,10 @@ def render(
 ) -> None:
     """Film a run, several side by side, or an exact march.
 
-    Without a run, the exact march of the options is filmed. The ending of the file chooses a film, a picture or a page
-    that plays the run.
+    Without a run, the exact march of the options is filmed. The ending of the file chooses the format. Those of films
+    are {names}.
     """
-    from pymunk_dragon.drawing import FILM_ENDINGS, STILL_ENDINGS, Camera, Film, write_film, write_still
+    from pymunk_dragon.drawing import FILM_ENDINGS, OVERLAYS, STILL_ENDINGS, Camera, Film, write_film, write_still
     from pymunk_dragon.model.march import March
     from pymunk_dragon.player import PLAYER_ENDINGS
 
@@ -128,9 +130,9 @@ def render(
     if isinstance(sources[0], March):
         given.setdefault("until", _end(sources[0], given.get("start", 0.0), film=ending in FILM_ENDINGS))
     view = Camera(follow=follow, span=span)  # type: ignore[arg-type]  # Camera checks the word.
-    film = Film(camera=view, show=marks(), **given)
+    film = Film(camera=view, show=_overlays(), **given)
     if ending in PLAYER_ENDINGS:
-        _refuse("a page", *OF_FILMS, *OF_PICTURES)
+        _refuse("a page", *OF_FILMS, *OF_PICTURES, *OVERLAYS)
         _write_player(sources, destination, given)
     elif ending in STILL_ENDINGS:
         _refuse("a picture", "start", *OF_FILMS)

@@ -12,12 +12,22 @@ from pymunk_dragon.cli.options import destination_of, json_option, output_option
 from pymunk_dragon.cli.output import print_json, progress, wrote
 
 
-@click.command(cls=DragonCommand, examples=("run.npz", "run.npz -o run.xlsx"))
+def _endings() -> tuple[str, ...]:
+    """Endings of reports."""
+    from pymunk_dragon.reports import REPORT_ENDINGS
+
+    return REPORT_ENDINGS
+
+
+@click.command(cls=DragonCommand, examples=("run.npz", "run.npz -o run.xlsx"), names=_endings)
 @click.argument("run_file", metavar="RUN.npz", shell_complete=files(".npz"))
 @json_option
-@output_option(".html, .md, .xlsx, .csv or .json", "RUN.html")
+@output_option("a document or a table", "RUN.html")
 def report(run_file: str, as_json: bool, output: str | None) -> None:
-    """Report on a run, as a document or a table."""
+    """Report on a run, as a document or a table.
+
+    The ending of the file chooses the format: {names}.
+    """
     from pymunk_dragon.model.run import Run
     from pymunk_dragon.reports import REPORT_ENDINGS
     from pymunk_dragon.reports import report as write_report

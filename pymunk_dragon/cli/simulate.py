@@ -9,7 +9,7 @@ import click
 
 from pymunk_dragon._language import text
 from pymunk_dragon.cli.command import DragonCommand
-from pymunk_dragon.cli.completion import words
+from pymunk_dragon.cli.completion import named, words
 from pymunk_dragon.cli.options import (
     destination_of,
     json_option,
@@ -26,8 +26,17 @@ if TYPE_CHECKING:
     from pymunk_dragon.model.settings import Contacts, EngineSettings
 
 
+def _guides() -> dict[str, str]:
+    """Names of the guides."""
+    from pymunk_dragon.physics import GUIDES
+
+    return dict.fromkeys(GUIDES, "")
+
+
 @click.command(
-    cls=DragonCommand, examples=("-o run.npz", "--from 400 --until 415 --fine -o run.npz", "--guide none --until 20")
+    cls=DragonCommand,
+    examples=("-o run.npz", "--from 400 --until 415 --fine -o run.npz", "--guide none --until 20"),
+    names=_guides,
 )
 @scenario_options
 @start_option
@@ -36,8 +45,8 @@ if TYPE_CHECKING:
     "--guide",
     default="rails",
     metavar="NAME",
-    help="What keeps it on the path: rails or none.  [rails]",
-    shell_complete=words("rails", "none"),
+    help="What keeps it on the path.  [rails]",
+    shell_complete=named(_guides),
 )
 @click.option(
     "--contacts",
@@ -82,7 +91,10 @@ def simulate(
     as_json: bool,
     output: str | None,
 ) -> None:
-    """Play the march in Pymunk until the dragon runs into itself."""
+    """Play the march in Pymunk until the dragon runs into itself.
+
+    The guides, which keep the dragon on its path, are {names}.
+    """
     march = march_of(scenario_file)
     destination_of(output, (".npz",))
     if fine and not (substep is None and iterations is None):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -11,45 +10,37 @@ import click
 from pymunk_dragon._language import text
 from pymunk_dragon.cli.command import DragonCommand
 from pymunk_dragon.cli.completion import named
-from pymunk_dragon.cli.options import chosen, destination_of, json_option, note_units, output_option, scenario_options
+from pymunk_dragon.cli.options import (
+    Headed,
+    chosen,
+    destination_of,
+    json_option,
+    note_units,
+    output_option,
+    scenario_options,
+)
 from pymunk_dragon.cli.output import print_json, progress, write_json, wrote
 
 # Library that is needed to write each format.
 LIBRARIES = {".png": "matplotlib", ".svg": "matplotlib", ".pdf": "matplotlib", ".xlsx": "xlsxwriter"}
 
 
-class _StudyCommand(DragonCommand):
-    """The command `study`. Options of single studies come from these, which are imported when the command is run."""
-
-    def make_context(
-        self, info_name: str | None, args: list[str], parent: click.Context | None = None, **extra: Any
-    ) -> click.Context:
-        names = [option.name for option in self.params]
-        before_json = names.index("as_json")
-        self.params[before_json:before_json] = [option for option in _study_options() if option.name not in names]
-        return super().make_context(info_name, args, parent, **extra)
-
-    def heading(self, option: click.Parameter) -> str:
-        """Heading of an option in the help: the study to which it belongs."""
-        from pymunk_dragon.studies import STUDIES
-
-        owners = [study.name for study in STUDIES.values() if option.name in study.options]
-        return f"Options of {owners[0]}" if owners else super().heading(option)
-
-
-def _study_options() -> Sequence[click.Option]:
+def _study_options() -> list[click.Option]:
     """Options of single studies."""
     from pymunk_dragon.studies import STUDIES
 
-    options = []
+    options: list[click.Option] = []
     for study in STUDIES.values():
         for name, option in study.options.items():
-            flag = name.replace("_", "-")
+            flag, heading = name.replace("_", "-"), f"Options of {study.name}"
             text, kind = f"{option.text[:1].upper()}{option.text[1:]}", option.kind
             if kind is bool:
-                options.append(click.Option([f"--{flag}/--no-{flag}", name], default=None, help=text))
+                flags = [f"--{flag}/--no-{flag}", name]
+                options.append(Headed(flags, heading=heading, default=None, help=text))
             else:
-                options.append(click.Option([f"--{flag}", name], type=kind, metavar=option.metavar, help=text))
+                options.append(
+                    Headed([f"--{flag}", name], heading=heading, type=kind, metavar=option.metavar, help=text)
+                )
     return options
 
 
@@ -60,11 +51,15 @@ def _studies() -> dict[str, str]:
     return {name: kind.summary for name, kind in STUDIES.items()}
 
 
-@click.command(cls=_StudyCommand, examples=("", "min-pitch", "u-turn -o turn.png", "max-speed --limit 1.5"))
+@click.command(
+    cls=DragonCommand,
+    examples=("", "min-pitch", "u-turn -o turn.png", "max-speed --limit 1.5"),
+    registered={"as_json": _study_options},
+)
 @click.argument("name", required=False, shell_complete=named(_studies))
 @scenario_options
 @json_option
-@output_option(".json, .png, .svg or .pdf for a picture of the answer, or .xlsx for the contest's sheets of the u-turn")
+@output_option(".json, .png, .svg or .pdf for a picture of the answer, or .xlsx for sheets of the contest")
 def study(
     name: str | None, scenario_file: str | None, as_json: bool, output: str | None, **options: float | bool | None
 ) -> None:

@@ -40,6 +40,7 @@ def _parameters() -> dict[str, str]:
         "--axis pitch=0.42:0.46:0.01 --benches 60",
         "--axis pitch=0.4:0.6 --samples 32 -o map.png",
     ),
+    names=_quantities,
 )
 @scenario_options
 @click.option(
@@ -54,8 +55,7 @@ def _parameters() -> dict[str, str]:
     metavar="NAME",
     default="contact-time",
     shell_complete=named(_quantities),
-    help="contact-time, nearest-gap, min-pitch, max-speed, engine-contact-time, engine-error, or module:function, "
-    "a function of a march.  [contact-time]",
+    help="What is computed, or module:function, a function of a march.  [contact-time]",
 )
 @click.option("--samples", type=int, metavar="N", help="Take N samples of the intervals, not all combinations.")
 @click.option("--seed", type=int, metavar="N", default=0, help="Of the samples.  [0]")
@@ -104,6 +104,8 @@ def sweep(
 
     Without -o the table is printed as CSV. Finished points are kept in a journal beside the first file, from which
     --resume goes on. The other options choose the reference dragon, which a map marks.
+
+    The quantities are {names}.
     """
     from pymunk_dragon.model.scenario import Scenario
     from pymunk_dragon.sweeps import sweep as run_sweep

@@ -59,16 +59,17 @@ from pymunk_dragon.drawing.camera import Camera
 from pymunk_dragon.drawing.film import FILM_ENDINGS, render, write_film
 from pymunk_dragon.drawing.film.settings import Film
 from pymunk_dragon.drawing.film.stills import STILL_ENDINGS, still, still_png, write_still
+from pymunk_dragon.drawing.overlay import OVERLAYS
 from pymunk_dragon.drawing.palette import Palette
 from pymunk_dragon.drawing.scene import Scene
-from pymunk_dragon.drawing.snapshots import Mark, Snapshot
+from pymunk_dragon.drawing.snapshot import Snapshot
 
 __all__ = [
     "FILM_ENDINGS",
+    "OVERLAYS",
     "STILL_ENDINGS",
     "Camera",
     "Film",
-    "Mark",
     "Palette",
     "Scene",
     "Snapshot",

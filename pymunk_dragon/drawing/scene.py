@@ -15,9 +15,9 @@ from pymunk_dragon._language import text
 from pymunk_dragon.collision import separation
 from pymunk_dragon.drawing.camera import Camera, View
 from pymunk_dragon.drawing.lettering import Lettering
-from pymunk_dragon.drawing.overlay import Overlay
+from pymunk_dragon.drawing.overlay import Overlays
 from pymunk_dragon.drawing.palette import BLOCK, CODES
-from pymunk_dragon.drawing.snapshots import Mark, Snapshot
+from pymunk_dragon.drawing.snapshot import Snapshot
 from pymunk_dragon.model.contact import Contact
 from pymunk_dragon.model.dragon import Dragon, outlines
 from pymunk_dragon.model.march import March
@@ -94,8 +94,8 @@ class Scene:
     gap : bool, optional
         Whether to display the gap between the head and the closest bench that is not its neighbour. By default it is
         displayed if the camera follows the head or the gap is below 1 cm.
-    marks : tuple of Mark
-        Marks drawn over the benches.
+    marks : tuple of str
+        Names of `OVERLAYS` to draw.
     largest_impulse : float
         Joint impulse that is drawn with the largest disc, N s.
     magnification : float, optional
@@ -132,7 +132,7 @@ class Scene:
         times: tuple[float, float] = (0.0, 0.0),
         contact: Contact | None = None,
         gap: bool | None = False,
-        marks: tuple[Mark, ...] = (),
+        marks: tuple[str, ...] = (),
         largest_impulse: float = 0.0,
         magnification: float | None = None,
         since: float | None = None,
@@ -149,7 +149,7 @@ class Scene:
         self._text = Lettering(size, font=font)
         self._words = Words()
         self._since = "" if since is None else self._words.since.format(since)
-        self._overlay = Overlay(march, marks, largest_impulse)
+        self._overlay = Overlays(march, marks, largest_impulse)
         self._colours = [CODES["head"], *[CODES["body"]] * (march.dragon.benches - 2), CODES["tail"]]
         self._curve = self._sample_curve(*times)
         self._fixed_view = View(centre, self._scale, self._drawn_size)

@@ -6,7 +6,6 @@ import math
 from bisect import bisect_right
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
-from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,16 +14,15 @@ from pymunk_dragon._arrays import Array
 from pymunk_dragon._checks import word
 from pymunk_dragon._language import text
 from pymunk_dragon.collision import FirstContact, first_contact
+from pymunk_dragon.drawing.overlay import OVERLAYS
+from pymunk_dragon.drawing.snapshot import Snapshot, Touch
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.contact import Contact
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 
-Vector = tuple[float, float]
 # What a picture or film is drawn from.
 Source = Run | March
-# Names of the marks that can be drawn over a picture.
-Mark = Literal["contacts", "normals", "impulses", "velocities", "grid"]
 
 # Frames whose poses are computed at once: enough to amortise the cost of a call, few enough to limit memory.
 CHUNK_FRAMES = 32
@@ -35,53 +33,6 @@ EXTENT_SAMPLES = 64
 # Substeps: a contact callback is shown if it is at most this much older than the frame. The last substep, and a margin
 # for rounding.
 RECENT_SUBSTEPS = 1.5
-
-
-@dataclass(frozen=True)
-class Touch:
-    """Contact of two benches: points in m, and the unit normal from the first bench to the second."""
-
-    points: tuple[Vector, ...]
-    normal: Vector
-
-
-@dataclass(frozen=True)
-class Snapshot:
-    """State of a dragon of N benches at one time.
-
-    Attributes
-    ----------
-    time : float
-        Simulated time, s.
-    poses : ndarray, shape (N, 3)
-        Centres in m and angles in rad.
-    velocities : ndarray, shape (N + 1, 2), or None
-        Velocities of the handles, m/s, if a mark needs them.
-    impulses : ndarray, shape (N - 1,), or None
-        Impulses in the joints, N s, if a mark needs them.
-    touches : tuple of Touch
-        Contacts of benches, if a mark needs them.
-    displaced : ndarray, shape (N, 3), or None
-        In the exact model beside a run: poses with the run's position errors, magnified.
-    error : float or None
-        Largest position error there, m, of the benches that decide the magnification.
-
-    Examples
-    --------
-    >>> from pymunk_dragon import March
-    >>> from pymunk_dragon.drawing import Snapshot
-    >>> march = March()
-    >>> Snapshot(time=60.0, poses=march.at(60.0).poses[0]).poses.shape
-    (223, 3)
-    """
-
-    time: float
-    poses: Array
-    velocities: Array | None = None
-    impulses: Array | None = None
-    touches: tuple[Touch, ...] = ()
-    displaced: Array | None = None
-    error: float | None = None
 
 
 @dataclass(frozen=True)
@@ -118,15 +69,16 @@ class Clip:
     magnification: float | None = None
 
 
-def sample(source: Source, times: Array, marks: tuple[Mark, ...] = (), *, extent: bool = False) -> Clip:
-    """Sample `source` at the `times` (F,), s, of a film that shows `marks`; compute the clip's extent if `extent`.
+def sample(source: Source, times: Array, overlays: tuple[str, ...] = (), *, extent: bool = False) -> Clip:
+    """Sample `source` at the `times` (F,), s, of a film that shows `overlays`; compute the clip's extent if `extent`.
 
     Raises
     ------
     ParameterError
-        If a mark is unknown, or `source` has no data for it.
+        If an overlay is unknown, or `source` has no data for it.
     """
-    _check_marks(source, marks)
+    for name in overlays:
+        _check_data(source, name)
     run = source if isinstance(source, Run) else None
     known = times if run is None else run.times
     return Clip(
@@ -136,7 +88,7 @@ def sample(source: Source, times: Array, marks: tuple[Mark, ...] = (), *, extent
         window=(float(known[0]), float(known[-1])),
         extent=_extent(source, np.linspace(times[0], times[-1], min(EXTENT_SAMPLES, len(times)))) if extent else None,
         largest_impulse=_largest_impulse(run, times) if run else 0.0,
-        snapshots=snapshots(source, times, marks),
+        snapshots=snapshots(source, times, overlays),
     )
 
 
@@ -175,23 +127,24 @@ def with_errors(clip: Clip, run: Run, times: Array, reach: float, length: float)
     return replace(clip, snapshots=map(displaced, clip.snapshots), magnification=factor)
 
 
-def snapshots(source: Source, times: Array, marks: tuple[Mark, ...] = ()) -> Iterator[Snapshot]:
+def snapshots(source: Source, times: Array, overlays: tuple[str, ...] = ()) -> Iterator[Snapshot]:
     """Yield the snapshots at `times` (F,), s. Times outside a run are clipped to its first or last time."""
     if isinstance(source, Run):
         times = np.clip(times, source.times[0], source.times[-1])
-    contacts = _ContactTimeline(source) if isinstance(source, Run) and {"contacts", "normals"} & set(marks) else None
+    needs = {OVERLAYS[name].needs for name in overlays}
+    contacts = _ContactTimeline(source) if isinstance(source, Run) and "touches" in needs else None
     for begin in range(0, len(times), CHUNK_FRAMES):
-        for snapshot in _chunk(source, times[begin : begin + CHUNK_FRAMES], marks):
+        for snapshot in _chunk(source, times[begin : begin + CHUNK_FRAMES], needs):
             yield replace(snapshot, touches=contacts.at(snapshot.time)) if contacts else snapshot
 
 
-def _check_marks(source: Source, marks: tuple[Mark, ...]) -> None:
-    for mark in marks:
-        word("show", mark, get_args(Mark))
-        if mark == "impulses" and (isinstance(source, March) or source.joint_impulses is None):
-            raise ParameterError("show", mark, "left out: only runs of the engine have joint impulses")
-        if mark in ("contacts", "normals") and isinstance(source, March):
-            raise ParameterError("show", mark, "left out: a march has no contacts, a run does")
+def _check_data(source: Source, name: str) -> None:
+    """Raise a ParameterError if there is no overlay `name`, or `source` has no data for it."""
+    needs = OVERLAYS[word("show", name, OVERLAYS)].needs
+    if needs == "impulses" and (isinstance(source, March) or source.joint_impulses is None):
+        raise ParameterError("show", name, "left out: only runs of the engine have joint impulses")
+    if needs == "touches" and isinstance(source, March):
+        raise ParameterError("show", name, "left out: a march has no contacts, a run does")
 
 
 def _extent(source: Source, times: Array) -> Array:
@@ -214,7 +167,7 @@ def _model(run: Run | None) -> str:
     return text(", ").join(words)
 
 
-def _chunk(source: Source, times: Array, marks: tuple[Mark, ...]) -> Iterator[Snapshot]:
+def _chunk(source: Source, times: Array, needs: set[str | None]) -> Iterator[Snapshot]:
     """Yield the snapshots at `times` (T,), without contacts."""
     velocities: Iterable[Array | None] = [None] * len(times)
     impulses: Iterable[Array | None] = [None] * len(times)
@@ -223,10 +176,10 @@ def _chunk(source: Source, times: Array, marks: tuple[Mark, ...]) -> Iterator[Sn
         poses, velocities = states.poses, states.velocities
     else:
         poses = source.poses_at(times)
-        if "velocities" in marks:
+        if "velocities" in needs:
             front, rear = source.march.dragon.hole_velocities(poses, source.pose_velocities_at(times))
             velocities = np.concatenate([front, rear[:, -1:]], axis=1)
-        if "impulses" in marks and source.joint_impulses is not None:
+        if "impulses" in needs and source.joint_impulses is not None:
             # Impulses are not interpolated.
             impulses = source.joint_impulses[_frames_before(source, times)]
     yield from map(Snapshot, times.tolist(), poses, velocities, impulses)

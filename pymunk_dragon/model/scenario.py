@@ -56,6 +56,7 @@ from pymunk_dragon._checks import did_you_mean
 from pymunk_dragon._files import read_text
 from pymunk_dragon.errors import FileFormatError, ParameterError
 from pymunk_dragon.model.curves import Curve, Sampled
+from pymunk_dragon.model.curves.base import parameters_of
 from pymunk_dragon.model.dragon import BENCHES, Dragon, Sizes
 from pymunk_dragon.model.march import March, check_march
 from pymunk_dragon.model.speed import ConstantSpeed, SpeedTable, speed_of
@@ -70,11 +71,6 @@ CSV = ".csv"
 DRAGON = tuple(f.name for f in fields(Dragon))
 # Parameters of curves that may stand at the top level of a file, beside the name of the curve.
 SHORT = ("pitch", "rotation", "mirrored", "outward", "radius", "ratio", "points")
-# Curves that a name alone describes.
-NAMED_CURVES = ("spiral", "u-turn")
-ALLOWED_CURVE = (
-    f"a name, {' or '.join(NAMED_CURVES)}, that of a file of points, which ends in {CSV}, or a table with its kind"
-)
 ALLOWED_SPEED = f"a number in m/s, a table of [s, m/s], or a file of one, which ends in {CSV}"
 
 # One speed, or times in s and speeds in m/s.
@@ -167,7 +163,7 @@ class Scenario:
         >>> Scenario.from_dict({"dragon": {"benches": 5}, "curve": {"kind": "u-turn", "ratio": 3}}).radius
         4.5
         """
-        flat = flat_values(values)
+        flat = _with_table(flat_values(values))
         known = [f.name for f in fields(cls)]
         for name, value in flat.items():
             if name not in known:
@@ -269,11 +265,36 @@ def _curve(values: Mapping[str, Any]) -> Curve:
             raise ParameterError("points", given["points"], f"absent where the curve is a file, {kind}")
         kind, given["points"] = "sampled", Sampled.read(kind).points
     if not (isinstance(kind, str) and kind in Curve.kinds):
-        raise ParameterError("curve", kind, ALLOWED_CURVE + did_you_mean(kind, NAMED_CURVES))
+        named = named_curves()
+        bound = f"a name, {' or '.join(named)}, that of a file of points, which ends in {CSV}, or a table with its kind"
+        raise ParameterError("curve", kind, bound + did_you_mean(kind, named))
     try:
         return Curve.from_dict({"kind": kind} | given)
     except ParameterError as error:
         raise ParameterError(error.name.removeprefix("curve."), error.value, error.bound) from error
+
+
+def named_curves() -> list[str]:
+    """Kinds of curves that a name alone describes: all their parameters have defaults.
+
+    Examples
+    --------
+    >>> named_curves()
+    ['spiral', 'u-turn']
+    """
+    return [kind for kind, cls in Curve.kinds.items() if not any(parameters_of(cls).values())]
+
+
+def _with_table(flat: dict[str, Any]) -> dict[str, Any]:
+    """`flat` with a table as the curve, if its kind has flags that are no parameters of a `Scenario`."""
+    curve = flat.get("curve")
+    table = curve if isinstance(curve, Mapping) else {"kind": curve}
+    kind = table.get("kind")
+    flags = Curve.kinds[kind].flags if isinstance(kind, str) and kind in Curve.kinds else ()
+    own = {name: flat[name] for name in flags if name in flat}
+    if set(own) <= set(SHORT) and table is not curve:
+        return flat
+    return {name: value for name, value in flat.items() if name not in own} | {"curve": {**table, **own}}
 
 
 def flat_values(values: Mapping[str, Any]) -> dict[str, Any]:

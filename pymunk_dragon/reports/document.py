@@ -126,7 +126,8 @@ def sections(summary: Summary) -> list[Section]:
 
 def provenance(summary: Summary) -> Section:
     """Scenario, settings and versions of the run."""
-    labels = _scenario_labels()
+    flags = {name: (text.rstrip("."), "") for name, (_, text) in summary.run.march.curve.flags.items()}
+    labels = flags | _scenario_labels()
     scenario = []
     for name, value in summary.scenario.items():
         label, unit = labels[name]

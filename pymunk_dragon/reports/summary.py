@@ -309,7 +309,7 @@ def _scenario(march: March) -> dict[str, Any]:
         "turns": march.turns,
         "speed": _speed(march),
     }
-    parameters |= {name: getattr(curve, name) for name in ("radius", "ratio") if hasattr(curve, name)}
+    parameters |= {name: getattr(curve, name) for name in curve.flags if name not in parameters}
     if math.isfinite(length := curve.end_s - curve.begin_s):
         parameters["length"] = length
     if march.start_s is not None:

@@ -11,7 +11,7 @@ import re
 import sys
 import threading
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from importlib import import_module
 from inspect import Parameter, getdoc, getsourcefile, signature
 from pathlib import Path
@@ -21,6 +21,7 @@ import numpy as np
 
 from pymunk_dragon._checks import word
 from pymunk_dragon.errors import ParameterError
+from pymunk_dragon.model.curves import Curve
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.scenario import Scenario
 
@@ -30,21 +31,12 @@ if TYPE_CHECKING:
 
 Values = Mapping[str, Any]
 
-# Parameters of a scenario that are numbers, and their types.
+# Parameters of a scenario that are numbers, and those of curves that are flags; and their types.
 SCENARIO: Mapping[str, type] = {
-    "benches": int,
-    "head_spacing": float,
-    "body_spacing": float,
-    "overhang": float,
-    "width": float,
-    "pitch": float,
-    "rotation": float,
-    "radius": float,
-    "ratio": float,
-    "turns": float,
-    "start_s": float,
-    "speed": float,
-}
+    each.name: int if each.type == "int" else float
+    for each in fields(Scenario)
+    if re.match("int|float|Sizes|Speeds", str(each.type))
+} | {name: float for curve in Curve.kinds.values() for name in curve.flags}
 # What a quantity may be, in messages.
 ALLOWED = "one of {}, or an importable function as module:function"
 

@@ -22,7 +22,7 @@ from pymunk_dragon.drawing.film.settings import Film, checked_sources
 from pymunk_dragon.drawing.film.timing import Timing
 from pymunk_dragon.drawing.film.workers import map_in_processes
 from pymunk_dragon.drawing.palette import Palette
-from pymunk_dragon.drawing.snapshots import Mark, Source
+from pymunk_dragon.drawing.snapshots import Source
 
 __all__ = ["FILM_ENDINGS", "render", "write_film"]
 
@@ -49,7 +49,7 @@ def render(
     palette: Palette = Film.palette,
     gap: bool | None = Film.gap,
     legend: bool = Film.legend,
-    show: tuple[Mark, ...] = (),
+    show: tuple[str, ...] = (),
     title: str = "",
     caption: str = "",
     headings: tuple[str, ...] = (),

@@ -17,7 +17,8 @@ from pymunk_dragon.drawing.film.settings import Film
 from pymunk_dragon.drawing.lettering import Lettering
 from pymunk_dragon.drawing.palette import CODES
 from pymunk_dragon.drawing.scene import Scene
-from pymunk_dragon.drawing.snapshots import Clip, Snapshot, Source, first_contact_until, sample, with_errors
+from pymunk_dragon.drawing.snapshot import Snapshot
+from pymunk_dragon.drawing.snapshots import Clip, Source, first_contact_until, sample, with_errors
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
@@ -120,7 +121,7 @@ def sampled(sources: Sequence[Source], times: Array, film: Film) -> list[Clip]:
     Raises
     ------
     ParameterError
-        If a mark is unknown, or a source has no data for it.
+        If an overlay is unknown, or a source has no data for it.
     """
     whole = film.camera.follow == "field"
     clips = []
@@ -129,7 +130,7 @@ def sampled(sources: Sequence[Source], times: Array, film: Film) -> list[Clip]:
         run = next((other for other in sources if isinstance(other, Run) and other.march is source), None)
         if run is not None:
             dragon = run.march.dragon
-            # Arrows as long as a bench, or outlines that are displaced by their width: see `Overlay`.
+            # Arrows as long as a bench, or outlines that are displaced by their width: see `OVERLAYS`.
             length = float(dragon.spacings.min() if whole else dragon.widths.min())
             reach = np.inf if whole else (film.camera.span or HEAD_SPAN * float(dragon.widths[0])) / 2
             clip = with_errors(clip, run, times, reach, length)

@@ -12,7 +12,7 @@ from pymunk_dragon._checks import finite, positive, whole
 from pymunk_dragon.drawing.camera import Camera
 from pymunk_dragon.drawing.film.timing import FIELD_ADVANCE, HEAD_ADVANCE, STANDARD_FPS, Timing, constant, slowed
 from pymunk_dragon.drawing.palette import Palette
-from pymunk_dragon.drawing.snapshots import Mark, Source
+from pymunk_dragon.drawing.snapshots import Source
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
@@ -66,10 +66,10 @@ class Film:
     legend : bool
         Whether to display a legend and a scale bar below the picture. They are omitted if the picture is too narrow.
     show : tuple of str
-        Marks drawn over the benches. "velocities": arrows to where each handle would be in half a second. "grid": the
-        cells of the broad phase, darker if they contain a bench. "contacts" and "normals" of benches that touch, for
-        runs only. "impulses" in the joints as areas of discs, the largest nearly as wide as a bench, for runs of the
-        engine only.
+        Overlays by their names in `OVERLAYS`. "velocities": arrows to where each handle would be in half a second.
+        "grid": the cells of the broad phase, darker if they contain a bench. "contacts" and "normals" of benches that
+        touch, for runs only. "impulses" in the joints as areas of discs, the largest nearly as wide as a bench, for
+        runs of the engine only.
     title, caption : str
         Text above and below the picture; the height of the film increases accordingly.
     headings : tuple of str
@@ -118,7 +118,7 @@ class Film:
     palette: Palette = COLOURS
     gap: bool | None = None
     legend: bool = True
-    show: tuple[Mark, ...] = ()
+    show: tuple[str, ...] = ()
     title: str = ""
     caption: str = ""
     headings: tuple[str, ...] = ()

@@ -64,6 +64,8 @@ class Curve(ABC):
         Turn on which a march begins by default; None on a curve whose turns are not counted.
     inward : bool
         Whether the distance from the origin falls and the absolute curvature grows along the whole path.
+    flags : mapping of str to (str, str)
+        Parameters that are flags of the command line: a placeholder of the value, and a description.
     inner_ends : tuple of float
         Finite coordinates, m, at which pieces inside this curve begin or end, by their own zero.
 
@@ -97,6 +99,7 @@ class Curve(ABC):
     kinds: ClassVar[dict[str, type[Any]]] = {}
     kind: ClassVar[str | None] = None
     default_turns: ClassVar[float | None] = None
+    flags: ClassVar[Mapping[str, tuple[str, str]]] = {}
 
     if TYPE_CHECKING:
         # Only declared, so that a dataclass may have fields of these names.
@@ -389,7 +392,7 @@ def _to_dict(curve: Curve, where: str, depth: int) -> dict[str, Any]:
         return value.tolist() if isinstance(value, np.ndarray) else value
 
     return {"kind": curve.kind} | {
-        name: plain(getattr(curve, name), f"{where}.{name}") for name in _parameters(type(curve))
+        name: plain(getattr(curve, name), f"{where}.{name}") for name in parameters_of(type(curve))
     }
 
 
@@ -402,10 +405,10 @@ def _from_dict(values: Mapping[str, Any], where: str, depth: int) -> Curve:
     if not (isinstance(kind, str) and kind in Curve.kinds):
         bound = f"one of {', '.join(sorted(Curve.kinds))}{did_you_mean(kind, Curve.kinds)}"
         raise ParameterError(f"{where}.kind", kind, bound)
-    parameters = _parameters(Curve.kinds[kind])
+    parameters = parameters_of(Curve.kinds[kind])
     for name, value in given.items():
         if name not in parameters:
-            owners = ", ".join(sorted(other for other, cls in Curve.kinds.items() if name in _parameters(cls)))
+            owners = ", ".join(sorted(other for other, cls in Curve.kinds.items() if name in parameters_of(cls)))
             hint = f"kinds with it: {owners}" if owners else f"its parameters are {', '.join(parameters)}"
             raise ParameterError(f"{where}.{name}", value, f"absent on a {kind} curve; {hint}")
     for name, required in parameters.items():
@@ -427,7 +430,7 @@ def _from_dict(values: Mapping[str, Any], where: str, depth: int) -> Curve:
     return curve
 
 
-def _parameters(cls: type[Any]) -> dict[str, bool]:
+def parameters_of(cls: type[Any]) -> dict[str, bool]:
     """Names of the parameters of a registered class, and whether each is required."""
     known = fields(cls) if is_dataclass(cls) else ()
     return {f.name: f.default is MISSING and f.default_factory is MISSING for f in known if f.init}

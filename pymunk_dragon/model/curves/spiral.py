@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -72,6 +73,7 @@ class Spiral(Curve, kind="spiral"):
 
     # On the reference scenario's spiral, the point (8.8, 0) m.
     default_turns = 16.0
+    flags: ClassVar = {"pitch": ("M", "Distance between the turns of the spiral, m.")}
 
     pitch: float = 0.55
     rotation: float = 0.0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 import numpy as np
 
@@ -53,6 +54,12 @@ class UTurn(Composite, kind="u-turn"):
     >>> round(UTurn().length, 6)
     13.621245
     """
+
+    flags: ClassVar = {
+        "pitch": ("M", "Distance between the turns of the spiral, m."),
+        "radius": ("M", "Radius of the circle in which a u-turn is made, m."),
+        "ratio": ("X", "Radius of a u-turn's first arc over that of its second."),
+    }
 
     pieces: tuple[Curve, ...] = field(init=False, repr=False, compare=False)
     pitch: float = 1.7
