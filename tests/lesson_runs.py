@@ -12,10 +12,9 @@ from pymunk_dragon.lessons import LESSONS, Recording, record
 
 
 @cache
-def played(name: str, language: str = "en") -> Recording:
-    """The recording of a lesson in a language."""
-    lesson = LESSONS[name].in_language(language)
-    file = shared(f"{name}.{language}.pickle", lambda path: path.write_bytes(pickle.dumps(record(lesson))))
+def played(name: str) -> Recording:
+    """The recording of a lesson."""
+    file = shared(f"{name}.pickle", lambda path: path.write_bytes(pickle.dumps(record(LESSONS[name]))))
     found: Recording = pickle.loads(file.read_bytes())
     return found
 

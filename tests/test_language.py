@@ -1,92 +1,121 @@
-"""Texts in other languages: each that the code has is translated, and none is left over."""
+"""English and Chinese: what is translated, what stays English, and that a translation is never a condition."""
 
 from __future__ import annotations
 
-import ast
 import re
-import tomllib
-from pathlib import Path
-from string import Formatter
 
 import pytest
 from PIL import ImageFont
 
-import pymunk_dragon
 from pymunk_dragon._language import font, in_language, language, text, texts
+from pymunk_dragon._text import width
+from pymunk_dragon.drawing.figures import figure
 from pymunk_dragon.errors import MissingExtraError, ParameterError
+from pymunk_dragon.lessons import LESSONS, Terminal, play
+from pymunk_dragon.lessons._framework import translations
+from pymunk_dragon.model.dragon import Dragon
+from pymunk_dragon.model.march import March
+from pymunk_dragon.model.run import Run
 
-FOLDER = Path(pymunk_dragon.__file__).parent
-
-
-def used():
-    """English texts in the code."""
-    found = set()
-    for path in FOLDER.rglob("*.py"):
-        for node in ast.walk(ast.parse(path.read_text())):
-            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "text" and node.args:
-                for part in ast.walk(node.args[0]):
-                    if isinstance(part, ast.Constant) and isinstance(part.value, str):
-                        found.add(part.value)
-    for path in FOLDER.rglob("*.j2"):
-        found |= set(re.findall(r'\btext\("([^"]+)"\)', path.read_text(encoding="utf-8")))
-    return found
+CHINESE = re.compile("[\u4e00-\u9fff]")
+NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]\d+)?")
 
 
-def fields(template):
-    return sorted((name, spec) for _, name, spec, _ in Formatter().parse(template) if name is not None)
+def outputs(call, capsys, language):
+    """A command's result, the text of a figure, and a lesson in a terminal, in a language."""
+    with in_language(language):
+        drawn = figure("speeds", March(Dragon(benches=9), turns=8)).axes[0].get_xlabel()
+    play(LESSONS["spiral"], Terminal(language=language))
+    played = capsys.readouterr().out
+    return {
+        "result": call("contact", "--benches", "9", "--until", "9", "--lang", language)[1],
+        "figure": drawn,
+        "lesson": re.sub("/.*png", "", played),
+    }
 
 
-def test_each_text_of_the_code_is_translated():
-    assert used() - set(texts("zh")) == set()
+def test_main_outputs_are_chinese_where_there_is_a_translation_and_english_otherwise(
+    call, capsys, tmp_path, monkeypatch
+):
+    english, chinese = (outputs(call, capsys, each) for each in ("en", "zh"))
+    for name in english:
+        assert not CHINESE.search(english[name]), name
+        assert CHINESE.search(chinese[name]), name
+    # The program of a lesson, and so what it prints, is English.
+    assert "turning 0.1136 rad/s" in chinese["lesson"]
+    assert call("demo", "spiral", "-o", tmp_path / "page.html", "--lang", "zh")[0] == 0
+    page = (tmp_path / "page.html").read_text(encoding="utf-8")
+    assert '<html lang="zh">' in page
+    assert LESSONS["spiral"].in_language("zh").title in page
+    english_words = translations._texts("en")["words"]
+    monkeypatch.setattr("pymunk_dragon._language.texts", lambda name: {})
+    monkeypatch.setattr(translations, "_texts", lambda name: {"words": english_words})
+    without = outputs(call, capsys, "zh")
+    assert without["lesson"].replace(" --lang zh", "") == english["lesson"]
+    assert without | {"lesson": ""} == english | {"lesson": ""}
 
 
-def test_packages_translate_the_same_text_alike():
-    found = {}
-    for path in FOLDER.glob("*/zh.toml"):
-        for english, chinese in tomllib.loads(path.read_text(encoding="utf-8"))["texts"].items():
-            assert found.setdefault(english, chinese) == chinese
+def test_result_in_chinese_has_the_numbers_of_the_english_one_in_80_columns_and_the_same_json(call, tmp_path):
+    for command in (
+        "positions --times 0,60",
+        "positions --paper",
+        "contact --from 412.3",
+        "contact --compare --benches 20 --from 412",
+        "simulate --from 412.3 --until 412.6 --contacts report",
+        "study",
+        "study max-speed --benches 9",
+        "study u-turn --benches 9 --no-search",
+        "figure",
+        "demo",
+    ):
+        english, chinese = (call(*command.split(), "--lang", each)[1] for each in ("en", "zh"))
+        assert CHINESE.search(chinese), command
+        assert "{" not in chinese
+        assert max(map(width, (english + chinese).splitlines())) <= 80, command
+        if command not in ("contact --compare --benches 20 --from 412", "demo"):  # Seconds vary; titles have numbers.
+            found = [NUMBER.findall(re.sub(r"\b\d+\.\d (times|倍)", "", out)) for out in (english, chinese)]
+            assert sorted(found[0]) == sorted(found[1]), command
+    for command in ("positions --times 0", "contact --until 10", "study", "figure"):
+        assert call(*command.split(), "--json", "--lang", "zh") == call(*command.split(), "--json"), command
+    assert call("positions", "--times", "0", "-o", tmp_path / "p.csv", "--lang", "zh")[0] == 0
+    assert (tmp_path / "p.csv").read_text().startswith("time_s,handle,x_m,y_m,speed_m_s\n")
 
 
-def test_translations_have_the_same_values_to_fill_in():
-    assert {english for english, chinese in texts("zh").items() if fields(english) != fields(chinese)} == set()
+def test_errors_and_help_are_english(call):
+    for arguments in ("contact --zzz", "contact --pitch 0", "report none.npz", "contact --help", "--help"):
+        assert call(*arguments.split(), "--lang", "zh") == call(*arguments.split())
+    with in_language("zh"), pytest.raises(ParameterError, match="must be a number above 0"):
+        March(turns=-1)
 
 
-def test_language_is_that_of_the_context():
-    assert language() == "en"
-    with in_language("zh"):
-        assert language() == "zh"
-        assert text("no such text") == "no such text"
-    assert language() == "en"
-
-
-def test_other_languages_are_refused():
-    with pytest.raises(ParameterError, match=r"one of en, zh$"), in_language("de"):
-        pass
-
-
-def test_font_has_the_characters_of_all_translations():
-    assert font() is None
-    with in_language("zh"):
-        face = ImageFont.truetype(font(), 20)
-    missing = bytes(face.getmask("\U0010ffff"))
-    characters = {character for chinese in texts("zh").values() for character in chinese if not character.isspace()}
-    assert {character for character in characters if bytes(face.getmask(character)) == missing} == set()
-
-
-def test_without_the_font_the_extra_is_named(monkeypatch):
-    monkeypatch.setattr("pymunk_dragon._language.find_spec", lambda name: None)
-    with in_language("zh"), pytest.raises(MissingExtraError, match="chinese"):
-        font()
-
-
-def test_language_of_a_command_is_an_option_or_of_the_environment(call, monkeypatch):
-    english, chinese = (call("demo", *arguments)[1] for arguments in ([], ["--lang", "zh"]))
-    assert english != chinese
+def test_language_is_an_option_anywhere_or_of_the_environment(call, monkeypatch):
+    english, chinese = call("study"), call("study", "--lang", "zh")
+    assert english != chinese == call("--lang=zh", "study") == call("study", "--lang", "en", "--lang", "zh")
     monkeypatch.setenv("PYMUNK_DRAGON_LANG", "zh")
-    assert call("demo")[1] == chinese
-    assert call("demo", "--lang", "en")[1] == english
+    assert call("study") == chinese
+    assert call("study", "--lang", "en") == english
     assert language() == "en"
     monkeypatch.setenv("PYMUNK_DRAGON_LANG", "fr")
     code, _, err = call("positions")
     assert code == 2
     assert "PYMUNK_DRAGON_LANG is 'fr', but must be one of en, zh" in err
+
+
+def test_messages_on_a_terminal_are_chinese(terminal, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Run.exact(March(turns=8), [79, 80]).save("run.npz")
+    shown = terminal("report", "run.npz", "-o", "run.json", "--lang", "zh")
+    assert re.search(r"^已写入 run.json：\d+(\.\d)? kB$", shown, re.MULTILINE)
+
+
+def test_font_has_the_characters_of_all_translations(monkeypatch):
+    assert font() is None
+    with in_language("zh"):
+        assert text("no such text") == "no such text"
+        face = ImageFont.truetype(font(), 20)
+        missing = bytes(face.getmask("\U0010ffff"))
+        used = {character for chinese in texts("zh").values() for character in chinese if not character.isspace()}
+        assert {character for character in used if bytes(face.getmask(character)) == missing} == set()
+        monkeypatch.setattr("pymunk_dragon._language.find_spec", lambda name: None)
+        with pytest.raises(MissingExtraError, match="chinese"):
+            font()

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import math
-import re
 from functools import cache
 from itertools import combinations, pairwise
-from pathlib import Path
 
 import mpmath as mp
 import numpy as np
@@ -15,8 +13,8 @@ import pytest
 import shapely
 from lesson_runs import numbers, played
 
-from pymunk_dragon import Dragon, March, min_pitch, scan, simulate
-from pymunk_dragon.lessons import LESSONS, LessonFile, record
+from pymunk_dragon import March
+from pymunk_dragon.lessons import LESSONS
 
 SIZES = {"width": "0.3", "overhang": "0.275", "head_spacing": "2.86", "body_spacing": "1.65", "pitch": "0.55"}
 
@@ -63,17 +61,6 @@ def said(name, part):
     return numbers(LESSONS[name].text(part))
 
 
-def changed(name, tmp_path, *swaps):
-    """What a lesson prints, line by line, once a student has changed its file."""
-    source = LESSONS[name].source
-    for old, new in swaps:
-        assert source.count(old) == 1
-        source = source.replace(old, new)
-    path = Path(tmp_path / LESSONS[name].path.name)
-    path.write_text(source, encoding="utf-8")
-    return record(LessonFile.read(path)).printed.splitlines()
-
-
 # Four shadows
 
 
@@ -111,30 +98,6 @@ def test_sat_prints_the_widest_shadow_gap_and_it_is_what_parts_the_benches():
                 far = more - found
                 moved = [shapely.affinity.translate(second, far * x, far * y) for x, y in ways]
                 assert any(first.distance(each) > 0 for each in moved) == parts
-
-
-def test_sat_has_one_gap_at_120_degrees_and_none_at_60():
-    assert sum(gap > 0 for gap in shadow_gaps(120)) == 1
-    assert max(shadow_gaps(60)) < 0
-    assert not two_benches(120)[0].intersects(two_benches(120)[1])
-
-
-def test_sat_check_is_the_gap_at_30_degrees():
-    by_hand = 0.90 - 0.15 - 1.10 * math.sin(math.radians(30)) - 0.15 * math.cos(math.radians(30))
-    assert f"{by_hand:.4f}" == "0.0701"
-    assert said("sat", "check")[:2] == [30, 0.0701]
-    assert numbers(lines("sat")[0])[:2] == [30, 0.0701]
-
-
-def test_sat_with_the_axes_of_one_bench_is_wrong_at_one_angle_only():
-    wrong = [d for d in range(30, 180, 30) if (max(shadow_gaps(d)[:2]) > 0) != (max(shadow_gaps(d)) > 0)]
-    assert wrong == [120]
-
-
-def test_sat_with_the_bench_moved_needs_every_axis_and_overlaps_by_9_mm():
-    gaps = [shadow_gaps(d, 1.8, 1.0) for d in range(2, 180, 4)]
-    assert {each.index(max(each)) for each in gaps} == {0, 1, 2, 3}
-    assert min(max(shadow_gaps(d / 10, 1.8, 1.0)) for d in range(1800)) == pytest.approx(-0.009, abs=5e-4)
 
 
 # Cells
@@ -182,26 +145,6 @@ def test_grid_walks_through_the_cells_of_the_edge_in_its_order(benches_in_cells)
     assert second.removeprefix("Grid.walk ") == first.removeprefix("our walk  ")
 
 
-def test_grid_check_counts_the_lines_that_are_crossed():
-    left, top, right, bottom, cells = numbers(lines("grid")[0])
-    assert cells == 1 + len(range(math.ceil(left), math.ceil(right))) + len(range(math.ceil(top), math.ceil(bottom)))
-    assert set(numbers(lines("grid")[0])) <= set(said("grid", "check"))
-
-
-@pytest.mark.thorough
-def test_grid_that_is_changed_walks_back_and_trades_pairs_for_entries(tmp_path):
-    fine = changed("grid", tmp_path, ("Grid.of(march)", "Grid(cell=0.1)"))
-    coarse = changed("grid", tmp_path, ("Grid.of(march)", "Grid(cell=2.2)"))
-    assert numbers(fine[-1])[3] < 546 < numbers(coarse[-1])[3]
-    assert numbers(fine[-1])[2] > 1997 > numbers(coarse[-1])[2]
-    source = LESSONS["grid"].source
-    path = tmp_path / "grid.py"
-    path.write_text(source.replace("benches[8, :2]", "benches[8, 2:]"), encoding="utf-8")
-    back = record(LessonFile.read(path)).printed.splitlines()
-    for walks in (fine, coarse, back):
-        assert walks[1].removeprefix("our walk  ") == walks[2].removeprefix("Grid.walk ")
-
-
 # Near misses
 
 
@@ -239,28 +182,6 @@ def test_positions_cut_to_a_millimetre_let_the_head_hit_bench_11():
     assert hits == [False, True]
 
 
-def test_sloppy_engine_meets_benches_that_are_apart_with_joints_that_are_loose():
-    time, first, second, off = numbers(lines("near-miss")[-4])
-    assert {time, first, second} <= set(said("near-miss", "answer"))
-    holes = [complex(*hole) for hole in March().at(time).positions[0]]
-    one, other = (bench(*holes[int(i) : int(i) + 2]) for i in (first, second))
-    assert one.distance(other) > 0.1
-    run = simulate(March(), start=398, until=413, substep=0.1, iterations=1)
-    fronts, rears = run.march.dragon.holes(run.poses[-1])
-    assert np.hypot(*(fronts[1:] - rears[:-1]).T).max() > 0.5
-    assert off == pytest.approx(1000 * run.max_drift, abs=5.1e-4)
-
-
-@pytest.mark.thorough
-def test_near_miss_that_is_changed_finds_the_right_benches(tmp_path):
-    better = changed("near-miss", tmp_path, ("substep=0.1, iterations=1", "substep=0.1, iterations=5"))
-    assert "(0, 8)" in next(line for line in better if "sloppy" in line)
-    finer = changed(
-        "near-miss", tmp_path, ("(1000 * march", "(10_000 * march"), ("positions) / 1000", "positions) / 10_000")
-    )
-    assert not [line for line in finer if "cut to" in line]
-
-
 # The missed window
 
 WIDER = {"width": "0.301"}
@@ -278,46 +199,6 @@ def test_window_is_that_of_many_digits():
     # Bisection stops a microsecond behind it.
     assert seconds[0] == pytest.approx(contact_time(412.4422, (0, 8), **WIDER), abs=2e-6)
     assert {round(begin, 3), *window[:2]} <= set(said("missed-window", "answer"))
-
-
-def test_window_check_is_what_half_a_millimetre_on_either_side_brings():
-    angle = numbers(lines("missed-window")[-1])[-1]
-    holes = handles(409.83, 13)
-    turned = mp.arg((holes[0] - holes[1]) / (holes[11] - holes[12]))
-    assert abs(math.degrees(turned)) == pytest.approx(angle, abs=0.006)
-    assert f"{0.865 - 0.5 - 0.5 * math.cos(math.radians(angle)):.3f}" == "-0.023"
-    assert {0.865, 0.023, angle} <= set(said("missed-window", "check"))
-
-
-def test_no_look_before_the_last_one_sees_an_overlap_and_no_corner_is_faster_than_assumed():
-    dragon = Dragon(width=0.301, benches=16)
-    march = March(dragon)
-    for time in range(400, 414):
-        holes = [complex(*hole) for hole in march.at(time).positions[0]]
-        shapes = [bench(*holes[i : i + 2], width=0.301) for i in range(16)]
-        overlap = any(shapes[i].intersects(shapes[j]) for i, j in combinations(range(16), 2) if j - i > 1)
-        assert overlap == (time == 413)
-    times = np.arange(400, 413, 0.01)
-    corners = dragon.outlines(march.at(times).poses)
-    fastest = np.hypot(*np.moveaxis(np.diff(corners, axis=0), -1, 0)).max() / 0.01
-    [assumed] = re.findall(r"fastest, .* = (\d+),", LESSONS["missed-window"].source)
-    assert 0.9 * float(assumed) < 1000 * fastest < float(assumed)
-
-
-@pytest.mark.parametrize(("step", "found"), [(0.5, 8), (0.2, 11), (0.1, 11)])
-def test_missed_window_is_found_with_some_steps(step, found):
-    assert scan(March(Dragon(width=0.301)), start=400, step=step).benches == (0, found)
-
-
-@pytest.mark.thorough
-def test_missed_window_that_is_changed_is_half_as_long_and_missed_again(tmp_path):
-    printed = changed("missed-window", tmp_path, ("width=0.301)", "width=0.30098)"), ("step=1)", "step=0.1)"))
-    seconds, certified, search, window = (numbers(line) for line in printed)
-    begin, end = (contact_time(near, (0, 11), width="0.30098") for near in (409.8043, 409.8562))
-    assert seconds[1:3] == [0, 8]
-    assert certified[:3] == [round(begin, 6), 0, 11]
-    assert search[0] == certified[0]
-    assert window[0] == round(end - begin, 3)
 
 
 # The smallest pitch
@@ -350,11 +231,3 @@ def test_pitch_check_is_the_way_in_along_circles():
     turns = 16 - 4.5 / 0.450337
     circles = turns * 2 * math.pi * (7.205398 + 4.5) / 2
     assert {way[-1], round(turns, 6), round(circles, 3)} <= set(said("pitch", "check"))
-
-
-@pytest.mark.thorough
-def test_pitch_that_is_changed_never_comes_out_too_large_and_grows_a_little_less_than_the_width(tmp_path):
-    for step in (0.5, 0.1):
-        printed = changed("pitch", tmp_path, ("0.30, 0.55, 1.0", f"0.30, 0.55, {step}"))
-        assert 0.450274 < numbers(printed[2])[1] < 0.450337
-    assert 0.0095 < min_pitch(Dragon(width=0.31)).pitch - 0.450337393 < 0.01

@@ -3,24 +3,18 @@
 from __future__ import annotations
 
 import csv
-import io
 import math
 import re
 from itertools import pairwise
 from pathlib import Path
 
 import mpmath as mp
-import numpy as np
 import oracle
 import pytest
 from exact_curves import DIGITS, s_turn, u_turn, walked_chain
 from lesson_runs import numbers, played
-from PIL import Image, ImageSequence
 
-from pymunk_dragon.drawing.figures.style import COLOURS
-from pymunk_dragon.model.curves import UTurn
 from pymunk_dragon.model.dragon import Dragon
-from pymunk_dragon.model.march import March
 
 DATA = Path(__file__).parent / "data"
 K = 0.55 / (2 * math.pi)
@@ -109,18 +103,6 @@ def test_next_handle_is_the_one_in_many_digits_and_its_arc_is_longer() -> None:
     assert r == 5.043
 
 
-def test_its_doubles_are_on_other_turns_and_a_bad_guess_finds_one() -> None:
-    angle = head_angle(300)
-    rows = {round(row[0], 1): row for row in lines("chain", "turns back")}
-    x, y = rows[0.1][-2:]
-    for turn in (1.1, -0.9):
-        assert 0.5 < math.dist((x, y), rows[turn][-2:]) < 0.6
-        assert rows[turn][2] == pytest.approx(rows[0.1][2] + math.copysign(0.55, turn), abs=0.01)
-    # A secant method that begins one turn too far out.
-    wrong = float(mp.findroot(lambda back: oracle.distance(angle, back, 0.55) - 2.86, (6.9, 6.8)))
-    assert wrong / (2 * math.pi) == pytest.approx(rows[1.1][0], abs=1e-3)
-
-
 # velocity
 
 
@@ -159,16 +141,6 @@ def test_error_of_the_difference_is_half_the_step_times_the_heads_angular_accele
         assert error == pytest.approx(expected, rel=0.05)
 
 
-@pytest.mark.thorough
-def test_ten_microseconds_are_best_before_rounding_takes_over() -> None:
-    _, velocities = oracle.solve(300, **SIZES, benches=223)
-    exact = np.array([float(mp.hypot(*velocity)) for velocity in velocities])
-    march, steps = March(), 10.0 ** np.arange(0, -11, -1)
-    errors = [np.abs(march.speeds_by_difference(300, step)[0] - exact).max() for step in steps]
-    assert steps[np.argmin(errors)] == pytest.approx(1e-5)
-    assert errors[-1] > 1000 * errors[5]
-
-
 # u-turn
 
 
@@ -190,35 +162,6 @@ def test_length_of_the_turn_follows_from_one_angle() -> None:
     assert angle == round(half, 6)
     assert round(9 * half / math.sin(half), 6) == length == numbers(said("u-turn", "check"))[0]
     assert numbers(said("u-turn", "answer"))[:2] == [length, round(math.degrees(2 * half), 3)]
-
-
-def test_both_dragons_of_the_film_come_in_and_leave_side_by_side() -> None:
-    with Image.open(io.BytesIO(played("u-turn").picture)) as film:
-        frames = [np.asarray(frame.convert("RGB")).astype(int) for frame in ImageSequence.Iterator(film)]
-    heads = []
-    colour = [int(COLOURS.head[i : i + 2], 16) for i in (1, 3, 5)]
-    for frame in frames:
-        # Without the legend, which has the same colour.
-        amber = np.abs(frame[:-30] - colour).max(axis=-1) < 30
-        heads.append([np.argwhere(part).mean(axis=0) for part in (amber[:, :220], amber[:, -220:])])
-    apart = [math.dist(*pair) for pair in heads]
-    # At t = -4 s, halfway, and at t = 24 s; pixels.
-    assert max(apart[0], apart[-1]) < 0.5
-    assert apart[43] > 17
-
-
-def test_dragon_does_not_get_round_a_much_narrower_arc() -> None:
-    """Its head goes on alone: the bench behind is pushed back from 13 s on."""
-    times = np.arange(0, 30, 0.01)
-    for ratio, gets_round in ((2.1, True), (2.5, False)):
-        turn = UTurn(ratio=ratio)
-        march = March(Dragon(benches=12), turn)
-        back = np.diff(march.handles_s_or_nan(times)[:, 1]) < 0
-        assert (march.handles_s_or_nan(times)[-1, 1] > turn.joints[-1]) == gets_round
-        assert back.any() != gets_round
-    assert times[back.argmax()] == pytest.approx(13.13, abs=0.01)
-    assert back[back.argmax() :].all()
-    assert 2 * turn.radii[1] == pytest.approx(2.576, abs=1e-3)
 
 
 # speed-limit
@@ -250,20 +193,3 @@ def test_fastest_handles_run_as_the_cosines_say() -> None:
     assert benches[0][:2] + benches[2][:2] == angles
     assert [benches[0][2], benches[2][2]] == pytest.approx(levers, abs=5e-6)
     assert [round(angles[0]), math.floor(angles[1]), round(levers[0], 2)] == [46, 63, 1.55]
-
-
-def test_benches_lie_at_the_moment_of_the_limit_where_the_lesson_says() -> None:
-    _, _, speed = lines("speed-limit", "largest speed")[0]
-    time = lines("speed-limit", "^t =")[0][0]
-    with mp.workdps(DIGITS):
-        truth = u_turn()
-        places = walked_chain(truth, mp.mpf(time) * mp.mpf(speed), Dragon().spacings[:3])
-        radii, _, sweeps, _, length = s_turn(mp.mpf("1.7"), mp.mpf("4.5"), mp.mpf(2))
-        joint = radii[0] * abs(sweeps[0])
-        assert places[0] > length > places[1] > places[2] > joint > places[3]
-        # Angles between the ways, along the path's directions, and the benches.
-        for bench in range(3):
-            (x, y, *front, _), (u, v, *rear, _) = (truth(place) for place in places[bench : bench + 2])
-            along = mp.atan2(y - v, x - u)
-            angles = [abs(float(mp.degrees(mp.atan2(way[1], way[0]) - along))) for way in (front, rear)]
-            assert lines("speed-limit", f"^bench {bench}")[0][1:3] == pytest.approx(angles, abs=0.02)

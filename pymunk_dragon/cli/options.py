@@ -133,7 +133,8 @@ def named_by_flag(error: ParameterError | FileFormatError) -> Exception:
     flags = {
         str(option.name): (option.opts[0], option.is_flag)
         for option in context.command.params
-        if isinstance(option, click.Option) and (option.expose_value or option.is_flag or option.name in given)
+        if isinstance(option, click.Option)
+        and (getattr(option, "heading", "") not in (DRAGON, CURVE) or option.name in given)
     }
     if isinstance(error, FileFormatError):
         for name, (flag, _) in flags.items():
