@@ -97,12 +97,6 @@ def test_every_public_name_has_its_place_on_a_page_with_an_example(site, pages):
         assert "Examples</h6>" in section
 
 
-@pytest.mark.thorough
-def test_gallery_shows_every_picture_that_make_makes(site):
-    shown = {link for link in Page(site / "gallery.html").links if link.endswith((".gif", ".png"))}
-    assert {name for name in commands() if name.endswith((".gif", ".png"))} <= shown
-
-
 def test_every_committed_picture_is_described_in_a_text():
     described = {
         picture for picture, _, _ in documentation.shown_pictures({each.name: each.text for each in DOCUMENTS})
