@@ -594,10 +594,10 @@ NO_NUMBERS = (*HEAVY, "numpy", "email", "importlib.metadata", "pymunk_dragon.mod
     [
         ("--version", NO_NUMBERS),
         ("--help", NO_NUMBERS),
-        ("contact --help", (*NO_NUMBERS, "pymunk_dragon.cli.render")),
+        ("contact --help", (*HEAVY, "pymunk_dragon.cli.render")),
         ("positions --times 0", (*HEAVY, "pymunk_dragon.collision", "pymunk_dragon.studies")),
         ("contact --until 1", (*HEAVY, "pymunk_dragon.studies")),
-        ("sweep --help", NO_NUMBERS),
+        ("sweep --help", ("PIL", "matplotlib", "pymunk", "scipy", "pymunk_dragon.drawing", "pymunk_dragon.reports")),
         ("study", HEAVY),
         ("study min-pitch --benches 30", HEAVY),
         ("simulate --until 0.01", (*DRAWING, "scipy", "matplotlib", "pymunk_dragon.studies")),

@@ -17,7 +17,6 @@ from conftest import assert_says
 from hypothesis import given
 from hypothesis import strategies as st
 from marches import ARM, TRACTOR, U_TURN
-from page_texts import package_texts
 from shapely import LineString, points
 
 import pymunk_dragon
@@ -30,7 +29,7 @@ from pymunk_dragon.model.run import Run
 from pymunk_dragon.physics import simulate
 from pymunk_dragon.player import player_page, write_player
 from pymunk_dragon.player.data import contact_windows, curve_points, exact_offsets, handle_vectors, pack
-from pymunk_dragon.player.page import DARK, LIGHT, PARTS, catalogue
+from pymunk_dragon.player.page import DARK, LIGHT
 from pymunk_dragon.reports import summarize
 
 SMALL = March(Dragon(benches=16), turns=4)
@@ -395,10 +394,6 @@ def test_type_and_controls_can_be_seen(page, scheme):
 def test_player_is_there_at_the_top():
     assert pymunk_dragon.write_player is write_player
     assert pymunk_dragon.player_page is player_page
-
-
-def test_each_text_of_page_and_scripts_is_translated_and_no_translation_is_unused():
-    assert set(catalogue("pymunk_dragon.player")) == package_texts("player", "player.html", PARTS)
 
 
 def test_page_has_its_texts_in_both_languages(page):

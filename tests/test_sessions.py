@@ -27,7 +27,6 @@ import pymunk
 import pytest
 from conftest import assert_says
 from live_sessions import joined, played, replayed, served
-from page_texts import package_texts
 from PIL import Image
 
 from pymunk_dragon.errors import DragonError, MissingExtraError
@@ -36,7 +35,6 @@ from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 from pymunk_dragon.physics import simulate
-from pymunk_dragon.player.page import PARTS, catalogue
 from pymunk_dragon.sessions import live
 from pymunk_dragon.sessions.log import InputLog, Log, as_text
 from pymunk_dragon.sessions.messages import ACTIONS
@@ -1277,24 +1275,6 @@ def test_frames_are_of_the_scene_that_was_described_before_them():
 
     with served() as session:
         run(talk(session.address))
-
-
-def server_texts():
-    """Texts that the page gets from the server and shows: scenes, parameters, events and errors."""
-    found = {"benches {i} and {j} touch", "bench {i} and an obstacle touch", "the head is at the end of its path"}
-    found |= {"the bodies flew apart: reset, and take shorter steps", "the recording is full, and has ended"}
-    found |= {"more than {i} messages in a second: the others are ignored", "this address only watches"}
-    for each in [*SCENES.values(), dragon(March())]:
-        found |= {each.title, each.text}
-        for parameter in each.build({}).parameters:
-            found |= {parameter.label, parameter.unit}
-    return {text for text in found if text not in ("", "m", "ms", "m/s", "1/m")}
-
-
-def test_each_text_of_the_live_page_is_translated_and_no_translation_is_unused():
-    own, shared = catalogue("pymunk_dragon.sessions"), catalogue("pymunk_dragon.player")
-    used = package_texts("sessions", "live.html", PARTS) | server_texts()
-    assert used - set(shared) == set(own)
 
 
 def test_events_have_the_texts_that_are_translated():
