@@ -24,6 +24,8 @@ from pymunk_dragon.physics.callbacks import Recorder
 
 # m
 HEAD_DRIFT, MAX_DRIFT = 0.5e-3, 2e-3
+# The start of a world takes a time that grows with the benches, and few meet as many do.
+SIXTEEN = March(Dragon(benches=16))
 
 
 def shapely_gap(march, time, pair):
@@ -52,9 +54,9 @@ def any_march(request, seed_march, late_run):
 
 
 @pytest.fixture(scope="module")
-def reported(seed_march):
+def reported():
     """The last second before the contact and the time in which it opens again, only recorded."""
-    return simulate(seed_march, start=412.0, until=415.2, contacts="report")
+    return simulate(SIXTEEN, start=411.5, until=415.2, contacts="report")
 
 
 def assert_keeps_to_the_model(run):
@@ -121,7 +123,7 @@ def test_frames_have_the_exact_poses_and_velocities_up_to_the_contact(late_run, 
 
 
 def test_fine_settings_are_right_to_a_micrometre_and_ten_microseconds(seed_march, true_time):
-    run = simulate(seed_march, start=411.7, substep=FINE_STRIDE, iterations=FINE_ITERATIONS)
+    run = simulate(seed_march, start=412.2, substep=FINE_STRIDE, iterations=FINE_ITERATIONS)
     assert run.first_contact.benches == (0, 8)
     assert run.max_drift < 1e-6
     assert run.first_contact.time == pytest.approx(true_time, abs=10e-6)
@@ -140,13 +142,13 @@ def test_smaller_substeps_drift_less_and_a_faster_march_is_the_same(seed_march, 
     assert fast.substep == pytest.approx(1 / 100)
 
 
-def test_same_scenario_gives_the_same_bytes(seed_march, tmp_path):
+def test_same_scenario_gives_the_same_bytes(tmp_path):
     for name in ("once.npz", "again.npz"):
-        simulate(seed_march, start=412.3).save(tmp_path / name)
+        simulate(SIXTEEN, start=411.5).save(tmp_path / name)
     assert (tmp_path / "once.npz").read_bytes() == (tmp_path / "again.npz").read_bytes()
 
 
-def test_engine_takes_nothing_but_the_heads_pose_from_the_exact_model(seed_march, monkeypatch):
+def test_engine_takes_nothing_but_the_heads_pose_from_the_exact_model(monkeypatch):
     asked = []
     exact_at = March.at
 
@@ -155,7 +157,7 @@ def test_engine_takes_nothing_but_the_heads_pose_from_the_exact_model(seed_march
         return exact_at(march, times, handles)
 
     monkeypatch.setattr(March, "at", watched)
-    run = simulate(seed_march, start=400.0, until=400.5)
+    run = simulate(SIXTEEN, start=400.0, until=401.0)
     monkeypatch.undo()
     *playing, (drift_times, _) = asked
     assert drift_times.tolist() == run.times.tolist()
@@ -166,7 +168,7 @@ def test_engine_takes_nothing_but_the_heads_pose_from_the_exact_model(seed_march
 
 
 def test_paper_model_of_16_benches_meets_the_same_contact(true_time):
-    run = simulate(March(Dragon(benches=16)), start=405.0)
+    run = simulate(SIXTEEN, start=395.0)
     assert run.first_contact.benches == (0, 8)
     assert run.first_contact.time == pytest.approx(true_time, abs=0.010)
     assert_keeps_to_the_model(run)
@@ -227,14 +229,15 @@ def test_unguided_dragon_straightens_and_hits_itself_within_seconds(seed_march):
     assert run.max_drift > 1.0
 
 
-def test_unguided_head_pulls_the_whole_dragon_with_joints_that_hold(seed_march):
-    free = simulate(seed_march, guide="none", until=2.0)
-    front, rear = seed_march.dragon.holes(free.poses[-1])
+def test_unguided_head_pulls_the_whole_dragon_with_joints_that_hold():
+    march = March(Dragon(benches=60))
+    free = simulate(march, guide="none", until=2.0)
+    front, rear = march.dragon.holes(free.poses[-1])
     assert np.hypot(*(front[1:] - rear[:-1]).T).max() < 0.01
-    assert 0.01 < free.max_drift
-    run = simulate(seed_march, guide="none", contacts="resolve", until=2.0, substep=free.substep)
+    assert free.max_drift > 0.01
+    run = simulate(march, guide="none", contacts="resolve", until=2.0, substep=free.substep)
     assert np.linalg.norm(run.poses[-1, 0, :2] - free.poses[-1, 0, :2]) < 1e-3
-    assert run.settings.head_force == pytest.approx(2 * 11.5 * 500 * 0.04 * 0.3 * (3.41 + 222 * 2.2))
+    assert run.settings.head_force == pytest.approx(2 * 11.5 * 500 * 0.04 * 0.3 * (3.41 + 59 * 2.2))
 
 
 # Guides and settings of a user's own
@@ -370,10 +373,10 @@ def assert_piles_up(run, march):
             assert common.area <= PILE_UP * 2 * np.sqrt(2) * max(common.length, PILE_UP)
 
 
-def test_head_is_stopped_by_what_it_runs_into(seed_march, reported):
-    run = simulate(seed_march, start=412.4, until=413.1, contacts="resolve", frame_interval=0.005)
+def test_head_is_stopped_by_what_it_runs_into(reported):
+    run = simulate(SIXTEEN, start=412.3, until=413.1, contacts="resolve", frame_interval=0.005)
     assert run.first_contact.benches == (0, 8)
-    assert_piles_up(run, seed_march)
+    assert_piles_up(run, SIXTEEN)
     speeds = np.linalg.norm(run.pose_velocities[..., :2], axis=-1)
     assert speeds[0].min() > 0.7
     assert speeds[-1].max() < 0.05
@@ -389,6 +392,7 @@ def test_dragon_comes_to_rest_in_the_pile_up(seed_march, head_force):
     run = simulate(
         seed_march, start=412.0, until=422.5, contacts="resolve", frame_interval=0.005, head_force=head_force
     )
+    assert run.drift[run.times < 412.4].max() < 5e-6
     assert_piles_up(run, seed_march)
     # The motor still pushes, and the head slips by a tenth of a millimetre now and then.
     assert np.linalg.norm(run.pose_velocities[-200:, :, :2], axis=-1).max() < 0.05
@@ -396,27 +400,27 @@ def test_dragon_comes_to_rest_in_the_pile_up(seed_march, head_force):
     assert moved.max() < 0.002
 
 
-def test_head_with_a_motor_keeps_to_the_model_until_it_touches(seed_march):
-    assert simulate(seed_march, start=405.0, until=405.5, contacts="resolve").max_drift < 5e-6
-    turning = simulate(March(Dragon(benches=3)), start=0.0, until=60.0, contacts="resolve", substep=0.02)
+def test_head_with_a_motor_keeps_to_the_model_until_it_touches():
+    assert simulate(SIXTEEN, start=405.0, until=408.0, contacts="resolve").max_drift < 5e-6
+    turning = simulate(March(Dragon(benches=3)), start=0.0, until=20.0, contacts="resolve", substep=0.02)
     assert turning.max_drift < 1e-4
 
 
-def test_weak_motor_leaves_the_head_where_it_is(seed_march):
-    run = simulate(seed_march, start=400.0, until=401.0, contacts="resolve", head_force=20.0)
-    assert np.linalg.norm(run.poses[-1, 0, :2] - run.poses[0, 0, :2]) < 0.25
+def test_weak_motor_leaves_the_head_where_it_is():
+    run = simulate(SIXTEEN, start=400.0, until=402.0, contacts="resolve", head_force=20.0)
+    assert np.linalg.norm(run.poses[-1, 0, :2] - run.poses[0, 0, :2]) < 0.5
     assert run.outcome == "clear"
 
 
-def test_overlap_at_the_start_is_a_contact_at_the_start(seed_march):
-    run = simulate(seed_march, start=413.0)
+def test_overlap_at_the_start_is_a_contact_at_the_start():
+    run = simulate(SIXTEEN, start=413.0)
     assert run.first_contact.time == 413.0
     assert run.first_contact.benches == (0, 8)
 
 
-def test_callback_is_told_every_event_and_what_it_raises_comes_after_the_step(seed_march, capfd):
+def test_callback_is_told_every_event_and_what_it_raises_comes_after_the_step(capfd):
     told = []
-    run = simulate(seed_march, start=412.4, on_event=told.append)
+    run = simulate(SIXTEEN, start=412.4, on_event=told.append)
     assert told == list(run.events)
     for failure in (ValueError("seen"), KeyboardInterrupt()):
 
@@ -424,13 +428,13 @@ def test_callback_is_told_every_event_and_what_it_raises_comes_after_the_step(se
             raise failure
 
         with pytest.raises(type(failure)) as caught:
-            simulate(seed_march, start=412.4, on_event=on_event)
+            simulate(SIXTEEN, start=412.4, on_event=on_event)
         assert caught.value is failure
     assert capfd.readouterr() == ("", "")
 
 
-def test_space_taken_apart_in_mid_contact_logs_nothing_more(seed_march):
-    world = World(seed_march, "none", EngineSettings(contacts="report"), start=413.0)
+def test_space_taken_apart_in_mid_contact_logs_nothing_more():
+    world = World(SIXTEEN, "none", EngineSettings(contacts="report"), start=413.0)
     recorder = Recorder(world)
     world.space.step(0.01)
     logged = list(recorder.events)
@@ -443,16 +447,14 @@ def test_space_taken_apart_in_mid_contact_logs_nothing_more(seed_march):
 # How a run ends
 
 
-def test_clear_run_ends_when_it_shall_and_tells_its_progress(seed_march):
+def test_clear_run_ends_when_it_shall_and_tells_its_progress():
     told = []
-    run = simulate(
-        seed_march, start=10.0, until=10.38, progress=lambda time, until: told.append((round(time, 9), until))
-    )
+    run = simulate(SIXTEEN, start=10.0, until=10.38, progress=lambda *told_now: told.append(np.round(told_now, 9)))
     assert (run.outcome, run.first_contact) == ("clear", None)
     assert run.times[0] == 10.0
     assert run.times[-1] == pytest.approx(10.38, abs=1e-9)
     np.testing.assert_allclose(np.diff(run.times)[:-1], 0.1, atol=1e-9)
-    assert told == [(10.1, 10.38), (10.2, 10.38), (10.3, 10.38)]
+    assert np.array_equal(told, [(10.1, 10.38), (10.2, 10.38), (10.3, 10.38)])
     shortest = simulate(March(Dragon(benches=4)), until=1e-8)
     assert (shortest.substeps, shortest.times.size) == (1, 2)
 
@@ -500,7 +502,7 @@ def test_signals_during_a_step_are_raised_after_it():
 
     # A callback of the user's own is ended.
     with pytest.raises(KeyboardInterrupt):
-        simulate(March(), start=412.4, on_event=on_event)
+        simulate(SIXTEEN, start=412.4, on_event=on_event)
     assert len(seen) == 1
     with ThreadPoolExecutor(1) as pool:
         run = pool.submit(simulate, March(Dragon(benches=4)), until=0.1).result()
