@@ -1,0 +1,373 @@
+"""Questions 4 and 5: the turn, the shortest turn and the speed limit, against many digits, Shapely and brute force."""
+
+from __future__ import annotations
+
+import json
+import sys
+
+import mpmath as mp
+import numpy as np
+import openpyxl
+import pytest
+import shapely
+from arc_turns import largest_ratio, random_search
+from conftest import NO_NUMBERS, assert_says
+from exact_curves import DIGITS, s_turn, walked_chain
+from exact_curves import u_turn as exact_turn
+from PIL import Image
+from study_answers import answer as shared_answer
+from study_answers import largest_speed
+
+from pymunk_dragon.errors import MissingExtraError, ParameterError, UnreachableError
+from pymunk_dragon.model.curves import UTurn
+from pymunk_dragon.model.dragon import Dragon
+from pymunk_dragon.model.march import March
+from pymunk_dragon.studies import max_speed, u_turn
+from pymunk_dragon.studies._shortest import shortest_turn
+from pymunk_dragon.studies._turns import ArcPath
+
+BASE = UTurn()
+
+
+def searched():
+    """The answer with a search on three arcs, and its progress."""
+    shown = []
+    return u_turn(arcs=3, progress=lambda done, total: shown.append((done, total))), shown
+
+
+@pytest.fixture(scope="module")
+def answer():
+    return shared_answer("u-turn-on-3-arcs", searched)[0]
+
+
+@pytest.fixture(scope="module")
+def limit():
+    return largest_speed()
+
+
+def walked(curve, since, until):
+    """Length in m of a path by many straight pieces, right to 1e-8 of it."""
+    points = curve.point(np.linspace(since, until, 20_001))
+    return float(np.hypot(*np.diff(points, axis=0).T).sum())
+
+
+def fastest(march, ways):
+    """Highest speed of any handle over that of the head at each of the head's ways, from places a moment later."""
+    moment = 1e-6
+    now, later = march.handles_s_or_nan(march.time(ways)), march.handles_s_or_nan(march.time(ways + moment))
+    return np.max(np.abs(later - now), axis=1) / moment
+
+
+def test_turn_is_the_contests_to_the_last_digits(answer):
+    with mp.workdps(DIGITS):
+        radii, centres, sweeps, _, length = s_turn(mp.mpf("1.7"), mp.mpf("4.5"), mp.mpf(2))
+        expected = [float(part) for part in (*radii, *sweeps, length)]
+        middles = [[float(centre.real), float(centre.imag)] for centre in centres]
+    assert [*answer.turn.radii, *answer.turn.sweeps, answer.turn.length] == pytest.approx(expected, abs=1e-12)
+    assert answer.turn.centres.tolist() == [pytest.approx(middle, abs=1e-12) for middle in middles]
+
+
+def test_no_two_arcs_make_the_turn_shorter(answer):
+    for ratio, length in answer.lengths:
+        turn = UTurn(ratio=ratio)
+        assert walked(turn, 0, turn.joints[-1]) == pytest.approx(answer.turn.length, rel=1e-7)
+        assert length == pytest.approx(answer.turn.length, rel=1e-14)
+    assert len({ratio for ratio, _ in answer.lengths}) >= 5
+
+
+@pytest.mark.thorough
+def test_dragon_gets_round_both_turns_without_touching_itself(answer):
+    for march, contact in ((answer.march, answer.contact), (answer.shortest_march, answer.shortest_contact)):
+        assert (contact.status, contact.time) == ("clear", 100)
+        # At one of the times every other metre, by somebody else's geometry.
+        for poses in march.at(np.arange(-10.0, 100.5, 2.0)).poses:
+            benches = shapely.polygons(march.dragon.outlines(poses))
+            first, second = shapely.STRtree(benches).query(benches, predicate="intersects")
+            assert np.abs(first - second).max() == 1
+
+
+def test_no_handle_is_faster_than_is_certified(answer):
+    for march, most in ((answer.march, answer.peak_speed_ratio), (answer.shortest_march, answer.shortest.ratio)):
+        ways = np.union1d(np.arange(-3, 40, 0.1), most.distance + np.arange(-0.1, 0.1, 0.01))
+        seen = fastest(march, ways)
+        assert most.excess <= 1e-11
+        assert seen.max() <= most.ratio + 1e-6
+        assert seen.max() == pytest.approx(most.ratio, abs=1e-4)
+        assert ways[seen.argmax()] == pytest.approx(most.distance, abs=0.02) or seen.max() - most.ratio < 1e-4
+    assert answer.shortest.ratio.ratio <= answer.peak_speed_ratio.ratio
+    assert answer.shortest.ratio.ratio == pytest.approx(answer.peak_speed_ratio.ratio, rel=1e-5)
+
+
+def test_shortest_turn_on_three_arcs_is_a_sixth_shorter_and_stays_in_the_circle(answer):
+    short = answer.shortest.turn
+    # The closed form and the linear programming of an earlier version found this turn, too.
+    assert short.length == pytest.approx(11.28054, abs=1e-4)
+    assert walked(short.path, 0, short.path.joints[-1]) == pytest.approx(short.length, rel=1e-7)
+    inside = short.path.point(np.linspace(0, short.length, 3001))
+    assert np.hypot(*inside.T).max() <= 4.5 + 1e-12
+    assert_tangent_in_many_digits(short)
+    # Entry and exit are those of the contest's turn.
+    ends = short.path.point([0, short.length])
+    assert ends == pytest.approx(answer.turn.tangent_points[[0, 2]], abs=1e-12)
+
+
+def unknowns(turn):
+    return np.array([*turn.curvatures, *turn.lengths])
+
+
+def assert_tangent_in_many_digits(turn):
+    """Arcs laid end to end in 34 digits come to the exit with its tangent."""
+    with mp.workdps(DIGITS):
+        entry = mp.mpf("4.5") * mp.expj(2 * mp.pi * mp.mpf("4.5") / mp.mpf("1.7"))
+        angle = mp.arg(entry) + mp.atan(2 * mp.pi * mp.mpf("4.5") / mp.mpf("1.7")) - mp.pi
+        point, heading = entry, angle
+        for curvature, length in zip(turn.curvatures, turn.lengths, strict=True):
+            k, way = mp.mpf(curvature), mp.mpf(length)
+            point += way * mp.expj(heading) if k == 0 else (mp.expj(heading + k * way) - mp.expj(heading)) / (1j * k)
+            heading += k * way
+        assert abs(point + entry) < 1e-12
+        assert abs(heading - angle) < 1e-12
+
+
+def test_derivatives_of_a_path_are_those_of_differences():
+    count = 7
+    rng = np.random.default_rng(count)
+    x = np.concatenate([rng.uniform(-1, 1, count), rng.uniform(0.5, 2, count)])
+    # A straight arc, and a short one.
+    x[1], x[-1] = 1e-9, 0.03
+    s = np.linspace(-2.0, x[count:].sum() + 3, 40)
+    path = ArcPath(BASE, x)
+    slopes, turns = path.partials(s, *path.at(s))
+    error, of_error = path.end_error()
+    radii, of_radii = path.squared_radii()
+    for k, unit in enumerate(np.eye(2 * count)):
+        one, other = (ArcPath(BASE, x + side * 1e-6 * unit) for side in (1, -1))
+        _, tangents, _ = path.at(s)
+        changed = (one.at(s)[0] - other.at(s)[0]) / 2e-6
+        assert slopes[:, k] == pytest.approx(changed, abs=1e-7)
+        assert turns[:, k] == pytest.approx(((one.at(s)[1] - other.at(s)[1]) / 2e-6 / tangents).imag, abs=1e-7)
+        assert of_error[:, k] == pytest.approx((one.end_error()[0] - other.end_error()[0]) / 2e-6, abs=1e-7)
+        assert of_radii[:, k] == pytest.approx((one.squared_radii()[0] - other.squared_radii()[0]) / 2e-6, abs=1e-6)
+    assert error.shape == (3,)
+    assert radii.shape == (2 * count - 1,)
+
+
+def test_brute_force_sees_the_same_largest_speed(answer):
+    (first, second), angle = answer.turn.radii, answer.turn.sweeps[1]
+    contests = [-1 / first, 1 / second, first * angle, second * angle]
+    assert largest_ratio(contests) == pytest.approx(answer.peak_speed_ratio.ratio, abs=1e-3)
+    assert largest_ratio(unknowns(answer.shortest.turn)) == pytest.approx(answer.shortest.ratio.ratio, abs=2e-3)
+
+
+@pytest.mark.thorough
+def test_no_random_turn_near_the_shortest_one_is_shorter_and_keeps_to_the_limit(answer):
+    # What brute force sees of a speed is right to 0.001; the length changes by about 5 m for a unit of it.
+    length, _ = random_search(3, answer.max_ratio - 1e-3, 40, start=unknowns(answer.shortest.turn))
+    assert length >= answer.shortest.turn.length - 0.01
+
+
+@pytest.mark.thorough
+def test_more_arcs_make_the_turn_shorter():
+    """On five arcs it is 8 % shorter than on three, and without a contact; a random search finds no shorter one."""
+    found = u_turn(arcs=7)
+    (_, three), (_, five), (_, seven) = found.shortest.lengths
+    assert three == pytest.approx(11.2805, abs=1e-3)
+    assert five < 10.51
+    assert seven < 10.35
+    assert found.shortest_contact.status == "clear"
+    assert found.shortest.ratio.ratio <= found.max_ratio
+    assert_tangent_in_many_digits(found.shortest.turn)
+    assert fastest(found.shortest_march, np.arange(-3, 40, 0.01)).max() <= found.max_ratio + 1e-6
+    assert random_search(5, found.max_ratio, 300)[0] > five - 0.01
+
+
+def test_search_reports_its_progress_and_its_answer_claims_no_proof(answer):
+    _, shown = shared_answer("u-turn-on-3-arcs", searched)
+    assert shown[-1][0] == shown[-1][1]
+    assert len(shown) > 1
+    text = " ".join(str(answer).split())
+    assert "not proven" in text
+    assert "11.2805 m on 3" in text
+
+
+def test_missing_scipy_is_named_before_any_work(monkeypatch):
+    monkeypatch.setitem(sys.modules, "scipy.optimize", None)
+    monkeypatch.setattr(sys.modules["pymunk_dragon.studies.u_turn"], "largest_ratio", None)
+    with pytest.raises(MissingExtraError) as caught:
+        u_turn()
+    assert_says(caught.value, "pymunk-dragon[studies]")
+
+
+def test_impossible_turns_are_refused_by_name():
+    cases = [("min_radius", value, "0.05 to 4.5 m") for value in (*NO_NUMBERS, 0.01, 4.6)]
+    cases += [("arcs", value, "3 to 15") for value in (2, 4, 17, 3.0, True, "7")]
+    # None asks for the contest's limit.
+    cases += [("fastest", value, "1.01 to 5") for value in (*NO_NUMBERS, 1.0, 5.1) if value is not None]
+    for name, value, bound in cases:
+        with pytest.raises(ParameterError) as caught:
+            u_turn(**{name: value})
+        assert_says(caught.value, f"{name} is", bound)
+    with pytest.raises(ParameterError) as caught:
+        u_turn(Dragon(benches=12), radius=1.8)
+    assert_says(caught.value, "radius is 1.8")
+
+
+@pytest.mark.thorough
+def test_a_limit_that_no_turn_keeps_to_is_refused():
+    with pytest.raises(ParameterError) as caught:
+        shortest_turn(BASE, Dragon(), 1.05, 3, 0.5)
+    assert_says(caught.value, "fastest is 1.05")
+
+
+def test_contests_sheet_has_all_times_from_before_the_circle_to_after_it(call, tmp_path):
+    file = tmp_path / "result4.xlsx"
+    status, out, _ = call("study", "u-turn", "--benches", "12", "--no-search", "-o", file, "--json")
+    told = json.loads(out)
+    assert (status, told["shortest"], told["contact"]["status"]) == (0, None, "clear")
+    assert {"length", "radii", "centres"} <= told.keys()
+    assert told["length"] == pytest.approx(13.621245, abs=1e-6)
+    book = openpyxl.load_workbook(file)
+    places, speeds = ([*book[name].iter_rows(values_only=True)] for name in ("位置", "速度"))
+    assert places[0] == (None, *(f"{time} s" for time in range(-100, 101)))
+    assert speeds[0] == places[0]
+    assert [row[0] for row in places[1:3]] == ["龙头x (m)", "龙头y (m)"]
+    assert (len(places), len(speeds)) == (1 + 2 * 13, 1 + 13)
+    assert (places[1][101], places[2][101]) == (-2.711856, -3.591078)
+    assert set(speeds[1][1:]) == {1.0}
+    march = March(Dragon(benches=12), UTurn())
+    states = march.at([-100.0, 14.0, 100.0])
+    for column, at in ((1, 0), (115, 1), (201, 2)):
+        found = np.array([row[column] for row in places[1:]]).reshape(-1, 2)
+        assert found == pytest.approx(states.positions[at], abs=6e-7)
+        assert [row[column] for row in speeds[1:]] == pytest.approx(states.speeds[at].tolist(), abs=6e-7)
+
+
+def test_picture_shows_both_turns_and_who_hurries(answer):
+    drawn = answer.plot()
+    two, three, below = drawn.axes
+    lines = {line.get_gid(): line for line in below.get_lines()}
+    for axes, march in ((two, answer.march), (three, answer.shortest_march)):
+        joints = next(line for line in axes.get_lines() if line.get_gid() == "joints")
+        assert joints.get_xydata() == pytest.approx(march.curve.point(march.curve.joints))
+    for gid in ("speeds", "short-speeds"):
+        assert lines[gid].get_ydata().max() == pytest.approx(answer.max_ratio, abs=0.01)
+
+
+# The speed limit
+
+
+def scanned(dragon, curve, begin, end, step):
+    """The largest speed over the head's that looking every `step` m sees, and where the head is then."""
+    ways = np.arange(begin, end, step)
+    parts = np.array_split(ways, max(1, ways.size // 500))
+    seen = np.concatenate([March(dragon, curve).at(part).speeds.max(axis=1) for part in parts])
+    return float(seen.max()), float(ways[seen.argmax()])
+
+
+def test_the_ratio_at_the_limit_is_the_one_in_many_digits(limit):
+    """And neither a millimetre before nor one after is it larger: the moment is right as well."""
+    with mp.workdps(DIGITS):
+        truth, spacings, tiny = exact_turn(), limit.dragon.spacings[: limit.handle], mp.mpf("1e-15")
+
+        def ratio(way):
+            before, after = (walked_chain(truth, mp.mpf(way) + sign * tiny, spacings)[-1] for sign in (-1, 1))
+            return (after - before) / (2 * tiny)
+
+        there = ratio(limit.distance)
+        assert abs(there - mp.mpf(limit.ratio)) < 1e-11
+        for away in (-1e-3, 1e-3):
+            assert ratio(limit.distance + away) < there
+
+
+def test_the_speed_is_the_limit_over_the_ratio(limit, answer):
+    assert limit.speed * limit.ratio == pytest.approx(2, rel=1e-15)
+    fast = March(curve=UTurn(), speed=limit.speed).at(limit.time).speeds[0]
+    assert fast.max() == pytest.approx(2, abs=1e-8)
+    assert fast[list(limit.handles)] == pytest.approx(np.full(len(limit.handles), 2.0), abs=1e-8)
+    assert max_speed(limit=1.0).speed == pytest.approx(limit.speed / 2, rel=1e-15)
+    # The turn's own search for it, by another method.
+    assert (answer.peak_speed_ratio.ratio, answer.peak_speed_ratio.handle) == (limit.ratio, limit.handle)
+    assert answer.peak_speed_ratio.distance == pytest.approx(limit.distance, abs=1e-5)
+
+
+def test_nobody_is_faster_however_long_one_looks(limit):
+    coarse, way = scanned(limit.dragon, limit.curve, -10.0, 40.0, 0.05)
+    assert coarse <= limit.ratio * (1 + 1e-12)
+    assert way == pytest.approx(limit.distance, abs=0.05)
+    fine, _ = scanned(limit.dragon, limit.curve, limit.distance - 2e-3, limit.distance + 2e-3, 4e-6)
+    assert limit.ratio - 1e-9 < fine <= limit.ratio * (1 + 1e-12)
+    # The whole dragon's way through the turn, and long after.
+    later, _ = scanned(limit.dragon, limit.curve, 40.0, 500.0, 1.0)
+    assert later < limit.ratio - 0.4
+
+
+# Where the head bench is no longer than the others, those on the way out add to the speed behind them.
+LAST_IS_FASTEST = Dragon(benches=25, head_spacing=1.65)
+OTHERS = [
+    (LAST_IS_FASTEST, {}),
+    (Dragon(benches=8, head_spacing=1.0, body_spacing=2.0), {}),
+    (Dragon(benches=2), {}),
+]
+MORE = [
+    (Dragon(), {"ratio": 1.0}),
+    (Dragon(), {"pitch": 1.2, "radius": 5.0, "ratio": 1.5}),
+    (Dragon(benches=30, head_spacing=1.65), {"ratio": 0.6}),
+    (Dragon(benches=40, head_spacing=1.0, body_spacing=0.6, overhang=0.1), {"radius": 12.0}),
+]
+
+
+@pytest.mark.parametrize("cases", [OTHERS, pytest.param(MORE, marks=pytest.mark.thorough)], ids=["few", "more"])
+def test_other_dragons_and_turns_are_as_fast_as_a_scan_sees(cases):
+    for dragon, sizes in cases:
+        found = max_speed(dragon, **sizes)
+        end = found.curve.joints[-1] + min(float(dragon.spacings.sum()), 60.0)
+        coarse, way = scanned(dragon, found.curve, -3.0, end, 0.05)
+        near, _ = scanned(dragon, found.curve, way - 0.06, way + 0.06, 1e-4)
+        assert found.excess <= 1e-11, found
+        assert coarse <= found.ratio * (1 + 1e-11), found
+        assert found.ratio * (1 - 1e-6) < max(near, 1.0) <= found.ratio * (1 + 1e-11), found
+        assert dragon is not LAST_IS_FASTEST or found.handle == 25
+
+
+def test_long_dragons_and_wide_turns_are_bounded_with_little_work():
+    # With 2.0 m the whole dragon was followed through the turn, for a minute and a half.
+    for head_spacing in (1.65, 1.9, 2.0):
+        found = max_speed(Dragon(head_spacing=head_spacing))
+        assert found.evaluations < 5000
+        assert found.excess < 0.02
+        seen, _ = scanned(found.dragon, found.curve, found.distance - 1.0, found.distance + 1.0, 0.05)
+        assert seen <= found.ratio * (1 + found.excess)
+    # On a turn gentler than the way out, the bound for the way out is the larger one.
+    found = max_speed(Dragon(benches=20), radius=40.0)
+    assert 1 <= found.ratio < 1.01
+    seen, _ = scanned(found.dragon, found.curve, -10.0, found.curve.joints[-1] + 200.0, 1.0)
+    assert seen <= found.ratio * (1 + found.excess)
+
+
+def test_impossible_limits_turns_and_dragons_are_refused_by_name():
+    short = Dragon(benches=4, head_spacing=0.51, body_spacing=0.47, overhang=0.01, width=0.05)
+    for dragon, sizes, *words in (
+        *((None, {n: value}, f"{n} is ") for n in ("limit", "pitch", "radius", "ratio") for value in NO_NUMBERS),
+        (Dragon(body_spacing=[1.65, 1.5, 1.65]), {}, "alike"),
+        (None, {"radius": 0.6}, "radius is 0.6"),
+        # Handle 1 is pushed back all the way out.
+        (None, {"radius": 4.0}, "radius is 4.0"),
+        (short, {"pitch": 2.4, "radius": 0.632, "ratio": 0.185}, "radius is 0.632"),
+    ):
+        with pytest.raises(ParameterError) as caught:
+            max_speed(dragon, **sizes)
+        assert_says(caught.value, *words)
+    with pytest.raises(UnreachableError):
+        max_speed(radius=4.2)
+
+
+def test_program_tells_the_limit_and_draws_it(call, limit, tmp_path):
+    told = json.loads(call("study", "max-speed", "--json")[1])
+    assert (told["speed"], told["handle"], told["time"]) == (limit.speed, limit.handle, limit.time)
+    status, out, _ = call("study", "max-speed", "--limit", "3")
+    assert (status, "3 m/s" in out) == (0, True)
+    limit.write_figure(tmp_path / "limit.png")
+    with Image.open(tmp_path / "limit.png") as picture:
+        assert picture.size == (1600, 900)
+    limit.write_figure(tmp_path / "limit.svg")
+    assert 'id="fastest"' in (tmp_path / "limit.svg").read_text()
