@@ -19,7 +19,7 @@ from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 from pymunk_dragon.model.settings import FINE_ITERATIONS, FINE_STRIDE, EngineSettings
-from pymunk_dragon.physics import GUIDES, PathGuide, Rails, World, simulate
+from pymunk_dragon.physics import PathGuide, Rails, World, simulate
 from pymunk_dragon.physics.callbacks import Recorder
 
 # m
@@ -130,12 +130,7 @@ def test_fine_settings_are_right_to_a_micrometre_and_ten_microseconds(seed_march
 
 
 @pytest.mark.thorough
-def test_smaller_substeps_drift_less_and_a_faster_march_is_the_same(seed_march, true_time):
-    drifts = [
-        simulate(seed_march, start=405.0, until=410.0, substep=substep).max_drift
-        for substep in (1 / 50, 1 / 100, 1 / 200)
-    ]
-    assert drifts[0] > 1.5 * drifts[1] > 2.25 * drifts[2]
+def test_march_at_twice_the_speed_is_the_same(true_time):
     fast = simulate(March(speed=2.0), start=205.0)
     assert fast.first_contact.benches == (0, 8)
     assert 2 * fast.first_contact.time == pytest.approx(true_time, abs=0.010)
@@ -171,13 +166,6 @@ def test_paper_model_of_16_benches_meets_the_same_contact(true_time):
     run = simulate(SIXTEEN, start=395.0)
     assert run.first_contact.benches == (0, 8)
     assert run.first_contact.time == pytest.approx(true_time, abs=0.010)
-    assert_keeps_to_the_model(run)
-
-
-@pytest.mark.thorough
-def test_dragon_of_1000_benches_keeps_to_the_model():
-    run = simulate(March(Dragon(benches=1000)), until=3.0)
-    assert run.outcome == "clear"
     assert_keeps_to_the_model(run)
 
 
@@ -264,13 +252,6 @@ class Springs(PathGuide):
         forces[:, 2] = arms[:, 0] * pulls[:, 1] - arms[:, 1] * pulls[:, 0]
 
 
-class HalfRails(Rails):
-    """Rails for the benches of even numbers."""
-
-    def joints(self, bench, body):
-        return super().joints(bench, body) if bench % 2 == 0 else ()
-
-
 def test_springs_of_twice_the_stiffness_give_way_by_half():
     soft, hard = (simulate(CIRCLE, guide=Springs(stiffness), until=10.0) for stiffness in (4000.0, 8000.0))
     assert soft.guide == "Springs"
@@ -280,16 +261,6 @@ def test_springs_of_twice_the_stiffness_give_way_by_half():
     # A guide that does not balance the drag leaves it to the head.
     sprung, none = (simulate(CIRCLE, guide=g, until=0.1, contacts="resolve") for g in (Springs(4000.0), "none"))
     assert sprung.settings.head_force == none.settings.head_force
-
-
-def test_rails_of_every_second_bench_hold_its_hole_and_no_other(monkeypatch):
-    monkeypatch.setitem(GUIDES, "half", HalfRails)
-    run = simulate(CIRCLE, guide="half", until=10.0)
-    assert run.guide == "half"
-    _, rear = run.march.dragon.holes(run.poses)
-    off = np.abs(np.linalg.norm(rear, axis=-1) - RADIUS).max(axis=0)
-    assert off[2::2].max() < 1e-4
-    assert off[1::2].min() > 1e-3
 
 
 def test_settings_and_guides_play_the_same_run_again(tmp_path):
@@ -304,13 +275,6 @@ def test_settings_and_guides_play_the_same_run_again(tmp_path):
     dragged.save(tmp_path / "run.npz")
     assert Run.load(tmp_path / "run.npz").settings == dragged.settings
     assert dragged.settings.drag == 20.0
-
-
-def test_resolved_contacts_take_more_and_finer_work():
-    for contacts, substep, iterations in (("stop", 0.02, 10), ("resolve", 0.005, 60)):
-        settings = simulate(CIRCLE, until=0.1, contacts=contacts).settings
-        assert (settings.substep, settings.iterations) == (substep, iterations)
-        assert simulate(CIRCLE, until=0.1, contacts=contacts, iterations=7).settings.iterations == 7
 
 
 # Contacts
@@ -404,18 +368,8 @@ def test_head_with_a_motor_keeps_to_the_model_until_it_touches():
     assert simulate(SIXTEEN, start=405.0, until=408.0, contacts="resolve").max_drift < 5e-6
     turning = simulate(March(Dragon(benches=3)), start=0.0, until=20.0, contacts="resolve", substep=0.02)
     assert turning.max_drift < 1e-4
-
-
-def test_weak_motor_leaves_the_head_where_it_is():
-    run = simulate(SIXTEEN, start=400.0, until=402.0, contacts="resolve", head_force=20.0)
-    assert np.linalg.norm(run.poses[-1, 0, :2] - run.poses[0, 0, :2]) < 0.5
-    assert run.outcome == "clear"
-
-
-def test_overlap_at_the_start_is_a_contact_at_the_start():
-    run = simulate(SIXTEEN, start=413.0)
-    assert run.first_contact.time == 413.0
-    assert run.first_contact.benches == (0, 8)
+    weak = simulate(SIXTEEN, start=400.0, until=402.0, contacts="resolve", head_force=20.0)
+    assert np.linalg.norm(weak.poses[-1, 0, :2] - weak.poses[0, 0, :2]) < 0.5
 
 
 def test_callback_is_told_every_event_and_what_it_raises_comes_after_the_step(capfd):
@@ -433,17 +387,6 @@ def test_callback_is_told_every_event_and_what_it_raises_comes_after_the_step(ca
     assert capfd.readouterr() == ("", "")
 
 
-def test_space_taken_apart_in_mid_contact_logs_nothing_more():
-    world = World(SIXTEEN, "none", EngineSettings(contacts="report"), start=413.0)
-    recorder = Recorder(world)
-    world.space.step(0.01)
-    logged = list(recorder.events)
-    assert logged
-    recorder.close()
-    world.space.remove(*world.shapes)
-    assert recorder.events == logged
-
-
 # How a run ends
 
 
@@ -451,6 +394,9 @@ def test_clear_run_ends_when_it_shall_and_tells_its_progress():
     told = []
     run = simulate(SIXTEEN, start=10.0, until=10.38, progress=lambda *told_now: told.append(np.round(told_now, 9)))
     assert (run.outcome, run.first_contact) == ("clear", None)
+    # An overlap at the start is a contact at the start.
+    overlapping = simulate(SIXTEEN, start=413.0).first_contact
+    assert (overlapping.time, overlapping.benches) == (413.0, (0, 8))
     assert run.times[0] == 10.0
     assert run.times[-1] == pytest.approx(10.38, abs=1e-9)
     np.testing.assert_allclose(np.diff(run.times)[:-1], 0.1, atol=1e-9)
@@ -467,14 +413,9 @@ def test_run_ends_where_the_curve_leaves_the_head_no_place():
     assert run.outcome == "unreachable"
     assert caught.value.handle == 1
     assert np.all(np.isfinite(run.poses))
-
-
-def test_drift_is_unknown_where_the_exact_model_has_no_place():
-    """Long body benches stop fitting before the head does: the engine plays on, and the drift cannot be known."""
-    march = March(Dragon(benches=3, head_spacing=1.0, body_spacing=2.6, width=0.02))
-    run = simulate(march, start=430.0, contacts="report")
+    # Long body benches stop fitting before the head does: the engine plays on, and the drift cannot be known.
+    run = simulate(March(Dragon(benches=3, head_spacing=1.0, body_spacing=2.6, width=0.02)), start=430.0)
     assert np.isnan(run.drift[-1]).all()
-    assert np.isfinite(run.drift[0]).all()
     assert np.isfinite(run.max_drift)
 
 
@@ -505,8 +446,7 @@ def test_signals_during_a_step_are_raised_after_it():
         simulate(SIXTEEN, start=412.4, on_event=on_event)
     assert len(seen) == 1
     with ThreadPoolExecutor(1) as pool:
-        run = pool.submit(simulate, March(Dragon(benches=4)), until=0.1).result()
-    assert run.times[-1] == pytest.approx(0.1)
+        assert pool.submit(simulate, CIRCLE, until=0.1).result().times[-1] == pytest.approx(0.1)
 
 
 # Bad input

@@ -393,14 +393,6 @@ def test_the_command_writes_what_the_ending_says(call, known, answer, tmp_path):
         assert (tmp_path / f"answer{ending}").read_bytes() == content
 
 
-@pytest.mark.thorough
-def test_pictures_of_other_answers_are_written(tmp_path):
-    for found in (slopes(), min_pitch(radius=8.0)):
-        found.write_figure(tmp_path / "answer.png")
-        with Image.open(tmp_path / "answer.png") as picture:
-            assert picture.width == 1600
-
-
 def test_a_picture_needs_matplotlib_before_anything_is_computed(call, monkeypatch, tmp_path, answer):
     with Image.open(io.BytesIO(answer._repr_png_())) as opened:
         assert opened.width == 800

@@ -24,7 +24,6 @@ from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.studies import max_speed, u_turn
 from pymunk_dragon.studies._shortest import shortest_turn
-from pymunk_dragon.studies._turns import ArcPath
 
 BASE = UTurn()
 
@@ -127,29 +126,6 @@ def assert_tangent_in_many_digits(turn):
             heading += k * way
         assert abs(point + entry) < 1e-12
         assert abs(heading - angle) < 1e-12
-
-
-def test_derivatives_of_a_path_are_those_of_differences():
-    count = 7
-    rng = np.random.default_rng(count)
-    x = np.concatenate([rng.uniform(-1, 1, count), rng.uniform(0.5, 2, count)])
-    # A straight arc, and a short one.
-    x[1], x[-1] = 1e-9, 0.03
-    s = np.linspace(-2.0, x[count:].sum() + 3, 40)
-    path = ArcPath(BASE, x)
-    slopes, turns = path.partials(s, *path.at(s))
-    error, of_error = path.end_error()
-    radii, of_radii = path.squared_radii()
-    for k, unit in enumerate(np.eye(2 * count)):
-        one, other = (ArcPath(BASE, x + side * 1e-6 * unit) for side in (1, -1))
-        _, tangents, _ = path.at(s)
-        changed = (one.at(s)[0] - other.at(s)[0]) / 2e-6
-        assert slopes[:, k] == pytest.approx(changed, abs=1e-7)
-        assert turns[:, k] == pytest.approx(((one.at(s)[1] - other.at(s)[1]) / 2e-6 / tangents).imag, abs=1e-7)
-        assert of_error[:, k] == pytest.approx((one.end_error()[0] - other.end_error()[0]) / 2e-6, abs=1e-7)
-        assert of_radii[:, k] == pytest.approx((one.squared_radii()[0] - other.squared_radii()[0]) / 2e-6, abs=1e-6)
-    assert error.shape == (3,)
-    assert radii.shape == (2 * count - 1,)
 
 
 def test_brute_force_sees_the_same_largest_speed(answer):
