@@ -64,7 +64,7 @@ async def _frames(address: str, count: int) -> None:
 
 def clients() -> None:
     """Rate of the physics with one client and with many."""
-    for number in (1, CLIENTS):
+    for number in sized((1, CLIENTS), (CLIENTS,)):
         with program() as (process, address):
             frames, rates = asyncio.run(_watch(address, number, SECONDS))
             used = psutil.Process(process.pid).cpu_percent(1.0)
@@ -97,7 +97,7 @@ async def _watch(address: str, number: int, seconds: float) -> tuple[float, floa
 
 def memory() -> None:
     """Memory of the process while a client watches, and while it drags all the time; nothing is reset."""
-    for drags in (False, True):
+    for drags in sized((False, True), (True,)):
         with program("pendulum") as (process, address):
             print(f"a client {'drags' if drags else 'watches'}: {asyncio.run(_play(address, process.pid, drags))}")
 

@@ -19,8 +19,7 @@ from pathlib import Path
 from time import perf_counter
 
 import numpy as np
-from measure import arguments, sized, spread
-from sweep_quantities import nothing
+from measure import arguments, nothing, sized, spread
 
 from pymunk_dragon import sweep
 from pymunk_dragon.sweeps.evaluation import evaluate
@@ -53,9 +52,8 @@ def overhead() -> None:
     print(f"the quantity of no work itself: {1e3 * work:.2f} ms a point, on each of {WORKERS} workers")
     print("| workers | points of a batch | overhead of a point, ms |")
     print("| --- | --- | --- |")
-    for name, scheduler in (("processes", None), ("Dask", "local")):
-        for batch_size, count in ((1, 500), (None, 4000)):
-            count = sized(count, 20)
+    for name, scheduler in sized((("processes", None), ("Dask", "local")), (("Dask", "local"),)):
+        for batch_size, count in sized(((1, 500), (None, 4000)), ((None, 20),)):
             found = []
             for _ in range(REPEATS):
                 short, long = (seconds(part * count, scheduler, batch_size) for part in (1, 2))
@@ -92,7 +90,7 @@ def memory() -> None:
 
 
 def contact_map() -> None:
-    side = sized(100, 3)
+    side = sized(100, 2)
     axes = {"pitch": np.linspace(0.4, 0.8, side).tolist(), "width": np.linspace(0.2, 0.4, side).tolist()}
     begin = perf_counter()
     with tempfile.TemporaryDirectory() as folder:

@@ -8,6 +8,8 @@ from collections.abc import Callable, Sequence
 from statistics import median
 from typing import TypeVar
 
+from pymunk_dragon import March
+
 T = TypeVar("T")
 
 # With this flag a benchmark runs its whole code on little work. Its figures mean nothing then.
@@ -37,3 +39,8 @@ def durations(work: Callable[[], object], repeats: int, clock: Callable[[], floa
 def spread(values: Sequence[float], digits: int) -> str:
     """Median of `values`, and their range in brackets."""
     return f"{median(values):.{digits}f} ({min(values):.{digits}f} to {max(values):.{digits}f})"
+
+
+def nothing(march: March) -> dict[str, float]:
+    """A quantity of no work, for `bench_sweep.py`: workers import it by its name."""
+    return {"length": march.dragon.head_spacing}
