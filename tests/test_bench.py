@@ -32,7 +32,7 @@ def run_script(*arguments):
 @pytest.mark.thorough
 @pytest.mark.parametrize(
     "path",
-    [pytest.param(path, id=path.stem, marks=needs_browser if "player" in path.stem else ()) for path in BENCHMARKS],
+    [pytest.param(path, id=path.stem, marks=needs_browser if "live" in path.stem else ()) for path in BENCHMARKS],
 )
 def test_benchmark_runs_at_a_small_size(path):
     assert re.search(r"\d", run_script(path, "--small"))

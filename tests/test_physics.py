@@ -129,14 +129,6 @@ def test_fine_settings_are_right_to_a_micrometre_and_ten_microseconds(seed_march
     assert run.first_contact.time == pytest.approx(true_time, abs=10e-6)
 
 
-@pytest.mark.thorough
-def test_march_at_twice_the_speed_is_the_same(true_time):
-    fast = simulate(March(speed=2.0), start=205.0)
-    assert fast.first_contact.benches == (0, 8)
-    assert 2 * fast.first_contact.time == pytest.approx(true_time, abs=0.010)
-    assert fast.substep == pytest.approx(1 / 100)
-
-
 def test_same_scenario_gives_the_same_bytes(tmp_path):
     for name in ("once.npz", "again.npz"):
         simulate(SIXTEEN, start=411.5).save(tmp_path / name)
@@ -160,13 +152,6 @@ def test_engine_takes_nothing_but_the_heads_pose_from_the_exact_model(monkeypatc
 
 
 # Other dragons and curves
-
-
-def test_paper_model_of_16_benches_meets_the_same_contact(true_time):
-    run = simulate(SIXTEEN, start=395.0)
-    assert run.first_contact.benches == (0, 8)
-    assert run.first_contact.time == pytest.approx(true_time, abs=0.010)
-    assert_keeps_to_the_model(run)
 
 
 def test_jumps_of_the_curvature_shift_no_bench_by_more_than_150_micrometres():
@@ -289,7 +274,9 @@ def test_stop_logs_the_three_phases_of_the_last_substep(late_run):
     assert np.dot(post.impulse, post.normal) > 0
 
 
-def test_report_plays_on_without_pushing_and_shows_when_the_benches_part(reported, seed_march):
+def test_report_plays_on_without_pushing_and_shows_when_the_benches_part(reported, seed_march, true_time):
+    # 16 benches meet as the long dragon does.
+    assert reported.first_contact.time == pytest.approx(true_time, abs=0.5e-3)
     assert reported.times[-1] == pytest.approx(415.2)
     (window,) = reported.events.windows()
     assert window.benches == (0, 8)

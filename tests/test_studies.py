@@ -16,12 +16,10 @@ from conftest import NO_NUMBERS, assert_says
 from PIL import Image
 from study_answers import slopes, slopes_by_width, smallest_pitch
 
-from pymunk_dragon.cli import cli, main
-from pymunk_dragon.collision import first_contact, scan
+from pymunk_dragon.cli import cli
+from pymunk_dragon.collision import first_contact
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.model.curves import Spiral
 from pymunk_dragon.model.dragon import Dragon
-from pymunk_dragon.model.march import March
 from pymunk_dragon.studies import STUDIES, Study, min_pitch, sensitivity, study
 from pymunk_dragon.studies._gaps import SIZES, InwardMarch, gaps_of
 from pymunk_dragon.studies._study import Option
@@ -95,20 +93,6 @@ def test_no_bench_of_the_whole_dragon_overlaps_another_on_the_way_in_shapelys_ey
         gaps = shapely.distance(benches[first[near]], benches[second[near]])
         assert gaps.min() > 1e-4 or time == answer.distance
     assert gaps.min() < 1e-12
-
-
-@pytest.mark.thorough
-def test_a_scan_every_second_finds_a_pitch_that_is_too_small(answer):
-    blocked, free = 0.4495, 0.4505
-    while free - blocked > 1e-6:
-        middle = (blocked + free) / 2
-        march = March(curve=Spiral(pitch=middle))
-        if scan(march, step=1.0, until=inward_at(middle).length).status == "clear":
-            free = middle
-        else:
-            blocked = middle
-    assert free < answer.pitch - 1e-5
-    assert hit_at(free).status == "contact"
 
 
 def test_the_map_has_its_zero_where_the_answer_is_and_gaps_grow_with_the_pitch(answer):
@@ -404,14 +388,8 @@ def test_a_picture_needs_matplotlib_before_anything_is_computed(call, monkeypatc
     assert not list(tmp_path.iterdir())
 
 
-def test_a_study_shows_its_progress_on_a_terminal(monkeypatch):
-    class Terminal(io.StringIO):
-        def isatty(self):
-            return True
-
-    screen = Terminal()
-    monkeypatch.setattr("sys.stderr", screen)
-    with pytest.raises(SystemExit):
-        main(["study", "max-speed"])
-    assert "max-speed" in screen.getvalue()
-    assert "100%" in screen.getvalue()
+@pytest.mark.thorough
+def test_a_study_shows_its_progress_on_a_terminal(terminal):
+    shown = terminal("study", "max-speed")
+    assert "max-speed" in shown
+    assert "100%" in shown

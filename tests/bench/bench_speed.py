@@ -19,7 +19,7 @@ import numpy as np
 from bench_film import film_of, imageio_rgb, matplotlib_animation, ours
 from measure import durations, sized
 
-from pymunk_dragon import Dragon, March, Reversed, Sampled, Spiral, UTurn, first_contact, simulate
+from pymunk_dragon import Dragon, March, UTurn, first_contact, simulate
 from pymunk_dragon._arrays import Array
 
 REPEATS = sized(15, 1)
@@ -84,20 +84,15 @@ def show(times: dict[str, float], unit: str) -> None:
 
 
 def marches() -> dict[str, Callable[[], object]]:
-    """Positions and velocities of all handles at once: by the plain recursion, and on several curves."""
+    """Positions and velocities of all handles at once: by the plain recursion, and by the project."""
     times, turn_times = np.linspace(0.0, 300.0, TIMES), np.linspace(-100.0, 100.0, TIMES)
     spiral = March()
     apart = np.abs(plain_recursion(times)[0] - spiral.motion(times).points).max()
     print(f"\nThe plain recursion and the project differ by at most {apart:.1e} m.")
-    points = spiral.curve.point(np.linspace(-900, -1, 4000))
-    through = March(curve=Sampled(points), start_s=900 + spiral.head_start - 1)
-    reversed_twice = March(curve=Reversed(Reversed(Spiral())), start_s=spiral.head_start)
     return {
         "plain recursion with NumPy": lambda: plain_recursion(times),
         "`March.at`": lambda: spiral.at(times),
         "the same on the U-turn, from -100 s to 100 s": partial(March(curve=UTurn()).at, turn_times),
-        "the same by the code for any curve": partial(reversed_twice.at, times),
-        "the same through 4000 points": partial(through.at, times),
     }
 
 
