@@ -81,20 +81,6 @@ def test_larger_pitches_are_free_and_smaller_ones_are_not(answer, pitches):
         assert (hit_at(pitch).status == "clear") == (pitch > answer.pitch), pitch
 
 
-@pytest.mark.thorough
-def test_no_bench_of_the_whole_dragon_overlaps_another_on_the_way_in_shapelys_eyes(answer):
-    march = answer.march
-    times = np.append(np.arange(0.0, answer.arrival_distance, 2.0), answer.distance)
-    first, second = np.triu_indices(march.dragon.benches, 2)
-    for time in times:
-        benches = shapely.polygons(march.dragon.outlines(march.at(time).poses[0]))
-        middles = shapely.get_coordinates(shapely.centroid(benches))
-        near = np.hypot(*(middles[first] - middles[second]).T) < 3.5
-        gaps = shapely.distance(benches[first[near]], benches[second[near]])
-        assert gaps.min() > 1e-4 or time == answer.distance
-    assert gaps.min() < 1e-12
-
-
 def test_the_map_has_its_zero_where_the_answer_is_and_gaps_grow_with_the_pitch(answer):
     known = answer.map
     assert answer.half_line
@@ -293,17 +279,6 @@ def test_json_holds_the_answer_and_its_evidence(call, answer):
     assert found == json.loads(json.dumps(answer.to_dict()))
     assert found["benches"] == [0, 19]
     assert found["contact_pitch"] < found["pitch"] < found["clear_pitch"]
-    assert found["half_line"] is True
-    assert len(found["map"]["pitches"]) == len(found["map"]["gaps"])
-
-
-@pytest.mark.thorough
-def test_a_scenario_gives_the_dragon_and_flags_win(call, tmp_path):
-    file = tmp_path / "scenario.toml"
-    file.write_text("pitch = 0.6\nwidth = 0.2\nbenches = 30\n", encoding="utf-8")
-    for flags, width in (((), 0.2), (("--width", "0.3"), 0.3)):
-        _, out, _ = call("study", "min-pitch", "--scenario", file, *flags, "--json")
-        assert json.loads(out)["pitch"] == min_pitch(Dragon(width=width, benches=30)).pitch
 
 
 def test_bad_input_gets_one_line(call):

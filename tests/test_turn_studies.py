@@ -136,14 +136,7 @@ def test_brute_force_sees_the_same_largest_speed(answer):
 
 
 @pytest.mark.thorough
-def test_no_random_turn_near_the_shortest_one_is_shorter_and_keeps_to_the_limit(answer):
-    # What brute force sees of a speed is right to 0.001; the length changes by about 5 m for a unit of it.
-    length, _ = random_search(3, answer.max_ratio - 1e-3, 40, start=unknowns(answer.shortest.turn))
-    assert length >= answer.shortest.turn.length - 0.01
-
-
-@pytest.mark.thorough
-def test_more_arcs_make_the_turn_shorter():
+def test_more_arcs_make_the_turn_shorter_and_no_random_turn_is(answer):
     """On five arcs it is 8 % shorter than on three, and without a contact; a random search finds no shorter one."""
     found = u_turn(arcs=7)
     (_, three), (_, five), (_, seven) = found.shortest.lengths
@@ -155,6 +148,12 @@ def test_more_arcs_make_the_turn_shorter():
     assert_tangent_in_many_digits(found.shortest.turn)
     assert fastest(found.shortest_march, np.arange(-3, 40, 0.01)).max() <= found.max_ratio + 1e-6
     assert random_search(5, found.max_ratio, 300)[0] > five - 0.01
+    # What brute force sees of a speed is right to 0.001; the length changes by about 5 m for a unit of it.
+    length, _ = random_search(3, answer.max_ratio - 1e-3, 40, start=unknowns(answer.shortest.turn))
+    assert length >= answer.shortest.turn.length - 0.01
+    with pytest.raises(ParameterError) as caught:
+        shortest_turn(BASE, Dragon(), 1.05, 3, 0.5)
+    assert_says(caught.value, "fastest is 1.05")
 
 
 def test_search_reports_its_progress_and_its_answer_claims_no_proof(answer):
@@ -186,13 +185,6 @@ def test_impossible_turns_are_refused_by_name():
     with pytest.raises(ParameterError) as caught:
         u_turn(Dragon(benches=12), radius=1.8)
     assert_says(caught.value, "radius is 1.8")
-
-
-@pytest.mark.thorough
-def test_a_limit_that_no_turn_keeps_to_is_refused():
-    with pytest.raises(ParameterError) as caught:
-        shortest_turn(BASE, Dragon(), 1.05, 3, 0.5)
-    assert_says(caught.value, "fastest is 1.05")
 
 
 def test_contests_sheet_has_all_times_from_before_the_circle_to_after_it(call, tmp_path):

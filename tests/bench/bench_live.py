@@ -14,12 +14,15 @@ import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from statistics import median
-from typing import Any
 
 import psutil
 from aiohttp import ClientSession
 from measure import arguments, sized, spread
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+from browser import chromium, opened
 
 from pymunk_dragon.sessions import live
 
@@ -126,7 +129,8 @@ async def _play(address: str, pid: int, drags: bool) -> str:
 
 def browser() -> None:
     """Pictures a second in Chromium, and the rate of the physics."""
-    with program() as (_, address), _page(address) as page:
+    with program() as (_, address), chromium() as started, opened(started, address) as found:
+        page = found.page
         page.wait_for_timeout(2000)
         drawn, begin = page.evaluate("live.drawn"), time.perf_counter()
         page.wait_for_timeout(1000 * SECONDS)
@@ -137,7 +141,12 @@ def browser() -> None:
 
 def delay() -> None:
     """Time from a movement of the mouse to the first picture in which the body has moved."""
-    with live("boxes", browser=False) as session, _page(session.address) as page:
+    with (
+        live("boxes", browser=False) as session,
+        chromium() as started,
+        opened(started, session.address) as found,
+    ):
+        page = found.page
         page.wait_for_timeout(2500)
         x, y = page.evaluate("live.pixel(...live.frame.poses.slice(3 * 35, 3 * 35 + 2))")
         box = page.locator("#field").bounding_box()
@@ -168,19 +177,6 @@ WATCH = """() => {
     requestAnimationFrame(look);
   });
 }"""
-
-
-@contextmanager
-def _page(address: str) -> Iterator[Any]:
-    from playwright.sync_api import sync_playwright
-
-    with sync_playwright() as playwright:
-        options = ["--no-sandbox", "--disable-background-networking", "--disable-dev-shm-usage"]
-        chromium = playwright.chromium.launch(executable_path="/usr/bin/chromium", args=options)
-        page = chromium.new_page(viewport={"width": 1280, "height": 800})
-        page.goto(address)
-        yield page
-        chromium.close()
 
 
 PARTS = {"start": start, "clients": clients, "memory": memory, "browser": browser, "delay": delay}
