@@ -150,7 +150,7 @@ def test_dragon_of_another_size_or_speed_does_the_same_at_its_scale(seed_impact)
 def test_sixteen_benches_meet_as_the_long_dragon_does():
     found = first_contact(SIXTEEN)
     assert (found.status, found.benches) == ("contact", (0, 8))
-    apart, _ = gaps(SIXTEEN, np.arange(0, found.time, 0.02))
+    apart, _ = gaps(SIXTEEN, np.arange(0, found.time, 0.04))
     assert apart.min() > 0
 
 
@@ -168,7 +168,7 @@ def test_march_without_a_contact_is_clear_until_the_end(seed_march):
 
 STUCK = [
     March(Dragon(benches=benches), Spiral(pitch=pitch), turns=turns, speed=speed)
-    for benches, pitch, turns, speed in ((3, 0.55, 8, 1.0), (6, 1.2, 6, 1.0), (8, 0.9, 5, 0.7))
+    for benches, pitch, turns, speed in ((3, 0.55, 8, 1.0), (8, 0.9, 5, 0.7))
 ]
 
 

@@ -337,11 +337,8 @@ def test_head_is_stopped_by_what_it_runs_into(reported):
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("head_force", [None, 1000.0])
-def test_dragon_comes_to_rest_in_the_pile_up(seed_march, head_force):
-    run = simulate(
-        seed_march, start=412.0, until=422.5, contacts="resolve", frame_interval=0.005, head_force=head_force
-    )
+def test_dragon_comes_to_rest_in_the_pile_up(seed_march):
+    run = simulate(seed_march, start=412.0, until=422.5, contacts="resolve", frame_interval=0.005)
     assert run.drift[run.times < 412.4].max() < 5e-6
     assert_piles_up(run, seed_march)
     # The motor still pushes, and the head slips by a tenth of a millimetre now and then.
@@ -351,7 +348,7 @@ def test_dragon_comes_to_rest_in_the_pile_up(seed_march, head_force):
 
 
 def test_head_with_a_motor_keeps_to_the_model_until_it_touches():
-    assert simulate(SIXTEEN, start=405.0, until=408.0, contacts="resolve").max_drift < 5e-6
+    assert simulate(SIXTEEN, start=405.0, until=406.0, contacts="resolve").max_drift < 5e-6
     turning = simulate(March(Dragon(benches=3)), start=0.0, until=20.0, contacts="resolve", substep=0.02)
     assert turning.max_drift < 1e-4
     weak = simulate(SIXTEEN, start=400.0, until=402.0, contacts="resolve", head_force=20.0)

@@ -220,25 +220,24 @@ def test_the_smallest_pitch_of_other_sizes_is_where_the_slopes_and_ranges_say():
     assert [found.size for found in sensed.pitches] == list(changes)
     for found in sensed.pitches:
         change = changes[found.size]
-        other = min_pitch(Dragon(**{found.size: SEED[found.size] + change})).pitch
+        other = min_pitch(Dragon(benches=25, **{found.size: SEED[found.size] + change})).pitch
         assert (other - sensed.smallest.pitch) / change == pytest.approx(found.slope, rel=1e-3)
     less = sensed.pitches[2].less
-    pairs = [min_pitch(Dragon(head_spacing=2.86 + change)).benches for change in (less.unchanged, less.changed)]
+    pairs = [
+        min_pitch(Dragon(benches=60, head_spacing=2.86 + change)).benches for change in (less.unchanged, less.changed)
+    ]
     assert pairs == [(0, 19), less.benches]
 
 
 @pytest.mark.thorough
 def test_a_pitch_that_is_limited_at_the_arrival_has_slopes_too():
     dragon = Dragon(body_spacing=1.625, benches=30)
-    slow = sensitivity(dragon, speed=0.5)
-    assert slow.smallest.limit == "arrival"
-    width = slow.pitches[0]
+    found = sensitivity(dragon)
+    assert found.smallest.limit == "arrival"
+    width = found.pitches[0]
     wider = min_pitch(replace(dragon, width=0.300001))
-    assert (wider.pitch - slow.smallest.pitch) / 1e-6 == pytest.approx(width.slope, rel=1e-4)
+    assert (wider.pitch - found.smallest.pitch) / 1e-6 == pytest.approx(width.slope, rel=1e-4)
     assert width.less is width.more is None
-    # Times at half the speed move twice as much.
-    for found, other in zip(sensitivity(dragon).times, slow.times, strict=True):
-        assert other.slope == pytest.approx(2 * found.slope, rel=1e-6)
 
 
 # Studies by name, and on the command line
@@ -337,19 +336,20 @@ def test_pictures_show_the_zero_and_the_two_that_touch_and_each_slope(answer):
     assert found[0].get_xdata()[0] == pytest.approx(abs(sensed.times[0].slope) / 1e3)
 
 
-def test_the_command_writes_what_the_ending_says(call, known, answer, tmp_path):
-    for ending in (".json", ".png", ".svg", ".pdf"):
-        assert call("study", "min-pitch", "-o", tmp_path / f"answer{ending}")[0] == 0
-        assert (tmp_path / f"answer{ending}").stat().st_size < 300_000
-    assert json.loads((tmp_path / "answer.json").read_text(encoding="utf-8"))["pitch"] == answer.pitch
-    assert b"<svg" in (tmp_path / "answer.svg").read_bytes()
-    with Image.open(tmp_path / "answer.png") as picture:
-        assert picture.width == 1600
-    # The same again has the same bytes.
-    for ending in (".svg", ".pdf"):
-        content = (tmp_path / f"answer{ending}").read_bytes()
-        answer.write_figure(tmp_path / f"answer{ending}")
-        assert (tmp_path / f"answer{ending}").read_bytes() == content
+@pytest.mark.parametrize("endings", [[".json", ".svg"], pytest.param([".png", ".pdf"], marks=pytest.mark.thorough)])
+def test_the_command_writes_what_the_ending_says(call, known, answer, tmp_path, endings):
+    for ending in endings:
+        file = tmp_path / f"answer{ending}"
+        assert call("study", "min-pitch", "-o", file)[0] == 0
+        content = file.read_bytes()
+        assert len(content) < 300_000
+        if ending == ".json":
+            assert json.loads(content)["pitch"] == answer.pitch
+            continue
+        assert {".svg": b"<svg", ".png": b"PNG", ".pdf": b"%PDF"}[ending] in content
+        # The same again has the same bytes.
+        answer.write_figure(file)
+        assert file.read_bytes() == content
 
 
 def test_a_picture_needs_matplotlib_before_anything_is_computed(call, monkeypatch, tmp_path, answer):
