@@ -266,6 +266,7 @@ def test_the_program_answers_in_words_and_in_json(call, answer, known):
     assert repr(answer).startswith("<MinPitch: smallest pitch 0.450337393027 m")
     sensed = slopes_by_width()
     known("sensitivity", sensed)
+    assert call("study", "sensitivity")[1] == f"{sensed}\n"
     found = json.loads(call("study", "sensitivity", "--json")[1])
     assert found["contact"]["time"] == sensed.time
     assert found["contact"]["slopes"]["width"]["slope"] == sensed.times[0].slope

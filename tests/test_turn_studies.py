@@ -22,9 +22,6 @@ from pymunk_dragon.model.curves import UTurn
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.studies import max_speed, u_turn
-from pymunk_dragon.studies._shortest import shortest_turn
-
-BASE = UTurn()
 
 
 def searched():
@@ -137,11 +134,10 @@ def test_brute_force_sees_the_same_largest_speed(answer):
 @pytest.mark.thorough
 def test_more_arcs_make_the_turn_shorter_and_no_random_turn_is(answer):
     """On five arcs it is 8 % shorter than on three, and without a contact; a random search finds no shorter one."""
-    found = u_turn(arcs=7)
-    (_, three), (_, five), (_, seven) = found.shortest.lengths
+    found = u_turn(arcs=5)
+    (_, three), (_, five) = found.shortest.lengths
     assert three == pytest.approx(11.2805, abs=1e-3)
     assert five < 10.51
-    assert seven < 10.35
     assert found.shortest_contact.status == "clear"
     assert found.shortest.ratio.ratio <= found.max_ratio
     assert_tangent_in_many_digits(found.shortest.turn)
@@ -153,9 +149,6 @@ def test_more_arcs_make_the_turn_shorter_and_no_random_turn_is(answer):
     with pytest.raises(ParameterError) as caught:
         u_turn(Dragon(benches=12), radius=1.8)
     assert_says(caught.value, "radius is 1.8")
-    with pytest.raises(ParameterError) as caught:
-        shortest_turn(BASE, Dragon(), 1.05, 3, 0.5)
-    assert_says(caught.value, "fastest is 1.05")
 
 
 def test_search_reports_its_progress_and_its_answer_claims_no_proof(answer):
