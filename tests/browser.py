@@ -60,7 +60,7 @@ def opened(browser: Browser, address: str, width: int = 1280, height: int = 800,
     context = browser.new_context(viewport={"width": width, "height": height}, **options)
     found = Opened(context.new_page())
     page = found.page
-    page.set_default_timeout(10_000)
+    page.set_default_timeout(120_000)
     page.on("console", lambda message: found.complaints.append(message.text))
     page.on("pageerror", lambda error: found.complaints.append(str(error)))
     page.on("request", lambda request: found.addresses.append(request.url))
@@ -75,7 +75,7 @@ def english_words(page: Page) -> set[str]:
     return {word for text in page.evaluate(TEXTS) for word in re.findall(r"[A-Za-z]{3,}", text)}
 
 
-def wait_until(page: Page, expression: str, seconds: float = 30.0) -> None:
+def wait_until(page: Page, expression: str, seconds: float = 120.0) -> None:
     """Wait for an expression to become true; Playwright's own way needs `eval`, which a strict page forbids."""
     end = time.monotonic() + seconds
     while not page.evaluate(expression):
