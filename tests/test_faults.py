@@ -74,18 +74,6 @@ def test_streams_that_are_closed_early_are_no_error_message(tmp_path):
     assert picture.read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
 
 
-@pytest.mark.thorough
-def test_standard_output_is_a_file_to_write_to(tmp_path):
-    link, log = tmp_path / "out.csv", tmp_path / "log"
-    link.symlink_to("/dev/stdout")
-    log.write_text("kept\n")
-    assert program("positions", "--times", "0", "-o", link, after=">> log", folder=tmp_path) == (0, "", "")
-    assert log.read_text().startswith("kept\ntime_s,handle,")
-    assert program("positions", "--times", "0", "-o", link, after="| cat")[1].startswith("time_s,handle,")
-    assert link.is_symlink()
-    assert names(tmp_path) == ["log", "out.csv"]
-
-
 # Signals
 
 

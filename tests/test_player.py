@@ -135,17 +135,6 @@ def test_seeds_whole_run_fits_into_2_megabytes_and_has_its_near_misses(seed_marc
     assert Page(player_page(off)).payload["near_misses"] == []
 
 
-def test_joints_that_gape_have_their_handle_in_the_middle(run):
-    poses = run.poses.copy()
-    poses[:, 3, 0] += 0.002
-    front, rear = SMALL.dragon.holes(poses)
-    found = handle_vectors(front, rear)
-    np.testing.assert_allclose(found[:, 3], (rear[:, 2] + front[:, 3]) / 2)
-    np.testing.assert_allclose(found[:, [0, 16]], np.stack([front[:, 0], rear[:, 15]], axis=1))
-    payload = Page(player_page(replace(run, poses=poses))).payload
-    assert payload["errors"][0] == pytest.approx(0.001, rel=1e-3)
-
-
 def test_curves_are_drawn_all_along_within_a_tenth_of_a_millimetre(seed_march):
     drawn = LineString(curve_points(seed_march, 0.0, 1.0))
     tail = seed_march.handles_s(0.0)[0, -1]

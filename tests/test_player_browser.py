@@ -12,7 +12,6 @@ from browser import TEXTS, english_words, needs_browser, opened, wait_until
 from marches import TRACTOR
 from shapely import Polygon
 
-from pymunk_dragon.collision import Grid
 from pymunk_dragon.model.dragon import Dragon, bench_poses
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
@@ -234,19 +233,6 @@ def test_benches_in_contact_have_the_contact_colour_from_the_contact_on(visit, s
         assert page.evaluate(COLOUR, poses[8, :2].tolist()) == LIGHT.body
 
 
-def test_benches_lose_the_contact_colour_when_they_part(visit, bumpy):
-    windows = bumpy.events.windows()
-    window = max((window for window in windows if window.end), key=lambda window: window.end - window.begin)
-    [bench, *_] = sorted(set(window.benches) - {0})
-    touches = [w for w in windows if bench in w.benches and w.begin <= window.end + 1e-6 and w.end != window.end]
-    alone = all(w.end is not None and w.end < window.end for w in touches)
-    with visit("#show=curve", run=bumpy) as found:
-        for time, touching in ((window.begin + 1e-6, True), (window.end + 1e-6, not alone)):
-            ask(found.page, f"player.seek({time})")
-            place = ask(found.page, f"player.poses({time})[{bench}]")[:2]
-            assert (found.page.evaluate(COLOUR, place) == LIGHT.contact) is touching
-
-
 def test_hover_tells_the_exact_models_numbers(visit, seed):
     time = 409.8
     states = seed.march.at([time])
@@ -267,14 +253,6 @@ def test_hover_tells_the_exact_models_numbers(visit, seed):
             assert numbers["velocity"] == pytest.approx(states.velocities[0, bench].tolist(), abs=3e-4)
 
 
-def test_gap_has_no_more_digits_than_the_run_allows(visit, seed, seed_march):
-    poses = seed.poses.copy()
-    poses[:, 100, 0] += 5e-5
-    for run, text in ((replace(seed, poses=poses), "0.9 mm"), (Run.exact(seed_march, [409.8, 409.9]), "1 mm")):
-        with visit("#t=409.832", run=run) as found:
-            assert shown(found.page, "gap") == f"{text} to 11"
-
-
 def test_exact_poses_and_position_errors_are_the_models(visit, bumpy):
     march, time = bumpy.march, 80.0
     with visit(f"#t={time}&follow=head&show=exact", run=bumpy) as found:
@@ -293,15 +271,6 @@ def test_exact_poses_and_position_errors_are_the_models(visit, bumpy):
     with visit("#show=exact") as found:
         assert ask(found.page, "player.exactPoses(409)") is None
         assert found.page.locator(".exact-only").first.is_hidden()
-
-
-def test_shaded_cells_are_those_of_the_packages_grid(visit, seed):
-    poses = seed.march.at([409.0]).poses[0]
-    cells, owners = Grid.of(seed.march).file(seed.march.dragon.outlines(poses))
-    with visit("#t=409&show=grid") as found:
-        shaded = ask(found.page, "Array.from({ length: 223 }, (_, bench) => player.cells(bench))")
-    for bench in range(223):
-        assert sorted(shaded[bench]) == sorted(cells[owners == bench].tolist())
 
 
 def test_link_restores_moment_view_and_switches(visit):
@@ -327,46 +296,6 @@ def test_link_restores_moment_view_and_switches(visit):
     for link in ("#t=soon&at=1&span=-3&show=all&bench=9999&speed=3", "#t=1e999&%", "#lang=toString"):
         with visit(link) as found:
             assert ask(found.page, "[player.time, player.view.follow]") == [405, "field"]
-
-
-def test_wheel_and_drag_move_the_floor(visit):
-    with visit("#t=409&follow=head") as found:
-        page = found.page
-        x, y, _ = ask(page, "player.poses(409)[20]")
-        begin = page.evaluate(PLACE, [x, y])
-        page.mouse.move(600, 300)
-        page.mouse.down()
-        page.mouse.move(720, 350, steps=5)
-        page.mouse.up()
-        assert page.evaluate(PLACE, [x, y]) == pytest.approx([begin[0] + 120, begin[1] + 50], abs=1)
-        page.keyboard.press("0")
-        settled(page, "player.view.follow === 'field'")
-        place, before = page.evaluate(PLACE, [3.0, 2.0]), ask(page, "player.view.scale")
-        page.mouse.move(*place)
-        page.mouse.wheel(0, -300)
-        settled(page, f"player.view.scale > 1.3 * {before}")
-        assert page.evaluate(PLACE, [3.0, 2.0]) == pytest.approx(place, abs=1)
-
-
-def test_fingers_pinch_and_tap(visit, seed):
-    with visit("#t=409", width=390, height=844, has_touch=True, is_mobile=True) as found:
-        page = found.page
-        touch = page.context.new_cdp_session(page)
-
-        def fingers(kind, *places):
-            points = [{"x": x, "y": y, "id": i} for i, (x, y) in enumerate(places)]
-            touch.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
-
-        before = ask(page, "player.view.scale")
-        fingers("touchStart", (170, 300))
-        fingers("touchStart", (170, 300), (210, 300))
-        for reach in (30, 40, 50, 60):
-            fingers("touchMove", (190 - reach, 300), (190 + reach, 300))
-        fingers("touchEnd")
-        settled(page, f"Math.abs(player.view.scale / {before} - 3) < 0.1")
-        page.keyboard.press("0")
-        page.touchscreen.tap(*page.evaluate(PLACE, seed.march.at([409.0]).poses[0, 60, :2].tolist()))
-        wait_until(page, "document.getElementById('bench').value === '60'")
 
 
 def test_page_fits_into_the_window_with_every_control_in_sight(visit, bumpy):
@@ -400,18 +329,6 @@ def test_page_is_in_the_chosen_language_only(visit, bumpy):
         page.click("#language")
         wait_until(page, f"JSON.stringify(({TEXTS})()) === window.before")
         assert page.evaluate("document.documentElement.lang") == "en"
-
-
-def test_help_opens_with_its_key_and_closes_again(visit):
-    with visit() as found:
-        page = found.page
-        page.keyboard.press("?")
-        assert page.is_visible("#about")
-        # Keys of the player do nothing behind it.
-        page.keyboard.press("n")
-        page.keyboard.press("Escape")
-        assert page.is_hidden("#about")
-        assert ask(page, "player.time") == 405
 
 
 def test_colours_are_those_of_the_readers_scheme(visit):
