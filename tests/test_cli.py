@@ -316,6 +316,7 @@ def test_report_tells_of_a_run_in_the_format_of_its_ending(answer, run_file, her
 
 
 def test_figure_has_a_name_and_the_language_of_a_flag_or_the_environment(answer, here, monkeypatch):
+    assert [*answer("figure", "--json")["figures"]] == [*FIGURES]
     answer("figure", "grid")
     assert Path("grid.png").stat().st_size
     answer("figure", "inward")

@@ -128,7 +128,6 @@ def test_long_pitch_is_allowed_and_noted_on_a_terminal_only(call, terminal):
 
 # Files that are written
 
-
 # What a terminal says of the file beside its size.
 WRITTEN = {
     "render run.npz --size 64": ("run.gif", r"\d+ frames, \d+\.\d s, from t = 79 s, "),

@@ -157,7 +157,6 @@ def test_full_disk_is_one_line_and_leaves_the_old_file(tmp_path, commands):
 
 # Imports, which make up most of the time of short commands
 
-
 DRAWING = {"PIL", "imageio", "matplotlib", "multiprocessing", "pymunk_dragon.drawing"}
 HEAVY = DRAWING | {"pymunk", "scipy", "json", "tomllib", "numpy.polynomial", "pymunk_dragon.reports"}
 NO_NUMBERS = HEAVY | {"numpy", "email", "importlib.metadata", "pymunk_dragon.model"}

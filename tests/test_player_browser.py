@@ -164,7 +164,7 @@ def test_it_plays_pauses_and_starts_again_at_the_end(visit):
         settled(page, "!player.playing")
         assert ask(page, "player.time") == 412.6
         page.keyboard.press("Space")
-        settled(page, "player.time < 406")
+        settled(page, "player.time < 411")
     with visit("#t=406&play", reduced_motion="reduce") as found:
         assert ask(found.page, "player.playing") is False
 
