@@ -166,9 +166,9 @@ NO_NUMBERS = HEAVY | {"numpy", "email", "importlib.metadata", "pymunk_dragon.mod
 @pytest.mark.parametrize(
     "commands",
     quick_and_all(
-        {"contact --help": NO_NUMBERS, "positions --times 0": HEAVY | {"pymunk_dragon.collision"}},
+        {"--help": NO_NUMBERS, "positions --times 0": HEAVY | {"pymunk_dragon.collision"}},
         {
-            "--help": NO_NUMBERS,
+            "contact --help": HEAVY,
             "contact --until 1": HEAVY | {"pymunk_dragon.studies"},
             "study min-pitch --benches 30": HEAVY,
             "simulate --until 0.01": DRAWING | {"scipy", "matplotlib", "pymunk_dragon.studies"},

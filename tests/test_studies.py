@@ -16,7 +16,6 @@ from conftest import NO_NUMBERS, assert_says
 from PIL import Image
 from study_answers import slopes, slopes_by_width, smallest_pitch
 
-from pymunk_dragon.cli import cli
 from pymunk_dragon.collision import first_contact
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.dragon import Dragon
@@ -307,7 +306,6 @@ def test_a_study_brings_its_options_and_its_formats(call, monkeypatch, answer):
         run=deepest,
         options={"depth": Option(kind=float, metavar="M", text="how deep, m.  [1]")},
     )
-    monkeypatch.setattr(cli.commands["study"], "params", cli.commands["study"].params.copy())
     monkeypatch.setitem(STUDIES, "deepest", added)
     assert json.loads(call("study", "deepest", "--width", "0.2", "--depth", "3", "--json")[1])["pitch"] == 3 * 0.2
     assert "--depth M" in call("study", "--help")[1]

@@ -44,15 +44,17 @@ class DragonCommand(click.Command):
         if any(option.name == "turns" for option in self.params):
             self.registered["turns"] = curve_options
 
-    def make_context(
-        self, info_name: str | None, args: list[str], parent: click.Context | None = None, **extra: Any
-    ) -> click.Context:
-        """Add the options from registries, and parse the arguments."""
-        while self.registered:
-            before, make = self.registered.popitem()
-            place = [option.name for option in self.params].index(before)
-            self.params[place:place] = make()
-        return super().make_context(info_name, args, parent, **extra)
+    def get_params(self, ctx: click.Context) -> list[click.Parameter]:
+        """The options with those from registries, which are the same objects in all calls with a context."""
+        key = f"{__name__}.{self.name}"
+        if key not in ctx.meta:
+            found = super().get_params(ctx).copy()
+            for before, make in self.registered.items():
+                place = [option.name for option in found].index(before)
+                found[place:place] = make()
+            ctx.meta[key] = found
+        options: list[click.Parameter] = ctx.meta[key]
+        return options
 
     def format_help_text(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the text of the help, with the names of a registry."""

@@ -26,7 +26,11 @@ CENTIMETRES, MILLIMETRES = 10.0, 316.0
 
 def option_hint(error: click.NoSuchOption) -> str:
     """Message about an option that does not exist: the one that was probably meant."""
-    flags = [] if error.ctx is None else [flag for option in error.ctx.command.params for flag in option.opts]
+    flags = (
+        []
+        if error.ctx is None
+        else [flag for option in error.ctx.command.get_params(error.ctx) for flag in option.opts]
+    )
     same = OTHER_WORDS.get(error.option_name)
     if same in flags:
         return f"there is no option {error.option_name}: use {same}"

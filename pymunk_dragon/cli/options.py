@@ -132,7 +132,7 @@ def named_by_flag(error: ParameterError | FileFormatError) -> Exception:
     # Options of a scenario that are not given have their values from a file or by default: they keep their names.
     flags = {
         str(option.name): (option.opts[0], option.is_flag)
-        for option in context.command.params
+        for option in context.command.get_params(context)
         if isinstance(option, click.Option)
         and (getattr(option, "heading", "") not in (DRAGON, CURVE) or option.name in given)
     }

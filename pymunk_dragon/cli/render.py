@@ -200,7 +200,7 @@ def _end(march: March, start: float, *, film: bool) -> float:
 def _refuse(what: str, *names: str) -> None:
     """Raise a usage error if an option was given that `what` does not have."""
     context = click.get_current_context()
-    for option in context.command.params:
+    for option in context.command.get_params(context):
         given = context.get_parameter_source(str(option.name)) is click.core.ParameterSource.COMMANDLINE
         if given and option.name in names:
             raise click.UsageError(f"{what} has no {option.opts[0]}: leave it out, or write a film")
