@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from pymunk_dragon import Arc, Composite, Dragon, Line, March, Sampled, first_contact, simulate
+from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.contact import Contact
 from pymunk_dragon.model.curves import Curve, spline
 from pymunk_dragon.physics.callbacks import Motion, refined_contact
@@ -105,6 +106,11 @@ class Endless(Curve):
 
 def test_curve_of_the_user_may_be_endless():
     assert Endless().max_curvature([-math.inf, 0.0], [math.inf, math.nan]).tolist() == [0.0, 0.0]
+
+
+def test_point_of_a_list_and_a_number_is_refused():
+    with pytest.raises(ParameterError, match="start"):
+        Line(start=[[], 0], stop=(40, 0))
 
 
 @pytest.mark.parametrize("radius", [4.5, 2.5])

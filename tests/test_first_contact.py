@@ -185,7 +185,7 @@ def test_march_past_the_last_place_is_unreachable_there(seed_impact):
     last = first_contact(STUCK[0], until=1e6).time
     assert last == first_contact(STUCK[0]).time
     # No near miss is searched where the chain has no state.
-    assert near_misses(STUCK[0], np.array([[0, 2, last - 1e-10, 2e-10, 0.001]]), 0, last, 0.01) == ()
+    assert near_misses(STUCK[0], np.array([[0, 2, last - 1e-10, 2e-10, 0.001, 0]]), 0, last, 0.01) == ()
     assert first_contact(March(Dragon(benches=2), turns=4)).status == "unreachable"
 
 

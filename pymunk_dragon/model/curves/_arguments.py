@@ -61,7 +61,7 @@ def overlap(s: ArrayLike, other: ArrayLike, begin: float, end: float) -> tuple[A
 def plane_point(name: str, value: object) -> tuple[float, float]:
     """`value` as x and y in m, or a `ParameterError`."""
     bound = f"two numbers x, y from {-FARTHEST:g} to {FARTHEST:g} m"
-    if isinstance(value, Iterable) and np.shape(parts := list(value)) == (2,):
+    if isinstance(value, Iterable) and len(parts := list(value)) == 2:
         try:
             x, y = (finite(name, part, -FARTHEST, FARTHEST, "m") for part in parts)
         except ParameterError:
