@@ -57,10 +57,7 @@ class Played:
         """Make up to `count` steps; how many were made before the session paused."""
         begin = self.scene.steps
         assert self.do("step", count=count) is None
-        end = time.monotonic() + 10 * PATIENCE
-        while self.session._single_steps:
-            assert time.monotonic() < end, "the session does not step"
-            time.sleep(0.002)
+        wait_until(lambda: not self.session._single_steps)
         self.settle()
         return self.scene.steps - begin
 
@@ -94,12 +91,26 @@ def played(source: object, **options: object) -> Iterator[Played]:
         found.session.stop()
 
 
-def replayed(log: Log) -> tuple[str | None, Session]:
-    """The last poses of a replay, as fast as it goes, and its session."""
-    session = Session(planned(log.plan))
-    session.speed = 20.0
+def wait_until(is_true: Callable[[], object]) -> None:
+    end = time.monotonic() + PATIENCE
+    while not is_true():
+        assert time.monotonic() < end, "what is waited for does not come"
+        time.sleep(0.002)
+
+
+def replay_session(log: Log, before: Callable[[Session], object] = lambda session: None) -> tuple[Session, list[dict]]:
+    """A session that has begun a replay, as fast as it goes, and what it tells; `before` is called with it first."""
+    session, told = Session(planned(log.plan)), []
+    session.tell, session.speed = told.append, 20.0
     session.play_again(log.inputs, log.values, log.steps)
+    before(session)
     session.start()
+    return session, told
+
+
+def replayed(log: Log) -> tuple[str | None, Session]:
+    """The last poses of a replay and its session."""
+    session, _ = replay_session(log)
     try:
         return session.wait_for_replay(), session
     finally:

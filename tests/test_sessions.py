@@ -14,9 +14,8 @@ import socket
 import subprocess
 import sys
 import threading
-import time
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 from urllib.parse import urlsplit
@@ -26,7 +25,8 @@ import numpy as np
 import pymunk
 import pytest
 from conftest import assert_says
-from live_sessions import joined, played, replayed, served
+from live_sessions import PATIENCE, joined, played, replay_session, replayed, served, wait_until
+from page_texts import package_texts
 from PIL import Image
 
 from pymunk_dragon.errors import DragonError, MissingExtraError
@@ -34,73 +34,15 @@ from pymunk_dragon.model.curves import Line
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
-from pymunk_dragon.physics import simulate
+from pymunk_dragon.player.page import PARTS, catalogue
 from pymunk_dragon.sessions import live
-from pymunk_dragon.sessions.log import InputLog, Log, as_text
+from pymunk_dragon.sessions.log import Log, as_text
 from pymunk_dragon.sessions.messages import ACTIONS
 from pymunk_dragon.sessions.recording import record, save
-from pymunk_dragon.sessions.scenes import SCENES, dragon, planned, ready
+from pymunk_dragon.sessions.scenes import SCENES, dragon, ready
 from pymunk_dragon.sessions.session import SPEEDS, Session
 
 SHORT = March(Dragon(benches=20))
-# Measurements of time, of which one must be within its limit: another program may take the processor.
-ATTEMPTS = range(3)
-
-
-# ---- replays
-
-
-def touch_a_dragon(on):
-    """Everything that a hand can do to a dragon, between some steps."""
-    head = on.scene.poses()[0]
-    other = on.scene.poses()[9]
-    for action, arguments in (
-        ("grab", {"body": 0, "x": head[0], "y": head[1] + 0.1}),
-        ("drag", {"x": head[0] + 0.5, "y": head[1] + 0.7}),
-        ("drag", {"x": head[0] - 0.25, "y": head[1] + 1 / 3}),
-        ("drop", {}),
-        ("set", {"name": "iterations", "value": 17.0}),
-        ("set", {"name": "step", "value": 7.3}),
-        ("set", {"name": "drag", "value": 4.4}),
-        ("set", {"name": "speed", "value": 1.3}),
-        ("release", {"bench": 8}),
-        ("grab", {"body": 9, "x": other[0], "y": other[1]}),
-        ("drag", {"x": other[0] + 2.0, "y": other[1] - 1.0}),
-        ("obstacle", {"shape": "round", "x": head[0], "y": head[1] + 1.5, "size": 0.4}),
-        ("obstacle", {"shape": "square", "x": head[0] + 2, "y": head[1] - 1, "size": 0.7}),
-        ("contacts", {"value": "report"}),
-        ("remove", {"obstacle": 1}),
-        ("contacts", {"value": "resolve"}),
-        ("cut", {"joint": 13}),
-        ("drop", {}),
-        ("hold", {}),
-    ):
-        assert on.do(action, **arguments) is None, action
-        on.step(23)
-
-
-def touch_a_space(on):
-    """Everything that a hand can do to another space."""
-    body = len(on.scene.bodies) - 1
-    x, y, _ = on.scene.poses()[body].tolist()
-    for action, arguments in (
-        ("grab", {"body": body, "x": x, "y": y}),
-        ("drag", {"x": x + 1.0, "y": y + 1.5}),
-        ("obstacle", {"shape": "round", "x": x + 0.3, "y": y - 2.0, "size": 0.5}),
-        ("set", {"name": "gravity", "value": 0.5}),
-        ("set", {"name": "damping", "value": 0.9}),
-        ("set", {"name": "iterations", "value": 5.0}),
-        ("drag", {"x": x - 3.0, "y": y - 0.5}),
-        ("obstacle", {"shape": "square", "x": x - 2.0, "y": y - 2.0, "size": 0.5}),
-        ("set", {"name": "step", "value": 6.0}),
-        ("drop", {}),
-        ("remove", {"obstacle": 1}),
-    ):
-        assert on.do(action, **arguments) is None, action
-        on.step(31)
-    if on.scene.joints:
-        assert on.do("cut", joint=1) is None
-        on.step(50)
 
 
 def run(coroutine):
@@ -109,80 +51,88 @@ def run(coroutine):
         return pool.submit(asyncio.run, coroutine).result()
 
 
-@pytest.fixture(scope="module", params=["dragon", "pendulum", "boxes"])
-def touched(request):
-    """A log of a session in which everything was done, and the session."""
-    source = dragon(SHORT) if request.param == "dragon" else ready(request.param)
-    with played(source, record=True) as on:
-        (touch_a_dragon if request.param == "dragon" else touch_a_space)(on)
-    return Log.of(on.session), on.session
+def touch(on, steps):
+    """Everything that a hand can do to a scene, with some steps after each action."""
+    last = len(on.scene.bodies) - 1
+    (head_x, head_y, _), (x, y, _) = on.scene.poses()[[0, last]].tolist()
+    actions = {
+        "grab": [{"body": last, "x": x, "y": y}],
+        "drag": [{"x": x + 1.0, "y": y + 1 / 3}, {"x": x - 0.25, "y": y + 0.7}],
+        "obstacle": [{"shape": shape, "x": head_x, "y": head_y + 2, "size": 0.4} for shape in ("round", "square")],
+        "remove": [{"obstacle": 1}],
+        "drop": [{}],
+        "set": [{"name": "iterations", "value": 17.0}, {"name": "step", "value": 6.3}],
+    }
+    if "dancers" in on.scene.abilities:
+        actions["set"] += [{"name": "drag", "value": 4.4}, {"name": "speed", "value": 1.3}]
+        actions |= {"release": [{"bench": 8}], "contacts": [{"value": "report"}, {"value": "resolve"}], "hold": [{}]}
+    else:
+        actions["set"] += [{"name": "gravity", "value": 0.5}, {"name": "damping", "value": 0.9}]
+    if on.scene.joints:
+        actions["cut"] = [{"joint": 1}]
+    for action, many in actions.items():
+        for arguments in many:
+            assert on.do(action, **arguments) is None, action
+            on.step(steps)
 
 
-def test_replay_ends_in_the_same_state_to_the_bit(touched):
-    log, _ = touched
-    poses, session = replayed(log)
+def without_generation(session):
+    return {name: value for name, value in session.state().items() if name != "generation"}, session.poses()
+
+
+# ---- replays
+
+
+@pytest.mark.parametrize("name", ["dragon", "pendulum", "boxes"])
+def test_replay_of_a_saved_session_ends_in_the_same_state_to_the_bit_and_reset_undoes_everything(name, tmp_path):
+    with played(dragon(SHORT) if name == "dragon" else ready(name), record=True) as on:
+        fresh = without_generation(on.session)
+        touch(on, 13)
+        with on.session.held():
+            log = Log.of(on.session)
+            record(on.session, tmp_path / "session.npz")
+        assert on.do("reset") is None
+        assert without_generation(on.session) == fresh
+        assert (on.scene.steps, on.scene.time, list(on.session.inputs)) == (0, 0.0, [])
+    (tmp_path / "session.json").write_text(log.to_json())
+    read = Log.load(tmp_path / "session.npz")
+    assert Log.load(tmp_path / "session.json").to_json() == read.to_json() == log.to_json()
+    poses, session = replayed(read)
     assert poses == log.poses
     assert list(session.inputs) == log.inputs
+    # The replay of other inputs ends elsewhere.
+    step, message = read.inputs[1]
+    read.inputs[1] = step, {**message, "x": message["x"] + 1e-6}
+    assert replayed(read)[0] != log.poses
 
 
-def test_replay_of_other_inputs_ends_elsewhere(touched):
-    log, _ = touched
-    step, message = log.inputs[1]
-    log.inputs[1] = step, {**message, "x": message["x"] + 1e-6}
-    poses, _ = replayed(log)
-    log.inputs[1] = step, message
-    assert poses != log.poses
+def test_inputs_after_the_last_step_are_replayed_too():
+    for steps in (0, 5):
+        with played(dragon(SHORT)) as on:
+            if steps:
+                on.step(steps)
+            on.do("cut", joint=3)
+            log = Log.of(on.session)
+        poses, session = replayed(log)
+        assert (poses, session.scene.cuts, session.scene.steps) == (log.poses, [3], steps)
+        assert not session.state()["replaying"]
 
 
-def test_recordings_as_npz_and_json_are_the_same_log(touched, tmp_path):
-    log, session = touched
-    record(session, tmp_path / "session.npz")
-    (tmp_path / "session.json").write_text(log.to_json())
-    for name in ("session.npz", "session.json"):
-        read = Log.load(tmp_path / name)
-        assert json.loads(read.to_json()) == json.loads(log.to_json())
-        assert replayed(read)[0] == log.poses
-
-
-def test_inputs_after_the_last_step_are_replayed_too_and_the_session_can_be_touched_afterwards():
+def test_replay_with_an_impossible_input_ends_and_tells_which():
     with played(dragon(SHORT)) as on:
-        on.step(5)
-        on.do("cut", joint=3)
+        on.step(10)
         log = Log.of(on.session)
-    poses, session = replayed(log)
-    assert poses == log.poses
-    assert session.scene.cuts == [3]
-    assert not session.state()["replaying"]
-
-
-def test_replay_without_steps_ends_at_once():
-    with played(dragon(SHORT)) as on:
-        on.do("obstacle", shape="round", x=1.0, y=2.0, size=0.3)
-        log = Log.of(on.session)
-    assert log.steps == 0
-    poses, session = replayed(log)
-    assert poses == log.poses
-    assert len(session.scene.obstacles) == 1
-
-
-@pytest.mark.parametrize(
-    "message",
-    [{"do": "cut", "joint": 10**6}, {"do": "set", "name": "benches", "value": 3.0}, {"do": "remove", "obstacle": 7}],
-    ids=lambda message: message["do"],
-)
-def test_replay_with_an_impossible_input_ends_and_tells_which(message):
-    with played(dragon(SHORT)) as on:
-        on.step(20)
-        log = Log.of(on.session)
-    log.inputs.append((7, message))
-    on_replay = []
-    session = replay_session(log, on_replay)
-    with pytest.raises(DragonError, match="before step 7"):
-        session.wait_for_replay()
-    session.stop()
-    assert not session.state()["replaying"]
-    [error] = [told["text"] for told in on_replay if told["kind"] == "error"]
-    assert_says(DragonError(error), "before step 7")
+    for message in (
+        {"do": "cut", "joint": 10**6},
+        {"do": "set", "name": "benches", "value": 3.0},
+        {"do": "remove", "obstacle": 7},
+    ):
+        session, told = replay_session(replace(log, inputs=[(7, message)]))
+        with pytest.raises(DragonError, match="before step 7"):
+            session.wait_for_replay()
+        session.stop()
+        assert not session.state()["replaying"], message
+        assert ["before step 7" in each["text"] for each in told if each["kind"] == "error"] == [True], message
 
 
 def test_replay_goes_on_where_the_recorded_session_paused_at_a_contact():
@@ -195,66 +145,46 @@ def test_replay_goes_on_where_the_recorded_session_paused_at_a_contact():
     assert replayed(log)[0] == log.poses
 
 
-def test_replay_in_which_bodies_fly_apart_ends_with_an_error():
+def test_bodies_that_fly_apart_pause_the_session_end_a_replay_and_come_back_with_reset():
     with played("pendulum") as on:
         on.step(40)
         log = Log.of(on.session)
-    session = Session(planned(log.plan))
-    session.play_again(log.inputs, log.values, log.steps)
-    session.scene.bodies[0].velocity = math.nan, 0.0
-    session.start()
+        on.scene.bodies[1].velocity = math.nan, 0.0
+        assert on.step(100) <= 10
+        [error] = on.errors
+        assert_says(ValueError(error), "reset")
+        on.frame()
+        assert on.do("reset") is None
+        assert on.step(20) == 20
+        assert np.isfinite(on.scene.poses()).all()
+    session, _ = replay_session(log, lambda session: setattr(session.scene.bodies[0], "velocity", (math.nan, 0.0)))
     with pytest.raises(DragonError, match="flew apart"):
         session.wait_for_replay()
     session.stop()
 
 
-def replay_session(log, told):
-    session = Session(planned(log.plan))
-    session.tell = told.append
-    session.speed = 20.0
-    session.play_again(log.inputs, log.values, log.steps)
-    session.start()
-    return session
-
-
-def test_inputs_are_refused_during_a_replay_and_change_nothing():
+def test_inputs_are_refused_during_a_replay_and_another_scene_ends_it():
     with played(dragon(SHORT)) as on:
-        on.step(300)
+        on.step(30)
         on.do("cut", joint=5)
         on.step(1)
         log = Log.of(on.session)
-    session = replay_session(log, [])
     errors = []
-    session.post({"do": "cut", "joint": 2}, errors.append)
+    session, _ = replay_session(log, lambda session: session.post({"do": "cut", "joint": 2}, errors.append))
     assert session.wait_for_replay() == log.poses
     session.stop()
-    assert len(errors) == 1
-    assert session.scene.cuts == [5]
-
-
-def test_another_scene_ends_a_replay():
-    with played(dragon(SHORT)) as on:
-        on.step(3000)
-        on.do("cut", joint=5)
-        log = Log.of(on.session)
-    session = replay_session(log, [])
-    session.post({"do": "scene", "name": "pendulum"})
+    assert (len(errors), session.scene.cuts) == (1, [5])
+    session, _ = replay_session(log, lambda session: session.post({"do": "scene", "name": "pendulum"}))
     assert session.wait_for_replay() is None
     session.stop()
     assert session.source.name == "pendulum"
     assert not session.state()["replaying"]
 
 
-def test_space_of_ones_own_has_no_plan_to_replay():
-    space = pymunk.Space()
-    with played(space) as on:
-        on.step(3)
-    assert Log.of(on.session).plan is None
-
-
 # ---- the dragon
 
 
+@pytest.mark.thorough
 def test_position_error_of_the_untouched_dragon_stays_below_a_hundredth_of_a_millimetre():
     with played("dragon") as on:
         for _ in range(10):
@@ -264,34 +194,36 @@ def test_position_error_of_the_untouched_dragon_stays_below_a_hundredth_of_a_mil
         assert on.frame().march_time == pytest.approx(10.0)
 
 
+@pytest.mark.thorough
 def test_without_dancers_bench_1_meets_bench_28_at_the_time_of_simulate_and_the_session_pauses():
     with played("unguided") as on:
-        made = on.step(2000)
-        assert made < 2000
+        assert on.step(2000) < 2000
         assert on.events == ["benches 1 and 28 touch"]
         assert on.scene.time == pytest.approx(10.894, abs=0.05)
         assert not on.session.state()["running"]
-        frame = on.frame()
-        assert {tuple(sorted(pair)) for pair in frame.contacts[:, :2].tolist()} == {(1, 28)}
+        assert {tuple(sorted(pair)) for pair in on.frame().contacts[:, :2].tolist()} == {(1, 28)}
 
 
 def test_tail_behind_a_cut_joint_stays_while_the_head_goes_on():
-    with played("dragon") as on:
+    with played(dragon(March(Dragon(benches=60)))) as on:
         on.run(1.0)
-        assert on.do("cut", joint=100) is None
+        before = on.frame()
+        np.testing.assert_allclose(before.poses, on.scene.poses(), rtol=1e-6)
+        assert before.errors.max() < 1e-5
+        assert on.do("cut", joint=30) is None
         on.run(2.0)
         before = on.frame()
         on.run(0.5)
         after = on.frame()
         speeds = np.hypot(*(after.poses - before.poses)[:, :2].T) / (after.time - before.time)
-        assert speeds[101:].max() < 0.01
-        assert speeds[:100].min() > 0.5
-        assert on.session.state()["cuts"] == [100]
-        assert after.forces[100] == 0
+        assert speeds[31:].max() < 0.01
+        assert speeds[:30].min() > 0.5
+        assert on.session.state()["cuts"] == [30]
+        assert after.forces[30] == 0
 
 
 def test_dancers_who_come_back_bring_every_bench_to_the_exact_model():
-    with played("dragon") as on:
+    with played(dragon(March(Dragon(benches=40)))) as on:
         on.run(0.5)
         assert on.do("release", bench=1) is None
         assert on.session.state()["free_from"] == 1
@@ -303,37 +235,30 @@ def test_dancers_who_come_back_bring_every_bench_to_the_exact_model():
         assert on.frame().errors.max() < 0.01
 
 
-@pytest.mark.parametrize("contacts", ["resolve", "report", "stop"])
-def test_obstacle_in_the_way_stops_the_march_only_if_contacts_push_apart(contacts):
+def test_obstacle_in_the_way_stops_the_march_only_if_contacts_push_apart_and_until_it_is_removed():
     with played("jam") as on:
-        assert on.do("contacts", value=contacts) is None
-        on.run(4.0)
-        march_time, x = on.frame().march_time, on.frame().poses[0, 0]
-        touches = [event for event in on.events if "obstacle" in event]
-        assert touches[0] == "bench 0 and an obstacle touch"
-        if contacts == "stop":
-            assert not on.session.running
-            assert len(touches) == 1
-            assert on.scene.time < 11
-            return
-        on.run(3.0)
-        moved, marched = on.frame().poses[0, 0] - x, on.frame().march_time - march_time
-        if contacts == "resolve":
-            assert abs(moved) < 0.01
-            assert marched < 0.1
-        else:
-            assert moved == pytest.approx(3.0, abs=0.02)
-            assert marched == pytest.approx(3.0, abs=0.02)
-
-
-def test_march_goes_on_when_the_obstacle_is_removed():
-    with played("jam") as on:
-        on.run(12.0)
-        march_time = on.frame().march_time
-        assert on.do("remove", obstacle=1) is None
-        on.run(4.0)
-        assert on.frame().march_time > march_time + 2
-        assert on.frame().errors.max() < 0.001
+        for contacts in ("resolve", "report", "stop"):
+            on.do("reset")
+            on.told.clear()
+            assert on.do("contacts", value=contacts) is None
+            on.run(4.0)
+            assert next(event for event in on.events if "obstacle" in event) == "bench 0 and an obstacle touch"
+            if contacts == "stop":
+                assert not on.session.running
+                assert on.scene.time < 4
+                continue
+            march_time, x = on.frame().march_time, on.frame().poses[0, 0]
+            on.run(3.0)
+            moved, marched = on.frame().poses[0, 0] - x, on.frame().march_time - march_time
+            if contacts == "resolve":
+                assert abs(moved) < 0.01
+                assert marched < 0.1
+                assert on.do("remove", obstacle=1) is None
+                on.run(4.0)
+                assert on.frame().march_time > march_time + 2
+                assert on.frame().errors.max() < 0.001
+            else:
+                assert (moved, marched) == pytest.approx((3.0, 3.0), abs=0.02)
 
 
 # ---- hands and sliders
@@ -345,21 +270,21 @@ def test_held_rod_follows_the_hand():
         assert on.do("grab", body=0, x=x + 0.5, y=y) is None
         assert on.do("drag", x=0.6, y=0.8) is None
         on.run(2.0)
-        _, anchor_x, anchor_y, target_x, target_y = on.frame().held
-        assert (anchor_x, anchor_y) == pytest.approx((0.5, 0.0))
-        assert (target_x, target_y) == pytest.approx((0.6, 0.8))
-        end = on.scene.bodies[0].local_to_world((0.5, 0.0))
-        assert end.get_distance((0.6, 0.8)) < 0.02
+        assert on.frame().held[1:] == pytest.approx((0.5, 0.0, 0.6, 0.8))
+        assert on.scene.bodies[0].local_to_world((0.5, 0.0)).get_distance((0.6, 0.8)) < 0.02
         assert on.do("drop") is None
         assert on.frame().held is None
 
 
-def test_hand_pulls_with_at_most_1000_newtons_per_kilogram():
+def test_hand_pulls_dynamic_bodies_only_and_with_at_most_1000_newtons_per_kilogram():
     space = pymunk.Space()
-    body = pymunk.Body(3.0, 1.0)
-    space.add(body, pymunk.Circle(body, 0.5))
+    body, mover = pymunk.Body(3.0, 1.0), pymunk.Body(body_type=pymunk.Body.KINEMATIC)
+    space.add(body, pymunk.Circle(body, 0.5), mover, pymunk.Circle(mover, 1))
     with played(space) as on:
-        on.do("grab", body=0, x=0.0, y=0.0)
+        assert Log.of(on.session).plan is None
+        for number in (-1, on.scene.bodies.index(mover), 2):
+            assert_says(ValueError(on.do("grab", body=number, x=0.0, y=0.0)), "body")
+        on.do("grab", body=on.scene.bodies.index(body), x=0.0, y=0.0)
         on.do("drag", x=1e6, y=-1e6)
         on.step(1)
         assert body.velocity.length == pytest.approx(1000 * on.scene.step_length, rel=1e-6)
@@ -367,94 +292,57 @@ def test_hand_pulls_with_at_most_1000_newtons_per_kilogram():
         assert body.velocity.length <= 1000 * on.scene.time * (1 + 1e-9)
 
 
-def test_only_dynamic_bodies_can_be_held():
-    space = pymunk.Space()
-    mover = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
-    space.add(mover, pymunk.Circle(mover, 1))
-    with played(space) as on:
-        assert_says(ValueError(on.do("grab", body=0, x=0.0, y=0.0)), "body")
-        assert_says(ValueError(on.do("grab", body=1, x=0.0, y=0.0)), "body")
-        assert_says(ValueError(on.do("grab", body=-1, x=0.0, y=0.0)), "body")
-        assert list(space.constraints) == []
-
-
-@pytest.mark.parametrize(("name", "value"), [("benches", 12.0), ("pitch", 0.7), ("width", 0.25)])
-def test_sliders_that_rebuild_begin_anew_with_their_value(name, value):
+def test_sliders_that_rebuild_begin_anew_with_their_value():
     with played(dragon(SHORT)) as on:
-        on.step(10)
-        generation = on.session.generation
-        assert on.do("set", name=name, value=value) is None
-        assert on.session.generation == generation + 1
-        assert on.scene.steps == 0
-        assert on.session.state()["values"][name] == value
+        for name, value in (("pitch", 0.7), ("width", 0.25), ("benches", 12.0)):
+            on.step(10)
+            generation = on.session.generation
+            assert on.do("set", name=name, value=value) is None
+            assert (on.session.generation, on.scene.steps) == (generation + 1, 0)
+            assert on.session.state()["values"][name] == value
         described = on.session.description()
-        if name == "benches":
-            assert len(described["bodies"]) == len(described["dragon"]["lengths"]) == 12
-        if name == "width":
-            assert set(described["dragon"]["widths"]) == {0.25}
+        assert len(described["bodies"]) == len(described["dragon"]["lengths"]) == 12
+        assert set(described["dragon"]["widths"]) == {0.25}
         on.run(0.5)
         assert on.frame().errors.max() < 1e-4
         log = Log.of(on.session)
     assert replayed(log)[0] == log.poses
 
 
-def test_values_out_of_range_are_refused_with_one_line_and_change_nothing():
+def test_values_out_of_range_and_things_that_do_not_exist_are_refused_and_change_nothing():
+    place = {"x": 0.0, "y": 0.0}
+    impossible = {
+        "cut": [{"joint": -1}, {"joint": 10**9}],
+        "remove": [{"obstacle": 1}],
+        "contacts": [{"value": "x"}],
+        "release": [{"bench": 0}, {"bench": 20}],
+        "obstacle": [
+            {"shape": shape, **place, "x": x, "size": size}
+            for shape, x, size in (("star", 0.0, 1.0), ("round", math.nan, 1.0), ("round", 0.0, 0.0))
+        ],
+        "grab": [{"body": 0, **place, "x": math.inf}],
+        "drag": [{"x": 1e300, "y": 0.0}],
+        "step": [{"count": 0}],
+        "speed": [{"value": 0.0}, {"value": 1e9}, {"value": math.nan}],
+        "scene": [{"name": "../etc"}],
+        "set": [{"name": "shoe size", "value": 1.0}],
+        "finish": [{}],
+    }
     for source in (dragon(SHORT), ready("boxes")):
         with played(source) as on:
             on.step(3)
-            before, log = on.session.state(), Log.of(on.session)
+            before = on.session.state(), Log.of(on.session)
+            for action, many in impossible.items():
+                for arguments in many:
+                    assert_says(ValueError(on.do(action, **arguments)))
             for each in on.scene.parameters:
-                for value in (each.low - 1.0, each.high + 1.0, math.nan, math.inf, -math.inf, 1e308, -1e308):
+                values = [each.low - 1.0, each.high + 1.0, math.nan, math.inf, -math.inf, 1e308]
+                for value in values + [each.low + 0.5] * each.whole:
                     assert_says(ValueError(on.do("set", name=each.name, value=value)), each.name)
-                if each.whole:
-                    assert_says(ValueError(on.do("set", name=each.name, value=each.low + 0.5)), each.name)
-            assert_says(ValueError(on.do("set", name="shoe size", value=1.0)), "name")
-            assert on.session.state() == before
-            assert Log.of(on.session) == log
+            assert (on.session.state(), Log.of(on.session)) == before
 
 
-IMPOSSIBLE = [
-    ("cut", {"joint": -1}),
-    ("cut", {"joint": 10**9}),
-    ("remove", {"obstacle": 1}),
-    ("contacts", {"value": "x"}),
-    ("release", {"bench": 0}),
-    ("release", {"bench": 20}),
-    ("obstacle", {"shape": "star", "x": 0.0, "y": 0.0, "size": 1.0}),
-    ("obstacle", {"shape": "round", "x": math.nan, "y": 0.0, "size": 1.0}),
-    ("obstacle", {"shape": "round", "x": 0.0, "y": 0.0, "size": 0.0}),
-    ("grab", {"body": 0, "x": math.inf, "y": 0.0}),
-    ("drag", {"x": 1e300, "y": 0.0}),
-    ("step", {"count": 0}),
-    ("speed", {"value": 0.0}),
-    ("speed", {"value": 1e9}),
-    ("speed", {"value": math.nan}),
-    ("scene", {"name": "../etc"}),
-]
-
-
-@pytest.mark.parametrize("source", [dragon(SHORT), ready("boxes")], ids=["dragon", "boxes"])
-def test_messages_for_things_that_do_not_exist_are_refused_with_one_line(source):
-    with played(source) as on:
-        before = on.session.state()
-        for action, arguments in IMPOSSIBLE:
-            assert_says(ValueError(on.do(action, **arguments)))
-        assert on.session.state() == before
-        assert list(on.session.inputs) == []
-
-
-def test_reset_undoes_everything():
-    with played(dragon(SHORT)) as on:
-        fresh = on.session.state(), on.session.poses()
-        touch_a_dragon(on)
-        assert on.do("reset") is None
-        state = on.session.state()
-        assert state.pop("generation") == fresh[0].pop("generation") + 1
-        assert (state, on.session.poses()) == fresh
-        assert (on.scene.steps, on.scene.time, list(on.session.inputs)) == (0, 0.0, [])
-
-
-def test_reset_undoes_everything_in_a_space_of_ones_own():
+def test_reset_puts_a_space_of_ones_own_back():
     space = pymunk.Space()
     space.gravity = 0, -10
     before = space.static_body
@@ -464,17 +352,13 @@ def test_reset_undoes_everything_in_a_space_of_ones_own():
         space.add(body, pymunk.Circle(body, 0.3), pymunk.PivotJoint(before, body, (link, 0)))
         before = body
     with played(space) as on:
-        fresh, poses = on.session.state(), on.session.poses()
-        touch_a_space(on)
+        fresh = without_generation(on.session)
+        touch(on, 7)
         on.do("grab", body=0, x=0.5, y=0.0)
         on.step(7)
         assert on.do("reset") is None
-        state = on.session.state()
-        assert state.pop("generation") == fresh.pop("generation") + 1
-        assert (state, on.session.poses()) == (fresh, poses)
-        assert len(space.shapes) == 2
-        assert len(space.constraints) == 2
-        assert space.gravity == (0, -10)
+        assert without_generation(on.session) == fresh
+        assert (len(space.shapes), len(space.constraints), space.gravity) == (2, 2, (0, -10))
         assert all(joint.max_force == math.inf for joint in space.constraints)
         assert all(body.velocity == (0, 0) for body in space.bodies)
         on.run(0.5)
@@ -482,29 +366,14 @@ def test_reset_undoes_everything_in_a_space_of_ones_own():
         assert on.scene.bodies[0].position.length == pytest.approx(0.5, abs=0.02)
 
 
-def test_time_goes_on_at_each_speed_with_each_step_that_a_slider_offers():
-    for name in ("boxes", "sloppy-engine", "robot-arm"):
-        session = Session(SCENES[name])
-        step = next(each for each in session.scene.parameters if each.name == "step")
-        session.start()
-        session.post({"do": "speed", "value": 2 * SPEEDS[0]})
-        session.post({"do": "set", "name": "step", "value": step.high})
-        for _ in range(1000):
-            if session.scene.steps:
-                break
-            time.sleep(0.01)
-        session.stop()
-        assert session.scene.steps > 0, name
-
-
-@pytest.mark.parametrize("name", ["pendulum", "cradle"])
-def test_bodies_that_swing_stay_in_the_field_that_is_shown_at_first(name):
-    with played(name) as on:
-        centre, size = (np.array(on.scene.field[key]) for key in ("centre", "size"))
-        for _ in range(60):
-            on.run(0.05)
-            away = np.abs(on.scene.poses()[:, :2] - centre)
-            assert (away <= size / 2).all()
+def test_time_goes_on_at_the_lowest_speed_with_the_longest_step():
+    session = Session(ready("boxes"))
+    step = next(each for each in session.scene.parameters if each.name == "step")
+    session.post({"do": "speed", "value": SPEEDS[0]})
+    session.post({"do": "set", "name": "step", "value": step.high})
+    session.start()
+    wait_until(lambda: session.scene.steps)
+    session.stop()
 
 
 # ---- messages
@@ -512,54 +381,49 @@ def test_bodies_that_swing_stay_in_the_field_that_is_shown_at_first(name):
 
 def any_json(dice, depth=0):
     """A random JSON value, nan and infinities included."""
-    kind = dice.randrange(12 if depth < 4 else 9)
-    if kind >= 9:
+    if dice.random() < 0.3 and depth < 5:
         values = [any_json(dice, depth + 1) for _ in range(dice.randrange(4))]
-        return values if kind == 9 else {dice.choice(["do", "x", "y", "value", "", "\u2028"]): each for each in values}
-    return dice.choice(
-        [None, True, False, 0, -1, 10**400, 2**63, 1e308, math.nan, math.inf, -math.inf, "", "a" * 99, "\ud800", 0.5]
-    )
+        return dice.choice([values, {dice.choice(["do", "x", "value", "", "\u2028"]): each for each in values}])
+    return dice.choice([None, True, 0, -1, 10**400, 1e308, math.nan, -math.inf, "", "a" * 99, "\ud800", 0.5])
 
 
 def valid(dice, bodies):
     """A message that is formed as it should be, with random arguments."""
     action = dice.choice([name for name in ACTIONS if name not in ("scene", "ping")])
-    number = dice.choice([0.0, -0.0, 1.5, -3.0, 1e-300, 1e6, 1e308, math.nan, math.inf, dice.gauss(0, 5)])
     values = {
         int: dice.choice([0, 1, -1, 3, dice.randrange(bodies), 10**18, -(10**30)]),
-        float: number,
+        float: dice.choice([0.0, -0.0, 1.5, 1e-300, 1e6, 1e308, math.nan, math.inf, dice.gauss(0, 5)]),
         str: dice.choice(["", "step", "iterations", "drag", "speed", "stop", "report", "resolve", "round", "square"]),
-        bool: dice.random() < 0.5,
     }
     return {"do": action} | {name: values[kind] for name, kind in ACTIONS[action].items()}
 
 
 def malformed(dice, bodies):
     """A text that is no message."""
-    kind = dice.randrange(6)
     message = valid(dice, bodies)
-    if kind == 0:
-        text = json.dumps(any_json(dice))
-        return text if text not in ('{"do": "play"}',) else "{}"
-    if kind == 1:
-        return dice.choice(
-            ["", "{", "[" * 4000, '{"do":' * 600, "\x00", "nan", '{"do": "play"} x', "9" * 4096, "\ufeff{}"]
-        )
-    if kind == 2:
-        return "x" * 4097
-    if kind == 3:
-        return json.dumps({**message, "more": any_json(dice)})
-    if kind == 4:
-        return json.dumps(
-            {**message, "do": dice.choice(["__init__", "advance", "PLAY", "", "eval", "_rebuild", "to_dict"])}
-        )
-    name = dice.choice([*message])
-    return json.dumps({key: value for key, value in message.items() if key != name} | {name: [None]})
+    changed = [
+        any_json(dice),
+        {**message, "more": any_json(dice)},
+        {**message, "do": dice.choice(["__init__", "advance", "PLAY", "", "eval", "_rebuild"])},
+        {**message, dice.choice([*message]): [None]},
+    ]
+    broken = [
+        "",
+        "{",
+        "[" * 4000,
+        '{"do":' * 600,
+        "\x00",
+        "nan",
+        '{"do": "play"} x',
+        "9" * 4096,
+        "\ufeff{}",
+        "x" * 4097,
+    ]
+    return json.dumps(dice.choice(changed)) if dice.random() < 0.7 else dice.choice(broken)
 
 
-@pytest.mark.parametrize("clients", [3, pytest.param(21, marks=pytest.mark.thorough)])
-def test_random_messages_crash_nothing_and_each_malformed_one_is_answered(clients, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+@pytest.mark.parametrize(("clients", "count"), [(2, 150), pytest.param(12, 480, marks=pytest.mark.thorough)])
+def test_random_messages_crash_nothing_and_each_malformed_one_is_answered(clients, count, monkeypatch):
     failures = []
     monkeypatch.setattr(threading, "excepthook", failures.append)
 
@@ -569,7 +433,7 @@ def test_random_messages_crash_nothing_and_each_malformed_one_is_answered(client
         async with joined(session.watch_address if watches else session.address) as client:
             bad = 0
             # A client may send 500 in a second.
-            for _ in range(480):
+            for _ in range(count):
                 if dice.random() < 0.6:
                     bad += 1
                     await client.socket.send_str(malformed(dice, 20))
@@ -579,7 +443,7 @@ def test_random_messages_crash_nothing_and_each_malformed_one_is_answered(client
                 else:
                     message = valid(dice, 20)
                     # Who watches may do nothing else.
-                    bad += watches and message["do"] != "ping"
+                    bad += watches
                     await client.socket.send_str(json.dumps(message))
             await client.send("ping", id=-1)
             await client.told("pong", id=-1)
@@ -588,24 +452,20 @@ def test_random_messages_crash_nothing_and_each_malformed_one_is_answered(client
 
     async def all_attacks(session):
         await asyncio.gather(*(attack(session, seed) for seed in range(clients)))
-        async with joined(session.address) as client:
+        async with asyncio.timeout(PATIENCE), joined(session.address) as client:
+            answer = {}
             # Messages of before may still wait.
-            for _ in range(100):
+            while answer.get("name") != "pendulum":
                 await client.send("scene", name="pendulum")
                 answer = await client.get(lambda found: isinstance(found, dict) and found["kind"] in ("scene", "error"))
-                if answer.get("name") == "pendulum":
-                    break
-                await asyncio.sleep(0.1)
-            await client.send("reset")
-            await client.send("play")
-            await client.send("speed", value=1.0)
-            first = await client.shown(lambda frame: frame.rate > 0)
-            await client.shown(lambda frame: frame.time > first.time + 0.3)
+            for action, arguments in (("reset", {}), ("play", {}), ("speed", {"value": 1.0})):
+                await client.send(action, **arguments)
+            first = await client.shown(lambda frame: frame.generation > answer["generation"])
+            await client.shown(lambda frame: frame.time > first.time + 0.1)
 
     with served(dragon(SHORT)) as session:
         run(all_attacks(session))
     assert failures == []
-    assert list(tmp_path.iterdir()) == []
 
 
 def test_too_large_a_message_closes_its_connection_only():
@@ -625,33 +485,32 @@ def test_too_large_a_message_closes_its_connection_only():
 
 
 def test_requests_without_the_token_of_other_hosts_and_of_other_pages_are_refused():
-    async def ask(address, host, origin, token):
-        page = address.partition("?")[0]
-        headers = {} if host is None else {"Host": host}
-        if origin is not None:
-            headers["Origin"] = origin
+    async def ask(http, page, host, origin, token):
+        headers = {name: value for name, value in {"Host": host, "Origin": origin}.items() if value is not None}
         query = "" if token is None else f"?token={token}"
         found = set()
+        for path in ("", "inputs", "run"):
+            async with http.get(f"{page}{path}{query}", headers=headers) as answer:
+                found.add(answer.status)
+        try:
+            async with http.ws_connect(f"{page}socket{query}", headers=headers):
+                found.add(200)
+        except aiohttp.WSServerHandshakeError as error:
+            found.add(error.status)
+        return found
+
+    async def ask_all(page, rows):
         async with aiohttp.ClientSession() as http:
-            for path in ("", "inputs", "run"):
-                async with http.get(f"{page}{path}{query}", headers=headers) as answer:
-                    found.add(answer.status)
-            try:
-                async with http.ws_connect(f"{page}socket{query}", headers=headers):
-                    found.add(200)
-            except aiohttp.WSServerHandshakeError as error:
-                found.add(error.status)
-        [status] = found
-        return status
+            for host, origin, token, status in rows:
+                assert await ask(http, page, host, origin, token) == {status}, (host, origin, token)
 
     with served(allow_hosts=["Hub.example"]) as session:
         session._session.post({"do": "record"})
         session._session.post({"do": "finish"})
-        address, token = session.address, session.address.partition("token=")[2]
+        page, token = session.address.split("?token=")
         watch = session.watch_address.partition("token=")[2]
-        own = address.partition("//")[2].partition("/")[0]
-        for host, origin, given, status in (
-            (None, None, token, 200),
+        own = urlsplit(page).netloc
+        rows = [
             (None, None, watch, 200),
             (None, f"http://{own}", token, 200),
             ("localhost", None, token, 200),
@@ -660,27 +519,17 @@ def test_requests_without_the_token_of_other_hosts_and_of_other_pages_are_refuse
             # A proxy that replaces the host and keeps the origin.
             (None, "https://hub.example", token, 200),
             (None, "https://hub.example", None, 403),
-            (None, None, None, 403),
-            (None, None, "", 403),
-            (None, None, "x", 403),
-            (None, None, "%C3%A9%00", 403),
-            (None, None, token[:-1], 403),
-            (None, None, token + "&token=x", 200),
-            (None, None, "x&token=" + token, 403),
-            ("evil.example", None, token, 403),
-            ("127.0.0.1.evil.example", None, token, 403),
             ("evil.example:" + own.partition(":")[2], "http://evil.example", token, 403),
-            ("192.0.2.7", None, token, 403),
-            ("[", None, token, 403),
-            ("a@[:1", None, token, 403),
-            (None, "http://evil.example", token, 403),
-            (None, "http://hub.example.evil.example", token, 403),
-            (None, "null", token, 403),
-            (None, "http://[", token, 403),
-            (None, f"http://{own}.evil.example", token, 403),
-            (None, "http://127.0.0.1:1", token, 403),
-        ):
-            assert run(ask(address, host, origin, given)) == status, (host, origin, given)
+            (None, None, token + "&token=x", 200),
+        ]
+        for wrong in (None, "", "x", "%C3%A9%00", token[:-1], "x&token=" + token):
+            rows.append((None, None, wrong, 403))
+        for host in ("evil.example", "127.0.0.1.evil.example", "192.0.2.7", "[", "a@[:1"):
+            rows.append((host, None, token, 403))
+        for origin in ("evil.example", "hub.example.evil.example", "[", f"{own}.evil.example", "127.0.0.1:1"):
+            rows.append((None, f"http://{origin}", token, 403))
+        rows.append((None, "null", token, 403))
+        run(ask_all(page, rows))
 
 
 def test_page_has_a_policy_without_unsafe_inline_and_is_not_stored():
@@ -690,11 +539,10 @@ def test_page_has_a_policy_without_unsafe_inline_and_is_not_stored():
 
     with served() as session:
         headers, page = run(ask(session.address))
-    policy = headers["Content-Security-Policy"]
-    assert policy.startswith("default-src 'none'; ")
-    assert "unsafe" not in policy
-    assert headers["Cache-Control"] == "no-store"
-    assert headers["Referrer-Policy"] == "no-referrer"
+    assert headers["Content-Security-Policy"].startswith("default-src 'none'; ")
+    assert "unsafe" not in headers["Content-Security-Policy"]
+    names = ("Cache-Control", "Referrer-Policy", "X-Content-Type-Options")
+    assert [headers[name] for name in names] == ["no-store", "no-referrer", "nosniff"]
     assert "http://" not in page.replace("http://www.w3.org/", "")
     assert "{{" not in page
 
@@ -714,33 +562,17 @@ def test_watchers_control_nothing():
                 ("set", {"name": "gravity", "value": 0.0}),
             ):
                 await client.send(action, **arguments)
-                assert (await client.told("error"))["text"] == "this address only watches"
+                await client.told("error")
             await client.send("ping", id=1)
             await client.told("pong", id=1)
         async with joined(session.address) as client:
             assert (await client.told("scene"))["role"] == "control"
-            after = await client.told("state", clients=1)
-            assert after == before
+            assert await client.told("state", clients=1) == before
             await client.send("pause")
             await client.told("state", running=False)
 
     with served() as session:
         run(talk(session))
-
-
-def test_body_is_dropped_even_if_too_many_messages_wait():
-    session = Session(ready("pendulum"))
-    errors = []
-    session.post({"do": "grab", "body": 0, "x": 0.5, "y": 0.0})
-    for _ in range(2000):
-        session.post({"do": "drag", "x": 1.0, "y": 0.0}, errors.append)
-    session.post({"do": "drop"}, always=True)
-    assert set(errors) == {"too many messages at once"}
-    session.start()
-    while not session.scene.steps:
-        time.sleep(0.01)
-    session.stop()
-    assert list(session.inputs)[-1] == (0, {"do": "drop"})
 
 
 # ---- many clients
@@ -752,7 +584,7 @@ def test_20_clients_watch_and_see_the_same_motion():
             scene = await client.told("scene")
             await client.told("state", clients=20)
             first = await client.shown()
-            last = await client.shown(lambda frame: frame.time >= first.time + 0.5)
+            last = await client.shown(lambda frame: frame.time >= first.time + 0.3)
             assert first.generation == last.generation == scene["generation"]
             assert not np.array_equal(first.poses, last.poses)
 
@@ -775,72 +607,43 @@ def connected(address):
     return found
 
 
-def test_clients_that_never_read_slow_neither_physics_nor_others_nor_the_end():
-    async def watch(address):
-        async with joined(address) as client:
-            first = await client.shown(lambda frame: frame.time > 0.2)
-            begin = time.monotonic()
-            frames = 0
-            while True:
-                frame = await client.shown()
-                frames += 1
-                if frame.time > first.time + 1.0:
-                    return frames, time.monotonic() - begin
-
-    def is_fast(attempt):
-        with ExitStack() as stack:
-            session = stack.enter_context(served("dragon"))
-            for _ in range(8):
-                stack.enter_context(connected(session.address))
-            frames, passed = run(watch(session.address))
-            begin = time.monotonic()
-            session.stop()
-            end = time.monotonic() - begin
-        print(attempt, frames, passed, end)
-        return frames > 20 and passed < 2.0 and end < 2.0
-
-    assert any(map(is_fast, ATTEMPTS))
-
-
-def test_client_that_floods_does_not_stop_others():
+def test_clients_that_never_read_or_that_flood_do_not_stop_others():
     async def flood(address, done):
         async with joined(address) as client:
 
             async def read():
-                while not done.is_set():
+                while not (done.is_set() and client.errors):
                     await client.get(lambda found: True)
 
             reading = asyncio.create_task(read())
-            while not done.is_set():
+            # Some of the messages are refused.
+            while not reading.done():
                 for _ in range(100):
                     await client.send("drag", x=1.0, y=2.0)
                 await asyncio.sleep(0)
             await reading
 
-    async def talk(address):
+    async def talk(session):
         done = asyncio.Event()
-        flooding = asyncio.create_task(flood(address, done))
-        async with joined(address) as client:
-            first = await client.shown(lambda frame: frame.time > 0.1)
-            begin = time.monotonic()
+        async with asyncio.timeout(2 * PATIENCE), joined(session.address) as client:
+            first = await client.shown()
+            # More than sockets hold.
+            for _ in range(60):
+                session._session.tell({"kind": "event", "time": 0.0, "text": "x" * 100_000})
+            flooding = asyncio.create_task(flood(session.address, done))
             for number in range(20):
                 await client.send("ping", id=number)
                 await client.told("pong", id=number)
             await client.send("cut", joint=2)
             await client.told("state", cuts=[2])
-            last = await client.shown(lambda frame: frame.time > first.time + 1.0)
-            passed = time.monotonic() - begin
-        done.set()
-        await flooding
-        return passed, last.rate
+            await client.shown(lambda frame: frame.time > first.time + 0.3)
+            done.set()
+            await flooding
 
-    def is_fast(attempt):
-        with served() as session:
-            passed, rate = run(talk(session.address))
-        print(attempt, passed, rate)
-        return passed < 3.0 and rate > 0.5
-
-    assert any(map(is_fast, ATTEMPTS))
+    with served() as session, ExitStack() as stack:
+        for _ in range(8):
+            stack.enter_context(connected(session.address))
+        run(talk(session))
 
 
 def test_body_is_dropped_when_its_holder_disconnects_and_only_then():
@@ -866,55 +669,81 @@ def test_body_is_dropped_when_its_holder_disconnects_and_only_then():
         run(talk(session.address))
 
 
+def test_body_is_dropped_even_if_too_many_messages_wait():
+    session = Session(ready("pendulum"))
+    errors = []
+    session.post({"do": "grab", "body": 0, "x": 0.5, "y": 0.0})
+    for _ in range(2000):
+        session.post({"do": "drag", "x": 1.0, "y": 0.0}, errors.append)
+    session.post({"do": "drop"}, always=True)
+    assert 500 < len(errors) < 2000
+    session.start()
+    wait_until(lambda: session.scene.steps)
+    session.stop()
+    assert list(session.inputs)[-1] == (0, {"do": "drop"})
+
+
+def test_frames_are_of_the_scene_that_was_described_before_them():
+    async def talk(address):
+        async with joined(address) as client:
+            bodies = {}
+            for name in ["boxes", "pendulum", "robot-arm"] * 3:
+                await client.send("scene", name=name)
+            await client.send("set", name="pitch", value=0.35)
+
+            def note(found):
+                if isinstance(found, dict):
+                    if found["kind"] == "scene":
+                        bodies[found["generation"]] = len(found["bodies"])
+                    return False
+                assert len(found.poses) == bodies[found.generation]
+                return found.generation == max(bodies) == 11
+
+            await client.get(note)
+
+    with served() as session:
+        run(talk(session.address))
+
+
 # ---- beginning and end
 
 
-def test_stop_leaves_no_thread_and_frees_the_port():
-    before = set(threading.enumerate())
-    for _ in range(2):
-        with served() as session:
-            assert len(set(threading.enumerate()) - before) == 2
-            port = urlsplit(session.address).port
-        session.stop()
-        assert set(threading.enumerate()) == before
-        with socket.create_server(("127.0.0.1", port)):
-            pass
-
-
-def test_stop_with_clients_leaves_no_thread():
+def test_stop_leaves_no_thread_and_frees_the_port_even_with_clients_and_while_it_is_paused():
     async def talk(session):
         async with joined(session.address) as client:
-            await client.shown()
+            await client.shown(lambda frame: frame.time > 0.1)
             await asyncio.to_thread(session.stop)
             with pytest.raises(ConnectionError):
                 await client.told("pong")
 
     before = set(threading.enumerate())
-    with served() as session:
-        run(talk(session))
-    assert {thread for thread in threading.enumerate() if "pymunk" in thread.name} <= before
+    for way in ("alone", "paused", "with a client"):
+        with served() as session:
+            port = urlsplit(session.address).port
+            if way == "paused":
+                with session.paused():
+                    session.stop()
+            elif way == "with a client":
+                # It never reads.
+                with connected(session.address):
+                    run(talk(session))
+        assert {thread for thread in threading.enumerate() if "pymunk" in thread.name} <= before, way
+        with socket.create_server(("127.0.0.1", port)):
+            pass
 
 
 def test_port_in_use_and_addresses_that_cannot_be_used_are_told_in_one_line(call):
-    before = set(threading.enumerate())
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
-        code, out, err = call("live", "pendulum", "--no-browser", "--port", port)
-    assert (code, out) == (2, "")
-    assert_says(ValueError(err.strip()), "--port", str(port))
-    for host in ("192.0.2.1", "a..b", "a" * 64, "no.such.host.invalid"):
-        code, out, err = call("live", "pendulum", "--no-browser", "--host", host)
-        assert (code, out) == (2, ""), host
-        assert_says(ValueError(err.strip()), host[:20])
-    for port in (-1, 65536):
-        assert call("live", "pendulum", "--no-browser", "--port", port)[:2] == (2, "")
-    assert set(threading.enumerate()) == before
+        for flag, value in (("--port", port), ("--host", "192.0.2.1"), ("--host", "a..b"), ("--port", 65536)):
+            code, out, err = call("live", "pendulum", "--no-browser", flag, value)
+            assert (code, out) == (2, "")
+            assert_says(ValueError(err.strip()), flag, str(value))
 
 
-def test_without_aiohttp_the_extra_is_named_before_any_work(call, monkeypatch):
+def test_without_aiohttp_the_extra_is_named(call, monkeypatch):
     monkeypatch.setitem(sys.modules, "aiohttp", None)
     monkeypatch.delitem(sys.modules, "pymunk_dragon.sessions.server", raising=False)
-    monkeypatch.setattr("pymunk_dragon.sessions.session.Session.__init__", lambda *a, **b: pytest.fail("works"))
     code, out, err = call("live", "--no-browser")
     assert (code, out) == (2, "")
     assert_says(ValueError(err.strip()), "pymunk-dragon[live]")
@@ -922,85 +751,55 @@ def test_without_aiohttp_the_extra_is_named_before_any_work(call, monkeypatch):
         live(browser=False)
 
 
-@contextmanager
-def program(*arguments):
-    """The program in a process of its own, when it has printed its address."""
-    command = [sys.executable, "-m", "pymunk_dragon", "live", *map(str, arguments), "--no-browser"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
-        try:
-            yield process
-        finally:
-            process.kill()
-
-
-def seconds_after_ctrl_c(path):
-    """How long the program takes to end, with clients that never read, after some steps of a recorded session."""
-
+def test_ctrl_c_ends_the_program_with_130_and_writes_a_recording_whose_replay_is_equal(call, tmp_path):
     async def watch(address):
         async with joined(address) as client:
-            await client.shown(lambda frame: frame.time > 0.2)
+            await client.shown(lambda frame: frame.time > 0.1)
 
-    with program("pendulum", "--record", path) as process, ExitStack() as stack:
+    path = tmp_path / "session.npz"
+    command = [sys.executable, "-m", "pymunk_dragon", "live", "pendulum", "--record", path, "--no-browser"]
+    with ExitStack() as stack:
+        process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        stack.enter_context(process)
+        stack.callback(process.kill)
         address = process.stdout.readline().split()[1]
-        for _ in range(6):
-            stack.enter_context(connected(address))
+        stack.enter_context(connected(address))
         run(watch(address))
-        begin = time.monotonic()
         process.send_signal(signal.SIGINT)
-        _, err = process.communicate(timeout=30)
-        passed = time.monotonic() - begin
+        _, err = process.communicate(timeout=PATIENCE)
     assert process.returncode == 130
     assert [line for line in err.splitlines() if "wrote" not in line] == ["pymunk-dragon: interrupted"]
     log = Log.load(path)
     assert log.steps > 20
-    assert replayed(log)[0] == log.poses
-    return passed
-
-
-def test_ctrl_c_ends_the_program_within_2_s_and_writes_the_recording(tmp_path):
-    assert any(seconds_after_ctrl_c(tmp_path / f"{attempt}.npz") < 2.0 for attempt in ATTEMPTS)
-
-
-def test_replay_at_the_command_line_tells_that_it_is_equal(tmp_path):
-    path = tmp_path / "session.json"
-    with played("pendulum") as on:
-        touch_a_space(on)
-    path.write_text(Log.of(on.session).to_json())
-    with program("--replay", path) as process:
-        lines = [process.stdout.readline() for _ in range(3)]
-        process.send_signal(signal.SIGINT)
-        process.communicate(timeout=30)
-    assert lines[2] == f"replay:  {on.scene.steps} steps, equal to the recording to the bit\n"
-    assert process.returncode == 130
-
-
-def test_replay_that_ends_elsewhere_is_written_and_says_how_far(call, tmp_path):
-    with played("pendulum") as on:
-        touch_a_space(on)
-    log = Log.of(on.session)
-    poses = on.scene.poses()
-    poses[0, 0] += 0.125
-    poses[-1, 2] -= 0.25
-    (tmp_path / "session.json").write_text(replace(log, poses=as_text(poses)).to_json())
-    code, out, err = call("live", "--exit", "--replay", tmp_path / "session.json", "-o", tmp_path / "session.npz")
+    line = f"replay:  {log.steps} steps, equal to the recording to the bit\n"
+    assert call("live", "--exit", "--replay", path) == (0, line, "")
+    # Poses that differ are not: the program says how far, and writes those of the replay.
+    _, session = replayed(log)
+    poses = session.scene.poses() + np.array([0.125, 0.0, -0.25])
+    (tmp_path / "other.json").write_text(replace(log, poses=as_text(poses)).to_json())
+    code, out, err = call("live", "--exit", "--replay", tmp_path / "other.json", "-o", tmp_path / "other.npz")
     assert (code, err) == (0, "")
     assert out == f"replay:  {log.steps} steps, poses within 2.5e-01 m and rad of the recording\n"
-    assert Log.load(tmp_path / "session.npz").poses == log.poses
+    assert Log.load(tmp_path / "other.npz").poses == log.poses
 
 
-# Names of features in versions of NumPy; it ignores others.
-@pytest.mark.parametrize("features", ["", "X86_V4 AVX512_SKX", "X86_V4 X86_V3 AVX512_SKX AVX2 FMA3"])
-def test_recording_of_the_film_in_the_readme_can_be_replayed_on_any_processor(features, tmp_path):
+@pytest.mark.thorough
+def test_recording_of_the_film_in_the_readme_can_be_replayed_on_any_processor():
     recording = Path(__file__).parents[1] / "renders" / "live.json"
     command = [sys.executable, "-m", "pymunk_dragon", "live", "--replay", recording, "--exit"]
-    environment = os.environ | {"NPY_DISABLE_CPU_FEATURES": features}
-    done = subprocess.run(command, capture_output=True, text=True, check=True, env=environment)
-    steps, _, end = done.stdout.partition(", ")
-    assert steps == "replay:  1000 steps"
-    found = re.fullmatch(r"equal to the recording to the bit\n|poses within (\S+) m and rad of the recording\n", end)
-    assert float(found[1] or 0) < 1e-9
+    # Names of features in versions of NumPy; it ignores others.
+    for features in ("", "X86_V4 X86_V3 AVX512_SKX AVX2 FMA3"):
+        environment = os.environ | {"NPY_DISABLE_CPU_FEATURES": features}
+        done = subprocess.run(command, capture_output=True, text=True, check=True, env=environment)
+        steps, _, end = done.stdout.partition(", ")
+        assert steps == "replay:  1000 steps"
+        found = re.fullmatch(
+            r"equal to the recording to the bit\n|poses within (\S+) m and rad of the recording\n", end
+        )
+        assert float(found[1] or 0) < 1e-9, features
 
 
+SMALL = {"dragon": {"benches": 4}}
 TAMPERED = {
     "poses of another scene": (1, lambda log: log.update(poses="0" * 64)),
     "odd poses": (2, lambda log: log.update(poses="0")),
@@ -1010,183 +809,116 @@ TAMPERED = {
     "nothing": (2, lambda log: log.clear()),
     "unknown scene": (2, lambda log: log.update(plan={"scene": "x"})),
     "plan of another kind": (2, lambda log: log.update(plan=7)),
-    "plan with unknown options": (2, lambda log: log.update(plan={"scenario": {}, "x": 1})),
+    "plan with unknown options": (2, lambda log: log.update(plan={"scenario": SMALL, "x": 1})),
     "plan that is no scenario": (2, lambda log: log.update(plan={"scenario": 3})),
-    "plan with odd contacts": (2, lambda log: log.update(plan={"scenario": {}, "contacts": [1]})),
-    "plan with an odd start": (2, lambda log: log.update(plan={"scenario": {}, "start": "x"})),
-    "odd values": (2, lambda log: log.update(plan={"scenario": {}}, values={"benches": 1e300})),
-    "odd step": (2, lambda log: log.update(plan={"scenario": {}}, values={"step": -1.0})),
+    "plan with odd contacts": (2, lambda log: log.update(plan={"scenario": SMALL, "contacts": [1]})),
+    "plan with an odd start": (2, lambda log: log.update(plan={"scenario": SMALL, "start": "x"})),
+    "odd values": (2, lambda log: log.update(plan={"scenario": SMALL}, values={"benches": 1e300})),
+    "odd step": (2, lambda log: log.update(plan={"scenario": SMALL}, values={"step": -1.0})),
     "no plan": (2, lambda log: log.update(plan=None)),
 }
 
 
-@pytest.mark.parametrize("name", TAMPERED)
-def test_tampered_recording_fails_with_one_line(name, call, tmp_path):
+def test_recording_that_is_tampered_with_or_none_is_refused_in_one_line(call, tmp_path, small_run):
     with played("pendulum") as on:
         on.do("grab", body=0, x=0.5, y=0.0)
         on.do("drag", x=1.0, y=1.0)
         on.step(20)
-    log = json.loads(Log.of(on.session).to_json())
-    expected, change = TAMPERED[name]
-    change(log)
-    (tmp_path / "session.json").write_text(json.dumps(log))
-    code, _, err = call("live", "--no-browser", "--replay", tmp_path / "session.json")
-    assert code == expected
-    assert_says(ValueError(err.strip()))
-    assert err.startswith("pymunk-dragon: ")
+    given = {}
+    for name, (code, change) in TAMPERED.items():
+        log = json.loads(Log.of(on.session).to_json())
+        change(log)
+        given[tmp_path / f"{name}.json"] = code
+        (tmp_path / f"{name}.json").write_text(json.dumps(log))
+    small_run.save(tmp_path / "run.npz")
+    given |= {tmp_path / name: 2 for name in ("run.npz", "absent.npz", "absent.json")}
+    for path, expected in given.items():
+        code, _, err = call("live", "--no-browser", "--replay", path)
+        assert code == expected, path.name
+        assert err.startswith("pymunk-dragon: "), path.name
+        assert err.count("\n") == 1, path.name
+        if path.stem in ("run", "absent"):
+            assert path.name in err
 
 
-@pytest.mark.parametrize(
-    ("file", "reason"),
-    [
-        ("absent.npz", " is 'absent.npz', but must be a readable file (No such file or directory)"),
-        ("absent.json", " is 'absent.json', but must be a readable file (No such file or directory)"),
-        ("run.npz", " run.npz: no recording of a live session, or a damaged one"),
-    ],
-)
-def test_file_that_is_no_recording_is_named_with_the_option(file, reason, call, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    simulate(SHORT, until=1).save("run.npz")
-    code, _, err = call("live", "--exit", "--replay", file)
-    assert (code, err) == (2, f"pymunk-dragon: --replay{reason}\n")
+# ---- films and files
 
 
-# ---- films
+def test_recorded_session_becomes_a_run_and_a_film(tmp_path):
+    for name in ("dragon", "pendulum"):
+        with played(dragon(SHORT) if name == "dragon" else ready(name), record=True) as on:
+            on.run(0.5)
+        record(on.session, tmp_path / f"{name}.gif")
+        with Image.open(tmp_path / f"{name}.gif") as film:
+            assert len({film.seek(frame) or film.convert("RGB").tobytes() for frame in range(film.n_frames)}) > 7
+            film.seek(0)
+            lasts = sum(film.seek(frame) or film.info["duration"] for frame in range(film.n_frames))
+        # The film of a dragon shows its end for 2.5 seconds more.
+        assert lasts / 1000 == pytest.approx(3.0 if name == "dragon" else 0.5, abs=0.15)
+        if name == "dragon":
+            record(on.session, tmp_path / "session.npz")
+            found = Run.load(tmp_path / "session.npz")
+            assert (found.times[0], found.times[-1]) == pytest.approx((0.0, 0.5))
+            np.testing.assert_array_equal(found.poses[-1], on.scene.poses())
+            assert found.drift.max() < 1e-5
 
 
-@pytest.mark.parametrize("name", ["dragon", "pendulum"])
-def test_recorded_session_becomes_a_film(name, tmp_path):
-    with played(dragon(SHORT) if name == "dragon" else ready(name), record=True) as on:
-        on.run(1.0)
-    record(on.session, tmp_path / "session.gif")
-    with Image.open(tmp_path / "session.gif") as film:
-        assert film.n_frames > 20
-        assert len({film.seek(frame) or film.convert("RGB").tobytes() for frame in range(film.n_frames)}) > 15
-        film.seek(0)
-        lasts = sum(film.seek(frame) or film.info["duration"] for frame in range(film.n_frames))
-    # The film of a dragon shows its end for 2.5 seconds more.
-    assert lasts / 1000 == pytest.approx(3.5 if name == "dragon" else 1.0, abs=0.15)
-
-
-def test_film_shows_an_obstacle_from_when_it_was_put_until_it_was_removed(tmp_path):
-    with played(dragon(SHORT), record=True) as on:
-        on.run(0.5)
-        on.do("obstacle", shape="square", x=0.0, y=0.0, size=2.0)
-        on.run(0.5)
-        on.do("remove", obstacle=1)
-        on.run(0.5)
-        poses = on.session.poses()
-    record(on.session, tmp_path / "session.gif")
-    assert on.session.poses() == poses
-    with Image.open(tmp_path / "session.gif") as film:
-        colours = []
-        for frame in range(film.n_frames):
-            film.seek(frame)
-            colours.append(film.convert("RGB").getcolors(1000))
-    # Most of the pixels that are not white are the obstacle's.
-    white = [{colour: count for count, colour in found}[255, 255, 255] for found in colours]
-    assert white[len(white) // 2] < white[0] - 2000
-    assert white[-1] == pytest.approx(white[0], abs=1000)
-
-
-def test_recorded_dragon_is_a_run(tmp_path):
-    with played(dragon(SHORT), record=True) as on:
-        on.run(1.0)
-    record(on.session, tmp_path / "session.npz")
-    run = Run.load(tmp_path / "session.npz")
-    assert run.march.dragon.benches == 20
-    assert (run.times[0], run.times[-1]) == pytest.approx((0.0, 1.0))
-    np.testing.assert_array_equal(run.poses[-1], on.scene.poses())
-    assert run.drift.max() < 1e-5
-
-
-def test_client_records_a_span_as_a_run(tmp_path):
+def test_client_records_a_span_as_a_run_until_it_is_full(tmp_path, monkeypatch):
     with played(dragon(SHORT)) as on:
-        assert_says(ValueError(on.do("finish")))
         on.run(0.5)
         assert on.do("record") is None
         assert on.session.state()["recording"]
         on.run(1.0)
         on.do("cut", joint=3)
         assert on.do("finish") is None
-        state = on.session.state()
-        on.run(0.5)
-    assert (state["recording"], state["recorded"]) == (False, pytest.approx(1.0))
-    with (tmp_path / "run.npz").open("wb") as file:
-        save(on.session.recorder.recorded, file)
-    run = Run.load(tmp_path / "run.npz")
-    assert (run.times[0], run.times[-1]) == pytest.approx((0.5, 1.5))
-    assert len(run.times) == pytest.approx(33, abs=3)
-    log = on.session.recorder.recorded.log
-    assert log.inputs == [(log.steps, {"do": "cut", "joint": 3})]
-    assert replayed(log)[0] == log.poses
-
-
-def test_recording_of_a_client_ends_when_it_is_full(monkeypatch):
-    monkeypatch.setattr("pymunk_dragon.sessions.frames.MAX_RECORDED", 20_000)
-    with played(dragon(SHORT)) as on:
+        state, recorded = on.session.state(), on.session.recorder.recorded
+        assert (state["recording"], state["recorded"]) == (False, pytest.approx(1.0))
+        with (tmp_path / "run.npz").open("wb") as file:
+            save(recorded, file)
+        assert recorded.log.inputs == [(recorded.log.steps, {"do": "cut", "joint": 3})]
+        monkeypatch.setattr("pymunk_dragon.sessions.frames.MAX_RECORDED", 5_000)
         on.do("record")
-        on.run(5.0)
+        on.run(1.0)
         assert not on.session.state()["recording"]
-    assert on.errors == ["the recording is full, and has ended"]
-    assert on.session.recorder.recorded.poses.nbytes < 25_000
+        assert len(on.errors) == 1
+        assert on.session.recorder.recorded.poses.nbytes < 10_000
+    found = Run.load(tmp_path / "run.npz")
+    assert (found.times[0], found.times[-1]) == pytest.approx((0.5, 1.5))
+    assert len(found.times) == pytest.approx(33, abs=3)
+    assert replayed(recorded.log)[0] == recorded.log.poses
 
 
 def test_full_disk_ends_the_frames_and_not_the_session(monkeypatch):
-    with played(dragon(SHORT), record=True) as on:
+    def full_disk(scene):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    with played("pendulum", record=True) as on:
         on.run(0.1)
         monkeypatch.setattr(on.session.recorder.frames, "append", full_disk)
-        on.run(1.0)
-    assert on.errors == ["frames are no longer kept: No space left on device"]
-    assert on.scene.time == pytest.approx(1.1)
+        on.run(0.2)
+    [error] = on.errors
+    assert "No space left" in error
+    assert on.scene.time == pytest.approx(0.3)
 
 
-def full_disk(scene):
-    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-
-
-def test_inputs_are_kept_in_some_ten_bytes_and_movements_before_the_same_step_are_one():
-    log = InputLog()
-    rng = np.random.default_rng(3)
-    kept = []
-    for step in range(20_000):
-        for _ in range(2):
-            x, y = (float(f"{value:.6g}") for value in rng.uniform(-9, 9, 2))
-            log.append(step, {"do": "drag", "x": x, "y": y})
-        kept.append((step, {"do": "drag", "x": x, "y": y}))
-    log.append(step, {"do": "drop"})
-    assert list(log) == [*kept, (step, {"do": "drop"})]
-    assert len(log) == 20_001
-    assert len(log._packed) < 12 * len(log)
-
-
-# ---- odd spaces
+# ---- spaces
 
 
 def odd_spaces():
     """Spaces of odd kinds by their names."""
-    empty, ground, bare = pymunk.Space(), pymunk.Space(), pymunk.Space()
+    empty, ground, bare, far, weightless, motors = (pymunk.Space() for _ in range(6))
     ground.add(pymunk.Segment(ground.static_body, (0, 0), (1, 0), 0.1))
-    body = pymunk.Body(1, 1)
+    body, there = pymunk.Body(1, 1), pymunk.Body(1, 1)
     bare.add(body, pymunk.PinJoint(bare.static_body, body, (0, 1)))
-    far, weightless = pymunk.Space(), pymunk.Space()
-    there = pymunk.Body(1, 1)
     there.position = 1e40, -1e40
     far.add(there, pymunk.Circle(there, 1))
-    nothing = pymunk.Body()
-    weightless.add(nothing)
-    motors = pymunk.Space()
+    weightless.add(pymunk.Body())
     wheels = [pymunk.Body(1, 1) for _ in range(2)]
     motors.add(*wheels, pymunk.SimpleMotor(*wheels, 1.0), pymunk.GrooveJoint(*wheels, (0, 0), (1, 0), (0, 0)))
-    return {"empty": empty, "ground": ground, "bare": bare, "far": far, "weightless": weightless,
-            "motors": motors}  # fmt: skip
+    return empty, ground, bare, far, weightless, motors
 
 
-ODD = ["empty", "ground", "bare", "far", "weightless", "motors"]
-
-
-@pytest.mark.parametrize("name", ODD)
-def test_odd_spaces_are_shown_touched_and_begin_anew(name):
+def test_live_plays_any_space_which_is_shown_touched_and_begins_anew():
     async def talk(address):
         async with joined(address) as client:
             await client.told("scene")
@@ -1196,18 +928,21 @@ def test_odd_spaces_are_shown_touched_and_begin_anew(name):
                 ("drag", {"x": 1e6, "y": -1e6}),
                 ("obstacle", {"shape": "round", "x": 0.0, "y": 0.0, "size": 1.0}),
                 ("cut", {"joint": 0}),
-                ("step", {"count": 30}),
+                ("step", {"count": 10}),
             ):
                 await client.send(action, **arguments)
                 await client.send("ping", id=1)
                 await client.told("pong", id=1)
-                await client.shown()
+            await client.shown()
             await client.send("reset")
             generation = (await client.told("scene"))["generation"]
             await client.shown(lambda frame: frame.generation == generation)
 
-    with served(odd_spaces()[name]) as session:
-        run(talk(session.address))
+    for space in odd_spaces():
+        with live(space, browser=False) as session:
+            run(talk(session.address))
+    with pytest.raises(DragonError, match="what is 3"):
+        live(3, browser=False)
 
 
 def test_space_may_be_changed_while_it_is_paused():
@@ -1234,51 +969,20 @@ def test_space_may_be_changed_while_it_is_paused():
         run(talk(session))
 
 
-def test_session_can_be_stopped_while_it_is_paused():
-    with served("pendulum") as session, session.paused():
-        session.stop()
-    assert not session._session._thread.is_alive()
+def server_texts():
+    """Texts that the page gets from the server and shows: scenes, parameters, events and errors."""
+    found = {"benches {i} and {j} touch", "bench {i} and an obstacle touch", "the head is at the end of its path"}
+    found |= {"the bodies flew apart: reset, and take shorter steps", "the recording is full, and has ended"}
+    found |= {"more than {i} messages in a second: the others are ignored", "this address only watches"}
+    for each in [*SCENES.values(), dragon(March())]:
+        found |= {each.title, each.text}
+        for parameter in each.build({}).parameters:
+            found |= {parameter.label, parameter.unit}
+    return {text for text in found if text not in ("", "m", "ms", "m/s", "1/m")}
 
 
-def test_bodies_that_fly_apart_pause_the_session_and_reset_brings_them_back():
-    with played("pendulum") as on:
-        on.scene.bodies[1].velocity = math.nan, 0.0
-        assert on.step(100) <= 10
-        assert len(on.errors) == 1
-        assert_says(ValueError(on.errors[0]), "reset")
-        on.frame()
-        assert on.do("reset") is None
-        assert on.step(100) == 100
-        assert np.isfinite(on.scene.poses()).all()
-
-
-def test_frames_are_of_the_scene_that_was_described_before_them():
-    async def talk(address):
-        async with joined(address) as client:
-            bodies = {}
-            names = ["boxes", "pendulum", "cradle", "robot-arm"]
-            for turn in range(24):
-                await client.send("scene", name=names[turn % 4])
-                if turn % 4 == 3:
-                    await client.send("set", name="pitch", value=0.35)
-            await client.send("ping", id=1)
-
-            def note(found):
-                if isinstance(found, dict):
-                    if found["kind"] == "scene":
-                        bodies[found["generation"]] = len(found["bodies"])
-                    return False
-                assert len(found.poses) == bodies[found.generation]
-                return found.generation == max(bodies) >= 24
-
-            await client.get(note)
-
-    with served() as session:
-        run(talk(session.address))
-
-
-def test_events_have_the_texts_that_are_translated():
-    with played(dragon(March(Dragon(benches=40)), contacts="report", free_from=1, start=0.0)) as session:
-        session.run(14.0)
-        assert session.events
-        assert {re.sub(r"\d+", "#", text) for text in session.events} == {"benches # and # touch"}
+@pytest.mark.thorough
+def test_each_text_of_the_live_page_is_translated_and_no_translation_is_unused():
+    own, shared = catalogue("pymunk_dragon.sessions"), catalogue("pymunk_dragon.player")
+    used = package_texts("sessions", "live.html", PARTS) | server_texts()
+    assert used - set(shared) == set(own)

@@ -6,16 +6,14 @@ import asyncio
 import re
 import subprocess
 import threading
-import time
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from urllib.parse import urlsplit
 
-import aiohttp
 import imageio_ffmpeg
 import numpy as np
 import pytest
-from aiohttp import WSMsgType, web
-from browser import english_words, needs_browser, opened, wait_until
+from browser import english_words, needs_browser, opened
+from browser import wait_until as wait_until_in_time
 from live_sessions import PATIENCE, replayed, served
 
 from pymunk_dragon._language import in_language
@@ -34,6 +32,10 @@ PLACE = """([x, y]) => {
   const [px, py] = live.pixel(x, y);
   return [left + px, top + py];
 }"""
+
+
+def wait_until(page, expression, seconds=PATIENCE):
+    wait_until_in_time(page, expression, seconds)
 
 
 @contextmanager
@@ -104,36 +106,15 @@ def test_rod_follows_the_mouse_and_the_replay_is_equal(browser):
         assert_replays(session)
 
 
-def test_bench_without_dancers_follows_the_mouse_and_its_neighbours_come_along(browser):
-    with served(dragon(March(Dragon(benches=30)))) as session, visit(browser, session.address) as found:
-        page = found.page
-        page.click("#release")
-        wait_until(page, "live.state.free_from === 1")
-        page.evaluate("live.send({do: 'set', name: 'speed', value: 0})")
-        wait_simulated(page, 1.0)
-        before = poses(page)
-        x, y, _ = before[-1]
-        page.mouse.move(*place(page, x, y))
-        page.mouse.down()
-        wait_until(page, "live.frame.held !== null")
-        goal = x + 1.0, y + 1.0
-        page.mouse.move(*place(page, *goal), steps=8)
-        wait_simulated(page, 3.0)
-        after = poses(page)
-        page.mouse.up()
-        wait_until(page, "live.frame.held === null")
-        moved = np.hypot(*(after - before)[:, :2].T)
-        assert moved[-1] > 0.5
-        assert moved[-2] > 0.2
-        assert np.hypot(*(after[-1, :2] - goal)) < np.hypot(*(before[-1, :2] - goal)) / 2
-        assert_replays(session)
-
-
-def test_tail_stays_when_its_joint_is_cut_with_the_tool(browser):
+def test_page_shows_the_largest_error_and_the_tail_stays_when_its_joint_is_cut_with_the_tool(browser):
     with served(dragon(March(Dragon(benches=60)))) as session, visit(browser, session.address) as found:
         page = found.page
         wait_simulated(page, 0.5)
         pause(page, session)
+        number, bench = re.fullmatch(r"([\d.]+) \u03bcm, bench (\d+)", page.inner_text("#value-error")).groups()
+        _, errors = session._session.scene._exact()
+        assert int(bench) == errors.argmax()
+        assert float(number) * 1e-6 == pytest.approx(errors.max(), abs=1e-8)
         page.click("label:has(#tool-cut)")
         front, _ = session._session.scene.march.dragon.holes(poses(page))
         page.mouse.click(*place(page, *front[30]))
@@ -150,18 +131,6 @@ def test_tail_stays_when_its_joint_is_cut_with_the_tool(browser):
         assert_replays(session)
 
 
-def test_page_shows_the_largest_error_in_micrometres_and_its_bench(browser):
-    with served(dragon(March(Dragon(benches=30)))) as session, visit(browser, session.address) as found:
-        page = found.page
-        wait_until(page, "live.frame.time > 1")
-        pause(page, session)
-        number, bench = re.fullmatch(r"([\d.]+) \u03bcm, bench (\d+)", page.inner_text("#value-error")).groups()
-        with session.paused():
-            _, errors = session._session.scene._exact()
-    assert int(bench) == errors.argmax()
-    assert float(number) * 1e-6 == pytest.approx(errors.max(), abs=1e-8)
-
-
 def film_pictures(path):
     """Pictures of a video, (F, height, width, 3)."""
     # FFmpeg itself: imageio's reader leaves its pipes open. "passthrough" because a browser's film has pictures at
@@ -176,7 +145,7 @@ def film_pictures(path):
 def test_button_records_a_film_and_a_run(browser, tmp_path):
     with served(dragon(March(Dragon(benches=30)))) as session, visit(browser, session.address) as found:
         page = found.page
-        began, begin = time.monotonic(), page.evaluate("live.frame.time")
+        begin = page.evaluate("live.frame.time")
         page.click("#record")
         wait_until(page, "live.state.recording")
         least = page.evaluate("live.frame.time")
@@ -184,45 +153,23 @@ def test_button_records_a_film_and_a_run(browser, tmp_path):
         least = page.evaluate("live.frame.time") - least
         page.click("#record")
         wait_until(page, "!live.state.recording")
-        most, passed = page.evaluate("live.frame.time") - begin, time.monotonic() - began
+        most = page.evaluate("live.frame.time") - begin
+        saved = {}
         for name in ("film", "run"):
             page.wait_for_selector(f"#{name}")
             with page.expect_download() as download:
                 page.click(f"#{name}")
-            saved = tmp_path / download.value.suggested_filename
-            download.value.save_as(saved)
-            if name == "run":
-                run = Run.load(saved)
-            else:
-                pictures = film_pictures(saved)
+            saved[name] = tmp_path / download.value.suggested_filename
+            download.value.save_as(saved[name])
         page.click("#recorded-close")
         assert page.is_hidden("#recorded")
+    run, pictures = Run.load(saved["run"]), film_pictures(saved["film"])
     # The page shows a frame later than it is kept.
     assert least - 0.1 < np.ptp(run.times) < most + 0.1
     assert run.drift.max() < 1e-4
     # The film is of the canvas, and the dragon moves in it.
-    assert 20 < len(pictures) < 50 * passed
     assert pictures[0].shape[:2] == pytest.approx((500, 900), rel=0.4)
     assert np.abs(pictures[0].astype(float) - pictures[-1]).max() > 100
-
-
-def test_benches_1_and_28_meet_after_all_are_let_go_in_the_page(browser):
-    with served("dragon") as session, visit(browser, session.address) as found:
-        page = found.page
-        page.keyboard.press("Space")
-        page.click("#reset")
-        page.select_option("#contacts", "stop")
-        page.click("#release")
-        page.select_option("#speed", "20")
-        wait_until(page, "!live.state.running && live.state.free_from === 1 && live.state.contacts === 'stop'")
-        # The space key belongs to the list of speeds, which has the focus.
-        page.click("#play")
-        wait_until(page, "!live.state.running && live.frame?.step > 100", seconds=60)
-        assert page.evaluate("live.frame.time") == pytest.approx(10.894, abs=0.05)
-        assert "benches 1 and 28 touch" in page.text_content("#events")
-        contacts = np.array(page.evaluate("Array.from(live.frame.contacts)")).reshape(-1, 7)
-        assert sorted(contacts[0, :2].tolist()) == [1, 28]
-        assert_replays(session)
 
 
 def test_finger_drags_a_box_on_a_phone(browser):
@@ -266,57 +213,36 @@ def test_watching_page_has_no_controls(browser):
 
 
 @contextmanager
-def proxied(address, **headers):
+def proxied(address):
     """A reverse proxy that strips a prefix, and the address of the page behind it."""
     target = urlsplit(address)
-    started, port, loops = threading.Event(), [], []
+    started, begun = threading.Event(), []
 
-    async def forward(request):
-        if not request.path.startswith(PREFIX):
-            return web.Response(status=404)
-        url = f"http://{target.netloc}/{request.path.removeprefix(PREFIX)}?{request.query_string}"
-        passed = {name: request.headers[name] for name in ("Host", "Origin") if name in request.headers} | headers
-        if request.headers.get("Upgrade", "").lower() != "websocket":
-            async with aiohttp.ClientSession() as http, http.get(url, headers=passed) as answer:
-                kept = {name: value for name, value in answer.headers.items() if name.lower().startswith("content-sec")}
-                content = await answer.read()
-                return web.Response(body=content, status=answer.status, headers=kept, content_type=answer.content_type)
-        near = web.WebSocketResponse()
-        async with aiohttp.ClientSession() as http, http.ws_connect(url, headers=passed, max_msg_size=0) as far:
-            await near.prepare(request)
+    async def pump(reader, writer, prefix=b""):
+        with suppress(ConnectionError):
+            while data := await reader.read(1 << 16):
+                # Without the prefix there is no page.
+                writer.write(data.replace(b"GET " + prefix, b"GET /") if prefix in data else b"GET /none HTTP/1.1\r\n")
+        writer.close()
 
-            async def pump(source, sink):
-                async for message in source:
-                    if message.type is WSMsgType.TEXT:
-                        await sink.send_str(message.data)
-                    elif message.type is WSMsgType.BINARY:
-                        await sink.send_bytes(message.data)
-                await sink.close()
-
-            await asyncio.gather(pump(near, far), pump(far, near), return_exceptions=True)
-        return near
+    async def forward(reader, writer):
+        far_reader, far_writer = await asyncio.open_connection(target.hostname, target.port)
+        await asyncio.gather(pump(reader, far_writer, PREFIX.encode()), pump(far_reader, writer))
 
     async def serve():
-        application = web.Application()
-        application.router.add_get("/{path:.*}", forward)
-        runner = web.AppRunner(application, shutdown_timeout=0.2)
-        await runner.setup()
-        site = web.TCPSite(runner, "127.0.0.1", 0)
-        await site.start()
-        port.append(site._server.sockets[0].getsockname()[1])
         end = asyncio.Event()
-        loops.append((asyncio.get_running_loop(), end))
-        started.set()
-        await end.wait()
-        await runner.cleanup()
+        async with await asyncio.start_server(forward, "127.0.0.1", 0) as server:
+            begun.extend([asyncio.get_running_loop(), end, server.sockets[0].getsockname()[1]])
+            started.set()
+            await end.wait()
 
     thread = threading.Thread(target=lambda: asyncio.run(serve()))
     thread.start()
     assert started.wait(PATIENCE)
+    loop, end, port = begun
     try:
-        yield f"http://127.0.0.1:{port[0]}{PREFIX}?{target.query}"
+        yield f"http://127.0.0.1:{port}{PREFIX}?{target.query}"
     finally:
-        loop, end = loops[0]
         loop.call_soon_threadsafe(end.set)
         thread.join()
 
@@ -359,14 +285,11 @@ def test_page_switches_scenes_and_sets_parameters_without_complaints(browser):
             wait_until(page, f"live.drawn > {drawn} + 3")
 
 
-@pytest.mark.parametrize(
-    ("program", "link"), [("en", "&zh"), ("en", "&lang=zh"), ("en", "#lang=zh"), ("zh", "")], ids="".join
-)
+@pytest.mark.parametrize(("program", "link"), [("en", "&lang=zh"), ("zh", "")])
 def test_page_is_chinese_if_the_program_or_the_address_is(browser, program, link):
     with in_language(program), served("jam") as session, visit(browser, session.address + link) as found:
         page = found.page
         assert page.evaluate("document.documentElement.lang") == "zh"
-        assert "pymunk-dragon demo callbacks --lang zh" in page.text_content("body")
         # Words of the commands of lessons.
         allowed = {"pymunk", "dragon", "demo", "callbacks", "tension", "lang"}
         assert english_words(page) <= allowed
@@ -376,16 +299,20 @@ def test_page_is_chinese_if_the_program_or_the_address_is(browser, program, link
         assert english_words(page) <= allowed
 
 
-def test_button_changes_the_language_of_a_session_there_and_back(browser):
-    scene = dragon(March(Dragon(benches=40)), contacts="stop", free_from=1)
-    with served(scene) as session, visit(browser, session.address) as found:
+def test_benches_touch_after_all_are_let_go_and_a_button_changes_the_language_there_and_back(browser):
+    with served(dragon(March(Dragon(benches=40)))) as session, visit(browser, session.address) as found:
         page = found.page
+        page.select_option("#contacts", "stop")
+        page.click("#release")
+        wait_until(page, "live.state.free_from === 1 && live.state.contacts === 'stop'")
         page.select_option("#speed", "20")
-        wait_until(page, "!live.state.running && live.frame?.step > 100", seconds=60)
-        assert re.search(r"benches \d+ and \d+ touch", page.text_content("#events"))
+        wait_until(page, "!live.state.running && live.frame.step > 100")
+        first, second = re.search(r"benches (\d+) and (\d+) touch", page.text_content("#events")).groups()
+        contacts = page.evaluate("Array.from(live.frame.contacts)")
+        assert sorted(contacts[:2]) == [int(first), int(second)]
         page.click("#language")
         wait_until(page, "document.documentElement.lang === 'zh'")
-        assert re.search(r"\d+ 号与 \d+ 号板凳接触", page.text_content("#events"))
+        assert f"{first} 号与 {second} 号板凳接触" in page.text_content("#events")
         wait_until(page, "document.getElementById('achieved').textContent === '已暂停'")
         page.reload()
         wait_until(page, "globalThis.live?.frame != null && live.drawn > 0")
@@ -393,4 +320,4 @@ def test_button_changes_the_language_of_a_session_there_and_back(browser):
         page.click("#language")
         wait_until(page, "document.getElementById('achieved').textContent === 'Paused'")
         assert page.text_content("#title") == "A march"
-        assert page.evaluate("location.hash") == ""
+        assert_replays(session)
