@@ -239,8 +239,8 @@ def test_point_that_exceeds_its_time_fails_alone(threads):
 
 def program(*arguments):
     command = [sys.executable, "-m", "pymunk_dragon", "sweep", *FLAGS, *arguments, "--workers", "1"]
-    environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(Path(__file__).parent), *sys.path])}
-    return subprocess.run(command, capture_output=True, text=True, timeout=120, env=environment)
+    path = os.pathsep.join([str(Path(__file__).parent), os.environ.get("PYTHONPATH", ".")])
+    return subprocess.run(command, capture_output=True, text=True, timeout=120, env=os.environ | {"PYTHONPATH": path})
 
 
 def test_program_reads_ranges_lists_and_functions_of_its_folder_and_prints_the_table(here):
