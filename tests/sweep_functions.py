@@ -24,10 +24,12 @@ def total(march: March, *, x: float = 0.0, y: float = 0.0, n: int = 0):
 
 
 def logged(march: March, *, x: float = 0.0, pause: float = 0.0, log: str = ""):
-    """A square, after a line was appended to a file."""
-    with open(log or os.environ["SWEEP_LOG"], "a") as file:
+    """A square, after a line was appended to a file, and a pause if nothing says to hurry."""
+    log = log or os.environ["SWEEP_LOG"]
+    with open(log, "a") as file:
         file.write(f"{x}\n")
-    time.sleep(pause)
+    if not os.path.exists(f"{log}.hurry"):
+        time.sleep(pause)
     return {"square": x * x, "side": "left" if x < 4 else "right"}
 
 

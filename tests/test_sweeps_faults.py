@@ -31,9 +31,9 @@ from pymunk_dragon.sweeps.computation import LOST
 LIMIT = 60
 POINTS = 24
 # A sweep of many points that take a while, and its table.
-QUANTITY = ["--quantity", "sweep_functions:logged", "--axis", f"x=0:{POINTS - 1}:1", "--axis", "pause=0.03"]
+QUANTITY = ["--quantity", "sweep_functions:logged", "--axis", f"x=0:{POINTS - 1}:1", "--axis", "pause=0.2"]
 SWEEP = [sys.executable, "-m", "pymunk_dragon", "sweep", *FLAGS, *QUANTITY, "-o", "map.csv"]
-ROWS = [f"{x}.0,0.03,{x * x}.0,{'left' if x < 4 else 'right'},\n" for x in range(POINTS)]
+ROWS = [f"{x}.0,0.2,{x * x}.0,{'left' if x < 4 else 'right'},\n" for x in range(POINTS)]
 TABLE = "".join(["x,pause,square,side,error\n", *ROWS])
 # A sweep in which one point is special.
 X = {"x": [float(x) for x in range(8)]}
@@ -63,10 +63,10 @@ def environment(folder):
 class Program:
     """The program that sweeps in a folder."""
 
-    def __init__(self, folder, *arguments):
+    def __init__(self, folder, *arguments, command=SWEEP):
         self.folder = folder
         self.process = subprocess.Popen(
-            [*SWEEP, *map(str, arguments)],
+            [*command, *map(str, arguments)],
             cwd=folder,
             env=environment(folder),
             stdout=subprocess.PIPE,
@@ -92,6 +92,11 @@ class Program:
         found = psutil.Process(self.process.pid).children(recursive=True)
         return [child for child in found if any("spawn_main" in part for part in child.cmdline())]
 
+    def kill(self):
+        self.process.kill()
+        self.process.wait()
+        return self.finished()
+
     def end(self):
         """Exit code, stdout and stderr, after all of it."""
         out, err = self.process.communicate(timeout=LIMIT)
@@ -99,19 +104,14 @@ class Program:
 
 
 @contextmanager
-def program(folder, *arguments):
-    running = Program(folder, *arguments)
+def program(*arguments, **options):
+    running = Program(*arguments, **options)
     try:
         yield running
     finally:
         with suppress(ProcessLookupError):
             os.killpg(running.process.pid, signal.SIGKILL)
         running.process.communicate()
-
-
-def ended(folder, *arguments):
-    with program(folder, *arguments) as running:
-        return running.end()
 
 
 def assert_one_line(err, *words):
@@ -121,9 +121,12 @@ def assert_one_line(err, *words):
 
 def assert_resumed(folder, finished, *arguments):
     """A sweep goes on, evaluates the points that are not `finished` once, and ends with the same table as ever."""
-    log = folder / "evaluated.log"
+    log, hurry = folder / "evaluated.log", folder / "evaluated.log.hurry"
     log.write_text("")
-    code, out, err = ended(folder, "--resume", "--json", *arguments)
+    hurry.touch()
+    with program(folder, "--resume", "--json", *arguments) as running:
+        code, out, err = running.end()
+    hurry.unlink()
     assert (code, err) == (0, "")
     told = json.loads(out)
     assert (told["points"], told["failed"], told["resumed"]) == (POINTS, 0, len(finished))
@@ -141,12 +144,16 @@ def assert_gone(processes):
 
 
 @pytest.mark.parametrize(
-    ("number", "group"),
+    ("number", "group", "arguments"),
     # A terminal sends Ctrl-C to all processes.
-    [(signal.SIGINT, True), pytest.param(signal.SIGTERM, False, marks=pytest.mark.thorough)],
+    [
+        (signal.SIGINT, True, ["--workers", "2"]),
+        pytest.param(signal.SIGTERM, False, ["--workers", "2"], marks=pytest.mark.thorough),
+        pytest.param(signal.SIGINT, True, ["--workers", "2", "--scheduler", "local"], marks=pytest.mark.thorough),
+    ],
 )
-def test_signal_is_one_line_keeps_the_journal_and_leaves_no_process(tmp_path, number, group):
-    with program(tmp_path, "--workers", "2") as running:
+def test_signal_is_one_line_keeps_the_journal_and_leaves_no_process(tmp_path, number, group, arguments):
+    with program(tmp_path, *arguments) as running:
         running.wait_for(4)
         processes = running.workers()
         assert len(processes) == 2
@@ -157,8 +164,7 @@ def test_signal_is_one_line_keeps_the_journal_and_leaves_no_process(tmp_path, nu
     assert_one_line(err, f"{len(finished)} of {POINTS} points are in map.csv.journal")
     assert_gone(processes)
     assert names(tmp_path) == ["evaluated.log", "map.csv.journal"]
-    if group:
-        assert_resumed(tmp_path, finished, "--workers", "1")
+    assert_resumed(tmp_path, finished, "--workers", "1")
 
 
 @pytest.mark.thorough
@@ -168,10 +174,8 @@ def test_program_or_worker_that_is_killed_leaves_no_process_and_changes_nothing(
         running.workers()[0].kill()
         running.wait_for(8)
         processes = running.workers()
-        running.process.kill()
-        running.process.wait()
+        finished = running.kill()
         assert_gone(processes)
-        finished = running.finished()
     assert 8 <= len(finished) < POINTS
     assert_resumed(tmp_path, finished, "--workers", "2")
 
@@ -196,14 +200,10 @@ def test_thread_that_does_not_return_ends_the_sweep(tmp_path, monkeypatch):
     assert names(tmp_path) == ["map.csv.journal"]
 
 
-SCRIPT = """
-from pymunk_dragon import sweep
-sweep({"benches": 4, "turns": 5}, {"width": [0.2, 0.3]}, out="map.csv", workers=1)
-"""
-
-
 def test_script_whose_workers_cannot_start_is_an_error_and_no_table(tmp_path):
-    (tmp_path / "script.py").write_text(SCRIPT)
+    (tmp_path / "script.py").write_text(
+        "from pymunk_dragon import sweep\nsweep({'benches': 4}, {'width': [0.2, 0.3]}, out='map.csv', workers=1)\n"
+    )
     done = subprocess.run([sys.executable, "script.py"], cwd=tmp_path, capture_output=True, text=True, timeout=LIMIT)
     assert done.returncode == 1
     assert 'if __name__ == "__main__":' in done.stderr.splitlines()[-1]
@@ -276,9 +276,7 @@ def test_sweep_of_processes_is_resumed_on_dask_to_the_same_table_even_if_a_worke
     address = cluster.address
     with program(tmp_path, "--workers", "1") as running:
         running.wait_for(2)
-        running.process.kill()
-        running.process.wait()
-        begun = len(running.finished())
+        begun = len(running.kill())
     with program(tmp_path, "--scheduler", address, "--resume") as running:
         running.wait_for(begun + 2)
         os.kill(cluster.pids()[0], signal.SIGKILL)
@@ -309,19 +307,6 @@ def test_point_that_ends_its_worker_of_dask_or_exceeds_its_time_is_a_row_and_har
 
 
 @pytest.mark.thorough
-def test_ctrl_c_of_a_sweep_with_a_local_cluster_is_one_line_and_leaves_no_process(tmp_path):
-    with program(tmp_path, "--workers", "2", "--scheduler", "local") as running:
-        running.wait_for(4)
-        processes = running.workers()
-        os.killpg(running.process.pid, signal.SIGINT)
-        code, out, err = running.end()
-        finished = running.finished()
-    assert (code, out) == (130, "")
-    assert_one_line(err, f"{len(finished)} of {POINTS} points")
-    assert_gone(processes)
-
-
-@pytest.mark.thorough
 def test_address_without_a_scheduler_is_bad_input(call, monkeypatch):
     monkeypatch.setattr("pymunk_dragon.sweeps.workers.CONNECT_TIMEOUT", 0.3)
     code, out, err = call("sweep", *FLAGS, "--axis", "pitch=0.5", "--scheduler", "tcp://127.0.0.1:1")
@@ -343,17 +328,15 @@ os.execv(sys.executable, [sys.executable, *sys.argv[1:]])
 @not_under_coverage
 @pytest.mark.thorough
 def test_journal_on_a_full_disk_is_one_line_and_whole(tmp_path):
-    command = [sys.executable, "-c", LIMITED, *SWEEP[1:], "--workers", "2"]
-    given = {"cwd": tmp_path, "env": environment(tmp_path), "capture_output": True, "text": True, "timeout": 2 * LIMIT}
-    done = subprocess.run(command, **given)
+    with program(tmp_path, "--workers", "2", command=[sys.executable, "-c", LIMITED, *SWEEP[1:]]) as running:
+        code, out, err = running.end()
+        finished = running.finished()
     journal = (tmp_path / "map.csv.journal").read_bytes()
-    assert (done.returncode, done.stdout) == (1, "")
+    assert (code, out) == (1, "")
     assert journal.endswith(b"\n")
     assert len(journal) <= 1100
-    finished = [json.loads(line)[0] for line in journal.splitlines()[1:]]
     assert finished
-    assert_one_line(done.stderr, "cannot write map.csv.journal", f"{len(finished)} of {POINTS} points")
-    assert names(tmp_path) == ["evaluated.log", "map.csv.journal"]
+    assert_one_line(err, "cannot write map.csv.journal", f"{len(finished)} of {POINTS} points")
     assert_resumed(tmp_path, finished, "--workers", "2")
 
 
