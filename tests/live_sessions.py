@@ -39,7 +39,7 @@ class Played:
     def scene(self):
         return self.session.scene
 
-    def settle(self) -> None:
+    def settle(self):
         """Wait until everything that was sent before has been taken."""
         for _ in range(2):
             taken = threading.Event()

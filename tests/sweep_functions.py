@@ -104,16 +104,6 @@ def ignoring(march: March, *, x: float):
     return {"v": x}
 
 
-def wait():
-    """What `waiting` does; a test replaces it."""
-
-
-def waiting(march: March, *, x: float):
-    if x == 3:
-        wait()
-    return {"v": x}
-
-
 def ending(march: March, *, x: float):
     if x == 3:
         os._exit(1)

@@ -18,6 +18,7 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
+from unittest.mock import Mock
 from urllib.parse import urlsplit
 
 import aiohttp
@@ -25,8 +26,7 @@ import numpy as np
 import pymunk
 import pytest
 from conftest import assert_says
-from live_sessions import PATIENCE, joined, played, replay_session, replayed, served, wait_until
-from page_texts import package_texts
+from live_sessions import PATIENCE, joined, played, replay_session, replayed, served
 from PIL import Image
 
 from pymunk_dragon.errors import DragonError, MissingExtraError
@@ -34,13 +34,11 @@ from pymunk_dragon.model.curves import Line
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
-from pymunk_dragon.player.page import PARTS, catalogue
 from pymunk_dragon.sessions import live
 from pymunk_dragon.sessions.log import Log, as_text
 from pymunk_dragon.sessions.messages import ACTIONS
 from pymunk_dragon.sessions.recording import record, save
-from pymunk_dragon.sessions.scenes import SCENES, dragon, ready
-from pymunk_dragon.sessions.session import SPEEDS, Session
+from pymunk_dragon.sessions.scenes import dragon, ready
 
 SHORT = March(Dragon(benches=20))
 
@@ -80,14 +78,13 @@ def without_generation(session):
     return {name: value for name, value in session.state().items() if name != "generation"}, session.poses()
 
 
-# ---- replays
-
-
 @pytest.mark.parametrize("name", ["dragon", "pendulum", "boxes"])
 def test_replay_of_a_saved_session_ends_in_the_same_state_to_the_bit_and_reset_undoes_everything(name, tmp_path):
     with played(dragon(SHORT) if name == "dragon" else ready(name), record=True) as on:
         fresh = without_generation(on.session)
         touch(on, 13)
+        # After the last step.
+        assert on.do("obstacle", shape="round", x=0.0, y=0.0, size=0.3) is None
         with on.session.held():
             log = Log.of(on.session)
             record(on.session, tmp_path / "session.npz")
@@ -106,35 +103,6 @@ def test_replay_of_a_saved_session_ends_in_the_same_state_to_the_bit_and_reset_u
     assert replayed(read)[0] != log.poses
 
 
-def test_inputs_after_the_last_step_are_replayed_too():
-    for steps in (0, 5):
-        with played(dragon(SHORT)) as on:
-            if steps:
-                on.step(steps)
-            on.do("cut", joint=3)
-            log = Log.of(on.session)
-        poses, session = replayed(log)
-        assert (poses, session.scene.cuts, session.scene.steps) == (log.poses, [3], steps)
-        assert not session.state()["replaying"]
-
-
-def test_replay_with_an_impossible_input_ends_and_tells_which():
-    with played(dragon(SHORT)) as on:
-        on.step(10)
-        log = Log.of(on.session)
-    for message in (
-        {"do": "cut", "joint": 10**6},
-        {"do": "set", "name": "benches", "value": 3.0},
-        {"do": "remove", "obstacle": 7},
-    ):
-        session, told = replay_session(replace(log, inputs=[(7, message)]))
-        with pytest.raises(DragonError, match="before step 7"):
-            session.wait_for_replay()
-        session.stop()
-        assert not session.state()["replaying"], message
-        assert ["before step 7" in each["text"] for each in told if each["kind"] == "error"] == [True], message
-
-
 def test_replay_goes_on_where_the_recorded_session_paused_at_a_contact():
     march = March(Dragon(benches=12), Line(start=(-30.0, 0.0), stop=(30.0, 0.0)), start_s=28.0)
     with played(dragon(march, contacts="stop")) as on:
@@ -145,22 +113,15 @@ def test_replay_goes_on_where_the_recorded_session_paused_at_a_contact():
     assert replayed(log)[0] == log.poses
 
 
-def test_bodies_that_fly_apart_pause_the_session_end_a_replay_and_come_back_with_reset():
+def test_bodies_that_fly_apart_pause_the_session_and_come_back_with_reset():
     with played("pendulum") as on:
-        on.step(40)
-        log = Log.of(on.session)
         on.scene.bodies[1].velocity = math.nan, 0.0
         assert on.step(100) <= 10
-        [error] = on.errors
-        assert_says(ValueError(error), "reset")
+        assert ["reset" in error for error in on.errors] == [True]
         on.frame()
         assert on.do("reset") is None
         assert on.step(20) == 20
         assert np.isfinite(on.scene.poses()).all()
-    session, _ = replay_session(log, lambda session: setattr(session.scene.bodies[0], "velocity", (math.nan, 0.0)))
-    with pytest.raises(DragonError, match="flew apart"):
-        session.wait_for_replay()
-    session.stop()
 
 
 def test_inputs_are_refused_during_a_replay_and_another_scene_ends_it():
@@ -181,21 +142,13 @@ def test_inputs_are_refused_during_a_replay_and_another_scene_ends_it():
     assert not session.state()["replaying"]
 
 
-# ---- the dragon
-
-
 @pytest.mark.thorough
-def test_position_error_of_the_untouched_dragon_stays_below_a_hundredth_of_a_millimetre():
+def test_dragon_keeps_to_the_exact_model_and_without_dancers_bench_1_meets_bench_28_where_simulate_says():
     with played("dragon") as on:
         for _ in range(10):
             on.run(1.0)
             assert on.frame().errors.max() < 1e-5
-        assert on.frame().time == pytest.approx(10.0)
-        assert on.frame().march_time == pytest.approx(10.0)
-
-
-@pytest.mark.thorough
-def test_without_dancers_bench_1_meets_bench_28_at_the_time_of_simulate_and_the_session_pauses():
+        assert (on.frame().time, on.frame().march_time) == pytest.approx((10.0, 10.0))
     with played("unguided") as on:
         assert on.step(2000) < 2000
         assert on.events == ["benches 1 and 28 touch"]
@@ -261,10 +214,7 @@ def test_obstacle_in_the_way_stops_the_march_only_if_contacts_push_apart_and_unt
                 assert (moved, marched) == pytest.approx((3.0, 3.0), abs=0.02)
 
 
-# ---- hands and sliders
-
-
-def test_held_rod_follows_the_hand():
+def test_hand_pulls_dynamic_bodies_only_with_at_most_1000_newtons_per_kilogram():
     with played("pendulum") as on:
         x, y, _ = on.scene.poses()[0].tolist()
         assert on.do("grab", body=0, x=x + 0.5, y=y) is None
@@ -274,22 +224,16 @@ def test_held_rod_follows_the_hand():
         assert on.scene.bodies[0].local_to_world((0.5, 0.0)).get_distance((0.6, 0.8)) < 0.02
         assert on.do("drop") is None
         assert on.frame().held is None
-
-
-def test_hand_pulls_dynamic_bodies_only_and_with_at_most_1000_newtons_per_kilogram():
     space = pymunk.Space()
     body, mover = pymunk.Body(3.0, 1.0), pymunk.Body(body_type=pymunk.Body.KINEMATIC)
     space.add(body, pymunk.Circle(body, 0.5), mover, pymunk.Circle(mover, 1))
     with played(space) as on:
-        assert Log.of(on.session).plan is None
         for number in (-1, on.scene.bodies.index(mover), 2):
             assert_says(ValueError(on.do("grab", body=number, x=0.0, y=0.0)), "body")
         on.do("grab", body=on.scene.bodies.index(body), x=0.0, y=0.0)
         on.do("drag", x=1e6, y=-1e6)
         on.step(1)
         assert body.velocity.length == pytest.approx(1000 * on.scene.step_length, rel=1e-6)
-        on.step(30)
-        assert body.velocity.length <= 1000 * on.scene.time * (1 + 1e-9)
 
 
 def test_sliders_that_rebuild_begin_anew_with_their_value():
@@ -310,17 +254,14 @@ def test_sliders_that_rebuild_begin_anew_with_their_value():
 
 
 def test_values_out_of_range_and_things_that_do_not_exist_are_refused_and_change_nothing():
-    place = {"x": 0.0, "y": 0.0}
+    shape = {"shape": "round", "x": 0.0, "y": 0.0, "size": 1.0}
     impossible = {
         "cut": [{"joint": -1}, {"joint": 10**9}],
         "remove": [{"obstacle": 1}],
         "contacts": [{"value": "x"}],
         "release": [{"bench": 0}, {"bench": 20}],
-        "obstacle": [
-            {"shape": shape, **place, "x": x, "size": size}
-            for shape, x, size in (("star", 0.0, 1.0), ("round", math.nan, 1.0), ("round", 0.0, 0.0))
-        ],
-        "grab": [{"body": 0, **place, "x": math.inf}],
+        "obstacle": [shape | {"shape": "star"}, shape | {"x": math.nan}, shape | {"size": 0.0}],
+        "grab": [{"body": 0, "x": math.inf, "y": 0.0}],
         "drag": [{"x": 1e300, "y": 0.0}],
         "step": [{"count": 0}],
         "speed": [{"value": 0.0}, {"value": 1e9}, {"value": math.nan}],
@@ -366,60 +307,25 @@ def test_reset_puts_a_space_of_ones_own_back():
         assert on.scene.bodies[0].position.length == pytest.approx(0.5, abs=0.02)
 
 
-def test_time_goes_on_at_the_lowest_speed_with_the_longest_step():
-    session = Session(ready("boxes"))
-    step = next(each for each in session.scene.parameters if each.name == "step")
-    session.post({"do": "speed", "value": SPEEDS[0]})
-    session.post({"do": "set", "name": "step", "value": step.high})
-    session.start()
-    wait_until(lambda: session.scene.steps)
-    session.stop()
-
-
-# ---- messages
-
-
-def any_json(dice, depth=0):
-    """A random JSON value, nan and infinities included."""
-    if dice.random() < 0.3 and depth < 5:
-        values = [any_json(dice, depth + 1) for _ in range(dice.randrange(4))]
-        return dice.choice([values, {dice.choice(["do", "x", "value", "", "\u2028"]): each for each in values}])
-    return dice.choice([None, True, 0, -1, 10**400, 1e308, math.nan, -math.inf, "", "a" * 99, "\ud800", 0.5])
-
-
-def valid(dice, bodies):
-    """A message that is formed as it should be, with random arguments."""
+def random_message(dice):
+    """A text or bytes, and whether it is a message, whose arguments may be impossible."""
     action = dice.choice([name for name in ACTIONS if name not in ("scene", "ping")])
     values = {
-        int: dice.choice([0, 1, -1, 3, dice.randrange(bodies), 10**18, -(10**30)]),
+        int: dice.choice([0, 1, -1, 3, dice.randrange(20), 10**18, -(10**30)]),
         float: dice.choice([0.0, -0.0, 1.5, 1e-300, 1e6, 1e308, math.nan, math.inf, dice.gauss(0, 5)]),
         str: dice.choice(["", "step", "iterations", "drag", "speed", "stop", "report", "resolve", "round", "square"]),
     }
-    return {"do": action} | {name: values[kind] for name, kind in ACTIONS[action].items()}
-
-
-def malformed(dice, bodies):
-    """A text that is no message."""
-    message = valid(dice, bodies)
-    changed = [
-        any_json(dice),
-        {**message, "more": any_json(dice)},
-        {**message, "do": dice.choice(["__init__", "advance", "PLAY", "", "eval", "_rebuild"])},
-        {**message, dice.choice([*message]): [None]},
+    message = {"do": action} | {name: values[kind] for name, kind in ACTIONS[action].items()}
+    odd = dice.choice([None, True, 0, 10**400, math.nan, "", "\ud800", [[]], {"do": {}}])
+    malformed = [
+        json.dumps(odd),
+        json.dumps({**message, "more": odd}),
+        json.dumps({**message, "do": dice.choice(["__init__", "advance", "PLAY", "", "_rebuild"])}),
+        json.dumps({**message, dice.choice([*message]): [None]}),
+        dice.choice(["", "{", "[" * 4000, '{"do":' * 600, "\x00", "nan", '{"do": "play"} x', "9" * 4096, "x" * 4097]),
+        dice.randbytes(dice.randrange(100)),
     ]
-    broken = [
-        "",
-        "{",
-        "[" * 4000,
-        '{"do":' * 600,
-        "\x00",
-        "nan",
-        '{"do": "play"} x',
-        "9" * 4096,
-        "\ufeff{}",
-        "x" * 4097,
-    ]
-    return json.dumps(dice.choice(changed)) if dice.random() < 0.7 else dice.choice(broken)
+    return (json.dumps(message), True) if dice.random() < 0.3 else (dice.choice(malformed), False)
 
 
 @pytest.mark.parametrize(("clients", "count"), [(2, 150), pytest.param(12, 480, marks=pytest.mark.thorough)])
@@ -434,23 +340,20 @@ def test_random_messages_crash_nothing_and_each_malformed_one_is_answered(client
             bad = 0
             # A client may send 500 in a second.
             for _ in range(count):
-                if dice.random() < 0.6:
-                    bad += 1
-                    await client.socket.send_str(malformed(dice, 20))
-                elif dice.random() < 0.2:
-                    bad += 1
-                    await client.socket.send_bytes(dice.randbytes(dice.randrange(100)))
-                else:
-                    message = valid(dice, 20)
-                    # Who watches may do nothing else.
-                    bad += watches
-                    await client.socket.send_str(json.dumps(message))
+                message, is_message = random_message(dice)
+                # Who watches may do nothing.
+                bad += watches or not is_message
+                await (client.socket.send_bytes if isinstance(message, bytes) else client.socket.send_str)(message)
             await client.send("ping", id=-1)
             await client.told("pong", id=-1)
             # Who controls may also be answered that a body or a joint does not exist.
             assert client.errors == bad or (client.errors > bad and not watches)
 
     async def all_attacks(session):
+        async with joined(session.address) as client:
+            await client.socket.send_str("x" * 100_000)
+            with pytest.raises(ConnectionError):
+                await client.told("pong")
         await asyncio.gather(*(attack(session, seed) for seed in range(clients)))
         async with asyncio.timeout(PATIENCE), joined(session.address) as client:
             answer = {}
@@ -466,22 +369,6 @@ def test_random_messages_crash_nothing_and_each_malformed_one_is_answered(client
     with served(dragon(SHORT)) as session:
         run(all_attacks(session))
     assert failures == []
-
-
-def test_too_large_a_message_closes_its_connection_only():
-    async def talk(address):
-        async with joined(address) as client, joined(address) as other:
-            await client.socket.send_str("x" * 100_000)
-            with pytest.raises(ConnectionError):
-                await client.told("pong")
-            await other.send("ping", id=3)
-            await other.told("pong", id=3)
-
-    with served() as session:
-        run(talk(session.address))
-
-
-# ---- who may connect
 
 
 def test_requests_without_the_token_of_other_hosts_and_of_other_pages_are_refused():
@@ -556,15 +443,11 @@ def test_watchers_control_nothing():
                 ("pause", {}),
                 ("reset", {}),
                 ("cut", {"joint": 1}),
-                ("speed", {"value": 5.0}),
                 ("scene", {"name": "boxes"}),
                 ("grab", {"body": 0, "x": 0.0, "y": 0.0}),
-                ("set", {"name": "gravity", "value": 0.0}),
             ):
                 await client.send(action, **arguments)
                 await client.told("error")
-            await client.send("ping", id=1)
-            await client.told("pong", id=1)
         async with joined(session.address) as client:
             assert (await client.told("scene"))["role"] == "control"
             assert await client.told("state", clients=1) == before
@@ -575,24 +458,36 @@ def test_watchers_control_nothing():
         run(talk(session))
 
 
-# ---- many clients
+def test_20_clients_see_the_motion_of_the_scene_that_was_described_before():
+    async def watch(session):
+        async with joined(session.watch_address) as client:
+            bodies = {}
 
+            def note(found):
+                if isinstance(found, dict):
+                    if found["kind"] == "scene":
+                        bodies[found["generation"]] = len(found["bodies"])
+                    return False
+                assert len(found.poses) == bodies[found.generation]
+                return found.generation == max(bodies) == 11
 
-def test_20_clients_watch_and_see_the_same_motion():
-    async def watch(address):
-        async with joined(address) as client:
-            scene = await client.told("scene")
-            await client.told("state", clients=20)
-            first = await client.shown()
-            last = await client.shown(lambda frame: frame.time >= first.time + 0.3)
-            assert first.generation == last.generation == scene["generation"]
+            first = await client.get(note)
+            last = await client.shown(lambda frame: frame.time > first.time + 0.1)
             assert not np.array_equal(first.poses, last.poses)
 
-    async def all_watch(address):
-        await asyncio.gather(*(watch(address) for _ in range(20)))
+    async def change(session):
+        async with joined(session.address) as client:
+            await client.told("state", clients=21)
+            for name in ["boxes", "pendulum", "robot-arm"] * 3:
+                await client.send("scene", name=name)
+            await client.send("set", name="pitch", value=0.35)
+            await client.told("scene", generation=11)
+
+    async def all_watch(session):
+        await asyncio.gather(change(session), *(watch(session) for _ in range(20)))
 
     with served() as session:
-        run(all_watch(session.watch_address))
+        run(all_watch(session))
 
 
 def connected(address):
@@ -667,45 +562,6 @@ def test_body_is_dropped_when_its_holder_disconnects_and_only_then():
 
     with served() as session:
         run(talk(session.address))
-
-
-def test_body_is_dropped_even_if_too_many_messages_wait():
-    session = Session(ready("pendulum"))
-    errors = []
-    session.post({"do": "grab", "body": 0, "x": 0.5, "y": 0.0})
-    for _ in range(2000):
-        session.post({"do": "drag", "x": 1.0, "y": 0.0}, errors.append)
-    session.post({"do": "drop"}, always=True)
-    assert 500 < len(errors) < 2000
-    session.start()
-    wait_until(lambda: session.scene.steps)
-    session.stop()
-    assert list(session.inputs)[-1] == (0, {"do": "drop"})
-
-
-def test_frames_are_of_the_scene_that_was_described_before_them():
-    async def talk(address):
-        async with joined(address) as client:
-            bodies = {}
-            for name in ["boxes", "pendulum", "robot-arm"] * 3:
-                await client.send("scene", name=name)
-            await client.send("set", name="pitch", value=0.35)
-
-            def note(found):
-                if isinstance(found, dict):
-                    if found["kind"] == "scene":
-                        bodies[found["generation"]] = len(found["bodies"])
-                    return False
-                assert len(found.poses) == bodies[found.generation]
-                return found.generation == max(bodies) == 11
-
-            await client.get(note)
-
-    with served() as session:
-        run(talk(session.address))
-
-
-# ---- beginning and end
 
 
 def test_stop_leaves_no_thread_and_frees_the_port_even_with_clients_and_while_it_is_paused():
@@ -799,49 +655,42 @@ def test_recording_of_the_film_in_the_readme_can_be_replayed_on_any_processor():
         assert float(found[1] or 0) < 1e-9, features
 
 
-SMALL = {"dragon": {"benches": 4}}
-TAMPERED = {
-    "poses of another scene": (1, lambda log: log.update(poses="0" * 64)),
-    "odd poses": (2, lambda log: log.update(poses="0")),
-    "impossible input": (1, lambda log: log["inputs"].append([3, {"do": "cut", "joint": 99}])),
-    "huge setting": (1, lambda log: log["inputs"].insert(0, [0, {"do": "set", "name": "iterations", "value": 1e300}])),
-    "no input": (2, lambda log: log["inputs"].append([3, {"do": "quit"}])),
-    "nothing": (2, lambda log: log.clear()),
-    "unknown scene": (2, lambda log: log.update(plan={"scene": "x"})),
-    "plan of another kind": (2, lambda log: log.update(plan=7)),
-    "plan with unknown options": (2, lambda log: log.update(plan={"scenario": SMALL, "x": 1})),
-    "plan that is no scenario": (2, lambda log: log.update(plan={"scenario": 3})),
-    "plan with odd contacts": (2, lambda log: log.update(plan={"scenario": SMALL, "contacts": [1]})),
-    "plan with an odd start": (2, lambda log: log.update(plan={"scenario": SMALL, "start": "x"})),
-    "odd values": (2, lambda log: log.update(plan={"scenario": SMALL}, values={"benches": 1e300})),
-    "odd step": (2, lambda log: log.update(plan={"scenario": SMALL}, values={"step": -1.0})),
-    "no plan": (2, lambda log: log.update(plan=None)),
-}
-
-
 def test_recording_that_is_tampered_with_or_none_is_refused_in_one_line(call, tmp_path, small_run):
     with played("pendulum") as on:
         on.do("grab", body=0, x=0.5, y=0.0)
         on.do("drag", x=1.0, y=1.0)
         on.step(20)
-    given = {}
-    for name, (code, change) in TAMPERED.items():
-        log = json.loads(Log.of(on.session).to_json())
-        change(log)
-        given[tmp_path / f"{name}.json"] = code
-        (tmp_path / f"{name}.json").write_text(json.dumps(log))
-    small_run.save(tmp_path / "run.npz")
-    given |= {tmp_path / name: 2 for name in ("run.npz", "absent.npz", "absent.json")}
-    for path, expected in given.items():
+    log = json.loads(Log.of(on.session).to_json())
+    small = {"scenario": {"dragon": {"benches": 4}}}
+    enormous = [0, {"do": "set", "name": "iterations", "value": 1e300}]
+    for number, (expected, changes) in enumerate(
+        [
+            (1, {"poses": "0" * 64}),
+            (2, {"poses": "0"}),
+            (1, {"inputs": [*log["inputs"], [3, {"do": "cut", "joint": 99}]]}),
+            (1, {"inputs": [enormous, *log["inputs"]]}),
+            (2, {"inputs": [*log["inputs"], [3, {"do": "quit"}]]}),
+            (2, {"plan": {"scene": "x"}}),
+            (2, {"plan": 7}),
+            (2, {"plan": small | {"x": 1}}),
+            (2, {"plan": {"scenario": 3}}),
+            (2, {"plan": small | {"contacts": [1]}}),
+            (2, {"plan": small | {"start": "x"}}),
+            (2, {"plan": small, "values": {"benches": 1e300}}),
+            (2, {"plan": small, "values": {"step": -1.0}}),
+            (2, {"plan": None}),
+        ]
+    ):
+        path = tmp_path / f"{number}.json"
+        path.write_text(json.dumps(log | changes))
         code, _, err = call("live", "--no-browser", "--replay", path)
-        assert code == expected, path.name
-        assert err.startswith("pymunk-dragon: "), path.name
-        assert err.count("\n") == 1, path.name
-        if path.stem in ("run", "absent"):
-            assert path.name in err
-
-
-# ---- films and files
+        assert (code, err.count("\n")) == (expected, 1), changes
+    (tmp_path / "empty.json").write_text("{}")
+    small_run.save(tmp_path / "run.npz")
+    for name in ("empty.json", "run.npz", "absent.npz", "absent.json"):
+        code, _, err = call("live", "--exit", "--replay", tmp_path / name)
+        assert (code, err.count("\n")) == (2, 1), name
+        assert name in err
 
 
 def test_recorded_session_becomes_a_run_and_a_film(tmp_path):
@@ -889,19 +738,12 @@ def test_client_records_a_span_as_a_run_until_it_is_full(tmp_path, monkeypatch):
 
 
 def test_full_disk_ends_the_frames_and_not_the_session(monkeypatch):
-    def full_disk(scene):
-        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-
     with played("pendulum", record=True) as on:
         on.run(0.1)
-        monkeypatch.setattr(on.session.recorder.frames, "append", full_disk)
+        monkeypatch.setattr(on.session.recorder.frames, "append", Mock(side_effect=OSError(errno.ENOSPC, "No space")))
         on.run(0.2)
-    [error] = on.errors
-    assert "No space left" in error
+    assert ["No space" in error for error in on.errors] == [True]
     assert on.scene.time == pytest.approx(0.3)
-
-
-# ---- spaces
 
 
 def odd_spaces():
@@ -918,9 +760,9 @@ def odd_spaces():
     return empty, ground, bare, far, weightless, motors
 
 
-def test_live_plays_any_space_which_is_shown_touched_and_begins_anew():
-    async def talk(address):
-        async with joined(address) as client:
+def test_live_plays_any_space_which_is_touched_and_begins_anew():
+    async def talk(session):
+        async with joined(session.address) as client:
             await client.told("scene")
             await client.shown()
             for action, arguments in (
@@ -931,58 +773,22 @@ def test_live_plays_any_space_which_is_shown_touched_and_begins_anew():
                 ("step", {"count": 10}),
             ):
                 await client.send(action, **arguments)
-                await client.send("ping", id=1)
-                await client.told("pong", id=1)
-            await client.shown()
             await client.send("reset")
             generation = (await client.told("scene"))["generation"]
             await client.shown(lambda frame: frame.generation == generation)
+            # A program may change the space in between.
+            with session.paused():
+                space = session._session.scene.space
+                space.remove(*space.constraints)
+            await client.send("cut", joint=0)
+            frame = await client.shown()
+            await client.send("play")
+            await client.shown(lambda later: later.steps > frame.steps)
+            await client.send("reset")
+            assert (await client.told("scene"))["joints"] == []
 
     for space in odd_spaces():
         with live(space, browser=False) as session:
-            run(talk(session.address))
+            run(talk(session))
     with pytest.raises(DragonError, match="what is 3"):
         live(3, browser=False)
-
-
-def test_space_may_be_changed_while_it_is_paused():
-    space = pymunk.Space()
-    body, other = pymunk.Body(1, 1), pymunk.Body(1, 1)
-    joint = pymunk.PinJoint(body, other)
-    space.add(body, other, pymunk.Circle(body, 1), joint)
-
-    async def talk(session):
-        async with joined(session.address) as client:
-            await client.shown(lambda frame: frame.steps > 3)
-            with session.paused():
-                space.remove(joint, other)
-            await client.send("cut", joint=0)
-            await client.send("grab", body=1, x=0.0, y=0.0)
-            frame = await client.shown()
-            await client.send("drop")
-            await client.send("play")
-            await client.shown(lambda later: later.steps > frame.steps + 3)
-            await client.send("reset")
-            assert len((await client.told("scene"))["bodies"]) == 1
-
-    with served(space) as session:
-        run(talk(session))
-
-
-def server_texts():
-    """Texts that the page gets from the server and shows: scenes, parameters, events and errors."""
-    found = {"benches {i} and {j} touch", "bench {i} and an obstacle touch", "the head is at the end of its path"}
-    found |= {"the bodies flew apart: reset, and take shorter steps", "the recording is full, and has ended"}
-    found |= {"more than {i} messages in a second: the others are ignored", "this address only watches"}
-    for each in [*SCENES.values(), dragon(March())]:
-        found |= {each.title, each.text}
-        for parameter in each.build({}).parameters:
-            found |= {parameter.label, parameter.unit}
-    return {text for text in found if text not in ("", "m", "ms", "m/s", "1/m")}
-
-
-@pytest.mark.thorough
-def test_each_text_of_the_live_page_is_translated_and_no_translation_is_unused():
-    own, shared = catalogue("pymunk_dragon.sessions"), catalogue("pymunk_dragon.player")
-    used = package_texts("sessions", "live.html", PARTS) | server_texts()
-    assert used - set(shared) == set(own)

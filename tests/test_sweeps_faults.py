@@ -11,10 +11,8 @@ import signal
 import subprocess
 import sys
 import time
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from threading import Event
 
 import psutil
 import pytest
@@ -23,8 +21,6 @@ from conftest import assert_says, not_under_coverage
 from sweep_functions import FLAGS, SMALL
 
 from pymunk_dragon import sweep
-from pymunk_dragon.errors import DragonError, ParameterError
-from pymunk_dragon.sweeps import computation
 from pymunk_dragon.sweeps.computation import LOST
 
 # s: no program of this file works for longer, whatever happens to it.
@@ -140,9 +136,6 @@ def assert_gone(processes):
     assert alive == []
 
 
-# ---- signals, and a program that is killed
-
-
 @pytest.mark.parametrize(
     ("number", "group", "arguments"),
     # A terminal sends Ctrl-C to all processes.
@@ -188,18 +181,6 @@ def test_point_that_ends_its_worker_or_exceeds_its_time_is_a_row_and_harms_no_ot
     assert [row[0] for row in found.rows() if row[-1]] == [3.0]
 
 
-def test_thread_that_does_not_return_ends_the_sweep(tmp_path, monkeypatch):
-    monkeypatch.setattr(computation, "GRACE", 1.0)
-    monkeypatch.setattr(computation, "POLL", 0.1)
-    path, released = tmp_path / "map.csv", Event()
-    functions.wait = released.wait
-    with ThreadPoolExecutor(2) as threads:
-        with pytest.raises(DragonError, match=r"of 8 points are in .*map.csv.journal"):
-            sweep(SMALL, X, functions.waiting, threads, path, timeout=1.0)
-        released.set()
-    assert names(tmp_path) == ["map.csv.journal"]
-
-
 def test_script_whose_workers_cannot_start_is_an_error_and_no_table(tmp_path):
     (tmp_path / "script.py").write_text(
         "from pymunk_dragon import sweep\nsweep({'benches': 4}, {'width': [0.2, 0.3]}, out='map.csv', workers=1)\n"
@@ -208,9 +189,6 @@ def test_script_whose_workers_cannot_start_is_an_error_and_no_table(tmp_path):
     assert done.returncode == 1
     assert 'if __name__ == "__main__":' in done.stderr.splitlines()[-1]
     assert names(tmp_path) == ["script.py"]
-
-
-# ---- Dask
 
 
 class Cluster:
@@ -314,9 +292,6 @@ def test_address_without_a_scheduler_is_bad_input(call, monkeypatch):
     assert "--scheduler is 'tcp://127.0.0.1:1'" in err
 
 
-# ---- disks
-
-
 # Writing beyond a size fails like on a full disk.
 LIMITED = """
 import os, resource, sys
@@ -338,18 +313,3 @@ def test_journal_on_a_full_disk_is_one_line_and_whole(tmp_path):
     assert finished
     assert_one_line(err, "cannot write map.csv.journal", f"{len(finished)} of {POINTS} points")
     assert_resumed(tmp_path, finished, "--workers", "2")
-
-
-def test_folder_that_is_gone_at_the_end_keeps_the_points(tmp_path):
-    folder, other = tmp_path / "folder", tmp_path / "other"
-    folder.mkdir()
-
-    def move(done, total):
-        if done == total:
-            folder.rename(other)
-
-    with pytest.raises(ParameterError, match="No such file"):
-        sweep(SMALL, X, functions.total, functions.Immediate(), folder / "map.csv", progress=move)
-    other.rename(folder)
-    assert names(folder) == ["map.csv.journal"]
-    assert sweep(SMALL, X, functions.total, functions.Immediate(0), folder / "map.csv", resume=True).resumed == 8
