@@ -7,14 +7,14 @@ import json
 import struct
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from contextlib import asynccontextmanager, contextmanager
 from types import SimpleNamespace
 
 import aiohttp
 import numpy as np
 
-from pymunk_dragon.sessions.handle import Live, serve, source_of
+from pymunk_dragon.sessions.handle import serve, source_of
 from pymunk_dragon.sessions.log import Log
 from pymunk_dragon.sessions.scenes import planned
 from pymunk_dragon.sessions.session import Session
@@ -28,7 +28,7 @@ HEAD = struct.Struct("<6I5d5f")
 class Played:
     """A paused session without a server: `do` sends a message, `step` makes steps as fast as they go."""
 
-    def __init__(self, source: object, **options: object) -> None:
+    def __init__(self, source: object, **options: object):
         self.session = Session(source_of(source) if not hasattr(source, "build") else source, running=False, **options)
         self.told: list[dict] = []
         self.frames: list[bytes] = []
@@ -46,14 +46,14 @@ class Played:
             self.session.call(taken.set)
             assert taken.wait(PATIENCE), "the session's thread does not answer"
 
-    def do(self, action: str, **arguments: object) -> str | None:
+    def do(self, action: str, **arguments: object):
         """Send a message; the error that it is answered with."""
         errors: list[str] = []
         self.session.post({"do": action, **arguments}, errors.append)
         self.settle()
         return errors[0] if errors else None
 
-    def step(self, count: int) -> int:
+    def step(self, count: int):
         """Make up to `count` steps; how many were made before the session paused."""
         begin = self.scene.steps
         assert self.do("step", count=count) is None
@@ -61,19 +61,19 @@ class Played:
         self.settle()
         return self.scene.steps - begin
 
-    def run(self, seconds: float) -> int:
+    def run(self, seconds: float):
         """Make the steps of so many seconds."""
         return self.step(round(seconds / self.scene.step_length))
 
     @property
-    def errors(self) -> list[str]:
+    def errors(self):
         return [message["text"] for message in self.told if message["kind"] == "error"]
 
     @property
-    def events(self) -> list[str]:
+    def events(self):
         return [message["text"] for message in self.told if message["kind"] == "event"]
 
-    def frame(self) -> SimpleNamespace:
+    def frame(self):
         """What a client would be shown now."""
         found: list[bytes] = []
         self.session.call(lambda: found.append(self.scene.frame(self.session.generation, 1.0, 0.0)))
@@ -82,7 +82,7 @@ class Played:
 
 
 @contextmanager
-def played(source: object, **options: object) -> Iterator[Played]:
+def played(source: object, **options: object):
     """A `Played` session, which is stopped in the end."""
     found = Played(source, **options)
     try:
@@ -91,14 +91,14 @@ def played(source: object, **options: object) -> Iterator[Played]:
         found.session.stop()
 
 
-def wait_until(is_true: Callable[[], object]) -> None:
+def wait_until(is_true: Callable[[], object]):
     end = time.monotonic() + PATIENCE
     while not is_true():
         assert time.monotonic() < end, "what is waited for does not come"
         time.sleep(0.002)
 
 
-def replay_session(log: Log, before: Callable[[Session], object] = lambda session: None) -> tuple[Session, list[dict]]:
+def replay_session(log: Log, before: Callable[[Session], object] = lambda session: None):
     """A session that has begun a replay, as fast as it goes, and what it tells; `before` is called with it first."""
     session, told = Session(planned(log.plan)), []
     session.tell, session.speed = told.append, 20.0
@@ -108,7 +108,7 @@ def replay_session(log: Log, before: Callable[[Session], object] = lambda sessio
     return session, told
 
 
-def replayed(log: Log) -> tuple[str | None, Session]:
+def replayed(log: Log):
     """The last poses of a replay and its session."""
     session, _ = replay_session(log)
     try:
@@ -117,7 +117,7 @@ def replayed(log: Log) -> tuple[str | None, Session]:
         session.stop()
 
 
-def decoded(frame: bytes) -> SimpleNamespace:
+def decoded(frame: bytes):
     """A frame's parts."""
     head = HEAD.unpack_from(frame)
     generation, bodies, joints, contacts, exact, flags, steps, now, march_time, rate, step_time = head[:11]
@@ -135,7 +135,7 @@ def decoded(frame: bytes) -> SimpleNamespace:
 
 
 @contextmanager
-def served(source: object = "pendulum", **options: object) -> Iterator[Live]:
+def served(source: object = "pendulum", **options: object):
     """A session with a server, without a browser."""
     given = {"host": "127.0.0.1", "port": 0, "allow_hosts": (), "browser": False, "path": None}
     session = Session(source if hasattr(source, "build") else source_of(source))
@@ -149,14 +149,14 @@ def served(source: object = "pendulum", **options: object) -> Iterator[Live]:
 class Client:
     """One end of a WebSocket."""
 
-    def __init__(self, socket: aiohttp.ClientWebSocketResponse) -> None:
+    def __init__(self, socket: aiohttp.ClientWebSocketResponse):
         self.socket = socket
         self.errors = 0
 
-    async def send(self, action: str, **arguments: object) -> None:
+    async def send(self, action: str, **arguments: object):
         await self.socket.send_str(json.dumps({"do": action, **arguments}))
 
-    async def get(self, wanted: Callable[[object], bool]) -> object:
+    async def get(self, wanted: Callable[[object], bool]):
         """The next message that is wanted: a dict, or a frame."""
         async with asyncio.timeout(PATIENCE):
             while True:
@@ -171,13 +171,13 @@ class Client:
                 if wanted(found):
                     return found
 
-    async def told(self, kind: str, **values: object) -> dict:
+    async def told(self, kind: str, **values: object):
         """The next text of a kind with these values."""
         return await self.get(
             lambda found: isinstance(found, dict) and found["kind"] == kind and values.items() <= found.items()
         )
 
-    async def shown(self, wanted: Callable[[SimpleNamespace], bool] = lambda frame: True) -> SimpleNamespace:
+    async def shown(self, wanted: Callable[[SimpleNamespace], bool] = lambda frame: True):
         """The next frame that is wanted."""
         return await self.get(lambda found: isinstance(found, SimpleNamespace) and wanted(found))
 

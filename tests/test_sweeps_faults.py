@@ -31,6 +31,7 @@ QUANTITY = ["--quantity", "sweep_functions:logged", "--axis", f"x=0:{POINTS - 1}
 SWEEP = [sys.executable, "-m", "pymunk_dragon", "sweep", *FLAGS, *QUANTITY, "-o", "map.csv"]
 ROWS = [f"{x}.0,0.2,{x * x}.0,{'left' if x < 4 else 'right'},\n" for x in range(POINTS)]
 TABLE = "".join(["x,pause,square,side,error\n", *ROWS])
+DASK = ["--workers", "2", "--scheduler", "local"]
 # A sweep in which one point is special.
 X = {"x": [float(x) for x in range(8)]}
 
@@ -142,7 +143,7 @@ def assert_gone(processes):
     [
         (signal.SIGINT, True, ["--workers", "2"]),
         pytest.param(signal.SIGTERM, False, ["--workers", "2"], marks=pytest.mark.thorough),
-        pytest.param(signal.SIGINT, True, ["--workers", "2", "--scheduler", "local"], marks=pytest.mark.thorough),
+        pytest.param(signal.SIGINT, True, DASK, marks=pytest.mark.thorough),
     ],
 )
 def test_signal_is_one_line_keeps_the_journal_and_leaves_no_process(tmp_path, number, group, arguments):
@@ -161,8 +162,9 @@ def test_signal_is_one_line_keeps_the_journal_and_leaves_no_process(tmp_path, nu
 
 
 @pytest.mark.thorough
-def test_program_or_worker_that_is_killed_leaves_no_process_and_changes_nothing(tmp_path):
-    with program(tmp_path, "--workers", "2") as running:
+@pytest.mark.parametrize("arguments", [["--workers", "2"], DASK], ids=["processes", "Dask"])
+def test_program_or_worker_that_is_killed_leaves_no_process_and_changes_nothing(tmp_path, arguments):
+    with program(tmp_path, *arguments) as running:
         running.wait_for(2)
         running.workers()[0].kill()
         running.wait_for(8)
@@ -170,14 +172,15 @@ def test_program_or_worker_that_is_killed_leaves_no_process_and_changes_nothing(
         finished = running.kill()
         assert_gone(processes)
     assert 8 <= len(finished) < POINTS
-    assert_resumed(tmp_path, finished, "--workers", "2")
+    assert_resumed(tmp_path, finished, *arguments)
 
 
 @pytest.mark.thorough
-def test_point_that_ends_its_worker_or_exceeds_its_time_is_a_row_and_harms_no_other():
-    found = sweep(SMALL, X, functions.ending, workers=2, batch_size=2)
+@pytest.mark.parametrize("options", [{"workers": 2}, {"workers": 2, "scheduler": "local"}], ids=["processes", "Dask"])
+def test_point_that_ends_its_worker_or_exceeds_its_time_is_a_row_and_harms_no_other(options):
+    found = sweep(SMALL, X, functions.ending, batch_size=2, **options)
     assert {row[0]: row[-1] for row in found.rows() if row[-1]} == {3.0: LOST}
-    found = sweep(SMALL, X, functions.ignoring, workers=2, timeout=3.0)
+    found = sweep(SMALL, X, functions.ignoring, timeout=3.0, **options)
     assert [row[0] for row in found.rows() if row[-1]] == [3.0]
 
 
@@ -189,99 +192,6 @@ def test_script_whose_workers_cannot_start_is_an_error_and_no_table(tmp_path):
     assert done.returncode == 1
     assert 'if __name__ == "__main__":' in done.stderr.splitlines()[-1]
     assert names(tmp_path) == ["script.py"]
-
-
-class Cluster:
-    """A Dask scheduler and workers, each a process of its own; `address` starts what is not there."""
-
-    def __init__(self, folder):
-        self.folder = folder
-        self.file = folder / "scheduler.json"
-        self.scheduler, self.nannies = None, []
-
-    def _start(self, *command):
-        return subprocess.Popen(
-            [sys.executable, "-m", "dask", *map(str, command), "--host", "127.0.0.1", "--no-dashboard"],
-            cwd=self.folder,
-            env=environment(self.folder),
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-            start_new_session=True,
-        )
-
-    @property
-    def address(self):
-        if self.scheduler is None or self.scheduler.poll() is not None:
-            self.close()
-            self.file.unlink(missing_ok=True)
-            self.scheduler = self._start("scheduler", "--port", "0", "--scheduler-file", self.file)
-            wait_for(self._address)
-            options = ["--scheduler-file", self.file, "--nthreads", "1", "--local-directory"]
-            self.nannies = [self._start("worker", *options, f"worker-{number}") for number in range(2)]
-        self.pids()
-        return self._address()
-
-    def _address(self):
-        with suppress(ValueError, FileNotFoundError):
-            return json.loads(self.file.read_text())["address"]
-        return None
-
-    def pids(self):
-        """Numbers of the processes that evaluate points, when both are there."""
-        from distributed import Client
-
-        with Client(self._address(), set_as_default=False, timeout=LIMIT) as client:
-            # A worker that was lost is started again by its nanny.
-            client.wait_for_workers(2, timeout=LIMIT)
-            return list(client.run(os.getpid).values())
-
-    def close(self):
-        for process in filter(None, (self.scheduler, *self.nannies)):
-            with suppress(ProcessLookupError):
-                os.killpg(process.pid, signal.SIGKILL)
-            process.wait()
-
-
-@pytest.fixture(scope="module")
-def cluster(tmp_path_factory):
-    started = Cluster(tmp_path_factory.mktemp("cluster"))
-    yield started
-    started.close()
-
-
-@pytest.mark.thorough
-def test_sweep_of_processes_is_resumed_on_dask_to_the_same_table_even_if_a_worker_is_killed(cluster, tmp_path):
-    address = cluster.address
-    with program(tmp_path, "--workers", "1") as running:
-        running.wait_for(2)
-        begun = len(running.kill())
-    with program(tmp_path, "--scheduler", address, "--resume") as running:
-        running.wait_for(begun + 2)
-        os.kill(cluster.pids()[0], signal.SIGKILL)
-        code, _, err = running.end()
-    assert (code, err) == (0, "")
-    assert (tmp_path / "map.csv").read_text() == TABLE
-
-
-@pytest.mark.thorough
-def test_scheduler_that_is_killed_is_one_line_and_the_sweep_goes_on_elsewhere(cluster, tmp_path):
-    with program(tmp_path, "--scheduler", cluster.address) as running:
-        running.wait_for(4)
-        cluster.scheduler.kill()
-        code, out, err = running.end()
-        finished = running.finished()
-    assert (code, out) == (1, "")
-    assert_one_line(err, f"{len(finished)} of {POINTS} points are in map.csv.journal")
-    assert 4 <= len(finished) < POINTS
-    assert_resumed(tmp_path, finished, "--workers", "2")
-
-
-@pytest.mark.thorough
-def test_point_that_ends_its_worker_of_dask_or_exceeds_its_time_is_a_row_and_harms_no_other(cluster):
-    found = sweep(SMALL, X, functions.ending, scheduler=cluster.address, batch_size=1)
-    assert {row[0]: row[-1] for row in found.rows() if row[-1]} == {3.0: LOST}
-    found = sweep(SMALL, X, functions.ignoring, scheduler=cluster.address, timeout=3.0)
-    assert [row[0] for row in found.rows() if row[-1]] == [3.0]
 
 
 @pytest.mark.thorough
