@@ -28,11 +28,10 @@ HEAD = struct.Struct("<6I5d5f")
 class Played:
     """A paused session without a server: `do` sends a message, `step` makes steps as fast as they go."""
 
-    def __init__(self, source: object, **options: object):
-        self.session = Session(source_of(source) if not hasattr(source, "build") else source, running=False, **options)
-        self.told: list[dict] = []
-        self.frames: list[bytes] = []
-        self.session.tell, self.session.show = self.told.append, self.frames.append
+    def __init__(self, source, **options):
+        self.session = Session(source if hasattr(source, "build") else source_of(source), running=False, **options)
+        self.told = []
+        self.session.tell = self.told.append
         self.session.start()
 
     @property
@@ -46,23 +45,25 @@ class Played:
             self.session.call(taken.set)
             assert taken.wait(PATIENCE), "the session's thread does not answer"
 
-    def do(self, action: str, **arguments: object):
+    def do(self, action, **arguments):
         """Send a message; the error that it is answered with."""
-        errors: list[str] = []
+        errors = []
         self.session.post({"do": action, **arguments}, errors.append)
         self.settle()
         return errors[0] if errors else None
 
-    def step(self, count: int):
+    def step(self, count):
         """Make up to `count` steps; how many were made before the session paused."""
         begin = self.scene.steps
         assert self.do("step", count=count) is None
-        wait_until(lambda: not self.session._single_steps)
+        end = time.monotonic() + 10 * PATIENCE
+        while self.session._single_steps:
+            assert time.monotonic() < end, "the session does not step"
+            time.sleep(0.002)
         self.settle()
         return self.scene.steps - begin
 
-    def run(self, seconds: float):
-        """Make the steps of so many seconds."""
+    def run(self, seconds):
         return self.step(round(seconds / self.scene.step_length))
 
     @property
@@ -75,7 +76,7 @@ class Played:
 
     def frame(self):
         """What a client would be shown now."""
-        found: list[bytes] = []
+        found = []
         self.session.call(lambda: found.append(self.scene.frame(self.session.generation, 1.0, 0.0)))
         self.settle()
         return decoded(found[0])
@@ -89,13 +90,6 @@ def played(source: object, **options: object):
         yield found
     finally:
         found.session.stop()
-
-
-def wait_until(is_true: Callable[[], object]):
-    end = time.monotonic() + PATIENCE
-    while not is_true():
-        assert time.monotonic() < end, "what is waited for does not come"
-        time.sleep(0.002)
 
 
 def replay_session(log: Log, before: Callable[[Session], object] = lambda session: None):

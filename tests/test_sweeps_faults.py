@@ -86,8 +86,11 @@ class Program:
 
     def workers(self):
         """The worker processes."""
-        found = psutil.Process(self.process.pid).children(recursive=True)
-        return [child for child in found if any("spawn_main" in part for part in child.cmdline())]
+        found = []
+        for child in psutil.Process(self.process.pid).children(recursive=True):
+            with suppress(psutil.NoSuchProcess):
+                found += [child] * any("spawn_main" in part for part in child.cmdline())
+        return found
 
     def kill(self):
         self.process.kill()
