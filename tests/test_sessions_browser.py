@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import asyncio
 import re
 import subprocess
-import threading
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from urllib.parse import urlsplit
 
 import imageio_ffmpeg
@@ -202,50 +200,20 @@ def test_watching_page_has_no_controls(browser):
         assert session._session.running
 
 
-@contextmanager
-def proxied(address):
-    """A reverse proxy that strips a prefix, and the address of the page behind it."""
-    target = urlsplit(address)
-    started, begun = threading.Event(), []
-
-    async def pump(reader, writer, prefix="/"):
-        with suppress(ConnectionError):
-            while data := await reader.read(1 << 16):
-                if data.startswith(b"GET "):
-                    # Without the prefix there is no page.
-                    address = data[4:].decode()
-                    data = f"GET /{address.removeprefix(prefix) if address.startswith(prefix) else 'none'}".encode()
-                writer.write(data)
-        writer.close()
-
-    async def forward(reader, writer):
-        far_reader, far_writer = await asyncio.open_connection(target.hostname, target.port)
-        await asyncio.gather(pump(reader, far_writer, PREFIX), pump(far_reader, writer))
-
-    async def serve():
-        end = asyncio.Event()
-        server = await asyncio.start_server(forward, "127.0.0.1", 0)
-        begun.extend([asyncio.get_running_loop(), end, server.sockets[0].getsockname()[1]])
-        started.set()
-        await end.wait()
-        server.close()
-        # The browser has closed its page, or the test failed.
-        while others := asyncio.all_tasks() - {asyncio.current_task()}:
-            await asyncio.wait(others)
-
-    thread = threading.Thread(target=lambda: asyncio.run(serve()))
-    thread.start()
-    assert started.wait(PATIENCE)
-    loop, end, port = begun
-    try:
-        yield f"http://127.0.0.1:{port}{PREFIX}?{target.query}"
-    finally:
-        loop.call_soon_threadsafe(end.set)
-        thread.join()
+def test_page_behind_a_proxy_with_a_prefix_asks_for_addresses_with_the_prefix(browser):
+    with served("pendulum") as session, opened(browser, "about:blank") as found:
+        page, sockets = found.page, []
+        page.route("**/*", lambda route: route.continue_(url=route.request.url.replace(PREFIX, "/")))
+        page.route_web_socket("**/*", lambda socket: sockets.append(socket.url))
+        own, token = session.address.split("/?")
+        page.goto(f"{own}{PREFIX}?{token}")
+        wait_until(page, "document.getElementById('save').href !== ''")
+        assert page.evaluate("document.getElementById('save').href") == f"{own}{PREFIX}inputs?{token}"
+        assert sockets[0] == f"{own.replace('http', 'ws')}{PREFIX}socket?{token}"
 
 
-def test_page_works_behind_a_proxy_with_a_prefix(browser):
-    with served("pendulum") as session, proxied(session.address) as address, visit(browser, address) as found:
+def test_button_saves_the_inputs(browser, tmp_path):
+    with served("pendulum") as session, visit(browser, session.address) as found:
         page = found.page
         page.click("#play")
         wait_until(page, "!live.state.running")
@@ -255,7 +223,8 @@ def test_page_works_behind_a_proxy_with_a_prefix(browser):
         wait_until(page, "live.frame?.step > 10")
         with page.expect_download() as download:
             page.click("#save")
-        assert Log.load(download.value.path().rename(download.value.path().with_suffix(".json"))).plan
+        download.value.save_as(tmp_path / "inputs.json")
+    assert Log.load(tmp_path / "inputs.json").plan
 
 
 def test_page_switches_scenes_and_sets_parameters_without_complaints(browser):
