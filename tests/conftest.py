@@ -24,6 +24,7 @@ from sharing import shared_run
 
 from pymunk_dragon import Dragon, March, Run, simulate
 from pymunk_dragon.cli import main
+from pymunk_dragon.errors import ParameterError
 
 # Examples share the machine with whatever else runs there, so none has a time limit of its own. They are the same every
 # time, so that a failure comes from a change; `--hypothesis-profile=explore` throws the dice.
@@ -157,3 +158,13 @@ def assert_says(error: Exception, *words: str) -> None:
     assert len(message) < 250
     for word in words:
         assert word in message
+
+
+def refusal(call, *arguments, error=ParameterError, **settings):
+    """The error with which a call is refused; its message is one line."""
+    try:
+        call(*arguments, **settings)
+    except error as refused:
+        assert_says(refused)
+        return refused
+    return pytest.fail(f"accepted: {arguments} {settings}")

@@ -5,11 +5,7 @@ from __future__ import annotations
 import json
 import re
 from html.parser import HTMLParser
-from pathlib import Path
 
-import pymunk_dragon
-
-PACKAGE = Path(pymunk_dragon.__file__).parent
 UNTRANSLATED = {"script", "style", "svg", "canvas", "kbd", "code"}
 VOID = {"input", "meta", "link", "br"}
 LETTER = re.compile(r"[^\W\d_]")
@@ -82,16 +78,4 @@ def script_texts(source):
                 here = plus.end()
         assert parts, f"not a literal: {source[call.start() : call.start() + 60]}"
         found.add("".join(parts))
-    return found
-
-
-def package_texts(package, template, parts=()):
-    """All texts of a package's page and of its scripts."""
-    assets = PACKAGE / package / "assets"
-    source = (assets / template).read_text()
-    for name in parts:
-        source = source.replace(f"{{{{{name}}}}}", (PACKAGE / "player" / "assets" / f"{name}.html").read_text())
-    found = html_texts(source)
-    for script in assets.glob("*.js"):
-        found |= script_texts(script.read_text())
     return found

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import math
 import os
 import random
@@ -95,13 +94,6 @@ def printing(march: March, *, x: float = 0.0, n: int = 0):
     print("printed by the quantity", flush=True)
     os.system("echo printed by a program")
     return {"v": x + n}
-
-
-def ignoring(march: March, *, x: float):
-    while x == 3:
-        with contextlib.suppress(Exception):
-            time.sleep(0.01)
-    return {"v": x}
 
 
 def ending(march: March, *, x: float):

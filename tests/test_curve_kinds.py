@@ -8,12 +8,11 @@ import pickle
 import mpmath as mp
 import numpy as np
 import pytest
-from conftest import NO_NUMBERS, assert_says
+from conftest import NO_NUMBERS, assert_says, refusal
 from curve_checks import assert_is_a_curve
 from exact_curves import DIGITS, arc, line, s_turn, spiral, u_turn, worst_errors
 from hypothesis import given
 from hypothesis import strategies as st
-from refusals import refusal
 
 from pymunk_dragon.model.curves import Arc, Composite, Curve, Line, Reversed, Section, Spiral, UTurn
 

@@ -5,10 +5,9 @@ from __future__ import annotations
 import mpmath as mp
 import numpy as np
 import pytest
-from conftest import NO_NUMBERS, assert_says, examples
+from conftest import NO_NUMBERS, assert_says, examples, refusal
 from hypothesis import example, given
 from hypothesis import strategies as st
-from refusals import refusal
 
 from pymunk_dragon.model.curves import Reversed, Spiral
 

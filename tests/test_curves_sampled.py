@@ -7,12 +7,11 @@ import sys
 import mpmath as mp
 import numpy as np
 import pytest
-from conftest import assert_says
+from conftest import assert_says, refusal
 from curve_checks import assert_is_a_curve
 from exact_curves import DIGITS, spline, worst_errors
 from hypothesis import assume, example, given
 from hypothesis import strategies as st
-from refusals import refusal
 
 from pymunk_dragon.errors import FileFormatError, MissingExtraError, ParameterError
 from pymunk_dragon.model.curves import Line, Sampled

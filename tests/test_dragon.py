@@ -9,10 +9,9 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from conftest import NO_NUMBERS, assert_says
+from conftest import NO_NUMBERS, assert_says, refusal
 from hypothesis import given
 from hypothesis import strategies as st
-from refusals import refusal
 
 from pymunk_dragon import errors
 from pymunk_dragon.errors import ParameterError

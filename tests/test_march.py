@@ -12,10 +12,9 @@ import mpmath as mp
 import numpy as np
 import oracle
 import pytest
-from conftest import NO_NUMBERS, assert_says
+from conftest import NO_NUMBERS, assert_says, refusal
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from refusals import refusal
 
 from pymunk_dragon.errors import ParameterError, UnreachableError
 from pymunk_dragon.model.curves import Spiral

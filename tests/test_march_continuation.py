@@ -8,7 +8,7 @@ import pickle
 import numpy as np
 import pytest
 from chain_follower import follow, random_path
-from refusals import refusal
+from conftest import refusal
 
 from pymunk_dragon.errors import UnreachableError
 from pymunk_dragon.model.curves import Arc, Composite, Line, Reversed, Spiral, UTurn

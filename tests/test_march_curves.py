@@ -6,9 +6,8 @@ import mpmath as mp
 import numpy as np
 import pytest
 import shapely
-from conftest import assert_says
+from conftest import assert_says, refusal
 from exact_curves import DIGITS, u_turn, walked_chain
-from refusals import refusal
 from test_curve_kinds import LogarithmicSpiral
 
 from pymunk_dragon.collision import first_contact

@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from conftest import assert_says
-from refusals import refusal
+from conftest import assert_says, refusal
 from test_curve_kinds import LogarithmicSpiral
 
 from pymunk_dragon.collision import Grid, first_contact, scan

@@ -17,10 +17,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import assert_says, examples
+from conftest import assert_says, examples, refusal
 from hypothesis import given
 from hypothesis import strategies as st
-from refusals import refusal
 
 from pymunk_dragon.errors import DragonError, FileFormatError
 from pymunk_dragon.model.contact import PHASES, Contact, ContactEvent, ContactLog, ContactWindow

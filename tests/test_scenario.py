@@ -7,8 +7,7 @@ import math
 
 import numpy as np
 import pytest
-from conftest import NO_NUMBERS, assert_says
-from refusals import refusal
+from conftest import NO_NUMBERS, assert_says, refusal
 from test_curve_kinds import LogarithmicSpiral
 
 from pymunk_dragon.errors import FileFormatError

@@ -9,10 +9,9 @@ import pickle
 import mpmath
 import numpy as np
 import pytest
-from conftest import NO_NUMBERS, assert_says
+from conftest import NO_NUMBERS, assert_says, refusal
 from hypothesis import given
 from hypothesis import strategies as st
-from refusals import refusal
 
 from pymunk_dragon.errors import FileFormatError
 from pymunk_dragon.model.march import March

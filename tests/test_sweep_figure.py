@@ -13,7 +13,7 @@ from PIL import Image
 
 from pymunk_dragon.drawing.figures import styled_figure, write_styled
 from pymunk_dragon.sweeps.figure import Map, draw
-from pymunk_dragon.sweeps.figure.panels import TINTS, colour_map
+from pymunk_dragon.sweeps.figure.panels import colour_map
 
 NAMES = ("pitch", "width", "turns", "overhang", "benches")
 
@@ -105,15 +105,6 @@ def test_no_colour_is_blended_across_a_jump_and_no_point_without_value_has_one(t
     shape = mesh._triangulation
     # The last contact is at x = 4 / 30.
     assert shape.x[shape.triangles].max() == pytest.approx(4.5 / 30)
-
-
-def test_every_status_without_value_has_a_tint_of_its_own_and_is_named_once():
-    for points in (grid(30), grid(30, 7), grid(13, 5, 5), samples(60, 3)):
-        drawing = drawn(five_statuses(points))
-        shown = [text.replace("\n", " ") for text in texts(drawing)]
-        for key, tint in TINTS.items():
-            assert shown.count(tint.text) == 1, tint.text
-            assert artists(drawing, key or "none"), key
 
 
 def test_the_reference_is_marked_if_it_is_inside():

@@ -223,11 +223,6 @@ def test_failing_point_is_a_row_with_the_reason_and_harms_no_other():
     assert [row[-1] is None for row in found.rows()] == [False, False, True, False]
 
 
-def test_point_that_exceeds_its_time_fails_alone(threads):
-    found = sweep(SMALL, X, functions.ignoring, threads, timeout=2.0)
-    assert [row[-1] is None for row in found.rows()] == [True, True, True, False, True, True]
-
-
 def program(*arguments):
     command = [sys.executable, "-m", "pymunk_dragon", "sweep", *FLAGS, *arguments, "--workers", "1"]
     path = os.pathsep.join([str(Path(__file__).parent), os.environ.get("PYTHONPATH", ".")])

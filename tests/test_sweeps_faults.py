@@ -180,11 +180,9 @@ def test_program_or_worker_that_is_killed_leaves_no_process_and_changes_nothing(
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("options", [{"workers": 2}, {"workers": 2, "scheduler": "local"}], ids=["processes", "Dask"])
-def test_point_that_ends_its_worker_or_exceeds_its_time_is_a_row_and_harms_no_other(options):
+def test_point_that_ends_its_worker_is_a_row_and_harms_no_other(options):
     found = sweep(SMALL, X, functions.ending, batch_size=2, **options)
     assert {row[0]: row[-1] for row in found.rows() if row[-1]} == {3.0: LOST}
-    found = sweep(SMALL, X, functions.ignoring, timeout=3.0, **options)
-    assert [row[0] for row in found.rows() if row[-1]] == [3.0]
 
 
 def test_script_whose_workers_cannot_start_is_an_error_and_no_table(tmp_path):
