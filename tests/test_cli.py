@@ -427,7 +427,7 @@ BAD_INPUT = {
     "figure drift -o f.png": "run engine",
     "figure all -o s.toml": "-o folder",
     "frobnicate": "frobnicate positions",
-    "demo 99": "99 15",
+    "demo 99": "99",
 }
 
 

