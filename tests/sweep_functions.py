@@ -23,12 +23,14 @@ def total(march: March, *, x: float = 0.0, y: float = 0.0, n: int = 0):
 
 
 def logged(march: March, *, x: float = 0.0, pause: float = 0.0, log: str = ""):
-    """A square, after a line was appended to a file, and a pause if nothing says to hurry."""
+    """A square, after a line was appended to a file, and a pause, which for x from 20 on ends only by a file .hurry."""
     log = log or os.environ["SWEEP_LOG"]
     with open(log, "a") as file:
         file.write(f"{x}\n")
-    if not os.path.exists(f"{log}.hurry"):
-        time.sleep(pause)
+    paused = 0.0
+    while not os.path.exists(f"{log}.hurry") and (paused < pause or x >= 20):
+        time.sleep(0.05)
+        paused += 0.05
     return {"square": x * x, "side": "left" if x < 4 else "right"}
 
 
