@@ -79,8 +79,9 @@ def curve_options() -> list[Headed]:
     complete = files(".csv", words=named)
     options = [_scenario_option("curve", CURVE, metavar="NAME|FILE.csv", help=text, shell_complete=complete)]
     flags: dict[str, list[str]] = {}
-    for kind, cls in Curve.kinds.items():
-        for name in cls.flags:
+    # The default curve first: it describes the flags that others have as well.
+    for kind in sorted(Curve.kinds, key=lambda kind: kind != default):
+        for name in Curve.kinds[kind].flags:
             flags.setdefault(name, []).append(kind)
     for name, kinds in flags.items():
         metavar, text = Curve.kinds[kinds[0]].flags[name]
@@ -170,7 +171,7 @@ def march_of(scenario_file: str | None) -> March:
     try:
         march = Scenario.from_dict(values | chosen()).march()
     except ParameterError as error:
-        if error.name in chosen():
+        if error.name.removeprefix("curve.") in chosen():
             raise
         # A key of the file or a default. An option of this command may have its name: `start` is not --from.
         raise click.UsageError(str(error)) from error

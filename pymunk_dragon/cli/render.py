@@ -45,7 +45,7 @@ def _overlay_options() -> list[click.Option]:
 
     def collect(context: click.Context, parameter: click.Parameter, value: bool) -> None:
         if value:
-            context.meta.setdefault("overlays", []).append(parameter.name)
+            context.meta.setdefault("overlays", []).append(parameter.opts[0].removeprefix("--"))
 
     return [
         click.Option([f"--{name}"], is_flag=True, help=overlay.shows, callback=collect, expose_value=False)
@@ -132,7 +132,7 @@ def render(
     view = Camera(follow=follow, span=span)  # type: ignore[arg-type]  # Camera checks the word.
     film = Film(camera=view, show=_overlays(), **given)
     if ending in PLAYER_ENDINGS:
-        _refuse("a page", *OF_FILMS, *OF_PICTURES, *OVERLAYS)
+        _refuse("a page", *OF_FILMS, *OF_PICTURES, *(name.replace("-", "_") for name in OVERLAYS))
         _write_player(sources, destination, given)
     elif ending in STILL_ENDINGS:
         _refuse("a picture", "start", *OF_FILMS)

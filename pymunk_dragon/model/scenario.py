@@ -69,6 +69,8 @@ LONG_KEY = re.compile(r"""(?<![\w-])(?:(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\
 CSV = ".csv"
 # Names of the dragon's parameters: in the table `dragon` of a file, or at its top level.
 DRAGON = tuple(f.name for f in fields(Dragon))
+# Kind of the curve of a scenario that names none.
+DEFAULT_CURVE = "spiral"
 # Parameters of curves that may stand at the top level of a file, beside the name of the curve.
 SHORT = ("pitch", "rotation", "mirrored", "outward", "radius", "ratio", "points")
 ALLOWED_SPEED = f"a number in m/s, a table of [s, m/s], or a file of one, which ends in {CSV}"
@@ -255,7 +257,7 @@ def _curve(values: Mapping[str, Any]) -> Curve:
     given = {name: values[name] for name in SHORT if values[name] is not None}
     kind = values["curve"]
     if kind is None:
-        kind = "sampled" if "points" in given else "spiral"
+        kind = "sampled" if "points" in given else DEFAULT_CURVE
     elif isinstance(kind, Mapping | Curve):
         for name, value in given.items():
             raise ParameterError(name, value, "absent where the curve is a table, which holds all parameters")
@@ -275,23 +277,28 @@ def _curve(values: Mapping[str, Any]) -> Curve:
 
 
 def named_curves() -> list[str]:
-    """Kinds of curves that a name alone describes: all their parameters have defaults.
+    """Kinds of curves that a name alone describes, the default first: all their parameters have defaults.
 
     Examples
     --------
-    >>> named_curves()
-    ['spiral', 'u-turn']
+    >>> known = named_curves()
+    >>> known[0], "u-turn" in known
+    ('spiral', True)
     """
-    return [kind for kind, cls in Curve.kinds.items() if not any(parameters_of(cls).values())]
+    named = [kind for kind, cls in Curve.kinds.items() if not any(parameters_of(cls).values())]
+    return sorted(named, key=lambda kind: kind != DEFAULT_CURVE)
 
 
 def _with_table(flat: dict[str, Any]) -> dict[str, Any]:
-    """`flat` with a table as the curve, if its kind has flags that are no parameters of a `Scenario`."""
+    """`flat` with a table as the curve, if it has flags of curves that are no parameters of a `Scenario`."""
     curve = flat.get("curve")
-    table = curve if isinstance(curve, Mapping) else {"kind": curve}
+    table = curve if isinstance(curve, Mapping) else {"kind": DEFAULT_CURVE if curve is None else curve}
     kind = table.get("kind")
-    flags = Curve.kinds[kind].flags if isinstance(kind, str) and kind in Curve.kinds else ()
-    own = {name: flat[name] for name in flags if name in flat}
+    if not (isinstance(kind, str) and kind in Curve.kinds):
+        return flat
+    # A flag that only other kinds have is refused with the names of these.
+    others = {name for cls in Curve.kinds.values() for name in cls.flags} - set(SHORT)
+    own = {name: flat[name] for name in (*Curve.kinds[kind].flags, *others) if name in flat}
     if set(own) <= set(SHORT) and table is not curve:
         return flat
     return {name: value for name, value in flat.items() if name not in own} | {"curve": {**table, **own}}
