@@ -174,13 +174,3 @@ def test_another_process_writes_the_same_bytes(tmp_path):
     subprocess.run([sys.executable, "-c", program], check=True, env=environment)
     write_styled(lambda: draw(five_statuses(grid(40, 5))), tmp_path / "1.svg")
     assert (tmp_path / "1.svg").read_bytes() == (tmp_path / "2.svg").read_bytes()
-
-
-@pytest.mark.thorough
-def test_files_of_ten_thousand_points_are_small(tmp_path):
-    points = samples(10_000, 2)
-    number = (20 * (points[:, 0] - 0.4 * points[:, 1])).astype(int)
-    data = sweep(points, points[:, 0] + number % 3, [(0, int(k)) for k in number])
-    for ending in (".png", ".svg", ".pdf"):
-        write_styled(lambda: draw(data), tmp_path / f"map{ending}")
-        assert (tmp_path / f"map{ending}").stat().st_size < 1_000_000, ending
