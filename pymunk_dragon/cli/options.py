@@ -79,12 +79,13 @@ def curve_options() -> list[Headed]:
     complete = files(".csv", words=named)
     options = [_scenario_option("curve", CURVE, metavar="NAME|FILE.csv", help=text, shell_complete=complete)]
     flags: dict[str, list[str]] = {}
-    # The default curve first: it describes the flags that others have as well.
+    # The default curve first.
     for kind in sorted(Curve.kinds, key=lambda kind: kind != default):
         for name in Curve.kinds[kind].flags:
             flags.setdefault(name, []).append(kind)
     for name, kinds in flags.items():
-        metavar, text = Curve.kinds[kinds[0]].flags[name]
+        metavar, _ = Curve.kinds[kinds[0]].flags[name]
+        text = " ".join(dict.fromkeys(Curve.kinds[kind].flags[name][1] for kind in kinds))
         defaults = {kind: getattr(Curve.kinds[kind], name, None) for kind in kinds}
         known = [f"{value:g}" + f" of a {kind}" * (kind != kinds[0]) for kind, value in defaults.items() if value]
         text += f"  [{', or '.join(known)}]" if known else ""
