@@ -13,6 +13,7 @@ import signal
 import subprocess
 import sys
 import time
+from functools import partial
 
 import psutil
 import pytest
@@ -108,14 +109,19 @@ def test_signal_ends_a_simulation_with_one_line_and_leaves_the_old_file(tmp_path
     command = [*PROGRAM, "simulate", "--pitch", "5", "--turns", "60", "-o", str(path)]
     if len(numbers) > 1:
         command = ["bash", "-c", 'trap "" HUP; exec "$@"', "-", *command]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=theirs, text=True) as process:
+    # Tests that nohup started ignore SIGHUP.
+    with_hup = partial(signal.signal, signal.SIGHUP, signal.SIG_DFL)
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=theirs, text=True, preexec_fn=with_hup) as process:
         os.close(theirs)
         # The terminal shows the simulated time, and the time left.
         assert b"t = " in read_until(mine, rb"t = \d+\.\d s, \d+ s at the latest .*%.*\d\d:\d\d:\d\d")
         for number in numbers:
             process.send_signal(number)
-        said = read_until(mine, None)
-        out, _ = process.communicate(timeout=LIMIT)
+        try:
+            said = read_until(mine, None)
+            out, _ = process.communicate(timeout=LIMIT)
+        finally:
+            process.kill()
     os.close(mine)
     assert (process.returncode, out) == (expected, "")
     assert said.rstrip().endswith(b"\npymunk-dragon: interrupted")
