@@ -11,8 +11,6 @@ from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.speed import SpeedTable
 
-__all__ = ["ARM", "TRACTOR", "U_TURN"]
-
 # The contest's question 4, with a shorter dragon: it comes from infinity, and goes there.
 U_TURN = March(Dragon(benches=30), UTurn())
 # A tractor with three trailers on a road that crosses itself, faster and slower.

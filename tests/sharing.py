@@ -1,7 +1,5 @@
 """Files that one test process makes for all of them."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable
 from pathlib import Path

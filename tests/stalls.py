@@ -3,8 +3,6 @@
 `python tests/stalls.py make test-all`
 """
 
-from __future__ import annotations
-
 import random
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Cases that gave wrong answers once."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
