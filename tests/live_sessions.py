@@ -59,7 +59,7 @@ class Played:
         end = time.monotonic() + 10 * PATIENCE
         while self.session._single_steps:
             assert time.monotonic() < end, "the session does not step"
-            time.sleep(0.002)
+            self.settle()
         self.settle()
         return self.scene.steps - begin
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 import random
+import threading
 import time
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from fractions import Fraction
@@ -13,6 +14,8 @@ import numpy as np
 
 from pymunk_dragon.model.march import March
 
+# s: only a broken program reaches this.
+LIMIT = 300
 # A dragon that is quickly made; as flags and as values.
 FLAGS = ("--benches", "4", "--turns", "5")
 SMALL = {"benches": 4, "turns": 5}
@@ -87,7 +90,7 @@ def mixed(march: March, *, k: int):
     return {"v": [1.5, None, float("nan")][k], "w": [1, "text", True][k]} | ({"odd": k} if k % 2 else {})
 
 
-# `Pointer` is defined nowhere, like a type that is imported for type checkers only.
+# `Pointer` is defined nowhere, like a type that is imported for type checkers only: F821 is silenced for it.
 def annotated(march: March, *, gain: float = 1, points: Pointer = 0.5, count: int | None = None, wide: float | int = 1):  # noqa: F821
     return {"gained": gain + points + wide}
 
@@ -122,24 +125,28 @@ class Immediate(Executor):
 
 
 class Shuffled(Executor):
-    """Completes functions in an order other than that of their submission."""
+    """Completes functions in an order other than that of their submission, when `count` of them are submitted."""
 
     _max_workers = 3
 
-    def __init__(self) -> None:
+    def __init__(self, count: int) -> None:
         self._dice, self._waiting, self.order = random.Random(1), [], []
+        self._left, self._arrived = count, threading.Condition()
         self._thread = ThreadPoolExecutor(1)
 
     def submit(self, function, /, *arguments):
         future: Future = Future()
-        self._waiting.append((future, function, arguments))
+        with self._arrived:
+            self._waiting.append((future, function, arguments))
+            self._left -= 1
+            self._arrived.notify()
         self._thread.submit(self._complete)
         return future
 
     def _complete(self):
-        # Until others have arrived.
-        time.sleep(0.002)
-        future, function, arguments = self._waiting.pop(self._dice.randrange(len(self._waiting)))
+        with self._arrived:
+            assert self._arrived.wait_for(lambda: len(self._waiting) >= 2 or self._left == 0, LIMIT)
+            future, function, arguments = self._waiting.pop(self._dice.randrange(len(self._waiting)))
         self.order += arguments[1]
         future.set_result(function(*arguments))
 

@@ -194,12 +194,13 @@ def test_command_imports_only_what_it_uses(commands):
 # Films by several processes
 
 
-def wait_for(condition):
-    """Wait until a condition holds, and return what it returned."""
+def wait_for(condition, process):
+    """What `condition()` returns, as soon as it is true; a process must not end before."""
     end = time.monotonic() + LIMIT
     while not (found := condition()):
         assert time.monotonic() < end
-        time.sleep(0.05)
+        with pytest.raises((subprocess.TimeoutExpired, psutil.TimeoutExpired)):
+            process.wait(0.05)
     return found
 
 
@@ -217,40 +218,41 @@ def filming(tmp_path):
             found = program.children()
             return next((child for child in found if any("spawn_main" in word for word in child.cmdline())), None)
 
-        yield process, wait_for(second)
+        yield process, wait_for(second, process)
 
 
-def all_gone(session):
-    """Whether no process of a session is left."""
-    found = subprocess.run(["ps", "-s", str(session), "-o", "stat="], capture_output=True, text=True).stdout
-    return all(state.startswith("Z") for state in found.split())
+def assert_gone(processes):
+    _, alive = psutil.wait_procs(processes, timeout=LIMIT)
+    assert alive == []
 
 
 @pytest.mark.thorough
 def test_ctrl_c_ends_all_processes_of_a_film_with_one_line(filming, tmp_path):
     process, _ = filming
+    helpers = psutil.Process(process.pid).children(recursive=True)
     # A terminal sends it to all of them.
     os.killpg(process.pid, signal.SIGINT)
     out, err = process.communicate(timeout=LIMIT)
     assert (process.returncode, out, err.strip()) == (130, "", "pymunk-dragon: interrupted")
     assert names(tmp_path) == []
-    wait_for(lambda: all_gone(process.pid))
+    assert_gone(helpers)
 
 
 @pytest.mark.thorough
 def test_processes_of_a_film_end_with_the_one_that_started_them(filming):
     process, helper = filming
-    assert helper.is_running()
+    helpers = psutil.Process(process.pid).children(recursive=True)
+    assert helper in helpers
     process.kill()
     process.communicate(timeout=LIMIT)
-    wait_for(lambda: all_gone(process.pid))
+    assert_gone(helpers)
 
 
 @pytest.mark.thorough
 def test_film_whose_second_process_was_killed_fails_with_one_line(filming, tmp_path):
     process, helper = filming
     # It draws: its imports take less.
-    wait_for(lambda: helper.cpu_times().user > 2.0)
+    wait_for(lambda: helper.cpu_times().user > 2.0, helper)
     helper.kill()
     out, err = process.communicate(timeout=LIMIT)
     assert (process.returncode, out) == (1, "")

@@ -334,7 +334,7 @@ def test_without_matplotlib_one_line_says_what_to_install(tmp_path: Path, monkey
     played = run()
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     for name in CHARTS:
-        for call in (lambda: figure(name, played), lambda: write_figure(name, tmp_path / "x.png", played)):  # noqa: B023
+        for call in (lambda: figure(name, played), lambda: write_figure(name, tmp_path / "x.png", played)):  # noqa: B023  # Called within the loop.
             with pytest.raises(MissingExtraError) as error:
                 call()
             assert_says(error.value, "pip install 'pymunk-dragon[figures]'")

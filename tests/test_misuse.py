@@ -73,7 +73,7 @@ def test_wrong_results_of_a_users_curve_are_refused_by_the_method():
     for method in ("point", "tangent", "curvature", "max_curvature"):
         for answer in (*WRONG, constant(math.nan), constant(math.inf)):
             curve = own(LogarithmicSpiral, **{method: answer})
-            for take in (lambda: March(SMALL, curve), lambda: Section(curve, 1, 2), lambda: Composite([curve])):  # noqa: B023
+            for take in (lambda: March(SMALL, curve), lambda: Section(curve, 1, 2), lambda: Composite([curve])):  # noqa: B023  # Called within the loop.
                 assert_says(refusal(take), f"Mine.{method}(")
     for ends in ((None, 1.0), (math.nan, 1.0), ("0", 1.0), (2.0, 1.0), (0.0, np.zeros(2))):
         curve = own(LogarithmicSpiral, begin_s=ends[0], end_s=ends[1])

@@ -58,7 +58,7 @@ def test_rows_are_in_the_order_of_the_grid_whatever_the_order_of_completion():
     axes = {"x": [3.0, 1.0, 1.0], "n": range(6), "y": [0.5, 0.25]}
     points = [(x, n, y) for x in axes["x"] for n in axes["n"] for y in axes["y"]]
     told = []
-    with Shuffled() as shuffled:
+    with Shuffled(len(points)) as shuffled:
         found = sweep(SMALL, axes, functions.total, shuffled, batch_size=1, progress=lambda *count: told.append(count))
     assert shuffled.order != points
     assert sorted(shuffled.order) == sorted(points)
@@ -393,7 +393,7 @@ def test_interrupted_sweep_is_resumed_to_the_same_bytes_even_if_the_last_line_wa
         case.log.write_text("")
         kept = 4 if end == len(content) else 3
         # In another order than before: the bytes that were cut off are not those that are written.
-        with Shuffled() as executor:
+        with Shuffled(len(X["x"]) - kept) as executor:
             assert case.run(executor, resume=True).resumed == kept
         assert case.evaluated() == sorted(set(X["x"]) - set(finished[:kept]))
         assert case.out.read_bytes() == expected

@@ -40,15 +40,6 @@ def names(folder):
     return sorted(path.name for path in Path(folder).iterdir())
 
 
-def wait_for(condition, limit=LIMIT):
-    """What `condition()` returns, as soon as it is true."""
-    end = time.monotonic() + limit
-    while not (found := condition()):
-        assert time.monotonic() < end, f"{condition} is not true after {limit} s"
-        time.sleep(0.02)
-    return found
-
-
 def environment(folder):
     return os.environ | {
         "PYTHONPATH": os.pathsep.join([str(Path(__file__).parent), os.environ.get("PYTHONPATH", ".")]),
@@ -81,8 +72,12 @@ class Program:
         return []
 
     def wait_for(self, points):
-        wait_for(lambda: len(self.finished()) >= points or self.process.poll() is not None)
-        assert self.process.poll() is None, self.process.stderr.read()
+        """Wait until points are in the journal; the program must not end before."""
+        end = time.monotonic() + LIMIT
+        while len(self.finished()) < points:
+            assert time.monotonic() < end
+            with pytest.raises(subprocess.TimeoutExpired):
+                self.process.wait(0.02)
 
     def workers(self):
         """The worker processes."""

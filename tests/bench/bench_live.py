@@ -22,13 +22,14 @@ from aiohttp import ClientSession
 from measure import arguments, sized, spread
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
-from browser import chromium, opened
+from browser import chromium, opened, wait_until
 
 from pymunk_dragon.sessions import live
 
 COMMAND = [sys.executable, "-m", "pymunk_dragon", "live", "--no-browser"]
 CLIENTS = sized(20, 2)
-SECONDS = sized(10.0, 0.5)
+# Frames that are awaited before a measurement, and measured.
+FRAMES = sized(600, 30)
 # s of real time, at 20 times: an hour of play; and drags for each frame, so that an hour's at 60 a second are sent.
 PLAYED = sized(450.0, 1.0)
 DRAGS = 8
@@ -69,33 +70,27 @@ def clients() -> None:
     """Rate of the physics with one client and with many."""
     for number in sized((1, CLIENTS), (CLIENTS,)):
         with program() as (process, address):
-            frames, rates = asyncio.run(_watch(address, number, SECONDS))
+            frames, rates = asyncio.run(_watch(address, number))
             used = psutil.Process(process.pid).cpu_percent(1.0)
         print(f"{number} clients: {frames:.0f} frames/s each, {rates:.3f} times real time, {used:.0f} % of a core")
 
 
-async def _watch(address: str, number: int, seconds: float) -> tuple[float, float]:
-    """Frames a second of each client, and simulated over real time."""
-    counts = [0] * number
-    seen: list[tuple[float, float]] = []
+async def _watch(address: str, number: int) -> tuple[float, float]:
+    """Frames a second of each client, and simulated over real time, from the second `FRAMES` frames."""
 
-    async def watch(client: int) -> None:
+    async def watch() -> tuple[float, float]:
+        seen: list[tuple[float, float]] = []
         async with ClientSession() as web, web.ws_connect(address.replace("/?", "/socket?"), max_msg_size=0) as socket:
             async for message in socket:
                 if isinstance(message.data, bytes):
-                    counts[client] += 1
-                    if client == 0:
-                        seen.append((time.perf_counter(), struct.unpack_from("<d", message.data, 32)[0]))
+                    seen.append((time.perf_counter(), struct.unpack_from("<d", message.data, 32)[0]))
+                if len(seen) == 2 * FRAMES:
+                    break
+        (begin, first), (end, last) = seen[FRAMES - 1], seen[-1]
+        return FRAMES / (end - begin), (last - first) / (end - begin)
 
-    tasks = [asyncio.create_task(watch(client)) for client in range(number)]
-    await asyncio.sleep(2)
-    counts[:] = [0] * number
-    seen.clear()
-    await asyncio.sleep(seconds)
-    for task in tasks:
-        task.cancel()
-    (begin, first), (end, last) = seen[0], seen[-1]
-    return sum(counts) / number / seconds, (last - first) / (end - begin)
+    found = await asyncio.gather(*(watch() for _ in range(number)))
+    return sum(frames for frames, _ in found) / number, found[0][1]
 
 
 def memory() -> None:
@@ -131,9 +126,9 @@ def browser() -> None:
     """Pictures a second in Chromium, and the rate of the physics."""
     with program() as (_, address), chromium() as started, opened(started, address) as found:
         page = found.page
-        page.wait_for_timeout(2000)
+        wait_until(page, f"live.drawn > {FRAMES}")
         drawn, begin = page.evaluate("live.drawn"), time.perf_counter()
-        page.wait_for_timeout(1000 * SECONDS)
+        wait_until(page, f"live.drawn > {drawn + FRAMES}")
         pictures = (page.evaluate("live.drawn") - drawn) / (time.perf_counter() - begin)
         rate = page.evaluate("live.frame.rate")
         print(f"Chromium: {pictures:.1f} pictures a second of 223 benches, {rate:.3f} times real time")
@@ -147,20 +142,19 @@ def delay() -> None:
         opened(started, session.address) as found,
     ):
         page = found.page
-        page.wait_for_timeout(2500)
+        wait_until(page, "live.drawn && live.frame.time > 2.5")
         x, y = page.evaluate("live.pixel(...live.frame.poses.slice(3 * 35, 3 * 35 + 2))")
         box = page.locator("#field").bounding_box()
         assert box is not None
         left, top = box["x"] + x, box["y"] + y
         page.mouse.move(left, top)
         page.mouse.down()
-        page.wait_for_timeout(300)
+        wait_until(page, "live.frame.held")
         page.evaluate(WATCH)
-        times = []
         for k in range(sized(20, 2)):
             page.mouse.move(left + (15 if k % 2 == 0 else -15), top - 40)
-            page.wait_for_timeout(500)
-            times.append(page.evaluate("delays.at(-1)"))
+            wait_until(page, f"delays.length > {k}")
+        times = page.evaluate("delays")
         print(f"from the mouse to the moved body: {median(times):.0f} ms ({min(times):.0f} to {max(times):.0f})")
 
 
