@@ -21,9 +21,9 @@ Part = TypeVar("Part")
 PIN_LENGTH = 1.0
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(kw_only=True)
 class GuidedChain:
-    """Data that a guide gets of a chain of N benches before the first step.
+    """Data that a guide gets of a chain of N benches before the first step; a live session may change the rates.
 
     Attributes
     ----------
@@ -99,9 +99,6 @@ class PathGuide:
         """
         return ()
 
-    def retune(self, substep: float, drag_rate: float) -> None:
-        """Take another length of a step, s, and another rate of the ground drag, 1/s, from the next step on."""
-
     def relocate(self, handles_s: Array) -> None:
         """Take other coordinates (H,) of the handles, m, near which the path is to be found."""
 
@@ -157,8 +154,7 @@ class Rails(PathGuide):
         # along the path, negative where a jackknifed bench pushes them back.
         self._rear_s = state.handles_s[0, 2:].copy()
         self._rear_speeds = np.sum(state.velocities[0, 2:] * self._curve.tangent(self._rear_s), axis=-1)
-        self._inertia = np.array([chain.masses[1:], chain.moments[1:]])
-        self.retune(chain.substep, chain.drag_rate)
+        self._chain, self._inertia = chain, np.array([chain.masses[1:], chain.moments[1:]])
         benches = dragon.benches - 1
         # Scratch. Complex numbers are vectors: NumPy then calls once for both components.
         self._headings, self._holes, self._facing, self._front, self._rear = np.empty((5, benches), dtype=complex)
@@ -166,13 +162,6 @@ class Rails(PathGuide):
         # m/s of the benches along themselves, and rad/s: now, and what the drag leaves of those of the step before.
         self._motion, self._kept_motion = np.empty((2, 2, benches))
         self._is_moving = False
-
-    def retune(self, substep: float, drag_rate: float) -> None:
-        """Take another length of a step, s, and another rate of the ground drag, 1/s, from the next step on."""
-        # Force per m/s and torque per rad/s that a bench gains, or loses to the drag, in a substep: N s/m, N m s.
-        self._gains = self._inertia / substep
-        self._kept = math.exp(-drag_rate * substep)
-        self._substep = substep
 
     def relocate(self, handles_s: Array) -> None:
         """Take other coordinates (H,) of the handles, m, near which the path is to be found."""
@@ -194,21 +183,24 @@ class Rails(PathGuide):
         np.sin(angles, out=headings.imag)
         np.multiply(headings, self._half, out=holes)
         np.subtract(_complex(poses[1:, :2]), holes, out=holes)
-        near = self._rear_speeds * self._substep
+        near = self._rear_speeds * self._chain.substep
         near += self._rear_s
         self._rear_s, feet, directions = self._curve.foot(holes.view(float).reshape(-1, 2), near)
         tangents, beside = _complex(directions), _complex(anchors)
         np.multiply(tangents, PIN_LENGTH * 1j, out=beside)
         beside += _complex(feet)
         self._find_motion(complex(*hinge_velocity), tangents)
+        kept = math.exp(-self._chain.drag_rate * self._chain.substep)
         if not self._is_moving:
             self._is_moving = True
-            np.multiply(self._motion, self._kept, out=self._kept_motion)
+            np.multiply(self._motion, kept, out=self._kept_motion)
         push, torque = np.subtract(self._motion, self._kept_motion, out=self._change)
-        self._change *= self._gains
+        # What a bench gains, or loses to the drag, in a substep.
+        self._change *= self._inertia
+        self._change /= self._chain.substep
         np.multiply(headings, push, out=_complex(forces[1:, :2]))
         forces[1:, 2] = torque
-        np.multiply(self._motion, self._kept, out=self._kept_motion)
+        np.multiply(self._motion, kept, out=self._kept_motion)
 
     def _find_motion(self, hinge_velocity: complex, tangents: Complex) -> None:
         """Find speeds of the benches along themselves, m/s, and their angular rates, rad/s.

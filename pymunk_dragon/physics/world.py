@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import chain, pairwise
+from typing import Any
 
 import numpy as np
 import pymunk
@@ -16,6 +18,7 @@ from pymunk_dragon.errors import UnreachableError
 from pymunk_dragon.model.march import March, States, check_march
 from pymunk_dragon.model.settings import EngineSettings, check_settings
 from pymunk_dragon.physics.guides import GuidedChain, PathGuide, guide_of, parts_of_guide
+from pymunk_dragon.physics.warm_start import balanced_impulses, set_impulses
 
 # kg per cubic metre: pine and fir. All benches are of one wood, so the value scales impulses and nothing else.
 WOOD_DENSITY = 500.0
@@ -24,12 +27,13 @@ BENCH_THICKNESS = 0.04
 # Friction of wood on wood; it matters only where contacts are resolved.
 FRICTION = 0.4
 
-# Work, in benches times solver sweeps, that brings the joints into balance before the first step. A change travels
-# along the chain by diffusion, so balance takes about 2 N**2 sweeps: half a second for 223 benches. The cap
-# keeps a dragon of 1,000 benches at some 12 s, when the first seconds drift by a millimetre more.
-MAX_WARM_START_WORK = 500_000_000
-# Work in one call of the engine, some 25 ms: Ctrl-C takes effect between calls.
-WARM_START_WORK_PER_STEP = 1_000_000
+# Where dancers have let go: speed at which those who come back carry a bench, over the head's top speed, the rate at
+# which they approach, per metre, and the position error at which a bench is back, in widths.
+RETURN_SPEED = 4.0
+RETURN_RATE = 20.0
+RETURNED = 0.1
+# Then the largest force on a bench, over the ground drag on it at the head's top speed, and torque at 1 m.
+MAX_GUIDE_FORCE = 20.0
 
 # Fields of all bodies that are read after a step or written before it; combined here, as that takes microseconds.
 POSES = BodyFields.POSITION | BodyFields.ANGLE
@@ -52,7 +56,8 @@ def bench_shape(body: pymunk.Body, length: float, width: float) -> pymunk.Poly:
 class World:
     """A Pymunk space with a dragon at `start` on its march; its state is read and written for all bodies at once.
 
-    Each step is `prepare`, ``space.step(world.substep)``, `read`.
+    Each step is `prepare`, ``space.step(world.substep)``, `read`. Between two steps settings may change, and where
+    contacts are resolved, dancers may let go and come back, and joints may be cut.
 
     Parameters
     ----------
@@ -85,6 +90,8 @@ class World:
         Poses at which the space found contacts and solved the joints in the last step.
     pivots : list of pymunk.PivotJoint
         The joints of the chain; number i joins benches i and i + 1.
+    free_from : int or None
+        First bench whose dancers have let go, as have those of all behind it.
 
     Raises
     ------
@@ -132,49 +139,53 @@ class World:
         self.top_speed = top_speed(march, start, until)
         self.guide = guide_of(guide)
         dragon = march.dragon
-        self._sizes = list(zip(dragon.lengths.tolist(), dragon.widths.tolist(), strict=True))
-        self._masses = masses = [WOOD_DENSITY * BENCH_THICKNESS * length * width for length, width in self._sizes]
-        moments = [pymunk.moment_for_box(mass, size) for mass, size in zip(masses, self._sizes, strict=True)]
-        pulled = masses[:1] if self.guide.balances_drag else masses
-        self.settings = settings.resolved(top_speed=self.top_speed, pulled_mass=sum(pulled))
-        assert self.settings.substep is not None  # Set by `resolved`.
-        assert self.settings.iterations is not None  # Set by `resolved`.
-        self.substep = self.settings.substep
-        drag_rate = self.settings.drag * self.top_speed
+        sizes = list(zip(dragon.lengths.tolist(), dragon.widths.tolist(), strict=True))
+        self._masses = [WOOD_DENSITY * BENCH_THICKNESS * length * width for length, width in sizes]
+        moments = [pymunk.moment_for_box(mass, size) for mass, size in zip(self._masses, sizes, strict=True)]
+        self.free_from: int | None = None
+        self._carriers: list[pymunk.PivotJoint] = []
+        # First bench that the guide does not push, and the largest forces and torques of the guide.
+        self._unpushed, self._limits = dragon.benches, np.full((dragon.benches, 1), np.inf)
         self.space = pymunk.Space()
-        self.space.iterations = self.settings.iterations
-        self.space.damping = math.exp(-drag_rate)
         # A contact is reported when the benches touch, not when they are a tenth of a metre deep.
         self.space.collision_slop = 0.0
-
         state = march.at(start)
-        self.guide.attach(
-            GuidedChain(
-                march=march,
-                state=state,
-                substep=self.substep,
-                drag_rate=drag_rate,
-                masses=np.array(masses),
-                moments=np.array(moments),
-            )
+        self._guided = GuidedChain(
+            march=march,
+            state=state,
+            substep=0.0,
+            drag_rate=0.0,
+            masses=np.array(self._masses),
+            moments=np.array(moments),
         )
-        self.bodies = [pymunk.Body(mass, moment) for mass, moment in zip(masses, moments, strict=True)]
+        self._motors: tuple[pymunk.Constraint, ...] = ()
+        self._given = settings
+        self._apply_settings()
+        self.guide.attach(self._guided)
+        self.bodies = [pymunk.Body(mass, moment) for mass, moment in zip(self._masses, moments, strict=True)]
         # A kinematic body that has the exact poses of the head: the head itself, or one that controls it by motors.
         self._control = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
         # A step takes time for every body of its space, and anchors need no steps: theirs is never stepped.
         self._anchor_space = pymunk.Space()
         self._anchor_space.add(*parts_of_guide(self.guide, "anchors", self.guide.anchors, pymunk.Body))
-        force = self.settings.head_force
-        if force is None:
+        if self.settings.head_force is None:
             self.bodies[0] = self._control
-        self.space.add(*self.bodies)
-        if force is not None:
-            self.space.add(self._control)
-            self._drive(force)
+            self.space.add(*self.bodies)
+        else:
+            self.space.add(*self.bodies, self._control)
+            self._motors = (
+                pymunk.PivotJoint(self._control, self.bodies[0], (0.0, 0.0), (0.0, 0.0)),
+                pymunk.GearJoint(self._control, self.bodies[0], 0.0, 1.0),
+            )
+            self._apply_settings()
+            self._add_joints(*self._motors)
         self._join()
         self._open_buffers()
         self._warm_start(state)
-        self.shapes = self._add_shapes()
+        self.shapes = [bench_shape(body, *size) for body, size in zip(self.bodies, sizes, strict=True)]
+        for shape in self.shapes:
+            shape.friction = FRICTION
+        self.space.add(*self.shapes)
 
     @property
     def joint_impulses(self) -> list[float]:
@@ -186,18 +197,39 @@ class World:
         """Distance of the head's centre from its exact position, m."""
         return float(np.hypot(*(self._control.position - self.bodies[0].position)))
 
-    def _drive(self, force: float) -> None:
-        """Join the head to the control body by motors of `force` N, and half its length times that, at most."""
-        head = self.bodies[0]
-        pull = pymunk.PivotJoint(self._control, head, (0.0, 0.0), (0.0, 0.0))
-        turn = pymunk.GearJoint(self._control, head, 0.0, 1.0)
-        self._motors = pull, turn
-        self._set_head_force(force)
-        self._add_joints(pull, turn)
+    def change(self, **changes: float) -> None:
+        """Change `substep`, `iterations` or `drag` of the settings from the next step on.
 
-    def _set_head_force(self, force: float) -> None:
-        pull, turn = self._motors
-        pull.max_force, turn.max_force = force, force * float(self.march.dragon.lengths[0]) / 2
+        Raises
+        ------
+        ParameterError
+            If one is out of its range.
+        """
+        changed: dict[str, Any] = changes
+        self._given = replace(self._given, **changed)
+        self._apply_settings()
+
+    def _apply_settings(self) -> None:
+        """Use the given settings from the next step on, with a head force for the drag that the head balances now."""
+        self.settings = self._given.resolved(top_speed=self.top_speed, pulled_mass=self._pulled_mass)
+        assert self.settings.substep is not None  # Set by `resolved`.
+        assert self.settings.iterations is not None  # Set by `resolved`.
+        self.substep = self._guided.substep = self.settings.substep
+        self._guided.drag_rate = self.settings.drag * self.top_speed
+        self.space.iterations = self.settings.iterations
+        self.space.damping = math.exp(-self._guided.drag_rate)
+        if self.settings.head_force is not None:
+            # The motors turn the head with half its length times this force.
+            arms = 1.0, float(self.march.dragon.lengths[0]) / 2
+            for motor, arm in zip(self._motors, arms, strict=False):
+                motor.max_force = arm * self.settings.head_force
+
+    @property
+    def _pulled_mass(self) -> float:
+        """Mass of the benches on which the head balances the ground drag, kg."""
+        if self.returning or not self.guide.balances_drag:
+            return math.fsum(self._masses)
+        return math.fsum(self._masses[:1] + ([] if self.free_from is None else self._masses[self.free_from :]))
 
     def _join(self) -> None:
         """Add the pivots and the guide's joints, from head to tail: the solver takes them in this order.
@@ -227,18 +259,12 @@ class World:
             joint.error_bias **= self.top_speed
         self.space.add(*joints)
 
-    def _add_shapes(self) -> list[pymunk.Poly]:
-        shapes = [bench_shape(body, *size) for body, size in zip(self.bodies, self._sizes, strict=True)]
-        for shape in shapes:
-            shape.friction = FRICTION
-        self.space.add(*shapes)
-        return shapes
-
     def _open_buffers(self) -> None:
         """Lay NumPy arrays over the memory that `pymunk.batch` reads and writes."""
         benches = len(self.bodies)
         moved = self.bodies if self._control is self.bodies[0] else [*self.bodies, self._control]
-        moved = [*moved, *self._fixed_bodies()]
+        # Pymunk adds its static body when it is first used, as for an obstacle; a row is written for each body.
+        moved = [*moved, self.space.static_body]
         for space, bodies in ((self.space, moved), (self._anchor_space, self.guide.anchors)):
             ids = batch.Buffer()
             batch.get_space_bodies(space, BodyFields.BODY_ID, ids)
@@ -258,10 +284,6 @@ class World:
         self._shift, self._shift_before = (np.zeros((benches, 3)) for _ in range(2))
         # Scratch: the poses to which the space will move the benches before it solves the joints.
         self._coming = np.empty((benches, 3))
-
-    def _fixed_bodies(self) -> list[pymunk.Body]:
-        """Bodies of the space at the origin that never move: what is written to the space has a row for each body."""
-        return []
 
     def read(self) -> None:
         """Take `poses` and `velocities` from the space."""
@@ -308,26 +330,29 @@ class World:
     def _send(self, head_pose: Array, head_velocity: Array, hinge_velocity: Array) -> None:
         """Write the head's pose, the guide's anchors and the forces for the next step to the space."""
         self.guide.update(self._coming, hinge_velocity, self._out_anchors, self._out_forces)
-        self._limit_forces()
+        if np.isfinite(self._limits[0, 0]):
+            self._limit_forces()
         self._out_control[:] = head_pose - self.substep * head_velocity
         if self._control is not self.bodies[0]:
             # A gear joint counts whole turns: the control body's are those of the head.
             turns = (self._out_control[2] - self._out_poses[0, 2]) / (2 * math.pi)
             self._out_control[2] -= 2 * math.pi * round(turns)
+        self._write(head_velocity)
+
+    def _write(self, head_velocity: Array) -> None:
+        """Write what `_send` has found to the spaces."""
         batch.set_space_bodies(self.space, POSES_AND_FORCES, self._outbox)
         batch.set_space_bodies(self._anchor_space, BodyFields.POSITION, self._anchor_outbox)
         vx, vy, spin = head_velocity.tolist()
         self._control.velocity = vx, vy
         self._control.angular_velocity = spin
 
-    def _limit_forces(self) -> None:
-        """Change the guide's forces; for worlds in which it does not always act on all benches."""
-
     def _warm_start(self, state: States) -> None:
-        """Set the benches to the exact `state` at the start, and warm-start the joints' impulses there.
+        """Set the benches to the exact `state` at the start, and the joints' impulses to those in balance there.
 
         The solver begins each step with the impulses of the step before. Without a warm start the drag would lengthen
-        the chain in the first second by more than the drift of the whole march.
+        the chain in the first second by more than the drift of the whole march. Sweeps of the solver then find the
+        impulses of joints that are not pivots or pins, and those of motors.
         """
         poses, velocities = state.poses[0], state.pose_velocities[0]
         try:
@@ -336,17 +361,21 @@ class World:
             # The last hole is at the curve's begin.
             earlier = state
         before = earlier.pose_velocities[0]
-        benches, iterations = len(self.bodies), self.space.iterations
-        steps = math.ceil(min(2 * benches**3, MAX_WARM_START_WORK) / WARM_START_WORK_PER_STEP) + 1
-        self.space.iterations = max(WARM_START_WORK_PER_STEP // benches, iterations)
-        for _ in range(steps):
-            self._set_velocities(before)
-            # The guide balances the change from one step to the next: it is updated for the earlier state first.
-            self.guide.update(earlier.poses[0], earlier.velocities[0, 1], self._out_anchors, self._out_forces)
-            np.subtract(poses, self.substep * before, out=self._out_poses)
-            self._coming[:] = poses
-            self._send(poses[0], velocities[0], state.velocities[0, 1])
-            self.space.step(self.substep)
+        # The guide balances the change from one step to the next: it is updated for the earlier state first.
+        self.guide.update(earlier.poses[0], earlier.velocities[0, 1], self._out_anchors, self._out_forces)
+        self._coming[:] = poses
+        self._out_poses[:] = poses - self.substep * before
+        self._send(poses[0], velocities[0], state.velocities[0, 1])
+        inertia = np.array([self._guided.masses, self._guided.masses, self._guided.moments]).T
+        free = before * math.exp(-self._guided.drag_rate * self.substep) + self.substep * self._out_forces / inertia
+        free[0], inertia[0] = velocities[0], np.inf
+        pins = [[joint for joint in joints if isinstance(joint, pymunk.PinJoint)] for joints in self._guiding]
+        impulses = balanced_impulses(self.pivots, pins, poses, free, 1 / inertia)
+        set_impulses(self.space, self.substep, poses, self.pivots, pins, impulses)
+        self._set_velocities(before)
+        self._write(velocities[0])
+        iterations, self.space.iterations = self.space.iterations, 2 * len(self.bodies)
+        self.space.step(self.substep)
         self.space.iterations = iterations
         self._set_velocities(velocities)
         self.velocities[:] = before
@@ -357,3 +386,82 @@ class World:
         for body, (vx, vy, spin) in zip(self.bodies, velocities.tolist(), strict=True):
             body.velocity = vx, vy
             body.angular_velocity = spin
+
+    # ---- dancers who let go and come back
+
+    def release(self, bench: int) -> None:
+        """Let the dancers of `bench`, from 1 on, and of all behind it go."""
+        self._stop_carrying()
+        # Removed and added again, joints would be solved in another order, which converges more slowly.
+        for joint in chain.from_iterable(self._guiding[bench - 1 :]):
+            joint.max_force = 0.0
+        self.free_from = bench if self.free_from is None else min(bench, self.free_from)
+        self._limit_guide(self.free_from)
+
+    def cut(self, joint: int) -> None:
+        """Cut the joint between the benches `joint` and `joint` + 1; dancers behind it no longer walk.
+
+        The benches still pass over each other there: they overlap, and would be thrown apart.
+        """
+        self.pivots[joint].max_force = 0.0
+        self._limit_guide(joint + 1)
+
+    def hold(self) -> None:
+        """Have the dancers come back: they carry the free benches, over all others, to their exact positions."""
+        if self.returning or self.free_from is None:
+            return
+        half = self.march.dragon.spacings / 2
+        for bench, body in enumerate(self.bodies[self.free_from :], start=self.free_from):
+            carrier = pymunk.PivotJoint(self.space.static_body, body, body.position, (-half[bench], 0.0))
+            carrier.max_bias = RETURN_SPEED * self.top_speed
+            carrier.error_bias = math.exp(-RETURN_RATE * self.top_speed)
+            carrier.max_force = float(self._limits[bench, 0])
+            self._carriers.append(carrier)
+        self.space.add(*self._carriers)
+        self._apply_settings()
+
+    def carry(self, states: States, share: float) -> None:
+        """Carry benches to their positions in the exact `states` (one time), whose velocities apply by a `share`.
+
+        When all have arrived, dancers guide them again. To be called before each step while benches are `returning`.
+        """
+        assert self.free_from is not None  # Benches return only if some were free.
+        first = self.free_from + 1
+        # A carrier follows a moving target with a delay of this time, so its target is as far ahead: otherwise it would
+        # brake the chain, whose tension would tear it apart when the carriers let go.
+        ahead = self.substep / (1 - math.exp(-RETURN_RATE * self.top_speed * self.substep))
+        targets = states.positions[0, first:] + ahead * share * states.velocities[0, first:]
+        for carrier, (x, y) in zip(self._carriers, targets.tolist(), strict=True):
+            carrier.anchor_a = x, y
+        distances = np.hypot(*(self.poses[:, :2] - states.poses[0, :, :2]).T)
+        if distances.max() < RETURNED * self.march.dragon.widths.min():
+            self._stop_carrying()
+            self.guide.relocate(states.handles_s[0])
+            for joint in chain.from_iterable(self._guiding[self.free_from - 1 :]):
+                joint.max_force = math.inf
+            self.free_from = None
+            cut = (joint + 1 for joint, pivot in enumerate(self.pivots) if pivot.max_force == 0)
+            self._unpushed = next(cut, len(self.bodies))
+            self._apply_settings()
+
+    @property
+    def returning(self) -> bool:
+        """Whether dancers carry benches back."""
+        return bool(self._carriers)
+
+    def _stop_carrying(self) -> None:
+        self.space.remove(*self._carriers)
+        self._carriers.clear()
+
+    def _limit_guide(self, unpushed: int) -> None:
+        """Let the guide push no bench from `unpushed` on, and the others with limited forces."""
+        self._unpushed = min(self._unpushed, unpushed)
+        self._limits = MAX_GUIDE_FORCE * self._guided.masses[:, None] * self.settings.drag * self.top_speed**2
+        self._apply_settings()
+
+    def _limit_forces(self) -> None:
+        forces = self._out_forces
+        forces[self._unpushed :] = 0.0
+        # A bench that comes back across the path would get forces without limit.
+        np.nan_to_num(forces, copy=False)
+        np.clip(forces, -self._limits, self._limits, out=forces)

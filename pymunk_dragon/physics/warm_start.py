@@ -1,0 +1,133 @@
+"""Impulses with which the joints of a chain are in balance before its first step."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import pymunk
+
+from pymunk_dragon._arrays import Array
+
+# kg: the impulse of a joint changes the velocity of such a body by less than the rounding of 1 m/s.
+HEAVY = 1e30
+# Added to the diagonal of the equations, in units of its largest number, as joints of a guide may repeat each other.
+REGULARISATION = 1e-14
+
+
+def balanced_impulses(
+    pivots: Sequence[pymunk.PivotJoint],
+    pins: Sequence[Sequence[pymunk.PinJoint]],
+    poses: Array,
+    velocities: Array,
+    inverse_masses: Array,
+) -> list[Array]:
+    """Impulses that leave no relative velocity at the joints of each bench but the first, N s.
+
+    The joints of a bench share a body with those of its two neighbours only. So the equations are block-tridiagonal,
+    and elimination takes a time that grows with N; the solver's sweeps need a time that grows with the cube of N.
+
+    Parameters
+    ----------
+    pivots : sequence of pymunk.PivotJoint, length N - 1
+        Pivots between the benches and the ones before.
+    pins : sequence of sequences of pymunk.PinJoint, length N - 1
+        Pins from each bench but the first to bodies with a position of their own.
+    poses, velocities : ndarray, shape (N, 3)
+        Poses of the benches, and their velocities without the joints: m, m, rad and per s.
+    inverse_masses : ndarray, shape (N, 3)
+        One over the mass, twice, and one over the moment of each bench; zeros where the velocity is given.
+
+    Returns
+    -------
+    list of ndarray
+        For each bench but the first: x and y of the pivot's impulse on it, and one number for each pin.
+    """
+    diagonals, uppers, rights = [], [], []
+    own = np.zeros((0, 3))
+    for bench, (pivot, pinned) in enumerate(zip(pivots, pins, strict=True), start=1):
+        masses_before, masses = inverse_masses[bench - 1], inverse_masses[bench]
+        front = np.zeros((2 + len(pinned), 3))
+        front[:2] = -_anchor_rows(poses[bench - 1], pivot.anchor_a)
+        uppers.append(own * masses_before @ front.T)
+        own = np.vstack([_anchor_rows(poses[bench], pivot.anchor_b), *(_pin_row(poses[bench], pin) for pin in pinned)])
+        diagonal = own * masses @ own.T + front * masses_before @ front.T
+        diagonals.append(diagonal + REGULARISATION * diagonal.max() * np.eye(len(diagonal)))
+        rights.append(-(own @ velocities[bench] + front @ velocities[bench - 1]))
+    return _solved(diagonals, uppers[1:], rights)
+
+
+def _solved(diagonals: list[Array], uppers: list[Array], rights: list[Array]) -> list[Array]:
+    """Solution of a symmetric block-tridiagonal system."""
+    for row, upper in enumerate(uppers):
+        factor = np.linalg.solve(diagonals[row], upper).T
+        diagonals[row + 1] -= factor @ upper
+        rights[row + 1] -= factor @ rights[row]
+    found = [np.linalg.solve(diagonals[-1], rights[-1])]
+    for diagonal, upper, right in zip(diagonals[-2::-1], uppers[::-1], rights[-2::-1], strict=True):
+        found.append(np.linalg.solve(diagonal, right - upper @ found[-1]))
+    return found[::-1]
+
+
+def _anchor_rows(pose: Array, anchor: tuple[float, float]) -> Array:
+    """Velocity (2, 3) of an anchor of a body by the body's velocity."""
+    arm = complex(*anchor) * np.exp(1j * pose[2])
+    return np.array([[1.0, 0.0, -arm.imag], [0.0, 1.0, arm.real]])
+
+
+def _pin_row(pose: Array, pin: pymunk.PinJoint) -> Array:
+    """Rate (3,) at which a bench, the pin's first body, shortens the pin, by the bench's velocity, negated."""
+    arm = complex(*pin.anchor_a) * np.exp(1j * pose[2])
+    x, y = pin.b.position.x - pose[0] - arm.real, pin.b.position.y - pose[1] - arm.imag
+    return np.array([x, y]) / -math.hypot(x, y) @ _anchor_rows(pose, pin.anchor_a)
+
+
+def set_impulses(
+    space: pymunk.Space,
+    substep: float,
+    poses: Array,
+    pivots: Sequence[pymunk.PivotJoint],
+    pins: Sequence[Sequence[pymunk.PinJoint]],
+    impulses: Sequence[Array],
+) -> None:
+    """Give impulses to the joints, with which the solver begins the next step of `substep` s with benches at `poses`.
+
+    Pymunk has no setter for them, so a step is made in which each joint may have the size of its impulse at most, its
+    bodies have a velocity of 1 m/s in the impulse's direction, and they are so heavy that no impulse slows them.
+    Afterwards the benches have their masses and `poses`, but still these velocities.
+    """
+    bodies = [pivots[0].a, *(pivot.b for pivot in pivots)]
+    dynamic = [body for body in bodies if body.body_type == pymunk.Body.DYNAMIC]
+    masses = [(body, body.mass, body.moment) for body in dynamic]
+    limits = [(joint, joint.max_force) for joint in space.constraints]
+    settings = space.iterations, space.damping
+    for body in dynamic:
+        body.mass, body.moment = HEAVY, math.inf
+    for joint, _ in limits:
+        joint.max_force = 0.0
+    velocity = np.zeros(2)
+    bodies[0].velocity, bodies[0].angular_velocity = (0.0, 0.0), 0.0
+    bodies[0].position, bodies[0].angle = poses[0, :2].tolist(), float(poses[0, 2])
+    for bench, (pivot, pinned, given) in enumerate(zip(pivots, pins, impulses, strict=True), start=1):
+        size = math.hypot(*given[:2])
+        pivot.max_force = size / substep
+        velocity = velocity - given[:2] / (size or 1.0)
+        pivot.b.velocity, pivot.b.angular_velocity = tuple(velocity.tolist()), 0.0
+        pivot.b.position, pivot.b.angle = (
+            tuple((poses[bench, :2] - substep * velocity).tolist()),
+            float(poses[bench, 2]),
+        )
+        for pin, impulse in zip(pinned, given[2:], strict=True):
+            pin.max_force = abs(impulse) / substep
+            direction = _pin_row(poses[bench], pin)[:2] * math.copysign(1.0, impulse)
+            pin.b.velocity = tuple((velocity + direction).tolist())
+    space.iterations, space.damping = 1, 1.0
+    space.step(substep)
+    space.iterations, space.damping = settings
+    for body, mass, moment in masses:
+        body.mass, body.moment = mass, moment
+    for joint, limit in limits:
+        joint.max_force = limit
+    for pin in (pin for pinned in pins for pin in pinned):
+        pin.b.velocity = 0.0, 0.0
