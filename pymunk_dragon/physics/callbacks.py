@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable
 from dataclasses import replace
+from time import perf_counter
 from typing import Any, NamedTuple
 
 import pymunk
@@ -12,7 +12,7 @@ import pymunk
 from pymunk_dragon._arrays import Array
 from pymunk_dragon._signals import signals_held
 from pymunk_dragon.collision.sat import Separation, separation
-from pymunk_dragon.model.contact import Contact, ContactEvent, Phase
+from pymunk_dragon.model.contact import PHASES, Contact, ContactEvent, Phase
 from pymunk_dragon.model.dragon import Dragon, outlines
 from pymunk_dragon.physics.world import World
 
@@ -23,11 +23,11 @@ BISECTIONS = 30
 
 
 class Recorder:
-    """Log of every collision callback of a world's space, as `ContactEvent`.
+    """Log of every collision callback of a world's space, as `ContactEvent`; a context manager around all steps.
 
     Pymunk calls back from C, where an exception would be printed and forgotten: it is kept here, and raised at
-    the end of `stepping`. Where contacts are only reported, the engine does not act on them, and
-    `post_solve` never comes.
+    the end of `step`. So are those of handlers of signals, which Python may run before the first line of a callback.
+    Where contacts are only reported, the engine does not act on them, and `post_solve` never comes.
 
     Pymunk 7.3.1 reports some rectangles in line as touching, metres deep or without a normal, although they are apart.
     So a contact is checked where it begins and where it is deeper than the narrowest bench. It is neither logged nor
@@ -47,69 +47,66 @@ class Recorder:
     events : list of ContactEvent
         All events.
     begun : list of Contact
-        Contacts that began since this list was cleared, as at the end of their substep.
+        Contacts that began in the last step, as at its end.
     """
 
     def __init__(self, world: World, on_event: Callable[[ContactEvent], None] | None = None) -> None:
         self.time = 0.0
         self.events: list[ContactEvent] = []
         self.begun: list[Contact] = []
+        self._world = world
         self._benches: dict[pymunk.Shape, tuple[int, pymunk.Body]] = {
             shape: (bench, body) for bench, (shape, body) in enumerate(zip(world.shapes, world.bodies, strict=True))
         }
-        self._report_only = world.settings.contacts == "report"
         self._narrowest = float(world.march.dragon.widths.min())
         # Pairs whose contact has begun and not ended.
         self._touching: set[tuple[int, int]] = set()
         self._on_event = on_event
         self._failure: BaseException | None = None
-        self._closed = self._stepping = self._logging = False
-        self._release: Callable[[], None] = lambda: None
-        world.space.on_collision(
-            begin=self._callback("begin"),
-            pre_solve=self._callback("pre_solve"),
-            post_solve=self._callback("post_solve"),
-            separate=self._callback("separate"),
-        )
+        # Whether the engine runs, not the code here.
+        self._in_engine = False
+        self._signals = signals_held(lambda: self._in_engine)
+        callbacks: dict[str, Any] = {phase: self._callback(phase) for phase in PHASES}
+        world.space.on_collision(**callbacks)
 
-    def close(self) -> None:
-        """Stop logging: a space that is taken apart reports a last `separate` of everything that still touches."""
-        self._closed = True
+    def __enter__(self) -> Recorder:
+        """Delay signals that come in a step until its end."""
+        self._raise_delayed = self._signals.__enter__()
+        return self
 
-    @contextmanager
-    def signals_held(self) -> Iterator[None]:
-        """Context of all steps, in which handlers of signals that come during a step wait for its end.
+    def __exit__(self, *raised: Any) -> None:
+        """Restore the handlers of signals."""
+        self._signals.__exit__(*raised)
 
-        Python runs them when C calls back, before the first line of a callback: what they raise there is lost.
-        """
-        with signals_held(lambda: self._stepping and not self._logging) as release:
-            self._release = release
-            yield
-
-    @contextmanager
-    def stepping(self) -> Iterator[None]:
-        """Context of one step; signals that waited and exceptions of callbacks are raised at its end."""
-        self._stepping = True
+    def step(self, time: float) -> float:
+        """Make a step of the world that ends at `time`; returns the seconds that the engine took."""
+        self.time = time
+        self.begun.clear()
+        begin = perf_counter()
+        self._in_engine = True
         try:
-            yield
+            self._world.space.step(self._world.substep)
         finally:
-            self._stepping = False
-        self._release()
+            self._in_engine = False
+        seconds = perf_counter() - begin
+        self._raise_delayed()
         if self._failure is not None:
             failure, self._failure = self._failure, None
             raise failure
+        return seconds
 
     def _callback(self, phase: Phase) -> Callable[[pymunk.Arbiter, pymunk.Space, Any], None]:
         def callback(arbiter: pymunk.Arbiter, space: pymunk.Space, data: Any) -> None:
-            if self._closed or self._failure is not None:
+            # A space that is taken apart reports a last `separate` of everything that still touches.
+            if not self._in_engine or self._failure is not None:
                 return
             try:
-                self._logging = True
+                self._in_engine = False
                 self._log(phase, arbiter)
-            except BaseException as failure:  # Ctrl-C too arrives here, and must not be lost either.
+            except BaseException as failure:
                 self._failure = failure
             finally:
-                self._logging = False
+                self._in_engine = True
 
         return callback
 
@@ -126,7 +123,7 @@ class Recorder:
         points, normal, depth = _manifold(arbiter.contact_point_set, swapped)
         false = (not known or depth > self._narrowest) and _apart(arbiter.shapes)
         if phase != "post_solve":
-            arbiter.process_collision = not (self._report_only or false)
+            arbiter.process_collision = not (false or self._world.settings.contacts == "report")
         if false:
             return
         x = sum(point[0] for point in points) / len(points)

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from contextlib import closing
+from dataclasses import replace
 from time import perf_counter
+from typing import Any
 
 import numpy as np
 
@@ -17,7 +18,7 @@ from pymunk_dragon.model.dragon import interpolated
 from pymunk_dragon.model.march import March, States, check_march, last_time
 from pymunk_dragon.model.provenance import engine_provenance
 from pymunk_dragon.model.run import Outcome, Run
-from pymunk_dragon.model.settings import FRAME_STRIDE, Contacts, EngineSettings
+from pymunk_dragon.model.settings import FRAME_STRIDE, EngineSettings, check_settings
 from pymunk_dragon.physics.callbacks import Motion, Recorder, refined_contact
 from pymunk_dragon.physics.guides import PathGuide, guide_name
 from pymunk_dragon.physics.world import World
@@ -48,13 +49,9 @@ def simulate(
     guide: str | PathGuide = "rails",
     start: float = 0.0,
     until: float | None = None,
-    contacts: Contacts = "stop",
-    substep: float | None = None,
-    iterations: int | None = None,
-    frame_interval: float | None = None,
-    head_force: float | None = None,
     on_event: Callable[[ContactEvent], None] | None = None,
     progress: Callable[[float, float], None] | None = None,
+    **changes: Any,
 ) -> Run:
     """Play a march in Pymunk.
 
@@ -63,17 +60,17 @@ def simulate(
     march : March
         The motion to play. The engine takes the state at `start` and the head's poses from it, and nothing else.
     settings : EngineSettings, optional
-        Settings of the engine, instead of the keywords `contacts` to `head_force`.
+        Settings of the engine.
     guide : {"rails", "none"} or PathGuide
         Whether dancers keep every hole on the curve, or the head only pulls; or a guide of your own.
     start, until : float
         Simulated times, s. Without `until` the run goes on to the end of the curve, if nothing stops it.
-    contacts, substep, iterations, frame_interval, head_force
-        As in `EngineSettings`.
     on_event : callable, optional
         Called with each `ContactEvent`; what it raises is raised from here after the substep.
     progress : callable, optional
         Called with the simulated time and the time at which the run will end at the latest, once per frame.
+    **changes
+        Other values of the settings, as in ``contacts="report"``: see `EngineSettings`.
 
     Returns
     -------
@@ -83,7 +80,7 @@ def simulate(
     Raises
     ------
     ParameterError
-        If a setting is unusable, or given as a keyword and `settings` as well.
+        If a setting is unusable.
     UnreachableError
         If the dragon has no state at `start`.
     DragonError
@@ -105,17 +102,10 @@ def simulate(
     until = last_time(march, start) if until is None else finite("until", until, -MAX_TIME, MAX_TIME, "s")
     if until <= start:
         raise ParameterError("until", until, f"later than the start, {start:g} s")
-    keywords = EngineSettings(
-        contacts=contacts,
-        substep=substep,
-        iterations=iterations,
-        frame_interval=frame_interval,
-        head_force=head_force,
-    )
-    if settings is not None and keywords != EngineSettings():
-        raise ParameterError("settings", settings, "absent where settings are given as keywords")
-    world = World(march, guide, keywords if settings is None else settings, start=start, until=until)
-    with closing(Recorder(world, on_event)) as recorder, recorder.signals_held():
+    settings = EngineSettings() if settings is None else settings
+    check_settings(settings)
+    world = World(march, guide, replace(settings, **changes), start=start, until=until)
+    with Recorder(world, on_event) as recorder:
         loop = _Loop(world, recorder)
         loop.play(until, progress)
     times, poses, velocities, impulses = (np.array(values) for values in zip(*loop.frames, strict=True))
@@ -183,22 +173,17 @@ class _Loop:
     def _step(self, head: HeadState) -> None:
         """Make a substep that ends with the head in a given state; the contact that ends the run becomes a frame."""
         world, recorder = self._world, self._recorder
-        world.prepare(*head)
-        begin_time = self.time
+        begin = self.time
         self.substeps += 1
-        recorder.time = self.time
-        with recorder.stepping():
-            begin = perf_counter()
-            world.space.step(world.substep)
-            self.step_seconds += perf_counter() - begin
+        world.prepare(*head)
+        self.step_seconds += recorder.step(self.time)
         if not recorder.begun:
             world.read()
             return
         before, velocities = world.poses.copy(), world.velocities.copy()
         world.read()
         if self.first_contact is None:
-            self._refine(before, velocities, (begin_time, self.time))
-        recorder.begun.clear()
+            self._refine(before, velocities, (begin, self.time))
 
     def _refine(self, before: Array, velocities: Array, times: tuple[float, float]) -> None:
         """Find the first of the contacts that began in the last substep.

@@ -64,10 +64,14 @@ def _solved(diagonals: list[Array], uppers: list[Array], rights: list[Array]) ->
         factor = np.linalg.solve(diagonals[row], upper).T
         diagonals[row + 1] -= factor @ upper
         rights[row + 1] -= factor @ rights[row]
-    found = [np.linalg.solve(diagonals[-1], rights[-1])]
+    found = [_solve(diagonals[-1], rights[-1])]
     for diagonal, upper, right in zip(diagonals[-2::-1], uppers[::-1], rights[-2::-1], strict=True):
-        found.append(np.linalg.solve(diagonal, right - upper @ found[-1]))
+        found.append(_solve(diagonal, right - upper @ found[-1]))
     return found[::-1]
+
+
+def _solve(matrix: Array, right: Array) -> Array:
+    return np.asarray(np.linalg.solve(matrix, right), dtype=float)
 
 
 def _anchor_rows(pose: Array, anchor: tuple[float, float]) -> Array:
@@ -106,22 +110,19 @@ def set_impulses(
         body.mass, body.moment = HEAVY, math.inf
     for joint, _ in limits:
         joint.max_force = 0.0
-    velocity = np.zeros(2)
+    velocity: Array = np.zeros(2)
     bodies[0].velocity, bodies[0].angular_velocity = (0.0, 0.0), 0.0
-    bodies[0].position, bodies[0].angle = poses[0, :2].tolist(), float(poses[0, 2])
+    bodies[0].position, bodies[0].angle = pymunk.Vec2d(*poses[0, :2]), poses[0, 2]
     for bench, (pivot, pinned, given) in enumerate(zip(pivots, pins, impulses, strict=True), start=1):
         size = math.hypot(*given[:2])
         pivot.max_force = size / substep
         velocity = velocity - given[:2] / (size or 1.0)
-        pivot.b.velocity, pivot.b.angular_velocity = tuple(velocity.tolist()), 0.0
-        pivot.b.position, pivot.b.angle = (
-            tuple((poses[bench, :2] - substep * velocity).tolist()),
-            float(poses[bench, 2]),
-        )
+        pivot.b.velocity, pivot.b.angular_velocity = pymunk.Vec2d(*velocity), 0.0
+        pivot.b.position, pivot.b.angle = pymunk.Vec2d(*(poses[bench, :2] - substep * velocity)), poses[bench, 2]
         for pin, impulse in zip(pinned, given[2:], strict=True):
             pin.max_force = abs(impulse) / substep
             direction = _pin_row(poses[bench], pin)[:2] * math.copysign(1.0, impulse)
-            pin.b.velocity = tuple((velocity + direction).tolist())
+            pin.b.velocity = pymunk.Vec2d(*(velocity + direction))
     space.iterations, space.damping = 1, 1.0
     space.step(substep)
     space.iterations, space.damping = settings
