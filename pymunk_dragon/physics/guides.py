@@ -37,15 +37,6 @@ class GuidedChain:
         Rate at which the ground drag reduces velocities, 1/s.
     masses, moments : ndarray, shape (N,)
         Masses of the benches, kg, and their moments of inertia about their centres, kg m^2.
-
-    Examples
-    --------
-    >>> from pymunk_dragon import Dragon, March, simulate
-    >>> class Printing(PathGuide):
-    ...     def attach(self, chain):
-    ...         print(chain.masses.round(1), chain.substep)
-    >>> run = simulate(March(Dragon(benches=3)), guide=Printing(), until=1)
-    [20.5 13.2 13.2] 0.02
     """
 
     march: March
@@ -132,12 +123,6 @@ class Rails(PathGuide):
 
     The guide uses the path, the head's speed and the engine's positions, but no exact positions of the chain: these
     are for the engine to find.
-
-    Examples
-    --------
-    >>> from pymunk_dragon import Dragon, March, simulate
-    >>> simulate(March(Dragon(benches=8)), guide=Rails(), until=1) == simulate(March(Dragon(benches=8)), until=1)
-    True
     """
 
     balances_drag = True
@@ -239,13 +224,7 @@ def guide_of(guide: object) -> PathGuide:
 
 
 def parts_of_guide(guide: PathGuide, member: str, value: object, kind: type[Part]) -> Sequence[Part]:
-    """`value` of a guide's `member`, if it is a list or tuple of objects of the `kind`.
-
-    Raises
-    ------
-    ParameterError
-        If it is anything else.
-    """
+    """`value` of a guide's `member`, checked to be a list or tuple of objects of the `kind`."""
     if isinstance(value, list | tuple) and all(isinstance(part, kind) for part in value):
         return value
     raise ParameterError(f"{type(guide).__name__}.{member}", value, f"a list or tuple of pymunk.{kind.__name__}")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import chain
 
 import numpy as np
 import pymunk
@@ -101,8 +102,7 @@ def set_impulses(
     bodies have a velocity of 1 m/s in the impulse's direction, and they are so heavy that no impulse slows them.
     Afterwards the benches have their masses and `poses`, but still these velocities.
     """
-    bodies = [pivots[0].a, *(pivot.b for pivot in pivots)]
-    dynamic = [body for body in bodies if body.body_type == pymunk.Body.DYNAMIC]
+    dynamic = [body for body in space.bodies if body.body_type == pymunk.Body.DYNAMIC]
     masses = [(body, body.mass, body.moment) for body in dynamic]
     limits = [(joint, joint.max_force) for joint in space.constraints]
     settings = space.iterations, space.damping
@@ -110,19 +110,7 @@ def set_impulses(
         body.mass, body.moment = HEAVY, math.inf
     for joint, _ in limits:
         joint.max_force = 0.0
-    velocity: Array = np.zeros(2)
-    bodies[0].velocity, bodies[0].angular_velocity = (0.0, 0.0), 0.0
-    bodies[0].position, bodies[0].angle = pymunk.Vec2d(*poses[0, :2]), poses[0, 2]
-    for bench, (pivot, pinned, given) in enumerate(zip(pivots, pins, impulses, strict=True), start=1):
-        size = math.hypot(*given[:2])
-        pivot.max_force = size / substep
-        velocity = velocity - given[:2] / (size or 1.0)
-        pivot.b.velocity, pivot.b.angular_velocity = pymunk.Vec2d(*velocity), 0.0
-        pivot.b.position, pivot.b.angle = pymunk.Vec2d(*(poses[bench, :2] - substep * velocity)), poses[bench, 2]
-        for pin, impulse in zip(pinned, given[2:], strict=True):
-            pin.max_force = abs(impulse) / substep
-            direction = _pin_row(poses[bench], pin)[:2] * math.copysign(1.0, impulse)
-            pin.b.velocity = pymunk.Vec2d(*(velocity + direction))
+    _pull(substep, poses, pivots, pins, impulses)
     space.iterations, space.damping = 1, 1.0
     space.step(substep)
     space.iterations, space.damping = settings
@@ -130,5 +118,31 @@ def set_impulses(
         body.mass, body.moment = mass, moment
     for joint, limit in limits:
         joint.max_force = limit
-    for pin in (pin for pinned in pins for pin in pinned):
+    for pin in chain.from_iterable(pins):
         pin.b.velocity = 0.0, 0.0
+
+
+def _pull(
+    substep: float,
+    poses: Array,
+    pivots: Sequence[pymunk.PivotJoint],
+    pins: Sequence[Sequence[pymunk.PinJoint]],
+    impulses: Sequence[Array],
+) -> None:
+    """Give the joints' bodies the velocities, and the joints the largest forces, that make these impulses."""
+    _place(pivots[0].a, poses[0], np.zeros(2), substep)
+    velocity: Array = np.zeros(2)
+    for pivot, pinned, pose, given in zip(pivots, pins, poses[1:], impulses, strict=True):
+        size = math.hypot(*given[:2])
+        pivot.max_force = size / substep
+        velocity = velocity - given[:2] / (size or 1.0)
+        _place(pivot.b, pose, velocity, substep)
+        for pin, impulse in zip(pinned, given[2:], strict=True):
+            pin.max_force = abs(impulse) / substep
+            pin.b.velocity = pymunk.Vec2d(*(velocity + _pin_row(pose, pin)[:2] * math.copysign(1.0, impulse)))
+
+
+def _place(body: pymunk.Body, pose: Array, velocity: Array, substep: float) -> None:
+    """Let a body arrive at a pose in the next step, without rotation."""
+    body.position, body.angle = pymunk.Vec2d(*(pose[:2] - substep * velocity)), pose[2]
+    body.velocity, body.angular_velocity = pymunk.Vec2d(*velocity), 0.0

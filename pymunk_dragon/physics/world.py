@@ -102,13 +102,11 @@ class World:
 
     Notes
     -----
-    Pymunk integrates positions with the velocities of the step before and then solves the joints, which is Euler's
-    method: a bench that turns by a in a step leaves its joint by a**2 / 2 of half its length, and the errors of 223
-    benches add up. Before each step the poses are therefore shifted by half a step times the change of velocity, which
-    makes it the second-order Adams-Bashforth method, from the engine's own velocities. After the step they are shifted
-    once more, by half a step times the change of that change: the Adams-Moulton method, the trapezoidal rule, has a
-    fifth of the error, and where the path's curvature jumps and the prediction is wrong by the whole jump, it is not.
-    This correction is left out where contacts are resolved, because velocities jump at impacts.
+    Pymunk moves positions with the velocities of the step before and then solves the joints, which is Euler's method.
+    Shifted by half a step times the last change of velocity before each step, the poses follow the second-order
+    Adams-Bashforth method; shifted once more after it, by half a step times the change of that change, the
+    Adams-Moulton method, with a fifth of the error. Where contacts are resolved, velocities jump at impacts, and the
+    second shift is left out.
 
     Examples
     --------
