@@ -71,8 +71,7 @@ them in the grid and pairing them 0.6 ms. The whole process `pymunk-dragon conta
 
 from pymunk_dragon.collision.first_contact import first_contact
 from pymunk_dragon.collision.grid import Grid
-from pymunk_dragon.collision.near_misses import NearMiss
-from pymunk_dragon.collision.result import FirstContact
+from pymunk_dragon.collision.result import FirstContact, NearMiss
 from pymunk_dragon.collision.sat import Separation, separation
 from pymunk_dragon.collision.scan import scan
 

@@ -26,14 +26,14 @@ displacement of a bench on two coordinates with an error of 2 E: the sum is 6 (1
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
 from pymunk_dragon._arrays import Array, Complex, Flags, Indices, as_complex, as_vectors
 from pymunk_dragon.collision.grid import MAX_CELL, MIN_CELL, Grid
-from pymunk_dragon.collision.sat import Separation, separation
+from pymunk_dragon.collision.sat import Separation, deepest_overlap, separation
 from pymunk_dragon.model import chain
 from pymunk_dragon.model.chain import ChainMotion, RateBounds
 from pymunk_dragon.model.curves import Curve
@@ -50,14 +50,11 @@ SLACK = 1e-5
 UNPROVEN_ROUNDING = 1e-4
 # Largest sine of the angle from a bench to its path up to which the simpler bounds hold tightly.
 SHALLOW = 0.7
-# Benches up to which all pairs of circles are compared: the grid takes longer.
-FEW_BENCHES = 500
 # Corners of a square of side 2, counter-clockwise.
 SQUARE = np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
 
 
-@dataclass(frozen=True)
-class Intervals:
+class Intervals(NamedTuple):
     """Time intervals (T,) with the foremost handles: coordinates (T, H) at both ends, and motion at the midpoint."""
 
     begins: Array
@@ -107,23 +104,15 @@ class Intervals:
         return self.ends - self.begins
 
 
-@dataclass(frozen=True)
-class _Corners:
-    """Projections of the corners of P benches on a direction, by the coordinate s of the bench's front handle.
+class _Corners(NamedTuple):
+    """Projections of the corners of P benches on a direction, by the coordinate s of the bench's front handle."""
 
-    Attributes
-    ----------
-    known : ndarray of bool, shape (P,)
-        Whether the bounds hold.
-    heights, speeds : ndarray, shape (P, 4)
-        Projection in m, and its derivative by s, at the midpoint.
-    fastest, second : ndarray, shape (P, 4)
-        Bounds on the first derivative in any direction, and on the second derivative, 1/m.
-    """
-
+    # (P,): whether the bounds hold.
     known: Flags
+    # (P, 4): projections at the midpoint, m, and their derivatives by s.
     heights: Array
     speeds: Array
+    # (P, 4): bounds on the first derivative in any direction, and on the second derivative, 1/m.
     fastest: Array
     second: Array
 
@@ -178,11 +167,6 @@ class MotionBounds:
         self.rounding = np.where(self.proven, 6 * self._leverage * worst, UNPROVEN_ROUNDING)
         self._known, self._rates = self._bounds(middle.handles_s, self.travel[:, :-1] + 2 * errors[:, :-1])
 
-    @property
-    def outlines(self) -> Array:
-        """Corners (T, N, 4, 2) of the benches at the midpoint, m."""
-        return as_vectors(self._corner_points)
-
     def _errors(self, residual: float) -> Array:
         """Bounds (T, H) on the errors of the coordinates, m, if the benches' equations have this residual, m."""
         with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
@@ -226,7 +210,7 @@ class MotionBounds:
 
     def separations(self, rows: Indices, pairs: Indices) -> Separation:
         """Separations of `pairs` (P, 2) of benches at the midpoints of the intervals `rows` (P,)."""
-        return separation(self.outlines[rows, pairs[:, 0]], self.outlines[rows, pairs[:, 1]])
+        return separation(*(as_vectors(self._corner_points[rows, benches]) for benches in pairs.T))
 
     def smallest_gaps(self, rows: Indices, pairs: Indices, normals: Array) -> Array:
         """Lower bounds (P,) in m on the gaps of `pairs` anywhere in the intervals `rows`, along `normals` (P, 2).
@@ -340,18 +324,16 @@ class MotionBounds:
         own = np.abs(self._corner_points[0, :, 0] - middles[0])
         centres = as_vectors(middles)
         radii = own + (self.travel[:, :-1] + self.travel[:, 1:] + near + self.rounding[:, None]) / 2
-        leaders = centres[:, :2, None], radii[:, :2, None]
+        meeting = _meet(centres[:, :2, None], radii[:, :2, None], centres[:, None], radii[:, None])
         many = tested[:, 2:].any(axis=1)
-        few = np.flatnonzero(~many)
-        rows, first, second = np.nonzero(_meet(leaders[0][few], leaders[1][few], centres[few, None], radii[few, None]))
-        chosen = second - first >= 2
-        found = [few[rows[chosen]]], [np.stack([first, second], axis=-1)[chosen]]
+        rows, first, second = np.nonzero(meeting & ~many[:, None, None])
+        apart = second - first >= 2
+        found = [(rows[apart], np.stack([first, second], axis=-1)[apart])]
         for row in np.flatnonzero(many).tolist():
             pairs = near_pairs(centres[row], radii[row])
             pairs = pairs[tested[row, pairs[:, 0]]]
-            found[0].append(np.full(len(pairs), row))
-            found[1].append(pairs)
-        return np.concatenate(found[0]), np.concatenate(found[1])
+            found.append((np.full(len(pairs), row), pairs))
+        return np.concatenate([rows for rows, _ in found]), np.concatenate([pairs for _, pairs in found])
 
 
 def handles_in_reach(march: March, first: float, last: float, near: float) -> int:
@@ -391,9 +373,6 @@ def _radius(curve: Curve, s: Array) -> Array:
 
 def near_pairs(centres: Array, radii: Array) -> Indices:
     """Pairs (P, 2) of benches whose circles intersect, without neighbours."""
-    if len(centres) <= FEW_BENCHES:
-        pairs = np.argwhere(_meet(centres[:, None], radii[:, None], centres, radii))
-        return pairs[pairs[:, 1] - pairs[:, 0] >= 2]
     # No bench is further away than the chain's length, even if its bound is infinite.
     half = np.minimum(radii, np.ptp(centres, axis=0).sum() + 1)
     squares = (centres - centres.mean(axis=0))[:, None] + half[:, None, None] * SQUARE
@@ -406,13 +385,7 @@ def near_pairs(centres: Array, radii: Array) -> Indices:
 def overlapping_pair(march: March, handles_s: Array) -> tuple[int, int] | None:
     """The pair with the deepest overlap where the handles are at the coordinates (1, H), or None."""
     dragon, poses = march.dragon, bench_poses(march.curve.point(handles_s[0]))
-    corners = dragon.outlines(poses)
-    first, second = near_pairs(poses[:, :2], np.hypot(dragon.lengths, dragon.widths) / 2).T
-    distances = separation(corners[first], corners[second]).distance
-    if not np.any(distances <= 0):
-        return None
-    deepest = int(distances.argmin())
-    return int(first[deepest]), int(second[deepest])
+    return deepest_overlap(dragon.outlines(poses), near_pairs(poses[:, :2], np.hypot(dragon.lengths, dragon.widths) / 2))
 
 
 def _meet(one: Array, one_radius: Array, other: Array, other_radius: Array) -> Flags:

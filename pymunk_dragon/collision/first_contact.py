@@ -39,7 +39,7 @@ from pymunk_dragon.collision.bounds import (
     overlapping_pair,
 )
 from pymunk_dragon.collision.near_misses import near_misses
-from pymunk_dragon.collision.result import FirstContact, Status
+from pymunk_dragon.collision.result import FirstContact, Status, result_at
 from pymunk_dragon.model.march import March, checked_times
 
 __all__ = ["first_contact"]
@@ -187,7 +187,7 @@ class _Search:
         return self._result("clear" if last >= until else "unreachable", start, last, None)
 
     def _result(self, status: Status, start: float, time: float, pair: tuple[int, int] | None) -> FirstContact:
-        return FirstContact.at(
+        return result_at(
             self._march,
             status,
             time,

@@ -20,8 +20,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from pymunk_dragon._arrays import Array
-from pymunk_dragon._checks import finite, whole
-from pymunk_dragon.collision.outlines import MAX_COORDINATE, checked_outlines, numbers
+from pymunk_dragon._checks import finite
+from pymunk_dragon.collision.sat import MAX_COORDINATE, coordinates
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.march import March, check_march
 
@@ -29,10 +29,8 @@ __all__ = ["Grid"]
 
 Cells = NDArray[np.int64]
 
-# m. Least pitch of a spiral, to which the paper ties the cell.
-MIN_CELL = 0.001
-# m. Largest pitch of a spiral.
-MAX_CELL = 1000.0
+# m. Least and largest pitch of a spiral, to which the paper ties the cell.
+MIN_CELL, MAX_CELL = 0.001, 1000.0
 # Cells from the origin, in either direction. At the paper's pitch that is 550 km.
 MAX_INDEX = 1_000_000
 # Cells by which an edge is taken to be closer to a grid line than it is. A coordinate in cells is wrong by at most
@@ -57,19 +55,21 @@ class Grid:
     Parameters
     ----------
     cell : float
-        Side of a cell, m.
+        Side of a cell, from 0.001 to 1000 m.
     origin : tuple of float
         Upper left corner of cell (0, 0), m.
 
     Raises
     ------
     ParameterError
-        If `cell` is not a number from 0.001 to 1000 m or `origin` is not two numbers from -1e9 to 1e9 m.
+        If one of them is not such a number, or a coordinate of the origin is beyond 1e9 m. The methods raise it if
+        corners or points have another shape, are not finite or more than a million cells from the origin, or if there
+        would be more than 20 million entries or pairs.
 
     Examples
     --------
-    >>> Grid(cell=1.0, origin=(0.0, 0.0)).cell_of([0.5, -0.5]).tolist()
-    [0, 0]
+    >>> Grid(cell=1.0, origin=(0.0, 0.0)).walk([0.5, -0.5], [1.5, -0.6]).tolist()
+    [[0, 0], [0, 1]]
     """
 
     cell: float = 0.55
@@ -96,30 +96,13 @@ class Grid:
             return cls(cell=float(march.dragon.lengths.max()), origin=(0.0, 0.0))
         return cls(cell=width, origin=(-turns * width, turns * width))
 
-    def cell_of(self, points: ArrayLike) -> Cells:
-        """Cells (..., 2) as (i, j) of `points` (..., 2) in m; on a grid line the one below it or to its right.
-
-        Raises
-        ------
-        ParameterError
-            If `points` has another shape, or one is not finite or more than a million cells from the origin.
-        """
-        columns, rows = self._in_cells("points", points)
-        return np.floor(np.stack([rows, columns], axis=-1)).astype(np.int64)
-
     def walk(self, start: ArrayLike, end: ArrayLike) -> Cells:
         """Cells (K, 2) as (i, j) that the edge from `start` (2,) to `end` (2,) in m touches, in the order of the walk.
 
         The edge is followed from column to column. Within a column it touches all rows from a first to a last one.
-
-        Raises
-        ------
-        ParameterError
-            As `cell_of` does.
         """
-        (u0, v0), (u1, v1) = self._in_cells("start", start), self._in_cells("end", end)
-        if u0.shape or u1.shape:
-            raise ParameterError("start and end", f"of shapes {np.shape(start)} and {np.shape(end)}", "one point each")
+        u0, v0 = self._in_cells("start", coordinates("start", start, (2,), 0))
+        u1, v1 = self._in_cells("end", coordinates("end", end, (2,), 0))
         first, last = _range(np.minimum(u0, u1), np.maximum(u0, u1))
         columns = np.arange(int(first), int(last) + 1)
         top, bottom = _range(*_rows(u0, v0, u1, v1, columns))
@@ -143,66 +126,11 @@ class Grid:
             Every cell (i, j) of every bench: those that `walk` finds for its edges, and those within.
         benches : ndarray, shape (K,)
             Whose cell it is: rising, and within a bench by column and row.
-
-        Raises
-        ------
-        ParameterError
-            If `outlines` has another shape, a corner is not finite or more than a million cells from the origin, or
-            there would be more than 20 million entries.
         """
-        rows, columns, benches, _ = self._filed(outlines)
-        return np.stack([rows, columns], axis=-1), benches
-
-    def pairs(self, outlines: ArrayLike, neighbours: int = 1) -> Cells:
-        """Pairs (P, 2) of benches that share a cell, the smaller number first, each once and in order.
-
-        No two that overlap or touch are missing; most of those that are there neither overlap nor touch.
-
-        Parameters
-        ----------
-        outlines : array_like, shape (N, 4, 2)
-            Corners in m, as `dragon.outlines` gives them.
-        neighbours : int
-            Benches whose numbers differ by this or less are left out: by default those that share a hole, and so
-            always overlap.
-
-        Raises
-        ------
-        ParameterError
-            As `file` does, if `neighbours` is no whole number from 0 to a million, or if there would be more than
-            20 million pairs.
-        """
-        whole("neighbours", neighbours, 0, MAX_OUTLINES)
-        rows, columns, benches, n = self._filed(outlines)
-        if not n:
-            return np.empty((0, 2), dtype=np.int64)
-        # One number for cell and bench sorts the entries by cell, and within a cell by bench.
-        rows -= rows.min()
-        columns -= columns.min()
-        entries = (rows * (columns.max() + 1) + columns) * n + benches
-        entries.sort()
-        cells, benches = np.divmod(entries, n)
-        # Every entry is paired with the later ones of its cell.
-        ends = np.append(np.flatnonzero(np.diff(cells)) + 1, cells.size)
-        sizes = np.diff(ends, prepend=0)
-        entries = np.arange(cells.size)
-        later = np.repeat(ends, sizes) - entries - 1
-        self._check_entries(later, "small")
-        owner, other = _runs(entries + 1, later)
-        one, two = benches[owner], benches[other]
-        far = two - one > neighbours
-        # As `np.unique`, which imports masked arrays.
-        codes = np.sort(one[far] * n + two[far])
-        codes = codes[np.diff(codes, prepend=-1) > 0]
-        return np.stack(np.divmod(codes, n), axis=-1)
-
-    def _filed(self, outlines: ArrayLike) -> tuple[Cells, Cells, Cells, int]:
-        """Rows, columns and benches of all entries, each (K,), by bench, column and row; and the number of benches."""
-        corners = checked_outlines("outlines", outlines)
-        if corners.ndim != 3 or len(corners) > MAX_OUTLINES:
-            raise ParameterError("outlines", f"of shape {corners.shape}", f"(N, 4, 2) with N at most {MAX_OUTLINES:,}")
-        u, v = self._in_cells("outlines", corners)
-        u, v = np.ascontiguousarray(u.T), np.ascontiguousarray(v.T)  # (4, N)
+        corners = coordinates("outlines", outlines, (4, 2), 1)
+        if len(corners) > MAX_OUTLINES:
+            raise ParameterError("outlines", f"of {len(corners):,} benches", f"of at most {MAX_OUTLINES:,}")
+        u, v = (np.ascontiguousarray(cells.T) for cells in self._in_cells("outlines", corners))  # (4, N)
         first, last = _range(u.min(axis=0), u.max(axis=0))
         counts = last - first + 1
         self._check_entries(counts, "large")
@@ -214,19 +142,42 @@ class Grid:
         counts = bottom - top + 1
         self._check_entries(counts, "large")
         owner, rows = _runs(top, counts)
-        return rows, columns[owner], bench[owner], len(corners)
+        return np.stack([rows, columns[owner]], axis=-1), bench[owner]
 
-    def _in_cells(self, name: str, points: ArrayLike) -> tuple[Array, Array]:
+    def pairs(self, outlines: ArrayLike) -> Cells:
+        """Pairs (P, 2) of benches that share a cell, without neighbours, the smaller number first, in order.
+
+        No two that overlap or touch are missing; most of those that are there neither overlap nor touch. `outlines`
+        (N, 4, 2) are those that `file` takes.
+        """
+        cells, benches = self.file(outlines)
+        if not benches.size:
+            return np.empty((0, 2), dtype=np.int64)
+        # One number for cell and bench sorts the entries by cell, and within a cell by bench.
+        n = int(benches[-1]) + 1
+        rows, columns = (cells - cells.min(axis=0)).T
+        entries = np.sort((rows * (columns.max() + 1) + columns) * n + benches)
+        cells, benches = np.divmod(entries, n)
+        # Every entry is paired with the later ones of its cell.
+        ends = np.append(np.flatnonzero(np.diff(cells)) + 1, cells.size)
+        entries = np.arange(cells.size)
+        later = np.repeat(ends, np.diff(ends, prepend=0)) - entries - 1
+        self._check_entries(later, "small")
+        owner, other = _runs(entries + 1, later)
+        one, two = benches[owner], benches[other]
+        far = two - one > 1
+        # As `np.unique`, which imports masked arrays.
+        codes = np.sort(one[far] * n + two[far])
+        codes = codes[np.diff(codes, prepend=-1) > 0]
+        return np.stack(np.divmod(codes, n), axis=-1)
+
+    def _in_cells(self, name: str, points: Array) -> tuple[Array, Array]:
         """Distances (...) of `points` (..., 2) from the origin in cells: to the right, and downward."""
-        bound = "points (..., 2) in m"
-        xy = numbers(name, points, bound)
-        if xy.shape[-1:] != (2,):
-            raise ParameterError(name, f"of shape {xy.shape}", bound)
-        offset = xy - self.origin
+        offset = points - self.origin
         inside = np.abs(offset) <= MAX_INDEX * self.cell
         if not inside.all():
-            bound = f"finite and at most {MAX_INDEX:,} cells of {self.cell:g} m from the grid's origin"
-            raise ParameterError(name, xy[~inside][0].item(), bound)
+            bound = f"at most {MAX_INDEX:,} cells of {self.cell:g} m from the grid's origin"
+            raise ParameterError(name, points[~inside][0].item(), bound)
         return offset[..., 0] / self.cell, offset[..., 1] / -self.cell
 
     def _check_entries(self, counts: Cells, size: str) -> None:

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
 from pymunk_dragon._arrays import Array, Indices, as_vectors
-from pymunk_dragon._language import text
+from pymunk_dragon.collision.result import NearMiss
 from pymunk_dragon.collision.sat import separation
 from pymunk_dragon.model.march import March
 
@@ -25,36 +24,6 @@ BRACKET_END = 1e-9
 BRACKET_END_SHARE = 1e-6
 # Share of the sum of their lengths: centres of adjacent intervals are half of it apart, but for rounding.
 ADJACENT = 0.51
-
-
-@dataclass(frozen=True, kw_only=True)
-class NearMiss:
-    """A local minimum of the gap between two benches.
-
-    Attributes
-    ----------
-    time : float
-        s; accurate to a few microseconds only, because the gap is stationary there. If the gap stays at its minimum,
-        one of the times.
-    benches : tuple of int
-        The smaller number first.
-    gap : float
-        m.
-
-    Examples
-    --------
-    >>> NearMiss(time=409.827, benches=(0, 11), gap=0.0009).benches
-    (0, 11)
-    """
-
-    time: float
-    benches: tuple[int, int]
-    gap: float
-
-    def __str__(self) -> str:
-        i, j = self.benches
-        line = text("near miss at t = {t:.4f} s: benches {i} and {j}, {gap:.3f} mm apart")
-        return line.format(t=self.time, i=i, j=j, gap=1e3 * self.gap)
 
 
 def near_misses(march: March, samples: Array, start: float, end: float, near: float) -> tuple[NearMiss, ...]:

@@ -7,21 +7,43 @@ from typing import Any, Literal
 
 from pymunk_dragon._display import Printed
 from pymunk_dragon._language import text
-from pymunk_dragon.collision.near_misses import NearMiss
 from pymunk_dragon.collision.sat import separation
 from pymunk_dragon.model.contact import Contact, contact_text
 from pymunk_dragon.model.march import March
 
-__all__ = ["FirstContact", "Status"]
+__all__ = ["FirstContact", "NearMiss"]
 
 Status = Literal["contact", "clear", "overlapping", "unreachable"]
 
 # m. Resolution above which the text of a result names it.
 COARSE = 1e-8
-# Decimals of a contact's time in the text of a result that is certified.
-CERTIFIED_DECIMALS = 9
-# The same of other results.
-SAMPLED_DECIMALS = 6
+# Decimals of a contact's time in the text of a result that is certified, and of one from samples.
+CERTIFIED_DECIMALS, SAMPLED_DECIMALS = 9, 6
+
+
+@dataclass(frozen=True, kw_only=True)
+class NearMiss:
+    """A local minimum of the gap between two benches.
+
+    Attributes
+    ----------
+    time : float
+        s; accurate to a few microseconds only, because the gap is stationary there. If the gap stays at its minimum,
+        one of the times.
+    benches : tuple of int
+        The smaller number first.
+    gap : float
+        m.
+    """
+
+    time: float
+    benches: tuple[int, int]
+    gap: float
+
+    def __str__(self) -> str:
+        i, j = self.benches
+        line = text("near miss at t = {t:.4f} s: benches {i} and {j}, {gap:.3f} mm apart")
+        return line.format(t=self.time, i=i, j=j, gap=1e3 * self.gap)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,21 +66,22 @@ class FirstContact(Printed):
     near_misses : tuple of NearMiss or None
         Local minima of gaps below a thirtieth of the width before `time`, in the order of time. If all benches behind
         the head pass through the same poses, only those of benches 0 and 1. None if gaps were not measured.
-    samples : int
-        Number of times at which poses were computed.
-    tests : int
-        Number of pair tests, over all samples.
     resolution : float or None
         Largest overlap before `time` that the certificate does not rule out, m: rounding, about a micrometre where a
         gap stays near zero for long, and 0.1 mm where the march ends because the chain has no state after it. None if
         nothing was certified.
+    samples : int
+        Number of times at which poses were computed.
+    tests : int
+        Number of pair tests, over all samples.
 
     Examples
     --------
     >>> from pymunk_dragon import March, first_contact
-    >>> hit = first_contact(March(), start=405)
-    >>> round(hit.time, 6), hit.benches, len(hit.near_misses)
-    (412.473838, (0, 8), 2)
+    >>> print(first_contact(March(), start=405))
+    first contact at t = 412.473837682 s: benches 0 and 8 at (1.445688, 2.132260) m
+    near miss at t = 406.8466 s: benches 0 and 9, 2.957 mm apart
+    near miss at t = 409.8320 s: benches 0 and 11, 0.865 mm apart
     """
 
     status: Status
@@ -67,24 +90,13 @@ class FirstContact(Printed):
     point: tuple[float, float] | None
     normal: tuple[float, float] | None
     near_misses: tuple[NearMiss, ...] | None
+    resolution: float | None
     samples: int
     tests: int
-    resolution: float | None = None
 
     def to_dict(self) -> dict[str, Any]:
-        """Values in SI units, as `contact --json` prints them; None for all values of a contact where there is none."""
-        return {
-            "status": self.status,
-            "time": None if self.benches is None else self.time,
-            "benches": self.benches,
-            "point": self.point,
-            "normal": self.normal,
-            "near_misses": None if self.near_misses is None else [asdict(miss) for miss in self.near_misses],
-            "until": self.time,
-            "resolution": self.resolution,
-            "samples": self.samples,
-            "tests": self.tests,
-        }
+        """Values in SI units, as `contact --json` prints them: a time of contact or None, and `until`, the last time."""
+        return asdict(self) | {"time": None if self.benches is None else self.time, "until": self.time}
 
     def __str__(self) -> str:
         decimals = SAMPLED_DECIMALS if self.resolution is None else CERTIFIED_DECIMALS
@@ -100,43 +112,16 @@ class FirstContact(Printed):
         """The result as a `Contact`, the type of `Run.first_contact`; None for every status but "contact"."""
         if self.status != "contact" or self.benches is None or self.point is None or self.normal is None:
             return None
-        return Contact(
-            time=self.time,
-            raw_time=self.time,
-            benches=self.benches,
-            point=self.point,
-            normal=self.normal,
-            depth=0.0,
-        )
+        touch = {"benches": self.benches, "point": self.point, "normal": self.normal}
+        return Contact(time=self.time, raw_time=self.time, depth=0.0, **touch)
 
-    @classmethod
-    def at(
-        cls,
-        march: March,
-        status: Status,
-        time: float,
-        pair: tuple[int, int] | None,
-        *,
-        near_misses: tuple[NearMiss, ...] | None,
-        samples: int,
-        tests: int,
-        resolution: float | None = None,
-    ) -> FirstContact:
-        """Result at `time`, with the contact point and the normal of the benches `pair` if there is one."""
-        point = normal = None
-        if pair is not None:
-            poses = march.at(time, handles=pair[1] + 2).poses[0]
-            found = separation(*march.dragon.outlines(poses)[list(pair)])
-            (x, y), (nx, ny) = found.point.tolist(), found.normal.tolist()
-            point, normal = (x, y), (nx, ny)
-        return cls(
-            status=status,
-            time=time,
-            benches=pair,
-            point=point,
-            normal=normal,
-            near_misses=near_misses,
-            samples=samples,
-            tests=tests,
-            resolution=resolution,
-        )
+
+def result_at(march: March, status: Status, time: float, pair: tuple[int, int] | None, **rest: Any) -> FirstContact:
+    """Result at `time`, with the contact point and the normal of the benches `pair` if there is one."""
+    point = normal = None
+    if pair is not None:
+        poses = march.at(time, handles=pair[1] + 2).poses[0]
+        found = separation(*march.dragon.outlines(poses)[list(pair)])
+        (x, y), (nx, ny) = found.point.tolist(), found.normal.tolist()
+        point, normal = (x, y), (nx, ny)
+    return FirstContact(status=status, time=time, benches=pair, point=point, normal=normal, **rest)

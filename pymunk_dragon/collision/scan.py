@@ -12,19 +12,15 @@ import numpy as np
 from pymunk_dragon._arrays import Array
 from pymunk_dragon._checks import positive
 from pymunk_dragon.collision.grid import Grid
-from pymunk_dragon.collision.result import FirstContact, Status
-from pymunk_dragon.collision.sat import separation
+from pymunk_dragon.collision.result import FirstContact, Status, result_at
+from pymunk_dragon.collision.sat import deepest_overlap
 from pymunk_dragon.errors import ParameterError, UnreachableError
 from pymunk_dragon.model.march import March, checked_times
 
-__all__ = ["STEP", "TOLERANCE", "scan"]
+__all__ = ["scan"]
 
 Pair = tuple[int, int]
 
-# s. The paper gives the second in which the dragon collides.
-STEP = 1.0
-# s. A head at 1 m/s moves by a micrometre.
-TOLERANCE = 1e-6
 # Samples computed together.
 BATCH = 64
 # About a day of computing.
@@ -36,8 +32,8 @@ def scan(
     *,
     start: float = 0.0,
     until: float | None = None,
-    step: float = STEP,
-    tolerance: float = TOLERANCE,
+    step: float = 1.0,
+    tolerance: float = 1e-6,
     progress: Callable[[float, float], None] | None = None,
 ) -> FirstContact:
     """First contact among samples every `step`, bisected to `tolerance`.
@@ -49,7 +45,8 @@ def scan(
     start, until : float
         Times of the first and the last sample, s; without `until`, the last is at the end of the curve.
     step, tolerance : float
-        Time between samples, and length of the interval that bisection ends with, s.
+        Time between samples, and length of the interval that bisection ends with, s. By default a second, to which
+        the paper gives its answer, and the time in which a head at 1 m/s moves by a micrometre.
     progress : callable, optional
         Called with the time of the last sample, and with `until`, s.
 
@@ -85,9 +82,16 @@ def scan(
     before = start
     for times, poses in _batches(march, np.append(np.arange(start + step, end, step), end)):
         for time, then in zip(times.tolist(), poses, strict=True):
-            if (pair := sampler.overlapping(then)) is not None:
-                return sampler.bisected(before, time, pair, tolerance)
-            before = time
+            if (pair := sampler.overlapping(then)) is None:
+                before = time
+                continue
+            # Bisection, between a time at which no benches overlap and one at which `pair` does.
+            while time - before > tolerance and before < (middle := (before + time) / 2) < time:
+                if (found := sampler.overlapping(march.at(middle).poses[0])) is None:
+                    before = middle
+                else:
+                    time, pair = middle, found
+            return sampler.result("contact", time, pair)
         if progress is not None:
             progress(before, until)
     return sampler.result("clear" if before >= until else "unreachable", before, None)
@@ -116,24 +120,10 @@ class _Sampler:
         """The pair with the deepest overlap at `poses` (N, 3), or None."""
         corners = self._march.dragon.outlines(poses)
         pairs = self._grid.pairs(corners)
-        distances = separation(corners[pairs[:, 0]], corners[pairs[:, 1]]).distance
         self._samples += 1
         self._tests += len(pairs)
-        if not np.any(distances <= 0):
-            return None
-        first, second = pairs[distances.argmin()].tolist()
-        return first, second
-
-    def bisected(self, before: float, after: float, pair: Pair, tolerance: float) -> FirstContact:
-        """The contact between a time at which no benches overlap and one at which `pair` does."""
-        while after - before > tolerance and before < (middle := (before + after) / 2) < after:
-            found = self.overlapping(self._march.at(middle).poses[0])
-            if found is None:
-                before = middle
-            else:
-                after, pair = middle, found
-        return self.result("contact", after, pair)
+        return deepest_overlap(corners, pairs)
 
     def result(self, status: Status, time: float, pair: Pair | None) -> FirstContact:
-        march, samples, tests = self._march, self._samples, self._tests
-        return FirstContact.at(march, status, time, pair, near_misses=None, samples=samples, tests=tests)
+        counts = {"samples": self._samples, "tests": self._tests}
+        return result_at(self._march, status, time, pair, near_misses=None, resolution=None, **counts)
