@@ -50,6 +50,8 @@ SLACK = 1e-5
 UNPROVEN_ROUNDING = 1e-4
 # Largest sine of the angle from a bench to its path up to which the simpler bounds hold tightly.
 SHALLOW = 0.7
+# Benches up to which all pairs of circles are compared: the grid takes longer.
+FEW_BENCHES = 150
 # Corners of a square of side 2, counter-clockwise.
 SQUARE = np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
 
@@ -373,6 +375,9 @@ def _radius(curve: Curve, s: Array) -> Array:
 
 def near_pairs(centres: Array, radii: Array) -> Indices:
     """Pairs (P, 2) of benches whose circles intersect, without neighbours."""
+    if len(centres) <= FEW_BENCHES:
+        pairs = np.argwhere(_meet(centres[:, None], radii[:, None], centres, radii))
+        return pairs[pairs[:, 1] - pairs[:, 0] >= 2]
     # No bench is further away than the chain's length, even if its bound is infinite.
     half = np.minimum(radii, np.ptp(centres, axis=0).sum() + 1)
     squares = (centres - centres.mean(axis=0))[:, None] + half[:, None, None] * SQUARE

@@ -30,7 +30,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from pymunk_dragon._arrays import Array, Flags, Indices
+from pymunk_dragon._arrays import Array, Flags, Indices, as_vectors
 from pymunk_dragon.collision.bounds import (
     UNPROVEN_ROUNDING,
     Intervals,
@@ -38,51 +38,53 @@ from pymunk_dragon.collision.bounds import (
     handles_in_reach,
     overlapping_pair,
 )
-from pymunk_dragon.collision.near_misses import near_misses
-from pymunk_dragon.collision.result import FirstContact, Status, result_at
+from pymunk_dragon.collision.result import FirstContact, NearMiss, Status, result_at
+from pymunk_dragon.collision.sat import separation
 from pymunk_dragon.model.march import March, checked_times
 
 __all__ = ["first_contact"]
 
 Progress = Callable[[float, float], None]
 
-# Length of the initial intervals, in shortest spacings. Other values only change the number of divisions.
-INTERVAL = 1.2
-# The same while all pairs are tested: shorter, because each pair is tested again in all parts.
-ALL_PAIRS_INTERVAL = 0.3
-# Most and fewest intervals evaluated together, otherwise half of those that are left: many at first, and few where a
-# march ends, because an inward one ends soon after its contact.
-MOST_INTERVALS = 128
-FEWEST_INTERVALS = 16
-# m. A gap that may be this far below zero, in addition to rounding, counts as open: coordinates are hardly more exact.
+# Tolerances. Intervals shorter than this, in m of the head's distance, or than so many of its last digits, are decided
+# by the state at their midpoint: coordinates are no more exact.
+RESOLUTION, LAST_DIGITS = 1e-12, 4
+# m. A gap that may be this far below zero, besides rounding, counts as open: coordinates are hardly more exact.
 GAP_TOLERANCE = 8e-12
-# Work of the whole search at one length of the intervals, in bench poses computed, above which the tolerance grows: a
-# few seconds. Division reaches it where a gap stays near zero for long.
-WORK_LIMIT = 2_000_000
-# Smallest share of `WORK_LIMIT` for a batch: the last batch before a contact may be short.
-MIN_SHARE = 0.05
-# Factor by which division may increase the work in a batch before the tolerance grows.
-WORK_GROWTH = 8
-# Work of a pair test, in bench poses computed (measured).
-PAIR_WORK = 20
-# m. Tolerance at the work limit; above, it grows with the square of the excess.
+# m. The same tolerance where the work exceeds its budget; it grows with the square of the excess.
 LIMITED_TOLERANCE = 2.5e-7
-# m of the head's distance. The state at the midpoint decides shorter intervals: coordinates are no more exact.
-RESOLUTION = 1e-12
-# The same in last digits of the head's distance.
-LAST_DIGITS = 4
-# Intervals that are not cleared are divided into so many parts that there are about as many pairs to test as this: for
-# fewer, NumPy's overhead per call dominates.
-PAIRS = 300
-# Bounds on the number of parts.
-FEWEST_PARTS = 2
-MOST_PARTS = 256
-# Share of the narrowest bench's width below which a local minimum of a gap is a near miss: 1 cm at the paper's 0.3 m.
+
+# Budget: bench poses computed in all intervals of one length, a few seconds' work; a pair test costs as much as 20.
+# Division exceeds it where a gap stays near zero for long.
+WORK_LIMIT, PAIR_WORK = 2_000_000, 20
+# A batch has its share of the budget by its duration, but at least this one, because the last batch before a contact
+# may be short, and at least so many times its work before near misses are sampled.
+MIN_SHARE, WORK_GROWTH = 0.05, 8
+
+# Lengths of the first intervals, in shortest spacings; shorter while all pairs are tested, because each pair is tested
+# again in all parts. Other values only change the number of divisions.
+INTERVAL, ALL_PAIRS_INTERVAL = 1.2, 0.3
+# Fewest and most intervals evaluated together, otherwise half of those that are left: many at first, and few where a
+# march ends, because an inward one ends soon after its contact.
+FEWEST_INTERVALS, MOST_INTERVALS = 16, 128
+# Intervals that are not cleared are divided into so many parts that there are about as many pairs to test as this, for
+# NumPy's overhead per call dominates with fewer; and bounds on the number of parts.
+PAIRS, FEWEST_PARTS, MOST_PARTS = 300, 2, 256
+# Points per pass in the search for the last time at which the chain has a state.
+LAST_POINTS = 33
+
+# A local minimum of a gap below this share of the narrowest bench's width is a near miss: 1 cm at the paper's 0.3 m.
 NEAR_MISS = 1 / 30
 # Length of intervals in which near misses are sampled, in widths: a local minimum lasts about one width.
 NEAR_MISS_INTERVAL = 0.4
-# Points per pass in the search for the last time at which the chain has a state.
-LAST_POINTS = 33
+# Points per bracket in the search for a local minimum, and passes: each pass narrows the bracket eightfold.
+MINIMUM_POINTS, MINIMUM_PASSES = 17, 7
+# Handles placed together in that search: 20 MB of corners.
+MINIMUM_HANDLES = 300_000
+# m of the head's distance, and share of the bracket: so close to its end, the minimum lies outside the bracket.
+BRACKET_END, BRACKET_END_SHARE = 1e-9, 1e-6
+# Share of the sum of their lengths: centres of adjacent intervals are half of it apart, but for rounding.
+ADJACENT = 0.51
 
 
 def first_contact(
@@ -130,11 +132,11 @@ def first_contact(
         # Not beyond it by rounding.
         end = steady.end
 
-    def report(cleared: float, last: float) -> None:
+    def report(cleared: float) -> None:
         if progress is not None:
             progress(float(march.time(cleared)), until)
 
-    found = _Search(steady).run(begin, end, report)
+    found = _Search(steady, begin, end).run(report)
     # `start` and `until` are returned as they were passed.
     time = {begin: start, end: until}.get(found.time, float(march.time(found.time)))
     misses = [replace(miss, time=float(march.time(miss.time))) for miss in found.near_misses or ()]
@@ -147,63 +149,63 @@ class _Search:
     All its times are the head's distance from its position at t = 0, m.
     """
 
-    def __init__(self, march: March) -> None:
-        self._march = march
-        dragon = march.dragon
-        narrowest, shortest = float(dragon.widths.min()), dragon.spacings.min()
-        self._near = NEAR_MISS * narrowest
-        self._near_miss_interval = NEAR_MISS_INTERVAL * narrowest
-        self._interval = INTERVAL * shortest
-        self._all_pairs_interval = ALL_PAIRS_INTERVAL * shortest
+    def __init__(self, march: March, start: float, until: float) -> None:
+        self._march, self._start, self._until, self._end = march, start, until, min(until, march.end)
+        self._near = NEAR_MISS * float(march.dragon.widths.min())
+        self._near_miss_interval = NEAR_MISS_INTERVAL * float(march.dragon.widths.min())
         self._hit, self._pair = np.inf, (0, 0)
-        # Coordinates of the handles at the start, and whether all benches behind the head follow the same function g.
-        self._start_s, self._alike = np.empty(0), False
-        self._duration, self._warm_up_end = 1.0, np.inf
         self._samples = self._tests = 0
         self._resolution = 0.0
         # Rows of pair, time, length of the interval, gap, bound on its rounding error.
         self._small_gaps: list[Array] = [np.empty((0, 6))]
 
-    def run(self, start: float, until: float, progress: Progress) -> FirstContact:
-        """Result of the search between two times."""
-        march = self._march
-        start_s = march.handles_s(start)
+    def run(self, report: Callable[[float], None]) -> FirstContact:
+        """Result of the search; `report` is called with each time up to which the march is cleared."""
+        march, last = self._march, self._start
+        start_s = march.handles_s(last)
         if (pair := overlapping_pair(march, start_s)) is not None:
-            return self._result("overlapping", start, start, pair)
-        last = start
+            return self._result("overlapping", last, pair)
         self._start_s = start_s[0]
-        end = min(until, march.end)
-        heads = (march.head_start + march.distance([start, end])).tolist()
+        # Whether all benches behind the head follow the same function g.
+        heads = (march.head_start + march.distance([self._start, self._end])).tolist()
         self._alike = march.dragon.alike and march.continuation.alike(*heads)
-        self._duration = end - start
-        self._warm_up_end = self._end_of_warm_up(start, end)
-        for times in self._batches(start, end):
-            last = self._clear_while_reachable(times)
+        self._warm_up_end = self._end_of_warm_up()
+        for times in self._batches():
+            last = self._clear(times)
+            if last < times[-1] and self._hit == np.inf:
+                # The chain loses its state in the interval after `last`, which is cleared up to the last state.
+                end = _last_reachable(march, last, float(times[np.searchsorted(times, last, side="right")]))
+                last = self._clear(np.array([last, end])) if end > last else last
             if self._hit < np.inf:
-                return self._result("contact", start, self._hit, self._pair)
-            progress(last, until)
+                return self._result("contact", self._hit, self._pair)
+            report(last)
             if last < times[-1]:
                 break
-        return self._result("clear" if last >= until else "unreachable", start, last, None)
+        return self._result("clear" if last >= self._until else "unreachable", last, None)
 
-    def _result(self, status: Status, start: float, time: float, pair: tuple[int, int] | None) -> FirstContact:
-        return result_at(
-            self._march,
-            status,
-            time,
-            pair,
-            near_misses=near_misses(self._march, np.concatenate(self._small_gaps), start, time, self._near),
-            samples=self._samples,
-            tests=self._tests,
-            resolution=self._resolution,
-        )
+    def _result(self, status: Status, time: float, pair: tuple[int, int] | None) -> FirstContact:
+        """Result with the figures of the search so far."""
+        misses = near_misses(self._march, np.concatenate(self._small_gaps), self._start, time, self._near)
+        figures = {"samples": self._samples, "tests": self._tests, "resolution": self._resolution}
+        return result_at(self._march, status, time, pair, near_misses=misses, **figures)
 
-    def _batches(self, start: float, end: float) -> Iterator[Array]:
+    def _end_of_warm_up(self) -> float:
+        """Time by which each bench behind bench 1 has reached the start position of the bench before it, or the end."""
+        if not self._alike:
+            return self._end
+        # 5 % more than a spacing, and 5 % more until the condition holds.
+        wait = 1.05 * float(self._march.dragon.spacings[-1])
+        while self._start + wait < self._end:
+            if np.all(self._march.handles_s_or_nan(self._start + wait)[0, 2:-1] >= self._start_s[1:-2]):
+                return self._start + wait
+            wait *= 1.05
+        return self._end
+
+    def _batches(self) -> Iterator[Array]:
         """Bounds of consecutive intervals, one array for each batch; shorter intervals during the warm-up."""
-        warm_up_end = self._warm_up_end
-        phases = (start, warm_up_end, self._all_pairs_interval), (warm_up_end, end, self._interval)
-        for begin, last, length in phases:
-            count = int(np.ceil((last - begin) / length))
+        ends, shortest = (self._start, self._warm_up_end, self._end), self._march.dragon.spacings.min()
+        for begin, last, length in zip(ends, ends[1:], (ALL_PAIRS_INTERVAL, INTERVAL), strict=False):
+            count = int(np.ceil((last - begin) / (length * shortest)))
             done = 0
             while done < count:
                 batch = min(max((count - done) // 2, FEWEST_INTERVALS), MOST_INTERVALS, count - done)
@@ -212,30 +214,6 @@ class _Search:
                 # Exact at both ends.
                 yield (1 - shares) * begin + shares * last
 
-    def _end_of_warm_up(self, start: float, end: float) -> float:
-        """Time by which each bench behind bench 1 has reached the start position of the bench before it, or the end."""
-        march, start_s = self._march, self._start_s
-        if not self._alike:
-            return end
-        # 5 % more than a spacing, and 5 % more until the condition holds.
-        wait = 1.05 * float(march.dragon.spacings[-1])
-        while start + wait < end:
-            if np.all(march.handles_s_or_nan(start + wait)[0, 2:-1] >= start_s[1:-2]):
-                return start + wait
-            wait *= 1.05
-        return end
-
-    def _clear_while_reachable(self, times: Array) -> float:
-        """Clear the time between the first and the last of `times`, or find the first contact in it.
-
-        Returns the last time at which the chain has a state.
-        """
-        last = self._clear(times)
-        if last == times[-1] or self._hit < np.inf:
-            return last
-        end = _last_reachable(self._march, last, float(times[np.searchsorted(times, last, side="right")]))
-        return self._clear(np.array([last, end])) if end > last else last
-
     def _clear(self, times: Array) -> float:
         """Clear the intervals between `times`, or find the first contact in them.
 
@@ -243,6 +221,7 @@ class _Search:
         """
         march, handles = self._march, self._march.dragon.handles
         if times[0] >= self._warm_up_end:
+            # After the warm-up only pairs with bench 0 or 1 are tested: benches too far from these are not computed.
             handles = handles_in_reach(march, float(times[0]), float(times[-1]), self._near)
         intervals = Intervals.between(march, times, handles)
         last = float(times[intervals.begins.size])
@@ -255,28 +234,32 @@ class _Search:
         sampled = np.zeros(rows.size, dtype=bool)
         limit = 0.0
         while rows.size:
-            length, middles = float(intervals.lengths[0]), intervals.middles[rows]
+            # This loop ends when each pair is open in each interval that begins before the earliest contact found.
+            middles, length = intervals.middles[rows], float(intervals.lengths[0])
             found = bounds.separations(rows, pairs)
-            used = np.bincount(rows) > 0
-            self._samples += int(np.count_nonzero(used))
-            self._note_contact(middles, pairs, found.distance)
+            samples = int(np.count_nonzero(np.bincount(rows)))
+            self._note_contact(middles, pairs, found.distance, samples)
             if length > self._near_miss_interval:
+                # A long interval: gaps that stay wider than a near miss are open. The bound for two benches that move
+                # independently is faster, and the bound for their relative motion clears some of the rest.
                 gaps = bounds.smallest_gaps(rows, pairs, found.normal)
                 rest = ~(gaps > self._near)
                 gaps[rest] = bounds.smallest_gaps_together(rows[rest], pairs[rest], found.normal[rest])
                 open_ = gaps > self._near
             else:
+                # A short interval: the bound by relative motion needs the proof for rounding, the bound by travel not.
                 gaps = bounds.smallest_gaps_together(rows, pairs, found.normal)
-                if (unproven := ~bounds.proven[rows]).any():
-                    by_travel = bounds.gaps_by_travel(rows[unproven], pairs[unproven], found.distance[unproven])
-                    gaps[unproven] = by_travel
+                weak = ~bounds.proven[rows]
+                gaps[weak] = bounds.gaps_by_travel(rows[weak], pairs[weak], found.distance[weak])
+                # The first time that a gap has a bound, and may be a near miss, its midpoint is kept as a sample.
                 fresh = np.isfinite(gaps) & ~sampled
                 sampled |= fresh
                 fresh &= (gaps <= self._near) & (pairs[:, 0] <= 1 if self._alike else True)
                 lengths = np.full(rows.size, length)
-                samples = np.column_stack([pairs, middles, lengths, found.distance, bounds.rounding[rows]])
-                self._small_gaps.append(samples[fresh])
-                work = int(np.count_nonzero(used)) * (int(pairs.max()) + 2) + PAIR_WORK * rows.size
+                small = np.column_stack([pairs, middles, lengths, found.distance, bounds.rounding[rows]])
+                self._small_gaps.append(small[fresh])
+                # Gaps above the tolerance are open; the tolerance grows once the work exceeds its budget.
+                work = samples * (int(pairs.max()) + 2) + PAIR_WORK * rows.size
                 limit = limit or max(self._share(times) * WORK_LIMIT, WORK_GROWTH * work)
                 tolerance = GAP_TOLERANCE if work <= limit else LIMITED_TOLERANCE * (work / limit) ** 2
                 open_ = self._are_open(intervals, bounds, rows, gaps, tolerance)
@@ -284,9 +267,9 @@ class _Search:
             left = ~open_ & (intervals.begins[rows] < self._hit)
             rows, pairs, sampled = rows[left], pairs[left], sampled[left]
             if rows.size:
+                # Intervals with pairs that are left are divided, and each of these pairs is tested in all parts.
                 parts = min(max(PAIRS // rows.size, FEWEST_PARTS), MOST_PARTS)
-                used = np.bincount(rows) > 0
-                chosen, rows = np.flatnonzero(used), (np.cumsum(used) - 1)[rows]
+                chosen, rows = np.unique(rows, return_inverse=True)
                 intervals = intervals.divided(march, chosen, parts, int(pairs.max()) + 2)
                 rows = (parts * rows[:, None] + np.arange(parts)).ravel()
                 pairs, sampled = np.repeat(pairs, parts, axis=0), np.repeat(sampled, parts)
@@ -295,7 +278,7 @@ class _Search:
 
     def _share(self, times: Array) -> float:
         """Share of the whole search's work that a batch may have."""
-        return max(float(times[-1] - times[0]) / self._duration, MIN_SHARE)
+        return max(float(times[-1] - times[0]) / (self._end - self._start), MIN_SHARE)
 
     def _are_open(
         self, intervals: Intervals, bounds: MotionBounds, rows: Indices, gaps: Array, tolerance: float
@@ -316,8 +299,9 @@ class _Search:
         if not proven.all():
             self._resolution = max(self._resolution, UNPROVEN_ROUNDING)
 
-    def _note_contact(self, times: Array, pairs: Indices, distances: Array) -> None:
-        """Count the tests, and keep the earliest contact among them."""
+    def _note_contact(self, times: Array, pairs: Indices, distances: Array, samples: int) -> None:
+        """Count the tests and the samples, and keep the earliest contact among them."""
+        self._samples += samples
         self._tests += len(pairs)
         touching = np.flatnonzero(distances <= 0)
         if touching.size:
@@ -357,3 +341,73 @@ def _last_time(march: March, reachable: float, later: float, handles: int) -> fl
         first = max(1, int(lost.argmax()))
         reachable, later = float(times[first - 1]), float(times[first])
     return reachable
+
+
+def near_misses(march: March, samples: Array, start: float, end: float, near: float) -> tuple[NearMiss, ...]:
+    """Local minima below `near` m of the gaps between `start` and `end`, from samples as `_Search` keeps them (K, 6).
+
+    Where an interval has no neighbour, the gap is larger there.
+    """
+    samples = samples[samples[:, 2] <= end]
+    brackets = np.array(list(_brackets(samples[np.lexsort(samples.T[2::-1])].tolist()))).reshape(-1, 5)
+    if not brackets.size:
+        return ()
+    pairs, (low, high, rounding) = brackets[:, :2].astype(np.intp), brackets[:, 2:].T
+    low, high = np.maximum(low, start), np.minimum(high, end)
+    some = max(1, MINIMUM_HANDLES // (MINIMUM_POINTS * (int(pairs.max()) + 2)))
+    parts = [slice(at, at + some) for at in range(0, len(pairs), some)]
+    found = np.concatenate([_local_minima(march, pairs[part], low[part], high[part], rounding[part]) for part in parts])
+    found = found[(found[:, 3] > 0) & (found[:, 3] < near)]
+    return tuple(NearMiss(time=time, benches=(int(i), int(j)), gap=gap) for time, i, j, gap in sorted(found.tolist()))
+
+
+def _brackets(samples: list[list[float]]) -> Iterator[tuple[float, float, float, float, float]]:
+    """Pairs, times between which their gap has a local minimum, and rounding error, from samples in order.
+
+    The gap falls to a minimum and rises from it by more than rounding.
+    """
+    before: list[float] = [-1, -1, 0, 0, 0, 0]
+    falls, low, lowest, highest = False, 0.0, 0.0, 0.0
+    for sample in [*samples, before]:
+        first, second, time, length, gap, rounding = sample
+        if (first, second) != tuple(before[:2]) or time - before[2] > ADJACENT * (length + before[3]):
+            if falls:
+                yield before[0], before[1], low, before[2] + before[3] / 2, before[5]
+            falls, low, lowest = True, time - length / 2, gap
+        elif falls and gap < lowest - rounding:
+            low, lowest = before[2], gap
+        elif falls and gap > lowest + rounding:
+            yield first, second, low, time, rounding
+            falls, highest = False, gap
+        elif not falls and gap < highest - rounding:
+            falls, low, lowest = True, before[2], gap
+        highest = max(highest, gap)
+        before = sample
+
+
+def _local_minima(march: March, pairs: Indices, low: Array, high: Array, rounding: Array) -> Array:
+    """Minima (B, 4) of the gaps of `pairs` (K, 2) inside the brackets from `low` to `high` (K,).
+
+    Each is time, first bench, second bench, and gap in m. A bracket whose gap is no smaller inside than at one of its
+    ends, but for `rounding` (K,), has none.
+    """
+    # No time is outside a bracket that is shorter than both margins: the chain may have no state there.
+    margin = np.clip(BRACKET_END_SHARE * (high - low), BRACKET_END, (high - low) / 2)
+    times = np.column_stack([low, np.linspace(low + margin, high - margin, MINIMUM_POINTS, axis=-1), high])
+    gaps = _gaps(march, pairs, times)
+    inside = (gaps[:, [0, -1]].min(axis=1) > gaps.min(axis=1) + rounding) & (high - low > 2 * margin)
+    pairs, times, gaps = pairs[inside], times[inside], gaps[inside]
+    rows = np.arange(len(pairs))
+    for _ in range(MINIMUM_PASSES if rows.size else 0):
+        best = np.clip(gaps.argmin(axis=1), 1, times.shape[1] - 2)
+        times = np.linspace(times[rows, best - 1], times[rows, best + 1], MINIMUM_POINTS, axis=-1)
+        gaps = _gaps(march, pairs, times)
+    best = gaps.argmin(axis=1)
+    return np.stack([times[rows, best], *pairs.T, gaps[rows, best]], axis=1)
+
+
+def _gaps(march: March, pairs: Indices, times: Array) -> Array:
+    """Gaps (B, K) of `pairs` (B, 2) at `times` (B, K), m."""
+    rows, (first, second) = np.arange(times.size), np.repeat(pairs, times.shape[1], axis=0).T
+    corners = as_vectors(march.dragon.outlines_between(march.motion(times, int(pairs.max()) + 2).points))
+    return separation(corners[rows, first], corners[rows, second]).distance.reshape(times.shape)

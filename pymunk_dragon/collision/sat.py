@@ -97,7 +97,7 @@ def separation(first: ArrayLike, second: ArrayLike) -> Separation:
         raise ParameterError("second", f"of shape {sides[1].shape}", f"one that goes with {sides[0].shape}") from error
     corners = np.empty((2, 4, *shape), dtype=complex)
     for into, side in zip(corners, sides, strict=True):
-        np.moveaxis(into, 0, -1)[...] = side.view(complex)[..., 0]
+        into.transpose(*range(1, into.ndim), 0)[...] = side.view(complex)[..., 0]
     corners = corners.reshape(2, 4, -1)
     pairs = corners.shape[-1]
     distance, normal, point = np.empty(pairs), np.empty(pairs, complex), np.empty(pairs, complex)
@@ -145,8 +145,9 @@ def _separate(corners: Complex) -> tuple[Array, Complex, Complex]:
     gaps, offsets = _projections(centre, heading, half)
     columns = np.arange(corners.shape[-1])
     widest = gaps.argmax(axis=0)
-    gap = gaps[widest, columns]
-    normal = np.where(widest >= 2, heading[1], heading[0]) * np.copysign(1.0, offsets[widest, columns])
+    chosen = widest * columns.size + columns
+    gap = gaps.take(chosen)
+    normal = np.where(widest >= 2, heading[1], heading[0]) * np.copysign(1.0, offsets.take(chosen))
     normal = np.where(widest % 2, 1j * normal, normal)
 
     # Overlapping rectangles are separated first: the closest corner is then the one that was deepest inside.
@@ -155,11 +156,12 @@ def _separate(corners: Complex) -> tuple[Array, Complex, Complex]:
     others = np.array((corners[1] + step, corners[0]))
     seen = (others - np.array((centre[0], centre[1] + step))[:, None]) * heading.conj()[:, None]
     out = np.maximum(np.abs(seen.view(float)) - half.view(float)[:, None], 0.0).view(complex)
-    nearest = np.divmod(np.abs(out).reshape(8, -1).argmin(axis=0), 4) + (columns,)
-    by_second = nearest[0] > 0
-    between = np.copysign(out[nearest].view(float), seen[nearest].view(float)).view(complex)
+    nearest = np.abs(out).reshape(8, -1).argmin(axis=0)
+    chosen = nearest * columns.size + columns
+    by_second = nearest >= 4
+    between = np.copysign(out.take(chosen).view(float), seen.take(chosen).view(float)).view(complex)
     between *= np.where(by_second, heading[1], heading[0])
-    point = others[nearest] - (between + step) / 2
+    point = others.take(chosen) - (between + step) / 2
 
     length = np.abs(between)
     apart = gap > 0
