@@ -33,11 +33,9 @@ import numpy as np
 
 from pymunk_dragon._arrays import Array, Complex, Flags, Indices, as_complex, as_vectors
 from pymunk_dragon.collision.grid import MAX_CELL, MIN_CELL, Grid
-from pymunk_dragon.collision.sat import Separation, deepest_overlap, separation
+from pymunk_dragon.collision.sat import Separation, separation
 from pymunk_dragon.model import chain
 from pymunk_dragon.model.chain import ChainMotion, RateBounds
-from pymunk_dragon.model.curves import Curve
-from pymunk_dragon.model.dragon import bench_poses
 from pymunk_dragon.model.march import March
 
 # Error of a bench's equation in last digits of the largest coordinate: 8 for each point, 2 for the distance.
@@ -53,7 +51,7 @@ SHALLOW = 0.7
 # Benches up to which all pairs of circles are compared: the grid takes longer.
 FEW_BENCHES = 150
 # Corners of a square of side 2, counter-clockwise.
-SQUARE = np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
+SQUARE = np.array([-1 - 1j, 1 - 1j, 1 + 1j, -1 + 1j])
 
 
 class Intervals(NamedTuple):
@@ -106,25 +104,6 @@ class Intervals(NamedTuple):
         return self.ends - self.begins
 
 
-class _Corners(NamedTuple):
-    """Projections of the corners of P benches on a direction, by the coordinate s of the bench's front handle."""
-
-    # (P,): whether the bounds hold.
-    known: Flags
-    # (P, 4): projections at the midpoint, m, and their derivatives by s.
-    heights: Array
-    speeds: Array
-    # (P, 4): bounds on the first derivative in any direction, and on the second derivative, 1/m.
-    fastest: Array
-    second: Array
-
-    def displacement(self, travel: Array) -> Array:
-        """Bounds (P, 4) on the displacement of each projection, m, if the front handle moves by `travel` (P,), m."""
-        travel = np.where(self.known, travel, 0.0)[:, None]
-        displacement: Array = np.abs(self.speeds) * travel + self.second * travel**2 / 2
-        return displacement
-
-
 class MotionBounds:
     """Poses of the foremost benches at the midpoints of T intervals, and bounds on their motion within them.
 
@@ -134,14 +113,11 @@ class MotionBounds:
         Bound on the rounding error of gaps and of the bounds on them, m; `UNPROVEN_ROUNDING` where there is no proof.
     proven : ndarray of bool, shape (T,)
         Whether the bound on the rounding error is proven.
-    lows : ndarray, shape (T, H)
-        Lowest arc-length coordinates of the handles within the interval, m.
     travel : ndarray, shape (T, H)
         Bounds on the handles' distance along the path from their coordinates at the midpoint, m.
     """
 
     def __init__(self, march: March, intervals: Intervals) -> None:
-        self._march = march
         middle = intervals.middle
         self._points, self._tangents, self._ratios = middle.points, middle.tangents, middle.ratios
         self._spacings = march.dragon.spacings[: middle.points.shape[1] - 1]
@@ -157,10 +133,10 @@ class MotionBounds:
         errors = self._errors(residual + ROUNDED * float(np.spacing(largest)))
         # Distances (N, 4) of the corners from the front handles.
         self._arms = np.abs(self._corner_points[0] - self._points[0, :-1, None])
-        self.lows, highs = march.continuation.ranges(intervals.first_s, intervals.last_s)
+        self._lows, highs = march.continuation.ranges(intervals.first_s, intervals.last_s)
         # Rounding may put the midpoint outside its range.
-        self.travel = np.maximum(np.maximum(middle.handles_s - self.lows, highs - middle.handles_s), 0)
-        self._curvature = march.curve.max_curvature(self.lows[:, 1:] - errors[:, 1:], highs[:, :-1] + errors[:, :-1])
+        self.travel = np.maximum(np.maximum(middle.handles_s - self._lows, highs - middle.handles_s), 0)
+        self._curvature = march.curve.max_curvature(self._lows[:, 1:] - errors[:, 1:], highs[:, :-1] + errors[:, :-1])
         worst = errors.max(axis=1)
         change = 1.5 * (2 / self._spacings.min() + self._curvature.max(axis=1)) * worst
         # m of a corner's displacement for each m of the displacement of both handles.
@@ -199,17 +175,6 @@ class MotionBounds:
         merged = (np.where(shallow, *both) for both in zip(rates, followed, strict=True))
         return shallow | known, RateBounds(*merged)
 
-    def at_new_poses(self, start_s: Array) -> Flags:
-        """Whether benches (T, N) may have poses that no bench before them has had since the coordinates `start_s` (H,).
-
-        These are the benches 0 and 1, and those with s_i < s_{i-1}(start); see `first_contact.py`.
-        """
-        benches = self.lows.shape[1] - 1
-        new: Flags = np.ones((len(self.lows), benches), dtype=bool)
-        margin = self.rounding[:, None]
-        new[:, 2:] = self.lows[:, 2:-1] - margin < start_s[1 : benches - 1] + margin
-        return new
-
     def separations(self, rows: Indices, pairs: Indices) -> Separation:
         """Separations of `pairs` (P, 2) of benches at the midpoints of the intervals `rows` (P,)."""
         return separation(*(as_vectors(self._corner_points[rows, benches]) for benches in pairs.T))
@@ -220,12 +185,13 @@ class MotionBounds:
         The benches are treated as independent: the bound is the distance along the normal between the foremost corner
         of the first bench and the rearmost of the second, less both displacement bounds.
         """
-        first, second = pairs.T
-        directions = as_complex(normals)
-        one, other = self._corners(rows, first, directions), self._corners(rows, second, directions)
-        farthest = np.max(one.heights + one.displacement(self.travel[rows, first]), axis=1)
-        nearest = np.min(other.heights - other.displacement(self.travel[rows, second]), axis=1)
-        return np.where(one.known & other.known, nearest - farthest - self.rounding[rows], -np.inf)
+        farthest = []
+        with np.errstate(over="ignore", invalid="ignore"):
+            for benches, outward in zip(pairs.T, (as_complex(normals), -as_complex(normals)), strict=True):
+                heights, speeds, _, second = self._corners(rows, benches, outward)
+                travel = self.travel[rows, benches][:, None]
+                farthest.append(np.max(heights + (np.abs(speeds) * travel + second * travel**2 / 2), axis=1))
+        return np.where(self._both_known(rows, pairs), -farthest[1] - farthest[0] - self.rounding[rows], -np.inf)
 
     def smallest_gaps_together(self, rows: Indices, pairs: Indices, normals: Array) -> Array:
         """The same from the relative motion of the two benches; tighter where they move and rotate alike.
@@ -238,10 +204,9 @@ class MotionBounds:
         swapped = self._squareness(rows, second, directions) > self._squareness(rows, first, directions)
         own, other = np.where(swapped, second, first), np.where(swapped, first, second)
         directions = np.where(swapped, -directions, directions)
-        seen = self._corners(rows, other, directions)
-        known = seen.known & self._known[rows, own]
-        travel = np.where(known, self.travel[rows, first], 0.0)[:, None]
+        travel = self.travel[rows, first][:, None]
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            heights, speeds, fastest, second = self._corners(rows, other, directions)
             # All derivatives are by the coordinate of the first bench's front handle, which drives both.
             ratio, most, change = self._velocity_ratios(rows, first, own)
             other_ratio, other_most, other_change = self._velocity_ratios(rows, first, other)
@@ -250,15 +215,15 @@ class MotionBounds:
             arms = self._corner_points[rows, other] - self._points[rows, own][:, None]
             ahead = (self._tangents[rows, own][:, None] * facing).real
             aside = self._omega[rows, own][:, None] * (arms * facing).imag
-            speeds = other_ratio * seen.speeds + ratio * (aside - ahead)
-            fastest = other_most * seen.fastest + most
-            second = other_most**2 * seen.second + other_change * seen.fastest
+            speeds = other_ratio * speeds + ratio * (aside - ahead)
+            second = other_most**2 * second + other_change * fastest
+            fastest = other_most * fastest + most
             second += most**2 * self._curvature[rows, own][:, None] + change + 2 * omega * most * fastest
             second += (most**2 * (omega_change + omega**2) + change * omega) * (np.abs(arms) + travel * fastest)
-            gaps = seen.heights - (self._corner_points[rows, own] * facing).real.max(axis=1, keepdims=True)
+            gaps = heights - (self._corner_points[rows, own] * facing).real.max(axis=1, keepdims=True)
             gaps = (gaps - np.abs(speeds) * travel - second * travel**2 / 2).min(axis=1) - self.rounding[rows]
         # Velocity ratios over thousands of benches may overflow, and one between may be unknown.
-        return np.where(known & np.isfinite(gaps), gaps, -np.inf)
+        return np.where(self._both_known(rows, pairs) & np.isfinite(gaps), gaps, -np.inf)
 
     def gaps_by_travel(self, rows: Indices, pairs: Indices, gaps: Array) -> Array:
         """The same from the gaps at the midpoint and the handles' travel, which also hold where rates have no bound."""
@@ -266,6 +231,11 @@ class MotionBounds:
         both = travel[rows, pairs[:, 0]] + travel[rows, pairs[:, 1]]
         lowest: Array = gaps - self._leverage * both - self.rounding[rows]
         return lowest
+
+    def _both_known(self, rows: Indices, pairs: Indices) -> Flags:
+        """Whether the rates of both benches of `pairs` have bounds."""
+        known: Flags = self._known[rows[:, None], pairs].all(axis=1)
+        return known
 
     def _squareness(self, rows: Indices, benches: Indices, directions: Complex) -> Array:
         """Largest squared cosine (P,) of the angles from `directions` (P,) to the edges' normals of `benches` (P,)."""
@@ -292,47 +262,51 @@ class MotionBounds:
         np.cumsum(self._rates.ratio_change * most[:, :-1] / self._rates.ratio, axis=1, out=change[:, 1:])
         return most, change
 
-    def _corners(self, rows: Indices, benches: Indices, directions: Complex) -> _Corners:
-        """Corners of `benches` (P,) in the intervals `rows`, projected on `directions` (P,)."""
-        rates = self._rates
+    def _corners(self, rows: Indices, benches: Indices, directions: Complex) -> tuple[Array, Array, Array, Array]:
+        """Projections of the corners of `benches` (P,) on `directions` (P,), by the coordinate s of the front handle.
+
+        At the midpoint the projections, m, and their derivatives; in the whole interval bounds on the derivative in any
+        direction and on the second derivative, 1/m; each (P, 4).
+        """
         facing = directions.conj()[:, None]
         front = self._points[rows, benches][:, None]
         # Ahead and to the left, seen along the direction.
         arms = (self._corner_points[rows, benches] - front) * facing
-        omega, omega_change = rates.omega[rows, benches][:, None], rates.omega_change[rows, benches][:, None]
+        omega, omega_change = (
+            rate[rows, benches][:, None] for rate in (self._rates.omega, self._rates.omega_change)
+        )
         lengths = self._arms[benches]
+        heights = (front * facing).real + arms.real
         # Rotation moves a corner by omega J arm, whose projection on n is -omega (J n) arm.
         rotation = -self._omega[rows, benches][:, None] * arms.imag
-        return _Corners(
-            known=self._known[rows, benches],
-            heights=(front * facing).real + arms.real,
-            speeds=(self._tangents[rows, benches][:, None] * facing).real + rotation,
-            fastest=1 + lengths * omega,
-            second=self._curvature[rows, benches][:, None] + lengths * (omega_change + omega**2),
-        )
+        speeds = (self._tangents[rows, benches][:, None] * facing).real + rotation
+        second = self._curvature[rows, benches][:, None] + lengths * (omega_change + omega**2)
+        return heights, speeds, 1 + lengths * omega, second
 
     @cached_property
     def _omega(self) -> Array:
         """Angular rate (T, N) at the midpoint, rad/m."""
         return chain.angular_rates(self._front_angles, self._rear_angles, self._spacings)
 
-    def candidates(self, near: float, tested: Flags) -> tuple[Indices, Indices]:
+    def candidates(self, near: float, start_s: Array) -> tuple[Indices, Indices]:
         """Intervals (P,) and pairs (P, 2) of benches that may come within `near` m in them, without neighbours.
 
-        Only pairs whose first bench is `tested` (T, N) in the interval. Circles about the benches that contain all
-        their motion rule the others out.
+        Circles about the benches that contain all their motion rule the others out. Of the pairs without the benches 0
+        and 1 only those with s_i < s_{i-1}(start), the coordinates `start_s` (H,); see `first_contact.py`.
         """
         middles = (self._points[:, :-1] + self._points[:, 1:]) / 2
         own = np.abs(self._corner_points[0, :, 0] - middles[0])
-        centres = as_vectors(middles)
-        radii = own + (self.travel[:, :-1] + self.travel[:, 1:] + near + self.rounding[:, None]) / 2
-        meeting = _meet(centres[:, :2, None], radii[:, :2, None], centres[:, None], radii[:, None])
+        margin = self.rounding[:, None]
+        radii = own + (self.travel[:, :-1] + self.travel[:, 1:] + near + margin) / 2
+        tested = np.ones(middles.shape, dtype=bool)
+        tested[:, 2:] = self._lows[:, 2:-1] - margin < start_s[1 : tested.shape[1] - 1] + margin
         many = tested[:, 2:].any(axis=1)
+        meeting = np.abs(middles[:, :2, None] - middles[:, None]) <= radii[:, :2, None] + radii[:, None]
         rows, first, second = np.nonzero(meeting & ~many[:, None, None])
         apart = second - first >= 2
         found = [(rows[apart], np.stack([first, second], axis=-1)[apart])]
         for row in np.flatnonzero(many).tolist():
-            pairs = near_pairs(centres[row], radii[row])
+            pairs = near_pairs(middles[row], radii[row])
             pairs = pairs[tested[row, pairs[:, 0]]]
             found.append((np.full(len(pairs), row), pairs))
         return np.concatenate([rows for rows, _ in found]), np.concatenate([pairs for _, pairs in found])
@@ -355,9 +329,9 @@ def handles_in_reach(march: March, first: float, last: float, near: float) -> in
         return dragon.handles
     lows, _ = march.continuation.ranges(ends[:1], ends[1:])
     widest = float(dragon.widths.max())
-    outer = _radius(curve, lows[0, 2]) + dragon.overhangs.max() + widest + near
+    outer = float(np.hypot(*curve.point(lows[0, 2]))) + dragon.overhangs.max() + widest + near
     highest = ends[1, 0] - np.concatenate([[0.0], np.cumsum(dragon.spacings)])
-    radii = _radius(curve, highest[:-1])
+    radii = np.hypot(*curve.point(highest[:-1]).T)
     halves = np.maximum(dragon.spacings / 2, dragon.overhangs)
     inner = np.sqrt(np.maximum(radii**2 - halves**2, 0.0)) - widest / 2
     # Where the path is less curved than a circle with the bench as its diameter, each handle behind moves forward too.
@@ -366,38 +340,18 @@ def handles_in_reach(march: March, first: float, last: float, near: float) -> in
     return min(int(np.flatnonzero(needed)[-1]) + 2, dragon.handles)
 
 
-def _radius(curve: Curve, s: Array) -> Array:
-    """Distances (...) of coordinates (...) from the origin, m."""
-    x, y = np.moveaxis(curve.point(s), -1, 0)
-    radius: Array = np.hypot(x, y)
-    return radius
-
-
-def near_pairs(centres: Array, radii: Array) -> Indices:
+def near_pairs(centres: Complex, radii: Array) -> Indices:
     """Pairs (P, 2) of benches whose circles intersect, without neighbours."""
     if len(centres) <= FEW_BENCHES:
-        pairs = np.argwhere(_meet(centres[:, None], radii[:, None], centres, radii))
-        return pairs[pairs[:, 1] - pairs[:, 0] >= 2]
-    # No bench is further away than the chain's length, even if its bound is infinite.
-    half = np.minimum(radii, np.ptp(centres, axis=0).sum() + 1)
-    squares = (centres - centres.mean(axis=0))[:, None] + half[:, None, None] * SQUARE
-    cell = float(np.clip(2 * half.max(), MIN_CELL, MAX_CELL))
-    pairs = Grid(cell=cell, origin=(0.0, 0.0)).pairs(squares)
-    first, second = pairs.T
-    return pairs[_meet(centres[first], radii[first], centres[second], radii[second])]
-
-
-def overlapping_pair(march: March, handles_s: Array) -> tuple[int, int] | None:
-    """The pair with the deepest overlap where the handles are at the coordinates (1, H), or None."""
-    dragon, poses = march.dragon, bench_poses(march.curve.point(handles_s[0]))
-    return deepest_overlap(dragon.outlines(poses), near_pairs(poses[:, :2], np.hypot(dragon.lengths, dragon.widths) / 2))
-
-
-def _meet(one: Array, one_radius: Array, other: Array, other_radius: Array) -> Flags:
-    """Whether circles about the points `one` and `other` intersect."""
-    between = one - other
-    meeting: Flags = np.hypot(between[..., 0], between[..., 1]) <= one_radius + other_radius
-    return meeting
+        first, second = np.triu_indices(len(centres), 2)
+    else:
+        # No bench is further away than the chain's length, even if its bound is infinite.
+        half = np.minimum(radii, np.ptp(as_vectors(centres), axis=0).sum() + 1)
+        squares = (centres - centres.mean())[:, None] + half[:, None] * SQUARE
+        cell = float(np.clip(2 * half.max(), MIN_CELL, MAX_CELL))
+        first, second = Grid(cell=cell, origin=(0.0, 0.0)).pairs(as_vectors(squares)).T
+    meeting = np.abs(centres[first] - centres[second]) <= radii[first] + radii[second]
+    return np.stack([first, second], axis=-1)[meeting]
 
 
 def _followed_rates(

@@ -30,16 +30,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from pymunk_dragon._arrays import Array, Flags, Indices, as_vectors
-from pymunk_dragon.collision.bounds import (
-    UNPROVEN_ROUNDING,
-    Intervals,
-    MotionBounds,
-    handles_in_reach,
-    overlapping_pair,
-)
+from pymunk_dragon._arrays import Array, Flags, Indices, as_complex, as_vectors
+from pymunk_dragon.collision.bounds import UNPROVEN_ROUNDING, Intervals, MotionBounds, handles_in_reach, near_pairs
 from pymunk_dragon.collision.result import FirstContact, NearMiss, Status, result_at
-from pymunk_dragon.collision.sat import separation
+from pymunk_dragon.collision.sat import deepest_overlap, separation
+from pymunk_dragon.model.dragon import bench_poses
 from pymunk_dragon.model.march import March, checked_times
 
 __all__ = ["first_contact"]
@@ -162,19 +157,20 @@ class _Search:
     def run(self, report: Callable[[float], None]) -> FirstContact:
         """Result of the search; `report` is called with each time up to which the march is cleared."""
         march, last = self._march, self._start
-        start_s = march.handles_s(last)
-        if (pair := overlapping_pair(march, start_s)) is not None:
+        dragon, self._start_s = march.dragon, march.handles_s(last)[0]
+        poses = bench_poses(march.curve.point(self._start_s))
+        near = near_pairs(as_complex(poses[:, :2]), np.hypot(dragon.lengths, dragon.widths) / 2)
+        if (pair := deepest_overlap(dragon.outlines(poses), near)) is not None:
             return self._result("overlapping", last, pair)
-        self._start_s = start_s[0]
         # Whether all benches behind the head follow the same function g.
         heads = (march.head_start + march.distance([self._start, self._end])).tolist()
-        self._alike = march.dragon.alike and march.continuation.alike(*heads)
+        self._alike = dragon.alike and march.continuation.alike(*heads)
         self._warm_up_end = self._end_of_warm_up()
         for times in self._batches():
             last = self._clear(times)
             if last < times[-1] and self._hit == np.inf:
                 # The chain loses its state in the interval after `last`, which is cleared up to the last state.
-                end = _last_reachable(march, last, float(times[np.searchsorted(times, last, side="right")]))
+                end = _last_reachable(march, last, float(times[times > last][0]))
                 last = self._clear(np.array([last, end])) if end > last else last
             if self._hit < np.inf:
                 return self._result("contact", self._hit, self._pair)
@@ -228,8 +224,7 @@ class _Search:
         if not intervals.begins.size:
             return last
         bounds = MotionBounds(march, intervals)
-        tested = bounds.at_new_poses(self._start_s if self._alike else np.full_like(self._start_s, np.inf))
-        rows, pairs = bounds.candidates(self._near, tested)
+        rows, pairs = bounds.candidates(self._near, np.where(self._alike, self._start_s, np.inf))
         self._note_unproven(bounds.proven)
         sampled = np.zeros(rows.size, dtype=bool)
         limit = 0.0
@@ -317,30 +312,21 @@ def _resolution(time: float) -> float:
     return max(RESOLUTION, LAST_DIGITS * float(np.spacing(abs(time))))
 
 
-def _last_reachable(march: March, reachable: float, later: float) -> float:
+def _last_reachable(march: March, begin: float, later: float) -> float:
     """Last time at which the chain has a state, between one at which it has and one at which it has not.
 
     It is early by the resolution: nearer to the end, rounding decides whether there is a state, and rounding depends on
     the processor and on the number of times that are computed together.
     """
-    lost = np.isnan(march.handles_s_or_nan(later)[0])
-    # A handle behind the first one that is lost later may be lost earlier, but hardly ever is.
-    for handles in (int(lost.argmax()) + 1, march.dragon.handles):
-        found = _last_time(march, reachable, later, handles)
-        if not np.isnan(march.handles_s_or_nan(found)).any():
-            break
-    return max(reachable, found - _resolution(found))
-
-
-def _last_time(march: March, reachable: float, later: float, handles: int) -> float:
-    """The same for the foremost `handles`."""
+    reachable = begin
     while later - reachable > RESOLUTION and reachable < (reachable + later) / 2 < later:
         times = np.linspace(reachable, later, LAST_POINTS)
-        lost: Flags = np.isnan(march.handles_s_or_nan(times, handles)[:, -1])
+        # If a handle has no coordinate, the last one has none.
+        lost: Flags = np.isnan(march.handles_s_or_nan(times)[:, -1])
         lost[-1] = True
         first = max(1, int(lost.argmax()))
         reachable, later = float(times[first - 1]), float(times[first])
-    return reachable
+    return max(begin, reachable - _resolution(reachable))
 
 
 def near_misses(march: March, samples: Array, start: float, end: float, near: float) -> tuple[NearMiss, ...]:
