@@ -95,26 +95,16 @@ class Intervals(NamedTuple):
 
     @property
     def middles(self) -> Array:
-        """Midpoints (T,), s."""
+        """Times (T,) of the midpoints."""
         return (self.begins + self.ends) / 2
-
-    @property
-    def lengths(self) -> Array:
-        """Lengths (T,), s."""
-        return self.ends - self.begins
 
 
 class MotionBounds:
     """Poses of the foremost benches at the midpoints of T intervals, and bounds on their motion within them.
 
-    Attributes
-    ----------
-    rounding : ndarray, shape (T,)
-        Bound on the rounding error of gaps and of the bounds on them, m; `UNPROVEN_ROUNDING` where there is no proof.
-    proven : ndarray of bool, shape (T,)
-        Whether the bound on the rounding error is proven.
-    travel : ndarray, shape (T, H)
-        Bounds on the handles' distance along the path from their coordinates at the midpoint, m.
+    `travel` (T, H) bounds the handles' distance along the path from their coordinates at the midpoint, m. `rounding`
+    (T,) bounds the rounding error of gaps and of the bounds on them, m; where `proven` (T,) is false it is
+    `UNPROVEN_ROUNDING`.
     """
 
     def __init__(self, march: March, intervals: Intervals) -> None:
@@ -234,8 +224,7 @@ class MotionBounds:
 
     def _both_known(self, rows: Indices, pairs: Indices) -> Flags:
         """Whether the rates of both benches of `pairs` have bounds."""
-        known: Flags = self._known[rows[:, None], pairs].all(axis=1)
-        return known
+        return np.asarray(self._known[rows[:, None], pairs].all(axis=1))
 
     def _squareness(self, rows: Indices, benches: Indices, directions: Complex) -> Array:
         """Largest squared cosine (P,) of the angles from `directions` (P,) to the edges' normals of `benches` (P,)."""
@@ -272,9 +261,7 @@ class MotionBounds:
         front = self._points[rows, benches][:, None]
         # Ahead and to the left, seen along the direction.
         arms = (self._corner_points[rows, benches] - front) * facing
-        omega, omega_change = (
-            rate[rows, benches][:, None] for rate in (self._rates.omega, self._rates.omega_change)
-        )
+        omega, omega_change = (rate[rows, benches][:, None] for rate in (self._rates.omega, self._rates.omega_change))
         lengths = self._arms[benches]
         heights = (front * facing).real + arms.real
         # Rotation moves a corner by omega J arm, whose projection on n is -omega (J n) arm.
@@ -298,10 +285,10 @@ class MotionBounds:
         own = np.abs(self._corner_points[0, :, 0] - middles[0])
         margin = self.rounding[:, None]
         radii = own + (self.travel[:, :-1] + self.travel[:, 1:] + near + margin) / 2
-        tested = np.ones(middles.shape, dtype=bool)
+        tested: Flags = np.ones(radii.shape, dtype=bool)
         tested[:, 2:] = self._lows[:, 2:-1] - margin < start_s[1 : tested.shape[1] - 1] + margin
         many = tested[:, 2:].any(axis=1)
-        meeting = np.abs(middles[:, :2, None] - middles[:, None]) <= radii[:, :2, None] + radii[:, None]
+        meeting: Flags = np.abs(middles[:, :2, None] - middles[:, None]) <= radii[:, :2, None] + radii[:, None]
         rows, first, second = np.nonzero(meeting & ~many[:, None, None])
         apart = second - first >= 2
         found = [(rows[apart], np.stack([first, second], axis=-1)[apart])]

@@ -1,13 +1,6 @@
-"""First contact in continuous time. Bounds on the motion prove that there is no earlier contact.
+"""First contact in continuous time. Bounds on the motion (`bounds.py`) prove that there is no earlier contact.
 
-Sampling the motion at discrete times misses a contact that opens again between two samples. Here a time interval is
-cleared only by proof: the gap between two benches at its midpoint, less a bound on how far each may move within the
-interval (`bounds.py`), is positive. An interval that is not cleared is divided, down to a picosecond. This is
-conservative advancement (B. Mirtich, "Impulse-based Dynamic Simulation of Rigid Body Systems", 1996), applied to all
-pairs at once.
-
-The state of the chain depends only on the distance that the head has travelled, not on its speed. So the search uses
-this distance as its time (a march at 1 m/s), and converts it to times at the end.
+The package's docstring has the method. The search uses the head's distance as its time (a march at 1 m/s).
 
 If all benches behind the head have the same size, few pairs need tests. Let s_i(t) be the arc-length coordinate of
 handle i. The rear handle of bench i is at s_{i+1} = g(s_i), with one function g for all benches behind the head
@@ -225,12 +218,13 @@ class _Search:
             return last
         bounds = MotionBounds(march, intervals)
         rows, pairs = bounds.candidates(self._near, np.where(self._alike, self._start_s, np.inf))
-        self._note_unproven(bounds.proven)
+        # Intervals that are cleared without a proof for rounding count in the resolution.
+        self._resolution = max(self._resolution, UNPROVEN_ROUNDING * (not bounds.proven.all()))
         sampled = np.zeros(rows.size, dtype=bool)
         limit = 0.0
         while rows.size:
             # This loop ends when each pair is open in each interval that begins before the earliest contact found.
-            middles, length = intervals.middles[rows], float(intervals.lengths[0])
+            middles, length = intervals.middles[rows], float(intervals.ends[0] - intervals.begins[0])
             found = bounds.separations(rows, pairs)
             samples = int(np.count_nonzero(np.bincount(rows)))
             self._note_contact(middles, pairs, found.distance, samples)
@@ -253,12 +247,17 @@ class _Search:
                 lengths = np.full(rows.size, length)
                 small = np.column_stack([pairs, middles, lengths, found.distance, bounds.rounding[rows]])
                 self._small_gaps.append(small[fresh])
-                # Gaps above the tolerance are open; the tolerance grows once the work exceeds its budget.
+                # The tolerance grows once the work exceeds its budget.
                 work = samples * (int(pairs.max()) + 2) + PAIR_WORK * rows.size
-                limit = limit or max(self._share(times) * WORK_LIMIT, WORK_GROWTH * work)
+                share = max(float(times[-1] - times[0]) / (self._end - self._start), MIN_SHARE)
+                limit = limit or max(share * WORK_LIMIT, WORK_GROWTH * work)
                 tolerance = GAP_TOLERANCE if work <= limit else LIMITED_TOLERANCE * (work / limit) ** 2
-                open_ = self._are_open(intervals, bounds, rows, gaps, tolerance)
-            self._note_unproven(bounds.proven[rows[open_]])
+                # Gaps above zero are open, and those that may be below by the tolerance, except in the interval just
+                # before the earliest contact found. That one is divided to the resolution, where its midpoint decides.
+                within = (gaps > -(bounds.rounding[rows] + tolerance)) & (intervals.ends[rows] + length < self._hit)
+                self._resolution = max(self._resolution, -float(gaps[within].min(initial=0.0)))
+                open_ = (gaps > 0) | within | (length <= _resolution(float(np.abs(middles).max())))
+            self._resolution = max(self._resolution, UNPROVEN_ROUNDING * (not bounds.proven[rows[open_]].all()))
             left = ~open_ & (intervals.begins[rows] < self._hit)
             rows, pairs, sampled = rows[left], pairs[left], sampled[left]
             if rows.size:
@@ -270,29 +269,6 @@ class _Search:
                 pairs, sampled = np.repeat(pairs, parts, axis=0), np.repeat(sampled, parts)
                 bounds = MotionBounds(march, intervals)
         return last
-
-    def _share(self, times: Array) -> float:
-        """Share of the whole search's work that a batch may have."""
-        return max(float(times[-1] - times[0]) / (self._end - self._start), MIN_SHARE)
-
-    def _are_open(
-        self, intervals: Intervals, bounds: MotionBounds, rows: Indices, gaps: Array, tolerance: float
-    ) -> Flags:
-        """Whether pairs count as apart in the intervals `rows`, given lower bounds on their gaps, m.
-
-        A gap that may be below zero by the tolerance counts as open, except in the interval just before
-        the earliest contact that was found: that interval is divided to the resolution.
-        """
-        length = float(intervals.lengths[0])
-        within = (gaps > -(bounds.rounding[rows] + tolerance)) & (intervals.ends[rows] + length < self._hit)
-        self._resolution = max(self._resolution, -float(gaps[within].min(initial=0.0)))
-        latest = float(np.abs(intervals.middles[rows]).max())
-        return (gaps > 0) | within | (length <= _resolution(latest))
-
-    def _note_unproven(self, proven: Flags) -> None:
-        """Include `UNPROVEN_ROUNDING` in the resolution if intervals were cleared without a proof for rounding."""
-        if not proven.all():
-            self._resolution = max(self._resolution, UNPROVEN_ROUNDING)
 
     def _note_contact(self, times: Array, pairs: Indices, distances: Array, samples: int) -> None:
         """Count the tests and the samples, and keep the earliest contact among them."""

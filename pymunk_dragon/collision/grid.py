@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from pymunk_dragon._arrays import Array
 from pymunk_dragon._checks import finite
-from pymunk_dragon.collision.sat import MAX_COORDINATE, coordinates
+from pymunk_dragon.collision.sat import coordinates
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.march import March, check_march
 
@@ -42,7 +42,6 @@ SLACK = 1e-8
 UPRIGHT = 1e-30
 # Entries or pairs, 8 bytes each in several arrays: beyond it the memory of a laptop ends.
 MAX_ENTRIES = 20_000_000
-MAX_OUTLINES = 1_000_000
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -77,10 +76,7 @@ class Grid:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "cell", finite("cell", self.cell, MIN_CELL, MAX_CELL, "m"))
-        given: object = self.origin
-        if not (isinstance(given, tuple) and len(given) == 2):
-            raise ParameterError("origin", given, "a tuple of two numbers, m")
-        x, y = (finite("origin", number, -MAX_COORDINATE, MAX_COORDINATE, "m") for number in self.origin)
+        x, y = coordinates("origin", self.origin, (2,), 0).tolist()
         object.__setattr__(self, "origin", (x, y))
 
     @classmethod
@@ -128,8 +124,6 @@ class Grid:
             Whose cell it is: rising, and within a bench by column and row.
         """
         corners = coordinates("outlines", outlines, (4, 2), 1)
-        if len(corners) > MAX_OUTLINES:
-            raise ParameterError("outlines", f"of {len(corners):,} benches", f"of at most {MAX_OUTLINES:,}")
         u, v = (np.ascontiguousarray(cells.T) for cells in self._in_cells("outlines", corners))  # (4, N)
         first, last = _range(u.min(axis=0), u.max(axis=0))
         counts = last - first + 1

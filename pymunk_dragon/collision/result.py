@@ -70,10 +70,8 @@ class FirstContact(Printed):
         Largest overlap before `time` that the certificate does not rule out, m: rounding, about a micrometre where a
         gap stays near zero for long, and 0.1 mm where the march ends because the chain has no state after it. None if
         nothing was certified.
-    samples : int
-        Number of times at which poses were computed.
-    tests : int
-        Number of pair tests, over all samples.
+    samples, tests : int
+        Numbers of times at which poses were computed, and of pair tests at all of them.
 
     Examples
     --------
@@ -95,7 +93,7 @@ class FirstContact(Printed):
     tests: int
 
     def to_dict(self) -> dict[str, Any]:
-        """Values in SI units, as `contact --json` prints them: a time of contact or None, and `until`, the last time."""
+        """In SI units, what `contact --json` prints them: `time` is None without a contact, `until` is the last."""
         return asdict(self) | {"time": None if self.benches is None else self.time, "until": self.time}
 
     def __str__(self) -> str:
@@ -109,11 +107,11 @@ class FirstContact(Printed):
 
     @property
     def contact(self) -> Contact | None:
-        """The result as a `Contact`, the type of `Run.first_contact`; None for every status but "contact"."""
+        """The result as a `Contact`, as `Run.first_contact` is one; None for every status but "contact"."""
         if self.status != "contact" or self.benches is None or self.point is None or self.normal is None:
             return None
-        touch = {"benches": self.benches, "point": self.point, "normal": self.normal}
-        return Contact(time=self.time, raw_time=self.time, depth=0.0, **touch)
+        when: dict[str, float] = {"time": self.time, "raw_time": self.time, "depth": 0.0}
+        return Contact(benches=self.benches, point=self.point, normal=self.normal, **when)
 
 
 def result_at(march: March, status: Status, time: float, pair: tuple[int, int] | None, **rest: Any) -> FirstContact:

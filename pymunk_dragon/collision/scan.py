@@ -19,8 +19,6 @@ from pymunk_dragon.model.march import March, checked_times
 
 __all__ = ["scan"]
 
-Pair = tuple[int, int]
-
 # Samples computed together.
 BATCH = 64
 # About a day of computing.
@@ -44,9 +42,10 @@ def scan(
         The motion.
     start, until : float
         Times of the first and the last sample, s; without `until`, the last is at the end of the curve.
-    step, tolerance : float
-        Time between samples, and length of the interval that bisection ends with, s. By default a second, to which
-        the paper gives its answer, and the time in which a head at 1 m/s moves by a micrometre.
+    step : float
+        Time between samples, s. The paper gives the second in which the dragon collides.
+    tolerance : float
+        Length of the interval that bisection ends with, s. By default a head at 1 m/s moves by a micrometre in it.
     progress : callable, optional
         Called with the time of the last sample, and with `until`, s.
 
@@ -71,59 +70,47 @@ def scan(
     (0, 8)
     """
     start, until = checked_times(march, start, until)
-    positive("step", step, np.inf, "s")
-    positive("tolerance", tolerance, np.inf, "s")
+    step, tolerance = (positive(*given, np.inf, "s") for given in (("step", step), ("tolerance", tolerance)))
     end = min(until, march.end)
     if (end - start) / step > MAX_SAMPLES:
         raise ParameterError("step", step, f"long enough for at most {MAX_SAMPLES:,} samples until {end:g} s")
-    sampler = _Sampler(march)
-    if (pair := sampler.overlapping(march.at(start).poses[0])) is not None:
-        return sampler.result("overlapping", start, pair)
+    grid, counts = Grid.of(march), {"samples": 0, "tests": 0}
+
+    def overlapping(poses: Array) -> tuple[int, int] | None:
+        corners = march.dragon.outlines(poses)
+        pairs = grid.pairs(corners)
+        counts["samples"] += 1
+        counts["tests"] += len(pairs)
+        return deepest_overlap(corners, pairs)
+
+    def result(status: Status, time: float, pair: tuple[int, int] | None) -> FirstContact:
+        return result_at(march, status, time, pair, near_misses=None, resolution=None, **counts)
+
+    if (pair := overlapping(march.at(start).poses[0])) is not None:
+        return result("overlapping", start, pair)
     before = start
-    for times, poses in _batches(march, np.append(np.arange(start + step, end, step), end)):
-        for time, then in zip(times.tolist(), poses, strict=True):
-            if (pair := sampler.overlapping(then)) is None:
-                before = time
-                continue
-            # Bisection, between a time at which no benches overlap and one at which `pair` does.
-            while time - before > tolerance and before < (middle := (before + time) / 2) < time:
-                if (found := sampler.overlapping(march.at(middle).poses[0])) is None:
-                    before = middle
-                else:
-                    time, pair = middle, found
-            return sampler.result("contact", time, pair)
+    for after, poses in _samples(march, np.append(np.arange(start + step, end, step), end)):
+        pair = overlapping(poses)
+        if pair is not None:
+            # Bisection between a time at which no benches overlap and one at which `pair` does.
+            while after - before > tolerance and before < (middle := (before + after) / 2) < after:
+                found = overlapping(march.at(middle).poses[0])
+                before, after, pair = (middle, after, pair) if found is None else (before, middle, found)
+            return result("contact", after, pair)
+        before = after
         if progress is not None:
             progress(before, until)
-    return sampler.result("clear" if before >= until else "unreachable", before, None)
+    return result("clear" if before >= until else "unreachable", before, None)
 
 
-def _batches(march: March, times: Array) -> Iterator[tuple[Array, Array]]:
-    """Batches of `times` with the poses at these times, until the chain has no state."""
+def _samples(march: March, times: Array) -> Iterator[tuple[float, Array]]:
+    """Each of `times` with the poses (N, 3) then, until the chain has no state."""
     for first in range(0, times.size, BATCH):
         batch = times[first : first + BATCH]
         try:
-            yield batch, march.at(batch).poses
+            poses = march.at(batch).poses
         except UnreachableError as error:
             batch = batch[batch < error.time]
-            yield batch, march.at(batch).poses
+            yield from zip(batch.tolist(), march.at(batch).poses, strict=True)
             return
-
-
-class _Sampler:
-    """Overlap tests of a dragon, and their number."""
-
-    def __init__(self, march: March) -> None:
-        self._march, self._grid = march, Grid.of(march)
-        self._samples = self._tests = 0
-
-    def overlapping(self, poses: Array) -> Pair | None:
-        """The pair with the deepest overlap at `poses` (N, 3), or None."""
-        corners = self._march.dragon.outlines(poses)
-        pairs = self._grid.pairs(corners)
-        self._samples += 1
-        self._tests += len(pairs)
-        return deepest_overlap(corners, pairs)
-
-    def result(self, status: Status, time: float, pair: Pair | None) -> FirstContact:
-        counts = {"samples": self._samples, "tests": self._tests}
-        return result_at(self._march, status, time, pair, near_misses=None, resolution=None, **counts)
+        yield from zip(batch.tolist(), poses, strict=True)
