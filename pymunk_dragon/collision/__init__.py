@@ -16,11 +16,9 @@ grid    contact  412.473837852       0, 8  +0.000170      434    224489     0.41
 engine  contact  412.473849741       0, 8  +0.012059    20624         -     8.39
 ```
 
-- **exact** clears every time interval by a bound on the motion of the benches in it, and divides the intervals that
-  it cannot clear.
-- **grid** samples every second. It files the benches under the cells of a grid with a DDA walk along their edges,
-  tests the pairs that share a cell with the separating axis theorem, and bisects once two benches overlap (`--step`,
-  `--tolerance`).
+- **exact** clears every time interval by a bound on the motion of the benches in it, or divides it.
+- **grid** samples every second (`--step`). It files the benches under the cells of a grid, tests the pairs that share a
+  cell with the separating axis theorem, and bisects once two benches overlap (`--tolerance`).
 - **engine** is Pymunk's collision callback, refined inside the substep (`--fine` for an eighth of it).
 
 ![The grid leaves 13 of 105 pairs of benches to test](renders/figures/grid.png)
@@ -28,8 +26,8 @@ engine  contact  412.473849741       0, 8  +0.012059    20624         -     8.39
 ## Why a proof
 
 The head passes bench 9 with a gap of 3.0 mm and bench 11 with 0.9 mm before it meets bench 8. With benches one
-millimetre wider it touches bench 11, for a tenth of a second. The samples of a scan fall before and after that
-contact, and the scan reports another one, 2.7 s later:
+millimetre wider it touches bench 11, for a tenth of a second. A scan steps over that contact, and reports another one,
+2.7 s later:
 
 ```console
 $ pymunk-dragon contact --width 0.301
@@ -45,20 +43,17 @@ first contact at t = 412.442193 s: benches 0 and 8 at (1.445751, 2.132263) m
 
 1. **Time is distance.** The state of the chain depends only on the distance that the head has travelled. So the
    search runs over this distance, and converts it to times at the end, whatever the speed of the head.
-2. **An interval is cleared by a bound.** At the midpoint of an interval the poses of the benches, and the gap of each
-   pair, are computed. Bounds on the curvature of the path and on the angles of the benches bound the second
-   derivative of every corner, and so, by Taylor's theorem, the displacement of each bench within the interval. A pair
-   is clear if its gap is larger than the two displacements together. This is conservative advancement (B. Mirtich,
-   "Impulse-based Dynamic Simulation of Rigid Body Systems", 1996), applied to all pairs at once.
-3. **An interval that is not cleared is divided**, until the rest is shorter than a picosecond. The first interval
-   that stays is the contact.
+2. **An interval is cleared by a bound.** The gap of each pair is computed at the midpoint of an interval. Bounds on the
+   curvature of the path and on the angles of the benches bound the second derivative of every corner, and so, by
+   Taylor's theorem, the displacement of each bench within the interval. A pair is clear if its gap is larger than the
+   two displacements together. This is conservative advancement (B. Mirtich, "Impulse-based Dynamic Simulation of Rigid
+   Body Systems", 1996), applied to all pairs at once.
+3. **An interval that is not cleared is divided**, down to a picosecond. The first interval that stays is the contact.
 4. **Rounding is included.** The bound also covers the error of the computed coordinates, from the points of the curve
-   through the chain to the corners. `FirstContact.resolution` is the largest overlap that the proof does not rule
-   out.
+   through the chain to the corners. `FirstContact.resolution` is the largest overlap that the proof does not rule out.
 5. **Few pairs need tests.** If all benches behind the head are equal, they pass through the same poses one after the
    other. So a first contact involves bench 0 or 1, or a bench that has not yet reached the coordinate at which the
-   bench before it started. The docstring of `collision/first_contact.py` has the claim and its proof, that of
-   `collision/bounds.py` the bounds.
+   bench before it started. `collision/first_contact.py` has the proof of this claim, `collision/bounds.py` the bounds.
 
 The result has a status, as the time-of-impact queries of physics engines have: `contact`, `clear`, `overlapping` (at
 the start) or `unreachable` (the chain cannot follow the path any farther).

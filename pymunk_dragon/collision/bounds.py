@@ -40,8 +40,6 @@ from pymunk_dragon.model.march import March
 
 # Error of a bench's equation in last digits of the largest coordinate: 8 for each point, 2 for the distance.
 ROUNDED = 18
-# rad.
-QUARTER = np.pi / 2
 # Change of the cosines of a bench's angles that rounding may cause; checked against the bound on rounding.
 SLACK = 1e-5
 # m. Rounding error of gaps where the proof does not hold.
@@ -93,11 +91,6 @@ class Intervals(NamedTuple):
         middle = motion.each(lambda part: part[:, new % 2 > 0].reshape(-1, handles))
         return Intervals(times[:, :-1:2].ravel(), times[:, 2::2].ravel(), first, middle, last)
 
-    @property
-    def middles(self) -> Array:
-        """Times (T,) of the midpoints."""
-        return (self.begins + self.ends) / 2
-
 
 class MotionBounds:
     """Poses of the foremost benches at the midpoints of T intervals, and bounds on their motion within them.
@@ -115,6 +108,8 @@ class MotionBounds:
         self._front_angles, self._rear_angles = chain.angles(
             as_vectors(self._points), as_vectors(self._tangents), self._spacings
         )
+        # Angular rates (T, N) at the midpoint, rad/m.
+        self._omega = chain.angular_rates(self._front_angles, self._rear_angles, self._spacings)
         # Coordinates near zero are differences of larger ones: the head's at the start, and the distance travelled.
         coordinates = intervals.first_s[:, [0, -1]], march.head_start, self._points, (0.0, *march.curve.inner_ends)
         largest = max(float(np.abs(part).max()) for part in coordinates)
@@ -181,7 +176,8 @@ class MotionBounds:
                 heights, speeds, _, second = self._corners(rows, benches, outward)
                 travel = self.travel[rows, benches][:, None]
                 farthest.append(np.max(heights + (np.abs(speeds) * travel + second * travel**2 / 2), axis=1))
-        return np.where(self._both_known(rows, pairs), -farthest[1] - farthest[0] - self.rounding[rows], -np.inf)
+        known = self._known[rows[:, None], pairs].all(axis=1)
+        return np.where(known, -farthest[1] - farthest[0] - self.rounding[rows], -np.inf)
 
     def smallest_gaps_together(self, rows: Indices, pairs: Indices, normals: Array) -> Array:
         """The same from the relative motion of the two benches; tighter where they move and rotate alike.
@@ -212,19 +208,15 @@ class MotionBounds:
             second += (most**2 * (omega_change + omega**2) + change * omega) * (np.abs(arms) + travel * fastest)
             gaps = heights - (self._corner_points[rows, own] * facing).real.max(axis=1, keepdims=True)
             gaps = (gaps - np.abs(speeds) * travel - second * travel**2 / 2).min(axis=1) - self.rounding[rows]
+        known = self._known[rows[:, None], pairs].all(axis=1)
         # Velocity ratios over thousands of benches may overflow, and one between may be unknown.
-        return np.where(self._both_known(rows, pairs) & np.isfinite(gaps), gaps, -np.inf)
+        return np.where(known & np.isfinite(gaps), gaps, -np.inf)
 
     def gaps_by_travel(self, rows: Indices, pairs: Indices, gaps: Array) -> Array:
         """The same from the gaps at the midpoint and the handles' travel, which also hold where rates have no bound."""
         travel = np.maximum(self.travel[:, :-1], self.travel[:, 1:])
         both = travel[rows, pairs[:, 0]] + travel[rows, pairs[:, 1]]
-        lowest: Array = gaps - self._leverage * both - self.rounding[rows]
-        return lowest
-
-    def _both_known(self, rows: Indices, pairs: Indices) -> Flags:
-        """Whether the rates of both benches of `pairs` have bounds."""
-        return np.asarray(self._known[rows[:, None], pairs].all(axis=1))
+        return np.asarray(gaps - self._leverage * both - self.rounding[rows])
 
     def _squareness(self, rows: Indices, benches: Indices, directions: Complex) -> Array:
         """Largest squared cosine (P,) of the angles from `directions` (P,) to the edges' normals of `benches` (P,)."""
@@ -270,11 +262,6 @@ class MotionBounds:
         second = self._curvature[rows, benches][:, None] + lengths * (omega_change + omega**2)
         return heights, speeds, 1 + lengths * omega, second
 
-    @cached_property
-    def _omega(self) -> Array:
-        """Angular rate (T, N) at the midpoint, rad/m."""
-        return chain.angular_rates(self._front_angles, self._rear_angles, self._spacings)
-
     def candidates(self, near: float, start_s: Array) -> tuple[Indices, Indices]:
         """Intervals (P,) and pairs (P, 2) of benches that may come within `near` m in them, without neighbours.
 
@@ -287,7 +274,7 @@ class MotionBounds:
         radii = own + (self.travel[:, :-1] + self.travel[:, 1:] + near + margin) / 2
         tested: Flags = np.ones(radii.shape, dtype=bool)
         tested[:, 2:] = self._lows[:, 2:-1] - margin < start_s[1 : tested.shape[1] - 1] + margin
-        many = tested[:, 2:].any(axis=1)
+        many = np.asarray(tested[:, 2:].any(axis=1))
         meeting: Flags = np.abs(middles[:, :2, None] - middles[:, None]) <= radii[:, :2, None] + radii[:, None]
         rows, first, second = np.nonzero(meeting & ~many[:, None, None])
         apart = second - first >= 2
@@ -355,10 +342,10 @@ def _followed_rates(
     ratio = np.cos(front) / np.cos(rear)
     slack = 2 * travel * (curvature * np.maximum(1, ratio) + (np.sin(front) + ratio * np.sin(rear)) / spacing)
     slack = np.minimum(slack, np.pi)
-    widest_front, widest_rear = np.minimum(front + slack, QUARTER), np.minimum(rear + slack, QUARTER)
+    widest_front, widest_rear = np.minimum(front + slack, np.pi / 2), np.minimum(rear + slack, np.pi / 2)
     cosine = np.cos(widest_rear)
     ratio = np.cos(np.maximum(front - slack, 0)) / cosine
-    known = rear + slack < QUARTER
+    known = rear + slack < np.pi / 2
     sines = np.sin(widest_front), np.sin(widest_rear)
     rates = chain.rate_bounds(sines, ratio, cosine, curvature, spacing)
     known &= travel * (curvature * np.maximum(1, ratio) + rates.omega) <= slack

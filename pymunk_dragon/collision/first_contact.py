@@ -34,19 +34,19 @@ __all__ = ["first_contact"]
 
 Progress = Callable[[float, float], None]
 
-# Tolerances. Intervals shorter than this, in m of the head's distance, or than so many of its last digits, are decided
-# by the state at their midpoint: coordinates are no more exact.
+# The three tolerances. An interval no longer than this, in m of the head's distance or in last digits of it, is decided
+# by the state at its midpoint: coordinates are no more exact.
 RESOLUTION, LAST_DIGITS = 1e-12, 4
 # m. A gap that may be this far below zero, besides rounding, counts as open: coordinates are hardly more exact.
 GAP_TOLERANCE = 8e-12
-# m. The same tolerance where the work exceeds its budget; it grows with the square of the excess.
+# m. The same where the work exceeds its budget; it grows with the square of the excess.
 LIMITED_TOLERANCE = 2.5e-7
 
-# Budget: bench poses computed in all intervals of one length, a few seconds' work; a pair test costs as much as 20.
-# Division exceeds it where a gap stays near zero for long.
+# The budget of work, in bench poses computed for all intervals of one length, of which a pair test costs 20: it takes a
+# few seconds, and division exceeds it where a gap stays near zero for long.
 WORK_LIMIT, PAIR_WORK = 2_000_000, 20
-# A batch has its share of the budget by its duration, but at least this one, because the last batch before a contact
-# may be short, and at least so many times its work before near misses are sampled.
+# A batch has a share of the budget by its duration, but at least this share, because the last batch before a contact
+# may be short, and at least so many times its first work in short intervals.
 MIN_SHARE, WORK_GROWTH = 0.05, 8
 
 # Lengths of the first intervals, in shortest spacings; shorter while all pairs are tested, because each pair is tested
@@ -80,8 +80,6 @@ def first_contact(
 ) -> FirstContact:
     """First contact of benches that are not neighbours, certified: there is no earlier one, however short.
 
-    The module's docstring has the method and the proof.
-
     Parameters
     ----------
     march : March
@@ -113,6 +111,8 @@ def first_contact(
     ('contact', (0, 8))
     """
     start, until = checked_times(march, start, until)
+    # An error names the time of this march.
+    march.handles_s(start)
     steady = March(march.dragon, march.curve, start_s=march.head_start)
     steady.share_states(march)
     begin, end = march.distance([start, until]).tolist()
@@ -220,11 +220,17 @@ class _Search:
         rows, pairs = bounds.candidates(self._near, np.where(self._alike, self._start_s, np.inf))
         # Intervals that are cleared without a proof for rounding count in the resolution.
         self._resolution = max(self._resolution, UNPROVEN_ROUNDING * (not bounds.proven.all()))
-        sampled = np.zeros(rows.size, dtype=bool)
-        limit = 0.0
+        share = max(float(times[-1] - times[0]) / (self._end - self._start), MIN_SHARE)
+        self._divide(intervals, bounds, rows, pairs, share * WORK_LIMIT)
+        return last
+
+    def _divide(self, intervals: Intervals, bounds: MotionBounds, rows: Indices, pairs: Indices, budget: float) -> None:
+        """Clear `pairs` (P, 2) in the intervals `rows` (P,) and in parts of these, or find their first contact."""
+        sampled, limit = np.zeros(rows.size, dtype=bool), 0.0
         while rows.size:
             # This loop ends when each pair is open in each interval that begins before the earliest contact found.
-            middles, length = intervals.middles[rows], float(intervals.ends[0] - intervals.begins[0])
+            middles = (intervals.begins[rows] + intervals.ends[rows]) / 2
+            length = float(intervals.ends[0] - intervals.begins[0])
             found = bounds.separations(rows, pairs)
             samples = int(np.count_nonzero(np.bincount(rows)))
             self._note_contact(middles, pairs, found.distance, samples)
@@ -249,8 +255,7 @@ class _Search:
                 self._small_gaps.append(small[fresh])
                 # The tolerance grows once the work exceeds its budget.
                 work = samples * (int(pairs.max()) + 2) + PAIR_WORK * rows.size
-                share = max(float(times[-1] - times[0]) / (self._end - self._start), MIN_SHARE)
-                limit = limit or max(share * WORK_LIMIT, WORK_GROWTH * work)
+                limit = limit or max(budget, WORK_GROWTH * work)
                 tolerance = GAP_TOLERANCE if work <= limit else LIMITED_TOLERANCE * (work / limit) ** 2
                 # Gaps above zero are open, and those that may be below by the tolerance, except in the interval just
                 # before the earliest contact found. That one is divided to the resolution, where its midpoint decides.
@@ -264,23 +269,20 @@ class _Search:
                 # Intervals with pairs that are left are divided, and each of these pairs is tested in all parts.
                 parts = min(max(PAIRS // rows.size, FEWEST_PARTS), MOST_PARTS)
                 chosen, rows = np.unique(rows, return_inverse=True)
-                intervals = intervals.divided(march, chosen, parts, int(pairs.max()) + 2)
+                intervals = intervals.divided(self._march, chosen, parts, int(pairs.max()) + 2)
                 rows = (parts * rows[:, None] + np.arange(parts)).ravel()
                 pairs, sampled = np.repeat(pairs, parts, axis=0), np.repeat(sampled, parts)
-                bounds = MotionBounds(march, intervals)
-        return last
+                bounds = MotionBounds(self._march, intervals)
 
     def _note_contact(self, times: Array, pairs: Indices, distances: Array, samples: int) -> None:
         """Count the tests and the samples, and keep the earliest contact among them."""
         self._samples += samples
         self._tests += len(pairs)
-        touching = np.flatnonzero(distances <= 0)
-        if touching.size:
-            earliest = touching[times[touching].argmin()]
-            if times[earliest] < self._hit:
-                self._hit = float(times[earliest])
-                first, second = pairs[earliest].tolist()
-                self._pair = first, second
+        earlier = np.flatnonzero((distances <= 0) & (times < self._hit))
+        if earlier.size:
+            earliest = earlier[times[earlier].argmin()]
+            self._hit = float(times[earliest])
+            self._pair = int(pairs[earliest, 0]), int(pairs[earliest, 1])
 
 
 def _resolution(time: float) -> float:
@@ -317,7 +319,7 @@ def near_misses(march: March, samples: Array, start: float, end: float, near: fl
     pairs, (low, high, rounding) = brackets[:, :2].astype(np.intp), brackets[:, 2:].T
     low, high = np.maximum(low, start), np.minimum(high, end)
     some = max(1, MINIMUM_HANDLES // (MINIMUM_POINTS * (int(pairs.max()) + 2)))
-    parts = [slice(at, at + some) for at in range(0, len(pairs), some)]
+    parts = (slice(at, at + some) for at in range(0, len(pairs), some))
     found = np.concatenate([_local_minima(march, pairs[part], low[part], high[part], rounding[part]) for part in parts])
     found = found[(found[:, 3] > 0) & (found[:, 3] < near)]
     return tuple(NearMiss(time=time, benches=(int(i), int(j)), gap=gap) for time, i, j, gap in sorted(found.tolist()))
@@ -333,15 +335,19 @@ def _brackets(samples: list[list[float]]) -> Iterator[tuple[float, float, float,
     for sample in [*samples, before]:
         first, second, time, length, gap, rounding = sample
         if (first, second) != tuple(before[:2]) or time - before[2] > ADJACENT * (length + before[3]):
+            # Another pair begins, or other intervals: a gap that fell to the end of the last ones has a minimum.
             if falls:
                 yield before[0], before[1], low, before[2] + before[3] / 2, before[5]
             falls, low, lowest = True, time - length / 2, gap
         elif falls and gap < lowest - rounding:
+            # The gap falls further.
             low, lowest = before[2], gap
         elif falls and gap > lowest + rounding:
+            # It rises: its minimum is behind.
             yield first, second, low, time, rounding
             falls, highest = False, gap
         elif not falls and gap < highest - rounding:
+            # It falls again, from a maximum.
             falls, low, lowest = True, before[2], gap
         highest = max(highest, gap)
         before = sample

@@ -33,10 +33,9 @@ Cells = NDArray[np.int64]
 MIN_CELL, MAX_CELL = 0.001, 1000.0
 # Cells from the origin, in either direction. At the paper's pitch that is 550 km.
 MAX_INDEX = 1_000_000
-# Cells by which an edge is taken to be closer to a grid line than it is. A coordinate in cells is wrong by at most
-# 3e-16 of itself and a crossing by a few times that, so at MAX_INDEX by less than 3e-9: rounding never makes the walk
-# miss a cell that the edge touches. What it adds is cells that the edge passes at less than twice the slack, which is
-# 20 nm where a cell is a metre.
+# Cells by which an edge is taken to be closer to a grid line than it is, so that rounding never makes the walk miss a
+# cell that the edge touches: at MAX_INDEX a crossing is wrong by less than 3e-9. It adds cells that the edge passes at
+# less than twice the slack, which is 20 nm where a cell is a metre.
 SLACK = 1e-8
 # Cells. An edge that is steeper than this per column crosses none; below it, dividing by the rise would overflow.
 UPRIGHT = 1e-30
@@ -93,12 +92,10 @@ class Grid:
         return cls(cell=width, origin=(-turns * width, turns * width))
 
     def walk(self, start: ArrayLike, end: ArrayLike) -> Cells:
-        """Cells (K, 2) as (i, j) that the edge from `start` (2,) to `end` (2,) in m touches, in the order of the walk.
-
-        The edge is followed from column to column. Within a column it touches all rows from a first to a last one.
-        """
+        """Cells (K, 2), as (i, j), touched by the edge from `start` (2,) to `end` (2,) in m, in the order of the walk."""
         u0, v0 = self._in_cells("start", coordinates("start", start, (2,), 0))
         u1, v1 = self._in_cells("end", coordinates("end", end, (2,), 0))
+        # Within a column, an edge touches all rows from a first to a last one.
         first, last = _range(np.minimum(u0, u1), np.maximum(u0, u1))
         columns = np.arange(int(first), int(last) + 1)
         top, bottom = _range(*_rows(u0, v0, u1, v1, columns))

@@ -7,12 +7,11 @@ the rectangles overlap, and the shortest translation that separates them is alon
 (S. Gottschalk et al., "OBBTree", SIGGRAPH 1996; C. Ericson, "Real-Time Collision Detection", 2005, section 4.4.1).
 
 The widest gap is the distance only where an edge faces the other rectangle. Two rectangles that are nearest corner to
-corner are further apart than any gap shows, so the distance comes from the corners: for convex shapes that are
-apart, one of the two closest points is always a corner.
+corner are further apart than any gap shows, so the distance comes from the corners: for convex shapes that are apart,
+one of the two closest points is always a corner.
 
-Points and vectors of the plane are complex numbers inside this module: turning by the angle of a unit vector ``u`` is
-``z * u``, turning back is ``z * conj(u)``, and seen along ``u`` a vector has the real part ahead and the imaginary part
-to the left.
+Points and vectors of the plane are complex numbers inside this module: ``z * conj(u)`` has the real part along the unit
+vector ``u``, and the imaginary part to its left.
 """
 
 from __future__ import annotations
