@@ -92,7 +92,7 @@ class Grid:
         return cls(cell=width, origin=(-turns * width, turns * width))
 
     def walk(self, start: ArrayLike, end: ArrayLike) -> Cells:
-        """Cells (K, 2), as (i, j), touched by the edge from `start` (2,) to `end` (2,) in m, in the order of the walk."""
+        """Cells (K, 2) as (i, j) that the edge from `start` (2,) to `end` (2,) in m touches, from its start on."""
         u0, v0 = self._in_cells("start", coordinates("start", start, (2,), 0))
         u1, v1 = self._in_cells("end", coordinates("end", end, (2,), 0))
         # Within a column, an edge touches all rows from a first to a last one.
