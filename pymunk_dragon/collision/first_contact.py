@@ -111,8 +111,7 @@ def first_contact(
     ('contact', (0, 8))
     """
     start, until = checked_times(march, start, until)
-    # An error names the time of this march.
-    march.handles_s(start)
+    march.handles_s(start)  # An error names the time of this march.
     steady = March(march.dragon, march.curve, start_s=march.head_start)
     steady.share_states(march)
     begin, end = march.distance([start, until]).tolist()
@@ -132,10 +131,7 @@ def first_contact(
 
 
 class _Search:
-    """State of the search on a march at 1 m/s: earliest contact and samples of small gaps.
-
-    All its times are the head's distance from its position at t = 0, m.
-    """
+    """The search on a march at 1 m/s; its times are the head's distance from its position at t = 0, m."""
 
     def __init__(self, march: March, start: float, until: float) -> None:
         self._march, self._start, self._until, self._end = march, start, until, min(until, march.end)
@@ -204,10 +200,7 @@ class _Search:
                 yield (1 - shares) * begin + shares * last
 
     def _clear(self, times: Array) -> float:
-        """Clear the intervals between `times`, or find the first contact in them.
-
-        Returns the last of the times at which the chain has a state.
-        """
+        """Clear the intervals between `times` up to the last one with a state of the chain, which is returned."""
         march, handles = self._march, self._march.dragon.handles
         if times[0] >= self._warm_up_end:
             # After the warm-up only pairs with bench 0 or 1 are tested: benches too far from these are not computed.
@@ -308,10 +301,7 @@ def _last_reachable(march: March, begin: float, later: float) -> float:
 
 
 def near_misses(march: March, samples: Array, start: float, end: float, near: float) -> tuple[NearMiss, ...]:
-    """Local minima below `near` m of the gaps between `start` and `end`, from samples as `_Search` keeps them (K, 6).
-
-    Where an interval has no neighbour, the gap is larger there.
-    """
+    """Local minima of gaps between `start` and `end` below `near` m, from the samples (K, 6) that `_Search` keeps."""
     samples = samples[samples[:, 2] <= end]
     brackets = np.array(list(_brackets(samples[np.lexsort(samples.T[2::-1])].tolist()))).reshape(-1, 5)
     if not brackets.size:
@@ -328,7 +318,7 @@ def near_misses(march: March, samples: Array, start: float, end: float, near: fl
 def _brackets(samples: list[list[float]]) -> Iterator[tuple[float, float, float, float, float]]:
     """Pairs, times between which their gap has a local minimum, and rounding error, from samples in order.
 
-    The gap falls to a minimum and rises from it by more than rounding.
+    The gap falls to a minimum and rises from it by more than rounding. Where samples end, the gap is larger.
     """
     before: list[float] = [-1, -1, 0, 0, 0, 0]
     falls, low, lowest, highest = False, 0.0, 0.0, 0.0

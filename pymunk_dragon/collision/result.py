@@ -28,12 +28,16 @@ class NearMiss:
     Attributes
     ----------
     time : float
-        s; accurate to a few microseconds only, because the gap is stationary there. If the gap stays at its minimum,
-        one of the times.
+        s; accurate to a few microseconds only, because the gap is stationary there.
     benches : tuple of int
         The smaller number first.
     gap : float
         m.
+
+    Examples
+    --------
+    >>> print(NearMiss(time=409.832, benches=(0, 11), gap=0.000865))
+    near miss at t = 409.8320 s: benches 0 and 11, 0.865 mm apart
     """
 
     time: float
@@ -76,10 +80,8 @@ class FirstContact(Printed):
     Examples
     --------
     >>> from pymunk_dragon import March, first_contact
-    >>> print(first_contact(March(), start=405))
-    first contact at t = 412.473837682 s: benches 0 and 8 at (1.445688, 2.132260) m
-    near miss at t = 406.8466 s: benches 0 and 9, 2.957 mm apart
-    near miss at t = 409.8320 s: benches 0 and 11, 0.865 mm apart
+    >>> print(first_contact(March(), start=410))
+    first contact at t = 412.473837682 s: benches 0 and 8 at (1.474395, 2.110665) m
     """
 
     status: Status

@@ -49,6 +49,11 @@ class Separation:
         Midway between the closest points, m. For overlapping ones: midway between where they touch once each has moved
         along the normal by half the depth, so a corner that overlaps an edge is half its depth ahead of this point.
         Where two parallel edges face each other, one of the points between them.
+
+    Examples
+    --------
+    >>> separation([(0, 0), (1, 0), (1, 1), (0, 1)], [(3, 0), (4, 0), (4, 1), (3, 1)])
+    Separation(1 pairs, distance from 2 m to 2 m)
     """
 
     distance: Array
