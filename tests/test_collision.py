@@ -168,7 +168,8 @@ def test_leading_shapes_broadcast_and_many_pairs_are_as_one_by_one(many):
     assert found.distance.tolist() == separation(row, SQUARE).distance.tolist() == [[-1, 0, 1], [2, 3, 4]]
     assert (found.normal.shape, found.point.shape) == ((2, 3, 2), (2, 3, 2))
     assert separation(row[:, :1], row[:1]).distance.tolist() == [[-1, 0, 1], [2, 1, 0]]
-    assert separation(row[:0], row[:0]).distance.shape == (0, 3)
+    for none in (row[:0], row[0, :0]):
+        assert separation(none, SQUARE).normal.shape == (*none.shape[:-2], 2)
     with pytest.raises(ValueError, match="read-only"):
         found.normal[0] = 0
     assert "6 pairs" in repr(found)
@@ -187,7 +188,7 @@ def test_what_are_no_outlines_is_refused_by_name():
         nowhere.append(np.stack([SQUARE, SQUARE]))
         nowhere[-1][1, corner, 1] = number
     # Clockwise, or without an area.
-    flat = [SQUARE[::-1], np.zeros((4, 2)), box(0, 0, 1, 0), box(0, 0, 0, 1), box(2, 0, 1, 1)]
+    flat = [SQUARE[::-1], np.zeros((3, 4, 2)), box(0, 0, 1, 0), box(0, 0, 0, 1), box(2, 0, 1, 1)]
     for bad in (*shapes, *nowhere, *flat):
         assert refusal(separation, bad, SQUARE).name == "first"
         assert refusal(separation, SQUARE, bad).name == "second"

@@ -108,7 +108,7 @@ def separation(first: ArrayLike, second: ArrayLike) -> Separation:
     for begin in range(0, pairs, CHUNK):
         part = slice(begin, begin + CHUNK)
         distance[part], normal[part], point[part] = _separate(corners[..., part])
-    vectors = (read_only(as_vectors(found.reshape(shape))) for found in (normal, point))
+    vectors = (read_only(found.view(float).reshape(*shape, 2)) for found in (normal, point))
     return Separation(read_only(distance.reshape(shape)), *vectors)
 
 
@@ -182,7 +182,7 @@ def _frames(corners: Complex) -> tuple[Complex, Complex, Complex]:
     wrong = ~((along.conj() * left).imag > 0)
     if wrong.any():
         side, pair = np.argwhere(wrong)[0]
-        shown = corners[side, :, pair].view(float).tolist()
+        shown = as_vectors(corners[side, :, pair]).tolist()
         raise ParameterError(("first", "second")[side], shown, "rectangles with an area, counter-clockwise")
     # Both summands point ahead, and the longer side, which rounding turns least, weighs most.
     ahead = along - 1j * left
