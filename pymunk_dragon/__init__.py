@@ -4,15 +4,10 @@ from __future__ import annotations
 
 __version__ = "0.1.0"
 
-# Nothing is imported here but a module that imports nothing: `pymunk-dragon` handles Ctrl-C in its first lines, and
-# they come after these. Type checkers know this name, which `typing` has as well.
-from pymunk_dragon._display import Displayed
-
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
 
-    from pymunk_dragon._display import Views
     from pymunk_dragon.collision import FirstContact, Grid, NearMiss, Separation, first_contact, scan, separation
     from pymunk_dragon.drawing import Camera, Film, Palette, Scene, render, write_film
     from pymunk_dragon.drawing.debug_draw import PillowDrawOptions
@@ -39,62 +34,14 @@ if TYPE_CHECKING:
     from pymunk_dragon.sweeps import Sweep, sweep
 
 __all__ = [
-    "Arc",
-    "Camera",
-    "Composite",
-    "Contact",
-    "ContactEvent",
-    "ContactLog",
-    "Curve",
-    "Dragon",
-    "DragonError",
-    "EngineSettings",
-    "FileFormatError",
-    "Film",
-    "FirstContact",
-    "Grid",
-    "Line",
-    "March",
-    "MissingExtraError",
-    "NearMiss",
-    "OutputError",
-    "Palette",
-    "ParameterError",
-    "PathGuide",
-    "PillowDrawOptions",
-    "Reversed",
-    "Run",
-    "Sampled",
-    "Scenario",
-    "Scene",
-    "Section",
-    "Separation",
-    "Speed",
-    "SpeedTable",
-    "Spiral",
-    "States",
-    "Sweep",
-    "UTurn",
-    "UnreachableError",
-    "World",
-    "check_saveable",
-    "first_contact",
-    "live",
-    "max_speed",
-    "min_pitch",
-    "outlines",
-    "player_page",
-    "render",
-    "report",
-    "scan",
-    "sensitivity",
-    "separation",
-    "simulate",
-    "sweep",
-    "u_turn",
-    "write_film",
-    "write_player",
-]
+    "Arc", "Camera", "Composite", "Contact", "ContactEvent", "ContactLog", "Curve", "Dragon", "DragonError",
+    "EngineSettings", "FileFormatError", "Film", "FirstContact", "Grid", "Line", "March", "MissingExtraError",
+    "NearMiss", "OutputError", "Palette", "ParameterError", "PathGuide", "PillowDrawOptions", "Reversed", "Run",
+    "Sampled", "Scenario", "Scene", "Section", "Separation", "Speed", "SpeedTable", "Spiral", "States", "Sweep",
+    "UTurn", "UnreachableError", "World", "check_saveable", "first_contact", "live", "max_speed", "min_pitch",
+    "outlines", "player_page", "render", "report", "scan", "sensitivity", "separation", "simulate", "sweep", "u_turn",
+    "write_film", "write_player",
+]  # fmt: skip
 
 # Names are loaded when they are first used: NumPy, Pymunk and Pillow together take longer to import than
 # `pymunk-dragon --help` may take to answer.
@@ -125,15 +72,6 @@ _MODULES = {
     "sweeps": ("Sweep", "sweep"),
     "sessions": ("live",),
 }
-
-
-def _views() -> Views:
-    from pymunk_dragon import notebook
-
-    return notebook
-
-
-Displayed.views = _views
 
 
 def __getattr__(name: str) -> Any:

@@ -9,12 +9,14 @@ from contextlib import suppress
 from time import monotonic
 from types import FrameType
 
-# Signals that end the program. SIGALRM is sent by the program itself, see RETRY.
-SIGNALS = ("SIGINT", "SIGTERM", "SIGHUP", "SIGALRM")
 # s after a signal in which others are ignored, as a SIGHUP after SIGTERM, while files are removed.
 GRACE = 2.0
 # s until SIGALRM raises the exception again, if Python could not raise it, as in a finalizer.
 RETRY = 1e-3
+
+
+class Interruption(KeyboardInterrupt):
+    """A signal ends the program. Python ends itself with SIGINT where the class is exactly KeyboardInterrupt."""
 
 
 def main() -> None:
@@ -27,29 +29,26 @@ def main() -> None:
         received.append(number)
         if monotonic() - last >= GRACE:
             last = monotonic()
-            raise KeyboardInterrupt
+            raise Interruption
 
     def notice(lost: sys.UnraisableHookArgs) -> None:
         nonlocal last
-        if issubclass(lost.exc_type, KeyboardInterrupt) and hasattr(signal, "setitimer"):
+        if issubclass(lost.exc_type, Interruption) and hasattr(signal, "setitimer"):
             last = -GRACE
             signal.setitimer(signal.ITIMER_REAL, RETRY)
         else:
             sys.__unraisablehook__(lost)
 
     # Signals that nohup, or a shell that starts it in the background, has the program ignore stay ignored.
-    known = [getattr(signal, name) for name in SIGNALS if hasattr(signal, name)]
-    handled = [number for number in known if signal.getsignal(number) != signal.SIG_IGN]
+    known = (getattr(signal, name, None) for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGALRM"))
+    handled = [number for number in known if number and signal.getsignal(number) != signal.SIG_IGN]
+    code = 0
     try:
         for number in handled:
             signal.signal(number, stop)
         sys.unraisablehook = notice
         # The program opens no windows; and matplotlib cannot be imported with an unknown backend in the environment.
         os.environ["MPLBACKEND"] = "agg"
-        import logging
-
-        # Errors are one line; log messages of libraries are dropped.
-        logging.getLogger().addHandler(logging.NullHandler())
         from pymunk_dragon.cli import status
 
         code = status()
@@ -57,13 +56,8 @@ def main() -> None:
         # Before or after `status`, which prints this itself.
         with suppress(AttributeError, OSError):  # There may be no stderr, or no space on its disk.
             sys.stderr.write("pymunk-dragon: interrupted\n")
-        code = 0
     for number in handled:
-        # Until Python has shut down.
-        signal.signal(number, signal.SIG_IGN)
-    # If the exception left code that was compiled from a string, as that of dataclasses, Python sets a flag and later
-    # ends itself with SIGINT although the exception was handled. Running other code from a string clears the flag.
-    exec("")
+        signal.signal(number, signal.SIG_IGN)  # Until Python has shut down.
     sys.exit(128 + received[0] if received else code)
 
 

@@ -18,18 +18,18 @@ MAX_WORD = 40
 def finite(name: str, value: object, low: float, high: float, unit: str) -> float:
     """`value` as a float, if it is a finite number within [low, high]."""
     amount = number(value)
-    if not (math.isfinite(amount) and low <= amount <= high):
-        raise ParameterError(name, value, f"a number from {low:g} to {high:g} {unit}".rstrip())
-    return amount
+    if math.isfinite(amount) and low <= amount <= high:
+        return amount
+    raise ParameterError(name, value, f"a number from {low:g} to {high:g} {unit}".rstrip())
 
 
 def positive(name: str, value: object, high: float, unit: str) -> float:
     """`value` as a float, if it is a finite number above 0 and at most `high`."""
     amount = number(value)
-    if not (math.isfinite(amount) and 0 < amount <= high):
-        upper = "finite" if high == math.inf else f"at most {high:g}"
-        raise ParameterError(name, value, f"a number above 0 and {upper} {unit}".rstrip())
-    return amount
+    if math.isfinite(amount) and 0 < amount <= high:
+        return amount
+    upper = "finite" if high == math.inf else f"at most {high:g}"
+    raise ParameterError(name, value, f"a number above 0 and {upper} {unit}".rstrip())
 
 
 def whole(name: str, value: object, low: int, high: int) -> int:
@@ -51,12 +51,12 @@ def did_you_mean(value: object, words: Iterable[str]) -> str:
     """End of a message about a word that is none of `words`: the most similar one, if one is similar."""
     from difflib import get_close_matches
 
-    similar = get_close_matches(value, words, n=1) if isinstance(value, str) and len(value) <= MAX_WORD else []
+    similar = get_close_matches(value[:MAX_WORD], words, n=1) if isinstance(value, str) else []
     return f": did you mean {similar[0]}?" if similar else ""
 
 
 def answer(method: str, value: object, given: tuple[int, ...], tail: tuple[int, ...] = ()) -> NDArray[np.float64]:
-    """`value`, which a method of a user's class returned, as an array of real numbers of the shape `given` + `tail`.
+    """What a method of a user's class returned, as an array of numbers of the shape `given` + `tail`.
 
     A single number is broadcast to the shape `given`.
     """
@@ -74,9 +74,7 @@ def answer(method: str, value: object, given: tuple[int, ...], tail: tuple[int, 
 
 def number(value: object) -> float:
     """`value` as a float; nan if it is not a real number."""
-    if not isinstance(value, Real) or isinstance(value, bool):
-        return math.nan
     try:
-        return float(value)
+        return float(value) if isinstance(value, Real) and not isinstance(value, bool) else math.nan
     except OverflowError:  # an int too large for a double
         return math.inf

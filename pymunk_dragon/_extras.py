@@ -1,8 +1,4 @@
-"""Importing the libraries of the extras, which only some features need.
-
-`optional_imports` goes around ordinary import statements. `library` checks before long work that a library is
-installed, and imports libraries without type annotations.
-"""
+"""Importing the libraries of the extras, which only some features need."""
 
 from __future__ import annotations
 
@@ -34,13 +30,7 @@ FEATURES = {
 
 @contextmanager
 def optional_imports() -> Iterator[None]:
-    """Context for the imports of optional libraries: if one is not installed, the error names its extra.
-
-    Raises
-    ------
-    MissingExtraError
-        If a library of an extra is not installed.
-    """
+    """Context of ordinary import statements: if a library is not installed, the error names its extra."""
     try:
         yield
     except ModuleNotFoundError as error:
@@ -50,21 +40,12 @@ def optional_imports() -> Iterator[None]:
 
 
 def library(name: str) -> Any:
-    """A module of an extra by its name, as `library("scipy.interpolate")`.
-
-    Raises
-    ------
-    MissingExtraError
-        If the library is not installed.
-    OutputError
-        If it cannot write its cache on import, as matplotlib its list of fonts.
-    """
+    """A module of an extra by its name, as `library("scipy.interpolate")`, also to check that it is installed."""
     try:
-        # Only libraries that are no part of this package.
         return import_module(name)
     except ImportError as error:
         raise missing_extra(name) from error
-    except OSError as error:
+    except OSError as error:  # As of matplotlib, which writes a list of fonts.
         raise OutputError(f"the cache of {name}", error.strerror or str(error)) from error
 
 

@@ -13,13 +13,12 @@ A = TypeVar("A", bound=np.generic)
 
 
 class FrozenDict(dict[Any, Any]):
-    """A dictionary that raises a TypeError when it is changed; JSON, copy and pickle treat it as a dictionary."""
+    """A dictionary that raises a TypeError when it is changed; JSON and pickle treat it as a dictionary."""
 
     def _refuse(self, *_: Any, **__: Any) -> NoReturn:
-        raise TypeError(f"a {type(self).__name__} does not change")
+        raise TypeError("this dictionary does not change")
 
-    __setitem__ = __delitem__ = __ior__ = _refuse
-    clear = pop = popitem = setdefault = update = _refuse
+    __setitem__ = __delitem__ = __ior__ = clear = pop = popitem = setdefault = update = _refuse
 
     def __reduce__(self) -> tuple[type[FrozenDict], tuple[dict[Any, Any]]]:
         return FrozenDict, (dict(self),)
@@ -29,9 +28,7 @@ def frozen(value: Any) -> Any:
     """`value` with each mapping in it as a `FrozenDict`, and each list as a tuple."""
     if isinstance(value, Mapping):
         return FrozenDict({key: frozen(item) for key, item in value.items()})
-    if isinstance(value, list | tuple):
-        return tuple(map(frozen, value))
-    return value
+    return tuple(map(frozen, value)) if isinstance(value, list | tuple) else value
 
 
 def read_only(array: NDArray[A]) -> NDArray[A]:
@@ -41,30 +38,25 @@ def read_only(array: NDArray[A]) -> NDArray[A]:
 
 
 class ArrayRecord:
-    """Equality and hash of dataclasses with fields that are arrays.
+    """Equality and hash of dataclasses with arrays: their shapes, types and bits.
 
-    Two records are equal if they have the same class, arrays of the same shapes, types and bits, and equal other
-    fields. Fields with ``compare=False`` are ignored. The hash is that of the arrays.
+    Fields with ``compare=False`` are ignored, and others than arrays in the hash.
     """
 
     def __eq__(self, other: object) -> bool:
-        if type(other) is not type(self):
-            return NotImplemented
-        return all(_same(one, two) for one, two in zip(_compared(self), _compared(other), strict=True))
+        return _values(self) == _values(other) if type(other) is type(self) else NotImplemented
 
     def __hash__(self) -> int:
-        arrays = (value for value in _compared(self) if isinstance(value, np.ndarray))
-        return hash(tuple((array.shape, array.tobytes()) for array in arrays))
+        return hash(tuple(value[1] for value in _values(self) if value[0] is np.ndarray))
 
 
-def _compared(record: object) -> list[Any]:
-    """Values of the fields that are compared."""
+def _values(record: object) -> list[tuple[type, Any]]:
+    """The class and the value of each field that is compared; of an array what can be compared."""
     # Only dataclasses derive from ArrayRecord.
-    return [getattr(record, field.name) for field in fields(record) if field.compare]  # type: ignore[arg-type]
-
-
-def _same(one: Any, two: Any) -> bool:
-    """Whether two values of a field are equal."""
-    if not (isinstance(one, np.ndarray) and isinstance(two, np.ndarray)):
-        return type(one) is type(two) and bool(one == two)
-    return one.shape == two.shape and one.dtype == two.dtype and one.tobytes() == two.tobytes()
+    values = [getattr(record, field.name) for field in fields(record) if field.compare]  # type: ignore[arg-type]
+    return [
+        (np.ndarray, (each.shape, each.dtype.str, each.tobytes()))
+        if isinstance(each, np.ndarray)
+        else (type(each), each)
+        for each in values
+    ]

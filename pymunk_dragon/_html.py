@@ -11,8 +11,6 @@ from typing import Any
 
 from pymunk_dragon._extras import library
 
-PLACEHOLDER = re.compile(r"\{\{(\w+)\}\}")
-
 
 def asset(package: str, name: str) -> str:
     """Text of a package's file, as in `asset(__package__, "assets/page.css")`."""
@@ -22,24 +20,17 @@ def asset(package: str, name: str) -> str:
 def substituted(template: str, **values: str) -> str:
     """A template with each {{name}} replaced by its value, which is HTML or a part of a script."""
     # All at once, so that no {{name}} within a value is replaced.
-    return PLACEHOLDER.sub(lambda match: values[match[1]], template)
+    return re.sub(r"\{\{(\w+)\}\}", lambda match: values[match[1]], template)
 
 
 def embedded_json(value: Any) -> str:
     """JSON of a value for a `script` element of a page."""
     # "<" is escaped, since an HTML parser would take "</script>" or "<!--" for markup.
-    text = json.dumps(value, separators=(",", ":"), allow_nan=False, ensure_ascii=False)
-    return text.replace("<", "\\u003c")
+    return json.dumps(value, separators=(",", ":"), allow_nan=False, ensure_ascii=False).replace("<", "\\u003c")
 
 
 def filled(package: str, template: str, **values: Any) -> str:
-    """A Jinja2 template among a package's files, rendered with escaped `values`.
-
-    Raises
-    ------
-    MissingExtraError
-        If Jinja2 is not installed.
-    """
+    """A Jinja2 template among a package's files, rendered with escaped `values`."""
     jinja2 = library("jinja2")
     environment = jinja2.Environment(
         loader=jinja2.FunctionLoader(lambda name: asset(package, name)),
@@ -48,8 +39,7 @@ def filled(package: str, template: str, **values: Any) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    text: str = environment.get_template(template).render(values)
-    return text
+    return str(environment.get_template(template).render(values))
 
 
 def data_address(content: bytes, media_type: str) -> str:

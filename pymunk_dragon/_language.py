@@ -15,6 +15,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from pymunk_dragon._extras import missing_extra
+from pymunk_dragon.errors import ParameterError
 
 LANGUAGES = ("en", "zh")
 _language: ContextVar[str] = ContextVar("language", default="en")
@@ -27,18 +28,9 @@ def language() -> str:
 
 @contextmanager
 def in_language(name: str) -> Iterator[None]:
-    """Context in which texts are in this language.
-
-    Raises
-    ------
-    ParameterError
-        If it is not one of `LANGUAGES`.
-    """
+    """Context in which texts are in this language, one of `LANGUAGES`."""
     if name not in LANGUAGES:
-        # Imported only here, because it imports NumPy.
-        from pymunk_dragon._checks import word
-
-        word("lang", name, LANGUAGES)
+        raise ParameterError("lang", name, f"one of {', '.join(LANGUAGES)}")
     token = _language.set(name)
     try:
         yield
@@ -47,13 +39,7 @@ def in_language(name: str) -> Iterator[None]:
 
 
 def text(english: str) -> str:
-    """A text in the present language.
-
-    Examples
-    --------
-    >>> text("time (s)")
-    'time (s)'
-    """
+    """A text in the present language."""
     return english if language() == "en" else texts(language()).get(english, english)
 
 
@@ -69,13 +55,7 @@ def texts(name: str) -> Mapping[str, str]:
 
 
 def font() -> Path | None:
-    """File of a font with the characters of the present language; None if every font has them.
-
-    Raises
-    ------
-    MissingExtraError
-        If the font is not installed.
-    """
+    """File of a font with the characters of the present language; None if every font has them."""
     if language() == "en":
         return None
     # Not imported: that would change matplotlib's settings.

@@ -25,10 +25,9 @@ def signals_held(holds: Callable[[], bool] = lambda: True) -> Iterator[Callable[
     held: list[int] = []
 
     def handle(number: int, frame: FrameType | None) -> None:
-        if holds():
-            held.append(number)
-        else:
-            handlers[number](number, frame)
+        held.append(number)
+        if not holds():
+            release()
 
     def release() -> None:
         while held:
@@ -47,10 +46,7 @@ def signals_held(holds: Callable[[], bool] = lambda: True) -> Iterator[Callable[
 
 @contextmanager
 def signals_blocked() -> Iterator[None]:
-    """Block signals while worker processes start, so that the data written to a new process arrives completely.
-
-    The worker inherits the blocked signals and calls `unblock_in_worker`.
-    """
+    """Block signals while worker processes start, which inherit this and call `unblock_in_worker`."""
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
@@ -67,9 +63,6 @@ def signals_blocked() -> Iterator[None]:
 
 
 def unblock_in_worker() -> None:
-    """Unblock the signals in a worker process, except Ctrl-C.
-
-    A terminal sends Ctrl-C to all processes; the parent process handles it, and stops the workers.
-    """
+    """Unblock the signals in a worker process, except Ctrl-C, which the parent process handles."""
     if hasattr(signal, "pthread_sigmask"):
         signal.pthread_sigmask(signal.SIG_UNBLOCK, set(ENDING) - {signal.SIGINT})

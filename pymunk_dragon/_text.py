@@ -5,20 +5,30 @@ from __future__ import annotations
 import re
 import unicodedata
 from collections.abc import Iterable, Iterator, Sequence
-from itertools import takewhile
 from typing import Any
 
 # A space at which no line is broken.
 NO_BREAK = "\u00a0"
-# Unicode categories of characters that do not begin a line, as stops.
-CLOSING = ("Pe", "Pf", "Po")
-# Unicode categories of characters that do not end a line, as opening brackets.
-OPENING = ("Ps", "Pi")
+# Characters that do not end a line, and such that do not begin one.
+OPENING, CLOSING = "([{“‘（《「【", "!%),./:;?]}”’、。，；：？！）》」】"  # noqa: RUF001  # Those of Chinese.
+# What is not broken: a Chinese character or a word, with the brackets and stops around and the spaces behind it.
+WIDE = "\u2e80-\uffef"
+PIECE = re.compile(
+    rf"[{re.escape(OPENING)}]*(?:[^ {WIDE}]*{NO_BREAK})*(?:[{WIDE}]|[^ {WIDE}]*)[{re.escape(CLOSING)}]* *"
+)
 
 
 def table(heads: Sequence[str], formats: Sequence[str], rows: Iterable[Sequence[Any]]) -> list[str]:
     """Lines of a table: the heads, and the rows with one format specification for each column; None is a dash."""
     return ["  ".join(map(_cell, row, formats)).rstrip() for row in (heads, *rows)]
+
+
+def _cell(value: Any, specification: str) -> str:
+    if value is not None and not isinstance(value, str):
+        return format(value, specification)
+    shown, least = value or "-", re.search(r"\d+", specification)
+    padding = " " * (int(least[0]) - width(shown)) if least else ""
+    return shown + padding if specification.startswith("<") else padding + shown
 
 
 def width(text: str) -> int:
@@ -27,12 +37,9 @@ def width(text: str) -> int:
 
 
 def wrapped(text: str, columns: int) -> Iterator[str]:
-    """Lines of `text`, at most `columns` wide where they can be broken; a Chinese character has two columns.
-
-    `textwrap` counts characters and breaks at spaces only.
-    """
+    """Lines of `text`, at most `columns` wide where they can be broken; `textwrap` breaks at spaces only."""
     line = ""
-    for piece in _pieces(unbroken(re.sub(r"\s*\n\s*", " ", text.strip()))):
+    for piece in PIECE.findall(unbroken(re.sub(r"\s*\n\s*", " ", text.strip()))):
         if line and width(line) + width(piece.rstrip(" ")) > columns:
             yield line.rstrip(" ").replace(NO_BREAK, " ")
             line = ""
@@ -47,34 +54,4 @@ def unbroken(text: str) -> str:
 
 def closing(text: str) -> str:
     """The characters with which `text` begins that do not begin a line."""
-    return "".join(takewhile(lambda character: unicodedata.category(character) in CLOSING, text))
-
-
-def _cell(value: Any, specification: str) -> str:
-    if value is not None and not isinstance(value, str):
-        return format(value, specification)
-    shown, least = value or "-", re.search(r"\d+", specification)
-    padding = " " * (int(least[0]) - width(shown)) if least else ""
-    return shown + padding if specification.startswith("<") else padding + shown
-
-
-def _pieces(text: str) -> Iterator[str]:
-    """Parts of `text` without a break: words with the space behind, and wide characters with stops and brackets."""
-    piece = ""
-    for character in text:
-        if piece and _may_break(piece[-1], character):
-            yield piece
-            piece = ""
-        piece += character
-    yield piece
-
-
-def _may_break(before: str, behind: str) -> bool:
-    """Whether a line may end between two characters."""
-    if behind in (" ", NO_BREAK) or before == NO_BREAK:
-        return False
-    if before == " ":
-        return True
-    if unicodedata.category(behind) in CLOSING or unicodedata.category(before) in OPENING:
-        return False
-    return width(before + behind) > 2
+    return text[: len(text) - len(text.lstrip(CLOSING))]

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
+from reprlib import Repr
 
 __all__ = [
     "DragonError",
@@ -15,8 +14,9 @@ __all__ = [
     "one_line",
 ]
 
-# Characters of a value in a message. Longer values lose their middle, because a path ends with the name of the file.
-MAX_SHOWN = 80
+# Values in messages. A longer one loses its middle, because a path ends with the name of the file.
+_SHORT = Repr()
+_SHORT.maxother = 80
 
 
 def one_line(text: str) -> str:
@@ -34,45 +34,14 @@ def one_line(text: str) -> str:
 
 
 class DragonError(Exception):
-    """Base class of the package's exceptions. They can be pickled.
+    """Base class of the package's exceptions."""
 
-    Examples
-    --------
-    >>> from pymunk_dragon import Dragon
-    >>> try:
-    ...     Dragon(benches=1)
-    ... except DragonError as error:
-    ...     print(error)
-    benches is 1, but must be a whole number from 2 to 10000
-    """
-
-    def __init__(self, message: str) -> None:
-        super().__init__(one_line(message))
-
-    def __reduce__(self) -> tuple[Callable[..., DragonError], tuple[Any, ...]]:
-        # By default an exception is unpickled by calling its class with the message, which is not what ours take.
-        return _unpickled, (type(self), self.args, self.__dict__)
-
-
-def _unpickled(kind: type[DragonError], args: tuple[Any, ...], state: dict[str, Any]) -> DragonError:
-    """An error of a class with its arguments and attributes, without a call of `__init__`."""
-    error = kind.__new__(kind)
-    error.args = args
-    error.__dict__.update(state)
-    return error
+    def __str__(self) -> str:
+        return one_line(super().__str__())
 
 
 class ParameterError(DragonError, ValueError):
-    """A parameter has a value that is not allowed.
-
-    Parameters
-    ----------
-    name : str
-        Name of the parameter.
-    value : object
-        The value.
-    bound : str
-        What is allowed, worded to follow "must be".
+    """The parameter `name` has a `value` that is not allowed; `bound` follows the words "must be".
 
     Examples
     --------
@@ -81,23 +50,16 @@ class ParameterError(DragonError, ValueError):
     """
 
     def __init__(self, name: str, value: object, bound: str) -> None:
-        super().__init__(f"{name} is {_shown(value)}, but must be {bound}")
-        self.name = name
-        self.value = value
-        self.bound = bound
+        super().__init__(name, value, bound)
+        self.name, self.value, self.bound = name, value, bound
+
+    def __str__(self) -> str:
+        # Also of a value whose own text cannot be made, as of an integer of 5000 digits.
+        return one_line(f"{self.name} is {_SHORT.repr_instance(self.value, 1)}, but must be {self.bound}")
 
 
 class UnreachableError(DragonError):
-    """A handle cannot be placed on the curve.
-
-    Parameters
-    ----------
-    time : float
-        Time of the march, s.
-    handle : int
-        The first handle without a coordinate.
-    reason : str
-        The reason.
+    """A `handle` cannot be placed on the curve at a `time` in s, for a `reason`.
 
     Examples
     --------
@@ -106,62 +68,41 @@ class UnreachableError(DragonError):
     """
 
     def __init__(self, time: float, handle: int, reason: str) -> None:
-        super().__init__(f"handle {handle} has no position at t = {time:.6g} s: {reason}")
-        self.time = time
-        self.handle = handle
-        self.reason = reason
+        super().__init__(time, handle, reason)
+        self.time, self.handle, self.reason = time, handle, reason
+
+    def __str__(self) -> str:
+        return one_line(f"handle {self.handle} has no position at t = {self.time:.6g} s: {self.reason}")
 
 
 class FileFormatError(DragonError, ValueError):
-    """A file that was read is damaged, of another format or of another version.
-
-    Examples
-    --------
-    >>> print(FileFormatError("run.npz", "not a run"))
-    run.npz: not a run
-    """
+    """The file `path` is damaged, of another format or of another version."""
 
     def __init__(self, path: object, reason: str) -> None:
-        super().__init__(f"{path}: {reason}")
-        self.path = path
-        self.reason = reason
+        super().__init__(path, reason)
+        self.path, self.reason = path, reason
+
+    def __str__(self) -> str:
+        return one_line(f"{self.path}: {self.reason}")
 
 
 class OutputError(DragonError, OSError):
-    """A file could not be written; no part of it is left.
-
-    Examples
-    --------
-    >>> print(OutputError("march.gif", "No space left on device"))
-    cannot write march.gif: No space left on device
-    """
+    """The file `path` could not be written; no part of it is left."""
 
     def __init__(self, path: object, reason: str) -> None:
-        super().__init__(f"cannot write {path}: {reason}")
-        self.path = path
-        self.reason = reason
+        super().__init__(path, reason)
+        self.path, self.reason = path, reason
+
+    def __str__(self) -> str:
+        return one_line(f"cannot write {self.path}: {self.reason}")
 
 
 class MissingExtraError(DragonError, ImportError):
-    """A feature needs an optional dependency that is not installed.
-
-    Examples
-    --------
-    >>> print(MissingExtraError("a figure", "figures"))
-    a figure needs: pip install 'pymunk-dragon[figures]'
-    """
+    """A `feature` needs a library that is not installed, of the optional dependencies `extra`."""
 
     def __init__(self, feature: str, extra: str) -> None:
-        super().__init__(f"{feature} needs: pip install 'pymunk-dragon[{extra}]'")
-        self.feature = feature
-        self.extra = extra
+        super().__init__(feature, extra)
+        self.feature, self.extra = feature, extra
 
-
-def _shown(value: object) -> str:
-    """`value` in at most MAX_SHOWN characters."""
-    try:
-        text = repr(value)
-    except (ValueError, RecursionError):  # An integer of more than 4300 digits, or lists nested hundreds deep.
-        return f"a {type(value).__name__} that cannot be shown"
-    half = (MAX_SHOWN - 3) // 2
-    return text if len(text) <= MAX_SHOWN else f"{text[:half]}...{text[-half:]}"
+    def __str__(self) -> str:
+        return one_line(f"{self.feature} needs: pip install 'pymunk-dragon[{self.extra}]'")

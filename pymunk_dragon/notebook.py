@@ -11,7 +11,6 @@ from typing import Any
 
 from pymunk_dragon.drawing import Film, still_png
 from pymunk_dragon.drawing.figures import figure
-from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 from pymunk_dragon.player import player_page
@@ -19,35 +18,25 @@ from pymunk_dragon.player import player_page
 # Handle positions over all frames up to which a run is played in the notebook, which keeps the page in its file: some
 # 400 kB. That is the last two minutes of the paper's 223 benches, or twenty minutes of 16.
 MAX_POSITIONS = 250_000
-# Pixels: height of a player, which is as wide as the notebook.
-PLAYER_HEIGHT = 640
-# Pixels: side of a picture, shown at half of it on screens with two pixels to the point.
-PICTURE_SIZE = 640
+# Pixels: height of a player, and the side of a picture, shown at half of it on screens with two pixels to the point.
+SIZE = 640
 
 
-def as_html(shown: object) -> str | None:
-    """A frame with the player of a small run in it; None for anything else.
-
-    The frame keeps the page's script from the notebook's.
-    """
-    if not isinstance(shown, Run) or len(shown.times) * shown.march.dragon.handles > MAX_POSITIONS:
+def as_html(shown: Run | March) -> str | None:
+    """A frame, which keeps its script from the notebook's, with the player of a small run; None for anything else."""
+    if isinstance(shown, March) or len(shown.times) * shown.march.dragon.handles > MAX_POSITIONS:
         return None
     return (
         f'<iframe srcdoc="{escape(player_page(shown))}" title="A run of the bench dragon" width="100%" '
-        f'height="{PLAYER_HEIGHT}" style="border: 0" sandbox="allow-scripts allow-downloads"></iframe>'
+        f'height="{SIZE}" style="border: 0" sandbox="allow-scripts allow-downloads"></iframe>'
     )
 
 
-def as_png(shown: object) -> bytes | None:
+def as_png(shown: Run | March) -> bytes:
     """A run as it ended, or a march as it begins, as the bytes of a PNG."""
-    film = Film(size=PICTURE_SIZE)
-    if isinstance(shown, Run):
-        return still_png(shown, float(shown.times[-1]), film)
-    return still_png(shown, 0.0, film) if isinstance(shown, March) else None
+    return still_png(shown, float(shown.times[-1]) if isinstance(shown, Run) else 0.0, Film(size=SIZE))
 
 
-def plot(shown: object) -> Any:
+def plot(shown: Run | March) -> Any:
     """Paths of seven handles of a run or a march, as a matplotlib figure."""
-    if not isinstance(shown, Run | March):
-        raise ParameterError("shown", shown, "a run or a march")
     return figure("trajectories", shown)
