@@ -26,27 +26,24 @@ _PYMUNK_DRAGON_COMPLETE=fish_source pymunk-dragon | source
 
 ## How it works
 
-A command is imported when it is named, and imports NumPy, Pymunk and the like in its function. So every command loads
-only what it uses, and `pymunk-dragon --help` none of these libraries.
+The module of a command is imported when the command is run, and imports NumPy, Pymunk and the like only if it uses
+them. `pymunk-dragon --help` imports none of them.
 """
 
 from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterator, Mapping
 from contextlib import suppress
-from functools import cache
 from importlib import import_module
 from io import TextIOWrapper
 
 import click
+from click.shell_completion import shell_complete
 
 from pymunk_dragon import __version__
 from pymunk_dragon._language import in_language
-from pymunk_dragon.cli.command import language_of, language_option, write_examples
-from pymunk_dragon.cli.hints import option_hint
-from pymunk_dragon.cli.options import PROGRAM
+from pymunk_dragon.cli.options import PROGRAM, language_option, write_examples
 from pymunk_dragon.errors import (
     DragonError,
     FileFormatError,
@@ -56,17 +53,63 @@ from pymunk_dragon.errors import (
     one_line,
 )
 
-# The commands. Each is a function in the module of its name.
-COMMANDS = ("positions", "contact", "simulate", "render", "figure", "report", "study", "sweep", "demo", "live")
+# The commands, in the order in which one uses them. Each is a function in the module of its name.
+COMMANDS = {
+    "positions": "Where the handles are and how fast, exactly.",
+    "contact": "When benches that are not neighbours first touch, and where.",
+    "simulate": "Play the march in Pymunk until the dragon runs into itself.",
+    "render": "Film a run, several side by side, or an exact march.",
+    "figure": "Draw one of the paper's figures, or one beyond it, or all.",
+    "report": "Report on a run, as a document or a table.",
+    "study": "Run a study of many marches.",
+    "sweep": "Compute a quantity at many values of parameters, in parallel.",
+    "demo": "Play a lesson by its name or number, or all lessons.",
+    "live": "Play the dragon in real time, and touch it in a browser.",
+}
 # Environment variable with which a shell demands completions, as Click names it.
 COMPLETE_VARIABLE = "_PYMUNK_DRAGON_COMPLETE"
 # Commands for the start, in the help of the program.
 EXAMPLES = ("demo spiral", "contact", "simulate --from 400 -o run.npz", "render run.npz", "report run.npz")
 # Exit codes.
-DONE = 0
-FAILED = 1
-BAD_INPUT = 2
-INTERRUPTED = 130
+DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
+# Errors of the user's input.
+INPUT_ERRORS = (click.ClickException, ParameterError, UnreachableError, FileFormatError, MissingExtraError)
+
+
+def command(name: str) -> click.Command:
+    """Import a command."""
+    found: click.Command = getattr(import_module(f"{__name__}.{name}"), name)
+    return found
+
+
+class Program(click.Group):
+    """The program; its commands are imported when they are run, and in lists have their names and summaries only."""
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """The command that the arguments name, and the others."""
+        name, known, others = super().resolve_command(ctx, args)
+        return name, command(name) if name and known else None, others
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """The names of the commands in the order in which one uses them."""
+        return list(self.commands)
+
+    def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the examples."""
+        write_examples(formatter, EXAMPLES)
+
+
+@click.group(
+    cls=Program,
+    commands={name: click.Command(name, short_help=summary) for name, summary in COMMANDS.items()},
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+@click.version_option(__version__, "-V", "--version", prog_name=PROGRAM)
+@language_option
+def cli() -> None:
+    """A bench dragon on its spiral: positions, speeds, and the first contact with itself."""
 
 
 def main(arguments: list[str] | None = None) -> None:
@@ -77,51 +120,42 @@ def main(arguments: list[str] | None = None) -> None:
 def status(arguments: list[str] | None = None) -> int:
     """Run the program and return its exit code."""
     _open_streams()
-    given = list(sys.argv[1:] if arguments is None else arguments)
-    with in_language(language_of(given)):
-        return _status(given)
-
-
-def _status(arguments: list[str]) -> int:
-    """Run the program in the present language and return its exit code."""
     try:
-        if COMPLETE_VARIABLE in os.environ:
-            from click.shell_completion import shell_complete
-
-            return shell_complete(cli, {}, PROGRAM, COMPLETE_VARIABLE, os.environ[COMPLETE_VARIABLE])
-        # Not `cli.main`, which prints an empty line when it is interrupted.
-        with cli.make_context(PROGRAM, arguments) as context:
-            cli.invoke(context)
-        sys.stdout.flush()
-        return DONE
-    except click.exceptions.Exit as end:
-        return end.exit_code
+        # The language of the flag or the environment ends with the program.
+        with in_language("en"):
+            return _run(list(sys.argv[1:] if arguments is None else arguments))
     except click.exceptions.NoArgsIsHelpError as error:
         with suppress(OSError):
-            click.echo(error.format_message(), err=True)
+            error.show()
         return BAD_INPUT
-    except click.NoSuchOption as error:
-        return _complain(option_hint(error), BAD_INPUT)
-    except click.ClickException as error:
-        return _complain(error.format_message(), BAD_INPUT)
-    except (ParameterError, UnreachableError, FileFormatError, MissingExtraError) as error:
-        return _complain(str(error), BAD_INPUT)
-    except DragonError as error:
-        return _complain(str(error), FAILED)
+    except (*INPUT_ERRORS, DragonError) as error:
+        message = error.format_message() if isinstance(error, click.ClickException) else str(error)
+        return _complain(message, BAD_INPUT if isinstance(error, INPUT_ERRORS) else FAILED)
     except KeyboardInterrupt as end:
         # With what is left to be resumed, if there is something.
         return _complain(": ".join(("interrupted", *map(str, end.args))), INTERRUPTED)
-    except BrokenPipeError:
-        # The reader of stdout has closed it, as `head` does.
-        _drop_output()
-        return FAILED
     except OSError as error:
         # Nearly always stdout: functions that read and write files raise errors of the package.
         _drop_output()
-        what = f"{error.filename}: " if error.filename else ""
-        return _complain(f"cannot read or write: {what}{error.strerror or error}", FAILED)
+        # `head` closes stdout once it has its lines.
+        closed = isinstance(error, BrokenPipeError)
+        return FAILED if closed else _complain(f"cannot write the output: {error.strerror or error}", FAILED)
     except MemoryError:
         return _complain("not enough memory for a dragon of this size", FAILED)
+
+
+def _run(arguments: list[str]) -> int:
+    """Run the program and return its exit code; errors are raised."""
+    if instruction := os.environ.get(COMPLETE_VARIABLE):
+        return shell_complete(cli, {}, PROGRAM, COMPLETE_VARIABLE, instruction)
+    try:
+        # Not `cli.main`, which prints an empty line when it is interrupted.
+        with cli.make_context(PROGRAM, arguments) as context:
+            cli.invoke(context)
+    except click.exceptions.Exit as end:
+        return end.exit_code
+    sys.stdout.flush()
+    return DONE
 
 
 def _open_streams() -> None:
@@ -145,57 +179,3 @@ def _complain(message: str, code: int) -> int:
     with suppress(OSError):
         click.echo(f"{PROGRAM}: {one_line(message)}", err=True)
     return code
-
-
-@cache
-def _command(name: str) -> click.Command:
-    """Import a command, a module of this package; importing all of them would take longer than most commands."""
-    command: click.Command = getattr(import_module(f"{__name__}.{name}"), name)
-    return command
-
-
-class _Commands(Mapping[str, click.Command]):
-    """The commands by their names, each of which is imported when it is looked up."""
-
-    def __getitem__(self, name: str) -> click.Command:
-        if name not in COMMANDS:
-            raise KeyError(name)
-        return _command(name)
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(COMMANDS)
-
-    def __len__(self) -> int:
-        return len(COMMANDS)
-
-
-class _Group(click.Group):
-    """The program: a name that no command has gets the most similar one as a hint."""
-
-    def list_commands(self, ctx: click.Context) -> list[str]:
-        """The names of the commands in the order in which one uses them."""
-        return list(COMMANDS)
-
-    def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """Write the examples."""
-        write_examples(formatter, EXAMPLES)
-
-    def resolve_command(
-        self, ctx: click.Context, args: list[str]
-    ) -> tuple[str | None, click.Command | None, list[str]]:
-        if args and args[0] not in COMMANDS and not (args[0].startswith("-") or ctx.resilient_parsing):
-            from difflib import get_close_matches
-
-            similar = get_close_matches(args[0], COMMANDS, n=1)
-            hint = f"did you mean {similar[0]}?" if similar else f"the commands are {', '.join(COMMANDS)}"
-            ctx.fail(f"there is no command {args[0]!r}: {hint}")
-        return super().resolve_command(ctx, args)
-
-
-@click.group(cls=_Group, commands=_Commands(), context_settings={"help_option_names": ["-h", "--help"]})
-@click.version_option(__version__, "-V", "--version", prog_name=PROGRAM)
-def cli() -> None:
-    """A bench dragon on its spiral: positions, speeds, and the first contact with itself."""
-
-
-cli.params.append(language_option())

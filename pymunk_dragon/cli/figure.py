@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING
 import click
 
 from pymunk_dragon._language import text
-from pymunk_dragon.cli.command import DragonCommand
-from pymunk_dragon.cli.completion import files, named
 from pymunk_dragon.cli.options import (
+    DragonCommand,
     chosen,
     destination_of,
+    files,
     json_option,
     march_of,
+    named,
     output_option,
     run_of,
     scenario_options,

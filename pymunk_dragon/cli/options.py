@@ -1,38 +1,34 @@
-"""Options that several commands share, and what they mean."""
+"""The class of the commands, the options that several of them share, and what these mean."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
 from decimal import Decimal
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from pymunk_dragon.cli.completion import files
-from pymunk_dragon.cli.hints import unit_hint
-from pymunk_dragon.cli.output import note
-from pymunk_dragon.errors import FileFormatError, ParameterError
+from pymunk_dragon._language import in_language
+from pymunk_dragon.errors import ParameterError
 
 if TYPE_CHECKING:
     from pymunk_dragon.model.march import March
     from pymunk_dragon.model.run import Run
 
-Command = TypeVar("Command", bound=Callable[..., Any])
+F = TypeVar("F", bound=Callable[..., Any])
 
 PROGRAM = "pymunk-dragon"
-# Numbers in one list: more would fill the memory, and come from a typing error.
-MAX_LIST = 1_000_000
+# Numbers in one list: more would come from a typing error.
+MAX_LIST = 100_000
 
 
 def speed_or_file(value: str) -> float | str:
-    """A number, or the name of a CSV file, which the scenario reads."""
+    """A number, or the name of a file, which the scenario reads."""
     try:
         return float(value)
     except ValueError:
-        if value.lower().endswith(".csv"):
-            return value
-        raise click.BadParameter(f"{value!r} is neither a number nor a file of a table, which ends in .csv") from None
+        return value
 
 
 # Headings of the options of a scenario in the help.
@@ -49,6 +45,26 @@ SCENARIO_OPTIONS: dict[str, tuple[Any, str, str]] = {
 }
 
 
+def _set_language(context: click.Context, parameter: click.Parameter, value: str | None) -> None:
+    if value is not None:
+        context.with_resource(in_language(value))
+
+
+language_option = click.option(
+    "--lang",
+    metavar="LANG",
+    envvar="PYMUNK_DRAGON_LANG",
+    expose_value=False,
+    callback=_set_language,
+    help="Language of results: en or zh.  [PYMUNK_DRAGON_LANG of the environment, or en]",
+)
+
+
+def is_given(context: click.Context, name: str) -> bool:
+    """Whether an option was given as a flag."""
+    return context.get_parameter_source(name) is click.core.ParameterSource.COMMANDLINE
+
+
 class Headed(click.Option):
     """An option under a heading of its own in the help."""
 
@@ -57,68 +73,143 @@ class Headed(click.Option):
         self.heading = heading
 
 
-def _scenario_option(name: str, heading: str, **settings: Any) -> Headed:
-    """An option of a scenario, whose value `chosen` has."""
+class DragonCommand(click.Command):
+    """A command with the option --lang, whose errors name flags instead of the parameters that get their values.
 
-    def collect(context: click.Context, parameter: click.Parameter, value: Any) -> None:
-        if value is not None:
-            context.meta.setdefault("scenario", {})[parameter.name] = value
+    Its help has its own options first, those of a scenario under headings, and `examples`: arguments of the command.
+    `registered` functions make options that stand before the option of their key, and `names` stand for {names} in
+    the help.
+    """
 
-    flag = "--" + name.replace("_", "-")
-    return Headed([flag, name], heading=heading, callback=collect, expose_value=False, **settings)
+    def __init__(
+        self,
+        *arguments: Any,
+        examples: tuple[str, ...],
+        registered: Mapping[str, Callable[[], Iterable[click.Option]]] | None = None,
+        names: Callable[[], Iterable[str]] = list,
+        **settings: Any,
+    ) -> None:
+        super().__init__(*arguments, **settings)
+        self.examples = examples
+        self.help = str(self.help).replace("{names}", ", ".join(names()))
+        for before, make in (registered or {}).items():
+            place = [option.name for option in self.params].index(before)
+            self.params[place:place] = make()
+        self.params.append(
+            click.Option(
+                ["--lang"],
+                metavar="LANG",
+                expose_value=False,
+                callback=_set_language,
+                help="Language of results: en or zh.",
+            )
+        )
+
+    def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the options, those of a scenario last."""
+        groups: dict[str, list[tuple[str, str]]] = {"Options": []}
+        for option in self.get_params(ctx):
+            if record := option.get_help_record(ctx):
+                groups.setdefault(getattr(option, "heading", "Options"), []).append(record)
+        for heading, records in sorted(groups.items(), key=lambda group: group[0] in (DRAGON, CURVE)):
+            with formatter.section(heading):
+                formatter.write_dl(records)
+
+    def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the examples."""
+        write_examples(formatter, [f"{self.name} {example}" for example in self.examples])
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run the command."""
+        try:
+            return super().invoke(ctx)
+        except ParameterError as error:
+            name = error.name.removeprefix("curve.")
+            for option in self.params:
+                if option.name == name and is_given(ctx, name):
+                    raise ParameterError(option.opts[0], error.value, error.bound) from error
+            raise
 
 
-def curve_options() -> list[Headed]:
-    """The options --curve and those of the registered curves."""
-    from pymunk_dragon.model.curves import Curve
-    from pymunk_dragon.model.scenario import named_curves
-
-    named = named_curves()
-    default = named[0]
-    text = f"{', '.join(named)}, or a file with points x,y of a path, m.  [{default}]"
-    complete = files(".csv", words=named)
-    options = [_scenario_option("curve", CURVE, metavar="NAME|FILE.csv", help=text, shell_complete=complete)]
-    flags: dict[str, list[str]] = {}
-    # The default curve first.
-    for kind in sorted(Curve.kinds, key=lambda kind: kind != default):
-        for name in Curve.kinds[kind].flags:
-            flags.setdefault(name, []).append(kind)
-    for name, kinds in flags.items():
-        metavar, _ = Curve.kinds[kinds[0]].flags[name]
-        text = " ".join(dict.fromkeys(Curve.kinds[kind].flags[name][1] for kind in kinds))
-        defaults = {kind: getattr(Curve.kinds[kind], name, None) for kind in kinds}
-        known = [f"{value:g}" + f" of a {kind}" * (kind != kinds[0]) for kind, value in defaults.items() if value]
-        text += f"  [{', or '.join(known)}]" if known else ""
-        options.append(_scenario_option(name, CURVE, type=float, metavar=metavar, help=text))
-    return options
-
-
-def scenario_options(command: Command) -> Command:
-    """Add the options of a scenario to a command, which gets `scenario_file`; `chosen` has the others."""
-    for name, (kind, metavar, text) in reversed(SCENARIO_OPTIONS.items()):
-        heading = CURVE if name in ("turns", "speed") else DRAGON
-        complete = files(".csv") if name == "speed" else None
-        option = _scenario_option(name, heading, type=kind, metavar=metavar, help=text, shell_complete=complete)
-        _add(command, option)
-    text = "Read the dragon, curve and speed from a file; options win."
-    flags = ["--scenario", "scenario_file"]
-    _add(command, Headed(flags, heading=DRAGON, metavar="FILE.toml", help=text, shell_complete=files(".toml")))
-    return command
-
-
-def _add(command: Any, option: click.Option) -> None:
-    """Add an option above those that a command has, as decorators of Click do."""
-    command.__click_params__ = [*getattr(command, "__click_params__", ()), option]
+def write_examples(formatter: click.HelpFormatter, examples: Iterable[str]) -> None:
+    """Write examples, each a command with its arguments, in a help."""
+    with formatter.section("Examples"):
+        for example in examples:
+            formatter.write(f"  {PROGRAM} {example}".rstrip() + "\n")
 
 
 json_option = click.option("--json", "as_json", is_flag=True, help="Print one JSON object and nothing else.")
 start_option = click.option("--from", "start", type=float, default=0.0, metavar="T", help="First time, s.  [0]")
+until_option = click.option("--until", type=float, metavar="T", help="Last time, s.  [the end of the curve]")
 
 
-def output_option(endings: str, default: str | None = None) -> Callable[[Command], Command]:
+def named(load: Callable[[], Iterable[str]]) -> Callable[[click.Context, click.Parameter, str], Any]:
+    """Completion of the names that `load` returns."""
+    return lambda context, parameter, incomplete: [name for name in load() if name.startswith(incomplete)]
+
+
+def files(*endings: str) -> Callable[[click.Context, click.Parameter, str], Any]:
+    """Completion of the names of files."""
+    return lambda context, parameter, incomplete: click.Path().shell_complete(context, parameter, incomplete)
+
+
+def words(*known: str) -> Callable[[click.Context, click.Parameter, str], Any]:
+    """Completion of one of these words."""
+    return named(lambda: known)
+
+
+def output_option(endings: str, default: str | None = None) -> Callable[[F], F]:
     """The option -o; the ending of its file chooses the format."""
     text = f"File to write: {endings}." + (f"  [{default}]" if default else "")
-    return click.option("-o", "--output", metavar="FILE", help=text, shell_complete=files())
+    return click.option("-o", "--output", metavar="FILE", type=click.Path(), help=text)
+
+
+def scenario_options(function: F) -> F:
+    """Add the options of a scenario to a command, which gets `scenario_file`; `chosen` has the others."""
+    options = [
+        *(_scenario_option(name, DRAGON, *SCENARIO_OPTIONS[name]) for name in [*SCENARIO_OPTIONS][:5]),
+        *_curve_options(),
+        *(_scenario_option(name, CURVE, *SCENARIO_OPTIONS[name]) for name in ("turns", "speed")),
+    ]
+    for option in reversed(options):
+        option(function)
+    text = "Read the dragon, curve and speed from a file; options win."
+    file = click.Path()
+    return click.option(
+        "--scenario", "scenario_file", cls=Headed, heading=DRAGON, metavar="FILE.toml", type=file, help=text
+    )(function)
+
+
+def _scenario_option(name: str, heading: str, kind: Any, metavar: str, text: str) -> Callable[[F], F]:
+    """An option of a scenario, whose value `chosen` has."""
+
+    def collect(context: click.Context, parameter: click.Parameter, value: Any) -> None:
+        if value is not None:
+            context.meta.setdefault("scenario", {})[name] = value
+
+    flag = "--" + name.replace("_", "-")
+    settings = {"type": kind, "metavar": metavar, "help": text, "callback": collect, "expose_value": False}
+    return click.option(flag, name, cls=Headed, heading=heading, **settings)
+
+
+def _curve_options() -> list[Callable[[F], F]]:
+    """The options --curve and those of the registered curves."""
+    from pymunk_dragon.model.curves import Curve
+    from pymunk_dragon.model.scenario import named_curves
+
+    default, *others = named_curves()
+    text = f"{', '.join([default, *others])}, or a file with points x,y of a path, m.  [{default}]"
+    options = [_scenario_option("curve", CURVE, str, "NAME|FILE.csv", text)]
+    kinds = {name: Curve.kinds[name] for name in (default, *Curve.kinds)}
+    for flag in dict.fromkeys(flag for kind in kinds.values() for flag in kind.flags):
+        having = {name: kind for name, kind in kinds.items() if flag in kind.flags}
+        text = " ".join(dict.fromkeys(kind.flags[flag][1] for kind in having.values()))
+        defaults = [(value, name) for name, kind in having.items() if (value := getattr(kind, flag, None))]
+        shown = [f"{value:g}" + f" of a {name}" * (i > 0) for i, (value, name) in enumerate(defaults)]
+        text += f"  [{', or '.join(shown)}]" if shown else ""
+        metavar = next(iter(having.values())).flags[flag][0]
+        options.append(_scenario_option(flag, CURVE, float, metavar, text))
+    return options
 
 
 def chosen() -> dict[str, Any]:
@@ -127,63 +218,12 @@ def chosen() -> dict[str, Any]:
     return found
 
 
-def named_by_flag(error: ParameterError | FileFormatError) -> Exception:
-    """The error with the name of a flag, if a flag has the parameter's name or, failing that, its number."""
-    context = click.get_current_context()
-    given = context.params | chosen()
-    # Options of a scenario that are not given have their values from a file or by default: they keep their names.
-    flags = {
-        str(option.name): (option.opts[0], option.is_flag)
-        for option in context.command.get_params(context)
-        if isinstance(option, click.Option)
-        and (getattr(option, "heading", "") not in (DRAGON, CURVE) or option.name in given)
-    }
-    if isinstance(error, FileFormatError):
-        for name, (flag, _) in flags.items():
-            if given.get(name) == str(error.path):
-                return FileFormatError(f"{flag} {error.path}", error.reason)
-        return error
-    for name, (flag, is_flag) in flags.items():
-        if error.name.removeprefix("curve.") in (name, flag.lstrip("-").replace("-", "_")):
-            return ParameterError(flag, error.value, error.bound)
-        if is_flag and isinstance(error.value, str) and error.value == name:
-            return click.UsageError(f"{flag} must be {error.bound}")
-    # Such as a time that a function deeper down calls t.
-    number = error.value if isinstance(error.value, float) else None
-    same = [flag for name, (flag, _) in flags.items() if number is not None and given.get(name) == number]
-    return ParameterError(same[0], error.value, error.bound) if len(same) == 1 else error
-
-
-def with_hint(error: Exception) -> Exception:
-    """The error, with a hint if a length among the options is probably not in m."""
-    hint = unit_hint(chosen())
-    if not hint or isinstance(error, FileFormatError):
-        return error
-    if isinstance(error, ParameterError):
-        return ParameterError(error.name, error.value, f"{error.bound}; {hint}")
-    return click.UsageError(f"{error}; {hint}")
-
-
 def march_of(scenario_file: str | None) -> March:
     """The march of a scenario file, whose values are replaced by those of flags."""
     from pymunk_dragon.model.scenario import Scenario
 
     values = Scenario.read(scenario_file) if scenario_file is not None else {}
-    try:
-        march = Scenario.from_dict(values | chosen()).march()
-    except ParameterError as error:
-        if error.name.removeprefix("curve.") in chosen():
-            raise
-        # A key of the file or a default. An option of this command may have its name: `start` is not --from.
-        raise click.UsageError(str(error)) from error
-    note_units()
-    return march
-
-
-def note_units() -> None:
-    """Note lengths that are probably not in m. This is no error: a dragon of that size may be meant."""
-    if hint := unit_hint(chosen()):
-        note(f"note: {hint}")
+    return Scenario.from_dict(values | chosen()).march()
 
 
 def run_of(run_file: str, scenario_file: str | None) -> Run:
@@ -195,35 +235,26 @@ def run_of(run_file: str, scenario_file: str | None) -> Run:
     return Run.load(run_file)
 
 
-def destination_of(output: str | None, endings: tuple[str, ...]) -> Path | None:
+def destination_of(output: str | None, endings: Iterable[str]) -> Path | None:
     """The file to write, after `check_destination`; to be called before the long work."""
-    if output is None:
-        return None
     from pymunk_dragon._files import check_destination
 
-    return check_destination(output, endings)
+    return None if output is None else check_destination(output, endings)
 
 
 def number_list(name: str, text: str) -> list[float]:
-    """Numbers from `0,60,120` or `0:300:1`, both ends included, or a mixture.
-
-    A ParameterError names the parameter `name`.
-    """
-    bound = "numbers such as 0,60,120 or first:last:step such as 0:300:1"
+    """Numbers from `0,60,120` or `0:300:1`, both ends included, or a mixture; `name` is that of the parameter."""
     numbers: list[float] = []
-    for part in text.split(","):
-        try:
-            values = [float(value) for value in part.split(":")]
-        except ValueError:
-            raise ParameterError(name, text, bound) from None
-        if len(values) == 1:
-            numbers += values
-        elif len(values) == 3 and all(abs(value) < float("inf") for value in values) and values[2] > 0:
-            if not 0 <= (values[1] - values[0]) / values[2] < MAX_LIST:
-                raise ParameterError(name, text, f"at least one and at most {MAX_LIST} numbers, first:last:step")
+    try:
+        for part in text.split(","):
             # Decimal numbers, as they are written: the second after 0.2 in steps of 0.1 is 0.4 and not 0.4 + 6e-17.
-            first, last, step = map(Decimal, part.split(":"))
-            numbers += [float(first + step * i) for i in range(int((last - first) / step) + 1)]
-        else:
-            raise ParameterError(name, text, bound)
+            first, *others = map(Decimal, part.split(":"))
+            last, step = others or (first, Decimal(1))
+            steps = (last - first) / step
+            if not (step > 0 and 0 <= steps < MAX_LIST):
+                raise ValueError
+            numbers += [float(first + step * i) for i in range(int(steps) + 1)]
+    except (ValueError, ArithmeticError):
+        bound = f"numbers such as 0,60,120 or first:last:step such as 0:300:1, of which there are at most {MAX_LIST}"
+        raise ParameterError(name, text, bound) from None
     return numbers

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -20,24 +20,13 @@ BAR = 14
 
 @contextmanager
 def progress(label: str) -> Iterator[Callable[[float, float, str], None]]:
-    """Progress bar on stderr if that is a terminal; yields `show(done, total, label)`.
-
-    The bar begins with the first call: preparations would be taken for a slow first step.
-    """
-    with ExitStack() as stack:
-        bars: list[Any] = []
+    """Progress bar on stderr if that is a terminal; yields `show(done, total, label)`."""
+    hidden = not sys.stderr.isatty()
+    with click.progressbar(length=STEPS, width=BAR, label=label, file=sys.stderr, hidden=hidden) as bar:
 
         def show(done: float, total: float, now: str) -> None:
-            if not bars:
-                bar = click.progressbar(
-                    length=STEPS, width=BAR, label=label, file=sys.stderr, hidden=not sys.stderr.isatty()
-                )
-                bars.append(stack.enter_context(bar))
-            [bar] = bars
             bar.label = now
-            step = int(STEPS * done / total) - bar.pos
-            if step > 0:
-                bar.update(step)
+            bar.update(max(int(STEPS * done / total) - bar.pos, 0))
 
         yield show
 
@@ -51,13 +40,10 @@ def note(line: str) -> None:
 def wrote(path: Path, *facts: str) -> None:
     """Note which file was written, and its size."""
     if path.is_file():  # Not a device or a FIFO, which has no size.
-        note(text("wrote {path}: {facts}").format(path=path, facts=", ".join([*facts, _size(path.stat().st_size)])))
-
-
-def _size(count: int) -> str:
-    """A number of bytes, with two digits or more."""
-    amount, unit = (count / 1e6, "MB") if count >= 1e6 else (count / 1e3, "kB")
-    return f"{amount:.{0 if amount >= 10 else 1}f} {unit}"
+        count = path.stat().st_size
+        amount, unit = (count / 1e6, "MB") if count >= 1e6 else (count / 1e3, "kB")
+        size = f"{amount:.{0 if amount >= 10 else 1}f} {unit}"
+        note(text("wrote {path}: {facts}").format(path=path, facts=", ".join([*facts, size])))
 
 
 def write_json(path: Path, result: dict[str, Any]) -> None:
@@ -75,3 +61,8 @@ def print_json(result: dict[str, Any]) -> None:
     import json
 
     click.echo(json.dumps(result))
+
+
+def print_file(path: Path) -> None:
+    """Print a JSON object with the name and the size of a file that was written."""
+    print_json({"output": str(path), "bytes": path.stat().st_size})

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import csv
 from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
+from pymunk_dragon._files import written_in_place
 from pymunk_dragon._language import text
-from pymunk_dragon.cli.command import DragonCommand
 from pymunk_dragon.cli.options import (
+    DragonCommand,
     destination_of,
     json_option,
     march_of,
@@ -23,7 +24,7 @@ from pymunk_dragon.cli.output import print_json, progress, write_json, wrote
 from pymunk_dragon.errors import ParameterError
 
 if TYPE_CHECKING:
-    from pymunk_dragon.model.march import March
+    from pymunk_dragon.model.march import March, States
 
 # The times of the paper's tables.
 TABLE_TIMES = "0:300:60"
@@ -52,28 +53,21 @@ def positions(
             raise click.UsageError("--paper prints all of its tables: leave out --times, --handles, --json and -o")
         click.echo(_paper_tables(march))
         return
-    last = march.dragon.handles - 1
-    chosen = march.dragon.representatives if handles is None else _handles(handles, last)
+    selected = march.dragon.representatives if handles is None else _handles(handles, march.dragon.handles - 1)
     at = number_list("times", times or TABLE_TIMES)
     if len(at) * march.dragon.handles > MAX_TABLE:
         raise ParameterError("times", times, f"at most {MAX_TABLE // march.dragon.handles} for this dragon")
     destination = destination_of(output, (".csv", ".json", ".xlsx"))
-    sheets = destination if destination is not None and destination.suffix.lower() == ".xlsx" else None
-    if sheets is not None and handles is not None:
+    if handles is not None and destination is not None and destination.suffix.lower() == ".xlsx":
         raise click.UsageError("the contest's sheets have all handles: leave out --handles, or write .csv or .json")
     states = march.at(at)
-    if sheets is not None:
-        _write_contest_tables(march, at, sheets)
-    elif destination is not None and destination.suffix.lower() == ".csv":
-        _write_csv(destination, states.rows(chosen))
-    elif destination is not None:
-        write_json(destination, states.to_dict(chosen))
     if destination is not None:
+        _write(destination, march, at, states, selected)
         wrote(destination)
     if as_json:
-        print_json(states.to_dict(chosen))
+        print_json(states.to_dict(selected))
     elif destination is None:
-        click.echo(states.text(chosen))
+        click.echo(states.text(selected))
 
 
 def _handles(given: str, last: int) -> list[int]:
@@ -92,21 +86,19 @@ def _paper_tables(march: March) -> str:
     return paper_tables(march, hit.time if hit is not None and hit.status == "contact" else None)
 
 
-def _write_contest_tables(march: March, times: list[float], path: Path) -> None:
-    from pymunk_dragon.reports import write_tables
+def _write(path: Path, march: March, times: list[float], states: States, handles: list[int]) -> None:
+    """Write the states in the format of the file's ending."""
+    if path.suffix.lower() == ".xlsx":
+        from pymunk_dragon.reports import write_tables
 
-    with progress("row") as show:
-        write_tables(
-            march, times, path, progress=lambda done, total: show(done, total, text("row {done}").format(done=done))
-        )
+        with progress("row") as show:
 
+            def report(done: int, total: int) -> None:
+                show(done, total, text("row {done}").format(done=done))
 
-def _write_csv(path: Path, rows: Iterable[tuple[float, ...]]) -> None:
-    import csv
-
-    from pymunk_dragon._files import written_in_place
-
-    with written_in_place(path) as draft, draft.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(COLUMNS)
-        writer.writerows(rows)
+            write_tables(march, times, path, progress=report)
+    elif path.suffix.lower() == ".csv":
+        with written_in_place(path) as draft, draft.open("w", newline="", encoding="utf-8") as file:
+            csv.writer(file).writerows([COLUMNS, *states.rows(handles)])
+    else:
+        write_json(path, states.to_dict(handles))

@@ -5,73 +5,52 @@ from __future__ import annotations
 import math
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
+import numpy as np
 
 from pymunk_dragon._language import text
-from pymunk_dragon.cli.command import DragonCommand
-from pymunk_dragon.cli.completion import files, words
 from pymunk_dragon.cli.options import (
+    DragonCommand,
     destination_of,
+    is_given,
     json_option,
     march_of,
     output_option,
     run_of,
     scenario_options,
 )
-from pymunk_dragon.cli.output import print_json, progress, wrote
+from pymunk_dragon.cli.output import print_file, progress, wrote
+from pymunk_dragon.drawing import FILM_ENDINGS, OVERLAYS, STILL_ENDINGS, Camera, Film, write_film, write_still
 from pymunk_dragon.errors import ParameterError
-
-if TYPE_CHECKING:
-    from pymunk_dragon.model.march import March
-    from pymunk_dragon.model.run import Run
+from pymunk_dragon.model.march import March
+from pymunk_dragon.model.run import Run
+from pymunk_dragon.player import PLAYER_ENDINGS, write_player
 
 # s: default length of a film of a march without contact.
 MARCH_FILM = 60.0
 # m: distance that the head travels between the frames of a march in a player.
 PLAYER_STRIDE = 0.1
-# Options that only films have.
+# Options that only films have, and those that only films and pictures have.
 OF_FILMS = ("speedup", "fps", "hold", "workers")
-# Options that only films and stills have.
-OF_PICTURES = ("exact", "size", "follow", "span", "caption", "legend", "font")
+OF_PICTURES = ("exact", "size", "follow", "span", "caption", "legend", "font", *OVERLAYS)
 # Worker processes: with more the first process, which writes the film, is the bottleneck.
 MAX_WORKERS = 3
 
 
 def _overlay_options() -> list[click.Option]:
-    """A flag for each overlay; `_overlays` has the chosen ones."""
-    from pymunk_dragon.drawing import OVERLAYS
-
-    def collect(context: click.Context, parameter: click.Parameter, value: bool) -> None:
-        if value:
-            context.meta.setdefault("overlays", []).append(parameter.opts[0].removeprefix("--"))
-
-    return [
-        click.Option([f"--{name}"], is_flag=True, help=overlay.shows, callback=collect, expose_value=False)
-        for name, overlay in OVERLAYS.items()
-    ]
-
-
-def _overlays() -> tuple[str, ...]:
-    """The overlays whose flags were given."""
-    return tuple(click.get_current_context().meta.get("overlays", ()))
-
-
-def _endings() -> tuple[str, ...]:
-    """Endings of films."""
-    from pymunk_dragon.drawing import FILM_ENDINGS
-
-    return FILM_ENDINGS
+    """A flag for each overlay."""
+    return [click.Option([f"--{name}"], is_flag=True, help=overlay.shows) for name, overlay in OVERLAYS.items()]
 
 
 @click.command(
     cls=DragonCommand,
     examples=("run.npz", "run.npz --exact --camera head -o both.mp4", "--until 60 -o march.gif"),
     registered={"title": _overlay_options},
-    names=_endings,
+    names=lambda: FILM_ENDINGS,
 )
-@click.argument("run_files", metavar="[RUN.npz]...", nargs=-1, shell_complete=files(".npz"))
+@click.argument("run_files", metavar="[RUN.npz]...", nargs=-1, type=click.Path())
 @scenario_options
 @click.option("--exact", is_flag=True, help="Show the exact model beside the run.")
 @click.option("--from", "start", type=float, metavar="T", help="First time, s.  [such that a film takes 11 s]")
@@ -80,29 +59,22 @@ def _endings() -> tuple[str, ...]:
 @click.option("--fps", type=int, metavar="N", help="Frames in a second, at most 60, and 50 in a GIF.  [20]")
 @click.option("--size", metavar="PIXELS", help="Width and height: 440, or 640x360.  [440]")
 @click.option(
-    "--camera",
-    "follow",
-    default="field",
-    metavar="NAME",
-    help="field: fixed; head: follow the head.  [field]",
-    shell_complete=words("field", "head"),
+    "--camera", "follow", type=click.Choice(["field", "head"]), default="field", help="What is in view.  [field]"
 )
 @click.option("--span", type=float, metavar="M", help="Width of the ground in view, m.")
 @click.option("--hold", type=float, metavar="T", help="How long the last frame stays, s.  [2.5]")
 @click.option("--title", metavar="TEXT", help="A line above the picture.")
 @click.option("--caption", metavar="TEXT", help="Lines below the picture.")
 @click.option("--legend/--no-legend", default=None, help="Legend and scale bar below the picture.  [shown]")
-@click.option("--font", metavar="FILE", help="Face of the type, for what the usual one lacks.")
-@click.option(
-    "--workers", type=int, metavar="N", help="Other processes that draw a long film.  [spare cores, at most 3]"
-)
+@click.option("--font", metavar="FILE", type=click.Path(), help="Face of the type, for what the usual one lacks.")
+@click.option("--workers", type=int, metavar="N", help="Processes that draw a long film.  [spare cores, at most 3]")
 @json_option
 @output_option("a film; .png, a picture at --until; or .html, a page that plays the run", "RUN.gif")
 def render(
     run_files: tuple[str, ...],
     scenario_file: str | None,
     exact: bool,
-    follow: str,
+    follow: Any,
     span: float | None,
     size: str | None,
     workers: int | None,
@@ -115,53 +87,45 @@ def render(
     Without a run, the exact march of the options is filmed. The ending of the file chooses the format. Those of films
     are {names}.
     """
-    from pymunk_dragon.drawing import FILM_ENDINGS, OVERLAYS, STILL_ENDINGS, Camera, Film, write_film, write_still
-    from pymunk_dragon.model.march import March
-    from pymunk_dragon.player import PLAYER_ENDINGS
-
     name = Path(run_files[0]).stem if run_files else "march"
     destination = destination_of(output or f"{name}.gif", (*FILM_ENDINGS, *STILL_ENDINGS, *PLAYER_ENDINGS))
     assert destination is not None  # There is a name in any case.
     ending, facts = destination.suffix.lower(), list[str]()
+    overlays = tuple(name for name in OVERLAYS if choices.pop(name))
     given = {name: value for name, value in choices.items() if value is not None}
     if size is not None:
         given["size"] = _size(size)
     sources = _sources(run_files, scenario_file, exact)
     if isinstance(sources[0], March):
         given.setdefault("until", _end(sources[0], given.get("start", 0.0), film=ending in FILM_ENDINGS))
-    view = Camera(follow=follow, span=span)  # type: ignore[arg-type]  # Camera checks the word.
-    film = Film(camera=view, show=_overlays(), **given)
+    film = Film(camera=Camera(follow=follow, span=span), show=overlays, **given)
     if ending in PLAYER_ENDINGS:
-        _refuse("a page", *OF_FILMS, *OF_PICTURES, *(name.replace("-", "_") for name in OVERLAYS))
+        _refuse("a page", *OF_FILMS, *OF_PICTURES)
         _write_player(sources, destination, given)
     elif ending in STILL_ENDINGS:
         _refuse("a picture", "start", *OF_FILMS)
         write_still(sources, film.window(sources)[1], destination, film)
     else:
-        with progress("frame") as show:
-
-            def report(done: int, total: int) -> None:
-                show(done, total, text("frame {done}").format(done=done))
-
-            processes = workers if workers is not None else _spare_cores()
-            timing = write_film(sources, destination, film, report, processes)
-        facts = [
-            text("{count} frames").format(count=len(timing.times)),
-            f"{timing.ends[-1]:.1f} s",
-            text("from t = {time:g} s").format(time=timing.times[0]),
-        ]
+        facts = _write_film(sources, destination, film, _spare_cores() if workers is None else workers)
     wrote(destination, *facts)
     if as_json:
-        print_json({"output": str(destination), "bytes": destination.stat().st_size})
+        print_file(destination)
+
+
+def _write_film(sources: list[Run | March], path: Path, film: Film, workers: int) -> list[str]:
+    """Write a film, and return how long it is."""
+    with progress("frame") as show:
+
+        def report(done: int, total: int) -> None:
+            show(done, total, text("frame {done}").format(done=done))
+
+        timing = write_film(sources, path, film, report, workers)
+    count, start = text("{count} frames"), text("from t = {time:g} s")
+    return [count.format(count=len(timing.times)), f"{timing.ends[-1]:.1f} s", start.format(time=timing.times[0])]
 
 
 def _write_player(sources: list[Run | March], path: Path, given: dict[str, Any]) -> None:
     """Write a page that plays a run, or the exact run of a march."""
-    import numpy as np
-
-    from pymunk_dragon.model.run import Run
-    from pymunk_dragon.player import write_player
-
     if len(sources) > 1:
         raise click.UsageError("a page plays one run: name one, or write a film")
     [source] = sources
@@ -200,9 +164,8 @@ def _end(march: March, start: float, *, film: bool) -> float:
 def _refuse(what: str, *names: str) -> None:
     """Raise a usage error if an option was given that `what` does not have."""
     context = click.get_current_context()
-    for option in context.command.get_params(context):
-        given = context.get_parameter_source(str(option.name)) is click.core.ParameterSource.COMMANDLINE
-        if given and option.name in names:
+    for option in context.command.params:
+        if option.name in names and is_given(context, option.name):
             raise click.UsageError(f"{what} has no {option.opts[0]}: leave it out, or write a film")
 
 
@@ -213,10 +176,9 @@ def _spare_cores() -> int:
 
 
 def _size(given: str) -> int | tuple[int, int]:
+    """One length, or two with an x between them."""
     try:
-        lengths = [int(length) for length in given.lower().split("x")]
+        width, *height = map(int, given.lower().split("x"))
+        return (width, *height) if height else width  # type: ignore[return-value]  # Film checks their number.
     except ValueError:
-        lengths = []
-    if len(lengths) not in (1, 2):
-        raise ParameterError("size", given, "pixels such as 480, or 640x360")
-    return lengths[0] if len(lengths) == 1 else (lengths[0], lengths[1])
+        raise ParameterError("size", given, "pixels such as 480, or 640x360") from None

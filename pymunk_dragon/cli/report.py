@@ -6,9 +6,7 @@ from pathlib import Path
 
 import click
 
-from pymunk_dragon.cli.command import DragonCommand
-from pymunk_dragon.cli.completion import files
-from pymunk_dragon.cli.options import destination_of, json_option, output_option
+from pymunk_dragon.cli.options import DragonCommand, destination_of, files, json_option, output_option
 from pymunk_dragon.cli.output import print_json, progress, wrote
 
 

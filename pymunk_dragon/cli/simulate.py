@@ -2,58 +2,47 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 
 import click
 
 from pymunk_dragon._language import text
-from pymunk_dragon.cli.command import DragonCommand
-from pymunk_dragon.cli.completion import named, words
 from pymunk_dragon.cli.options import (
+    DragonCommand,
     destination_of,
     json_option,
     march_of,
     output_option,
     scenario_options,
     start_option,
+    until_option,
 )
 from pymunk_dragon.cli.output import note, print_json, progress, wrote
+from pymunk_dragon.model.march import March
+from pymunk_dragon.model.run import Run
+from pymunk_dragon.model.settings import FINE_ITERATIONS, FINE_STRIDE, EngineSettings
+from pymunk_dragon.physics import GUIDES
+from pymunk_dragon.physics import simulate as play
+from pymunk_dragon.physics.world import top_speed
 
-if TYPE_CHECKING:
-    from pymunk_dragon.model.march import March
-    from pymunk_dragon.model.run import Run
-    from pymunk_dragon.model.settings import Contacts, EngineSettings
-
-
-def _guides() -> dict[str, str]:
-    """Names of the guides."""
-    from pymunk_dragon.physics import GUIDES
-
-    return dict.fromkeys(GUIDES, "")
+STOP = "[the time in which the head goes 20 mm, or 5 mm where contacts are resolved]"
 
 
 @click.command(
     cls=DragonCommand,
     examples=("-o run.npz", "--from 400 --until 415 --fine -o run.npz", "--guide none --until 20"),
-    names=_guides,
 )
 @scenario_options
 @start_option
-@click.option("--until", type=float, metavar="T", help="Last time, s.  [the end of the curve]")
-@click.option(
-    "--guide",
-    default="rails",
-    metavar="NAME",
-    help="What keeps it on the path.  [rails]",
-    shell_complete=named(_guides),
-)
+@until_option
+@click.option("--guide", type=click.Choice(list(GUIDES)), default="rails", help="What keeps it on the path.  [rails]")
 @click.option(
     "--contacts",
+    type=click.Choice(["stop", "report", "resolve"]),
     default="stop",
-    metavar="NAME",
-    help="At the first contact: stop, report or resolve.  [stop]",
-    shell_complete=words("stop", "report", "resolve"),
+    help="What the engine does at a contact.  [stop]",
 )
 @click.option(
     "--head-force",
@@ -61,18 +50,8 @@ def _guides() -> dict[str, str]:
     metavar="F",
     help="Largest force on the head where contacts are resolved, N.  [twice the ground drag on what the head pulls]",
 )
-@click.option(
-    "--substep",
-    type=float,
-    metavar="T",
-    help="Substep, s.  [the time in which the head goes 20 mm, or 5 mm where contacts are resolved]",
-)
-@click.option(
-    "--iterations",
-    type=int,
-    metavar="N",
-    help="Solver iterations in a substep.  [10, or 60 where contacts are resolved]",
-)
+@click.option("--substep", type=float, metavar="T", help=f"Substep, s.  {STOP}")
+@click.option("--iterations", type=int, metavar="N", help="Iterations in a substep.  [10, or 60 to resolve contacts]")
 @click.option("--fine", is_flag=True, help="The substep in which the head goes 2.5 mm, and 60 iterations.")
 @click.option("--frame-interval", type=float, metavar="T", help="Time between frames, s.  [until the head goes 0.1 m]")
 @json_option
@@ -82,32 +61,17 @@ def simulate(
     start: float,
     until: float | None,
     guide: str,
-    contacts: Contacts,
-    head_force: float | None,
-    substep: float | None,
-    iterations: int | None,
     fine: bool,
-    frame_interval: float | None,
     as_json: bool,
     output: str | None,
+    **choices: Any,
 ) -> None:
-    """Play the march in Pymunk until the dragon runs into itself.
-
-    The guides, which keep the dragon on its path, are {names}.
-    """
+    """Play the march in Pymunk until the dragon runs into itself."""
     march = march_of(scenario_file)
     destination_of(output, (".npz",))
-    if fine and not (substep is None and iterations is None):
+    settings = EngineSettings(**choices)
+    if fine and not (settings.substep is None and settings.iterations is None):
         raise click.UsageError("--fine chooses the substep and the iterations: leave out --substep and --iterations")
-    from pymunk_dragon.model.settings import EngineSettings
-
-    settings = EngineSettings(
-        contacts=contacts,
-        substep=substep,
-        iterations=iterations,
-        frame_interval=frame_interval,
-        head_force=head_force,
-    )
     run = played(march, fine=fine, start=start, until=until, guide=guide, settings=settings)
     if output is not None:
         run.save(output)
@@ -130,12 +94,6 @@ def played(
     settings: EngineSettings | None = None,
 ) -> Run:
     """Play `march` in Pymunk, with progress."""
-    from dataclasses import replace
-
-    from pymunk_dragon.model.settings import FINE_ITERATIONS, FINE_STRIDE, EngineSettings
-    from pymunk_dragon.physics import simulate as play
-    from pymunk_dragon.physics.world import top_speed
-
     settings = settings or EngineSettings()
     if fine:
         substep = FINE_STRIDE / top_speed(march, start, until)

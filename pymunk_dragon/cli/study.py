@@ -8,14 +8,13 @@ from typing import Any
 import click
 
 from pymunk_dragon._language import text
-from pymunk_dragon.cli.command import DragonCommand
-from pymunk_dragon.cli.completion import named
 from pymunk_dragon.cli.options import (
+    DragonCommand,
     Headed,
     chosen,
     destination_of,
     json_option,
-    note_units,
+    named,
     output_option,
     scenario_options,
 )
@@ -90,7 +89,6 @@ def study(
 
         # A missing library is named before the study runs.
         library(LIBRARIES[destination.suffix.lower()])
-    note_units()
     with progress(name) as show:
         found = run_study(name, values, lambda done, total: show(done, total, name))
     if destination is not None:

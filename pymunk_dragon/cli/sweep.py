@@ -11,9 +11,15 @@ from time import perf_counter
 import click
 
 from pymunk_dragon._language import text
-from pymunk_dragon.cli.command import DragonCommand
-from pymunk_dragon.cli.completion import named, words
-from pymunk_dragon.cli.options import chosen, json_option, note_units, number_list, scenario_options
+from pymunk_dragon.cli.options import (
+    DragonCommand,
+    chosen,
+    json_option,
+    named,
+    number_list,
+    scenario_options,
+    words,
+)
 from pymunk_dragon.cli.output import print_json, progress, wrote
 from pymunk_dragon.errors import DragonError, ParameterError
 
@@ -114,7 +120,6 @@ def sweep(
     sys.path.append(os.getcwd())
     axes = _axes(axis, intervals=samples is not None)
     values = Scenario.read(scenario_file) if scenario_file is not None else {}
-    note_units()
     begin = perf_counter()
     resumed: int | None = None
     # What a quantity prints is not part of a table on stdout.
