@@ -24,7 +24,7 @@ from pdoc import doc, render
 from pdoc.render_helpers import to_html
 
 import pymunk_dragon
-from pymunk_dragon.cli import COMMANDS, cli
+from pymunk_dragon.cli import COMMANDS, command
 
 ROOT = Path(__file__).parent.parent
 RENDERS = ROOT / "renders"
@@ -141,8 +141,8 @@ def commands_text() -> str:
     """The help of every command, as Markdown."""
     lines = ["## The commands"]
     for name in COMMANDS:
-        context = click.Context(cli.commands[name], info_name=f"pymunk-dragon {name}", max_content_width=80)
-        lines += ["", f"### {name}", "", "```text", cli.commands[name].get_help(context), "```"]
+        context = click.Context(command(name), info_name=f"pymunk-dragon {name}", max_content_width=80)
+        lines += ["", f"### {name}", "", "```text", command(name).get_help(context), "```"]
     return "\n".join(lines)
 
 

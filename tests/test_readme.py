@@ -12,7 +12,7 @@ import pytest
 from documents import CHINESE, DOCUMENTS, README, ROOT
 from PIL import Image
 
-from pymunk_dragon.cli import cli, main
+from pymunk_dragon.cli import command, main
 
 # README in Chinese has the commands and the code of README.
 by_other_document = pytest.mark.parametrize(
@@ -70,7 +70,7 @@ def test_commands_and_make_targets_exist():
     makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
     for document in DOCUMENTS:
         for (name, *arguments), _ in document.program:
-            cli.commands[name].make_context(name, list(arguments))
+            command(name).make_context(name, list(arguments))
         commands = [shlex.split(line, comments=True) for line, _ in document.shown]
         targets = [words[1] for words in commands if words[0] == "make"]
         targets += [word for found in re.findall(r"`make ([a-z -]+)`", document.text) for word in found.split()]

@@ -23,11 +23,6 @@ eval "$(_PYMUNK_DRAGON_COMPLETE=bash_source pymunk-dragon)"
 eval "$(_PYMUNK_DRAGON_COMPLETE=zsh_source pymunk-dragon)"
 _PYMUNK_DRAGON_COMPLETE=fish_source pymunk-dragon | source
 ```
-
-## How it works
-
-The module of a command is imported when the command is run, and imports NumPy, Pymunk and the like only if it uses
-them. `pymunk-dragon --help` imports none of them.
 """
 
 from __future__ import annotations
@@ -42,8 +37,7 @@ import click
 from click.shell_completion import shell_complete
 
 from pymunk_dragon import __version__
-from pymunk_dragon._language import in_language
-from pymunk_dragon.cli.options import PROGRAM, language_option, write_examples
+from pymunk_dragon.cli.options import PROGRAM, epilog_of
 from pymunk_dragon.errors import (
     DragonError,
     FileFormatError,
@@ -88,7 +82,7 @@ class Program(click.Group):
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        """The command that the arguments name, and the others."""
+        """Import the command that the arguments name."""
         name, known, others = super().resolve_command(ctx, args)
         return name, command(name) if name and known else None, others
 
@@ -96,18 +90,14 @@ class Program(click.Group):
         """The names of the commands in the order in which one uses them."""
         return list(self.commands)
 
-    def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """Write the examples."""
-        write_examples(formatter, EXAMPLES)
-
 
 @click.group(
     cls=Program,
     commands={name: click.Command(name, short_help=summary) for name, summary in COMMANDS.items()},
     context_settings={"help_option_names": ["-h", "--help"]},
+    epilog=epilog_of(EXAMPLES),
 )
 @click.version_option(__version__, "-V", "--version", prog_name=PROGRAM)
-@language_option
 def cli() -> None:
     """A bench dragon on its spiral: positions, speeds, and the first contact with itself."""
 
@@ -121,9 +111,7 @@ def status(arguments: list[str] | None = None) -> int:
     """Run the program and return its exit code."""
     _open_streams()
     try:
-        # The language of the flag or the environment ends with the program.
-        with in_language("en"):
-            return _run(list(sys.argv[1:] if arguments is None else arguments))
+        return _run(list(sys.argv[1:] if arguments is None else arguments))
     except click.exceptions.NoArgsIsHelpError as error:
         with suppress(OSError):
             error.show()

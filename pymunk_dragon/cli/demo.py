@@ -8,8 +8,8 @@ import click
 
 from pymunk_dragon._checks import did_you_mean
 from pymunk_dragon._extras import library
-from pymunk_dragon._language import language, text
-from pymunk_dragon.cli.options import DragonCommand, destination_of, json_option, named, output_option
+from pymunk_dragon._language import language
+from pymunk_dragon.cli import options
 from pymunk_dragon.cli.output import print_file, print_json, progress, wrote
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.lessons import LESSONS, LessonFile, Terminal, play, record, write_lessons
@@ -19,12 +19,12 @@ from pymunk_dragon.lessons._framework import PARTS, check_output, endings
 ALL = "all"
 
 
-@click.command(cls=DragonCommand, examples=("", "spiral", "3 --lang zh", "all -o lessons.html"))
-@click.argument("name", required=False, shell_complete=named(lambda: [*LESSONS, ALL]))
+@click.command(cls=options.DragonCommand, examples=("", "spiral", "3 --lang zh", "all -o lessons.html"))
+@click.argument("name", required=False, shell_complete=options.named(lambda: [*LESSONS, ALL]))
 @click.option("--save", metavar="DIR", type=click.Path(), help="Folder for the picture.  [a temporary one]")
 @click.option("--pause", is_flag=True, help="Wait for Enter once the class has made its guess.")
-@json_option
-@output_option(".html, a page of the lesson, or of all; .ipynb, its notebook; .py, its program")
+@options.json_option
+@options.output_option(".html, a page of the lesson, or of all; .ipynb, its notebook; .py, its program")
 def demo(name: str | None, save: str | None, pause: bool, as_json: bool, output: str | None) -> None:
     """Play a lesson by its name or number, or all lessons.
 
@@ -63,15 +63,10 @@ def _lesson_of(name: str) -> LessonFile:
 
 def _write(lessons: list[LessonFile], output: str, as_json: bool) -> None:
     """Write a page, a notebook or a program."""
-    destination = destination_of(output, endings(lessons))
+    destination = options.destination_of(output, endings(lessons))
     assert destination is not None  # There is an output.
-    now = text("lesson {done} of {total}")
-    with progress("lessons") as show:
-
-        def report(done: int, total: int) -> None:
-            show(done, total, now.format(done=done, total=total))
-
-        write_lessons(lessons, destination, language=language(), progress=report)
+    with progress("lessons", "lesson {done} of {total}") as show:
+        write_lessons(lessons, destination, language=language(), progress=show)
     wrote(destination)
     if as_json:
         print_file(destination)

@@ -12,7 +12,6 @@ from pymunk_dragon.cli.options import (
     DragonCommand,
     chosen,
     destination_of,
-    files,
     json_option,
     march_of,
     named,
@@ -44,7 +43,7 @@ def _names() -> dict[str, str]:
 
 @click.command(cls=DragonCommand, examples=("", "gap --pitch 0.5", "drift run.npz -o drift.pdf", "all run.npz -o DIR"))
 @click.argument("name", required=False, shell_complete=named(_names))
-@click.argument("run_file", metavar="[RUN.npz]", required=False, shell_complete=files(".npz"))
+@click.argument("run_file", metavar="[RUN.npz]", required=False, type=click.Path())
 @scenario_options
 @json_option
 @output_option(".png or .pdf, or .svg where the figure has axes; of all figures a folder", "NAME.png")

@@ -9,7 +9,7 @@ import click
 
 from pymunk_dragon._extras import library
 from pymunk_dragon._language import text
-from pymunk_dragon.cli.options import DragonCommand, chosen, destination_of, march_of, scenario_options, start_option
+from pymunk_dragon.cli import options
 from pymunk_dragon.cli.output import progress, wrote
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.sessions.log import Log
@@ -19,25 +19,23 @@ from pymunk_dragon.sessions.session import SPEEDS, Session
 
 # Hosts at which only this machine reaches the page.
 LOCAL = ("127.0.0.1", "localhost", "::1")
+CONTACTS = click.Choice(["stop", "report", "resolve"])
+FILE: dict[str, Any] = {"metavar": "FILE", "type": click.Path()}
 
 
 @click.command(
-    cls=DragonCommand,
+    cls=options.DragonCommand,
     examples=("", "near-miss", "--benches 60 --from 300 -o live.npz", "--replay live.npz"),
     names=lambda: SCENES,
 )
 @click.argument("scene", required=False, type=click.Choice(list(SCENES)), metavar="[SCENE]")
-@scenario_options
-@start_option
-@click.option(
-    "--contacts", type=click.Choice(["stop", "report", "resolve"]), default="resolve", help="At a contact.  [resolve]"
-)
+@options.scenario_options
+@options.start_option
+@click.option("--contacts", type=CONTACTS, default="resolve", help="What contacts do.  [resolve]")
 @click.option("--free-from", type=int, metavar="N", help="First bench without dancers.  [all have dancers]")
-@click.option("--replay", metavar="FILE", type=click.Path(), help="Play a recording again, .npz or .json.")
+@click.option("--replay", **FILE, help="Play a recording again, .npz or .json.")
 @click.option("--exit", "ends", is_flag=True, help="Play the recording without a page, as fast as possible, and exit.")
-@click.option(
-    "-o", "--record", "output", metavar="FILE", type=click.Path(), help="File to write at the end: .npz, or a film."
-)
+@click.option("-o", "--record", "output", **FILE, help="File to write at the end: a run, .npz, or a film, as .gif.")
 @click.option("--port", type=int, default=0, metavar="N", help="Port.  [a free one]")
 @click.option("--host", default=LOCAL[0], metavar="ADDRESS", help="Address to listen on.  [this machine only]")
 @click.option("--allow-host", multiple=True, metavar="NAME", help="Name under which a proxy shows it; repeatable.")
@@ -46,29 +44,34 @@ LOCAL = ("127.0.0.1", "localhost", "::1")
 def live(
     scene: str | None,
     scenario_file: str | None,
-    start: float,
-    contacts: str,
-    free_from: int | None,
     replay: str | None,
     ends: bool,
     output: str | None,
     paused: bool,
-    **server: Any,
+    start: float,
+    contacts: str,
+    free_from: int | None,
+    allow_host: tuple[str, ...],
+    no_browser: bool,
+    **address: Any,
 ) -> None:
     """Play the dragon in real time, and touch it in a browser.
 
     SCENE is a ready scene: {names}.
     """
-    own = chosen() or scenario_file or start or free_from is not None or contacts != "resolve"
+    own = options.chosen() or scenario_file or start or free_from is not None or contacts != "resolve"
     if (scene is not None) + bool(own) + (replay is not None) > 1:
         raise click.UsageError("a ready scene and a recording have their own dragon: leave out the other options")
     if ends and replay is None:
         raise click.UsageError("--exit ends a replay: give a recording with --replay")
     if not ends:
         library("aiohttp")
-    path = destination_of(output, RECORDING_ENDINGS)
+    path = options.destination_of(output, RECORDING_ENDINGS)
     log = None if replay is None else Log.load(replay)
-    source = _source(scene, log) or dragon(march_of(scenario_file), contacts=contacts, free_from=free_from, start=start)
+    source = _source(scene, log)
+    if source is None:
+        march = options.march_of(scenario_file)
+        source = dragon(march, contacts=contacts, free_from=free_from, start=start)
     session = Session(source, record=path is not None, running=not paused)
     if log is not None:
         session.play_again(log.inputs, log.values, log.steps)
@@ -76,7 +79,7 @@ def live(
         if ends:
             _replay(session, log)
         else:
-            _serve(session, log, **server)
+            _serve(session, log, allow_hosts=allow_host, browser=not no_browser, **address)
     finally:
         if path is not None:
             _write(session, path)
@@ -84,24 +87,20 @@ def live(
 
 def _source(scene: str | None, log: Log | None) -> Ready | None:
     """A ready scene, or that of a recording."""
-    if scene is not None:
-        return ready(scene)
     if log is None:
-        return None
+        return None if scene is None else ready(scene)
     if log.plan is None:
         raise ParameterError("replay", "a recording of a space or a curve of your own", "one of a scene that is known")
     return planned(log.plan)
 
 
-def _serve(
-    session: Session, log: Log | None, *, host: str, port: int, allow_host: tuple[str, ...], no_browser: bool
-) -> None:
+def _serve(session: Session, log: Log | None, **address: Any) -> None:
     """Show a session on a page until it ends."""
     from pymunk_dragon.sessions.handle import serve
 
-    running = serve(session, host=host, port=port, allow_hosts=allow_host, browser=not no_browser, path=None)
+    running = serve(session, path=None, **address)
     try:
-        if host not in LOCAL:
+        if address["host"] not in LOCAL:
             click.echo(text("Anybody who can reach this address and knows it can control the session:"), err=True)
         click.echo(text("control: {address}").format(address=running.address))
         click.echo(text("watch:   {address}").format(address=running.watch_address))
@@ -135,6 +134,6 @@ def _wait_for_replay(session: Session, log: Log | None) -> None:
 def _write(session: Session, path: Path) -> None:
     """Write the recording, with progress for a film."""
     label = text("writing {name}").format(name=path.name)
-    with progress(label) as show:
-        record(session, path, lambda done, total: show(done, total, label))
+    with progress(label, label) as show:
+        record(session, path, show)
     wrote(path)

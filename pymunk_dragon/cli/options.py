@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from pymunk_dragon._files import check_destination
 from pymunk_dragon._language import in_language
 from pymunk_dragon.errors import ParameterError
 
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
 F = TypeVar("F", bound=Callable[..., Any])
 
 PROGRAM = "pymunk-dragon"
+LANGUAGE_VARIABLE = "PYMUNK_DRAGON_LANG"
 # Numbers in one list: more would come from a typing error.
 MAX_LIST = 100_000
 
@@ -31,8 +33,8 @@ def speed_or_file(value: str) -> float | str:
         return value
 
 
-# Headings of the options of a scenario in the help.
-DRAGON, CURVE = "Dragon", "Curve and speed"
+# Heading of the options of a scenario in the help.
+SCENARIO = "Dragon, curve and speed"
 # Type, placeholder and help of each option of a scenario but those of curves; its flag is the name with hyphens.
 SCENARIO_OPTIONS: dict[str, tuple[Any, str, str]] = {
     "benches": (int, "N", "Number of benches.  [223]"),
@@ -43,26 +45,6 @@ SCENARIO_OPTIONS: dict[str, tuple[Any, str, str]] = {
     "turns": (float, "X", "Turn of the spiral on which the head starts.  [16]"),
     "speed": (speed_or_file, "M/S|FILE.csv", "Speed of the head, m/s, or a file with times and speeds t,v.  [1]"),
 }
-
-
-def _set_language(context: click.Context, parameter: click.Parameter, value: str | None) -> None:
-    if value is not None:
-        context.with_resource(in_language(value))
-
-
-language_option = click.option(
-    "--lang",
-    metavar="LANG",
-    envvar="PYMUNK_DRAGON_LANG",
-    expose_value=False,
-    callback=_set_language,
-    help="Language of results: en or zh.  [PYMUNK_DRAGON_LANG of the environment, or en]",
-)
-
-
-def is_given(context: click.Context, name: str) -> bool:
-    """Whether an option was given as a flag."""
-    return context.get_parameter_source(name) is click.core.ParameterSource.COMMANDLINE
 
 
 class Headed(click.Option):
@@ -76,48 +58,38 @@ class Headed(click.Option):
 class DragonCommand(click.Command):
     """A command with the option --lang, whose errors name flags instead of the parameters that get their values.
 
-    Its help has its own options first, those of a scenario under headings, and `examples`: arguments of the command.
-    `registered` functions make options that stand before the option of their key, and `names` stand for {names} in
-    the help.
+    Its help has its own options first, and at the end `examples`: arguments of the command. `registered` functions
+    make options that stand before the option of their key, and `names` stand for {names} in the help.
     """
 
     def __init__(
         self,
         *arguments: Any,
-        examples: tuple[str, ...],
+        examples: Iterable[str],
         registered: Mapping[str, Callable[[], Iterable[click.Option]]] | None = None,
         names: Callable[[], Iterable[str]] = list,
-        **settings: Any,
+        **others: Any,
     ) -> None:
-        super().__init__(*arguments, **settings)
-        self.examples = examples
+        super().__init__(*arguments, **others)
+        self.epilog = epilog_of(f"{self.name} {example}" for example in examples)
         self.help = str(self.help).replace("{names}", ", ".join(names()))
         for before, make in (registered or {}).items():
             place = [option.name for option in self.params].index(before)
             self.params[place:place] = make()
-        self.params.append(
-            click.Option(
-                ["--lang"],
-                metavar="LANG",
-                expose_value=False,
-                callback=_set_language,
-                help="Language of results: en or zh.",
-            )
-        )
+        text = f"Language of results: en or zh.  [{LANGUAGE_VARIABLE} of the environment, or en]"
+        settings: dict[str, Any] = {"callback": _choose_language, "expose_value": False}
+        lang = click.Option(["--lang"], metavar="LANG", default="en", envvar=LANGUAGE_VARIABLE, help=text, **settings)
+        self.params.append(lang)
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the options, those of a scenario last."""
         groups: dict[str, list[tuple[str, str]]] = {"Options": []}
         for option in self.get_params(ctx):
-            if record := option.get_help_record(ctx):
+            if isinstance(option, click.Option) and (record := option.get_help_record(ctx)):
                 groups.setdefault(getattr(option, "heading", "Options"), []).append(record)
-        for heading, records in sorted(groups.items(), key=lambda group: group[0] in (DRAGON, CURVE)):
+        for heading, records in sorted(groups.items(), key=lambda group: group[0] == SCENARIO):
             with formatter.section(heading):
                 formatter.write_dl(records)
-
-    def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """Write the examples."""
-        write_examples(formatter, [f"{self.name} {example}" for example in self.examples])
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run the command."""
@@ -131,31 +103,23 @@ class DragonCommand(click.Command):
             raise
 
 
-def write_examples(formatter: click.HelpFormatter, examples: Iterable[str]) -> None:
-    """Write examples, each a command with its arguments, in a help."""
-    with formatter.section("Examples"):
-        for example in examples:
-            formatter.write(f"  {PROGRAM} {example}".rstrip() + "\n")
+def epilog_of(examples: Iterable[str]) -> str:
+    """The end of a help: examples, each a command with its arguments."""
+    return "\n".join(["\b", "Examples:", *(f"  {PROGRAM} {example}".rstrip() for example in examples)])
+
+
+def is_given(context: click.Context, name: str) -> bool:
+    """Whether an option was given as a flag."""
+    return context.get_parameter_source(name) is click.core.ParameterSource.COMMANDLINE
+
+
+def _choose_language(context: click.Context, parameter: click.Parameter, value: str) -> None:
+    context.with_resource(in_language(value))
 
 
 json_option = click.option("--json", "as_json", is_flag=True, help="Print one JSON object and nothing else.")
 start_option = click.option("--from", "start", type=float, default=0.0, metavar="T", help="First time, s.  [0]")
 until_option = click.option("--until", type=float, metavar="T", help="Last time, s.  [the end of the curve]")
-
-
-def named(load: Callable[[], Iterable[str]]) -> Callable[[click.Context, click.Parameter, str], Any]:
-    """Completion of the names that `load` returns."""
-    return lambda context, parameter, incomplete: [name for name in load() if name.startswith(incomplete)]
-
-
-def files(*endings: str) -> Callable[[click.Context, click.Parameter, str], Any]:
-    """Completion of the names of files."""
-    return lambda context, parameter, incomplete: click.Path().shell_complete(context, parameter, incomplete)
-
-
-def words(*known: str) -> Callable[[click.Context, click.Parameter, str], Any]:
-    """Completion of one of these words."""
-    return named(lambda: known)
 
 
 def output_option(endings: str, default: str | None = None) -> Callable[[F], F]:
@@ -164,51 +128,40 @@ def output_option(endings: str, default: str | None = None) -> Callable[[F], F]:
     return click.option("-o", "--output", metavar="FILE", type=click.Path(), help=text)
 
 
+def named(load: Callable[[], Iterable[str]]) -> Callable[[click.Context, click.Parameter, str], Any]:
+    """Completion of the names that `load` returns."""
+    return lambda context, parameter, incomplete: [name for name in load() if name.startswith(incomplete)]
+
+
 def scenario_options(function: F) -> F:
     """Add the options of a scenario to a command, which gets `scenario_file`; `chosen` has the others."""
-    options = [
-        *(_scenario_option(name, DRAGON, *SCENARIO_OPTIONS[name]) for name in [*SCENARIO_OPTIONS][:5]),
-        *_curve_options(),
-        *(_scenario_option(name, CURVE, *SCENARIO_OPTIONS[name]) for name in ("turns", "speed")),
-    ]
-    for option in reversed(options):
-        option(function)
-    text = "Read the dragon, curve and speed from a file; options win."
-    file = click.Path()
-    return click.option(
-        "--scenario", "scenario_file", cls=Headed, heading=DRAGON, metavar="FILE.toml", type=file, help=text
-    )(function)
-
-
-def _scenario_option(name: str, heading: str, kind: Any, metavar: str, text: str) -> Callable[[F], F]:
-    """An option of a scenario, whose value `chosen` has."""
 
     def collect(context: click.Context, parameter: click.Parameter, value: Any) -> None:
         if value is not None:
-            context.meta.setdefault("scenario", {})[name] = value
+            context.meta.setdefault("scenario", {})[parameter.name] = value
 
-    flag = "--" + name.replace("_", "-")
-    settings = {"type": kind, "metavar": metavar, "help": text, "callback": collect, "expose_value": False}
-    return click.option(flag, name, cls=Headed, heading=heading, **settings)
+    for name, (kind, metavar, text) in reversed((SCENARIO_OPTIONS | _curve_options()).items()):
+        settings = {"cls": Headed, "heading": SCENARIO, "type": kind, "metavar": metavar, "help": text}
+        flag = "--" + name.replace("_", "-")
+        click.option(flag, name, callback=collect, expose_value=False, **settings)(function)
+    text = "Read the dragon, curve and speed from a file; options win."
+    settings = {"cls": Headed, "heading": SCENARIO, "type": click.Path(), "metavar": "FILE.toml", "help": text}
+    return click.option("--scenario", "scenario_file", **settings)(function)
 
 
-def _curve_options() -> list[Callable[[F], F]]:
+def _curve_options() -> dict[str, tuple[Any, str, str]]:
     """The options --curve and those of the registered curves."""
     from pymunk_dragon.model.curves import Curve
     from pymunk_dragon.model.scenario import named_curves
 
     default, *others = named_curves()
     text = f"{', '.join([default, *others])}, or a file with points x,y of a path, m.  [{default}]"
-    options = [_scenario_option("curve", CURVE, str, "NAME|FILE.csv", text)]
-    kinds = {name: Curve.kinds[name] for name in (default, *Curve.kinds)}
-    for flag in dict.fromkeys(flag for kind in kinds.values() for flag in kind.flags):
-        having = {name: kind for name, kind in kinds.items() if flag in kind.flags}
-        text = " ".join(dict.fromkeys(kind.flags[flag][1] for kind in having.values()))
-        defaults = [(value, name) for name, kind in having.items() if (value := getattr(kind, flag, None))]
-        shown = [f"{value:g}" + f" of a {name}" * (i > 0) for i, (value, name) in enumerate(defaults)]
-        text += f"  [{', or '.join(shown)}]" if shown else ""
-        metavar = next(iter(having.values())).flags[flag][0]
-        options.append(_scenario_option(flag, CURVE, float, metavar, text))
+    options: dict[str, tuple[Any, str, str]] = {"curve": (str, "NAME|FILE.csv", text)}
+    for kind in dict.fromkeys((default, *Curve.kinds)):
+        for flag, (metavar, text) in Curve.kinds[kind].flags.items():
+            value = getattr(Curve.kinds[kind], flag, None)
+            shown = f"  [{value:g} of a {kind}]" if value else ""
+            options[flag] = (float, metavar, options.get(flag, ("", "", text))[2] + shown)
     return options
 
 
@@ -237,8 +190,6 @@ def run_of(run_file: str, scenario_file: str | None) -> Run:
 
 def destination_of(output: str | None, endings: Iterable[str]) -> Path | None:
     """The file to write, after `check_destination`; to be called before the long work."""
-    from pymunk_dragon._files import check_destination
-
     return None if output is None else check_destination(output, endings)
 
 

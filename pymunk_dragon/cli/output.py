@@ -1,7 +1,8 @@
-"""Output that several commands share: progress bars and JSON."""
+"""Output that several commands share: progress bars, messages and JSON."""
 
 from __future__ import annotations
 
+import json
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -10,6 +11,7 @@ from typing import Any
 
 import click
 
+from pymunk_dragon._files import written_in_place
 from pymunk_dragon._language import text
 
 # Steps of a progress bar.
@@ -19,14 +21,18 @@ BAR = 14
 
 
 @contextmanager
-def progress(label: str) -> Iterator[Callable[[float, float, str], None]]:
-    """Progress bar on stderr if that is a terminal; yields `show(done, total, label)`."""
+def progress(label: str, now: str = "", begin: float = 0.0) -> Iterator[Callable[..., None]]:
+    """Progress bar on stderr if that is a terminal.
+
+    Yields `show(done, total, label)`, of numbers that start with `begin`; the label is by default the text `now` with
+    {done} and {total}.
+    """
     hidden = not sys.stderr.isatty()
     with click.progressbar(length=STEPS, width=BAR, label=label, file=sys.stderr, hidden=hidden) as bar:
 
-        def show(done: float, total: float, now: str) -> None:
-            bar.label = now
-            bar.update(max(int(STEPS * done / total) - bar.pos, 0))
+        def show(done: float, total: float, label: str = "") -> None:
+            bar.label = label or text(now).format(done=done, total=total)
+            bar.update(max(int(STEPS * (done - begin) / (total - begin)) - bar.pos, 0))
 
         yield show
 
@@ -41,25 +47,18 @@ def wrote(path: Path, *facts: str) -> None:
     """Note which file was written, and its size."""
     if path.is_file():  # Not a device or a FIFO, which has no size.
         count = path.stat().st_size
-        amount, unit = (count / 1e6, "MB") if count >= 1e6 else (count / 1e3, "kB")
-        size = f"{amount:.{0 if amount >= 10 else 1}f} {unit}"
+        size = f"{count / 1e6:.1f} MB" if count >= 1e6 else f"{count / 1e3:.1f} kB"
         note(text("wrote {path}: {facts}").format(path=path, facts=", ".join([*facts, size])))
 
 
 def write_json(path: Path, result: dict[str, Any]) -> None:
     """Write one JSON object to a file."""
-    import json
-
-    from pymunk_dragon._files import written_in_place
-
     with written_in_place(path) as draft:
         draft.write_text(json.dumps(result) + "\n", encoding="utf-8")
 
 
 def print_json(result: dict[str, Any]) -> None:
     """Print one JSON object on stdout."""
-    import json
-
     click.echo(json.dumps(result))
 
 

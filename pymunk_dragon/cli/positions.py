@@ -10,17 +10,8 @@ from typing import TYPE_CHECKING
 import click
 
 from pymunk_dragon._files import written_in_place
-from pymunk_dragon._language import text
-from pymunk_dragon.cli.options import (
-    DragonCommand,
-    destination_of,
-    json_option,
-    march_of,
-    number_list,
-    output_option,
-    scenario_options,
-)
-from pymunk_dragon.cli.output import print_json, progress, write_json, wrote
+from pymunk_dragon.cli import options
+from pymunk_dragon.cli.output import print_json, write_json, wrote
 from pymunk_dragon.errors import ParameterError
 
 if TYPE_CHECKING:
@@ -35,29 +26,30 @@ MAX_TABLE = 20_000_000
 
 
 @click.command(
-    cls=DragonCommand, examples=("", "--times 0,60,120 --handles 0,1,223", "--times 0:300:1 -o result1.xlsx")
+    cls=options.DragonCommand,
+    examples=("", "--times 0,60,120 --handles 0,1,223", "--times 0:300:1 -o result1.xlsx"),
 )
-@scenario_options
+@options.scenario_options
 @click.option("--times", metavar="LIST", help=f"Times, s: 0,60,120 or 0:300:1.  [{TABLE_TIMES}]")
 @click.option("--handles", metavar="LIST", help="Handles.  [those of the paper's tables]")
 @click.option("--paper", is_flag=True, help="Print the paper's tables 1 to 3 instead, cut as the paper cuts them.")
-@json_option
-@output_option(".csv, .json, or .xlsx for the contest's sheets with all handles")
+@options.json_option
+@options.output_option(".csv, .json, or .xlsx for the contest's sheets with all handles")
 def positions(
     scenario_file: str | None, times: str | None, handles: str | None, paper: bool, as_json: bool, output: str | None
 ) -> None:
     """Where the handles are and how fast, exactly."""
-    march = march_of(scenario_file)
+    march = options.march_of(scenario_file)
     if paper:
         if times or handles or as_json or output:
             raise click.UsageError("--paper prints all of its tables: leave out --times, --handles, --json and -o")
         click.echo(_paper_tables(march))
         return
     selected = march.dragon.representatives if handles is None else _handles(handles, march.dragon.handles - 1)
-    at = number_list("times", times or TABLE_TIMES)
+    at = options.number_list("times", times or TABLE_TIMES)
     if len(at) * march.dragon.handles > MAX_TABLE:
         raise ParameterError("times", times, f"at most {MAX_TABLE // march.dragon.handles} for this dragon")
-    destination = destination_of(output, (".csv", ".json", ".xlsx"))
+    destination = options.destination_of(output, (".csv", ".json", ".xlsx"))
     if handles is not None and destination is not None and destination.suffix.lower() == ".xlsx":
         raise click.UsageError("the contest's sheets have all handles: leave out --handles, or write .csv or .json")
     states = march.at(at)
@@ -71,7 +63,7 @@ def positions(
 
 
 def _handles(given: str, last: int) -> list[int]:
-    numbers = number_list("handles", given)
+    numbers = options.number_list("handles", given)
     if not all(number.is_integer() and 0 <= number <= last for number in numbers):
         raise ParameterError("handles", given, f"whole numbers from 0 to {last}")
     return [int(number) for number in numbers]
@@ -87,16 +79,11 @@ def _paper_tables(march: March) -> str:
 
 
 def _write(path: Path, march: March, times: list[float], states: States, handles: list[int]) -> None:
-    """Write the states in the format of the file's ending."""
+    """Write a table in the format of the file's ending."""
     if path.suffix.lower() == ".xlsx":
         from pymunk_dragon.reports import write_tables
 
-        with progress("row") as show:
-
-            def report(done: int, total: int) -> None:
-                show(done, total, text("row {done}").format(done=done))
-
-            write_tables(march, times, path, progress=report)
+        write_tables(march, times, path)
     elif path.suffix.lower() == ".csv":
         with written_in_place(path) as draft, draft.open("w", newline="", encoding="utf-8") as file:
             csv.writer(file).writerows([COLUMNS, *states.rows(handles)])

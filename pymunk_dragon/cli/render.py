@@ -4,29 +4,23 @@ from __future__ import annotations
 
 import math
 import os
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import click
 import numpy as np
 
 from pymunk_dragon._language import text
-from pymunk_dragon.cli.options import (
-    DragonCommand,
-    destination_of,
-    is_given,
-    json_option,
-    march_of,
-    output_option,
-    run_of,
-    scenario_options,
-)
+from pymunk_dragon.cli import options
 from pymunk_dragon.cli.output import print_file, progress, wrote
 from pymunk_dragon.drawing import FILM_ENDINGS, OVERLAYS, STILL_ENDINGS, Camera, Film, write_film, write_still
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 from pymunk_dragon.player import PLAYER_ENDINGS, write_player
+
+F = TypeVar("F", bound=Callable[..., Any])
 
 # s: default length of a film of a march without contact.
 MARCH_FILM = 60.0
@@ -39,19 +33,20 @@ OF_PICTURES = ("exact", "size", "follow", "span", "caption", "legend", "font", *
 MAX_WORKERS = 3
 
 
-def _overlay_options() -> list[click.Option]:
+def _overlay_options(function: F) -> F:
     """A flag for each overlay."""
-    return [click.Option([f"--{name}"], is_flag=True, help=overlay.shows) for name, overlay in OVERLAYS.items()]
+    for name, overlay in reversed([*OVERLAYS.items()]):
+        click.option(f"--{name}", is_flag=True, help=overlay.shows)(function)
+    return function
 
 
 @click.command(
-    cls=DragonCommand,
+    cls=options.DragonCommand,
     examples=("run.npz", "run.npz --exact --camera head -o both.mp4", "--until 60 -o march.gif"),
-    registered={"title": _overlay_options},
     names=lambda: FILM_ENDINGS,
 )
 @click.argument("run_files", metavar="[RUN.npz]...", nargs=-1, type=click.Path())
-@scenario_options
+@options.scenario_options
 @click.option("--exact", is_flag=True, help="Show the exact model beside the run.")
 @click.option("--from", "start", type=float, metavar="T", help="First time, s.  [such that a film takes 11 s]")
 @click.option("--until", type=float, metavar="T", help="Last time, s.  [the run's, or a march's first contact]")
@@ -63,13 +58,14 @@ def _overlay_options() -> list[click.Option]:
 )
 @click.option("--span", type=float, metavar="M", help="Width of the ground in view, m.")
 @click.option("--hold", type=float, metavar="T", help="How long the last frame stays, s.  [2.5]")
+@_overlay_options
 @click.option("--title", metavar="TEXT", help="A line above the picture.")
 @click.option("--caption", metavar="TEXT", help="Lines below the picture.")
 @click.option("--legend/--no-legend", default=None, help="Legend and scale bar below the picture.  [shown]")
 @click.option("--font", metavar="FILE", type=click.Path(), help="Face of the type, for what the usual one lacks.")
 @click.option("--workers", type=int, metavar="N", help="Processes that draw a long film.  [spare cores, at most 3]")
-@json_option
-@output_option("a film; .png, a picture at --until; or .html, a page that plays the run", "RUN.gif")
+@options.json_option
+@options.output_option("a film; .png, a picture at --until; or .html, a page that plays the run", "RUN.gif")
 def render(
     run_files: tuple[str, ...],
     scenario_file: str | None,
@@ -88,7 +84,7 @@ def render(
     are {names}.
     """
     name = Path(run_files[0]).stem if run_files else "march"
-    destination = destination_of(output or f"{name}.gif", (*FILM_ENDINGS, *STILL_ENDINGS, *PLAYER_ENDINGS))
+    destination = options.destination_of(output or f"{name}.gif", (*FILM_ENDINGS, *STILL_ENDINGS, *PLAYER_ENDINGS))
     assert destination is not None  # There is a name in any case.
     ending, facts = destination.suffix.lower(), list[str]()
     overlays = tuple(name for name in OVERLAYS if choices.pop(name))
@@ -114,12 +110,8 @@ def render(
 
 def _write_film(sources: list[Run | March], path: Path, film: Film, workers: int) -> list[str]:
     """Write a film, and return how long it is."""
-    with progress("frame") as show:
-
-        def report(done: int, total: int) -> None:
-            show(done, total, text("frame {done}").format(done=done))
-
-        timing = write_film(sources, path, film, report, workers)
+    with progress("frame", "frame {done}") as show:
+        timing = write_film(sources, path, film, show, workers)
     count, start = text("{count} frames"), text("from t = {time:g} s")
     return [count.format(count=len(timing.times)), f"{timing.ends[-1]:.1f} s", start.format(time=timing.times[0])]
 
@@ -136,8 +128,8 @@ def _write_player(sources: list[Run | March], path: Path, given: dict[str, Any])
         start, until = given.get("start", 0.0), given["until"]
         times = np.arange(start, until, PLAYER_STRIDE / float(source.speed_profile.fastest(start, until)))
         run = Run.exact(source, np.append(times, until))
-    with progress("page") as show:
-        write_player(run, path, title=given.get("title"), progress=lambda done, total: show(done, total, text("page")))
+    with progress("page", "page") as show:
+        write_player(run, path, title=given.get("title"), progress=show)
 
 
 def _sources(run_files: tuple[str, ...], scenario_file: str | None, exact: bool) -> list[Run | March]:
@@ -145,8 +137,8 @@ def _sources(run_files: tuple[str, ...], scenario_file: str | None, exact: bool)
     if not run_files:
         if exact:
             raise click.UsageError("--exact needs a run: name one, or leave it out")
-        return [march_of(scenario_file)]
-    runs = [run_of(file, scenario_file) for file in run_files]
+        return [options.march_of(scenario_file)]
+    runs = [options.run_of(file, scenario_file) for file in run_files]
     return [*runs, runs[0].march] if exact else [*runs]
 
 
@@ -165,7 +157,7 @@ def _refuse(what: str, *names: str) -> None:
     """Raise a usage error if an option was given that `what` does not have."""
     context = click.get_current_context()
     for option in context.command.params:
-        if option.name in names and is_given(context, option.name):
+        if option.name in names and options.is_given(context, option.name):
             raise click.UsageError(f"{what} has no {option.opts[0]}: leave it out, or write a film")
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from pymunk_dragon.cli.options import DragonCommand, destination_of, files, json_option, output_option
+from pymunk_dragon.cli.options import DragonCommand, destination_of, json_option, output_option
 from pymunk_dragon.cli.output import print_json, progress, wrote
 
 
@@ -18,7 +18,7 @@ def _endings() -> tuple[str, ...]:
 
 
 @click.command(cls=DragonCommand, examples=("run.npz", "run.npz -o run.xlsx"), names=_endings)
-@click.argument("run_file", metavar="RUN.npz", shell_complete=files(".npz"))
+@click.argument("run_file", metavar="RUN.npz", type=click.Path())
 @json_option
 @output_option("a document or a table", "RUN.html")
 def report(run_file: str, as_json: bool, output: str | None) -> None:

@@ -18,7 +18,6 @@ from pymunk_dragon.cli.options import (
     named,
     number_list,
     scenario_options,
-    words,
 )
 from pymunk_dragon.cli.output import print_json, progress, wrote
 from pymunk_dragon.errors import DragonError, ParameterError
@@ -70,7 +69,6 @@ def _parameters() -> dict[str, str]:
     metavar="NAME",
     default="sobol",
     help="sobol or random.  [sobol]",
-    shell_complete=words("sobol", "random"),
 )
 @click.option("--refine", type=int, metavar="N", default=0, help="Add up to N points where benches or status change.")
 @click.option("--timeout", type=float, metavar="T", help="Time limit of a point, s.")
@@ -79,7 +77,6 @@ def _parameters() -> dict[str, str]:
     "--scheduler",
     metavar="ADDRESS",
     help="Run on a Dask scheduler, tcp://HOST:PORT, or local.",
-    shell_complete=words("local"),
 )
 @click.option("--workers", type=int, metavar="N", help="Number of processes.  [one for each core]")
 @json_option
