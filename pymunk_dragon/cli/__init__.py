@@ -36,16 +36,8 @@ from io import TextIOWrapper
 import click
 from click.shell_completion import shell_complete
 
-from pymunk_dragon import __version__
+from pymunk_dragon import __version__, errors
 from pymunk_dragon.cli.options import PROGRAM, epilog_of
-from pymunk_dragon.errors import (
-    DragonError,
-    FileFormatError,
-    MissingExtraError,
-    ParameterError,
-    UnreachableError,
-    one_line,
-)
 
 # The commands, in the order in which one uses them. Each is a function in the module of its name.
 COMMANDS = {
@@ -66,8 +58,8 @@ COMPLETE_VARIABLE = "_PYMUNK_DRAGON_COMPLETE"
 EXAMPLES = ("demo spiral", "contact", "simulate --from 400 -o run.npz", "render run.npz", "report run.npz")
 # Exit codes.
 DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
-# Errors of the user's input.
-INPUT_ERRORS = (click.ClickException, ParameterError, UnreachableError, FileFormatError, MissingExtraError)
+# Errors of the user's input, or of the installation; others of the package are failures.
+INPUT_ERRORS = (errors.ParameterError, errors.UnreachableError, errors.FileFormatError, errors.MissingExtraError)
 
 
 def command(name: str) -> click.Command:
@@ -111,23 +103,21 @@ def status(arguments: list[str] | None = None) -> int:
     """Run the program and return its exit code."""
     _open_streams()
     try:
-        return _run(list(sys.argv[1:] if arguments is None else arguments))
-    except click.exceptions.NoArgsIsHelpError as error:
-        with suppress(OSError):
-            error.show()
-        return BAD_INPUT
-    except (*INPUT_ERRORS, DragonError) as error:
-        message = error.format_message() if isinstance(error, click.ClickException) else str(error)
-        return _complain(message, BAD_INPUT if isinstance(error, INPUT_ERRORS) else FAILED)
+        return _run(sys.argv[1:] if arguments is None else arguments)
+    except click.ClickException as error:
+        return _complain(error.format_message(), BAD_INPUT)
+    except errors.DragonError as error:
+        return _complain(str(error), BAD_INPUT if isinstance(error, INPUT_ERRORS) else FAILED)
     except KeyboardInterrupt as end:
         # With what is left to be resumed, if there is something.
         return _complain(": ".join(("interrupted", *map(str, end.args))), INTERRUPTED)
+    except BrokenPipeError:
+        # The reader of stdout has closed it, as `head` does.
+        return _drop_output()
     except OSError as error:
         # Nearly always stdout: functions that read and write files raise errors of the package.
         _drop_output()
-        # `head` closes stdout once it has its lines.
-        closed = isinstance(error, BrokenPipeError)
-        return FAILED if closed else _complain(f"cannot write the output: {error.strerror or error}", FAILED)
+        return _complain(f"cannot write the output: {error.strerror or error}", FAILED)
     except MemoryError:
         return _complain("not enough memory for a dragon of this size", FAILED)
 
@@ -138,10 +128,13 @@ def _run(arguments: list[str]) -> int:
         return shell_complete(cli, {}, PROGRAM, COMPLETE_VARIABLE, instruction)
     try:
         # Not `cli.main`, which prints an empty line when it is interrupted.
-        with cli.make_context(PROGRAM, arguments) as context:
+        with cli.make_context(PROGRAM, list(arguments)) as context:
             cli.invoke(context)
     except click.exceptions.Exit as end:
         return end.exit_code
+    except click.exceptions.NoArgsIsHelpError as error:
+        error.show()
+        return BAD_INPUT
     sys.stdout.flush()
     return DONE
 
@@ -156,14 +149,15 @@ def _open_streams() -> None:
         sys.stdout.reconfigure(errors="backslashreplace")
 
 
-def _drop_output() -> None:
+def _drop_output() -> int:
     """Discard what stdout could not write, or Python would report it again when it flushes at exit."""
     with suppress(OSError):  # A test may have replaced the stream.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    return FAILED
 
 
 def _complain(message: str, code: int) -> int:
     """Print an error message in one line, and return the exit code."""
     with suppress(OSError):
-        click.echo(f"{PROGRAM}: {one_line(message)}", err=True)
+        click.echo(f"{PROGRAM}: {errors.one_line(message)}", err=True)
     return code

@@ -9,7 +9,7 @@ import click
 
 from pymunk_dragon._extras import library
 from pymunk_dragon.cli import options
-from pymunk_dragon.cli.output import print_json, progress, write_json, wrote
+from pymunk_dragon.cli.output import answer, progress, write_json, wrote
 from pymunk_dragon.errors import DragonError
 
 if TYPE_CHECKING:
@@ -36,22 +36,22 @@ def contact(scenario_file: str | None, method: str, as_json: bool, output: str |
     samples at equal time steps, and bisection. The engine is Pymunk.
     """
     settings = {name: value for name, value in choices.items() if value is not None}
-    for name in settings:
-        if SETTINGS_OF.get(name, method) != method:
-            raise click.UsageError(f"--{name} is of the {SETTINGS_OF[name]}: add --method {SETTINGS_OF[name]}")
+    _check_settings(method, settings)
     march = options.march_of(scenario_file)
     destination = options.destination_of(output, (".json", ".xlsx"))
-    if destination is not None and destination.suffix.lower() == ".xlsx":
+    if options.ending_of(destination) == ".xlsx":
         library("xlsxwriter")  # Before the search.
     values, shown = (_played if method == "engine" else _found)(march, method, **settings)
     result = {"status": values["status"], "method": method} | values
     if destination is not None:
         _write(destination, march, result)
-        wrote(destination)
-    if as_json:
-        print_json(result)
-    else:
-        click.echo(shown)
+    answer(as_json, result, shown)
+
+
+def _check_settings(method: str, settings: dict[str, Any]) -> None:
+    for name in settings:
+        if SETTINGS_OF.get(name, method) != method:
+            raise click.UsageError(f"--{name} is of the {SETTINGS_OF[name]}: add --method {SETTINGS_OF[name]}")
 
 
 def _found(march: March, method: str, *, start: float, **settings: Any) -> tuple[dict[str, Any], str]:
@@ -76,11 +76,12 @@ def _played(march: March, method: str, *, fine: bool = False, **times: Any) -> t
 
 def _write(path: Path, march: March, result: dict[str, Any]) -> None:
     """Write the result, or a sheet of the moment of the contact."""
-    if path.suffix.lower() != ".xlsx":
-        write_json(path, result)
-        return
     from pymunk_dragon.reports import write_contact_table
 
-    if result["time"] is None:
+    if options.ending_of(path) == ".json":
+        write_json(path, result)
+    elif result["time"] is not None:
+        write_contact_table(march, result["time"], path)
+    else:
         raise DragonError(f"no contact until t = {result['until']:.6g} s, so {path} was not written")
-    write_contact_table(march, result["time"], path)
+    wrote(path)

@@ -8,6 +8,7 @@ import click
 
 from pymunk_dragon._checks import did_you_mean
 from pymunk_dragon._extras import library
+from pymunk_dragon._files import check_destination
 from pymunk_dragon._language import language
 from pymunk_dragon.cli import options
 from pymunk_dragon.cli.output import print_file, print_json, progress, wrote
@@ -39,16 +40,9 @@ def demo(name: str | None, save: str | None, pause: bool, as_json: bool, output:
     elif name is None:
         _list(lessons, as_json)
     elif as_json:
-        if name == ALL:
-            raise click.UsageError("--json is for one lesson: give its name")
-        _print_recording(lessons[0], save)
+        _print_recording(lessons, save)
     else:
-        for each in lessons:
-            for needed in each.libraries:
-                library(needed)
-        check_output(language())
-        for each in lessons:
-            play(each, Terminal(save, pause, language()))
+        _play(lessons, Terminal(save, pause, language()))
 
 
 def _lesson_of(name: str) -> LessonFile:
@@ -63,8 +57,7 @@ def _lesson_of(name: str) -> LessonFile:
 
 def _write(lessons: list[LessonFile], output: str, as_json: bool) -> None:
     """Write a page, a notebook or a program."""
-    destination = options.destination_of(output, endings(lessons))
-    assert destination is not None  # There is an output.
+    destination = check_destination(output, endings(lessons))
     with progress("lessons", "lesson {done} of {total}") as show:
         write_lessons(lessons, destination, language=language(), progress=show)
     wrote(destination)
@@ -83,8 +76,20 @@ def _list(lessons: list[LessonFile], as_json: bool) -> None:
         click.echo(f"{number:>2}  {name:<14} {title}")
 
 
-def _print_recording(lesson: LessonFile, save: str | None) -> None:
+def _play(lessons: list[LessonFile], terminal: Terminal) -> None:
+    """Play lessons, once it is sure that all of them can be played."""
+    for needed in (needed for lesson in lessons for needed in lesson.libraries):
+        library(needed)
+    check_output(language())
+    for lesson in lessons:
+        play(lesson, terminal)
+
+
+def _print_recording(lessons: list[LessonFile], save: str | None) -> None:
     """Run a lesson, and print its texts and what it printed."""
+    if len(lessons) > 1:
+        raise click.UsageError("--json is for one lesson: give its name")
+    [lesson] = lessons
     recording, translated = record(lesson, save), lesson.in_language(language())
     said = {part: translated.text(part) for part in PARTS}
     guesses = [asdict(guess) for guess in translated.guesses]

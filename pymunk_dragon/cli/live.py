@@ -60,7 +60,7 @@ def live(
     SCENE is a ready scene: {names}.
     """
     own = options.chosen() or scenario_file or start or free_from is not None or contacts != "resolve"
-    if (scene is not None) + bool(own) + (replay is not None) > 1:
+    if [scene is not None, bool(own), replay is not None].count(True) > 1:
         raise click.UsageError("a ready scene and a recording have their own dragon: leave out the other options")
     if ends and replay is None:
         raise click.UsageError("--exit ends a replay: give a recording with --replay")
@@ -68,10 +68,7 @@ def live(
         library("aiohttp")
     path = options.destination_of(output, RECORDING_ENDINGS)
     log = None if replay is None else Log.load(replay)
-    source = _source(scene, log)
-    if source is None:
-        march = options.march_of(scenario_file)
-        source = dragon(march, contacts=contacts, free_from=free_from, start=start)
+    source = _source(scene, log) or _own(scenario_file, contacts=contacts, free_from=free_from, start=start)
     session = Session(source, record=path is not None, running=not paused)
     if log is not None:
         session.play_again(log.inputs, log.values, log.steps)
@@ -83,6 +80,11 @@ def live(
     finally:
         if path is not None:
             _write(session, path)
+
+
+def _own(scenario_file: str | None, **settings: Any) -> Ready:
+    """The dragon of the options."""
+    return dragon(options.march_of(scenario_file), **settings)
 
 
 def _source(scene: str | None, log: Log | None) -> Ready | None:

@@ -33,8 +33,6 @@ def speed_or_file(value: str) -> float | str:
         return value
 
 
-# Heading of the options of a scenario in the help.
-SCENARIO = "Dragon, curve and speed"
 # Type, placeholder and help of each option of a scenario but those of curves; its flag is the name with hyphens.
 SCENARIO_OPTIONS: dict[str, tuple[Any, str, str]] = {
     "benches": (int, "N", "Number of benches.  [223]"),
@@ -48,18 +46,17 @@ SCENARIO_OPTIONS: dict[str, tuple[Any, str, str]] = {
 
 
 class Headed(click.Option):
-    """An option under a heading of its own in the help."""
+    """An option whose help begins with a heading."""
 
-    def __init__(self, *arguments: Any, heading: str, **settings: Any) -> None:
-        super().__init__(*arguments, **settings)
-        self.heading = heading
+    def __init__(self, *arguments: Any, heading: str, help: str, **settings: Any) -> None:
+        super().__init__(*arguments, help=f"{heading}: {help}", **settings)
 
 
 class DragonCommand(click.Command):
     """A command with the option --lang, whose errors name flags instead of the parameters that get their values.
 
-    Its help has its own options first, and at the end `examples`: arguments of the command. `registered` functions
-    make options that stand before the option of their key, and `names` stand for {names} in the help.
+    Its help has the options of a scenario last, and below them `examples`: arguments of the command. `registered`
+    functions make options that stand before the option of their key, and `names` stand for {names} in the help.
     """
 
     def __init__(
@@ -78,18 +75,11 @@ class DragonCommand(click.Command):
             self.params[place:place] = make()
         text = f"Language of results: en or zh.  [{LANGUAGE_VARIABLE} of the environment, or en]"
         settings: dict[str, Any] = {"callback": _choose_language, "expose_value": False}
-        lang = click.Option(["--lang"], metavar="LANG", default="en", envvar=LANGUAGE_VARIABLE, help=text, **settings)
-        self.params.append(lang)
-
-    def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """Write the options, those of a scenario last."""
-        groups: dict[str, list[tuple[str, str]]] = {"Options": []}
-        for option in self.get_params(ctx):
-            if isinstance(option, click.Option) and (record := option.get_help_record(ctx)):
-                groups.setdefault(getattr(option, "heading", "Options"), []).append(record)
-        for heading, records in sorted(groups.items(), key=lambda group: group[0] == SCENARIO):
-            with formatter.section(heading):
-                formatter.write_dl(records)
+        lang = click.Option(
+            ["--lang", "language"], metavar="LANG", default="en", envvar=LANGUAGE_VARIABLE, help=text, **settings
+        )
+        # The values of the options of a scenario are not arguments of the function.
+        self.params = sorted([*self.params, lang], key=lambda option: not option.expose_value)
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run the command."""
@@ -141,12 +131,11 @@ def scenario_options(function: F) -> F:
             context.meta.setdefault("scenario", {})[parameter.name] = value
 
     for name, (kind, metavar, text) in reversed((SCENARIO_OPTIONS | _curve_options()).items()):
-        settings = {"cls": Headed, "heading": SCENARIO, "type": kind, "metavar": metavar, "help": text}
         flag = "--" + name.replace("_", "-")
-        click.option(flag, name, callback=collect, expose_value=False, **settings)(function)
+        add = click.option(flag, name, type=kind, metavar=metavar, help=text, callback=collect, expose_value=False)
+        add(function)
     text = "Read the dragon, curve and speed from a file; options win."
-    settings = {"cls": Headed, "heading": SCENARIO, "type": click.Path(), "metavar": "FILE.toml", "help": text}
-    return click.option("--scenario", "scenario_file", **settings)(function)
+    return click.option("--scenario", "scenario_file", metavar="FILE.toml", type=click.Path(), help=text)(function)
 
 
 def _curve_options() -> dict[str, tuple[Any, str, str]]:
@@ -191,6 +180,11 @@ def run_of(run_file: str, scenario_file: str | None) -> Run:
 def destination_of(output: str | None, endings: Iterable[str]) -> Path | None:
     """The file to write, after `check_destination`; to be called before the long work."""
     return None if output is None else check_destination(output, endings)
+
+
+def ending_of(path: Path | None) -> str:
+    """The ending of a file, which chooses the format; empty without a file."""
+    return "" if path is None else path.suffix.lower()
 
 
 def number_list(name: str, text: str) -> list[float]:

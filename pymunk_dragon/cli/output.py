@@ -62,6 +62,14 @@ def print_json(result: dict[str, Any]) -> None:
     click.echo(json.dumps(result))
 
 
+def answer(as_json: bool, result: dict[str, Any], shown: object) -> None:
+    """Print a result as a JSON object or as text."""
+    if as_json:
+        print_json(result)
+    else:
+        click.echo(shown)
+
+
 def print_file(path: Path) -> None:
     """Print a JSON object with the name and the size of a file that was written."""
     print_json({"output": str(path), "bytes": path.stat().st_size})

@@ -11,7 +11,7 @@ import click
 
 from pymunk_dragon._files import written_in_place
 from pymunk_dragon.cli import options
-from pymunk_dragon.cli.output import print_json, write_json, wrote
+from pymunk_dragon.cli.output import answer, write_json, wrote
 from pymunk_dragon.errors import ParameterError
 
 if TYPE_CHECKING:
@@ -46,20 +46,22 @@ def positions(
         click.echo(_paper_tables(march))
         return
     selected = march.dragon.representatives if handles is None else _handles(handles, march.dragon.handles - 1)
-    at = options.number_list("times", times or TABLE_TIMES)
-    if len(at) * march.dragon.handles > MAX_TABLE:
-        raise ParameterError("times", times, f"at most {MAX_TABLE // march.dragon.handles} for this dragon")
+    at = _times(times or TABLE_TIMES, march.dragon.handles)
     destination = options.destination_of(output, (".csv", ".json", ".xlsx"))
-    if handles is not None and destination is not None and destination.suffix.lower() == ".xlsx":
+    if handles is not None and options.ending_of(destination) == ".xlsx":
         raise click.UsageError("the contest's sheets have all handles: leave out --handles, or write .csv or .json")
     states = march.at(at)
     if destination is not None:
         _write(destination, march, at, states, selected)
-        wrote(destination)
-    if as_json:
-        print_json(states.to_dict(selected))
-    elif destination is None:
-        click.echo(states.text(selected))
+    if as_json or destination is None:
+        answer(as_json, states.to_dict(selected), states.text(selected))
+
+
+def _times(given: str, handles: int) -> list[float]:
+    times = options.number_list("times", given)
+    if len(times) * handles > MAX_TABLE:
+        raise ParameterError("times", given, f"at most {MAX_TABLE // handles} for this dragon")
+    return times
 
 
 def _handles(given: str, last: int) -> list[int]:
@@ -89,3 +91,4 @@ def _write(path: Path, march: March, times: list[float], states: States, handles
             csv.writer(file).writerows([COLUMNS, *states.rows(handles)])
     else:
         write_json(path, states.to_dict(handles))
+    wrote(path)

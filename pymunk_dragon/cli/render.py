@@ -11,6 +11,7 @@ from typing import Any, TypeVar
 import click
 import numpy as np
 
+from pymunk_dragon._files import check_destination
 from pymunk_dragon._language import text
 from pymunk_dragon.cli import options
 from pymunk_dragon.cli.output import print_file, progress, wrote
@@ -84,9 +85,8 @@ def render(
     are {names}.
     """
     name = Path(run_files[0]).stem if run_files else "march"
-    destination = options.destination_of(output or f"{name}.gif", (*FILM_ENDINGS, *STILL_ENDINGS, *PLAYER_ENDINGS))
-    assert destination is not None  # There is a name in any case.
-    ending, facts = destination.suffix.lower(), list[str]()
+    destination = check_destination(output or f"{name}.gif", (*FILM_ENDINGS, *STILL_ENDINGS, *PLAYER_ENDINGS))
+    ending, facts = options.ending_of(destination), list[str]()
     overlays = tuple(name for name in OVERLAYS if choices.pop(name))
     given = {name: value for name, value in choices.items() if value is not None}
     if size is not None:

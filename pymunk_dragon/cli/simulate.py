@@ -10,7 +10,7 @@ import click
 
 from pymunk_dragon._language import text
 from pymunk_dragon.cli import options
-from pymunk_dragon.cli.output import note, print_json, progress, wrote
+from pymunk_dragon.cli.output import answer, note, progress, wrote
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 from pymunk_dragon.model.settings import FINE_ITERATIONS, FINE_STRIDE, EngineSettings
@@ -62,10 +62,7 @@ def simulate(
         wrote(Path(output), text("{count} frames").format(count=len(run.times)))
     else:
         note(text("the run is not kept: -o RUN.npz saves it"))
-    if as_json:
-        print_json(run.to_dict())
-    else:
-        click.echo(run)
+    answer(as_json, run.to_dict(), run)
 
 
 def played(
