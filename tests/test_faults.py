@@ -55,7 +55,7 @@ def quick_and_all(quick, more):
     "commands",
     quick_and_all(
         ["--help", "positions --json"],
-        ["--version", "demo sat", "simulate --until 0.1 --benches 9", "contact --until 1 --benches 9 --compare"],
+        ["--version", "demo sat", "simulate --until 0.1 --benches 9", "contact --until 1 --benches 9"],
     ),
 )
 def test_output_that_cannot_be_written_is_one_line_and_exit_code_1(commands):
@@ -165,7 +165,7 @@ def test_full_disk_is_one_line_and_leaves_the_old_file(tmp_path, commands):
 # Imports, which make up most of the time of short commands
 
 DRAWING = {"PIL", "imageio", "matplotlib", "multiprocessing", "pymunk_dragon.drawing"}
-HEAVY = DRAWING | {"pymunk", "scipy", "json", "tomllib", "numpy.polynomial", "pymunk_dragon.reports"}
+HEAVY = DRAWING | {"pymunk", "scipy", "tomllib", "numpy.polynomial", "pymunk_dragon.reports"}
 NO_NUMBERS = HEAVY | {"numpy", "email", "importlib.metadata", "pymunk_dragon.model"}
 
 

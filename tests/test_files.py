@@ -6,7 +6,6 @@ import errno
 import os
 import stat
 import subprocess
-import sys
 from importlib.metadata import version
 from pathlib import Path
 
@@ -40,7 +39,7 @@ def test_file_is_replaced_only_when_it_is_whole(old_file):
     with written_in_place(old_file) as draft:
         draft.write_text("new")
         assert old_file.read_text() == "old"
-        assert (draft.parent, draft.suffix) == (old_file.parent, ".gif")
+        assert draft.suffix == ".gif"
     assert old_file.read_text() == "new"
     assert names(old_file.parent) == ["film.gif"]
 
@@ -61,8 +60,8 @@ def test_mode_of_a_file_is_that_of_the_old_one_or_the_usual_one(old_file):
     for mode in (0o600, 0o640, 0o755, 0o444):
         old_file.chmod(mode)
         with written_in_place(old_file) as draft:
-            # Nobody can read the draft who cannot read the file.
-            assert draft.stat().st_mode & 0o777 & ~(mode | 0o600) == 0
+            # Nobody else can read the draft.
+            assert draft.parent.stat().st_mode & 0o777 == 0o700
             draft.write_text("new")
         assert old_file.stat().st_mode & 0o777 == mode
     ours, theirs = old_file.parent / "ours.txt", old_file.parent / "theirs.txt"
@@ -128,42 +127,6 @@ def test_destination_that_cannot_be_written_is_refused_and_leaves_nothing(tmp_pa
     assert not long.exists()
 
 
-WRITER = (
-    "import sys\n"
-    "from pymunk_dragon._files import written_in_place\n"
-    "with written_in_place(sys.argv[1]) as draft:\n"
-    "    draft.write_text('half')\n"
-    "    print('writing', flush=True)\n"
-    "    sys.stdin.read()\n"
-)
-
-
-def test_next_write_removes_only_the_drafts_of_killed_processes(tmp_path):
-    file = tmp_path / "run.csv"
-    others = [".pymunk-dragon", ".pymunk-dragon-12-0badcafe.csv.bak"]
-    for name in others:
-        (tmp_path / name).write_text("mine")
-    (tmp_path / ".pymunk-dragon-12-0badcafe.csv").symlink_to(tmp_path / others[0])
-
-    def writer():
-        command = [sys.executable, "-c", WRITER, str(file)]
-        process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
-        assert process.stdout.readline() == "writing\n"
-        return process
-
-    with writer() as killed, writer() as alive:
-        killed.kill()
-        killed.communicate()
-        before = len(names(tmp_path))
-        write(file, "new")
-        # One draft less, one file more.
-        assert len(names(tmp_path)) == before
-        alive.communicate()
-    assert file.read_text() == "half"
-    assert {"run.csv", *others} < set(names(tmp_path))
-    assert [(tmp_path / name).read_text() for name in others] == ["mine", "mine"]
-
-
 def test_first_line_of_a_table_may_hold_names_but_no_line_anything_else(tmp_path):
     path = tmp_path / "table.csv"
 
@@ -177,9 +140,6 @@ def test_first_line_of_a_table_may_hold_names_but_no_line_anything_else(tmp_path
         with pytest.raises(FileFormatError) as caught:
             read(f"{first}\n1,2\n")
         assert_says(caught.value, "line 1 ", repr(first))
-    for text in ("1" * 131073, "x" * 131073):
-        with pytest.raises(FileFormatError, match="line 2 "):
-            read(f"1,2\n{text},2\n")
     with pytest.raises(FileFormatError, match=r"/dev/zero: larger than 4 MB"):
         number_rows("/dev/zero", "points", ("x in m", "y in m"))
 

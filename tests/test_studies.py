@@ -307,6 +307,7 @@ def test_a_study_brings_its_options_and_its_formats(call, monkeypatch, answer):
         options={"depth": Option(kind=float, metavar="M", text="how deep, m.  [1]")},
     )
     monkeypatch.setitem(STUDIES, "deepest", added)
+    monkeypatch.delitem(sys.modules, "pymunk_dragon.cli.study", raising=False)  # It reads the registry once.
     assert json.loads(call("study", "deepest", "--width", "0.2", "--depth", "3", "--json")[1])["pitch"] == 3 * 0.2
     assert "--depth M" in call("study", "--help")[1]
     status, _, err = call("study", "min-pitch", "--depth", "3")

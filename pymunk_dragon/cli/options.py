@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from decimal import Decimal
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -48,8 +48,8 @@ SCENARIO_OPTIONS: dict[str, tuple[Any, str, str]] = {
 class Headed(click.Option):
     """An option whose help begins with a heading."""
 
-    def __init__(self, *arguments: Any, heading: str, help: str, **settings: Any) -> None:
-        super().__init__(*arguments, help=f"{heading}: {help}", **settings)
+    def __init__(self, flags: Sequence[str], heading: str, help: str, **settings: Any) -> None:
+        super().__init__(flags, help=f"{heading}: {help}", **settings)
 
 
 class DragonCommand(click.Command):
