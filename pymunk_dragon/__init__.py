@@ -44,33 +44,25 @@ __all__ = [
 ]  # fmt: skip
 
 # Names are loaded when they are first used: NumPy, Pymunk and Pillow together take longer to import than
-# `pymunk-dragon --help` may take to answer.
+# `pymunk-dragon --help` may take to answer. `drawing` does not import its `debug_draw`, which needs Pymunk.
 _MODULES = {
-    "collision": ("Grid", "FirstContact", "NearMiss", "Separation", "first_contact", "scan", "separation"),
-    "model.contact": ("Contact", "ContactEvent", "ContactLog"),
-    "model.curves": ("Arc", "Composite", "Curve", "Line", "Reversed", "Sampled", "Section", "Spiral", "UTurn"),
-    "model.dragon": ("Dragon", "outlines"),
-    "errors": (
-        "DragonError",
-        "FileFormatError",
-        "MissingExtraError",
-        "OutputError",
-        "ParameterError",
-        "UnreachableError",
-    ),
-    "model.march": ("March", "States"),
-    "physics": ("EngineSettings", "PathGuide", "World", "simulate"),
-    "player": ("player_page", "write_player"),
-    "drawing": ("Camera", "Film", "Palette", "Scene", "render", "write_film"),
-    # Not imported by its package, which does not need Pymunk.
-    "drawing.debug_draw": ("PillowDrawOptions",),
-    "reports": ("report",),
-    "model.run": ("Run", "check_saveable"),
-    "model.scenario": ("Scenario",),
-    "model.speed": ("Speed", "SpeedTable"),
-    "studies": ("max_speed", "min_pitch", "sensitivity", "u_turn"),
-    "sweeps": ("Sweep", "sweep"),
-    "sessions": ("live",),
+    "collision": "FirstContact Grid NearMiss Separation first_contact scan separation",
+    "drawing": "Camera Film Palette Scene render write_film",
+    "drawing.debug_draw": "PillowDrawOptions",
+    "errors": "DragonError FileFormatError MissingExtraError OutputError ParameterError UnreachableError",
+    "model.contact": "Contact ContactEvent ContactLog",
+    "model.curves": "Arc Composite Curve Line Reversed Sampled Section Spiral UTurn",
+    "model.dragon": "Dragon outlines",
+    "model.march": "March States",
+    "model.run": "Run check_saveable",
+    "model.scenario": "Scenario",
+    "model.speed": "Speed SpeedTable",
+    "physics": "EngineSettings PathGuide World simulate",
+    "player": "player_page write_player",
+    "reports": "report",
+    "sessions": "live",
+    "studies": "max_speed min_pitch sensitivity u_turn",
+    "sweeps": "Sweep sweep",
 }
 
 
@@ -79,7 +71,7 @@ def __getattr__(name: str) -> Any:
 
     # This package is above all those that it imports by name.
     for module, names in _MODULES.items():
-        if name in names:
+        if name in names.split():
             return getattr(import_module(f"pymunk_dragon.{module}"), name)
     raise AttributeError(f"module 'pymunk_dragon' has no attribute '{name}'")
 

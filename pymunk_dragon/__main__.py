@@ -11,8 +11,6 @@ from types import FrameType
 
 # s after a signal in which others are ignored, as a SIGHUP after SIGTERM, while files are removed.
 GRACE = 2.0
-# s until SIGALRM raises the exception again, if Python could not raise it, as in a finalizer.
-RETRY = 1e-3
 
 
 class Interruption(KeyboardInterrupt):
@@ -31,22 +29,13 @@ def main() -> None:
             last = monotonic()
             raise Interruption
 
-    def notice(lost: sys.UnraisableHookArgs) -> None:
-        nonlocal last
-        if issubclass(lost.exc_type, Interruption) and hasattr(signal, "setitimer"):
-            last = -GRACE
-            signal.setitimer(signal.ITIMER_REAL, RETRY)
-        else:
-            sys.__unraisablehook__(lost)
-
     # Signals that nohup, or a shell that starts it in the background, has the program ignore stay ignored.
-    known = (getattr(signal, name, None) for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGALRM"))
+    known = (getattr(signal, name, None) for name in ("SIGINT", "SIGTERM", "SIGHUP"))
     handled = [number for number in known if number and signal.getsignal(number) != signal.SIG_IGN]
     code = 0
     try:
         for number in handled:
             signal.signal(number, stop)
-        sys.unraisablehook = notice
         # The program opens no windows; and matplotlib cannot be imported with an unknown backend in the environment.
         os.environ["MPLBACKEND"] = "agg"
         from pymunk_dragon.cli import status

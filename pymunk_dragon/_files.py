@@ -84,7 +84,7 @@ def number_rows(path: str | Path, name: str, columns: Sequence[str]) -> tuple[li
     lines, rows = [], []
     for line, content in enumerate(read_text(path, name).splitlines(), start=1):
         cells = [cell.strip(' \t"') for cell in content.split(",")]
-        row = tuple(number for cell in cells if (number := _number(cell)) is not None)
+        row = _numbers(cells)
         if not any(cells) or (line == 1 and not row):
             continue
         if not len(row) == len(cells) == len(columns):
@@ -96,11 +96,13 @@ def number_rows(path: str | Path, name: str, columns: Sequence[str]) -> tuple[li
     return lines, rows
 
 
-def _number(cell: str) -> float | None:
-    """The number in a cell; None if it has another content."""
-    with suppress(ValueError):
-        return float(cell)
-    return None
+def _numbers(cells: Iterable[str]) -> tuple[float, ...]:
+    """The numbers in cells, of which others have another content."""
+    numbers = []
+    for cell in cells:
+        with suppress(ValueError):
+            numbers.append(float(cell))
+    return tuple(numbers)
 
 
 def _status(path: Path) -> os.stat_result | None:

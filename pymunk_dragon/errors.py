@@ -4,29 +4,13 @@ from __future__ import annotations
 
 from reprlib import Repr
 
-__all__ = [
-    "DragonError",
-    "FileFormatError",
-    "MissingExtraError",
-    "OutputError",
-    "ParameterError",
-    "UnreachableError",
-    "one_line",
-]
-
 # Values in messages. A longer one loses its middle, because a path ends with the name of the file.
 _SHORT = Repr()
 _SHORT.maxother = 80
 
 
 def one_line(text: str) -> str:
-    r"""`text` with single spaces, and escape sequences for control characters.
-
-    Examples
-    --------
-    >>> one_line("two\nlines   and \x1b[1m")
-    'two lines and \\x1b[1m'
-    """
+    """`text` with single spaces, and escape sequences for control characters."""
     return "".join(
         character if character.isprintable() else character.encode("unicode_escape").decode()
         for character in " ".join(text.split())
@@ -36,8 +20,11 @@ def one_line(text: str) -> str:
 class DragonError(Exception):
     """Base class of the package's exceptions."""
 
+    # The message, with the arguments.
+    _form = "{0}"
+
     def __str__(self) -> str:
-        return one_line(super().__str__())
+        return one_line(self._form.format(*self.args))
 
 
 class ParameterError(DragonError, ValueError):
@@ -59,50 +46,39 @@ class ParameterError(DragonError, ValueError):
 
 
 class UnreachableError(DragonError):
-    """A `handle` cannot be placed on the curve at a `time` in s, for a `reason`.
+    """At a `time` in s a `handle`, the first such one, has no position on the curve, for a `reason`."""
 
-    Examples
-    --------
-    >>> print(UnreachableError(443.0, 0, "the curve ends at t = 442.59 s"))
-    handle 0 has no position at t = 443 s: the curve ends at t = 442.59 s
-    """
+    _form = "handle {1} has no position at t = {0:.6g} s: {2}"
 
     def __init__(self, time: float, handle: int, reason: str) -> None:
         super().__init__(time, handle, reason)
         self.time, self.handle, self.reason = time, handle, reason
 
-    def __str__(self) -> str:
-        return one_line(f"handle {self.handle} has no position at t = {self.time:.6g} s: {self.reason}")
-
 
 class FileFormatError(DragonError, ValueError):
     """The file `path` is damaged, of another format or of another version."""
 
+    _form = "{0}: {1}"
+
     def __init__(self, path: object, reason: str) -> None:
         super().__init__(path, reason)
         self.path, self.reason = path, reason
-
-    def __str__(self) -> str:
-        return one_line(f"{self.path}: {self.reason}")
 
 
 class OutputError(DragonError, OSError):
     """The file `path` could not be written; no part of it is left."""
 
+    _form = "cannot write {0}: {1}"
+
     def __init__(self, path: object, reason: str) -> None:
         super().__init__(path, reason)
         self.path, self.reason = path, reason
-
-    def __str__(self) -> str:
-        return one_line(f"cannot write {self.path}: {self.reason}")
 
 
 class MissingExtraError(DragonError, ImportError):
     """A `feature` needs a library that is not installed, of the optional dependencies `extra`."""
 
+    _form = "{0} needs: pip install 'pymunk-dragon[{1}]'"
+
     def __init__(self, feature: str, extra: str) -> None:
         super().__init__(feature, extra)
-        self.feature, self.extra = feature, extra
-
-    def __str__(self) -> str:
-        return one_line(f"{self.feature} needs: pip install 'pymunk-dragon[{self.extra}]'")

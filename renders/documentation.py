@@ -92,7 +92,7 @@ def module_page(module: str) -> str:
 
 def public_names() -> dict[str, str]:
     """The module of each public name of the package."""
-    return {name: module for module, names in pymunk_dragon._MODULES.items() for name in names}
+    return {name: module for module, names in pymunk_dragon._MODULES.items() for name in names.split()}
 
 
 def summary(docstring: str) -> str:

@@ -68,36 +68,29 @@ def live(
         library("aiohttp")
     path = options.destination_of(output, RECORDING_ENDINGS)
     log = None if replay is None else Log.load(replay)
-    source = _source(scene, log) or _own(scenario_file, contacts=contacts, free_from=free_from, start=start)
+    source = _source(scene, log, scenario_file, contacts=contacts, free_from=free_from, start=start)
     session = Session(source, record=path is not None, running=not paused)
     if log is not None:
         session.play_again(log.inputs, log.values, log.steps)
-    try:
-        if ends:
-            _replay(session, log)
-        else:
-            _serve(session, log, allow_hosts=allow_host, browser=not no_browser, **address)
-    finally:
-        if path is not None:
-            _write(session, path)
+    if ends:
+        _replay(session, log, path)
+    else:
+        _serve(session, log, path, allow_hosts=allow_host, browser=not no_browser, **address)
 
 
-def _own(scenario_file: str | None, **settings: Any) -> Ready:
-    """The dragon of the options."""
-    return dragon(options.march_of(scenario_file), **settings)
-
-
-def _source(scene: str | None, log: Log | None) -> Ready | None:
-    """A ready scene, or that of a recording."""
+def _source(scene: str | None, log: Log | None, scenario_file: str | None, **settings: Any) -> Ready:
+    """A ready scene, that of a recording, or the dragon of the options."""
+    if scene is not None:
+        return ready(scene)
     if log is None:
-        return None if scene is None else ready(scene)
+        return dragon(options.march_of(scenario_file), **settings)
     if log.plan is None:
         raise ParameterError("replay", "a recording of a space or a curve of your own", "one of a scene that is known")
     return planned(log.plan)
 
 
-def _serve(session: Session, log: Log | None, **address: Any) -> None:
-    """Show a session on a page until it ends."""
+def _serve(session: Session, log: Log | None, path: Path | None, **address: Any) -> None:
+    """Show a session on a page until it ends, and write what was recorded, also where it was interrupted."""
     from pymunk_dragon.sessions.handle import serve
 
     running = serve(session, path=None, **address)
@@ -110,16 +103,18 @@ def _serve(session: Session, log: Log | None, **address: Any) -> None:
         session.wait()
     finally:
         running.stop()
+        _write(session, path)
 
 
-def _replay(session: Session, log: Log | None) -> None:
-    """Play a recording without a page."""
+def _replay(session: Session, log: Log | None, path: Path | None) -> None:
+    """Play a recording without a page, and write it as another file."""
     session.speed = SPEEDS[1]
     session.start()
     try:
         _wait_for_replay(session, log)
     finally:
         session.stop()
+    _write(session, path)
 
 
 def _wait_for_replay(session: Session, log: Log | None) -> None:
@@ -133,9 +128,10 @@ def _wait_for_replay(session: Session, log: Log | None) -> None:
     click.echo(line.format(steps=log.steps, difference=log.difference(poses)))
 
 
-def _write(session: Session, path: Path) -> None:
-    """Write the recording, with progress for a film."""
-    label = text("writing {name}").format(name=path.name)
-    with progress(label, label) as show:
-        record(session, path, show)
-    wrote(path)
+def _write(session: Session, path: Path | None) -> None:
+    """Write the recording, if there is a file for it, with progress for a film."""
+    if path is not None:
+        label = text("writing {name}").format(name=path.name)
+        with progress(label, label) as show:
+            record(session, path, show)
+        wrote(path)

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import click
 import numpy as np
@@ -21,8 +20,6 @@ from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 from pymunk_dragon.player import PLAYER_ENDINGS, write_player
 
-F = TypeVar("F", bound=Callable[..., Any])
-
 # s: default length of a film of a march without contact.
 MARCH_FILM = 60.0
 # m: distance that the head travels between the frames of a march in a player.
@@ -34,16 +31,15 @@ OF_PICTURES = ("exact", "size", "follow", "span", "caption", "legend", "font", *
 MAX_WORKERS = 3
 
 
-def _overlay_options(function: F) -> F:
+def _overlays() -> list[click.Option]:
     """A flag for each overlay."""
-    for name, overlay in reversed([*OVERLAYS.items()]):
-        click.option(f"--{name}", is_flag=True, help=overlay.shows)(function)
-    return function
+    return [click.Option([f"--{name}"], is_flag=True, help=overlay.shows) for name, overlay in OVERLAYS.items()]
 
 
 @click.command(
     cls=options.DragonCommand,
     examples=("run.npz", "run.npz --exact --camera head -o both.mp4", "--until 60 -o march.gif"),
+    registered={"title": _overlays},
     names=lambda: FILM_ENDINGS,
 )
 @click.argument("run_files", metavar="[RUN.npz]...", nargs=-1, type=click.Path())
@@ -59,7 +55,6 @@ def _overlay_options(function: F) -> F:
 )
 @click.option("--span", type=float, metavar="M", help="Width of the ground in view, m.")
 @click.option("--hold", type=float, metavar="T", help="How long the last frame stays, s.  [2.5]")
-@_overlay_options
 @click.option("--title", metavar="TEXT", help="A line above the picture.")
 @click.option("--caption", metavar="TEXT", help="Lines below the picture.")
 @click.option("--legend/--no-legend", default=None, help="Legend and scale bar below the picture.  [shown]")
