@@ -6,15 +6,13 @@ paper's method; `Grid` and `separation` are the two phases of both.
 
 ## Three methods
 
-`--compare` runs the exact search, the paper's search and the engine (`late` is the difference to the exact time):
+`contact --method NAME` runs the exact search, the paper's search or the engine:
 
-```console
-$ pymunk-dragon contact --compare
-method  status        time (s)    benches  late (ms)  samples     pairs  seconds
-exact   contact  412.473837682       0, 8  +0.000000     4754     37241     0.17
-grid    contact  412.473837852       0, 8  +0.000170      434    224489     0.41
-engine  contact  412.473849741       0, 8  +0.012059    20624         -     8.39
-```
+| method | first contact, s | samples | pairs of benches | seconds |
+| --- | --- | --- | --- | --- |
+| `exact` | 412.473837682 | 4754 | 37241 | 0.17 |
+| `grid` | 412.473837852 | 434 | 224489 | 0.41 |
+| `engine` | 412.473849741 | 20624 | - | 8.39 |
 
 - **exact** clears every time interval by a bound on the motion of the benches in it, or divides it.
 - **grid** samples every second (`--step`). It files the benches under the cells of a grid, tests the pairs that share a
