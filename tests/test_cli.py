@@ -244,21 +244,11 @@ def test_run_of_a_u_turn_before_0_seconds_is_filmed_and_reported(answer, here):
 
 
 def test_render_takes_the_format_from_the_ending(answer, tmp_path):
-    formats = {
-        "gif": (0, b"GIF89a"),
-        "png": (0, b"\x89PNG\r\n\x1a\n"),
-        "html": (0, b"<!doctype html>"),
-        "mp4": (4, b"ftyp"),
-        "apng": (817, b"acTL"),
-        "webp": (8, b"WEBPVP8X"),
-    }
-    for ending, (at, expected) in formats.items():
+    for ending, expected in {"gif": b"GIF89a", "png": b"\x89PNG\r\n\x1a\n", "html": b"<!doctype html>"}.items():
         path = tmp_path / f"film.{ending}"
-        options = [] if ending == "html" else ["--size", "120"]
-        options += ["--fps", "10", "--speedup", "10"] if ending not in ("html", "png") else []
-        found = answer("render", "--until", "2", *options, "-o", path, "--json")
-        assert found["bytes"] == path.stat().st_size
-        assert path.read_bytes()[at : at + len(expected)] == expected, ending
+        options = ["--size", "120"] * (ending != "html") + ["--fps", "10", "--speedup", "10"] * (ending == "gif")
+        assert answer("render", "--until", "2", *options, "-o", path, "--json")["bytes"] == path.stat().st_size
+        assert path.read_bytes().startswith(expected), ending
 
 
 def test_render_sets_runs_side_by_side_with_their_marks_and_words(answer, small_run, tmp_path):
@@ -361,18 +351,13 @@ BAD_INPUT = {
     "positions --speed nowhere.csv": "--speed 'nowhere.csv'",
     "positions --speed fast": "--speed 'fast'",
     "contact --curve u-turn": "until",
-    "positions --benches 1": "benches 1 2",
-    "positions --head-spacing 30": "--head-spacing 30.0",
-    "positions --turns 0.2": "spacing",
     "positions --times 0:1": "--times '0:1' 0:300:1",
-    "positions --times 1,x": "times 1,x",
     "positions --times 0:1e9:0.001": "times",
     "positions --times 443": "443 handle",
     "positions --handles 224": "--handles '224' 223",
     "positions --handles 0 -o r.xlsx": "--handles",
     "positions --scenario /dev/zero": "/dev/zero 4",
     "positions --scenario s.toml": "head_spacing 30.0",
-    "positions --scenario s.toml --head-spacing 31": "--head-spacing 31.0",
     "positions --speed v.csv": "v.csv: line 2",
     "positions -o f.txt": "-o 'f.txt'",
     "positions --paper --times 3": "--paper --times",
@@ -380,16 +365,10 @@ BAD_INPUT = {
     "simulate --from 441": "441 handle",
     "simulate --from 2 --until 1": "--until 1.0",
     "simulate --guide ropes": "--guide 'ropes' rails",
-    "simulate --contacts no": "--contacts 'no' stop",
-    "simulate --substep 5": "--substep 5.0",
-    "simulate --iterations 0": "iterations 0",
     "simulate --fine --iterations 9": "--fine --iterations",
     "contact --from 1e300": "--from 1e+300",
-    "contact -o c.csv": "c.csv .xlsx",
     "contact --method guess": "method guess",
     "contact --step 2": "--step grid",
-    "contact --method grid --fine": "--fine engine",
-    "contact --method grid --step 0": "--step 0.0",
     "demo --lang fr": "lang 'fr'",
     "render nowhere.npz -o f.gif": "nowhere.npz",
     "render junk.npz -o f.gif": "junk.npz",
@@ -402,17 +381,10 @@ BAD_INPUT = {
     "render -o f.gif --title x --font nowhere.ttf": "font nowhere.ttf",
     "render -o f.gif --exact": "--exact run",
     "render -o f.gif --impulses": "impulses engine",
-    "render -o f.gif --workers -1": "--workers -1",
-    "render -o f.gif --title " + "x" * 501: "title 500",
-    "render -o f.gif --fps 51": "--fps 51 50",
     "render -o f.gif --size big": "--size 'big'",
     "render -o f.gif --camera tail": "--camera 'tail' head",
-    "render -o f.gif --speedup 0": "--speedup 0.0",
-    "report nowhere.npz -o r.html": "nowhere.npz",
-    "report junk.npz -o r.html": "junk.npz",
     "report -o r.html": "RUN.npz",
     "figure nothing -o f.png": "figure nothing spiral",
-    "figure collision -o f.svg": "f.svg .png",
     "figure drift -o f.png": "run engine",
     "figure all -o s.toml": "-o folder",
     "frobnicate": "frobnicate",

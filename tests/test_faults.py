@@ -45,18 +45,16 @@ def names(folder):
 
 def quick_and_all(quick, more):
     """Two cases: the quick one, and all the others in the thorough suite."""
-    return [pytest.param(quick, id="quick"), pytest.param(more, id="others", marks=pytest.mark.thorough)]
+    cases = [pytest.param(quick, id="quick"), pytest.param(more, id="others", marks=pytest.mark.thorough)]
+    return pytest.mark.parametrize("commands", cases)
 
 
 # Standard streams
 
 
-@pytest.mark.parametrize(
-    "commands",
-    quick_and_all(
-        ["--help", "positions --json"],
-        ["--version", "demo sat", "simulate --until 0.1 --benches 9", "contact --until 1 --benches 9"],
-    ),
+@quick_and_all(
+    ["--help", "positions --json"],
+    ["--version", "demo sat", "simulate --until 0.1 --benches 9", "contact --until 1 --benches 9"],
 )
 def test_output_that_cannot_be_written_is_one_line_and_exit_code_1(commands):
     for command in commands:
@@ -133,20 +131,17 @@ def test_signal_ends_a_simulation_with_one_line_and_leaves_the_old_file(tmp_path
 
 
 @not_under_coverage
-@pytest.mark.parametrize(
-    "commands",
-    quick_and_all(
-        [("positions --times 0:300:1", "p.csv")],
-        [
-            ("positions --times 0:300:1", "p.xlsx"),
-            ("simulate --until 1", "run.npz"),
-            ("render --until 6", "film.gif"),
-            ("render --until 6", "film.mp4"),
-            ("render --until 6", "page.html"),
-            ("figure spiral", "figure.svg"),
-            ("demo pitch", "lesson.html"),
-        ],
-    ),
+@quick_and_all(
+    [("positions --times 0:300:1", "p.csv")],
+    [
+        ("positions --times 0:300:1", "p.xlsx"),
+        ("simulate --until 1", "run.npz"),
+        ("render --until 6", "film.gif"),
+        ("render --until 6", "film.mp4"),
+        ("render --until 6", "page.html"),
+        ("figure spiral", "figure.svg"),
+        ("demo pitch", "lesson.html"),
+    ],
 )
 def test_full_disk_is_one_line_and_leaves_the_old_file(tmp_path, commands):
     for arguments, file in commands:
@@ -170,17 +165,14 @@ NO_NUMBERS = HEAVY | {"numpy", "email", "importlib.metadata", "pymunk_dragon.mod
 
 
 @not_under_coverage  # It imports some of these itself.
-@pytest.mark.parametrize(
-    "commands",
-    quick_and_all(
-        {"--help": NO_NUMBERS, "positions --times 0": HEAVY | {"pymunk_dragon.collision"}},
-        {
-            "contact --help": HEAVY,
-            "contact --until 1": HEAVY | {"pymunk_dragon.studies"},
-            "study min-pitch --benches 30": HEAVY,
-            "simulate --until 0.01": DRAWING | {"scipy", "matplotlib", "pymunk_dragon.studies"},
-        },
-    ),
+@quick_and_all(
+    {"--help": NO_NUMBERS, "positions --times 0": HEAVY | {"pymunk_dragon.collision"}},
+    {
+        "contact --help": HEAVY,
+        "contact --until 1": HEAVY | {"pymunk_dragon.studies"},
+        "study min-pitch --benches 30": HEAVY,
+        "simulate --until 0.01": DRAWING | {"scipy", "matplotlib", "pymunk_dragon.studies"},
+    },
 )
 def test_command_imports_only_what_it_uses(commands):
     for arguments, absent in commands.items():
