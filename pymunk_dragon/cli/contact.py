@@ -64,11 +64,12 @@ def _found(march: March, method: str, *, start: float, **settings: Any) -> tuple
     return found.to_dict(), str(found)
 
 
-def _played(march: March, method: str, *, fine: bool = False, **times: Any) -> tuple[dict[str, Any], str]:
+def _played(march: March, method: str, *, until: float | None = None, **settings: Any) -> tuple[dict[str, Any], str]:
     """The same of the engine, which reports contacts only, not gaps."""
     from pymunk_dragon.cli.simulate import played
+    from pymunk_dragon.model.settings import EngineSettings
 
-    run = played(march, fine=fine, **times)
+    run = played(march, EngineSettings(), until=until, **{"fine": False} | settings)
     touch = {name: getattr(run.first_contact, name, None) for name in ("time", "benches", "point", "normal")}
     values = {"status": run.outcome, **touch, "near_misses": None, "until": float(run.times[-1]), "resolution": None}
     return values | {"samples": run.substeps, "tests": None}, str(run).partition("\n")[0]

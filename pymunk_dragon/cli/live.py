@@ -17,6 +17,8 @@ from pymunk_dragon.sessions.recording import RECORDING_ENDINGS, record
 from pymunk_dragon.sessions.scenes import SCENES, Ready, dragon, planned, ready
 from pymunk_dragon.sessions.session import SPEEDS, Session
 
+# Options of a dragon of the user's.
+OWN = ("scenario_file", "start", "contacts", "free_from")
 # Hosts at which only this machine reaches the page.
 LOCAL = ("127.0.0.1", "localhost", "::1")
 CONTACTS = click.Choice(["stop", "report", "resolve"])
@@ -38,29 +40,20 @@ FILE: dict[str, Any] = {"metavar": "FILE", "type": click.Path()}
 @click.option("-o", "--record", "output", **FILE, help="File to write at the end: a run, .npz, or a film, as .gif.")
 @click.option("--port", type=int, default=0, metavar="N", help="Port.  [a free one]")
 @click.option("--host", default=LOCAL[0], metavar="ADDRESS", help="Address to listen on.  [this machine only]")
-@click.option("--allow-host", multiple=True, metavar="NAME", help="Name under which a proxy shows it; repeatable.")
-@click.option("--no-browser", is_flag=True, help="Do not open a browser.")
+@click.option(
+    "--allow-host", "allow_hosts", multiple=True, metavar="NAME", help="Name of a proxy of the page; repeatable."
+)
+@click.option("--no-browser", "browser", flag_value=False, default=True, help="Do not open a browser.")
 @click.option("--paused", is_flag=True, help="Begin paused.")
 def live(
-    scene: str | None,
-    scenario_file: str | None,
-    replay: str | None,
-    ends: bool,
-    output: str | None,
-    paused: bool,
-    start: float,
-    contacts: str,
-    free_from: int | None,
-    allow_host: tuple[str, ...],
-    no_browser: bool,
-    **address: Any,
+    scene: str | None, scenario_file: str | None, replay: str | None, ends: bool, output: str | None, **choices: Any
 ) -> None:
     """Play the dragon in real time, and touch it in a browser.
 
     SCENE is a ready scene: {names}.
     """
-    own = options.chosen() or scenario_file or start or free_from is not None or contacts != "resolve"
-    if [scene is not None, bool(own), replay is not None].count(True) > 1:
+    given = (options.is_given(click.get_current_context(), name) for name in OWN)
+    if [scene is not None, bool(options.chosen()) or any(given), replay is not None].count(True) > 1:
         raise click.UsageError("a ready scene and a recording have their own dragon: leave out the other options")
     if ends and replay is None:
         raise click.UsageError("--exit ends a replay: give a recording with --replay")
@@ -68,22 +61,21 @@ def live(
         library("aiohttp")
     path = options.destination_of(output, RECORDING_ENDINGS)
     log = None if replay is None else Log.load(replay)
-    source = _source(scene, log, scenario_file, contacts=contacts, free_from=free_from, start=start)
-    session = Session(source, record=path is not None, running=not paused)
+    settings = {name: choices.pop(name) for name in OWN[1:]}
+    source = _source(scene, log) or dragon(options.march_of(scenario_file), **settings)
+    session = Session(source, record=path is not None, running=not choices.pop("paused"))
     if log is not None:
         session.play_again(log.inputs, log.values, log.steps)
     if ends:
         _replay(session, log, path)
     else:
-        _serve(session, log, path, allow_hosts=allow_host, browser=not no_browser, **address)
+        _serve(session, log, path, **choices)
 
 
-def _source(scene: str | None, log: Log | None, scenario_file: str | None, **settings: Any) -> Ready:
-    """A ready scene, that of a recording, or the dragon of the options."""
-    if scene is not None:
-        return ready(scene)
+def _source(scene: str | None, log: Log | None) -> Ready | None:
+    """A ready scene, or that of a recording."""
     if log is None:
-        return dragon(options.march_of(scenario_file), **settings)
+        return None if scene is None else ready(scene)
     if log.plan is None:
         raise ParameterError("replay", "a recording of a space or a curve of your own", "one of a scene that is known")
     return planned(log.plan)

@@ -15,7 +15,6 @@ from pymunk_dragon._language import text
 from pymunk_dragon.cli import options
 from pymunk_dragon.cli.output import print_file, progress, wrote
 from pymunk_dragon.drawing import FILM_ENDINGS, OVERLAYS, STILL_ENDINGS, Camera, Film, write_film, write_still
-from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 from pymunk_dragon.player import PLAYER_ENDINGS, write_player
@@ -29,6 +28,15 @@ OF_FILMS = ("speedup", "fps", "hold", "workers")
 OF_PICTURES = ("exact", "size", "follow", "span", "caption", "legend", "font", *OVERLAYS)
 # Worker processes: with more the first process, which writes the film, is the bottleneck.
 MAX_WORKERS = 3
+
+
+def pixels(given: str) -> int | tuple[int, ...]:
+    """One length, or two with an x between them; `Film` checks them."""
+    try:
+        width, *height = map(int, given.lower().split("x"))
+    except ValueError:
+        raise click.BadParameter(f"{given!r} is neither a size as 640x360 nor a width as 480") from None
+    return (width, *height) if height else width
 
 
 def _overlays() -> list[click.Option]:
@@ -49,7 +57,7 @@ def _overlays() -> list[click.Option]:
 @click.option("--until", type=float, metavar="T", help="Last time, s.  [the run's, or a march's first contact]")
 @click.option("--speedup", type=float, metavar="X", help="Simulated s in 1 s of film.  [slower towards contacts]")
 @click.option("--fps", type=int, metavar="N", help="Frames in a second, at most 60, and 50 in a GIF.  [20]")
-@click.option("--size", metavar="PIXELS", help="Width and height: 440, or 640x360.  [440]")
+@click.option("--size", type=pixels, metavar="PIXELS", help="Width and height: 440, or 640x360.  [440]")
 @click.option(
     "--camera", "follow", type=click.Choice(["field", "head"]), default="field", help="What is in view.  [field]"
 )
@@ -63,16 +71,7 @@ def _overlays() -> list[click.Option]:
 @options.json_option
 @options.output_option("a film; .png, a picture at --until; or .html, a page that plays the run", "RUN.gif")
 def render(
-    run_files: tuple[str, ...],
-    scenario_file: str | None,
-    exact: bool,
-    follow: Any,
-    span: float | None,
-    size: str | None,
-    workers: int | None,
-    as_json: bool,
-    output: str | None,
-    **choices: Any,
+    run_files: tuple[str, ...], scenario_file: str | None, as_json: bool, output: str | None, **choices: Any
 ) -> None:
     """Film a run, several side by side, or an exact march.
 
@@ -83,13 +82,13 @@ def render(
     destination = check_destination(output or f"{name}.gif", (*FILM_ENDINGS, *STILL_ENDINGS, *PLAYER_ENDINGS))
     ending, facts = options.ending_of(destination), list[str]()
     overlays = tuple(name for name in OVERLAYS if choices.pop(name))
+    camera = Camera(follow=choices.pop("follow"), span=choices.pop("span"))
+    sources = _sources(run_files, scenario_file, choices.pop("exact"))
     given = {name: value for name, value in choices.items() if value is not None}
-    if size is not None:
-        given["size"] = _size(size)
-    sources = _sources(run_files, scenario_file, exact)
+    workers = given.pop("workers", _spare_cores())
     if isinstance(sources[0], March):
         given.setdefault("until", _end(sources[0], given.get("start", 0.0), film=ending in FILM_ENDINGS))
-    film = Film(camera=Camera(follow=follow, span=span), show=overlays, **given)
+    film = Film(camera=camera, show=overlays, **given)
     if ending in PLAYER_ENDINGS:
         _refuse("a page", *OF_FILMS, *OF_PICTURES)
         _write_player(sources, destination, given)
@@ -97,7 +96,7 @@ def render(
         _refuse("a picture", "start", *OF_FILMS)
         write_still(sources, film.window(sources)[1], destination, film)
     else:
-        facts = _write_film(sources, destination, film, _spare_cores() if workers is None else workers)
+        facts = _write_film(sources, destination, film, workers)
     wrote(destination, *facts)
     if as_json:
         print_file(destination)
@@ -160,12 +159,3 @@ def _spare_cores() -> int:
     """Return the number of worker processes: the cores that this process does not use."""
     usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     return min(usable - 1, MAX_WORKERS)
-
-
-def _size(given: str) -> int | tuple[int, int]:
-    """One length, or two with an x between them."""
-    try:
-        width, *height = map(int, given.lower().split("x"))
-        return (width, *height) if height else width  # type: ignore[return-value]  # Film checks their number.
-    except ValueError:
-        raise ParameterError("size", given, "pixels such as 480, or 640x360") from None

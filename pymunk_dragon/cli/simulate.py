@@ -41,22 +41,14 @@ ITERATIONS = "[10, or 60 where contacts are resolved]"
 @click.option("--frame-interval", type=float, metavar="T", help="Time between frames, s.  [until the head goes 0.1 m]")
 @options.json_option
 @options.output_option(".npz")
-def simulate(
-    scenario_file: str | None,
-    start: float,
-    until: float | None,
-    guide: str,
-    fine: bool,
-    as_json: bool,
-    output: str | None,
-    **choices: Any,
-) -> None:
+def simulate(scenario_file: str | None, fine: bool, as_json: bool, output: str | None, **choices: Any) -> None:
     """Play the march in Pymunk until the dragon runs into itself."""
     march = options.march_of(scenario_file)
     options.destination_of(output, (".npz",))
     if fine and not (choices["substep"] is None and choices["iterations"] is None):
         raise click.UsageError("--fine chooses the substep and the iterations: leave out --substep and --iterations")
-    run = played(march, EngineSettings(**choices), fine=fine, start=start, until=until, guide=guide)
+    interval = {name: choices.pop(name) for name in ("start", "until", "guide")}
+    run = played(march, EngineSettings(**choices), fine=fine, **interval)
     if output is not None:
         run.save(output)
         wrote(Path(output), text("{count} frames").format(count=len(run.times)))
@@ -65,19 +57,10 @@ def simulate(
     answer(as_json, run.to_dict(), run)
 
 
-def played(
-    march: March,
-    settings: EngineSettings | None = None,
-    *,
-    fine: bool,
-    start: float,
-    until: float | None = None,
-    guide: str = "rails",
-) -> Run:
+def played(march: March, settings: EngineSettings, *, fine: bool, start: float, until: float | None, **how: Any) -> Run:
     """Play `march` in Pymunk, with progress."""
-    settings = settings or EngineSettings()
     if fine:
         substep = FINE_STRIDE / top_speed(march, start, until)
         settings = replace(settings, substep=substep, iterations=FINE_ITERATIONS)
     with progress("t", "t = {done:.1f} s, {total:.0f} s at the latest", start) as show:
-        return play(march, guide=guide, start=start, until=until, settings=settings, progress=show)
+        return play(march, start=start, until=until, settings=settings, progress=show, **how)
