@@ -1,10 +1,23 @@
-"""Base classes of objects that notebooks display."""
+"""How results are shown: tables, text in lines, and base classes of objects that notebooks display."""
 
 from __future__ import annotations
 
+import re
+import unicodedata
+from collections.abc import Iterable, Iterator, Sequence
 from html import escape
 from importlib import import_module
 from typing import Any
+
+# A space at which no line is broken.
+NO_BREAK = "\u00a0"
+# Characters that do not end a line, and such that do not begin one.
+OPENING, CLOSING = "([{“‘（《「【", "!%),./:;?]}”’、。，；：？！）》」】"  # noqa: RUF001  # Those of Chinese.
+# What is not broken: a Chinese character or a word, with the brackets and stops around and the spaces behind it.
+WIDE = "\u2e80-\uffef"
+PIECE = re.compile(
+    rf"[{re.escape(OPENING)}]*(?:[^ {WIDE}]*{NO_BREAK})*(?:[{WIDE}]|[^ {WIDE}]*)[{re.escape(CLOSING)}]* *"
+)
 
 
 class Displayed:
@@ -31,3 +44,42 @@ class Printed:
 def _views() -> Any:
     """The module that represents objects. By its name, because the package is above the classes of all of them."""
     return import_module("pymunk_dragon.notebook")
+
+
+def table(heads: Sequence[str], formats: Sequence[str], rows: Iterable[Sequence[Any]]) -> list[str]:
+    """Lines of a table: the heads, and the rows with one format specification for each column; None is a dash."""
+    return ["  ".join(map(_cell, row, formats)).rstrip() for row in (heads, *rows)]
+
+
+def _cell(value: Any, specification: str) -> str:
+    if value is not None and not isinstance(value, str):
+        return format(value, specification)
+    shown, least = value or "-", re.search(r"\d+", specification)
+    padding = " " * (int(least[0]) - width(shown)) if least else ""
+    return shown + padding if specification.startswith("<") else padding + shown
+
+
+def width(text: str) -> int:
+    """Columns that a text has in a terminal, where a Chinese character has two."""
+    return sum(2 if unicodedata.east_asian_width(character) in "WF" else 1 for character in text)
+
+
+def wrapped(text: str, columns: int) -> Iterator[str]:
+    """Lines of `text`, at most `columns` wide where they can be broken; `textwrap` breaks at spaces only."""
+    line = ""
+    for piece in PIECE.findall(unbroken(re.sub(r"\s*\n\s*", " ", text.strip()))):
+        if line and width(line) + width(piece.rstrip(" ")) > columns:
+            yield line.rstrip(" ").replace(NO_BREAK, " ")
+            line = ""
+        line += piece
+    yield line.rstrip(" ").replace(NO_BREAK, " ")
+
+
+def unbroken(text: str) -> str:
+    """`text` with a space that does not break behind each number, so that 1 m/s stays on one line."""
+    return re.sub(r"(?<=\d) (?=\w)", NO_BREAK, text)
+
+
+def closing(text: str) -> str:
+    """The characters with which `text` begins that do not begin a line."""
+    return text[: len(text) - len(text.lstrip(CLOSING))]

@@ -7,8 +7,8 @@ import re
 import pytest
 from PIL import ImageFont
 
+from pymunk_dragon._display import width
 from pymunk_dragon._language import font, in_language, language, text, texts
-from pymunk_dragon._text import width
 from pymunk_dragon.drawing.figures import figure
 from pymunk_dragon.errors import MissingExtraError, ParameterError
 from pymunk_dragon.lessons import LESSONS, Terminal, play

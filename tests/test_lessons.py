@@ -21,7 +21,7 @@ from conftest import assert_says
 from lesson_runs import played
 from PIL import Image
 
-from pymunk_dragon._text import width, wrapped
+from pymunk_dragon._display import width, wrapped
 from pymunk_dragon.errors import MissingExtraError, ParameterError
 from pymunk_dragon.lessons import LANGUAGES, LESSONS, LessonFile, Terminal, play, record, write_lessons
 from pymunk_dragon.lessons._framework import PARTS, lesson_file, make_notebook

@@ -21,8 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pymunk_dragon._arrays import Array, Complex, Indices, as_vectors
-from pymunk_dragon._frozen import read_only
+from pymunk_dragon._arrays import Array, Complex, Indices, as_vectors, read_only
 from pymunk_dragon.errors import ParameterError
 
 __all__ = ["Separation", "separation"]

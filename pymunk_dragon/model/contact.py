@@ -7,8 +7,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import Any, Literal, Self, get_args, overload
 
+from pymunk_dragon._display import table
 from pymunk_dragon._language import text
-from pymunk_dragon._text import table
 from pymunk_dragon.errors import DragonError
 
 Phase = Literal["begin", "pre_solve", "post_solve", "separate"]

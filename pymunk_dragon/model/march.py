@@ -10,12 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pymunk_dragon._arrays import Array, as_vectors
+from pymunk_dragon._arrays import Array, ArrayRecord, as_vectors, read_only
 from pymunk_dragon._checks import finite, positive, whole
-from pymunk_dragon._display import Displayed
-from pymunk_dragon._frozen import ArrayRecord, read_only
+from pymunk_dragon._display import Displayed, table
 from pymunk_dragon._language import text
-from pymunk_dragon._text import table
 from pymunk_dragon.errors import ParameterError, UnreachableError
 from pymunk_dragon.model.chain import ChainMotion
 from pymunk_dragon.model.continuation import Continuation

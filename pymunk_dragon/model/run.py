@@ -12,10 +12,9 @@ from typing import IO, Any, Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pymunk_dragon._arrays import Array
+from pymunk_dragon._arrays import Array, ArrayRecord, frozen, read_only
 from pymunk_dragon._checks import word
 from pymunk_dragon._display import Displayed
-from pymunk_dragon._frozen import ArrayRecord, frozen, read_only
 from pymunk_dragon._language import text
 from pymunk_dragon.errors import DragonError
 from pymunk_dragon.model.contact import Contact, ContactEvent, ContactLog, contact_text

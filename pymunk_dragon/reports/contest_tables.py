@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pymunk_dragon._arrays import Array
+from pymunk_dragon._display import table, width
 from pymunk_dragon._files import check_destination, written_in_place
 from pymunk_dragon._language import text
-from pymunk_dragon._text import table, width
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.march import March
 from pymunk_dragon.reports.summary import TABLE_TIMES

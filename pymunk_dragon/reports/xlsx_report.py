@@ -10,9 +10,9 @@ from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from pymunk_dragon._display import width
 from pymunk_dragon._extras import library
 from pymunk_dragon._language import text
-from pymunk_dragon._text import width
 from pymunk_dragon.reports import document, tables
 from pymunk_dragon.reports.graphics import STILL_SIZE, stills
 from pymunk_dragon.reports.summary import Summary

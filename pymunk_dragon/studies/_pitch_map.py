@@ -6,8 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pymunk_dragon._arrays import Array
-from pymunk_dragon._frozen import ArrayRecord, read_only
+from pymunk_dragon._arrays import Array, ArrayRecord, read_only
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.studies._gaps import InwardMarch, SampledGaps

@@ -9,7 +9,7 @@ from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from pymunk_dragon._text import width
+from pymunk_dragon._display import width
 from pymunk_dragon.errors import MissingExtraError
 
 if TYPE_CHECKING:

@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pymunk_dragon._display import table
 from pymunk_dragon._language import text
-from pymunk_dragon._text import table
 from pymunk_dragon.collision import first_contact
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.curves import Spiral

@@ -18,10 +18,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pymunk_dragon._arrays import Array
+from pymunk_dragon._arrays import Array, ArrayRecord, read_only
 from pymunk_dragon._checks import finite, whole
 from pymunk_dragon._extras import library
-from pymunk_dragon._frozen import ArrayRecord, read_only
 from pymunk_dragon._language import text
 from pymunk_dragon.collision import FirstContact, first_contact
 from pymunk_dragon.errors import ParameterError, UnreachableError

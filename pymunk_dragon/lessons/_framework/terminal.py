@@ -13,7 +13,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import NoReturn
 
-from pymunk_dragon._text import wrapped
+from pymunk_dragon._display import wrapped
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.lessons._framework.guess import Guess
 from pymunk_dragon.lessons._framework.lesson_file import live_scene, next_lesson
