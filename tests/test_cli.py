@@ -396,7 +396,9 @@ def test_bad_input_is_named_in_one_line_and_nothing_is_written(complaint, here):
     Path("s.toml").write_text("head_spacing = 30\n")
     Path("v.csv").write_text("0,1\n1\n")
     Path("junk.npz").write_bytes(b"PK\x03\x04")
+    Path("key.toml").write_text("start = 5\n")
     before = sorted(os.listdir())
+    assert "--from" not in complaint("simulate", "--from", "3", "--scenario", "key.toml")
     for command, words in BAD_INPUT.items():
         said = complaint(*command.split())
         missing = [word for word in words.split() if word not in said]

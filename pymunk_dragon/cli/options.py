@@ -165,7 +165,13 @@ def march_of(scenario_file: str | None) -> March:
     from pymunk_dragon.model.scenario import Scenario
 
     values = Scenario.read(scenario_file) if scenario_file is not None else {}
-    return Scenario.from_dict(values | chosen()).march()
+    try:
+        return Scenario.from_dict(values | chosen()).march()
+    except ParameterError as error:
+        if error.name.removeprefix("curve.") in chosen():
+            raise
+        # A key of the file, which may have the name of another option: `start` is not --from.
+        raise click.UsageError(str(error)) from error
 
 
 def run_of(run_file: str, scenario_file: str | None) -> Run:
