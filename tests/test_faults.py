@@ -213,43 +213,27 @@ def filming(tmp_path):
         yield process, wait_for(second, process)
 
 
-def assert_gone(processes):
-    _, alive = psutil.wait_procs(processes, timeout=LIMIT)
-    assert alive == []
-
-
 @pytest.mark.thorough
-def test_ctrl_c_ends_all_processes_of_a_film_with_one_line(filming, tmp_path):
-    process, _ = filming
-    helpers = psutil.Process(process.pid).children(recursive=True)
-    # A terminal sends it to all of them.
-    os.killpg(process.pid, signal.SIGINT)
-    out, err = process.communicate(timeout=LIMIT)
-    assert (process.returncode, out, err.strip()) == (130, "", "pymunk-dragon: interrupted")
-    assert names(tmp_path) == []
-    assert_gone(helpers)
-
-
-@pytest.mark.thorough
-def test_processes_of_a_film_end_with_the_one_that_started_them(filming):
+@pytest.mark.parametrize("end", ["ctrl-c", "killed", "killed worker"])
+def test_processes_of_a_film_end_together(filming, tmp_path, end):
     process, helper = filming
     helpers = psutil.Process(process.pid).children(recursive=True)
-    assert helper in helpers
-    process.kill()
-    process.communicate(timeout=LIMIT)
-    assert_gone(helpers)
-
-
-@pytest.mark.thorough
-def test_film_whose_second_process_was_killed_fails_with_one_line(filming, tmp_path):
-    process, helper = filming
-    # It draws: its imports take less.
-    wait_for(lambda: helper.cpu_times().user > 2.0, helper)
-    helper.kill()
+    if end == "ctrl-c":
+        os.killpg(process.pid, signal.SIGINT)  # A terminal sends it to all of them.
+    elif end == "killed":
+        process.kill()
+    else:
+        # It draws: its imports take less.
+        wait_for(lambda: helper.cpu_times().user > 2.0, helper)
+        helper.kill()
     out, err = process.communicate(timeout=LIMIT)
-    assert (process.returncode, out) == (1, "")
-    assert_one_line(err, "ended from outside")
-    assert names(tmp_path) == []
+    assert out == ""
+    assert psutil.wait_procs(helpers, timeout=LIMIT)[1] == []
+    if end != "killed":
+        code, words = {"ctrl-c": (130, "interrupted"), "killed worker": (1, "ended from outside")}[end]
+        assert process.returncode == code
+        assert_one_line(err, words)
+        assert names(tmp_path) == []
 
 
 @pytest.mark.thorough
