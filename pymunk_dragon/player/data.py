@@ -87,8 +87,8 @@ def player_data(summary: Summary) -> tuple[dict[str, Any], dict[str, str]]:
     velocities, velocity_error = _pack_velocities(run, positions.step)
     curve = pack(curve_points(run.march, begin, end)[:, None], STEP * narrowest)
     # The exact model's near misses do not apply to a dragon without a guide.
-    near_misses = (summary.near_misses or ()) if summary.guided else ()
-    exact = None if summary.player == "exact" else _pack_exact(run, narrowest)
+    near_misses = (summary.near_misses or ()) if run.guide != "none" else ()
+    exact = None if run.player == "exact" else _pack_exact(run, narrowest)
     packed = {"handles": positions, "velocities": velocities, "exact": exact, "curve": curve}
     payload = {
         "dragon": asdict(dragon) | {"hole": hole_diameter(dragon)},

@@ -173,14 +173,14 @@ def colour_variables() -> str:
 
 def _texts_of(summary: Summary, origin: Section) -> list[str]:
     """Texts about the run in the present language: headline, subtitle and provenance."""
-    facts = [text for heading, pairs in origin.facts.items() for text in (heading, *chain.from_iterable(pairs))]
+    facts = [text for heading, table in origin.tables.items() for text in (heading, *chain.from_iterable(table.rows))]
     return [headline(summary), subtitle(summary), *facts]
 
 
 def _provenance_html(section: Section) -> str:
     """Provenance of the run, as in reports."""
     groups = []
-    for heading, facts in section.facts.items():
-        rows = "".join(f"<div><dt>{escape(name)}</dt><dd>{escape(value)}</dd></div>" for name, value in facts)
+    for heading, table in section.tables.items():
+        rows = "".join(f"<div><dt>{escape(name)}</dt><dd>{escape(value)}</dd></div>" for name, value in table.rows)
         groups.append(f"<div><h3>{escape(heading)}</h3><dl>{rows}</dl></div>")
     return "".join(groups)

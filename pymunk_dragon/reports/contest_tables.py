@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import itertools
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from decimal import ROUND_DOWN, Decimal
+import tempfile
+from collections.abc import Mapping, Sequence
+from datetime import datetime
 from pathlib import Path
 
 import numpy as np
@@ -13,40 +13,32 @@ from numpy.typing import ArrayLike
 
 from pymunk_dragon._arrays import Array
 from pymunk_dragon._display import table, width
+from pymunk_dragon._extras import library
 from pymunk_dragon._files import check_destination, written_in_place
 from pymunk_dragon._language import text
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.march import March
 from pymunk_dragon.reports.summary import TABLE_TIMES
-from pymunk_dragon.reports.tables import Column
-from pymunk_dragon.reports.xlsx_report import MAX_COLUMNS, add_worksheet, open_workbook
 
-Progress = Callable[[int, int], None]
-
-TABLE_ENDINGS = (".xlsx",)
 # Digits after the decimal point, as the contest requires.
 DECIMALS = 6
-# Worksheet names of the templates: positions, speeds, and the only worksheet of result2.xlsx.
-POSITIONS = "位置"
-SPEEDS = "速度"
-CONTACT = "Sheet1"
+# Columns of a worksheet: limit of the format.
+MAX_COLUMNS = 16_384
+# Creation date in the file's properties: constant, in the year of the contest, so that equal contents give equal bytes.
+CREATED = datetime(2024, 9, 5)
 # Names of handles in the templates: head, n-th body bench, tail, rear of the tail.
-HEAD = "龙头"
-BODY = "第{}节龙身"
-TAIL = "龙尾"
+HEAD, BODY, TAIL = "龙头", "第{}节龙身", "龙尾"
 LAST = "龙尾（后）"  # noqa: RUF001  # The template's own brackets.
-# Column labels of result2.xlsx.
-CONTACT_LABELS = ("横坐标x (m)", "纵坐标y (m)", "速度 (m/s)")
 # Characters: widths of the columns of names and values, enough for the longest.
-LAYOUT = {"frozen_columns": 1, "name_width": 18, "value_width": 11}
+NAME_WIDTH, VALUE_WIDTH = 18, 11
 # m or m/s: added to magnitudes before truncation, so that 8.8 m or 1 m/s with a rounding error keep their digits.
 ROUNDING_TOLERANCE = 1e-11
-# Last decimal of the paper's tables, mm or mm/s.
-THOUSANDTH = Decimal("0.001")
 
 
-def write_tables(march: March, times: ArrayLike, path: str | Path, *, progress: Progress | None = None) -> None:
+def write_tables(march: March, times: ArrayLike, path: str | Path) -> None:
     """Write positions and speeds of every handle as the contest's result1.xlsx and result4.xlsx.
+
+    Values are rounded to six decimals, whereas the paper's tables are truncated.
 
     Parameters
     ----------
@@ -56,49 +48,33 @@ def write_tables(march: March, times: ArrayLike, path: str | Path, *, progress: 
         Times in s; one column each.
     path : path
         File to write, ending in .xlsx. An interruption leaves the old file or none.
-    progress : callable, optional
-        Called after each row with the number of completed rows and the total number of rows.
 
     Raises
     ------
-    ParameterError
-        If there is no time, there are too many for a worksheet, or the file cannot be created.
-    UnreachableError
-        If a handle would be beyond the end of the curve.
-    MissingExtraError
-        If XlsxWriter is not installed.
-    OutputError
-        If writing fails.
-
-    Notes
-    -----
-    Values are rounded to six decimals, whereas the paper's tables are truncated.
+    ParameterError, UnreachableError, MissingExtraError, OutputError
+        If there are no times or too many for a worksheet, or the file cannot be created; if a handle would be beyond
+        the end of the curve; if XlsxWriter is not installed; if writing fails.
 
     Examples
     --------
     >>> write_tables(March(), range(301), "result1.xlsx")
     """
-    destination = check_destination(path, TABLE_ENDINGS)
+    destination = check_destination(path, (".xlsx",))
     t = np.array(times, dtype=float).ravel()
     if not 1 <= t.size < MAX_COLUMNS:
         raise ParameterError("times", t.size, f"1 to {MAX_COLUMNS - 1} of them, as many as a sheet has columns")
     states = march.at(t)
     names = handle_names(march.dragon.handles)
-    columns = _columns(f"{time + 0.0:.12g} s" for time in t.tolist())
-    position_names = [f"{name}{axis} (m)" for name in names for axis in "xy"]
+    labels = [f"{time + 0.0:.12g} s" for time in t.tolist()]
     # In the templates two spaces precede the unit of all speeds but the first and the last.
-    speed_names = [f"{name} {'' if name in (HEAD, LAST) else ' '}(m/s)" for name in names]
+    speed_names = [f"{HEAD} (m/s)", *(f"{name}  (m/s)" for name in names[1:-1]), f"{LAST} (m/s)"]
     # Positions (T, H, 2) as rows x, y of each handle, (2 H, T).
     positions = states.positions.reshape(t.size, -1).T
-    done, total = itertools.count(1), len(position_names) + len(speed_names)
-
-    def notify() -> None:
-        if progress is not None:
-            progress(next(done), total)
-
-    with written_in_place(destination) as draft, open_workbook(draft, constant_memory=True) as book:
-        add_worksheet(book, POSITIONS, columns, _rows(position_names, positions, notify), **LAYOUT)
-        add_worksheet(book, SPEEDS, columns, _rows(speed_names, states.speeds.T, notify), **LAYOUT)
+    sheets = {
+        "位置": (labels, [f"{name}{axis} (m)" for name in names for axis in "xy"], positions),
+        "速度": (labels, speed_names, states.speeds.T),
+    }
+    _write_sheets(destination, sheets)
 
 
 def write_contact_table(march: March, impact_time: float, path: str | Path) -> None:
@@ -106,31 +82,24 @@ def write_contact_table(march: March, impact_time: float, path: str | Path) -> N
 
     Parameters
     ----------
-    march : March
-        March with the handles.
+    march, path
+        As in `write_tables`, which also has the errors.
     impact_time : float
         Time of the first contact, s.
-    path : path
-        File to write, ending in .xlsx. An interruption leaves the old file or none.
-
-    Raises
-    ------
-    ParameterError, UnreachableError, MissingExtraError, OutputError
-        As in `write_tables`.
 
     Examples
     --------
     >>> write_contact_table(March(), 412.473838, "result2.xlsx")
     """
-    destination = check_destination(path, TABLE_ENDINGS)
+    destination = check_destination(path, (".xlsx",))
     states = march.at([impact_time])
-    rows = _rows(handle_names(march.dragon.handles), np.column_stack([states.positions[0], states.speeds[0]]))
-    with written_in_place(destination) as draft, open_workbook(draft, constant_memory=True) as book:
-        add_worksheet(book, CONTACT, _columns(CONTACT_LABELS), rows, **LAYOUT)
+    values = np.column_stack([states.positions[0], states.speeds[0]])
+    labels = ("横坐标x (m)", "纵坐标y (m)", "速度 (m/s)")
+    _write_sheets(destination, {"Sheet1": (labels, handle_names(march.dragon.handles), values)})
 
 
 def paper_tables(march: March, impact_time: float | None) -> str:
-    """Tables 1 to 3 of the paper: states of seven handles at six times, and at the first contact if there is one.
+    """Tables 1 to 3 of the paper as text: seven handles at six times, and at the first contact if there is one.
 
     Values are truncated to three decimals, not rounded, as in the paper.
 
@@ -140,11 +109,6 @@ def paper_tables(march: March, impact_time: float | None) -> str:
         March with the handles.
     impact_time : float or None
         Time of the first contact, s; None for no contact.
-
-    Returns
-    -------
-    str
-        The tables in columns of fixed width.
 
     Raises
     ------
@@ -161,13 +125,13 @@ def paper_tables(march: March, impact_time: float | None) -> str:
     times = [f"{time:g} s" for time in TABLE_TIMES]
     coordinates = states.positions[:, handles].reshape(len(times), -1).T
     names = [f"{handle} {axis}" for handle in handles for axis in "xy"]
-    lines = _table(text("Table 1: positions, m"), times, names, coordinates)
-    lines += _table(text("Table 2: speeds, m/s"), times, handles, states.speeds[:, handles].T)
+    lines = _text_table(text("Table 1: positions, m"), times, names, coordinates)
+    lines += _text_table(text("Table 2: speeds, m/s"), times, handles, states.speeds[:, handles].T)
     if impact_time is not None:
         states = march.at([impact_time])
         values = np.column_stack([states.positions[0, handles], states.speeds[0, handles]])
         title = text("Table 3: at the first contact, {time:.9f} s").format(time=impact_time)
-        lines += _table(title, ["x (m)", "y (m)", text("speed (m/s)")], handles, values)
+        lines += _text_table(title, ["x (m)", "y (m)", text("speed (m/s)")], handles, values)
     return "\n".join(lines[:-1])
 
 
@@ -176,32 +140,36 @@ def handle_names(handles: int) -> list[str]:
     return [HEAD, *(BODY.format(i) for i in range(1, handles - 2)), TAIL, LAST]
 
 
-def truncate(value: float) -> str:
+def _write_sheets(destination: Path, sheets: Mapping[str, tuple[Sequence[str], Sequence[str], Array]]) -> None:
+    """Write worksheets (labels of columns, labels of rows, values) as a workbook with reproducible bytes."""
+    xlsxwriter = library("xlsxwriter")
+    with tempfile.TemporaryDirectory(prefix="pymunk-dragon-") as folder, written_in_place(destination) as draft:
+        # Rows are flushed to a temporary file: a table of many times would fill the memory.
+        options = {"constant_memory": True, "tmpdir": folder}
+        try:
+            with xlsxwriter.Workbook(str(draft), options) as book:
+                book.set_properties({"created": CREATED, "author": "pymunk_dragon"})
+                for title, (labels, names, values) in sheets.items():
+                    sheet, number = book.add_worksheet(title), book.add_format({"num_format": f"{0:.{DECIMALS}f}"})
+                    sheet.set_column(0, 0, NAME_WIDTH)
+                    sheet.set_column(1, len(labels), VALUE_WIDTH)
+                    sheet.freeze_panes(1, 1)
+                    sheet.write_row(0, 1, labels)
+                    # Adding 0 turns the -0.0 of a rounded tiny number into 0.0.
+                    for row, cells in enumerate(np.round(values, DECIMALS) + 0.0, start=1):
+                        sheet.write_string(row, 0, names[row - 1])
+                        sheet.write_row(row, 1, cells.tolist(), number)
+        except xlsxwriter.exceptions.FileCreateError as error:
+            raise error.args[0] from error
+
+
+def _truncated(value: float) -> str:
     """`value` truncated to three decimals."""
-    truncated = Decimal(value + math.copysign(ROUNDING_TOLERANCE, value)).quantize(THOUSANDTH, ROUND_DOWN)
-    return str(abs(truncated) if truncated == 0 else truncated)
+    return f"{math.trunc(1000 * (value + math.copysign(ROUNDING_TOLERANCE, value))) / 1000:.3f}"
 
 
-def _columns(labels: Iterable[str]) -> list[Column]:
-    """Columns of a worksheet: names, and a column of values for each label."""
-    return [Column(""), *(Column(label, decimals=DECIMALS) for label in labels)]
-
-
-def _rows(
-    names: Iterable[str], values: Array, notify: Callable[[], None] = lambda: None
-) -> Iterator[tuple[str | float, ...]]:
-    """Rows of names and rounded values (R, C); `notify` is called after each row."""
-    # Adding 0 turns the -0.0 of a rounded tiny number into 0.0.
-    for name, cells in zip(names, np.round(values, DECIMALS) + 0.0, strict=True):
-        yield (name, *cells.tolist())
-        notify()
-
-
-def _table(title: str, labels: Sequence[str], names: Sequence[object], rows: Array) -> list[str]:
+def _text_table(title: str, labels: Sequence[str], names: Sequence[object], rows: Array) -> list[str]:
     """Lines of a text table with truncated values."""
-    cells = [[str(name), *map(truncate, row)] for name, row in zip(names, rows.tolist(), strict=True)]
-    return [
-        title,
-        *table((text("handle"), *labels), (">8", *(f">{max(10, width(label))}" for label in labels)), cells),
-        "",
-    ]
+    cells = [[str(name), *map(_truncated, row)] for name, row in zip(names, rows.tolist(), strict=True)]
+    formats = (">8", *(f">{max(10, width(label))}" for label in labels))
+    return [title, *table((text("handle"), *labels), formats, cells), ""]

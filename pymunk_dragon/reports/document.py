@@ -1,338 +1,310 @@
-"""Text of a report, the same in all document formats: headline, subtitle, key figures and sections."""
+"""Text of a report, the same in Markdown and HTML: headline, subtitle, key figures, and sections with tables."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple, TypeVar
 
+from pymunk_dragon._arrays import Array
 from pymunk_dragon._language import text
-from pymunk_dragon.collision import FirstContact
-from pymunk_dragon.model.contact import Contact
-from pymunk_dragon.reports import tables
-from pymunk_dragon.reports.summary import VERSION, Peak, Summary
-from pymunk_dragon.reports.tables import MISSING, Table, format_length, format_number, format_pair, format_vector
+from pymunk_dragon.collision import NearMiss
+from pymunk_dragon.model.contact import Contact, ContactEvent, ContactWindow, contact_text
+from pymunk_dragon.reports.summary import VERSION, Summary, json_values
 
-# Pairs of a name and a value.
-Facts = list[tuple[str, str]]
+# Text of a missing value.
+MISSING = "\u2013"
+# Rows of a table: more would not be read, and 1000 rows already are half a megabyte of HTML.
+MAX_ROWS = 1000
+# Names of curves in sentences; others appear under the name of their class.
+CURVES = {"Spiral": "spiral", "UTurn": "U-turn", "Sampled": "smooth path", "Composite": "path of several pieces"}
+CURVES |= {"Line": "straight line", "Arc": "circular arc"}
+# Labels and units of the parameters of a scenario.
+SCENARIO = {
+    "benches": ("Benches", ""),
+    "head_spacing": ("Head bench, hole to hole", " m"),
+    "body_spacing": ("Other benches, hole to hole", " m"),
+    "overhang": ("Hole to the end of a bench", " m"),
+    "width": ("Width of a bench", " m"),
+    "curve": ("Curve", ""),
+    "pitch": ("Pitch", " m"),
+    "turns": ("Start on turn", ""),
+    "speed": ("Speed of the head", ""),
+    "radius": ("Radius of the turning circle", " m"),
+    "ratio": ("First arc's radius over the second's", ""),
+    "length": ("Length of the curve", " m"),
+    "start_s": ("Start of the head, along the curve", " m"),
+}
+# Units of settings, where they have one.
+UNITS = {"start": " s", "until": " s", "substep": " s", "frame_interval": " s", "drag": " 1/m", "head_force": " N"}
 
-# Significant digits of the parameters of a scenario.
-SCENARIO_DIGITS = 6
-# Significant digits of settings, whose precision is unknown.
-SETTING_DIGITS = 10
+Row = Sequence[str]
+Entry = TypeVar("Entry")
+# Headings of a table's columns, and the text of an entry in each.
+Cells = Mapping[str, Callable[[Entry], str]]
 
 
-@dataclass(frozen=True)
-class Section:
-    """A section of a report: notes are sentences; the keys of facts and tables are subheadings, which may be empty."""
+class Table(NamedTuple):
+    """A table of text, by default of names and values. Columns in `left` are aligned to the left."""
+
+    rows: Sequence[Row]
+    heads: Row = ("", "")
+    left: Sequence[int] = (0, 1)
+    note: str = ""
+
+
+class Section(NamedTuple):
+    """A section of a report: the keys of tables are subheadings, which may be empty."""
 
     key: str
     title: str
-    notes: Sequence[str] = ()
-    facts: Mapping[str, Facts] = field(default_factory=dict)
-    tables: Mapping[str, Table] = field(default_factory=dict)
+    note: str
+    tables: Mapping[str, Table]
 
 
 def headline(summary: Summary) -> str:
     """Result of the run in one line."""
     run, exact = summary.run, summary.exact
     if run.first_contact is not None:
-        (i, j), time = run.first_contact.benches, _time_text(run.first_contact.time, 6)
+        (i, j), time = run.first_contact.benches, _number(run.first_contact.time, 6, " s")
         return text("Benches {i} and {j} touch at {time}").format(i=i, j=j, time=time)
-    begin, end = (_time_text(float(time), 3) for time in run.times[[0, -1]])
+    begin, end = (_number(time, 3, " s") for time in run.times[[0, -1]].tolist())
+    template = text("No contact from {begin} to {end}")
     if run.outcome == "unreachable":
-        return text("No contact until {end}, where the head reaches the end of the curve").format(end=end)
-    if summary.player == "exact" and (exact is None or exact.status != "clear"):
+        template = text("No contact until {end}, where the head reaches the end of the curve")
+    elif run.player == "exact" and getattr(exact, "status", None) != "clear":
         # The exact player does not detect contacts, and the exact model does not exclude one.
-        if begin == end:
-            return text("The dragon at {time}").format(time=end)
-        return text("The dragon from {begin} to {end}").format(begin=begin, end=end)
-    return text("No contact from {begin} to {end}").format(begin=begin, end=end)
+        template = text("The dragon from {begin} to {end}")
+    return template.format(begin=begin, end=end)
 
 
 def subtitle(summary: Summary) -> str:
     """Dragon, speed, curve and player of the run in one line."""
-    scenario = summary.scenario
-    curve = _curve_name(scenario["curve"])
-    if scenario["pitch"] is not None:
-        curve += text(", pitch {pitch} m").format(pitch=f"{scenario['pitch']:g}")
-    if "radius" in scenario:
-        curve += text(", in a circle of {radius} m").format(radius=f"{scenario['radius']:g}")
-    if "length" in scenario:
-        curve += text(" of {length} m").format(length=f"{scenario['length']:.4g}")
-    known = {
+    scenario, player = summary.scenario, json_values(summary.run.player)
+    kind = scenario["curve"]
+    curve = text(CURVES.get(kind, kind.lower()))
+    sizes = {
+        "pitch": text(", pitch {size} m"),
+        "radius": text(", in a circle of {size} m"),
+        "length": text(" of {size} m"),
+    }
+    for name, template in sizes.items():
+        if scenario.get(name) is not None:
+            curve += template.format(size=f"{scenario[name]:g}")
+    players = {
         "pymunk": text("played by Pymunk"),
         "exact": text("played by the exact model"),
         None: text("of an unknown player"),
     }
-    player = known.get(summary.player) or text("played by {player}").format(player=summary.player)
     return text("A dragon of {benches} benches at {speed} on a {curve}, {player}").format(
-        benches=scenario["benches"], speed=_speed_text(scenario["speed"]), curve=curve, player=player
+        benches=scenario["benches"],
+        speed=text("a changing speed") if scenario["speed"] is None else _speed(scenario["speed"]),
+        curve=curve,
+        player=players.get(player, text("played by {player}").format(player=player)),
     )
 
 
-def _curve_name(kind: str) -> str:
-    """Name of a curve class in sentences; other classes appear under the class name."""
-    known = {
-        "Spiral": text("spiral"),
-        "UTurn": text("U-turn"),
-        "Sampled": text("smooth path"),
-        "Composite": text("path of several pieces"),
-        "Line": text("straight line"),
-        "Arc": text("circular arc"),
-    }
-    return known.get(kind, kind.lower())
-
-
-def key_figures(summary: Summary) -> Facts:
-    """The most important numbers of the run."""
+def key_figures(summary: Summary) -> Sequence[Row]:
+    """Names and values of the most important numbers of the run."""
     begin, end = summary.run.times[[0, -1]].tolist()
-    figures = [
-        (text("simulated"), text("{begin} to {end}").format(begin=format_number(begin, 2), end=_time_text(end, 2)))
-    ]
-    if time_error := _time_error_text(summary):
-        figures.append((text("against the exact first contact"), time_error))
+    rows = [(text("simulated"), text("{begin} to {end}").format(begin=_number(begin, 2), end=_number(end, 2, " s")))]
+    if error := _time_error(summary):
+        rows.append((text("against the exact first contact"), error))
     if summary.near_misses:
         closest = min(summary.near_misses, key=lambda miss: miss.gap)
-        name = text("closest near miss, benches {pair}").format(pair=format_pair(closest.benches))
-        figures.append((name, format_length(closest.gap)))
-    if summary.player != "exact":
+        rows.append((text("closest near miss, benches {pair}").format(pair=pair(closest.benches)), _size(closest.gap)))
+    if summary.run.player != "exact":
         drift = summary.drift
-        figures += [
-            (
-                text("largest position error, first {count} benches").format(count=drift.head_benches),
-                format_length(drift.head),
-            ),
-            (text("largest position error, any bench"), format_length(drift.max)),
-        ]
-    return figures
+        first = text("largest position error, first {count} benches").format(count=drift["head_benches"])
+        rows += [(first, _size(drift["head"])), (text("largest position error, any bench"), _size(drift["max"]))]
+    return rows
 
 
 def sections(summary: Summary) -> list[Section]:
     """Sections of a report, in order."""
+    near_misses: Cells[NearMiss] = {
+        text("time (s)"): lambda miss: _number(miss.time, 4),
+        text("benches"): lambda miss: pair(miss.benches),
+        text("gap (mm)"): lambda miss: _number(miss.gap, 3, scale=1e3),
+    }
+    windows: Cells[ContactWindow] = {
+        text("benches"): lambda window: pair(window.benches),
+        text("from (s)"): lambda window: _number(window.begin, 4),
+        text("to (s)"): lambda window: _number(window.end, 4),
+        text("for (s)"): lambda window: _number(None if window.end is None else window.end - window.begin, 4),
+    }
+    events: Cells[ContactEvent] = {
+        text("time (s)"): lambda event: _number(event.time, 4),
+        text("phase"): lambda event: event.phase,
+        text("benches"): lambda event: pair(event.benches),
+        text("points (m)"): lambda event: " ".join(_vector(point, 3) for point in event.points) or MISSING,
+        text("normal"): lambda event: _vector(event.normal, 3),
+        text("depth (mm)"): lambda event: _number(event.depth, 3, scale=1e3),
+        text("relative velocity (m/s)"): lambda event: _vector(event.relative_velocity, 3),
+        text("impulse (N s)"): lambda event: _vector(event.impulse, 4),
+    }
+    near = text("Small local minima of the distance between benches that are not neighbours, in the exact model.")
+    times = text("Pairs of benches in contact in the engine, at ends of substeps; without an end: to the last one.")
+    error = text("Distance of a bench's hole from the exact model's position, for the hole with the larger distance.")
+    last = text("In the exact model. A last column with six decimals is the time of the first contact.")
+    calls = text("Collision callbacks of the engine, in the order in which they came: {count}.")
+    log = summary.run.events
     return [
-        Section("first-contact", text("First contact"), _comparison(summary), facts=_contacts(summary)),
-        Section(
-            "near-misses", text("Near misses"), [_near_miss_note(summary)], tables={"": tables.near_misses(summary)}
-        ),
-        Section("windows", text("Contact windows"), [_window_note(summary)], tables={"": tables.windows(summary)}),
-        _drift(summary),
-        Section("handles", text("Handles"), _handle_notes(summary), tables=tables.handles_by_time(summary)),
-        Section("events", text("Events"), [_event_note(summary)], tables={"": tables.events_as_text(summary)}),
+        Section("first-contact", text("First contact"), _comparison(summary), _contacts(summary)),
+        Section("near-misses", text("Near misses"), near, _table(summary.near_misses or (), near_misses, left=(1,))),
+        Section("windows", text("Contact windows"), times, _table(log.windows(), windows, left=(0,))),
+        Section("drift", text("Position error"), error, {"": Table(_drift(summary))}),
+        Section("handles", text("Handles"), last, _handles(summary)),
+        Section("events", text("Events"), calls.format(count=len(log)), _table(log, events, left=(1, 2))),
         provenance(summary),
     ]
 
 
 def provenance(summary: Summary) -> Section:
-    """Scenario, settings and versions of the run."""
-    flags = {name: (text.rstrip("."), "") for name, (_, text) in summary.run.march.curve.flags.items()}
-    labels = flags | _scenario_labels()
+    """Scenario, settings and versions of the run, with all digits."""
     scenario = []
     for name, value in summary.scenario.items():
-        label, unit = labels[name]
+        label, unit = SCENARIO.get(name, (name, ""))
         if value is not None:
-            size = _speed_text(value) if name == "speed" else f"{_value_text(value, SCENARIO_DIGITS)} {unit}".rstrip()
-            scenario.append((label, size))
-    versions = [*_settings(summary.versions), (text("report format"), str(VERSION))]
-    facts = {
+            scenario.append((text(label), _speed(value) if name == "speed" else _value(value) + unit))
+    versions = json_values(summary.run.versions) | {text("report format"): VERSION}
+    groups = {
         text("Scenario"): scenario,
-        text("Settings"): _settings(summary.settings),
-        text("Versions"): versions,
+        text("Settings"): [(name, _value(value) + UNITS.get(name, "")) for name, value in summary.settings.items()],
+        text("Versions"): [(name, _value(value)) for name, value in versions.items()],
     }
-    given = {heading: pairs for heading, pairs in facts.items() if pairs}
-    return Section("provenance", text("Provenance"), facts=given)
+    return Section("provenance", text("Provenance"), "", {name: Table(rows) for name, rows in groups.items() if rows})
 
 
-def _scenario_labels() -> dict[str, tuple[str, str]]:
-    """Label and unit of each key of a scenario."""
-    return {
-        "benches": (text("Benches"), ""),
-        "head_spacing": (text("Head bench, hole to hole"), "m"),
-        "body_spacing": (text("Other benches, hole to hole"), "m"),
-        "overhang": (text("Hole to the end of a bench"), "m"),
-        "width": (text("Width of a bench"), "m"),
-        "curve": (text("Curve"), ""),
-        "pitch": (text("Pitch"), "m"),
-        "turns": (text("Start on turn"), ""),
-        "speed": (text("Speed of the head"), "m/s"),
-        "radius": (text("Radius of the turning circle"), "m"),
-        "ratio": (text("First arc's radius over the second's"), ""),
-        "length": (text("Length of the curve"), "m"),
-        "start_s": (text("Start of the head, along the curve"), "m"),
-    }
+def pair(benches: Sequence[int]) -> str:
+    """Two benches as `0 and 8`."""
+    return text("{i} and {j}").format(i=benches[0], j=benches[1])
 
 
-def _contacts(summary: Summary) -> dict[str, Facts]:
-    """First contacts of the run and of the exact model."""
-    first, exact, facts = summary.run.first_contact, summary.exact, {}
-    if first is not None:
-        here = text("In this run")
-        facts[here] = _contact_facts(first, 6)
-        if summary.player != "exact":
-            facts[here] += [
-                (text("Detected at the end of a substep"), _time_text(first.raw_time, 6)),
-                (text("Depth when detected"), format_length(first.depth)),
-            ]
-    if summary.player != "exact" and exact is not None and exact.status == "contact":
-        facts[text("In the exact model")] = _contact_facts(exact, 9)
-    return facts
-
-
-def _contact_facts(contact: Contact | FirstContact, decimals: int) -> Facts:
-    """A contact as facts; `decimals` are those of its time."""
-    return [
-        (text("Benches that touch"), format_pair(contact.benches)),
-        (text("Time"), _time_text(contact.time, decimals)),
-        (text("Point"), f"{format_vector(contact.point, 6)} m"),
-        (text("Normal, from the first to the second"), format_vector(contact.normal, 6)),
-    ]
-
-
-def _comparison(summary: Summary) -> list[str]:
+def _comparison(summary: Summary) -> str:
     """Comparison of the run's first contact, or its absence, with the exact model."""
-    first, exact = summary.run.first_contact, summary.exact
-    notes = [text("None in this run.")] if first is None else []
+    run, exact = summary.run, summary.exact
+    notes = [] if run.first_contact else [text("None in this run.")]
+    if run.guide == "none":
+        notes.append(text("No guide kept this dragon on its path."))
     if exact is None:
-        notes.append(
-            text("No result of the exact model: the run has no time interval in which the dragon is on the curve.")
-        )
-    elif not summary.guided:
-        notes.append(
-            text("No guide kept this dragon on its path. On the path: {result}").format(result=_exact_text(exact))
-        )
-    elif first is None or exact.status != "contact":
-        notes.append(text("The exact model: {result}").format(result=_exact_text(exact)))
-    elif first.benches != exact.benches:
-        notes.append(text("The exact model has another first contact: {result}").format(result=_exact_text(exact)))
-    elif summary.player != "exact":
-        error = _time_error_text(summary) or text("of unknown time")
+        missing = "No result of the exact model: the run has no time interval in which the dragon is on the curve."
+        notes.append(text(missing))
+    elif error := _time_error(summary):
         same = text("The same benches touch in the exact model; the contact of the run is {error}.")
         notes.append(same.format(error=error))
-    return notes
+    elif run.player != "exact" or not run.first_contact:
+        result = contact_text(exact.status, exact.benches, exact.point, exact.time)
+        notes.append(text("The exact model: {result}.").format(result=result))
+    return " ".join(notes)
 
 
-def _exact_text(exact: FirstContact) -> str:
-    """Result of the exact model as a sentence."""
-    template = {
-        "contact": text("benches {pair} touch at {time}."),
-        "clear": text("no contact until {time}."),
-        "overlapping": text("benches {pair} overlap from the start on, at {time}."),
-        "unreachable": text("no contact until {time}, where the dragon reaches the end of the curve."),
-    }[exact.status]
-    return template.format(pair=format_pair(exact.benches), time=_time_text(exact.time, 6))
-
-
-def _time_error_text(summary: Summary) -> str | None:
-    """Time of the run's first contact relative to the exact one; None if the benches differ or a time is unknown."""
-    first, exact = summary.run.first_contact, summary.exact
-    if summary.player == "exact" or not summary.guided or first is None or exact is None or exact.status != "contact":
+def _time_error(summary: Summary) -> str | None:
+    """Time of the run's first contact relative to the exact one; None if the benches differ or nothing guides them."""
+    first, exact = summary.run.first_contact, summary.exact_contact
+    if first is None or exact is None or first.benches != exact.benches or summary.run.guide in ("none", None):
         return None
-    if first.benches != exact.benches or not math.isfinite(first.time):
-        return None
-    error_ms = 1e3 * (first.time - exact.time)
-    template = text("{error} ms early") if error_ms < 0 else text("{error} ms late")
-    return template.format(error=format_number(abs(error_ms), 3))
+    error = 1e3 * (first.time - exact.time)
+    template = text("{error} ms early") if error < 0 else text("{error} ms late")
+    return template.format(error=_number(abs(error), 3))
 
 
-def _near_miss_note(summary: Summary) -> str:
-    if summary.near_misses is None:
-        return text("Not searched for.")
-    if not summary.near_misses:
-        return text("None.")
-    return text("Small local minima of the distance between benches that are not neighbours, in the exact model.")
+def _contacts(summary: Summary) -> dict[str, Table]:
+    """First contacts of the run and of the exact model."""
+    first, exact, tables = summary.run.first_contact, summary.exact_contact, {}
+    if first is not None:
+        tables[text("In this run")] = Table(_contact_rows(first, 6))
+    if exact is not None and summary.run.player != "exact":
+        tables[text("In the exact model")] = Table(_contact_rows(exact, 9))
+    return tables
 
 
-def _window_note(summary: Summary) -> str:
-    windows = summary.windows
-    if summary.player == "exact":
-        return text("The exact model gives the beginning of a contact, not its end.")
-    if not windows:
-        return text("No contact windows.")
-    if len(windows) == 1 and summary.run.first_contact is not None and windows[0].end is None:
-        return text("The run ended during its first contact, so the duration of the contact is unknown.")
-    return text("Pairs of benches in contact, from the first contact on; times are the ends of substeps.")
-
-
-def _drift(summary: Summary) -> Section:
-    if summary.player == "exact":
-        return Section("drift", text("Position error"), [text("None: the run is the exact model's own.")])
-    note = text(
-        "Distance of a bench's hole from its position in the exact model, for the hole with the larger distance."
-    )
-    drift = summary.drift
-    facts = [
-        (
-            text("Largest of the first {count} benches").format(count=drift.head_benches),
-            _drift_text(drift.head, drift.head_at),
-        ),
-        (text("Largest of any bench"), _drift_text(drift.max, drift.max_at)),
+def _contact_rows(contact: Contact, decimals: int) -> list[Row]:
+    """Rows on a contact; `decimals` are those of its time."""
+    rows = [
+        (text("Benches that touch"), pair(contact.benches)),
+        (text("Time"), _number(contact.time, decimals, " s")),
+        (text("Point"), f"{_vector(contact.point, 6)} m"),
+        (text("Normal, from the first to the second"), _vector(contact.normal, 6)),
+        (text("Detected at the end of a substep"), _number(contact.raw_time, 6, " s")),
+        (text("Depth when detected"), _size(contact.depth)),
     ]
-    return Section("drift", text("Position error"), [note], facts={"": facts})
+    # Only the engine detects contacts by an overlap.
+    return [*rows] if contact.depth else [*rows[:4]]
 
 
-def _handle_notes(summary: Summary) -> list[str]:
-    notes = [text("Positions and speeds of the handles of the paper's tables, in the exact model.")]
-    if summary.handles.contact is not None:
-        last = {
-            "exact": text("The last column is the time of the exact first contact."),
-            "run": text("The last column is the time of the run's first contact."),
-        }
-        notes.append(last[summary.handles.contact])
-    return notes
+def _table(entries: Sequence[Entry], cells: Cells[Entry], left: Sequence[int]) -> dict[str, Table]:
+    """Table with a row for each entry, up to `MAX_ROWS`, and a column for each of `cells`."""
+    rows, note = [[cell(entry) for cell in cells.values()] for entry in entries[:MAX_ROWS]], ""
+    if len(entries) > MAX_ROWS:
+        template = text("These are the first {shown} of {count} rows; all are in the JSON report.")
+        note = template.format(shown=MAX_ROWS, count=len(entries))
+    return {"": Table(rows, [*cells], left, note)}
 
 
-def _event_note(summary: Summary) -> str:
-    if not (count := len(summary.run.events)):
-        return text("No collision callbacks.")
-    if count == 1:
-        return text("One collision callback of the engine.")
-    return text("{count} collision callbacks of the engine, in the order in which they came.").format(count=count)
+def _drift(summary: Summary) -> list[Row]:
+    """Largest position errors with bench and time."""
+    if summary.run.player == "exact":
+        return []
+    drift = summary.drift
+    first = text("Largest of the first {count} benches").format(count=drift["head_benches"])
+    rows: list[Row] = []
+    for label, name in ((first, "head"), (text("Largest of any bench"), "max")):
+        value, peak = _size(drift[name]), drift[f"{name}_at"]
+        if peak is not None:
+            where = {"bench": peak["bench"], "time": _number(peak["time"], 3, " s")}
+            value = text("{error} (bench {bench} at {time})").format(error=value, **where)
+        rows.append((label, value))
+    return rows
 
 
-def _settings(values: Mapping[str, Any], prefix: str = "") -> Facts:
-    """Names and values as text; nested names are joined by dots."""
-    entries: Facts = []
-    for name, value in values.items():
-        if isinstance(value, Mapping) and value:
-            entries += _settings(value, f"{prefix}{name}.")
-        else:
-            entries.append((prefix + name, _value_text(value, SETTING_DIGITS)))
-    return entries
+def _handles(summary: Summary) -> dict[str, Table]:
+    """Tables 1 and 2 of the paper: a column for each time; that of a contact is last and has six decimals."""
+    found = summary.handles
+    numbers, times = found["numbers"], [f"{time:g} s" for time in found["times"]]
+    if found["contact"] is not None:
+        times[-1] = _number(found["times"][-1], 6, " s")
+
+    def table(names: list[str], states: Array) -> Table:
+        values = states.reshape(len(times), -1).T.tolist()
+        rows = [(name, *(_number(value, 6) for value in row)) for name, row in zip(names, values, strict=True)]
+        return Table(rows, (text("handle"), *times), left=(0,))
+
+    return {
+        text("Positions"): table([f"{i} {axis} (m)" for i in numbers for axis in "xy"], found["positions"]),
+        text("Speeds"): table([f"{i} (m/s)" for i in numbers], found["speeds"]),
+    }
 
 
-def _value_text(value: Any, digits: int) -> str:
-    """A JSON value as text; floats with `digits` significant digits."""
-    if value is None:
-        return MISSING
-    if isinstance(value, bool):
-        return text("yes") if value else text("no")
-    if isinstance(value, float):
-        return f"{value:.{digits}g}"
+def _value(value: Any) -> str:
+    """A JSON value as text; numbers have all their digits."""
     if isinstance(value, list):
-        return ", ".join(_value_text(item, digits) for item in value) or MISSING
-    return text("none") if value == {} else str(value)
+        return str(value)[1:-1]
+    shown = MISSING if value is None else str(value)
+    return shown.removesuffix(".0") if isinstance(value, float) else shown
 
 
-def _speed_text(speed: float | Sequence[Sequence[float]] | None) -> str:
+def _speed(speed: float | list[list[float]]) -> str:
     """Speed of the head, or its range."""
-    if speed is None:
-        return text("a changing speed")
-    if isinstance(speed, Sequence):
-        least, most = (bound(entry[1] for entry in speed) for bound in (min, max))
-        if least < most:
-            return text("{least} to {most} m/s").format(least=f"{least:g}", most=f"{most:g}")
-        return f"{most:g} m/s"
-    return f"{speed:g} m/s"
+    if not isinstance(speed, list):
+        return f"{_value(speed)} m/s"
+    least, most = (_value(bound(entry[1] for entry in speed)) for bound in (min, max))
+    return text("{least} to {most} m/s").format(least=least, most=most)
 
 
-def _time_text(time: float, decimals: int) -> str:
-    return f"{format_number(time, decimals)} s"
-
-
-def _drift_text(drift: float, peak: Peak | None) -> str:
-    """Position error with its bench and time."""
-    if peak is None:
+def _number(value: float | None, decimals: int, unit: str = "", *, scale: float = 1.0) -> str:
+    """`value * scale` with `decimals` digits after the decimal point, never `-0`, and the unit."""
+    if value is None or not math.isfinite(value):
         return MISSING
-    template = text("{error} (bench {bench} at {time})")
-    return template.format(error=format_length(drift), bench=peak.bench, time=_time_text(peak.time, 3))
+    # Adding 0 turns the -0.0 of a rounded tiny number into 0.0.
+    return f"{round(value * scale, decimals) + 0.0:.{decimals}f}{unit}"
+
+
+def _size(value: float) -> str:
+    """A length in m, or in mm below 1 m."""
+    return _number(value, 3, " m") if abs(value) >= 1 else _number(value, 3, " mm", scale=1e3)
+
+
+def _vector(value: Sequence[float] | None, decimals: int) -> str:
+    """A point or a direction as `(x, y)`."""
+    return MISSING if value is None else "(" + ", ".join(_number(part, decimals) for part in value) + ")"

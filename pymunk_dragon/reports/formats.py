@@ -1,0 +1,197 @@
+"""Formats of reports: a function from a summary to the text of a file, and one entry in `FORMATS`."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import re
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pymunk_dragon._extras import library
+from pymunk_dragon._files import check_destination, written_in_place
+from pymunk_dragon._html import data_address, filled
+from pymunk_dragon._language import language, text
+from pymunk_dragon.drawing import Camera, Film, Palette, still_png
+from pymunk_dragon.drawing.figures import figure
+from pymunk_dragon.drawing.figures.style import styled
+from pymunk_dragon.errors import MissingExtraError, ParameterError, UnreachableError
+from pymunk_dragon.model.run import Run
+from pymunk_dragon.reports import document
+from pymunk_dragon.reports.summary import Summary, summarize
+
+# Characters with a meaning in Markdown, embedded HTML or GitHub's dialect.
+MARKUP = re.compile(r"[\\`*_{}\[\]<>|&~$#@!]")
+CSV_COLUMNS = ["time_s", "what", "bench_i", "bench_j", "point1_x_m", "point1_y_m", "point2_x_m", "point2_y_m"]
+CSV_COLUMNS += ["normal_x", "normal_y", "depth_m", "relative_velocity_x_m_s", "relative_velocity_y_m_s"]
+CSV_COLUMNS += ["impulse_x_N_s", "impulse_y_N_s", "gap_m"]
+# Pixels: width and height of a still, twice the displayed size for screens with a pixel ratio of two.
+STILL_SIZE = 880
+# m: least width of the close-up around the head, and its ratio to the distance of the contact from the head: that of an
+# unguided run may be far away.
+CLOSE_SPAN, CLOSE_MARGIN = 6.0, 3.0
+# Bars in the chart of contacts: more are hard to read. The table and the other formats have more.
+MAX_BARS = 40
+# SVG without a date, for the same bytes each time, and without the rest of the description.
+NO_METADATA = dict.fromkeys(("Date", "Creator", "Format", "Type"))
+
+
+def report(run: Run, path: str | Path) -> None:
+    """Write a report on a run.
+
+    Parameters
+    ----------
+    run : Run
+        Run to report on.
+    path : path
+        File to write; the ending selects the format: .json (all contents; see `json_schema`), .csv (near misses,
+        contacts and callbacks, by time), .md or .html (one self-contained file with pictures, and with charts if
+        matplotlib is installed). An interrupted report leaves the old file or none.
+
+    Raises
+    ------
+    ParameterError, MissingExtraError, OutputError
+        If the file cannot be created or `run` is not a Run, Jinja2 is not installed (HTML), or writing fails.
+
+    Examples
+    --------
+    >>> from pymunk_dragon import Dragon, March, report, simulate
+    >>> run = simulate(March(Dragon(benches=16)), start=411, contacts="report", until=412.6)
+    >>> report(run, "report.html")
+    """
+    destination = check_destination(path, REPORT_ENDINGS)
+    content = FORMATS[destination.suffix.lower()](summarize(run))
+    with written_in_place(destination) as draft:
+        # Bytes, since text mode would convert line ends, and CSV requires CR LF.
+        draft.write_bytes(content.encode("utf-8"))
+
+
+def json_text(summary: Summary) -> str:
+    """Report as JSON on one line."""
+    return json.dumps(summary.to_dict(), allow_nan=False) + "\n"
+
+
+def csv_text(summary: Summary) -> str:
+    """Near misses, first contacts and callbacks by time as CSV (RFC 4180): SI units, a column for each coordinate."""
+    values = summary.to_dict()
+    kinds = {
+        "near_miss": values["near_misses"] or (),
+        "exact_contact": [values["exact"]] if summary.exact_contact else (),
+        "first_contact": filter(None, [values["first_contact"]]),
+    }
+    found = [(kind, entry) for kind, entries in kinds.items() for entry in entries]
+    found += [(event["phase"], event) for event in values["events"]]
+    found.sort(key=lambda entry: entry[1]["time"])
+    content = io.StringIO(newline="")
+    writer = csv.writer(content)
+    writer.writerow(CSV_COLUMNS)
+    writer.writerows(_csv_row(what, entry) for what, entry in found)
+    return content.getvalue()
+
+
+def markdown(summary: Summary) -> str:
+    """Report as Markdown with GitHub's tables."""
+    parts = [f"# {_escaped(document.headline(summary))}", _escaped(document.subtitle(summary) + text("."))]
+    parts += _markdown_table("", document.Table(document.key_figures(summary)))
+    for section in document.sections(summary):
+        parts += [f"## {section.title}", _escaped(section.note)]
+        for heading, table in section.tables.items():
+            parts += _markdown_table(heading, table)
+    return "\n\n".join(filter(None, parts)) + "\n"
+
+
+def html(summary: Summary) -> str:
+    """Report as one HTML document without network access or scripts; all values are escaped."""
+    pictures = [(caption, data_address(png, "image/png")) for caption, png in _stills(summary.run)]
+    shown = {"document": document, "summary": summary, "pictures": pictures, "charts": _charts(summary.run)}
+    return filled(__package__, "report.html.j2", language=language(), text=text, **shown)
+
+
+# Registry of the formats by file ending.
+FORMATS: dict[str, Callable[[Summary], str]] = {".json": json_text, ".csv": csv_text, ".md": markdown, ".html": html}
+REPORT_ENDINGS = tuple(FORMATS)
+
+
+def _csv_row(what: str, entry: Mapping[str, Any]) -> list[Any]:
+    """Cells of an entry, which lacks some of the values; the engine reports at most two points."""
+    none = (None, None)
+    points = [*entry.get("points", [entry.get("point", none)]), none, none][:2]
+    normal, velocity, impulse = (entry.get(name) or none for name in ("normal", "relative_velocity", "impulse"))
+    first = (entry["time"], what, *entry["benches"], *points[0], *points[1])
+    return [*first, *normal, entry.get("depth"), *velocity, *impulse, entry.get("gap")]
+
+
+def _markdown_table(heading: str, table: document.Table) -> list[str]:
+    """Blocks of a table: its heading, its lines, and its note."""
+    if not table.rows:
+        return [text("None.")]
+    # Markdown requires a header row; that of names and values is empty.
+    lines = ["| " + " | ".join(map(_escaped, row)) + " |" for row in (table.heads, *table.rows)]
+    aligned = ("---" if column in table.left else "---:" for column in range(len(table.heads)))
+    lines.insert(1, f"| {' | '.join(aligned)} |")
+    return [heading and f"### {heading}", "\n".join(lines), table.note]
+
+
+def _escaped(text: str) -> str:
+    """`text` on one line, with Markdown characters escaped by backslashes."""
+    return MARKUP.sub(r"\\\g<0>", " ".join(text.split()))
+
+
+def _stills(run: Run) -> list[tuple[str, bytes]]:
+    """Captions and PNG data of the head and of the whole dragon, at the first contact or at the end."""
+    first, (begin, time), span = run.first_contact, run.times[[0, -1]].tolist(), CLOSE_SPAN
+    if first is not None:
+        time = min(max(first.time, begin), time)
+        span = max(span, CLOSE_MARGIN * float(np.abs(first.point - run.poses_at(time)[0, 0, :2]).max()))
+    cameras = {
+        text("The head at {time} s"): Camera(follow="head", span=span),
+        text("The whole dragon at {time} s"): Camera(),
+    }
+    return [
+        (caption.format(time=f"{time:.2f}"), still_png(run, time, Film(size=STILL_SIZE, camera=camera, gap=False)))
+        for caption, camera in cameras.items()
+    ]
+
+
+def _charts(run: Run) -> dict[str, tuple[str, str]]:
+    """Captions and SVG of charts by the section that they are in; none without matplotlib or without data."""
+    drawn: dict[str, tuple[str, Callable[[Run], Any]]] = {
+        "windows": (text("The first contacts of benches over time"), _contacts),
+        "drift": (text("Position error over time and along the dragon"), partial(figure, "drift")),
+    }
+    found = {}
+    for key, (caption, draw) in drawn.items():
+        with suppress(MissingExtraError, ParameterError, UnreachableError), styled():
+            svg = io.StringIO()
+            draw(run).savefig(svg, format="svg", metadata=NO_METADATA)
+            found[key] = (caption, _inlined(svg.getvalue(), key))
+    return found
+
+
+def _inlined(svg: str, key: str) -> str:
+    """`svg` as an element of a page, in thousandths of a point, with the names that it uses made its own."""
+    element = re.sub(r"(\d\.\d{3})\d+", r"\1", svg[svg.index("<svg") :])
+    used = set(re.findall(r"#(\w[^\")]*)", element))
+    named = re.sub(r' id="([^"]*)"', lambda found: f' id="{found[1]}"' if found[1] in used else "", element)
+    return re.sub(r'(\bid="|href="#|url\(#)', rf"\g<1>{key}-", named)
+
+
+def _contacts(run: Run) -> Any:
+    """Contact windows over time as a matplotlib figure with a row for each pair."""
+    windows, end = run.events.windows()[:MAX_BARS], float(run.times[-1])
+    if not windows or windows[0].begin >= end:
+        raise ParameterError("run", "one without contact windows", "one that went on after its first contact")
+    pairs = ["{} \u00b7 {}".format(*window.benches) for window in windows]
+    spans = np.array([(window.begin, end if window.end is None else window.end) for window in windows])
+    rows = len(set(pairs))
+    chart = library("matplotlib.figure").Figure((8.0, 0.8 + 0.3 * rows), layout="constrained")
+    axes = chart.add_subplot(xlabel=text("time (s)"))
+    axes.barh(pairs, np.ptp(spans, axis=1), 0.6, spans[:, 0], color=Palette().contact)
+    axes.set_ylim(rows - 0.4, -0.6)
+    return chart
