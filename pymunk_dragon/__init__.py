@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from typing import Any
 
     from pymunk_dragon.collision import FirstContact, Grid, NearMiss, Separation, first_contact, scan, separation
-    from pymunk_dragon.drawing import Camera, Film, Palette, Scene, render, write_film
+    from pymunk_dragon.drawing import Camera, Film, Palette, render, write_film
     from pymunk_dragon.drawing.debug_draw import PillowDrawOptions
     from pymunk_dragon.errors import (
         DragonError,
@@ -37,7 +37,7 @@ __all__ = [
     "Arc", "Camera", "Composite", "Contact", "ContactEvent", "ContactLog", "Curve", "Dragon", "DragonError",
     "EngineSettings", "FileFormatError", "Film", "FirstContact", "Grid", "Line", "March", "MissingExtraError",
     "NearMiss", "OutputError", "Palette", "ParameterError", "PathGuide", "PillowDrawOptions", "Reversed", "Run",
-    "Sampled", "Scenario", "Scene", "Section", "Separation", "Speed", "SpeedTable", "Spiral", "States", "Sweep",
+    "Sampled", "Scenario", "Section", "Separation", "Speed", "SpeedTable", "Spiral", "States", "Sweep",
     "UTurn", "UnreachableError", "World", "check_saveable", "first_contact", "live", "max_speed", "min_pitch",
     "outlines", "player_page", "render", "report", "scan", "sensitivity", "separation", "simulate", "sweep", "u_turn",
     "write_film", "write_player",
@@ -47,7 +47,7 @@ __all__ = [
 # `pymunk-dragon --help` may take to answer. `drawing` does not import its `debug_draw`, which needs Pymunk.
 _MODULES = {
     "collision": "FirstContact Grid NearMiss Separation first_contact scan separation",
-    "drawing": "Camera Film Palette Scene render write_film",
+    "drawing": "Camera Film Palette render write_film",
     "drawing.debug_draw": "PillowDrawOptions",
     "errors": "DragonError FileFormatError MissingExtraError OutputError ParameterError UnreachableError",
     "model.contact": "Contact ContactEvent ContactLog",

@@ -29,30 +29,16 @@ and `--caption` stand above and below (with `--font FILE` for characters that th
 
 ## Measurements
 
-A GIF or an MP4 is written as it is drawn, so a longer film takes no more memory. Pillow writes WebP and APNG, and
-keeps the compressed frames of a WebP, and all frames of an APNG, in memory. 300 frames of 640 x 640 with twofold
-anti-aliasing, as `python tests/bench/bench_film.py` measures them on two cores:
+300 frames of 640 x 640 pixels with twofold anti-aliasing (`python tests/bench/bench_film.py`):
 
-| method | ms a frame | times ours | MB | memory, MB |
-| --- | --- | --- | --- | --- |
-| GIF, drawn by two processes | 4.0 | 1 | 6.4 | 134 |
-| GIF, drawn by one | 5.3 | 1.3 | 6.4 | 55 |
-| APNG, by two | 9.7 | 2.4 | 8.3 | 361 |
-| WebP, by two | 9.9 | 2.5 | 9.5 | 167 |
-| MP4, by one beside FFmpeg | 8.4 | 2.1 | 6.5 | 142 |
-| imageio, a stack of RGB frames | 37.8 | 9.5 | 7.7 | 1024 |
-| matplotlib, `FuncAnimation` and `PillowWriter` | 67.5 | 16.9 | 21.0 | 700 |
-| the same, without axes and title | 55.0 | 13.8 | 27.4 | 700 |
-
-`render` starts several processes for 150 frames and more; `workers=1` forbids it.
-
-A shorter film, from `python tests/bench/bench_speed.py`:
-
-| GIF of 60 frames | ms | share |
+| GIF | ms a frame | MB |
 | --- | --- | --- |
-| `write_film`, one process | 352 | 1 |
-| imageio, a stack of RGB frames | 2267 | 6.4 |
-| matplotlib, `FuncAnimation` and `PillowWriter` | 4249 | 12.1 |
+| `write_film`, one process | 6.5 | 6.4 |
+| imageio, a stack of RGB frames | 37.8 | 7.7 |
+| matplotlib, `FuncAnimation` and `PillowWriter` | 67.5 | 21.0 |
+
+A GIF or an MP4 is written as it is drawn, so a longer film takes no more memory; all frames of a WebP or APNG are in
+memory. The program starts other processes for 150 frames and more, one for each spare core.
 """
 
 from pymunk_dragon.drawing.camera import Camera
@@ -61,8 +47,6 @@ from pymunk_dragon.drawing.film.settings import Film
 from pymunk_dragon.drawing.film.stills import STILL_ENDINGS, still, still_png, write_still
 from pymunk_dragon.drawing.overlay import OVERLAYS
 from pymunk_dragon.drawing.palette import Palette
-from pymunk_dragon.drawing.scene import Scene
-from pymunk_dragon.drawing.snapshot import Snapshot
 
 __all__ = [
     "FILM_ENDINGS",
@@ -71,8 +55,6 @@ __all__ = [
     "Camera",
     "Film",
     "Palette",
-    "Scene",
-    "Snapshot",
     "render",
     "still",
     "still_png",

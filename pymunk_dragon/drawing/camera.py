@@ -13,10 +13,9 @@ from pymunk_dragon._checks import finite, word
 
 Subject = Literal["field", "head"]
 
-# Metres: a smaller view shows less than two holes of a bench. The bound detects lengths in another unit.
-MIN_SPAN = 0.1
-# Metres: more ground than the longest dragon covers. The bound detects lengths in another unit.
-MAX_SPAN = 1e5
+# m: bounds of the width of a view, which detect lengths in another unit. The least shows less than two holes of a
+# bench, the largest more ground than the longest dragon covers.
+SPANS = 0.1, 1e5
 # Widths of the head bench: 6 m for the paper's 0.3 m, which shows the head's turn of the spiral and both adjacent
 # turns, where near misses occur.
 HEAD_SPAN = 20.0
@@ -52,29 +51,19 @@ class Camera:
     def __post_init__(self) -> None:
         word("follow", self.follow, get_args(Subject))
         if self.span is not None:
-            finite("span", self.span, MIN_SPAN, MAX_SPAN, "m")
+            finite("span", self.span, *SPANS, "m")
 
 
 @dataclass(frozen=True)
 class View:
-    """Mapping from a rectangle of ground to a picture.
-
-    Attributes
-    ----------
-    centre : tuple of float
-        Ground point at the picture's centre, m.
-    scale : float
-        Pixels per m.
-    size : tuple of int
-        Width and height, pixels.
-    """
+    """Mapping from a rectangle of ground to drawn pixels: its centre, m, drawn pixels per m, and width and height."""
 
     centre: tuple[float, float]
     scale: float
     size: tuple[int, int]
 
     def pixels(self, points: ArrayLike) -> Array:
-        """Convert `points` (..., 2), m, to pixels right of and below the picture's upper left corner."""
+        """Convert `points` (..., 2), m, to pixels right of and below the upper left corner."""
         middle = np.asarray(self.size) / 2
         return (np.asarray(points, dtype=float) - self.centre) * (self.scale, -self.scale) + middle
 

@@ -8,232 +8,168 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import get_args
 
 import numpy as np
-from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
 from pymunk_dragon.collision import Grid
 from pymunk_dragon.drawing.camera import View
-from pymunk_dragon.drawing.palette import BLOCK, Accent, blends
-from pymunk_dragon.drawing.snapshot import Snapshot
+from pymunk_dragon.drawing.palette import BLOCK, CELL_TINT, LINE_TINT, Colour, Palette
+from pymunk_dragon.drawing.snapshots import Snapshot
 from pymunk_dragon.model.march import March
 
 # s: an arrow ends where its handle would be after this time, so its length is proportional to the speed.
 ARROW_TIME = 0.5
-# Drawn pixels: width of an arrow's shaft.
-SHAFT_WIDTH = 4
+# Drawn pixels: width of an arrow's shaft, and of a normal's.
+SHAFT_WIDTH, NORMAL_WIDTH = 4, 6
+# Drawn pixels: length and half the width of an arrowhead.
+ARROWHEAD_LENGTH, ARROWHEAD_HALF_WIDTH = 13.0, 5.0
+# Drawn pixels: a shorter arrow has no visible direction.
+MIN_ARROW_LENGTH = 2.0
+# Drawn pixels: length of a normal.
+NORMAL_LENGTH = 72.0
 # Drawn pixels: width of the outline of a displaced bench.
 OUTLINE_WIDTH = 3
 # Drawn pixels: width of a bench from which outlines of displaced benches do not cover the benches.
 MIN_OUTLINE_WIDTH = 20.0
-# Drawn pixels: length of an arrowhead.
-ARROWHEAD_LENGTH = 13.0
-# Drawn pixels: half the width of an arrowhead.
-ARROWHEAD_HALF_WIDTH = 5.0
-# Drawn pixels: a shorter arrow has no visible direction.
-MIN_ARROW_LENGTH = 2.0
-# Drawn pixels: largest radius of the disc of the largest impulse.
-MAX_DISC_RADIUS = 36.0
-# Largest radius of that disc as a fraction of a bench's width, so that the disc does not hide small benches.
-MAX_DISC_FRACTION = 0.7
+# Drawn pixels: largest radius of the disc of the largest impulse; and the same as a fraction of a bench's width, so
+# that the disc does not hide small benches.
+MAX_DISC_RADIUS, MAX_DISC_FRACTION = 36.0, 0.7
 # Drawn pixels: radius of a contact point.
 CONTACT_RADIUS = 8.0
-# Drawn pixels: length of a normal.
-NORMAL_LENGTH = 72.0
-# Drawn pixels: width of a normal's shaft.
-NORMAL_WIDTH = 6
 # Drawn pixels: the lines of smaller cells would cover the ground.
 MIN_CELL_SIZE = 8.0
-# Quarters of a pixel that an overlay covers, for every grey level of the averaged mask.
-COVERAGES = [round(4 * grey / 255) for grey in range(256)]
-# Palette index (strength level, index before) after blending with each accent.
-BLENDS: dict[Accent, NDArray[np.uint8]] = {accent: blends(accent) for accent in get_args(Accent)}
 
 
-Draw = Callable[[ImageDraw.ImageDraw, View, Snapshot, March, float], None]
-Paint = Callable[[Image.Image, View, Snapshot, March], Image.Image]
+@dataclass(frozen=True)
+class Layer:
+    """What an overlay draws on, and what it shows: a picture of drawn pixels, and the film's largest impulse, N s."""
+
+    image: Image.Image
+    view: View
+    snapshot: Snapshot
+    march: March
+    palette: Palette
+    largest_impulse: float
+
+    def disc(self, centre: list[float], radius: float) -> None:
+        """Draw a disc of force; lengths in drawn pixels."""
+        x, y = centre
+        ImageDraw.Draw(self.image).ellipse(
+            (x - radius, y - radius, x + radius, y + radius), fill=self.palette.rgb("force")
+        )
+
+    def arrow(self, begin: list[float], end: list[float], colour: Colour, width: int = SHAFT_WIDTH) -> None:
+        """Draw an arrow from a drawn pixel to another one."""
+        (x0, y0), (x1, y1) = begin, end
+        length = math.hypot(x1 - x0, y1 - y0)
+        if length < MIN_ARROW_LENGTH:
+            return
+        along_x, along_y = (x1 - x0) / length, (y1 - y0) / length
+        head = min(ARROWHEAD_LENGTH, length)
+        neck_x, neck_y = x1 - head * along_x, y1 - head * along_y
+        across_x, across_y = -ARROWHEAD_HALF_WIDTH * along_y, ARROWHEAD_HALF_WIDTH * along_x
+        draw = ImageDraw.Draw(self.image)
+        draw.line((x0, y0, neck_x, neck_y), fill=colour, width=width)
+        corners = [(x1, y1), (neck_x + across_x, neck_y + across_y), (neck_x - across_x, neck_y - across_y)]
+        draw.polygon(corners, fill=colour)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Overlay:
-    """Kind of overlay; exactly one of `draw` and `paint` is given.
+    """Kind of overlay: what it shows, for the help, a function that draws it, and whether it lies below the benches.
 
-    Attributes
-    ----------
-    shows : str
-        What it shows, for the help of the command line.
-    needs : str or None
-        Field of a `Snapshot` that it needs beside the poses: "velocities", "impulses" or "touches".
-    accent : str
-        Colour in which `draw` is blended with the picture.
-    draw : callable or None
-        Function of a mask, on which it draws in white, the view in drawn pixels, the snapshot, the march, and the
-        largest joint impulse of the film, N s.
-    paint : callable or None
-        Function of the picture, the view, the snapshot and the march that returns another picture.
+    `needs` is the field of a `Snapshot` that it needs beside the poses: "velocities", "impulses" or "touches".
     """
 
     shows: str
+    draw: Callable[[Layer], None]
     needs: str | None = None
-    accent: Accent = "motion"
-    draw: Draw | None = None
-    paint: Paint | None = None
+    below: bool = False
 
 
-class Overlays:
-    """Renderer of overlays over the pictures of a scene.
-
-    Parameters
-    ----------
-    march : March
-        March that the scene shows.
-    names : tuple of str
-        Names of `OVERLAYS` to draw.
-    largest_impulse : float
-        Impulse that is drawn with the largest disc, N s.
-    """
-
-    def __init__(self, march: March, names: tuple[str, ...], largest_impulse: float) -> None:
-        self._march = march
-        self._chosen = [overlay for name, overlay in OVERLAYS.items() if name in names]
-        self._largest = largest_impulse
-
-    def over(self, picture: Image.Image, view: View, snapshot: Snapshot) -> Image.Image:
-        """Return `picture` of `snapshot` with the overlays drawn over it; `view` is in drawn pixels."""
-        if snapshot.displaced is not None:
-            picture = self._blended(picture, "motion", [_draw_errors], view, snapshot)
-        for accent in dict.fromkeys(overlay.accent for overlay in self._chosen):
-            # What has one accent is one mask: it is not darker where it overlaps.
-            masks = [overlay.draw for overlay in self._chosen if overlay.draw is not None and overlay.accent == accent]
-            if masks:
-                picture = self._blended(picture, accent, masks, view, snapshot)
-        # These are last, because they tint only uncovered ground.
-        for overlay in self._chosen:
-            if overlay.paint is not None:
-                picture = overlay.paint(picture, view, snapshot, self._march)
-        return picture
-
-    def _blended(
-        self, picture: Image.Image, accent: Accent, draws: list[Draw], view: View, snapshot: Snapshot
-    ) -> Image.Image:
-        """Return `picture` blended with an accent where the mask is white that is drawn, in drawn pixels."""
-        mask = Image.new("L", (picture.width * BLOCK, picture.height * BLOCK))
-        for draw in draws:
-            draw(ImageDraw.Draw(mask), view, snapshot, self._march, self._largest)
-        return _blend(picture, accent, np.asarray(mask.reduce(BLOCK).point(COVERAGES)))
-
-
-def _draw_errors(
-    draw: ImageDraw.ImageDraw, view: View, snapshot: Snapshot, march: March, largest_impulse: float
-) -> None:
+def draw_errors(layer: Layer) -> None:
     """Draw the outlines of the displaced benches, or arrows to there if the benches are small."""
-    assert snapshot.displaced is not None  # Filled where errors are shown.
-    if view.scale * float(march.dragon.widths.min()) < MIN_OUTLINE_WIDTH:
-        begins, ends = (view.pixels(poses[:, :2]).tolist() for poses in (snapshot.poses, snapshot.displaced))
+    snapshot, dragon, colour = layer.snapshot, layer.march.dragon, layer.palette.rgb("motion")
+    if snapshot.displaced is None:
+        return
+    if layer.view.scale * float(dragon.widths.min()) < MIN_OUTLINE_WIDTH:
+        begins, ends = (layer.view.pixels(poses[:, :2]).tolist() for poses in (snapshot.poses, snapshot.displaced))
         for begin, end in zip(begins, ends, strict=True):
-            _draw_arrow(draw, begin, end)
+            layer.arrow(begin, end, colour)
         return
-    for corners in view.pixels(march.dragon.outlines(snapshot.displaced)).reshape(-1, 8).tolist():
-        draw.line([*corners, *corners[:2]], fill=255, width=OUTLINE_WIDTH)
+    draw = ImageDraw.Draw(layer.image)
+    for corners in layer.view.pixels(dragon.outlines(snapshot.displaced)).reshape(-1, 8).tolist():
+        draw.line([*corners, *corners[:2]], fill=colour, width=OUTLINE_WIDTH)
 
 
-def _draw_velocities(
-    draw: ImageDraw.ImageDraw, view: View, snapshot: Snapshot, march: March, largest_impulse: float
-) -> None:
-    assert snapshot.velocities is not None  # Filled where velocities are shown.
-    front, rear = march.dragon.holes(snapshot.poses)
+def _draw_velocities(layer: Layer) -> None:
+    velocities = layer.snapshot.velocities
+    assert velocities is not None  # Filled where velocities are shown.
+    front, rear = layer.march.dragon.holes(layer.snapshot.poses)
     handles = np.concatenate([front, rear[-1:]])
-    seen = view.holds(handles, float(ARROW_TIME * np.linalg.norm(snapshot.velocities, axis=-1).max()))
-    begins = view.pixels(handles[seen])
-    ends = view.pixels(handles[seen] + ARROW_TIME * snapshot.velocities[seen])
+    seen = layer.view.holds(handles, float(ARROW_TIME * np.linalg.norm(velocities, axis=-1).max()))
+    begins = layer.view.pixels(handles[seen])
+    ends = layer.view.pixels(handles[seen] + ARROW_TIME * velocities[seen])
     for begin, end in zip(begins.tolist(), ends.tolist(), strict=True):
-        _draw_arrow(draw, begin, end)
+        layer.arrow(begin, end, layer.palette.rgb("motion"))
 
 
-def _draw_impulses(
-    draw: ImageDraw.ImageDraw, view: View, snapshot: Snapshot, march: March, largest_impulse: float
-) -> None:
-    if snapshot.impulses is None or not largest_impulse > 0:
+def _draw_impulses(layer: Layer) -> None:
+    impulses, dragon = layer.snapshot.impulses, layer.march.dragon
+    if impulses is None or not layer.largest_impulse > 0:
         return
-    largest = min(MAX_DISC_RADIUS, MAX_DISC_FRACTION * float(march.dragon.widths.min()) * view.scale)
+    largest = min(MAX_DISC_RADIUS, MAX_DISC_FRACTION * float(dragon.widths.min()) * layer.view.scale)
     # The disc's area is proportional to the impulse.
-    radii = largest * np.sqrt(snapshot.impulses / largest_impulse)
-    _, rear = march.dragon.holes(snapshot.poses)
-    for (x, y), radius in zip(view.pixels(rear[:-1]).tolist(), radii.tolist(), strict=True):
-        draw.ellipse((x - radius, y - radius, x + radius, y + radius), fill=255)
+    radii = largest * np.sqrt(impulses / layer.largest_impulse)
+    _, rear = dragon.holes(layer.snapshot.poses)
+    for centre, radius in zip(layer.view.pixels(rear[:-1]).tolist(), radii.tolist(), strict=True):
+        layer.disc(centre, radius)
 
 
-def _draw_contacts(
-    draw: ImageDraw.ImageDraw, view: View, snapshot: Snapshot, march: March, largest_impulse: float
-) -> None:
-    for touch in snapshot.touches:
-        for x, y in view.pixels(touch.points).tolist():
-            draw.ellipse((x - CONTACT_RADIUS, y - CONTACT_RADIUS, x + CONTACT_RADIUS, y + CONTACT_RADIUS), fill=255)
+def _draw_contacts(layer: Layer) -> None:
+    for touch in layer.snapshot.touches:
+        for centre in layer.view.pixels(touch.points).tolist():
+            layer.disc(centre, CONTACT_RADIUS)
 
 
-def _draw_normals(
-    draw: ImageDraw.ImageDraw, view: View, snapshot: Snapshot, march: March, largest_impulse: float
-) -> None:
-    for touch in snapshot.touches:
-        begin = view.pixels(touch.points).mean(axis=0)
+def _draw_normals(layer: Layer) -> None:
+    for touch in layer.snapshot.touches:
+        begin = layer.view.pixels(touch.points).mean(axis=0)
         # y points downwards in a picture.
         end = begin + NORMAL_LENGTH * np.array(touch.normal) * (1, -1)
-        _draw_arrow(draw, begin.tolist(), end.tolist(), NORMAL_WIDTH)
+        layer.arrow(begin.tolist(), end.tolist(), layer.palette.rgb("force"), NORMAL_WIDTH)
 
 
-def _paint_grid(picture: Image.Image, view: View, snapshot: Snapshot, march: March) -> Image.Image:
-    """Draw the cells of the grid, darker if they contain a bench."""
-    grid = Grid.of(march)
-    scale = view.scale / BLOCK
-    cell = grid.cell * scale
-    if cell * BLOCK < MIN_CELL_SIZE:
-        return picture
-    width, height = picture.size
-    left, top = view.pixels(grid.origin) / BLOCK
-    # Row and column of every pixel, computed from the grid's origin so that rounding errors do not accumulate.
-    columns = np.floor((np.arange(width) + 0.5 - left) / cell).astype(int)
-    rows = np.floor((np.arange(height) + 0.5 - top) / cell).astype(int)
-    cells, _ = grid.file(march.dragon.outlines(snapshot.poses))
-    i, j = cells[:, 0] - rows[0], cells[:, 1] - columns[0]
-    seen = (i >= 0) & (i <= rows[-1] - rows[0]) & (j >= 0) & (j <= columns[-1] - columns[0])
-    filed = np.zeros((rows[-1] - rows[0] + 1, columns[-1] - columns[0] + 1), dtype=np.uint8)
-    filed[i[seen], j[seen]] = 1
-    levels = filed[np.ix_(rows - rows[0], columns - columns[0])]
-    levels[np.flatnonzero(np.diff(rows)) + 1] = 2
-    levels[:, np.flatnonzero(np.diff(columns)) + 1] = 2
-    return _blend(picture, "grid", levels)
-
-
-def _blend(picture: Image.Image, accent: Accent, levels: NDArray[np.uint8]) -> Image.Image:
-    """Blend `picture` with an accent at each pixel's strength level; level 0 leaves the pixel unchanged."""
-    indices = levels.astype(np.intp) * 256 + np.asarray(picture)
-    return Image.fromarray(BLENDS[accent].ravel().take(indices))
-
-
-def _draw_arrow(draw: ImageDraw.ImageDraw, begin: list[float], end: list[float], width: int = SHAFT_WIDTH) -> None:
-    (x0, y0), (x1, y1) = begin, end
-    length = math.hypot(x1 - x0, y1 - y0)
-    if length < MIN_ARROW_LENGTH:
+def _draw_grid(layer: Layer) -> None:
+    """Tint the cells that contain a bench, and draw the lines between cells, a pixel wide."""
+    grid, cell = Grid.of(layer.march), Grid.of(layer.march).cell * layer.view.scale
+    if cell < MIN_CELL_SIZE:
         return
-    along_x, along_y = (x1 - x0) / length, (y1 - y0) / length
-    head = min(ARROWHEAD_LENGTH, length)
-    neck_x, neck_y = x1 - head * along_x, y1 - head * along_y
-    across_x, across_y = -ARROWHEAD_HALF_WIDTH * along_y, ARROWHEAD_HALF_WIDTH * along_x
-    draw.line((x0, y0, neck_x, neck_y), fill=255, width=width)
-    draw.polygon([(x1, y1), (neck_x + across_x, neck_y + across_y), (neck_x - across_x, neck_y - across_y)], fill=255)
+    # Column and row of every pixel, computed from the grid's origin so that rounding errors do not accumulate.
+    columns, rows = (
+        np.floor(((np.arange(length // BLOCK) + 0.5) * BLOCK - origin) / cell).astype(int)
+        for length, origin in zip(layer.image.size, layer.view.pixels(grid.origin), strict=True)
+    )
+    cells, _ = grid.file(layer.march.dragon.outlines(layer.snapshot.poses))
+    cells -= (rows[0], columns[0])
+    tints = np.zeros((np.ptp(rows) + 1, np.ptp(columns) + 1), dtype=np.uint8)
+    i, j = cells[np.all((cells >= 0) & (cells < tints.shape), axis=1)].T
+    tints[i, j] = CELL_TINT
+    mask = tints[np.ix_(rows - rows[0], columns - columns[0])]
+    mask[np.flatnonzero(np.diff(rows)) + 1] = LINE_TINT
+    mask[:, np.flatnonzero(np.diff(columns)) + 1] = LINE_TINT
+    drawn = Image.fromarray(mask).resize(layer.image.size, Image.Resampling.NEAREST)
+    layer.image.paste(layer.palette.rgb("grid"), (0, 0), drawn)
 
 
-# All overlays by name.
+# All overlays by name, in the order in which they are drawn.
 OVERLAYS: Mapping[str, Overlay] = {
     "velocities": Overlay(
         shows="Arrows to where the handles would be in half a second.", needs="velocities", draw=_draw_velocities
     ),
-    "grid": Overlay(shows="The cells of the broad phase, darker where a bench is filed.", paint=_paint_grid),
-    "contacts": Overlay(shows="Contact points.", needs="touches", accent="force", draw=_draw_contacts),
-    "normals": Overlay(shows="Contact normals.", needs="touches", accent="force", draw=_draw_normals),
-    "impulses": Overlay(
-        shows="Impulses in the joints, as discs.", needs="impulses", accent="force", draw=_draw_impulses
-    ),
+    "grid": Overlay(shows="The cells of the broad phase, darker where a bench is filed.", draw=_draw_grid, below=True),
+    "contacts": Overlay(shows="Contact points.", needs="touches", draw=_draw_contacts),
+    "normals": Overlay(shows="Contact normals.", needs="touches", draw=_draw_normals),
+    "impulses": Overlay(shows="Impulses in the joints, as discs.", needs="impulses", draw=_draw_impulses),
 }

@@ -4,25 +4,22 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pymunk_dragon._arrays import Array
-from pymunk_dragon._checks import word
 from pymunk_dragon._language import text
 from pymunk_dragon.collision import FirstContact, first_contact
-from pymunk_dragon.drawing.overlay import OVERLAYS
-from pymunk_dragon.drawing.snapshot import Snapshot, Touch
-from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.contact import Contact
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 
 # What a picture or film is drawn from.
 Source = Run | March
+Vector = tuple[float, float]
 
 # Frames whose poses are computed at once: enough to amortise the cost of a call, few enough to limit memory.
 CHUNK_FRAMES = 32
@@ -36,27 +33,38 @@ RECENT_SUBSTEPS = 1.5
 
 
 @dataclass(frozen=True)
+class Touch:
+    """Contact of two benches: points in m, and the unit normal from the first bench to the second."""
+
+    points: tuple[Vector, ...]
+    normal: Vector
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """State of a dragon of N benches at one time.
+
+    `poses` (N, 3) are in m and rad. If an overlay needs them there are `velocities` (N + 1, 2) of the handles, m/s,
+    `impulses` (N - 1,) in the joints, N s, and `touches`. In the exact model beside a run, `displaced` poses (N, 3)
+    have the run's position errors, magnified, and `error` is the largest one, m, of those that decide the factor.
+    """
+
+    time: float
+    poses: Array
+    velocities: Array | None = None
+    impulses: Array | None = None
+    touches: tuple[Touch, ...] = ()
+    displaced: Array | None = None
+    error: float | None = None
+
+
+@dataclass(frozen=True)
 class Clip:
     """A run or march sampled at the F times of a film.
 
-    Attributes
-    ----------
-    march : March
-        March of the source.
-    model : str
-        Model that computed the source, with its options, as in "engine, rails".
-    contact : Contact or None
-        First contact of a run.
-    window : tuple of float
-        First and last time, s, of a run, or of the film of a march.
-    extent : ndarray, shape (2, 2), or None
-        Lower left and upper right corner, m, of the dragon's bounding box during the film, for a fixed camera.
-    largest_impulse : float
-        Largest joint impulse during the film, N s; 0 if the source has no impulses.
-    snapshots : iterator of Snapshot
-        The F snapshots, sampled while they are read.
-    magnification : float or None
-        Factor of the position errors in the snapshots' `displaced` poses.
+    `window` has the first and last time, s, of a run, or of the film of a march; `extent` (2, 2) the lower left and
+    upper right corner, m, of the dragon's bounding box, for a fixed camera; `largest_impulse` is in N s;
+    `magnification` is the factor of the position errors in the snapshots' `displaced` poses.
     """
 
     march: March
@@ -69,26 +77,24 @@ class Clip:
     magnification: float | None = None
 
 
-def sample(source: Source, times: Array, overlays: tuple[str, ...] = (), *, extent: bool = False) -> Clip:
-    """Sample `source` at the `times` (F,), s, of a film that shows `overlays`; compute the clip's extent if `extent`.
+def march_of(source: Source) -> March:
+    """Return the march of a run, or a march itself."""
+    return source.march if isinstance(source, Run) else source
 
-    Raises
-    ------
-    ParameterError
-        If an overlay is unknown, or `source` has no data for it.
-    """
-    for name in overlays:
-        _check_data(source, name)
+
+def sample(source: Source, times: Array, needs: Collection[str] = (), *, extent: bool = False) -> Clip:
+    """Sample `source` at the `times` (F,), s, of a film; `needs` has fields of `Snapshot`, beside the poses."""
     run = source if isinstance(source, Run) else None
     known = times if run is None else run.times
+    samples = np.linspace(times[0], times[-1], min(EXTENT_SAMPLES, len(times)))
     return Clip(
-        march=source.march if isinstance(source, Run) else source,
+        march=march_of(source),
         model=_model(run),
         contact=run.first_contact if run else None,
         window=(float(known[0]), float(known[-1])),
-        extent=_extent(source, np.linspace(times[0], times[-1], min(EXTENT_SAMPLES, len(times)))) if extent else None,
+        extent=_extent(source, samples) if extent else None,
         largest_impulse=_largest_impulse(run, times) if run else 0.0,
-        snapshots=snapshots(source, times, overlays),
+        snapshots=snapshots(source, times, needs),
     )
 
 
@@ -127,47 +133,17 @@ def with_errors(clip: Clip, run: Run, times: Array, reach: float, length: float)
     return replace(clip, snapshots=map(displaced, clip.snapshots), magnification=factor)
 
 
-def snapshots(source: Source, times: Array, overlays: tuple[str, ...] = ()) -> Iterator[Snapshot]:
+def snapshots(source: Source, times: Array, needs: Collection[str] = ()) -> Iterator[Snapshot]:
     """Yield the snapshots at `times` (F,), s. Times outside a run are clipped to its first or last time."""
     if isinstance(source, Run):
         times = np.clip(times, source.times[0], source.times[-1])
-    needs = {OVERLAYS[name].needs for name in overlays}
     contacts = _ContactTimeline(source) if isinstance(source, Run) and "touches" in needs else None
     for begin in range(0, len(times), CHUNK_FRAMES):
         for snapshot in _chunk(source, times[begin : begin + CHUNK_FRAMES], needs):
             yield replace(snapshot, touches=contacts.at(snapshot.time)) if contacts else snapshot
 
 
-def _check_data(source: Source, name: str) -> None:
-    """Raise a ParameterError if there is no overlay `name`, or `source` has no data for it."""
-    needs = OVERLAYS[word("show", name, OVERLAYS)].needs
-    if needs == "impulses" and (isinstance(source, March) or source.joint_impulses is None):
-        raise ParameterError("show", name, "left out: only runs of the engine have joint impulses")
-    if needs == "touches" and isinstance(source, March):
-        raise ParameterError("show", name, "left out: a march has no contacts, a run does")
-
-
-def _extent(source: Source, times: Array) -> Array:
-    """Return the lower left and upper right corner (2, 2), m, of the dragon's bounding box over `times` (T,)."""
-    dragon = source.march.dragon if isinstance(source, Run) else source.dragon
-    corners = np.concatenate([dragon.outlines(snapshot.poses).reshape(-1, 2) for snapshot in snapshots(source, times)])
-    return np.array([corners.min(axis=0), corners.max(axis=0)])
-
-
-def _model(run: Run | None) -> str:
-    """Return the name of the model that computed a run, with its options; None is a march."""
-    if run is None or run.player == "exact":
-        return text("exact model")
-    words = [text("engine")]
-    if run.guide is not None:
-        # A guide of the user's own has no other name.
-        words.append({"none": text("no guide"), "rails": text("rails")}.get(run.guide, run.guide))
-    if run.settings is not None and run.settings.contacts == "resolve":
-        words.append(text("contacts resolved"))
-    return text(", ").join(words)
-
-
-def _chunk(source: Source, times: Array, needs: set[str | None]) -> Iterator[Snapshot]:
+def _chunk(source: Source, times: Array, needs: Collection[str]) -> Iterator[Snapshot]:
     """Yield the snapshots at `times` (T,), without contacts."""
     velocities: Iterable[Array | None] = [None] * len(times)
     impulses: Iterable[Array | None] = [None] * len(times)
@@ -183,6 +159,26 @@ def _chunk(source: Source, times: Array, needs: set[str | None]) -> Iterator[Sna
             # Impulses are not interpolated.
             impulses = source.joint_impulses[_frames_before(source, times)]
     yield from map(Snapshot, times.tolist(), poses, velocities, impulses)
+
+
+def _extent(source: Source, times: Array) -> Array:
+    """Return the lower left and upper right corner (2, 2), m, of the dragon's bounding box over `times` (T,)."""
+    dragon = march_of(source).dragon
+    corners = np.concatenate([dragon.outlines(snapshot.poses).reshape(-1, 2) for snapshot in snapshots(source, times)])
+    return np.array([corners.min(axis=0), corners.max(axis=0)])
+
+
+def _model(run: Run | None) -> str:
+    """Return the name of the model that computed a run, with its options; None is a march."""
+    if run is None or run.player == "exact":
+        return text("exact model")
+    words = [text("engine")]
+    if run.guide is not None:
+        # A guide of the user's own has no other name.
+        words.append({"none": text("no guide"), "rails": text("rails")}.get(run.guide, run.guide))
+    if run.settings is not None and run.settings.contacts == "resolve":
+        words.append(text("contacts resolved"))
+    return text(", ").join(words)
 
 
 def _frames_before(run: Run, times: Array) -> NDArray[np.intp]:

@@ -116,13 +116,10 @@ def _film(session: Session, recorded: Recorded, destination: Path, progress: Pro
     last = _picture(session.scene, field)
     session.play_again(log.inputs, log.values, log.steps)
     table = _table([_picture(session.scene, field), last, _obstacle()])
-    colours = np.zeros((256, 3), dtype=np.uint8)
-    known = np.array(table.getpalette(), dtype=np.uint8).reshape(-1, 3)
-    colours[: len(known)] = known
     ends = np.append(times[1:], 2 * times[-1] - times[-2]) - times[0]
     pictures = _pictures(session, field, times, table, progress)
     with written_in_place(destination) as draft:
-        film = formats.Frames(pictures=pictures, ends=ends.tolist(), size=SIZE, colours=colours, fps=FPS)
+        film = formats.Frames(pictures=pictures, ends=ends.tolist(), size=SIZE, fps=FPS)
         formats.WRITERS[destination.suffix.lower()](draft, film)
 
 
@@ -141,11 +138,10 @@ def _obstacle() -> Image.Image:
 def _pictures(
     session: Session, field: pymunk.BB, times: Array, table: Image.Image, progress: Progress | None
 ) -> Iterator[Image.Image]:
-    """Pictures of a session that is replayed, as indices of the colours of `table`, at times (F,), s."""
+    """Pictures of a session that is replayed, in the colours of `table`, at times (F,), s."""
     for done, time in enumerate(times, start=1):
         session.step_to(time)
-        picture = _picture(session.scene, field).quantize(palette=table, dither=Image.Dither.NONE)
-        yield Image.frombytes("L", picture.size, picture.tobytes())
+        yield _picture(session.scene, field).quantize(palette=table, dither=Image.Dither.NONE)
         if progress is not None:
             progress(done, len(times))
 
@@ -169,12 +165,13 @@ def _picture(scene: Scene, field: pymunk.BB) -> Image.Image:
     options.fit(field)
     options.flags &= ~options.DRAW_CONSTRAINTS
     scene.space.debug_draw(options)
-    for joint in scene.standing_joints():
-        a, b = (
-            options.transform @ body.local_to_world(getattr(joint, anchor, (0, 0)))
-            for body, anchor in zip((joint.a, joint.b), ANCHORS, strict=True)
-        )
-        options.draw_segment(a, b, options.constraint_color)
-        options.draw_dot(JOINT_SIZE, a, options.constraint_color)
-        options.draw_dot(JOINT_SIZE, b, options.constraint_color)
+    with options:
+        for joint in scene.standing_joints():
+            a, b = (
+                body.local_to_world(getattr(joint, anchor, (0, 0)))
+                for body, anchor in zip((joint.a, joint.b), ANCHORS, strict=True)
+            )
+            options.draw_segment(a, b, options.constraint_color)
+            options.draw_dot(JOINT_SIZE, a, options.constraint_color)
+            options.draw_dot(JOINT_SIZE, b, options.constraint_color)
     return picture

@@ -66,13 +66,13 @@ def milliseconds(draw: Callable[[], None], repeats: int) -> float:
     return 1000 * median(durations(draw, repeats, time.process_time))
 
 
-def with_pillow(space: pymunk.Space, mode: str) -> float:
+def with_pillow(space: pymunk.Space) -> float:
     """Milliseconds for a new image and the drawing on it."""
-    options = PillowDrawOptions(Image.new(mode, (SIZE, SIZE)), positive_y_is_up=True)
+    options = PillowDrawOptions(Image.new("RGB", (SIZE, SIZE)), positive_y_is_up=True)
     options.fit(space)
 
     def draw() -> None:
-        options.image = Image.new(mode, (SIZE, SIZE), "white")
+        options.image = Image.new("RGB", (SIZE, SIZE), "white")
         space.debug_draw(options)
 
     return milliseconds(draw, REPEATS)
@@ -110,7 +110,7 @@ def with_matplotlib(space: pymunk.Space) -> float:
 def main() -> None:
     """Print one line for each space."""
     for space, name in ((chain(), "223 benches on a spiral"), (pile(), "pile of 100 boxes")):
-        line = f"{name}: RGB {with_pillow(space, 'RGB'):.1f} ms, RGBA {with_pillow(space, 'RGBA'):.1f} ms"
+        line = f"{name}: {with_pillow(space):.1f} ms"
         other = with_matplotlib(space)
         print(line if math.isnan(other) else f"{line}; pymunk.matplotlib_util {other:.0f} ms")
 

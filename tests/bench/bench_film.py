@@ -1,10 +1,8 @@
-"""Time and memory of a film, beside the usual ways to make one: `python tests/bench/bench_film.py`.
+"""Time and memory of a film, beside imageio and matplotlib: `python tests/bench/bench_film.py`.
 
 The film has 300 frames of 640 x 640 pixels of the reference scenario with 223 benches. Each way runs in a process of
 its own, in turns, and the medians over the rounds are printed: the time from the first frame to the closed file without
-imports, and the peak memory of the process and of its largest child, with interpreters and imports. All ways draw the
-same polygons with their outlines, the spiral and the clock; matplotlib has its own anti-aliasing, the others have the
-project's.
+imports, and the peak memory of the process and of its largest child, with interpreters and imports.
 """
 
 from __future__ import annotations
@@ -22,15 +20,13 @@ from statistics import median
 
 import numpy as np
 from measure import arguments, sized
-from numpy.typing import NDArray
 
 from pymunk_dragon.drawing import Film, write_film
-from pymunk_dragon.drawing.film.layout import Canvas, lay_out
-from pymunk_dragon.drawing.snapshots import sample, snapshots
+from pymunk_dragon.drawing.film.layout import lay_out, sampled
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 
-FRAMES, ROUNDS = sized((300, 5), (4, 1))
+FRAMES, ROUNDS = sized((300, 3), (4, 1))
 SINCE, STEP, SIZE, FPS = 100.0, 0.5, 640, 20
 
 
@@ -51,53 +47,41 @@ def ours(ending: str, workers: int) -> Callable[[Run, Film, Path], None]:
     return write
 
 
-def canvas_of(source: Run | March, film: Film, times: NDArray[np.float64]) -> Canvas:
-    return lay_out([sample(source, times, film.show, extent=film.camera.follow == "field")], film)
-
-
 def imageio_rgb(run: Run, film: Film, folder: Path) -> None:
     """The default of imageio: a stack of RGB frames, drawn as ours are."""
     import imageio.v3 as iio
 
-    times = film.timing([run]).times
-    canvas = canvas_of(run, film, times)
-    table = film.palette.table
-    stack = np.stack([table[np.asarray(canvas.draw([snapshot]))] for snapshot in snapshots(run, times)])
+    [clip] = clips = sampled([run], film.timing([run]).times, film)
+    canvas = lay_out(clips, film)
+    stack = np.stack([np.asarray(canvas.draw([snapshot])) for snapshot in clip.snapshots])
     iio.imwrite(folder / "film.gif", stack, duration=1000 / FPS, loop=0)
 
 
-def matplotlib_animation(bare: bool) -> Callable[[Run, Film, Path], None]:
-    """FuncAnimation and PillowWriter of matplotlib: with axes and a title, as they come, or nothing but the picture."""
+def matplotlib_animation(run: Run, film: Film, folder: Path) -> None:
+    """FuncAnimation and PillowWriter of matplotlib with axes and a title, as they come."""
+    from matplotlib.animation import FuncAnimation, PillowWriter
+    from matplotlib.collections import PolyCollection
+    from matplotlib.figure import Figure
 
-    def write(run: Run, film: Film, folder: Path) -> None:
-        from matplotlib.animation import FuncAnimation, PillowWriter
-        from matplotlib.collections import PolyCollection
-        from matplotlib.figure import Figure
+    times = film.timing([run]).times
+    march, palette = run.march, film.palette
+    figure = Figure(figsize=(SIZE / 100, SIZE / 100), dpi=100)
+    axes = figure.add_subplot()
+    axes.set_aspect("equal")
+    axes.set_xlim(-11.5, 11.5)
+    axes.set_ylim(-11.5, 11.5)
+    path = march.curve.point(np.linspace(*march.span(times[0], times[-1]), 5000))
+    axes.plot(*path.T, color=palette.curve, linewidth=0.5)
+    colours = [palette.head, *[palette.body] * (march.dragon.benches - 2), palette.tail]
+    benches = PolyCollection([], facecolors=colours, edgecolors=palette.ink, linewidths=0.5)
+    axes.add_collection(benches)
+    clock = axes.set_title("")
 
-        times = film.timing([run]).times
-        march, palette = run.march, film.palette
-        figure = Figure(figsize=(SIZE / 100, SIZE / 100), dpi=100)
-        axes = figure.add_subplot()
-        axes.set_aspect("equal")
-        axes.set_xlim(-11.5, 11.5)
-        axes.set_ylim(-11.5, 11.5)
-        if bare:
-            axes.set_axis_off()
-            axes.set_position((0.0, 0.0, 1.0, 1.0))
-        path = march.curve.point(np.linspace(*march.span(times[0], times[-1]), 5000))
-        axes.plot(*path.T, color=palette.curve, linewidth=0.5)
-        colours = [palette.head, *[palette.body] * (march.dragon.benches - 2), palette.tail]
-        benches = PolyCollection([], facecolors=colours, edgecolors=palette.ink, linewidths=0.5)
-        axes.add_collection(benches)
-        clock = axes.text(0.02, 0.95, "", transform=axes.transAxes) if bare else axes.set_title("")
+    def draw(frame: int) -> None:
+        benches.set_verts([*march.dragon.outlines(run.poses_at(times[frame])[0])])
+        clock.set_text(f"t = {times[frame]:.2f} s")
 
-        def draw(frame: int) -> None:
-            benches.set_verts([*march.dragon.outlines(run.poses_at(times[frame])[0])])
-            clock.set_text(f"t = {times[frame]:.2f} s")
-
-        FuncAnimation(figure, draw, frames=len(times)).save(str(folder / "film.gif"), writer=PillowWriter(fps=FPS))
-
-    return write
+    FuncAnimation(figure, draw, frames=len(times)).save(str(folder / "film.gif"), writer=PillowWriter(fps=FPS))
 
 
 WAYS: dict[str, Callable[[Run, Film, Path], None]] = {
@@ -107,8 +91,7 @@ WAYS: dict[str, Callable[[Run, Film, Path], None]] = {
     "ours, WebP, in two": ours(".webp", 1),
     "ours, MP4, beside FFmpeg": ours(".mp4", 0),
     "imageio, a stack of RGB frames, GIF": imageio_rgb,
-    "matplotlib, FuncAnimation and PillowWriter, GIF": matplotlib_animation(bare=False),
-    "the same, without axes": matplotlib_animation(bare=True),
+    "matplotlib, FuncAnimation and PillowWriter, GIF": matplotlib_animation,
 }
 
 

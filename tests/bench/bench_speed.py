@@ -102,7 +102,7 @@ def films(folder: Path) -> dict[str, Callable[[], object]]:
     ways = {
         "`write_film`, one process": ours(".gif", 0),
         "imageio, a stack of RGB frames": imageio_rgb,
-        "matplotlib, `FuncAnimation` and `PillowWriter`": matplotlib_animation(bare=False),
+        "matplotlib, `FuncAnimation` and `PillowWriter`": matplotlib_animation,
     }
     return {name: partial(write, run, film, folder) for name, write in ways.items()}
 

@@ -8,9 +8,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from pymunk_dragon._checks import finite, positive, whole
+from pymunk_dragon._checks import finite, positive, whole, word
 from pymunk_dragon.drawing.camera import Camera
 from pymunk_dragon.drawing.film.timing import FIELD_ADVANCE, HEAD_ADVANCE, STANDARD_FPS, Timing, constant, slowed
+from pymunk_dragon.drawing.overlay import OVERLAYS
 from pymunk_dragon.drawing.palette import Palette
 from pymunk_dragon.drawing.snapshots import Source
 from pymunk_dragon.errors import ParameterError
@@ -19,10 +20,8 @@ from pymunk_dragon.model.run import Run
 
 # Frames per second: the refresh rate of common screens.
 MAX_FPS = 60
-# Pixels: in a smaller picture the text covers the dragon.
-MIN_SIZE = 64
-# Pixels: a film is not a suitable format for larger pictures.
-MAX_SIZE = 2048
+# Pixels: in a smaller picture the text covers the dragon, and a film is not a suitable format for larger ones.
+SIZES = 64, 2048
 # Frames: half an hour at 10 frames per second. A larger number is taken for a typing error.
 MAX_FRAMES = 20_000
 # Simulated seconds per second of film: at a higher factor any march ends within its first frame.
@@ -45,31 +44,26 @@ class Film:
     Parameters
     ----------
     fps : int, optional
-        Frames per second of film, at most 60, and 50 in a GIF. The default is 20, or 25 or 50 in long films: see the
-        notes.
+        Frames per second of film, at most 60, and 50 in a GIF. The default is 20, or 25 or 50 in long films.
     speedup : float, optional
-        Simulated seconds per second of film, for a constant speed. The default is a speed that varies: see the notes.
+        Simulated seconds per second of film. By default the film slows down towards near misses and contacts.
     size : int or tuple of int
         Width and height, pixels; one number for a square.
     start, until : float, optional
         Simulated time of the first and the last frame, s. By default a film with a constant speed begins with the run,
-        any other as described in the notes, and both end with the run. A march begins at 0 and requires `until`.
+        any other late enough to be 11 s long, and both end with the run. A march requires `until`.
     hold : float
         Duration of the last frame, s.
-    camera : Camera
-        View of the film.
-    palette : Palette
-        Colours of the film.
+    camera, palette : Camera, Palette
+        View and colours.
     gap : bool, optional
         Whether to display the smallest gap between the head and a bench that is not its neighbour. By default the gap
         is displayed if the camera follows the head or the gap is below 1 cm.
     legend : bool
-        Whether to display a legend and a scale bar below the picture. They are omitted if the picture is too narrow.
+        Whether to display a legend and a scale bar below the picture, if it is wide enough.
     show : tuple of str
-        Overlays by their names in `OVERLAYS`. "velocities": arrows to where each handle would be in half a second.
-        "grid": the cells of the broad phase, darker if they contain a bench. "contacts" and "normals" of benches that
-        touch, for runs only. "impulses" in the joints as areas of discs, the largest nearly as wide as a bench, for
-        runs of the engine only.
+        Overlays by their names in `OVERLAYS`: "velocities"; "grid"; "contacts" and "normals", for runs only;
+        "impulses" in the joints, for runs of the engine only.
     title, caption : str
         Text above and below the picture; the height of the film increases accordingly.
     headings : tuple of str
@@ -84,18 +78,11 @@ class Film:
 
     Notes
     -----
-    Without `speedup`, the film slows down smoothly towards the first contact and the near misses of the exact model:
-    each near miss adds about 1 s and a contact 2 s to the film, half of that before the event. Elsewhere the head
-    travels 0.4 of the shortest body spacing in a frame (0.1 if the camera follows the head), which is 0.66 m of the
-    paper's dragon. From 0.5 on, the eye would take each bench for the next one, and the dragon would appear to creep
-    backwards. Including the hold of 2.5 s,
-
-    - without `start`, the film is at most 11 s long, and shows as much of the end of the run as this allows;
-    - with `start`, it is at most 20 s long, with up to 50 frames per second for a long march, and only then faster;
-    - the film is shorter than 8 s only if it would be slower than half of real time otherwise.
-
-    With the defaults, the film of the reference scenario shows the last 74 s before the contact in 11 s. Its 171 frames
-    take 3 MB as a GIF: 223 moving benches take 17 kB in each frame.
+    Without `speedup`, each near miss of the exact model adds about 1 s and a contact 2 s to the film, half of that
+    before the event. Elsewhere the head travels 0.4 of the shortest body spacing in a frame (0.1 if the camera follows
+    the head): 0.66 m of the paper's dragon. From 0.5 on, the eye would take each bench for the next one. With `start`,
+    the film is at most 20 s long, with up to 50 frames per second for a long march, and only then faster. It is shorter
+    than 8 s only if it would be slower than half of real time otherwise.
 
     Examples
     --------
@@ -132,17 +119,20 @@ class Film:
         if isinstance(self.size, tuple) and len(self.size) != 2:
             raise ParameterError("size", self.size, "one number, or a width and a height")
         for length in self.shape:
-            whole("size", length, MIN_SIZE, MAX_SIZE)
+            whole("size", length, *SIZES)
         for name in ("start", "until"):
             if getattr(self, name) is not None:
                 finite(name, getattr(self, name), -math.inf, math.inf, "s")
         finite("hold", self.hold, 0.0, MAX_HOLD, "s")
-        for name, kind in (("camera", Camera), ("palette", Palette)):
+        self._check_texts()
+
+    def _check_texts(self) -> None:
+        kinds = {"camera": Camera, "palette": Palette, "show": tuple, "headings": tuple}
+        for name, kind in kinds.items():
             if not isinstance(getattr(self, name), kind):
                 raise ParameterError(name, getattr(self, name), f"a {kind.__name__}")
-        for name in ("show", "headings"):
-            if not isinstance(getattr(self, name), tuple):
-                raise ParameterError(name, getattr(self, name), "a tuple of texts")
+        for overlay in self.show:
+            word("show", overlay, OVERLAYS)
         texts: list[tuple[str, object]] = [("title", self.title), ("caption", self.caption)]
         for name, text in texts + [("headings", heading) for heading in self.headings]:
             if not (isinstance(text, str) and len(text) <= MAX_TEXT):
@@ -154,13 +144,7 @@ class Film:
         return self.size if isinstance(self.size, tuple) else (self.size, self.size)
 
     def timing(self, sources: Sequence[Source]) -> Timing:
-        """Return the times of the frames. The last time is always the end of the window.
-
-        Raises
-        ------
-        ParameterError
-            If the window is empty, extends beyond the run, or requires too many frames.
-        """
+        """Return the times of the frames; a ParameterError if the window is not in the run, or has too many frames."""
         start, until = self.window(sources)
         if self.speedup is None:
             advance = HEAD_ADVANCE if self.camera.follow == "head" else FIELD_ADVANCE
@@ -198,13 +182,7 @@ def shared_window(sources: Sequence[Source]) -> tuple[float, float]:
 
 
 def checked_sources(source: Any) -> tuple[Source, ...]:
-    """Return `source`, one run or march or a sequence of them, as a tuple.
-
-    Raises
-    ------
-    ParameterError
-        If `source` is anything else, or a sequence of more than 4.
-    """
+    """Return `source`, one run or march or a sequence of them, as a tuple."""
     sources = tuple(source) if isinstance(source, Sequence) else (source,)
     if not all(isinstance(one, Run | March) for one in sources) or not 1 <= len(sources) <= MAX_PANELS:
         kinds = [type(one).__name__ for one in sources] if sources and isinstance(source, Sequence) else source

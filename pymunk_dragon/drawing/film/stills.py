@@ -18,30 +18,18 @@ from pymunk_dragon.drawing.snapshots import Source
 
 # All endings of still pictures, in lower case.
 STILL_ENDINGS = (".png", ".pdf")
-# Pixels per inch of a picture in a PDF: a page of 8 inches has 1600.
-PDF_RESOLUTION = 200.0
-# JPEG quality of a picture in a PDF: edges and text have no visible artefacts.
-PDF_QUALITY = {"quality": 95, "subsampling": 0}
-# Properties of a PDF that are omitted, so that equal pictures give equal bytes.
-PDF_OMITTED = dict.fromkeys(("title", "creationDate", "modDate"))
+# A picture in a PDF: pixels per inch, of which a page of 8 inches has 1600; a JPEG quality without visible artefacts;
+# and no properties that would give equal pictures different bytes.
+PDF = {"resolution": 200.0, "quality": 95, "subsampling": 0, "title": None, "creationDate": None, "modDate": None}
 
 
 def write_still(source: Source | Sequence[Source], time: float, path: str | Path, film: Film | None = None) -> None:
-    """Write the picture at one time as a PNG file, or as a PDF with one page.
-
-    Parameters
-    ----------
-    source, time, film
-        As in `still`.
-    path : path
-        File to write, .png or .pdf. If writing is interrupted, an old file is kept and no incomplete file is left.
+    """Write the picture at one time as a PNG file, or as a PDF with one page; parameters as in `still`.
 
     Raises
     ------
     ParameterError
         As in `still`, or if the file cannot be created.
-    UnreachableError
-        As in `still`.
     OutputError
         If writing fails.
 
@@ -52,49 +40,25 @@ def write_still(source: Source | Sequence[Source], time: float, path: str | Path
     >>> write_still(March(Dragon(benches=16)), 60.0, "march.png", Film(size=640))
     """
     destination = check_destination(path, STILL_ENDINGS)
-    if destination.suffix.lower() != ".pdf":
-        png = still_png(source, time, film)
-        with written_in_place(destination) as draft:
-            draft.write_bytes(png)
-        return
     picture = Image.fromarray(still(source, time, film))
     with written_in_place(destination) as draft:
-        picture.save(draft, format="PDF", resolution=PDF_RESOLUTION, **PDF_QUALITY, **PDF_OMITTED)
+        if destination.suffix.lower() == ".pdf":
+            picture.save(draft, format="PDF", **PDF)
+        else:
+            picture.save(draft, format="PNG", optimize=True)
 
 
 def still_png(source: Source | Sequence[Source], time: float, film: Film | None = None) -> bytes:
-    r"""Return the content of the PNG file that `write_still` writes; parameters and errors as in `still`.
-
-    Examples
-    --------
-    >>> from pymunk_dragon import Dragon, March
-    >>> from pymunk_dragon.drawing import still_png
-    >>> still_png(March(Dragon(benches=16)), 60.0)[:6]
-    b'\x89PNG\r\n'
-    """
-    # Imported here because imageio loads slowly and films do not use it.
-    import imageio.v3 as iio
-
-    picture: bytes = iio.imwrite("<bytes>", still(source, time, film), extension=".png")
-    return picture
+    """Return the content of the PNG file that `write_still` writes."""
+    content = io.BytesIO()
+    Image.fromarray(still(source, time, film)).save(content, format="PNG", optimize=True)
+    return content.getvalue()
 
 
 def still(source: Source | Sequence[Source], time: float, film: Film | None = None) -> NDArray[np.uint8]:
-    """Draw the picture at one time.
+    """Return the picture (height, width, 3) of a run or march, or of several side by side, at one time, s.
 
-    Parameters
-    ----------
-    source : Run or March, or a sequence of them
-        Several sources are shown side by side.
-    time : float
-        Simulated time, s.
-    film : Film, optional
-        Size, camera, marks, texts and colours; the film's time window is ignored.
-
-    Returns
-    -------
-    ndarray of uint8, shape (height, width, 3)
-        Red, green and blue.
+    The film has size, camera, marks, texts and colours; its time window is ignored.
 
     Raises
     ------
@@ -113,11 +77,8 @@ def still(source: Source | Sequence[Source], time: float, film: Film | None = No
     film = film or Film()
     sources = checked_sources(source)
     finite("time", time, *shared_window(sources), "s")
-    times = np.array([time], dtype=float)
-    clips = sampled(sources, times, film)
-    picture = lay_out(clips, film).draw([next(clip.snapshots) for clip in clips])
-    colours: NDArray[np.uint8] = film.palette.table[np.asarray(picture)]
-    return colours
+    clips = sampled(sources, np.array([time], dtype=float), film)
+    return np.asarray(lay_out(clips, film).draw([next(clip.snapshots) for clip in clips]))
 
 
 def picture_size(content: bytes) -> tuple[int, int]:

@@ -14,14 +14,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pymunk_dragon._arrays import Array
-from pymunk_dragon.drawing.snapshots import Source, first_contact_until
+from pymunk_dragon.drawing.snapshots import Source, first_contact_until, march_of
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 
-# Frames per second of film, unless a given window would take too long.
-STANDARD_FPS = 20
-# Frames per second of long windows: all have whole centiseconds, as delays in a GIF have.
-LONG_FPS = (25, 50)
+# Frames per second of film, and those of a window that would take too long: all have whole centiseconds, as delays in
+# a GIF have.
+STANDARD_FPS, LONG_FPS = 20, (25, 50)
 # Largest travel of the head per frame, in shortest spacings of the body: 0.66 m of the paper's 1.65 m. From half a
 # spacing on, a bench is nearer to the previous position of the next bench than to its own: the dragon creeps backwards.
 FIELD_ADVANCE = 0.4
@@ -31,18 +30,12 @@ HEAD_ADVANCE = 0.1
 CHOSEN_LENGTH = 8.5
 # Slowest rate far from events, if the limit on the head's travel does not demand less: half of real time.
 SLOWEST = 0.5
-# s: shortest film without hold, if `SLOWEST` allows it. It is 8 s long with the standard hold.
-SHORTEST = 5.5
-# s: longest film without hold. It is 20 s long with the standard hold.
-LONGEST = 17.5
+# s: shortest film without hold, if `SLOWEST` allows it, and the longest. With the standard hold, 8 and 20 s.
+SHORTEST, LONGEST = 5.5, 17.5
 # s: a film of more than this begins at a whole second, which is easier to read.
 ROUND_WINDOW = 10.0
-# s of film that a near miss adds.
-NEAR_MISS_TIME = 1.0
-# s of film that a contact adds. A film that ends with the contact has half of it.
-CONTACT_TIME = 2.0
-# s of film that all events add at most.
-EVENTS_TIME = 6.0
+# s of film that a near miss adds, that a contact adds (a film that ends with it has half), and all events at most.
+NEAR_MISS_TIME, CONTACT_TIME, EVENTS_TIME = 1.0, 2.0, 6.0
 # Half of the width of an event, in shortest spacings travelled: 0.7 m.
 EVENT_WIDTH = 0.45
 # Points at which the time of the film is computed. Between them it is linear.
@@ -55,17 +48,7 @@ MIN_DELAY = 0.02
 
 @dataclass(frozen=True)
 class Timing:
-    """Times of the F frames of a film.
-
-    Attributes
-    ----------
-    times : ndarray, shape (F,)
-        Simulated times of the frames, s.
-    ends : ndarray, shape (F,)
-        Film times at which the frames end, s. The last frame is shown for the film's `hold`.
-    fps : int
-        Frames per second.
-    """
+    """Simulated times (F,) of the frames of a film, s; film times at which they end, s; and frames per second."""
 
     times: Array
     ends: Array
@@ -101,34 +84,22 @@ def slowed(
     hold: float,
     advance: float,
 ) -> Timing:
-    """Times of a film that slows down towards events.
+    """Times of a film of a window (first and last time, s) that slows down towards events.
 
-    Parameters
-    ----------
-    sources : sequence of Run or March
-        What the film shows.
-    window : tuple of float
-        First and last time, s.
-    choose_start : bool
-        Whether the film may begin after the window's first time, to be `CHOSEN_LENGTH` long.
-    fps : int or None
-        Frames per second; None for 20, or for 25 or 50 if the film would be longer than `LONGEST`.
-    hold : float
-        Duration of the last frame, s.
-    advance : float
-        Largest travel of the head per frame, in shortest spacings of the body.
+    If `choose_start`, it may begin after the window's first time. `fps` is None for 20, or more in a long film. In a
+    frame the head travels at most `advance` shortest spacings of the body.
     """
     start, until = window
     if start == until:
         return constant(start, until, 1.0, fps or STANDARD_FPS, hold)
-    step = _largest_step(sources, window, advance)
+    step = min(advance * _step(march_of(source), window) for source in sources)
     events = events_of(sources, window)
     if choose_start:
         times, film = _film_times(start, until, step * (fps or STANDARD_FPS), events)
         start = float(np.interp(film[-1] - CHOSEN_LENGTH, film, times))
         if start > window[0] and until - start > ROUND_WINDOW:
             start = float(math.ceil(start))
-    times, added = _film_times(start, until, math.inf, events)
+    _, added = _film_times(start, until, math.inf, events)
     rate, fps = _rate(until - start, float(added[-1]), step, fps)
     times, film = _film_times(start, until, rate, events)
     count = max(1, round(film[-1] * fps))
@@ -137,14 +108,11 @@ def slowed(
     return Timing(shown, np.append(np.arange(1, count + 1), count + max(1.0, hold * fps)) / fps, fps)
 
 
-def _largest_step(sources: Sequence[Source], window: tuple[float, float], advance: float) -> float:
-    """Simulated time, s, in which no head of `sources` travels more than `advance` spacings of the body."""
-    steps = []
-    for march in (source.march if isinstance(source, Run) else source for source in sources):
-        # Without the head's spacing, if there is another.
-        spacing = float(march.dragon.spacings[-max(1, march.dragon.benches - 1) :].min())
-        steps.append(advance * spacing / float(march.speed_profile.fastest(*window)))
-    return min(steps)
+def _step(march: March, window: tuple[float, float]) -> float:
+    """Least time, s, in which the head travels the shortest spacing of the body."""
+    # Without the head's spacing, if there is another.
+    spacings = march.dragon.spacings[-max(1, march.dragon.benches - 1) :]
+    return float(spacings.min()) / float(march.speed_profile.fastest(*window))
 
 
 def _rate(duration: float, added: float, step: float, fps: int | None) -> tuple[float, int]:
@@ -163,52 +131,6 @@ def _rate(duration: float, added: float, step: float, fps: int | None) -> tuple[
     return rate, chosen
 
 
-def events_of(sources: Sequence[Source], window: tuple[float, float]) -> list[Event]:
-    """Near misses and first contacts of `sources` within a window (first and last time, s).
-
-    Events of two sources that are closer than half a width are one.
-    """
-    found: dict[float, tuple[float, March]] = {}
-    searched: list[March] = []
-    for source in sources:
-        march = source.march if isinstance(source, Run) else source
-        if isinstance(source, Run) and source.first_contact is not None:
-            found[source.first_contact.time] = (CONTACT_TIME, march)
-        if _follows_march(source) and march not in searched:
-            searched.append(march)
-            begin, end = _played(source, window)
-            if begin < end:
-                exact = first_contact_until(march, begin, end)
-                found |= {miss.time: (NEAR_MISS_TIME, march) for miss in exact.near_misses or ()}
-                if isinstance(source, March) and exact.contact:
-                    found[exact.contact.time] = (CONTACT_TIME, march)
-    events: list[Event] = []
-    for time, (added, march) in sorted(found.items(), key=lambda item: (-item[1][0], item[0])):
-        event = Event(time, added, _width(march, time))
-        apart = all(abs(time - other.time) > event.width / 2 for other in events)
-        if apart and window[0] <= time <= window[1]:
-            events.append(event)
-    share = min(1.0, EVENTS_TIME / max(1e-9, sum(event.added for event in events)))
-    return sorted((replace(event, added=share * event.added) for event in events), key=lambda event: event.time)
-
-
-def _follows_march(source: Source) -> bool:
-    """Whether the near misses of the exact model are those of a source."""
-    return isinstance(source, March) or (source.guide != "none" and "live" not in source.provenance)
-
-
-def _played(source: Source, window: tuple[float, float]) -> tuple[float, float]:
-    """The part of a window, s, that a source plays."""
-    if isinstance(source, March):
-        return window
-    return max(window[0], float(source.times[0])), min(window[1], float(source.times[-1]))
-
-
-def _width(march: March, time: float) -> float:
-    """Width of an event, s: the time in which the head travels `EVENT_WIDTH` spacings."""
-    return EVENT_WIDTH * float(march.dragon.spacings.min()) / float(march.speed_profile.at(time))
-
-
 def _film_times(start: float, until: float, rate: float, events: Sequence[Event]) -> tuple[Array, Array]:
     """Simulated times (P,), s, and the times in the film at which they are shown, from 0 s on."""
     times = np.linspace(start, until, POINTS)
@@ -216,3 +138,41 @@ def _film_times(start: float, until: float, rate: float, events: Sequence[Event]
     for event in events:
         film += event.added / np.pi * np.arctan((times - event.time) / event.width)
     return times, film - film[0]
+
+
+def events_of(sources: Sequence[Source], window: tuple[float, float]) -> list[Event]:
+    """Near misses and first contacts of `sources` within a window (first and last time, s).
+
+    Events of two sources that are closer than half a width are one.
+    """
+    found: dict[float, tuple[float, March]] = {}
+    for source in sources:
+        found |= _events(source, window)
+    events: list[Event] = []
+    for time, (added, march) in sorted(found.items(), key=lambda item: (-item[1][0], item[0])):
+        # The time in which the head travels `EVENT_WIDTH` spacings.
+        width = EVENT_WIDTH * float(march.dragon.spacings.min()) / float(march.speed_profile.at(time))
+        apart = all(abs(time - other.time) > width / 2 for other in events)
+        if apart and window[0] <= time <= window[1]:
+            events.append(Event(time, added, width))
+    share = min(1.0, EVENTS_TIME / max(1e-9, sum(event.added for event in events)))
+    return sorted((replace(event, added=share * event.added) for event in events), key=lambda event: event.time)
+
+
+def _events(source: Source, window: tuple[float, float]) -> dict[float, tuple[float, March]]:
+    """Times of the events of a source, s, each with the time that it adds to the film, s, and the march."""
+    march, (begin, end) = march_of(source), window
+    found: dict[float, tuple[float, March]] = {}
+    if isinstance(source, Run):
+        begin, end = max(begin, float(source.times[0])), min(end, float(source.times[-1]))
+        if source.first_contact is not None:
+            found[source.first_contact.time] = (CONTACT_TIME, march)
+        if source.guide == "none" or "live" in source.provenance:
+            # Its near misses are not those of the exact model.
+            return found
+    if begin < end:
+        exact = first_contact_until(march, begin, end)
+        found |= {miss.time: (NEAR_MISS_TIME, march) for miss in exact.near_misses or ()}
+        if isinstance(source, March) and exact.contact:
+            found[exact.contact.time] = (CONTACT_TIME, march)
+    return found
