@@ -11,7 +11,7 @@ import pytest
 from sharing import shared
 
 from pymunk_dragon.model.dragon import Dragon
-from pymunk_dragon.studies import MaxSpeed, MinPitch, Sensitivity, max_speed, min_pitch, sensitivity
+from pymunk_dragon.studies import Sensitivity, sensitivity
 
 
 def answer(name: str, make: Callable[[], Any]) -> Any:
@@ -20,24 +20,8 @@ def answer(name: str, make: Callable[[], Any]) -> Any:
     return pickle.loads(path.read_bytes())
 
 
-def smallest_pitch() -> MinPitch:
-    return answer("min-pitch", min_pitch)
-
-
-def largest_speed() -> MaxSpeed:
-    return answer("max-speed", max_speed)
-
-
-def slopes() -> Sensitivity:
-    return answer("sensitivity", sensitivity)
-
-
 def slopes_by_width() -> Sensitivity:
-    """The same by one size only, of a shorter dragon, in a fraction of the time."""
-
-    def make() -> Sensitivity:
-        with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(sys.modules["pymunk_dragon.studies.sensitivity"], "SIZES", ("width",))
-            return sensitivity(Dragon(benches=25))
-
-    return answer("sensitivity-by-width", make)
+    """The sensitivity to one size only, of a shorter dragon, in a fraction of the time."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(sys.modules["pymunk_dragon.studies.sensitivity"], "SIZES", ("width",))
+        return sensitivity(Dragon(benches=25))

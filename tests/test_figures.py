@@ -33,7 +33,7 @@ from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 from pymunk_dragon.physics import simulate
-from pymunk_dragon.studies import max_speed, min_pitch, sensitivity, u_turn
+from pymunk_dragon.studies import max_speed, min_pitch, u_turn
 
 CHARTS = [name for name, kind in FIGURES.items() if kind.still is None]
 STILLS = [name for name, kind in FIGURES.items() if kind.still is not None]
@@ -55,7 +55,6 @@ STUDIES: dict[str, Callable[[], Any]] = {
     "min-pitch": min_pitch,
     "min-pitch of a wide circle": lambda: min_pitch(radius=8.0),
     "max-speed": max_speed,
-    "sensitivity": lambda: sensitivity(Dragon(benches=25)),
     "u-turn": lambda: u_turn(Dragon(benches=25), search=False),
 }
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import click
@@ -20,9 +19,6 @@ from pymunk_dragon.cli.options import (
 )
 from pymunk_dragon.cli.output import print_json, progress, write_json, wrote
 
-# Library that is needed to write each format.
-LIBRARIES = {".png": "matplotlib", ".svg": "matplotlib", ".pdf": "matplotlib", ".xlsx": "xlsxwriter"}
-
 
 def _study_options() -> list[click.Option]:
     """Options of single studies."""
@@ -31,15 +27,10 @@ def _study_options() -> list[click.Option]:
     options: list[click.Option] = []
     for study in STUDIES.values():
         for name, option in study.options.items():
-            flag, heading = name.replace("_", "-"), f"Options of {study.name}"
-            text, kind = f"{option.text[:1].upper()}{option.text[1:]}", option.kind
-            if kind is bool:
-                flags = [f"--{flag}/--no-{flag}", name]
-                options.append(Headed(flags, heading=heading, default=None, help=text))
-            else:
-                options.append(
-                    Headed([f"--{flag}", name], heading=heading, type=kind, metavar=option.metavar, help=text)
-                )
+            flag = "--" + name.replace("_", "-")
+            flags = [f"{flag}/--no-{flag[2:]}" if option.kind is bool else flag, name]
+            about = {"heading": f"Options of {study.name}", "help": option.text[:1].upper() + option.text[1:]}
+            options.append(Headed(flags, type=option.kind, metavar=option.metavar, default=None, **about))
     return options
 
 
@@ -67,64 +58,39 @@ def study(
     Without a name, list the studies. A study uses the values of a scenario file that are its parameters, and ignores
     the others, as the pitch where it is the result. The radius is that of the circle to which the head marches.
     """
+    from pymunk_dragon._checks import word
+    from pymunk_dragon._extras import library
+    from pymunk_dragon.model.scenario import Scenario
     from pymunk_dragon.studies import STUDIES
     from pymunk_dragon.studies import study as run_study
 
     if name is None:
-        summaries = _studies()
-        if as_json:
-            print_json({"studies": summaries})
-        else:
-            click.echo("\n".join(f"{known:<11}  {text(summary)}" for known, summary in summaries.items()))
-        return
-    takes = STUDIES[name].parameters if scenario_file is not None and name in STUDIES else ()
-    values = _of_file(scenario_file, takes) | chosen()
+        listed = [f"{known:<11}  {text(summary)}" for known, summary in _studies().items()]
+        return print_json({"studies": _studies()}) if as_json else click.echo("\n".join(listed))
+    kind = STUDIES[word("study", name, STUDIES)]
+    values: dict[str, Any] = {}
+    if scenario_file is not None:
+        # The whole file is checked, also the values that the study does not take.
+        scenario = Scenario.from_dict(Scenario.read(scenario_file))
+        values = {given: getattr(scenario, given, None) for given in kind.parameters}
+    values = {given: value for given, value in (values | chosen() | options).items() if value is not None}
     if isinstance(values.get("speed"), str | tuple):
-        values["speed"] = _speed(values["speed"])
-    values |= {given: value for given, value in options.items() if value is not None}
-    sheets = (".xlsx",) if name in STUDIES and STUDIES[name].has_sheets else ()
-    destination = destination_of(output, (".json", ".png", ".svg", ".pdf", *sheets))
-    if destination is not None and destination.suffix.lower() in LIBRARIES:
-        from pymunk_dragon._extras import library
-
+        values["speed"] = Scenario(speed=values["speed"]).march().speed
+    destination = destination_of(output, kind.formats)
+    ending = "" if destination is None else destination.suffix.lower()
+    if ending not in ("", ".json"):
         # A missing library is named before the study runs.
-        library(LIBRARIES[destination.suffix.lower()])
+        library("xlsxwriter" if ending == ".xlsx" else "matplotlib")
     with progress(name) as show:
         found = run_study(name, values, lambda done, total: show(done, total, name))
     if destination is not None:
-        _write(found, destination)
+        if ending == ".json":
+            write_json(destination, found.to_dict())
+        elif ending == ".xlsx":
+            from pymunk_dragon.reports import write_tables
+
+            write_tables(found.march, found.times, destination)
+        else:
+            found.write_figure(destination)
         wrote(destination)
-    if as_json:
-        print_json(found.to_dict())
-    else:
-        click.echo(found)
-
-
-def _of_file(scenario_file: str | None, takes: tuple[str, ...]) -> dict[str, Any]:
-    """Values of a scenario file that are parameters of the study."""
-    if scenario_file is None:
-        return {}
-    from pymunk_dragon.model.scenario import Scenario
-
-    # The whole file is checked, also the values that the study does not take.
-    scenario = Scenario.from_dict(Scenario.read(scenario_file))
-    values = {option: getattr(scenario, option, None) for option in takes}
-    return {option: value for option, value in values.items() if value is not None}
-
-
-def _speed(table: Any) -> Any:
-    """A speed that is a table of numbers or a file, as studies take it."""
-    from pymunk_dragon.model.scenario import Scenario
-
-    return Scenario(speed=table).march().speed
-
-
-def _write(found: Any, destination: Path) -> None:
-    if destination.suffix.lower() == ".json":
-        write_json(destination, found.to_dict())
-    elif destination.suffix.lower() == ".xlsx":
-        from pymunk_dragon.reports import write_tables
-
-        write_tables(found.march, found.times, destination)
-    else:
-        found.write_figure(destination)
+    return print_json(found.to_dict()) if as_json else click.echo(found)

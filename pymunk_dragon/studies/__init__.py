@@ -1,24 +1,8 @@
 """Parameter studies over many marches, and optimisation: the contest's questions.
 
-## The five questions
-
-Where are the handles, and how fast? When does the dragon run into itself? How tight may the spiral be? Can the dragon
-turn in a circle of 9 m? And how fast may it go there? Each answer is one command:
+## The questions and their answers
 
 ```console
-$ pymunk-dragon positions --times 300
-     t (s)  handle       x (m)       y (m)  speed (m/s)
-       300       0    4.420274    2.320429     1.000000
-       300       1    2.459489    4.402476     0.999709
-       300      51   -6.301346    0.465829     0.998065
-       300     101   -6.237722    3.936008     0.997302
-       300     151    7.040740    4.393013     0.996861
-       300     201   -7.458662   -5.263384     0.996574
-       300     223    1.785033    9.301164     0.996478
-$ pymunk-dragon contact
-first contact at t = 412.473837682 s: benches 0 and 8 at (1.474395, 2.110665) m
-near miss at t = 406.8466 s: benches 0 and 9, 2.957 mm apart
-near miss at t = 409.8320 s: benches 0 and 11, 0.865 mm apart
 $ pymunk-dragon study min-pitch
 smallest pitch 0.450337393027 m: handle 0 reaches the circle of 4.5 m after 220.934 s
 limit:     benches 0 and 19 touch without overlapping as the head passes, t = 216.338214 s at (-0.346485, 4.841505) m
@@ -44,17 +28,7 @@ then:      handles 0, 1, 2, ... go 1.246  1.937  1.937  2.000  2.000  2.000  2.0
 certified: no handle exceeds that by more than 1e-11 of it (574 evaluations)
 ```
 
-The contest's own sheets are the first answers written with `-o`:
-
-```console
-$ pymunk-dragon positions --times 0:300:1 -o result1.xlsx
-$ pymunk-dragon contact -o result2.xlsx
-$ pymunk-dragon study u-turn --no-search -o result4.xlsx
-```
-
-## Held against independent methods
-
-Beside each answer the one of an independent method, from formulas alone and in 34 to 50 digits
+Beside each answer of the contest the one of an independent method, from formulas alone and in 34 to 50 digits
 (`python tests/bench/bench_answers.py`; the tests compare more with it):
 
 | question | answer | independently | decimals that agree | s | method, s |
@@ -65,8 +39,8 @@ Beside each answer the one of an independent method, from formulas alone and in 
 | 4, length of the turn, m | 13.62124490682 | 13.62124490682 | 15 | 0.00 | tangency in 34 digits, 0.0 |
 | 5, largest speed, m/s | 1.246266358157 | 1.246266358157 | 15 | 0.17 | its maximum in 34 digits, 3.6 |
 
-The time of the first row is that of 301 moments here, and of one moment by the independent method. The whole process
-`pymunk-dragon study min-pitch` takes 0.77 s.
+The contest's own sheets are written by `positions --times 0:300:1 -o result1.xlsx`, `contact -o result2.xlsx` and
+`study u-turn --no-search -o result4.xlsx`.
 
 ## What each answer rests on
 
@@ -76,14 +50,16 @@ The time of the first row is that of 301 moments here, and of one moment by the 
   sampled, at 19 pitches and along the whole march, grows with the pitch. So there is no other limit.
 - **The turn.** Two arcs that touch both spirals and each other turn by the same angle, so the length does not depend
   on the ratio of their radii. More arcs make the turn shorter. `study u-turn`, without `--no-search`, searches turns
-  on n arcs as an optimal-control problem with SciPy's SLSQP (`pip install 'pymunk-dragon[studies]'`), such that no
-  handle goes faster, relative to the head, than on the contest's own turn. It prints the family that is searched and
-  the arcs, and certifies the largest speed and the first contact of the result. The problem is not convex: the result
-  is the best turn that was found, and no proof shows that there is no shorter one: 11.2805 m on three arcs, 10.4975 m
-  on five and 10.3276 m on seven, if no radius is below 0.5 m (`--min-radius`). On seven arcs, rounding decides where
-  the search ends, within some millimetres. The straight line across is 9 m.
+  on n arcs by sequential linear programming with SciPy (`pip install 'pymunk-dragon[studies]'`), such that no handle
+  goes faster, relative to the head, than on the contest's own turn, and certifies the largest speed and the first
+  contact of the result. The problem is not convex: the result is the best turn that was found, and no proof shows
+  that there is no shorter one: 11.281 m on three arcs, 10.497 m on five and 10.327 m on seven, if no radius is
+  below 0.5 m (`--min-radius`). On seven arcs, rounding decides where the search ends, within some centimetres. The
+  straight line across is 9 m.
 - **The largest speed.** Branch and bound over the distance of the head, with derivatives from interval arithmetic: no
   handle is faster at any time, sampled or not.
+- **The sensitivity.** `study sensitivity` prints how much a millimetre of each size moves the first contact and the
+  smallest pitch, from central differences of the exact answers, and where other benches touch.
 
 ![The smallest gap over the pitch, and the two benches that touch](renders/figures/min-pitch.png)
 
@@ -91,21 +67,11 @@ The time of the first row is that of 301 moments here, and of one moment by the 
 
 ![Speeds of the handles in the turn, and where they are at the limit](renders/figures/max-speed.png)
 
-## Sensitivity
-
-How much a millimetre of each size moves the first contact and the smallest pitch, by exact derivatives, and how far
-that holds:
-
-```console
-$ pymunk-dragon study sensitivity
-```
-
-![Derivatives of the first contact and of the smallest pitch by every size](renders/figures/sensitivity.png)
-
 ## A study of your own
 
 A study is a module with a function, its result, and an entry `STUDY`. The result's class has the text, the JSON
-values and the figure; `STUDIES` has all studies by name, from which the command line takes their options.
+values and, if there is one, the figure; `STUDIES` has all studies by name, from which the command line takes their
+options.
 """
 
 from __future__ import annotations
@@ -147,21 +113,7 @@ STUDIES: Mapping[str, Study] = {study.name: study for study in (MIN_PITCH, MAX_S
 
 
 def study(name: str, values: Mapping[str, Any], progress: Progress = silent) -> Any:
-    """Run one of `STUDIES`.
-
-    Parameters
-    ----------
-    name : str
-        Name of the study.
-    values : mapping
-        Values of its `parameters`, by name; the others keep their defaults.
-    progress : callable, optional
-        Called with the part of the study that is done and the whole.
-
-    Returns
-    -------
-    Result
-        The result of the study, as `MinPitch`, `MaxSpeed`, `Sensitivity` or `TurnResult`.
+    """Run one of `STUDIES`; `values` are those of its `parameters` by name, and the others keep their defaults.
 
     Raises
     ------
@@ -179,7 +131,6 @@ def study(name: str, values: Mapping[str, Any], progress: Progress = silent) -> 
     for given, value in values.items():
         if given not in chosen.parameters:
             raise ParameterError(given, value, f"left out: {name} takes " + ", ".join(chosen.parameters))
-    dragon = Dragon(**{given: value for given, value in values.items() if given in DRAGON})
-    return chosen.run(
-        dragon, **{given: value for given, value in values.items() if given not in DRAGON}, progress=progress
-    )
+    sizes = {given: value for given, value in values.items() if given in DRAGON}
+    rest = {given: value for given, value in values.items() if given not in DRAGON}
+    return chosen.run(Dragon(**sizes), **rest, progress=progress)

@@ -2,34 +2,63 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pymunk_dragon.drawing.figures.style import COLOURS, LINE_SPACING, QUIET, RULE
+from pymunk_dragon.drawing.figures.style import COLOURS, LINE_SPACING, QUIET, RULE, SHARED, slide
+from pymunk_dragon.model.march import March
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
-# Points of a circle or a path: enough to appear smooth.
+# Points of a line: enough to appear smooth.
 POINTS = 1200
+# Fractions of a slide below its title: left, bottom, width and height.
+BELOW_TITLE = (0.025, 0.02, 0.95, 0.79)
+# Inches between panels.
+PADDING = 0.08
 
 
-def heading(axes: Axes, text: str, pad: float = 10) -> None:
+def panels(title: str, subtitle: str, mosaic: list[Any], **options: Any) -> tuple[Figure, dict[str, Axes]]:
+    """A slide with panels by name, laid out by matplotlib below its title."""
+    figure = slide(title, subtitle)
+    figure.set_layout_engine("constrained", rect=BELOW_TITLE, w_pad=PADDING, h_pad=PADDING)
+    return figure, figure.subplot_mosaic(mosaic, **options)
+
+
+def heading(axes: Axes, text: str, colour: str = QUIET) -> None:
     """Write the heading of a panel above its left end."""
-    axes.set_title(text, loc="left", size=11.5, color=QUIET, pad=pad, linespacing=LINE_SPACING)
+    axes.set_title(text, loc="left", size=11.5, color=colour, linespacing=LINE_SPACING)
 
 
-def square(axes: Axes, half: float, x: float = 0.0, y: float = 0.0) -> None:
-    """Set up a plan view, in a frame and without a scale, of `half` m to each side of (`x`, `y`)."""
+def plan_view(
+    axes: Axes,
+    march: March,
+    time: float,
+    radius: float,
+    half: float,
+    *,
+    about: int | None = None,
+    touching: Collection[int] = (),
+) -> None:
+    """Draw the benches at a time and the turning circle, `half` m to each side of the origin or of bench `about`."""
+    poses = march.at(time).poses[0]
+    x, y = (0.0, 0.0) if about is None else poses[about, :2].tolist()
+    turn = np.linspace(0, 2 * np.pi, POINTS)
+    dashed: Any = (0, (5, 3))
+    axes.plot(radius * np.cos(turn), radius * np.sin(turn), color=COLOURS.motion, lw=1.2, ls=dashed, gid="circle")
+    for bench, outline in enumerate(march.dragon.outlines(poses)):
+        if np.abs(outline - (x, y)).max(axis=1).min() < half:
+            edge = COLOURS.contact if bench in touching else QUIET
+            style: dict[str, Any] = {"fc": SHARED if bench else COLOURS.head, "ec": edge, "gid": f"bench-{bench}"}
+            axes.fill(*outline.T, lw=2.0 if bench in touching else 0.8, zorder=2 + (bench in touching), **style)
+        if bench in touching:
+            middle: Any = np.clip(poses[bench, :2], (x - 0.8 * half, y - 0.8 * half), (x + 0.8 * half, y + 0.8 * half))
+            axes.text(middle[0], middle[1], str(bench), color=edge, ha="center", va="center", zorder=5)
     axes.set_aspect("equal")
     axes.set(xlim=(x - half, x + half), ylim=(y - half, y + half), xticks=[], yticks=[])
     for spine in axes.spines.values():
         spine.set(visible=True, color=RULE)
-
-
-def circle(axes: Axes, radius: float, lw: float = 1.2, points: int = POINTS) -> None:
-    """Draw the turning circle, dashed."""
-    turn = np.linspace(0, 2 * np.pi, points)
-    dashed: Any = (0, (5, 3))
-    axes.plot(radius * np.cos(turn), radius * np.sin(turn), color=COLOURS.motion, lw=lw, ls=dashed, gid="circle")

@@ -1,9 +1,8 @@
 """The largest ratio of a handle's speed to the head's in a turn, enclosed by branch and bound.
 
-The ratio of a handle's speed to the head's depends only on the distance s travelled by the head. Over an interval of s
-the ratio is at most its value at the midpoint plus half the interval's length times a bound on its derivative.
-Intervals whose bound is below the largest value found are discarded, the others are halved. The bounds on derivatives
-come from interval arithmetic on the equations of a rigid bench in `model/chain.py`, whose notation is used here.
+The ratio depends only on the distance travelled by the head. Over an interval it is at most its value at the midpoint
+plus half the interval's length times a bound on its derivative, from interval arithmetic on the equations of a rigid
+bench in `model/chain.py`. Intervals whose bound is below the largest value found are discarded, the others are halved.
 
 Three facts limit the search:
 
@@ -33,26 +32,16 @@ from pymunk_dragon.model import chain
 from pymunk_dragon.model.curves import Composite, Reversed
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
-from pymunk_dragon.studies._study import Progress, silent
 
 Interval = tuple[Array, Array]
 
-# Length of the initial intervals of the head's distance, in spacings. Longer intervals are halved more often, shorter
-# ones cost more at once.
-INTERVAL = 1 / 16
-# Parts of which progress is reported.
-PARTS = 2
+# Length of the initial intervals in spacings, and m of the head's distance below which they are not halved: rounding.
+INTERVAL, MIN_INTERVAL = 1 / 16, 1e-12
 # Initial intervals times benches up to which a whole dragon is evaluated through the turn: some seconds of work.
 WORK = 100_000
-# Relative width of the enclosure of the largest ratio: the search takes longer below it, and rounding is far below.
-RELATIVE_TOLERANCE = 1e-11
-# Relative difference up to which the speeds of two handles count as equal: several widths of the enclosure.
-EQUAL = 1e-10
-# Relative bound on the rounding error of a ratio.
-ROUNDING = 1e-13
-# m. Length below which an interval is not halved: next to rounding of the head's distance.
-MIN_INTERVAL = 1e-12
-# rad. A right angle.
+# Relative width of the enclosure: the search takes longer below it. Relative difference up to which the speeds of two
+# handles count as equal, several of these widths; and relative bound on the rounding error of a ratio.
+RELATIVE_TOLERANCE, EQUAL, ROUNDING = 1e-11, 1e-10, 1e-13
 RIGHT_ANGLE = np.pi / 2
 # Least cosine in a quotient: a smaller one belongs to an angle that may reach a right angle.
 MIN_COSINE = 1e-12
@@ -66,10 +55,8 @@ class SpeedRatio:
 
     Attributes
     ----------
-    ratio : float
-        Largest ratio of a handle's speed to the head's.
-    excess : float
-        Relative amount by which the true maximum may be larger.
+    ratio, excess : float
+        Largest ratio of a handle's speed to the head's, and the relative amount by which the true one may be larger.
     handle, handles : int and tuple of int
         The foremost handle with that speed, and all handles with it.
     distance : float
@@ -96,21 +83,15 @@ class SpeedRatio:
         ).format(handle=self.handle, ratio=self.ratio, distance=self.distance, excess=self.excess)
 
 
-def largest_ratio(dragon: Dragon, path: Composite, progress: Progress = silent) -> SpeedRatio:
+def largest_ratio(dragon: Dragon, path: Composite) -> SpeedRatio:
     """Maximum of a handle's speed over the head's, for all handles and all times, enclosed by branch and bound.
 
     `path` is an inward spiral, arcs and lines, and an outward spiral; its coordinate is 0 at the end of the inward one.
-
-    Raises
-    ------
-    ParameterError
-        If the dragon has no position with its head at the end of the inward spiral, or if a bench becomes perpendicular
-        to the path at its front handle, where its rear handle begins to move back.
-    UnreachableError
-        If the dragon does not fit round the turn.
+    Raises `ParameterError` if the dragon has no position with its head there, or if a bench becomes perpendicular to
+    the path at its front handle, where its rear handle begins to move back; and `UnreachableError` if the dragon does
+    not fit round the turn.
     """
-    march = March(dragon, path)
-    search = _Search(march, path)
+    search = _Search(March(dragon, path), path)
     head, whole = float(dragon.spacings[0]), float(dragon.spacings.sum())
     if not dragon.alike:
         search.run(0.0, search.exit_distance(dragon.benches, whole))
@@ -126,14 +107,12 @@ def largest_ratio(dragon: Dragon, path: Composite, progress: Progress = silent) 
         # With benches on the outward spiral, handles may be faster than the followers alone, by at most the gain. The
         # maximum of the followers is evaluated for each number of benches that have left the turn. The remaining
         # positions are searched if they are few, and bounded by the gain otherwise.
-        progress(1, PARTS)
         samples = _periodic_samples(dragon, path, followers.travelled)
         search.enclose(samples, samples)
         if whole / (INTERVAL * body) * dragon.benches <= WORK:
             search.run(search.exit_distance(1, head), search.exit_distance(dragon.benches, whole))
         else:
             bound = followers.ratio * gain
-    progress(PARTS, PARTS)
     search.evaluations += followers.evaluations
     return search.result(bound)
 
@@ -162,16 +141,9 @@ class _Search:
     """Branch and bound for the largest ratio of a march at 1 m/s above a lower bound."""
 
     def __init__(self, march: March, path: Composite, lower: float = 1.0) -> None:
-        self.march, self.curve = march, path
-        self.ratio, self.found = lower, False
+        self.march, self.curve, self.spacings = march, path, march.dragon.spacings
+        self.ratio, self.found, self.travelled, self.handles = lower, False, 0.0, 1
         self.evaluations = 0
-        self.travelled, self._handles = 0.0, 1
-        self._spacings = march.dragon.spacings
-
-    def run(self, begin: float, end: float) -> None:
-        """Enclose the largest ratio while the head travels from `begin` to `end`, m."""
-        edges = np.linspace(begin, end, int(np.ceil((end - begin) / (INTERVAL * self._spacings.min()))) + 1)
-        self.enclose(edges[:-1], edges[1:])
 
     def exit_distance(self, handle: int, step: float) -> float:
         """Distance travelled by the head, m, at which `handle` has passed the exit of the turn by up to `step`.
@@ -188,6 +160,11 @@ class _Search:
                 raise ParameterError("curve", self.curve, FORWARD)
             travelled += step / 8
 
+    def run(self, begin: float, end: float) -> None:
+        """Enclose the largest ratio while the head travels from `begin` to `end`, m."""
+        edges = np.linspace(begin, end, int(np.ceil((end - begin) / (INTERVAL * self.spacings.min()))) + 1)
+        self.enclose(edges[:-1], edges[1:])
+
     def enclose(self, begins: Array, ends: Array) -> None:
         """Enclose the largest ratio on intervals of the head's distance."""
         # The handles further back are on the inward spiral, and no faster than the last of these handles.
@@ -199,7 +176,11 @@ class _Search:
             first, middle, last = parts
             self.evaluations += middles.size
             ratios, most = self._ratios(first, middle, last)
-            self._update(middles, ratios)
+            largest = ratios.max(axis=1)
+            best = int(largest.argmax())
+            if largest[best] > self.ratio:
+                self.ratio, self.found, self.travelled = float(largest[best]), True, float(middles[best])
+                self.handles = ratios.shape[1] + 1
             left = np.flatnonzero((most > self.ratio * (1 + RELATIVE_TOLERANCE)).any(axis=1))
             if not left.size or 2 * halves.max() < MIN_INTERVAL:
                 break
@@ -210,21 +191,13 @@ class _Search:
             joined = np.concatenate([first, middle]), np.concatenate([middle, last])
             parts = [joined[0], self.march.handles_s(middles, handles), joined[1]]
 
-    def _update(self, middles: Array, ratios: Array) -> None:
-        """Replace the largest ratio if one of `ratios` is larger."""
-        largest = ratios.max(axis=1)
-        best = int(largest.argmax())
-        if largest[best] > self.ratio:
-            self.ratio, self.found, self.travelled = float(largest[best]), True, float(middles[best])
-            self._handles = ratios.shape[1] + 1
-
     def _ratios(self, first: Array, middle: Array, last: Array) -> tuple[Array, Array]:
         """Ratios (K, H - 1) of the speeds of handles 1 to H - 1 to the head's, at midpoints, and bounds on intervals.
 
         `first`, `middle` and `last` (K, H) are coordinates of the handles at the beginning, midpoint and end of the
         intervals.
         """
-        spacings = self._spacings[: first.shape[1] - 1]
+        spacings = self.spacings[: first.shape[1] - 1]
         front, rear = map(np.angle, chain.angles(*self.curve.frame(middle), spacings))
         if np.any(np.abs(front) >= RIGHT_ANGLE):
             raise ParameterError("curve", self.curve, FORWARD)
@@ -233,8 +206,10 @@ class _Search:
         moved = np.maximum(middle - first, last - middle)
         swept = moved * self.curve.max_curvature(first, last)
         turned = (moved[:, :-1] + moved[:, 1:]) / spacings
-        fronts = _interval(front, swept[:, :-1] + turned)
-        rears = _interval(rear, swept[:, 1:] + turned)
+        fronts, rears = (
+            (angle - half, angle + half)
+            for angle, half in ((front, swept[:, :-1] + turned), (rear, swept[:, 1:] + turned))
+        )
         low, high = self._curvatures(first, last)
         velocity_ratio, slope = _velocity_ratio(
             fronts, rears, (low[:, :-1], high[:, :-1]), (low[:, 1:], high[:, 1:]), spacings
@@ -246,7 +221,8 @@ class _Search:
             change = np.maximum(np.abs(np.cumsum(low, axis=1)), np.abs(np.cumsum(high, axis=1)))
             most = ratios * np.exp(change * moved[:, :1]) * (1 + ROUNDING)
         # Where an angle may reach a right angle, there is no bound for this handle and the handles behind it.
-        known = np.logical_and.accumulate((_largest(fronts) < RIGHT_ANGLE) & (_largest(rears) < RIGHT_ANGLE), axis=1)
+        largest = np.abs([*fronts, *rears]).max(axis=0)
+        known = np.logical_and.accumulate(largest < RIGHT_ANGLE, axis=1)
         return ratios, np.where(known & np.isfinite(most), most, np.inf)
 
     def _curvatures(self, first: Array, last: Array) -> Interval:
@@ -264,7 +240,7 @@ class _Search:
 
     def result(self, bound: float) -> SpeedRatio:
         """The largest ratio, if `bound` is a bound on all ratios that were not enclosed."""
-        speeds = self.march.at(self.travelled, self._handles).speeds[0]
+        speeds = self.march.at(self.travelled, self.handles).speeds[0]
         fastest = np.flatnonzero(speeds > self.ratio * (1 - EQUAL)).tolist()
         return SpeedRatio(
             ratio=self.ratio,
@@ -280,30 +256,15 @@ def _velocity_ratio(
     fronts: Interval, rears: Interval, front_curvature: Interval, rear_curvature: Interval, spacings: Array
 ) -> tuple[Interval, Interval]:
     """Velocity ratio of a bench's rear hole to its front hole, and its derivative by the front hole's coordinate."""
-    sines, cosines = (_sine(fronts), _sine(rears)), (_cosine(fronts), _cosine(rears))
-    ratio = _quotient(cosines[0], cosines[1])
+    sines = [(np.sin(low), np.sin(high)) for low, high in (fronts, rears)]
+    cosines = [_cosine(fronts), _cosine(rears)]
+    ratio = _quotient(*cosines)
     rate = _difference(sines[0], _product(ratio, sines[1]))
     rear = _product(_product(ratio, ratio), _product(rear_curvature, sines[1]))
-    front = _product(front_curvature, sines[0])
-    (low, high), squared = _difference(rear, front), _product(rate, rate)
+    (low, high), squared = _difference(rear, _product(front_curvature, sines[0])), _product(rate, rate)
     # A square is not negative.
     total = low + np.maximum(squared[0], 0.0) / spacings, high + squared[1] / spacings
     return ratio, _quotient(total, cosines[1])
-
-
-def _interval(middle: Array, half: Array) -> Interval:
-    """Interval of a midpoint and half a width."""
-    return middle - half, middle + half
-
-
-def _largest(angles: Interval) -> Array:
-    """Largest absolute value in an interval."""
-    return np.maximum(np.abs(angles[0]), np.abs(angles[1]))
-
-
-def _sine(angles: Interval) -> Interval:
-    """Sines of angles up to a right angle."""
-    return np.sin(angles[0]), np.sin(angles[1])
 
 
 def _cosine(angles: Interval) -> Interval:

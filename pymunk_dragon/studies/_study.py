@@ -7,17 +7,16 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from inspect import signature
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 from pymunk_dragon._display import width
-from pymunk_dragon.errors import MissingExtraError
+from pymunk_dragon.errors import DragonError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 # Called with the work that is done and the whole work, in the same unit.
 Progress = Callable[[float, float], None]
-Evidence = TypeVar("Evidence")
 
 # Names of the sizes of a dragon, which all studies take.
 DRAGON = ("benches", "head_spacing", "body_spacing", "overhang", "width")
@@ -35,27 +34,6 @@ def silent(done: float, total: float) -> None:
     """Report nothing."""
 
 
-def bracketed(
-    test: Callable[[float], Evidence | None],
-    passing: float,
-    failing: float,
-    evidence: Evidence,
-    *,
-    width: float = 0.0,
-    relative: float = 0.0,
-) -> tuple[float, float, Evidence]:
-    """Bracket, by bisection, of the number at which `test` begins to return evidence instead of None.
-
-    `evidence` is what `test` returns for `failing`, before and after. The bracket is at most `width`, or the share
-    `relative` of `failing`, wide.
-    """
-    while abs(failing - passing) > width + relative * abs(failing):
-        middle = (passing + failing) / 2
-        found = test(middle)
-        passing, failing, evidence = (middle, failing, evidence) if found is None else (passing, middle, found)
-    return passing, failing, evidence
-
-
 class Result(ABC):
     """Base class of the studies' results: ``str`` is the text that the program prints, and notebooks show `plot`."""
 
@@ -67,9 +45,9 @@ class Result(ABC):
     def _lines(self) -> list[str]:
         """Lines of the text."""
 
-    @abstractmethod
     def _draw(self) -> Figure:
         """The figure, drawn with the settings of all figures."""
+        raise DragonError(f"a {type(self).__name__} has no figure")
 
     def __str__(self) -> str:
         return "\n".join(self._lines())
@@ -78,29 +56,13 @@ class Result(ABC):
         return f"<{type(self).__name__}: {self._lines()[0]}>"
 
     def plot(self) -> Figure:
-        """Draw the result as a matplotlib figure, which notebooks display.
-
-        Raises
-        ------
-        MissingExtraError
-            If matplotlib is not installed.
-        """
+        """The figure, which notebooks display; raises `MissingExtraError` without matplotlib."""
         from pymunk_dragon.drawing.figures import styled_figure
 
         return styled_figure(self._draw)
 
     def write_figure(self, path: str | Path) -> None:
-        """Write the figure as PNG, SVG or PDF.
-
-        Raises
-        ------
-        ParameterError
-            If the ending is not .png, .svg or .pdf, or the file cannot be created.
-        MissingExtraError
-            If matplotlib is not installed.
-        OutputError
-            If writing fails.
-        """
+        """Write the figure as PNG, SVG or PDF; raises `ParameterError` and `OutputError` as `Run.save` does."""
         from pymunk_dragon.drawing.figures import write_styled
 
         write_styled(self._draw, path)
@@ -108,7 +70,7 @@ class Result(ABC):
     def _repr_png_(self) -> bytes | None:
         try:
             figure: Any = self.plot()
-        except MissingExtraError:
+        except DragonError:
             return None
         picture: bytes = figure._repr_png_()
         return picture
@@ -129,21 +91,20 @@ class Study:
 
     Attributes
     ----------
-    name : str
-        Name of the study.
-    summary : str
-        What the study computes, in one line.
+    name, summary : str
+        Name of the study, and what it computes in one line.
     run : callable
         Function of a `Dragon`, of keyword-only parameters, and of `progress`. It returns a `Result`.
     options : mapping
         Those of its parameters that no scenario has, as options of the program.
-    has_sheets : bool
-        Whether the result has a `march` and `times`, of which the contest's sheets are written.
+    formats : tuple of str
+        Endings of the files that the result can be written to: of figures, if it has one, and .xlsx if it has a
+        `march` and `times`, of which the contest's sheets are written.
 
     Examples
     --------
     >>> def widest(dragon, *, margin=0.0, progress=silent): ...
-    >>> Study(name="widest", summary="the widest bench", run=widest).parameters
+    >>> Study(name="widest", summary="the widest bench", run=widest, formats=(".json",)).parameters
     ('benches', 'head_spacing', 'body_spacing', 'overhang', 'width', 'margin')
     """
 
@@ -151,7 +112,7 @@ class Study:
     summary: str
     run: Callable[..., Any]
     options: Mapping[str, Option] = field(default_factory=dict)
-    has_sheets: bool = False
+    formats: tuple[str, ...] = (".json", ".png", ".svg", ".pdf")
 
     @property
     def parameters(self) -> tuple[str, ...]:

@@ -25,26 +25,12 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-# Of the figure: m of head travel shown before the time of the limit.
-DISTANCE_BEFORE = 9.0
-# Of the figure: m of head travel shown after the time of the limit.
-DISTANCE_AFTER = 12.0
-# Of the figure: times at which speeds are sampled, more than the line is pixels wide.
-TIME_SAMPLES = 1600
-# Of the figure: foremost handles whose speeds are drawn individually.
-DRAWN_HANDLES = 12
-# Of the figure: foremost handles whose largest speed is drawn, all that are in the turn.
-EVALUATED_HANDLES = 28
+# Of the figure: m of head travel before and after the time of the limit, and samples in between.
+DISTANCES, SAMPLES = (-9.0, 12.0), 1600
+# Of the figure: foremost handles whose speeds are drawn, and those whose largest speed is, all that are in the turn.
+DRAWN_HANDLES, EVALUATED_HANDLES = 12, 28
 # Of the figure: half the width of the plan view, in radii of the circle.
 BORDER = 1.16
-# Of the figure: offsets of the labels of handles, points: in all directions.
-SPEED_OFFSETS = [
-    (size * float(np.cos(angle)), size * float(np.sin(angle)))
-    for size in (18.0, 23.0, 28.0)
-    for angle in np.linspace(0.0, 2 * np.pi, 25)[:-1]
-]
-# Of the figure: points of the path and of the circle.
-PATH_POINTS = 1500
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -55,20 +41,12 @@ class MaxSpeed(Result, SpeedRatio):
     ----------
     speed, limit : float
         Largest speed of the head, and speed that no handle may exceed, m/s; `speed` is `limit` over `ratio`.
-    ratio, excess : float
-        Largest ratio of a handle's speed to the head's, and the relative amount by which the true one may be larger.
-    handle, handles : int and tuple of int
-        The foremost handle at the limit, and all handles at the limit.
-    distance, time : float
-        Distance travelled by the head from the entry of the circle at the maximum, m, and the time at `speed`, s.
+    time : float
+        Time from the entry of the circle to the maximum, s; the other attributes are those of `SpeedRatio`.
     speeds : tuple of float
-        Speeds of the foremost handles at the maximum if the head's speed is `speed`, m/s.
-    evaluations : int
-        Number of positions of the head at which the ratios were evaluated.
-    curve : UTurn
-        The path.
-    dragon : Dragon
-        The dragon.
+        Speeds of the foremost handles at the maximum, m/s.
+    curve, dragon : UTurn, Dragon
+        The path and the dragon.
 
     Examples
     --------
@@ -111,16 +89,17 @@ class MaxSpeed(Result, SpeedRatio):
 
     def _draw(self) -> Figure:
         """Speeds of the handles over time, and positions at the time of the limit."""
-        from pymunk_dragon.drawing.figures.style import panel, slide
+        from pymunk_dragon.studies._figures import panels
 
         title = text("At {:.6f} m/s of the head, handles {} to {} are at the limit of {:g} m/s once")
         if self.handles[0] == self.handles[-1]:
             title = text("At {:.6f} m/s of the head, handle {} is at the limit of {:g} m/s once")
         ends = sorted({self.handles[0], self.handles[-1]})
         note = text("head {:.2f} m into the circle, {:.2f} s after it entered; no handle is faster at any time")
-        figure = slide(title.format(self.speed, *ends, self.limit), note.format(self.distance, self.time))
-        _draw_speeds(panel(figure, 0.75, 0.65, 3.55, 2.6), self)
-        _draw_positions(panel(figure, 4.5, 0.15, 3.4, 3.4), self)
+        note = note.format(self.distance, self.time)
+        figure, axes = panels(title.format(self.speed, *ends, self.limit), note, [["speeds", "positions"]])
+        _draw_speeds(axes["speeds"], self)
+        _draw_positions(axes["positions"], self)
         return figure
 
 
@@ -144,17 +123,16 @@ def max_speed(
     pitch, radius, ratio : float
         As in `UTurn`.
     progress : callable, optional
-        Called with the number of parts that are done and the number of all parts.
+        Called with the work that is done and the whole.
 
     Returns
     -------
     MaxSpeed
-        The relative error of the speed is at most `excess`: the largest ratio is enclosed for all times and all
-        handles. `excess` is 1e-11 with two exceptions. The first is a turn whose curvature is no larger than that of
-        the outward spiral. The second is a dragon that is too long to be evaluated as a whole (more than some 80
-        benches of the contest's size) and whose last benches may be the fastest, because the head bench is hardly
-        longer than the others. In both, `excess` is at most 1 / sqrt(1 - (kappa L / 2)^2) - 1 for benches of the
-        spacing L, where kappa is the curvature of the path at the exit: 0.018 for the contest's spacing and circle.
+        The relative error of the speed is at most `excess`: the largest ratio is enclosed for all times and handles.
+        `excess` is 1e-11 except on a turn whose curvature is no larger than that of the outward spiral, and for a
+        dragon of more than some 80 benches whose last ones may be the fastest, because the head bench is hardly
+        longer than the others. There it is at most 1 / sqrt(1 - (kappa L / 2)^2) - 1 for benches of the spacing L,
+        where kappa is the curvature of the path at the exit: 0.018 for the contest's spacing and circle.
 
     Raises
     ------
@@ -170,22 +148,20 @@ def max_speed(
     >>> print(f"{found.speed:.6f} m/s, handle {found.handle}")
     1.246266 m/s, handle 3
     """
-    dragon = Dragon() if dragon is None else dragon
+    dragon = dragon or Dragon()
     limit = finite("limit", limit, MIN_SPEED, MAX_SPEED, "m/s")
     if not dragon.alike:
         raise ParameterError("dragon", dragon, "one whose benches but the head are alike")
     curve = UTurn(pitch=pitch, radius=radius, ratio=ratio)
     try:
         march = March(dragon, curve)
+        found = largest_ratio(dragon, curve)
     except ParameterError as error:
-        if error.name != "start_s":
+        if error.name not in ("start_s", "curve"):
             raise
-        start = "large enough for an initial position of the dragon at the circle"
-        raise ParameterError("radius", radius, start) from error
-    try:
-        found = largest_ratio(dragon, curve, progress)
-    except ParameterError as error:
-        raise ParameterError("radius", radius, "large enough for every hole to move forward at all times") from error
+        forward = "large enough for the dragon to go round with every hole moving forward at all times"
+        raise ParameterError("radius", radius, forward) from error
+    progress(1, 1)
     speed = limit / found.ratio
     speeds = speed * march.at(found.distance, min(found.handles[-1] + 3, dragon.handles)).speeds[0]
     return MaxSpeed(
@@ -201,57 +177,38 @@ def max_speed(
 
 def _draw_speeds(axes: Axes, found: MaxSpeed) -> None:
     """Draw the speeds of the foremost handles, and the largest speed, over time."""
-    from pymunk_dragon.drawing.figures.lines import label
     from pymunk_dragon.drawing.figures.style import BLUE, COLOURS, PALE
     from pymunk_dragon.studies._figures import heading
 
     heading(axes, text("speeds of handles, m/s; blue: the fastest"))
-    at = found.distance
-    distances = np.sort(np.append(np.linspace(at - DISTANCE_BEFORE, at + DISTANCE_AFTER, TIME_SAMPLES), at))
+    distances = found.distance + np.unique([*np.linspace(*DISTANCES, SAMPLES), 0.0])
     handles = min(EVALUATED_HANDLES, found.dragon.handles)
     speeds = found.speed * March(found.dragon, found.curve).at(distances, handles).speeds
     times = distances / found.speed
     axes.plot(times, speeds[:, 1:DRAWN_HANDLES], color=PALE, lw=0.9)
     axes.plot(times, speeds.max(axis=1), color=BLUE, lw=2.2, gid="fastest")
     axes.axhline(found.limit, color=COLOURS.contact, lw=1.2, ls=(0, (4, 3)))
-    axes.plot(found.time, found.limit, "o", color=COLOURS.contact, ms=7, zorder=4, gid="limit")
     note = text("{:g} m/s at {:.3f} s").format(found.limit, found.time)
-    label(axes, found.time, found.limit, note, (0, 9), "center", color=COLOURS.contact)
+    axes.plot(found.time, found.limit, "o", color=COLOURS.contact, ms=7, zorder=4, gid="limit", label=note)
     axes.set_xlim(times[0], times[-1])
     axes.margins(y=0.2)
+    axes.legend(loc="upper right", frameon=False, borderpad=0.0)
     axes.set_xlabel(text("time since the head entered the circle (s)"))
 
 
 def _draw_positions(axes: Axes, found: MaxSpeed) -> None:
-    """Draw the benches in the turn at the time of the limit, with the speeds of the foremost handles."""
-    from pymunk_dragon.drawing.figures.lines import label_in_room
-    from pymunk_dragon.drawing.figures.room import Room
-    from pymunk_dragon.drawing.figures.style import COLOURS, PALE, SHARED, SMALL
-    from pymunk_dragon.studies._figures import circle, square
+    """Draw the benches in the turn at the time of the limit."""
+    from pymunk_dragon.drawing.figures.style import COLOURS, PALE
+    from pymunk_dragon.studies._figures import POINTS, heading, plan_view
 
-    curve = found.curve
-    states = March(found.dragon, curve).at(found.distance)
-    half = BORDER * curve.radius
-    square(axes, half)
-    axes.set_axis_off()
-    circle(axes, curve.radius, points=PATH_POINTS)
-    path = curve.point(np.linspace(-half, curve.joints[-1] + half, PATH_POINTS))
+    heading(axes, text("red: handles at the limit"))
+    curve, march, half = found.curve, March(found.dragon, found.curve), BORDER * found.curve.radius
+    plan_view(axes, march, found.distance, curve.radius, half)
+    path = curve.point(np.linspace(-half, curve.joints[-1] + half, POINTS))
     axes.plot(*path.T, color=PALE, lw=1.2, gid="path", zorder=1)
-    room = Room(axes)
-    room.take_lines()
-    for bench, outline in enumerate(found.dragon.outlines(states.poses[0])):
-        if np.abs(outline).max(axis=1).min() < half:
-            fill = SHARED if bench else COLOURS.head
-            axes.fill(*outline.T, fc=fill, ec=COLOURS.ink, lw=0.8, zorder=2, gid=f"bench-{bench}")
-            room.take_path(np.concatenate([outline, outline[:1]]))
-    positions = states.positions[0]
-    shown = positions[np.abs(positions).max(axis=1) < half]
-    axes.plot(*shown.T, "o", color=COLOURS.ink, ms=4, zorder=4)
-    for handle, (speed, position) in enumerate(zip(found.speeds, positions, strict=False)):
-        colour = COLOURS.contact if handle in found.handles else COLOURS.ink
-        axes.plot(*position, "o", color=colour, ms=6, zorder=4)
-        style: dict[str, Any] = {"size": SMALL, "color": colour, "zorder": 5}
-        label_in_room(axes, room, position[None], f"{speed:.2f}", SPEED_OFFSETS, **style)
+    positions = march.at(found.distance).positions[0]
+    axes.plot(*positions.T, "o", color=COLOURS.ink, ms=4, zorder=4)
+    axes.plot(*positions[list(found.handles)].T, "o", color=COLOURS.contact, ms=6, zorder=5, gid="fastest-handles")
 
 
 STUDY = Study(

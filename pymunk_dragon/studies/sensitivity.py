@@ -1,70 +1,39 @@
 """Derivatives of the first contact's time and of the smallest pitch by every size of the benches.
 
-The derivatives are exact (`_gaps.py`). A contact is a zero of a gap g, so its position w changes by -(dg/dq) / (dg/dw)
-per unit of a size q, and its time by that over the speed. The smallest pitch p is where a minimal gap is zero, and it
-changes by -(dg/dq) / (dg/dp). The derivatives hold as long as the same two benches touch at the same features. The
-range of each size in which they do is found by continuation (`_branches.py`). Contacts that the continuation does not
-follow are searched just before the end of the range: for the first contact by `first_contact`, which certifies that
-there is no earlier contact, and for the pitch by sampling the whole inward spiral.
+The derivatives are central differences of the exact answers, over a hundredth of a millimetre to either side. They are
+accurate to 1e-7 s or mm for each millimetre, and at the contest's sizes to 2e-9: the answers have errors of some 1e-12,
+and their third derivatives hardly matter over such steps. Where other benches touch within a step, there is no
+derivative. The answers one millimetre to either side show how far a derivative holds.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
-from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from pymunk_dragon._display import table
 from pymunk_dragon._language import text
 from pymunk_dragon.collision import first_contact
-from pymunk_dragon.errors import ParameterError
+from pymunk_dragon.errors import DragonError, ParameterError
 from pymunk_dragon.model.curves import Spiral
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
-from pymunk_dragon.studies._branches import (
-    GAP_TOLERANCE,
-    Branch,
-    ContactBranch,
-    ContinuationPoint,
-    Pair,
-    Reach,
-    TangencyBranch,
-    find_reach,
-)
-from pymunk_dragon.studies._gaps import QUANTITIES, SIZES, InwardMarch, SampledGaps, gaps_of
+from pymunk_dragon.studies._gaps import InwardMarch, SampledGaps
 from pymunk_dragon.studies._study import Progress, Result, Study, silent
-from pymunk_dragon.studies.min_pitch import RADIUS, MinPitch, min_pitch
+from pymunk_dragon.studies.min_pitch import CERTIFIED, PITCH_RATIO, RADIUS, MinPitch, min_pitch, zero_gap
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+# Sizes of the benches by which both answers are differentiated.
+SIZES = ("width", "overhang", "head_spacing", "body_spacing")
+# m. Step of the differences: the rounding of the answers over the step, and the step's square times a third derivative,
+# are below the last digit printed. And the change of a size of which the answer is reported as well.
+STEP, MILLIMETRE = 1e-5, 1e-3
 
-# Largest change of a size that is examined, as a share of the size.
-MAX_CHANGE = 0.1
-# Share of the width up to which a gap is followed as a near miss. A wider gap that closes first is found by the check
-# at the end of the range, which takes longer.
-NEAR_MISS_WIDTH = 0.05
-# m travelled by the head. Contacts of a pair within this distance are the same contact.
-SAME_CONTACT = 1e-6
-# Parts of which progress is reported: first contact, smallest pitch, and the derivatives of both.
-PARTS = 4
-
-# Of the figure: inches of height of a row, and from the page's bottom to the tables.
-ROW_HEIGHT, TABLE_BOTTOM = 0.4, 0.58
-# Of the figure: inches from a table's left edge to its columns: slopes as numbers, as lines, and ranges.
-NUMBERS_LEFT, LINES_LEFT, RANGES_LEFT = 1.05, 1.8, 2.45
-# Of the figure: ratio of an axis limit to the largest slope, and of the smallest slope to the other limit.
-AXIS_MARGIN = 3.0
-# How a range ends in the text.
-ENDS = {
-    "nothing": "or more",
-    "no contact": "then none",
-    "another corner": "then another corner",
-    "another pair": "then {} and {}",
-}
+# Time of a first contact, s, or smallest pitch, m, and the two benches that touch; None without a contact.
+Known = tuple[float, tuple[int, int]]
+Answer = Known | None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,22 +42,20 @@ class Slope:
 
     Attributes
     ----------
-    size : str
-        Name of the size.
-    value : float
-        The size, m; the least one where the benches differ.
-    slope : float
-        Derivative of the result: s per m for the time, m per m for the pitch.
-    less, more : Reach or None
-        Ranges below and above the size in which the derivative holds; None where they are not computed, for a pitch
-        that is not limited by benches passing each other.
+    size, value : str, float
+        Name of the size, and the size, m; the least one where the benches differ, which all change by the same amount.
+    slope : float or None
+        Derivative of the result: s per m for the time, m per m for the pitch; None where other benches touch, or none,
+        within a hundredth of a millimetre.
+    less, more : tuple or None
+        Results, s or m, and benches for a size that is a millimetre smaller, and larger; None without a contact.
     """
 
     size: str
     value: float
-    slope: float
-    less: Reach | None
-    more: Reach | None
+    slope: float | None
+    less: Answer
+    more: Answer
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -99,21 +66,13 @@ class Sensitivity(Result):
     ----------
     march : March
         The march whose first contact is differentiated.
-    time : float
-        Time of the first contact, s.
-    benches : tuple of int
-        The two benches that touch.
-    times : tuple of Slope
-        Derivatives of that time by each size, including the pitch.
+    time, benches : float, tuple of int
+        Time of the first contact, s, and the two benches that touch.
+    times, pitches : tuple of Slope
+        Derivatives of that time by each size, including the pitch, and of the smallest pitch by each size of the
+        benches; the latter is empty where the circle limits the pitch.
     smallest : MinPitch
         The smallest pitch of the same dragon.
-    pitches : tuple of Slope
-        Derivatives of the smallest pitch by each size of the benches; empty where the circle limits the pitch.
-
-    Examples
-    --------
-    >>> sensitivity()
-    <Sensitivity: first contact at t = 412.473837682 s: benches 0 and 8>
     """
 
     march: March
@@ -125,47 +84,21 @@ class Sensitivity(Result):
 
     def to_dict(self) -> dict[str, Any]:
         """Values in SI units, as `study sensitivity --json` prints them."""
-        times, pitches = (
-            {slope.size: {name: value for name, value in asdict(slope).items() if name != "size"} for slope in slopes}
-            for slopes in (self.times, self.pitches)
-        )
-        smallest = self.smallest
-        return {
-            "contact": {"time": self.time, "benches": self.benches, "slopes": times},
-            "smallest_pitch": {"pitch": smallest.pitch, "benches": smallest.benches, "slopes": pitches},
-        }
+        times, pitches = ({row.size: asdict(row) for row in slopes} for slopes in (self.times, self.pitches))
+        smallest = {"pitch": self.smallest.pitch, "benches": self.smallest.benches, "slopes": pitches}
+        return {"contact": {"time": self.time, "benches": self.benches, "slopes": times}, "smallest_pitch": smallest}
 
     def _lines(self) -> list[str]:
         i, j = self.benches
         first = text("first contact at t = {time:.9f} s: benches {i} and {j}").format(time=self.time, i=i, j=j)
-        lines = [first, *_table(text("s per mm"), 1e3, self.times)]
-        pitch = self.smallest.pitch
-        if self.smallest.benches is None:
+        lines = [first, *_table(text("s per mm"), 1e3, self.times, (self.time, self.benches))]
+        pitch, benches = self.smallest.pitch, self.smallest.benches
+        if benches is None:
             limited = text("smallest pitch {pitch:.12f} m: limited by the circle, whatever the benches")
             return [*lines, limited.format(pitch=pitch)]
-        i, j = self.smallest.benches
+        i, j = benches
         smallest = text("smallest pitch {pitch:.12f} m: benches {i} and {j}").format(pitch=pitch, i=i, j=j)
-        return [*lines, smallest, *_table(text("mm per mm"), 1.0, self.pitches)]
-
-    def _draw(self) -> Figure:
-        """The derivatives, and the range of each size in which they hold."""
-        from pymunk_dragon.drawing.figures.style import QUIET, SLIDE_HEIGHT, SLIDE_WIDTH, SMALL, slide
-
-        name = text("first contact: {:.4f} s,\nbenches {} and {}").format(self.time, *self.benches)
-        tables = [(0.3, name, text("change in s\nfor 1 mm more"), 1e3, self.times)]
-        if self.smallest.benches is not None:
-            name = text("smallest pitch: {:.6f} m,\nbenches {} and {}")
-            name = name.format(self.smallest.pitch, *self.smallest.benches)
-            tables.append((4.05, name, text("change in mm\nfor 1 mm more"), 1.0, self.pitches))
-        figure = slide(
-            text("What a millimetre does to the first contact, and to the smallest pitch"),
-            text("exact slopes, and the changes of each size for which the same benches touch"),
-        )
-        for left, name, heading, per, rows in tables:
-            _draw_table(figure, left, name, heading, per, rows)
-        note = text("Beyond these changes other benches touch first, or none. * Larger changes were not examined.")
-        figure.text(0.3 / SLIDE_WIDTH, 0.25 / SLIDE_HEIGHT, note, size=SMALL, color=QUIET)
-        return figure
+        return [*lines, smallest, *_table(text("mm per mm"), 1.0, self.pitches, (pitch, benches))]
 
 
 def sensitivity(
@@ -177,7 +110,7 @@ def sensitivity(
     radius: float = RADIUS,
     progress: Progress = silent,
 ) -> Sensitivity:
-    """Exact derivatives of the first contact's time and of the smallest pitch by the sizes.
+    """Derivatives of the first contact's time and of the smallest pitch by the sizes.
 
     Parameters
     ----------
@@ -185,12 +118,10 @@ def sensitivity(
         The dragon; by default the contest's.
     pitch
         As in `Spiral`, for the first contact. The smallest pitch does not depend on it.
-    turns, speed
-        As in `March`.
-    radius
-        As in `min_pitch`.
+    turns, speed, radius
+        As in `March` and `min_pitch`.
     progress : callable, optional
-        Called with the number of parts that are done and the number of all parts.
+        Called with the number of sizes that are done and the number of all.
 
     Raises
     ------
@@ -201,171 +132,96 @@ def sensitivity(
 
     Examples
     --------
-    >>> found = sensitivity(Dragon(benches=25))
-    >>> width = found.times[0]
+    >>> width = sensitivity(Dragon(benches=25)).times[0]
     >>> width.size, round(width.slope / 1e3, 4)  # s for each mm
     ('width', -0.032)
     """
     dragon = dragon or Dragon()
     march = March(dragon, Spiral(pitch=pitch), turns=turns, speed=speed)
-    hit = first_contact(march)
-    if hit.status != "contact" or hit.benches is None:
-        raise ParameterError("pitch", pitch, f"one at which the dragon runs into itself ({hit.status} here)")
-    progress(1, PARTS)
+
+    def contact(name: str, change: float) -> Answer:
+        spiral = Spiral(pitch=pitch + change * (name == "pitch"))
+        hit = first_contact(March(_changed(dragon, name, change), spiral, turns=turns, speed=speed))
+        return (hit.time, hit.benches) if hit.status == "contact" and hit.benches is not None else None
+
+    first = contact("", 0.0)
+    if first is None:
+        raise ParameterError("pitch", pitch, "one at which the dragon runs into itself")
     smallest = min_pitch(dragon, turns=turns, speed=speed, radius=radius)
-    progress(2, PARTS)
-    travelled = float(march.distance(hit.time))
-    radius_then = float(np.hypot(*march.curve.point(march.head_start + travelled)))
-    inward = InwardMarch(dragon=dragon, pitch=pitch, turns=turns, radius=radius_then)
-    speed_then = float(march.speed_profile.at(hit.time))
-    times = _contact_slopes(inward, hit.benches, travelled, speed_then)
-    progress(3, PARTS)
+    known = InwardMarch(dragon=dragon, pitch=smallest.pitch, turns=turns, radius=radius)
+
+    def sampled_limit(name: str, change: float) -> Answer:
+        inward = replace(known, dragon=_changed(dragon, name, change))
+        found = zero_gap(inward, known.pitch / PITCH_RATIO, known.pitch * PITCH_RATIO)
+        touching = SampledGaps(replace(inward, pitch=found)).minimum()
+        return None if touching is None else (found, touching.benches)
+
+    def certified_limit(name: str, change: float) -> Answer:
+        found = min_pitch(_changed(dragon, name, change), turns=turns, radius=radius)
+        return None if found.benches is None else (found.pitch, found.benches)
+
+    times, pitches = [], []
+    limit, at_limit = certified_limit, None
+    if smallest.benches is not None:
+        at_limit = smallest.pitch, smallest.benches
+        if (sampled := sampled_limit("", 0.0)) is not None and abs(sampled[0] - smallest.pitch) <= CERTIFIED:
+            limit = sampled_limit
+    for done, name in enumerate((*SIZES, "pitch")):
+        progress(done, len(SIZES) + 1)
+        value = pitch if name == "pitch" else float(np.min(getattr(dragon, name)))
+        times.append(_slope(name, value, first, contact))
+        if at_limit is not None and name != "pitch":
+            pitches.append(_slope(name, value, at_limit, limit))
+    progress(1, 1)
     return Sensitivity(
-        march=march,
-        time=hit.time,
-        benches=hit.benches,
-        times=times,
-        smallest=smallest,
-        pitches=_pitch_slopes(smallest),
+        march=march, time=first[0], benches=first[1], times=tuple(times), smallest=smallest, pitches=tuple(pitches)
     )
 
 
-def _contact_slopes(inward: InwardMarch, pair: Pair, travelled: float, speed: float) -> tuple[Slope, ...]:
-    """Derivatives of the time of a first contact of `pair` after `travelled` m, at `speed` m/s."""
-    sampled = SampledGaps(inward)
-
-    def other_pair(size: str, point: ContinuationPoint, change: float) -> Pair | None:
-        found = first_contact(inward.changed(size, change).march)
-        same = found.benches == pair and abs(found.time - float(point.contact.travelled[0])) <= SAME_CONTACT
-        return None if same else found.benches
-
-    branches = [ContactBranch(sampled.inward, travelled, pair, size) for size in SIZES]
-    return _slopes(branches, sampled, other_pair, 1 / speed)
+def _changed(dragon: Dragon, name: str, change: float) -> Dragon:
+    """A dragon with one of the `SIZES` changed by `change` m, on all benches that have the size."""
+    if name not in SIZES:
+        return dragon
+    value = getattr(dragon, name)
+    more: Any = value + change if isinstance(value, float) else tuple(each + change for each in value)
+    return replace(dragon, **{name: more})
 
 
-def _pitch_slopes(smallest: MinPitch) -> tuple[Slope, ...]:
-    """Derivatives of a smallest pitch by each size of the benches."""
-    pair = smallest.benches
-    if pair is None:
-        return ()
-    inward = InwardMarch(
-        dragon=smallest.march.dragon, pitch=smallest.pitch, turns=smallest.turns, radius=smallest.radius
-    )
-    sizes = [size for size in SIZES if size != "pitch"]
-    if smallest.limit != "passing":
-        contact = gaps_of(inward, smallest.distance, pair)
-        at_start = contact.slopes[:, QUANTITIES.index("pitch")]
-        by_pitch = contact.slopes_at_radius if smallest.limit == "arrival" else at_start
-        by_size = (-contact.slopes[0] / by_pitch[0]).tolist()
-        return tuple(
-            Slope(size=size, value=inward.size(size), slope=by_size[QUANTITIES.index(size)], less=None, more=None)
-            for size in sizes
-        )
-    sampled = SampledGaps(inward)
+def _slope(name: str, value: float, base: Known, answer: Callable[[str, float], Answer]) -> Slope:
+    """Derivative by a size of the answers to changes of this size, from the answer without a change."""
 
-    def other_pair(size: str, point: ContinuationPoint, change: float) -> Pair | None:
-        found = SampledGaps(replace(inward.changed(size, change), pitch=point.inward.pitch)).minimum()
-        if found is None or found.gaps[0] > -GAP_TOLERANCE:
+    def changed(change: float) -> Answer:
+        try:
+            return answer(name, change)
+        except DragonError:  # No such dragon, march or contact.
             return None
-        first, second = found.pairs[0].tolist()
-        return first, second
 
-    branches = [TangencyBranch(sampled.inward, smallest.distance, pair, size) for size in sizes]
-    return _slopes(branches, sampled, other_pair, 1.0)
-
-
-def _slopes(
-    branches: Sequence[Branch],
-    sampled: SampledGaps,
-    other_pair: Callable[[str, ContinuationPoint, float], Pair | None],
-    factor: float,
-) -> tuple[Slope, ...]:
-    """Derivatives by the sizes of the branches: `factor` times the rate of each.
-
-    `other_pair` returns the pair, if any, that touches first instead of the branch's own, for a size, a point of its
-    branch, and the change of the size there.
-    """
-    minima = sampled.local_minima(NEAR_MISS_WIDTH * float(sampled.inward.dragon.widths.min()))
-    slopes = []
-    for branch in branches:
-        value, rate = sampled.inward.size(branch.size), branch.at(0.0).rate
-        less, more = (
-            find_reach(branch, minima, sign * MAX_CHANGE * value, partial(other_pair, branch.size)) for sign in (-1, 1)
-        )
-        slopes.append(Slope(size=branch.size, value=value, slope=rate * factor, less=less, more=more))
-    return tuple(slopes)
+    less, more, slope = changed(-STEP), changed(STEP), None
+    if less is not None and more is not None and less[1] == more[1] == base[1]:
+        slope = (more[0] - less[0]) / (2 * STEP)
+    return Slope(size=name, value=value, slope=slope, less=changed(-MILLIMETRE), more=changed(MILLIMETRE))
 
 
-def _table(unit: str, per: float, slopes: Sequence[Slope]) -> list[str]:
-    """Lines of a table of derivatives per mm, with their unit; `per` converts them from SI units."""
-    heads = (" " + text("size"), text("now (mm)"), unit, text("holds from (mm)"), text("to (mm)"))
+def _table(unit: str, per: float, slopes: Sequence[Slope], base: Known) -> list[str]:
+    """Lines of a table of derivatives per mm, with their unit, and of changes; `per` converts them from SI units."""
+
+    def change(answer: Answer) -> str | None:
+        if answer is None:
+            return None
+        shown = f"{1e3 / per * (answer[0] - base[0]):+.6f}"
+        return shown if answer[1] == base[1] else shown + " " + text("({} and {})").format(*answer[1])
+
+    heads = (" " + text("size"), text("now (mm)"), unit, text("1 mm less"), text("1 mm more"))
     rows = []
     for row in slopes:
-        size, ends = row.size.replace("_", "-"), map(_end_text, (row.less, row.more))
-        rows.append((" " + text(size), 1e3 * row.value, row.slope / per, *ends))
+        name, slope = row.size.replace("_", "-"), None if row.slope is None else row.slope / per
+        rows.append((" " + text(name), 1e3 * row.value, slope, change(row.less), change(row.more)))
     return table(heads, ("<13", "8.2f", "+10.7f", "<20", ""), rows)
-
-
-def _end_text(end: Reach | None) -> str | None:
-    return None if end is None else f"{1e3 * end.unchanged:+.4g} " + text(ENDS[end.by]).format(*end.benches or ())
-
-
-def _draw_table(figure: Figure, left: float, name: str, heading: str, per: float, rows: Sequence[Slope]) -> None:
-    """Draw the slopes of a result and the ranges of the sizes, with the name of the result above."""
-    from pymunk_dragon.drawing.figures.style import LINE_SPACING, QUIET, SMALL, panel
-
-    across, up = figure.get_size_inches()
-    height = ROW_HEIGHT * len(SIZES)
-    top = TABLE_BOTTOM + height
-    _draw_slopes(panel(figure, left + LINES_LEFT, TABLE_BOTTOM, RANGES_LEFT - LINES_LEFT - 0.15, height), per, rows)
-    figure.text(left / across, (top + 0.56) / up, name, size=11.5, linespacing=LINE_SPACING)
-    for inches, shown in ((NUMBERS_LEFT, heading), (RANGES_LEFT, text("valid for changes\nof the size, mm"))):
-        style: dict[str, Any] = {"size": SMALL, "color": QUIET, "linespacing": LINE_SPACING}
-        figure.text((left + inches) / across, (top + 0.08) / up, shown, **style)
-    names = _size_names()
-    for row_index, row in enumerate(rows):
-        style = {"y": (top - (row_index + 0.5) * ROW_HEIGHT) / up, "size": SMALL, "va": "center"}
-        slope = f"{row.slope / per:+.5f}".replace("-", "\u2212")
-        figure.text(**style, x=left / across, s=names[row.size])
-        figure.text(**style, x=(left + NUMBERS_LEFT) / across, s=slope)
-        if row.less is not None and row.more is not None:
-            shown = text("{} to {}").format(_describe_end(row.less), _describe_end(row.more))
-            figure.text(**style, x=(left + RANGES_LEFT) / across, s=shown, gid=f"range-{row.size}")
-
-
-def _draw_slopes(axes: Axes, per: float, rows: Sequence[Slope]) -> None:
-    """Draw the magnitude of each slope on a logarithmic scale; markers of negative slopes are hollow."""
-    from pymunk_dragon.drawing.figures.style import BLUE, COLOURS, PALE
-
-    sizes = np.abs([row.slope / per for row in rows])
-    axes.set_xscale("log")
-    axes.set_xlim(sizes.min() / AXIS_MARGIN, sizes.max() * AXIS_MARGIN)
-    axes.set_ylim(len(SIZES) - 0.5, -0.5)
-    axes.set_axis_off()
-    for row_index, (row, size) in enumerate(zip(rows, sizes.tolist(), strict=True)):
-        axes.plot([axes.get_xlim()[0], size], [row_index, row_index], color=PALE, lw=1.4, zorder=1)
-        face = BLUE if row.slope > 0 else COLOURS.background
-        axes.plot(size, row_index, "o", color=BLUE, mfc=face, ms=7, mew=1.8, gid=f"slope-{row.size}")
-
-
-def _size_names() -> dict[str, str]:
-    """Words for the sizes."""
-    return {
-        "width": text("width"),
-        "overhang": text("overhang"),
-        "head_spacing": text("head spacing"),
-        "body_spacing": text("body spacing"),
-        "pitch": text("pitch"),
-    }
-
-
-def _describe_end(end: Reach) -> str:
-    change = f"{1e3 * end.unchanged:+.3g}".replace("-", "\u2212")
-    return change + "*" * (end.by == "nothing")
 
 
 STUDY = Study(
     name="sensitivity",
     summary="effect of each size of the benches on first contact and that pitch",
     run=sensitivity,
+    formats=(".json",),
 )
