@@ -280,6 +280,7 @@ def test_a_study_brings_its_options_and_its_formats(call, monkeypatch):
         formats=(".json",),
     )
     monkeypatch.setitem(STUDIES, "deepest", added)
+    monkeypatch.delitem(sys.modules, "pymunk_dragon.cli.study", raising=False)  # It reads the registry once.
     assert json.loads(call("study", "deepest", "--width", "0.2", "--depth", "3", "--json")[1])["depth"] == 3 * 0.2
     # Without a figure.
     assert Deepest(1.0)._repr_png_() is None
