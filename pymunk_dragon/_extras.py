@@ -18,11 +18,9 @@ FEATURES = {
     "latex2mathml": ("a formula on a page", "demos"),
     "matplotlib": ("a figure", "figures"),
     "nbformat": ("a notebook", "demos"),
-    "pyarrow": ("a Parquet table", "parquet"),
     "pygments": ("a page of lessons", "demos"),
     "scipy": ("a path through points", "curves"),
     "scipy.optimize": ("the search for the shortest turn", "studies"),
-    "scipy.stats": ("a Sobol sequence", "studies"),
     "xlsxwriter": ("an XLSX file", "report"),
     "zhplot": ("Chinese in a picture", "chinese"),
 }

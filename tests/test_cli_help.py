@@ -155,6 +155,7 @@ def test_shell_completes_names_flags_and_files():
         "simulate --guide ": ["rails", "none"],
         "simulate --contacts re": ["report", "resolve"],
         "render --camera ": ["field", "head"],
+        "sweep --quantity m": ["min-pitch", "max-speed"],
         "sweep --axis p": ["pitch="],
     }.items():
         values = [item.value for item in completed(line)]

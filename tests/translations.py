@@ -58,8 +58,8 @@ wanted |= {words for scene in SCENES.values() for words in (scene.title, scene.t
 wanted |= {known.summary for known in (*STUDIES.values(), *QUANTITIES.values())}
 wanted |= {kind.shows for kind in FIGURES.values()}
 # Texts that are looked up by a variable: other strings of the code, and names of columns and parameters.
-names = {name for quantity in QUANTITIES.values() for name in (*quantity.columns, *quantity.parameters)}
-others = {name.replace("_", mark) for name in names for mark in " -"}.union(*map(strings, trees))
+names = {name for quantity in QUANTITIES.values() for name in quantity.parameters}.union(*map(strings, trees))
+others = names | {name.replace("_", mark) for name in names for mark in " -"}
 report("text", wanted | (others & set(texts("zh"))), texts("zh"))
 
 english, chinese = (tomllib.loads((FRAMEWORK / f"{each}.toml").read_text()) for each in ("en", "zh"))

@@ -1,231 +1,290 @@
-"""The loop that evaluates the points of a sweep in batches."""
+"""A quantity at many points, evaluated in parallel."""
 
 from __future__ import annotations
 
-from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Future, wait
-from dataclasses import dataclass
-from itertools import islice
-from math import inf
-from time import monotonic
+import logging
+import os
+import signal
+import subprocess
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import Executor, Future, ProcessPoolExecutor
+from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
+from functools import partial as partial_of
+from importlib import import_module
+from importlib.metadata import version
+from itertools import islice, product
+from math import prod
+from multiprocessing import get_context, parent_process
+from multiprocessing.process import BaseProcess
+from multiprocessing.spawn import get_executable
+from pathlib import Path
+from queue import SimpleQueue
+from threading import Thread
+from time import perf_counter
+from typing import Any
+from zlib import crc32
 
-from pymunk_dragon.errors import DragonError
-from pymunk_dragon.sweeps.axes import Point
-from pymunk_dragon.sweeps.evaluation import LONGEST_BATCH, REPEAT, Outcome, Task, evaluate, too_long
-from pymunk_dragon.sweeps.journal import Journal
-from pymunk_dragon.sweeps.workers import Workers
+import numpy as np
 
-# s that a batch should take: long beside the cost of sending it, short beside what a user waits.
-BATCH_SECONDS = 0.5
-# Batches a second of all workers, at most: with more workers a batch takes longer. Dask takes about 5 ms for each.
-MOST_BATCHES_PER_SECOND = 50
-# Points of a batch, at most.
-MOST_POINTS = 4096
-# Share of the last batch in the estimate of the time of a point.
-NEWEST = 0.3
-# s between checks of the workers.
-POLL = 1.0
-# s after the time limit until a worker that does not return is stopped.
-GRACE = 10.0
+from pymunk_dragon._checks import whole, word
+from pymunk_dragon._extras import library
+from pymunk_dragon.errors import DragonError, ParameterError
+from pymunk_dragon.model.march import March
+from pymunk_dragon.model.scenario import Scenario, flat_values
+from pymunk_dragon.sweeps.quantities import Outcome, Quantity, Values, evaluate, quantity_of
+from pymunk_dragon.sweeps.table import Axes, Partial, Sweep, check_format
 
-# Reason of a point that failed so.
-LOST = "its worker was ended whenever it was evaluated"
-# s of a point, in the choice of the size of a batch.
-SHORTEST = 1e-9
-
-# A point and its number.
-Item = tuple[int, Point]
-Running = Future[tuple[list[Outcome], float]]
-
-
-@dataclass(kw_only=True)
-class _Batch:
-    """Points that are evaluated together; a suspect, whose worker was lost, with no others at the same time."""
-
-    items: Sequence[Item]
-    suspect: bool = False
-    losses: int = 0
-    # Time at which it has ended at the latest, if all points take as long as the time limit.
-    end: float = inf
+# Futures under way, at most: enough for so many workers, and few in memory.
+UNDER_WAY = 256
+# Processes, at most.
+MAX_WORKERS = 1000
+# s until a Dask scheduler must answer.
+CONNECT_TIMEOUT = 10
 
 
-class Computation:
-    """Evaluates points on workers, and writes their outcomes to a journal.
+def sweep(
+    scenario: Scenario | March | Mapping[str, Any] | None = None,
+    axes: Mapping[str, Sequence[float]] | None = None,
+    quantity: str | Callable[..., Values] = "contact-time",
+    executor: Executor | None = None,
+    out: str | Path | Sequence[str | Path] | None = None,
+    *,
+    resume: bool = False,
+    scheduler: str | None = None,
+    workers: int | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Sweep:
+    r"""Compute a quantity of a dragon at many values of its parameters, in parallel.
 
     Parameters
     ----------
-    task : Task
-        What is the same for all points.
-    workers : Workers
-        Where the points are evaluated.
-    journal : Journal
-        Gets the outcomes, in the order in which they are finished.
-    batch_size : int or None
-        Points of a batch; by default as many as take `BATCH_SECONDS`.
-    report : callable
-        Called after outcomes were written.
+    scenario : Scenario, March or mapping, optional
+        The dragon and its curve; a mapping has values of a scenario's parameters. By default the reference scenario.
+    axes : mapping
+        Names of parameters, of the scenario or of the quantity, and values of each. The points are all combinations.
+    quantity : str or callable
+        One of `QUANTITIES`, or an importable function of a march, as itself or as ``"module:function"``, that returns
+        numbers or texts by name. Its keyword-only parameters may be axes.
+    executor : concurrent.futures.Executor, optional
+        Evaluates the points; by default new processes. They import a script, which calls `sweep` under
+        ``if __name__ == "__main__":``.
+    out : path or sequence of paths, optional
+        Files to write: .csv, or .png, .svg or .pdf for a picture of one or two axes. Until then, finished points are in
+        a partial table beside the first one, with the ending ``.partial``.
+    resume : bool
+        Whether to go on from the partial table of an interrupted sweep, if there is one.
+    scheduler : str, optional
+        Address of a Dask scheduler, such as ``"tcp://HOST:8786"``, instead of an executor.
+    workers : int, optional
+        Number of processes; by default one for each core.
+    progress : callable, optional
+        Called with the number of finished points and the number of all points.
+
+    Returns
+    -------
+    Sweep
+        The table. A point without values, as for a dragon that does not fit on its curve, has the reason as `error`.
+
+    Raises
+    ------
+    ParameterError
+        If an argument is out of range, no corner of the axes is a valid scenario, or another sweep left points.
+    FileFormatError
+        If the partial table is damaged, or of another scenario, axis or quantity, which is named.
+    MissingExtraError
+        If Dask or matplotlib is needed and not installed.
+    OutputError, DragonError
+        If a file cannot be written; if a worker or the scheduler was lost.
+
+    Examples
+    --------
+    >>> from concurrent.futures import ThreadPoolExecutor
+    >>> found = sweep(Scenario(benches=16, turns=8), {"width": [0.3, 0.4]}, executor=ThreadPoolExecutor(1))
+    >>> print(*found.csv(), sep="\n")
+    width,contact_time,bench_a,bench_b,status,error
+    0.3,80.6913176918045,0,8,contact,
+    0.4,14.32320805466254,0,15,contact,
     """
+    begin = perf_counter()
+    chosen = quantity_of(quantity)
+    points = _axes(axes, chosen.parameters)
+    given = Scenario.of(scenario) if isinstance(scenario, March) else scenario or {}
+    given = given.values() if isinstance(given, Scenario) else flat_values(given)
+    if "start_s" in points:
+        given.pop("turns", None)
+    base, reference = _base(chosen, given, points)
+    files = [check_format(path, points) for path in ([out] if isinstance(out, str | Path) else out or ())]
+    if resume and not files:
+        raise ParameterError("resume", resume, "absent without a file to write")
+    used = _pool(executor, scheduler, workers)
+    path = Path(f"{files[0]}.partial") if files else None
+    partial = Partial(path, _description(chosen, points, base), resume=resume)
+    count = prod(map(len, points.values()))
+    call = partial_of(evaluate, chosen.name, base)
+    numbered = enumerate(product(*points.values()))
+    missing = ((n, dict(zip(points, at, strict=True))) for n, at in numbered if n not in partial.rows)
+    try:
+        with used as started:
+            for _ in _evaluate(started, call, missing, partial):
+                if progress is not None:
+                    progress(len(partial.rows), count)
+        found = Sweep(chosen, points, partial, reference, perf_counter() - begin)
+        for file in files:
+            found.write(file)
+    except (KeyboardInterrupt, DragonError) as error:
+        if path is not None and partial.rows:
+            kept = f"{len(partial.rows)} of {count} points are in {path}, from where the sweep can be resumed"
+            error.args = ("; ".join([*map(str, error.args), kept]),)
+        raise
+    if path is not None:
+        path.unlink(missing_ok=True)
+    return found
 
-    def __init__(
-        self, task: Task, workers: Workers, journal: Journal, batch_size: int | None, report: Callable[[], None]
-    ) -> None:
-        self._task = task
-        self._workers = workers
-        self._journal = journal
-        self._batch_size = batch_size
-        self._report = report
-        # s for one point, measured by the workers.
-        self._seconds: float | None = None
-        self._items: Iterator[Item] = iter(())
-        self._left = 0
-        # Points of batches that ended early.
-        self._returned: deque[Item] = deque()
-        self._suspects: deque[_Batch] = deque()
-        self._running: dict[Running, _Batch] = {}
 
-    def run(self, items: Iterator[Item], count: int) -> None:
-        """Evaluate `count` points.
+def _axes(given: Mapping[str, Sequence[float]] | None, parameters: Sequence[str]) -> Axes:
+    """The axes of a sweep: values of parameters, which are all integers if all are whole numbers."""
+    if not given or not isinstance(given, Mapping):
+        raise ParameterError("axis", given or None, "at least one: a parameter and its values")
+    axes = {}
+    for name, values in given.items():
+        word("axis", name, parameters)
+        try:
+            numbers = np.array(values, dtype=float).ravel()
+        except (TypeError, ValueError):
+            numbers = np.array([])
+        if not numbers.size or not np.isfinite(numbers).all():
+            raise ParameterError("axis", f"{name}={values}", "finite numbers, at least one")
+        # Larger doubles have no digits after the point.
+        whole_numbers = not (numbers % 1).any() and np.abs(numbers).max() < 2**53
+        axes[name] = tuple(map(int if whole_numbers else float, numbers.tolist()))
+    return axes
 
-        Raises
-        ------
-        OutputError
-            If outcomes cannot be written.
-        DragonError
-            If the workers cannot evaluate any point, or are lost for good.
-        """
-        self._items, self._left = items, count
-        while self._fill():
-            done, _ = wait(self._running, timeout=POLL, return_when=FIRST_COMPLETED)
-            if done:
-                self._collect(done)
-            else:
-                self._workers.check()
-            self._end_overdue()
 
-    def _fill(self) -> bool:
-        """Submit as many batches as the workers can use; returns whether any is evaluated."""
-        while len(self._running) < self._most_running() and (batch := self._next()):
-            points = [point for _, point in batch.items]
-            self._limit(batch)
-            self._running[self._workers.submit(evaluate, self._task, points)] = batch
-        return bool(self._running)
+def _base(quantity: Quantity, given: Values, axes: Axes) -> tuple[dict[str, Any], dict[str, float]]:
+    """Complete values of parameters that are not axes, from a corner that is a scenario; the scenario's own of axes."""
+    errors, reference = [], {}
+    with suppress(ParameterError):  # It may be no scenario without the axes.
+        known = quantity.base(given)
+        reference = {name: known[name] for name in axes if isinstance(known.get(name), int | float)}
+    for corner in product(*(dict.fromkeys((min(values), max(values))) for values in axes.values())):
+        try:
+            found = quantity.base({**given, **dict(zip(axes, corner, strict=True))})
+            return {name: value for name, value in found.items() if name not in axes}, reference
+        except ParameterError as error:
+            errors.append(error)
+    first = errors[0]
+    raise ParameterError("axis", f"{first.name}={first.value}", first.bound) if first.name in axes else first
 
-    def _limit(self, batch: _Batch) -> None:
-        """Set when a batch has ended at the latest: it begins when less batches than workers are left before it."""
-        if self._task.timeout is not None:
-            ends = sorted(other.end for other in self._running.values())
-            before = len(ends) - self._workers.count
-            begin = max(monotonic(), ends[before]) if before >= 0 else monotonic()
-            longest = self._task.timeout + REPEAT
-            batch.end = begin + min(len(batch.items) * longest, LONGEST_BATCH + longest)
 
-    def _most_running(self) -> int:
-        alone = self._suspects or any(batch.suspect for batch in self._running.values())
-        return 1 if alone else self._workers.depth * self._workers.count
+def _description(quantity: Quantity, axes: Axes, base: Values) -> dict[str, Any]:
+    """Plain values that determine all outcomes."""
+    file = getattr(import_module(quantity.function.__module__), "__file__", None)
+    source = file and crc32(Path(file).read_bytes())
+    described = {"version": version("pymunk-dragon"), "quantity": quantity.name, "source": source, "axes": [*axes]}
+    described |= {f"axis {name}": list(values) for name, values in axes.items()}
+    return described | {f"scenario {name}": base[name] for name in sorted(base)}
 
-    def _next(self) -> _Batch | None:
-        if self._suspects:
-            return self._suspects.popleft()
-        size = self._size()
-        items = [self._returned.popleft() for _ in range(min(size, len(self._returned)))]
-        items += islice(self._items, size - len(items))
-        self._left -= len(items)
-        return _Batch(items=items) if items else None
 
-    def _size(self) -> int:
-        """Points of the next batch: less at the end, so that all workers finish at about the same time."""
-        if self._batch_size is not None:
-            return self._batch_size
-        if self._seconds is None:
-            return 1
-        count = self._workers.count
-        aim = max(BATCH_SECONDS, count / MOST_BATCHES_PER_SECOND)
-        return max(
-            1,
-            min(int(aim / max(self._seconds, SHORTEST)), -(-self._left // (self._workers.depth * count)), MOST_POINTS),
-        )
-
-    def _collect(self, done: Iterable[Running]) -> None:
-        """Write the outcomes of batches that have ended."""
-        outcomes: list[tuple[int, Outcome]] = []
-        broken = False
-        for future in done:
-            batch = self._running.pop(future)
+def _evaluate(pool: Executor, call: Callable[..., Outcome], points: Iterator[Any], partial: Partial) -> Iterator[None]:
+    """Evaluate a quantity by `call` at numbered points, and yield after outcomes were added to the partial table."""
+    running: dict[Future[Outcome], int] = {}
+    done: SimpleQueue[Future[Outcome]] = SimpleQueue()
+    try:
+        while True:
+            for number, at in islice(points, UNDER_WAY - len(running)):
+                future = pool.submit(call, at)
+                running[future] = number
+                future.add_done_callback(done.put)
+            if not running:
+                return
+            finished = [done.get(), *(done.get() for _ in range(done.qsize()))]
+            rows: dict[int, Outcome] = {}
             try:
-                found, seconds = future.result()
-            except self._workers.lost as error:
-                broken |= isinstance(error, BrokenExecutor)
-                self._suspect(batch)
-                continue
-            except CancelledError as error:
-                raise DragonError("the workers, or their scheduler, were stopped") from error
-            except Exception as error:
-                raise DragonError(f"the workers cannot evaluate a point: {type(error).__name__}: {error}") from error
-            outcomes += zip((index for index, _ in batch.items), found, strict=False)
-            self._return(batch, batch.items[len(found) :])
-            share = 1.0 if self._seconds is None else NEWEST
-            self._seconds = share * seconds / len(found) + (1 - share) * (self._seconds or 0.0)
-        self._write(outcomes)
-        if broken:
-            # All workers end with the one that was lost.
-            self._workers.restart(list(self._running))
-            self._suspect_all()
+                for future in finished:
+                    rows[running.pop(future)] = future.result()
+            finally:
+                partial.append(rows)
+            yield
+    except DragonError:
+        raise
+    except Exception as error:  # Whatever an executor raises.
+        raise DragonError(f"a worker was lost, or did not start: {type(error).__name__}: {error}") from error
 
-    def _return(self, batch: _Batch, rest: Sequence[Item]) -> None:
-        """Evaluate the points later that are left of a batch that ended early."""
-        if batch.suspect and rest:
-            self._suspects.appendleft(_Batch(items=rest, suspect=True))
-        else:
-            self._returned += rest
-            self._left += len(rest)
 
-    def _write(self, outcomes: Sequence[tuple[int, Outcome]]) -> None:
-        if outcomes:
-            self._journal.append(outcomes)
-            self._report()
+def _pool(executor: Executor | None, scheduler: str | None, number: int | None) -> AbstractContextManager[Executor]:
+    """A context with the executor that these arguments of `sweep` mean."""
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    count = cores if number is None else whole("workers", number, 1, MAX_WORKERS)
+    if not isinstance(executor, Executor | None):
+        raise ParameterError("executor", executor, "a concurrent.futures.Executor")
+    if scheduler is not None:
+        return _cluster(library("distributed"), scheduler)
+    return _Processes(count) if executor is None else nullcontext(executor)
 
-    def _fail(self, batch: _Batch, reason: str) -> None:
-        self._write([(index, (None, reason)) for index, _ in batch.items])
 
-    def _suspect_all(self) -> None:
-        """Evaluate again what was evaluated by workers that were stopped."""
-        for batch in self._running.values():
-            self._suspect(batch)
-        self._running.clear()
+class _Processes(ProcessPoolExecutor):
+    """Worker processes, which end at once when their context ends with an exception."""
 
-    def _suspect(self, batch: _Batch) -> None:
-        """Evaluate a batch without others; if that ended a worker before, in halves; a single point fails."""
-        middle = len(batch.items) // 2
-        if not batch.suspect:
-            parts = [_Batch(items=batch.items, suspect=True)]
-        elif middle:
-            parts = [_Batch(items=items, suspect=True) for items in (batch.items[:middle], batch.items[middle:])]
-        elif batch.losses + 1 < self._workers.most_losses:
-            parts = [_Batch(items=batch.items, suspect=True, losses=batch.losses + 1)]
-        else:
-            self._fail(batch, LOST)
-            return
-        self._suspects += parts
+    def __init__(self, count: int) -> None:
+        try:
+            # Multiprocessing itself ends in errors of all kinds, and prints some.
+            subprocess.run([get_executable(), "-ISc", ""], check=True, capture_output=True)
+        except (OSError, subprocess.SubprocessError) as error:
+            raise DragonError(f"no worker process starts: {error}") from error
+        with _blocked_signals():
+            super().__init__(count, get_context("spawn"), _begin_worker)
 
-    def _end_overdue(self) -> None:
-        """Stop workers that have not ended a point at its time limit; a point that was the only one has failed."""
-        if (timeout := self._task.timeout) is None:
-            return
-        now = monotonic()
-        overdue = [future for future, batch in self._running.items() if now > batch.end + GRACE]
-        if not overdue:
-            return
-        if not self._workers.restart(list(self._running)):
-            # None has begun, as on a cluster without workers.
-            waiting, self._running = self._running, {}
-            for future, batch in waiting.items():
-                self._limit(batch)
-                self._running[future] = batch
-            return
-        for future in overdue:
-            batch = self._running[future]
-            # Otherwise it may have waited for its turn.
-            if batch.suspect and len(batch.items) == 1:
-                self._fail(self._running.pop(future), too_long(timeout))
-        self._suspect_all()
+    def submit(self, *arguments: Any, **named: Any) -> Future[Any]:
+        """Submit a function, for which a process may be started."""
+        with _blocked_signals():
+            return super().submit(*arguments, **named)
+
+    def __exit__(self, kind: type[BaseException] | None, *rest: Any) -> None:
+        # `kill_workers` comes with Python 3.14.
+        processes = list((self._processes or {}).values()) if kind is not None else []
+        self.shutdown(wait=kind is None, cancel_futures=True)
+        for process in processes:
+            process.kill()
+
+
+@contextmanager
+def _blocked_signals() -> Iterator[None]:
+    """Block the signals that end the program, also in processes that are started: a terminal sends them to all."""
+    if not hasattr(signal, "pthread_sigmask"):  # On Windows.
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGTERM, signal.SIGHUP})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def _begin_worker() -> None:
+    """Prepare a worker process, which ends when its parent does, even if that was killed."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    # What a quantity prints is not part of a table on stdout.
+    with suppress(OSError):  # There may be no stderr.
+        os.dup2(2, 1)
+    Thread(target=_end_with, args=[parent_process()], daemon=True).start()
+
+
+def _end_with(parent: BaseProcess) -> None:
+    parent.join()
+    os._exit(1)
+
+
+@contextmanager
+def _cluster(distributed: Any, scheduler: str) -> Iterator[Executor]:
+    """The workers of a Dask scheduler at an address."""
+    # It warns of what it does again.
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)
+    try:
+        # A client with an address of another form waits for itself when it is closed.
+        distributed.comm.get_address_host_port(scheduler)
+        client = distributed.Client(scheduler, timeout=CONNECT_TIMEOUT, set_as_default=False)
+    except (OSError, ValueError, TypeError) as error:
+        bound = "the address of a Dask scheduler that answers, such as tcp://HOST:8786"
+        raise ParameterError("scheduler", scheduler, bound) from error
+    with client:
+        yield client.get_executor(pure=False)

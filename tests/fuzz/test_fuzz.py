@@ -68,8 +68,8 @@ COMMANDS = [
     *(f"figure {name} --benches 5 --turns 3 -o new.png" for name in FIGURES),
     "study max-speed --limit 1.5 --fastest 2 --benches 5 -o new.json",
     "study min-pitch --benches 5",
-    "sweep --axis pitch=0.5,0.6 --quantity max-speed --seed 1 --workers 1 --timeout 9 --benches 5 -o new.csv",
-    "sweep --axis pitch=0.5:0.6 --samples 2 --sampling random --workers 1 --refine 2 --benches 5",
+    "sweep --axis pitch=0.5,0.6 --quantity max-speed --workers 1 --benches 5 -o new.csv",
+    "sweep --axis pitch=0.5:0.6:0.1 --workers 1 --benches 5 -o new.png",
     "demo none --lang zh --save folder",
 ]
 EXTRAS = [

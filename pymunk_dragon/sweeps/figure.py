@@ -1,0 +1,116 @@
+"""The figure of a sweep: a line over one axis, or a map over two.
+
+The time of the first contact changes continuously only while the same benches touch. Where these or the status, a
+whole number or a text, change, the line is broken, and lines are drawn in the map.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import groupby
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pymunk_dragon._arrays import Array
+from pymunk_dragon._language import text
+from pymunk_dragon.drawing.figures.style import COLOURS, QUIET, chart, halo
+from pymunk_dragon.sweeps.table import Sweep
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+# Colours of small to large values: ink is readable on all of them but the last.
+VALUES = ("#fde18b", "#aacd90", "#63ad99", "#2a879d", "#355b92")
+# Units by the last words of names.
+UNITS = dict.fromkeys(("pitch", "width", "overhang", "spacing", "radius", "gap", "drift"), "m")
+UNITS |= {"speed": "m/s", "time": "s", "error": "s", "start": "s", "until": "s", "substep": "s"}
+# Share of the points above which the benches that touch there are named.
+NAMED = 0.03
+
+
+def draw(found: Sweep) -> Figure:
+    """Draw a sweep of at most two axes with several values each, with matplotlib's current settings."""
+    rows, width = list(found.rows()), len(found.names)
+    names = [name for name, values in found.axes.items() if len(set(values)) > 1] or found.names[:1]
+    at = [np.array(found.column(name), dtype=float) for name in names]
+    values = np.array([row[width] if isinstance(row[width], int | float) else np.nan for row in rows], dtype=float)
+    labels = [_label(row[width:]) for row in rows]
+    figure = chart(8.0, 6.0)
+    axes = figure.add_subplot(xlabel=_words(names[0], unit=True))
+    if len(names) == 1:
+        note = "{0} points; along each line the same benches touch"
+        axes.set_ylabel(_words(found.columns[width], unit=True))
+        _draw_line(axes, at[0], values, labels)
+    else:
+        note = "{0} points; across each line other benches touch"
+        axes.set_ylabel(_words(names[1], unit=True))
+        figure.colorbar(_draw_map(axes, at[0], at[1], values, labels), label=_words(found.columns[width], unit=True))
+    missing = ~np.isfinite(values)
+    if missing.any():
+        heights = [*at, np.full(len(values), axes.get_ylim()[0])][1]
+        axes.plot(at[0][missing], heights[missing], "x", color=QUIET, ms=4, label=text("no value"), gid="missing")
+    for name, x, line in zip(names, at, (axes.axvline, axes.axhline), strict=False):
+        if min(x) <= found.reference.get(name, np.nan) <= max(x):
+            label = text("reference: {0}").format(f"{_words(name)} {found.reference[name]:g}")
+            line(found.reference[name], ls="--", lw=1, color=COLOURS.contact, label=label, gid="reference")
+    note = note if "bench_a" in found.columns else "{0} points"
+    axes.set_title(text(note).format(found.points), color=QUIET)
+    over = text(" and ").join(_words(name) for name in names)
+    figure.suptitle(text("{0} over {1}").format(text(found.summary), over), size=16)
+    if axes.get_legend_handles_labels()[0]:
+        figure.legend(loc="outside lower center", ncols=4, frameon=False)
+    return figure
+
+
+def _draw_line(axes: Axes, x: Array, values: Array, labels: Sequence[str]) -> None:
+    """Draw values over one axis, with a line for each run of points of one label."""
+    for label, run in groupby(np.argsort(x, kind="stable").tolist(), key=lambda number: labels[number]):
+        part = list(run)
+        if np.isfinite(values[part]).any():
+            name = label if len(part) > NAMED * len(x) else None
+            axes.plot(x[part], values[part], marker="o", ms=3, label=name, gid="line")
+
+
+def _draw_map(axes: Axes, x: Array, y: Array, values: Array, labels: Sequence[str]) -> Any:
+    """Draw values over two axes as coloured cells, which are returned, with lines between cells of different labels."""
+    from matplotlib.colors import LinearSegmentedColormap
+
+    (across, column), (up, row) = (np.unique(each, return_inverse=True) for each in (x, y))
+    cells, names = np.full((len(up), len(across)), np.nan), np.full((len(up), len(across)), "", dtype=object)
+    cells[row, column], names[row, column] = values, labels
+    sides, heights = _edges(across), _edges(up)
+    colours = LinearSegmentedColormap.from_list("sweep", list(VALUES))
+    mesh = axes.pcolormesh(sides, heights, cells, cmap=colours, rasterized=True, gid="values")
+    i, j = np.nonzero(names[:, 1:] != names[:, :-1])
+    axes.vlines(sides[j + 1], heights[i], heights[i + 1], color=COLOURS.ink, lw=0.9, gid="jumps")
+    i, j = np.nonzero(names[1:] != names[:-1])
+    axes.hlines(heights[i + 1], sides[j], sides[j + 1], color=COLOURS.ink, lw=0.9, gid="jumps")
+    for name in dict.fromkeys(labels):
+        inside = np.array([label == name for label in labels])
+        if inside.mean() > NAMED:
+            middle = x[inside].mean(), y[inside].mean()
+            axes.text(*middle, name, ha="center", va="center", path_effects=halo(), gid="name")
+    return mesh
+
+
+def _edges(middles: Array) -> Array:
+    """Edges (N + 1,) of cells about the sorted `middles` (N,)."""
+    between = (middles[1:] + middles[:-1]) / 2
+    return np.concatenate([2 * middles[:1] - between[:1], between, 2 * middles[-1:] - between[-1:]])
+
+
+def _label(cells: Sequence[Any]) -> str:
+    """What cannot change continuously in a quantity's values: whole numbers or, without any, texts."""
+    if cells[-1] is not None:
+        return text("failed")
+    whole = [str(each) for each in cells if isinstance(each, int)]
+    return text(" and ").join(whole or [text(each) for each in cells if isinstance(each, str)])
+
+
+def _words(name: str, *, unit: bool = False) -> str:
+    """The name of an axis or a column in words, with its unit if it has one."""
+    known = "m" if name == "start_s" else UNITS.get(name.rpartition("_")[2])
+    words = name.removesuffix("_s").replace("_", " ")
+    return text("{}, {}").format(text(words), known) if unit and known else text(words)
