@@ -1,37 +1,21 @@
 """Named figures: those of the paper, and others.
 
-`pymunk-dragon figure NAME` draws a figure as PNG, SVG or PDF (`pip install 'pymunk-dragon[figures]'`); without a name
-it lists all figures.
+`pymunk-dragon figure NAME` draws a figure as PNG, SVG or PDF (`pip install 'pymunk-dragon[figures]'`), and
+`pymunk-dragon figure` lists all.
 
-```console
-$ pymunk-dragon figure
-$ pymunk-dragon figure gap -o gap.svg
-$ pymunk-dragon figure spiral -o spiral.png
-```
+Sixteen benches at the start, as they close a loop, and at their first contact (figures 3 to 5 of the paper); the
+spiral (figure 2), and the trajectories and velocities of seven handles (figures 7 and 8); speeds along the dragon; and
+forces in the joints of a run of the engine. The grid (figure 6) and the gap before the head are in
+`pymunk_dragon.collision`, the drift of a run is in `pymunk_dragon.physics`.
 
-Sixteen benches are enough for a first contact: at the start, as they close a loop, and as they touch (figures 3 to 5
-of the paper).
-
-![Sixteen benches on the outer loop](renders/figures/outer-loop.png)
-
+![Sixteen benches at their start](renders/figures/outer-loop.png)
 ![Sixteen benches that close a loop](renders/figures/inward.png)
-
 ![Sixteen benches at their first contact](renders/figures/collision.png)
-
-The spiral (figure 2), and the trajectories and the velocities of seven handles (figures 7 and 8):
-
 ![The spiral and the handles of the reference scenario](renders/figures/spiral.png)
-
 ![The trajectories of seven handles](renders/figures/trajectories.png)
-
 ![The velocities of seven handles](renders/figures/velocities.png)
-
-The grid (figure 6) and the gap before the head are in `pymunk_dragon.collision`, the drift of a run of the engine in
-`pymunk_dragon.physics`. Two more show the speeds along the dragon, and the impulses in the joints of a run:
-
 ![Speeds along the dragon](renders/figures/speeds.png)
-
-![Impulses in the joints of a run of the engine](renders/figures/impulses.png)
+![Forces in the joints of a run of the engine](renders/figures/impulses.png)
 """
 
 from __future__ import annotations
@@ -42,98 +26,56 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from PIL import Image
 
 from pymunk_dragon._checks import word
 from pymunk_dragon._files import check_destination, written_in_place
-from pymunk_dragon.drawing.figures.charts import drift, gap, impulses, speeds
-from pymunk_dragon.drawing.figures.grid_partition import grid
-from pymunk_dragon.drawing.figures.plan_views import (
-    Still,
-    collision,
-    inward,
-    outer_loop,
-    spiral,
-    trajectories,
-    velocities,
-)
-from pymunk_dragon.drawing.figures.style import styled
-from pymunk_dragon.drawing.figures.times import TimeInterval, model, time_interval
-from pymunk_dragon.drawing.film.stills import STILL_ENDINGS, write_still
-from pymunk_dragon.drawing.snapshots import Source
+from pymunk_dragon.drawing import STILL_ENDINGS, write_still
+from pymunk_dragon.drawing.figures import charts, plan_views
+from pymunk_dragon.drawing.figures.style import Subject, styled
 from pymunk_dragon.errors import ParameterError
+from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["FIGURES", "FIGURE_ENDINGS", "Kind", "figure", "styled_figure", "write_figure", "write_styled"]
+__all__ = ["FIGURES", "FIGURE_ENDINGS", "figure", "styled_figure", "write_figure", "write_styled"]
 
-# File endings of figures with axes.
-FIGURE_ENDINGS = (".png", ".svg", ".pdf")
-# Metadata that leave out the date, for the same bytes each time.
-WITHOUT_DATE: Mapping[str, dict[str, Any]] = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
-# Colours of a PNG: with 256 no pixel changes by more than two levels, and the file is a third as large.
-PNG_COLOURS = 256
+# File endings of figures with axes, and metadata that leave out the date, for the same bytes each time.
+METADATA: dict[str, dict[str, Any]] = {".png": {}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
+FIGURE_ENDINGS = tuple(METADATA)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Kind:
-    """Kind of figure; exactly one of `of_march`, `of_run` and `still` is given.
-
-    Attributes
-    ----------
-    shows : str
-        Description in one line.
-    of_march, of_run : callable or None
-        Function that draws a figure with axes from a march and a time interval, or from a run of the engine.
-    still : callable or None
-        Function that returns the run and the film parameters of a picture of the dragon.
-    default : callable
-        Function that returns the march to draw if no source is given.
-
-    Examples
-    --------
-    >>> from pymunk_dragon.drawing.figures import FIGURES
-    >>> FIGURES["drift"].needs_run, FIGURES["collision"].endings
-    (True, ('.png', '.pdf'))
-    """
+    """What a figure shows, the function that makes it or the run and film parameters of a picture, and formats."""
 
     shows: str
-    of_march: Callable[[March, TimeInterval], Figure] | None = None
-    of_run: Callable[[Run], Figure] | None = None
-    still: Callable[[March, TimeInterval], Still] | None = None
-    default: Callable[[], March] = March
-
-    @property
-    def needs_run(self) -> bool:
-        """Whether the figure requires a run of the engine."""
-        return self.of_run is not None
-
-    @property
-    def endings(self) -> tuple[str, ...]:
-        """File endings of the formats in which the figure can be written."""
-        return FIGURE_ENDINGS if self.still is None else STILL_ENDINGS
+    draw: Callable[[Subject], Any]
+    benches: int = 223
+    endings: tuple[str, ...] = FIGURE_ENDINGS
 
 
-# All figures by name.
+# All figures by name. 16 benches are the paper's small model, which closes a full loop before its first contact.
 FIGURES: Mapping[str, Kind] = {
-    "spiral": Kind(shows="the spiral that handle 0 walks (the paper's figure 2)", of_march=spiral),
-    "outer-loop": Kind(shows="16 benches on the outer loop (figure 3)", still=outer_loop, default=model),
-    "inward": Kind(shows="16 benches as they close a full loop (figure 4)", still=inward, default=model),
-    "collision": Kind(shows="16 benches at their first contact (figure 5)", still=collision, default=model),
-    "grid": Kind(shows="which benches are filed in which cells (figure 6)", of_march=grid, default=model),
-    "trajectories": Kind(shows="the trajectories of seven handles (figure 7)", of_march=trajectories),
-    "velocities": Kind(shows="the velocities of seven handles (figure 8)", of_march=velocities),
-    "gap": Kind(shows="how near the head comes to the benches that it passes", of_march=gap),
-    "speeds": Kind(shows="speed along the dragon at several times", of_march=speeds),
-    "drift": Kind(shows="how far the engine is from the exact model", of_run=drift),
-    "impulses": Kind(shows="what the engine's joints carry along the dragon", of_run=impulses),
+    "spiral": Kind("the spiral that handle 0 walks (the paper's figure 2)", plan_views.spiral),
+    "outer-loop": Kind("16 benches on the outer loop (figure 3)", plan_views.outer_loop, 16, STILL_ENDINGS),
+    "inward": Kind("16 benches as they close a full loop (figure 4)", plan_views.inward, 16, STILL_ENDINGS),
+    "collision": Kind("16 benches at their first contact (figure 5)", plan_views.collision, 16, STILL_ENDINGS),
+    "grid": Kind("which benches are filed in which cells (figure 6)", plan_views.grid, 16),
+    "trajectories": Kind("the trajectories of seven handles (figure 7)", plan_views.trajectories),
+    "velocities": Kind("the velocities of seven handles (figure 8)", plan_views.velocities),
+    "gap": Kind("how near the head comes to the benches that it passes", charts.gap),
+    "speeds": Kind("speed along the dragon at several times", charts.speeds),
+    "drift": Kind("how far the engine is from the exact model", charts.drift),
+    "impulses": Kind("what the engine's joints carry along the dragon", charts.impulses),
 }
 
 
-def figure(name: str, source: Source | None = None) -> Figure:
+def figure(name: str, source: Run | March | None = None) -> Figure:
     """Draw a figure with axes as a matplotlib figure, which notebooks display.
 
     Parameters
@@ -153,10 +95,8 @@ def figure(name: str, source: Source | None = None) -> Figure:
     ------
     ParameterError
         If the figure does not exist, requires another source, or the source has no data for it.
-    UnreachableError
-        If the march's dragon does not fit on its curve at the start.
-    MissingExtraError
-        If matplotlib is not installed.
+    UnreachableError, MissingExtraError
+        If the dragon does not fit on its curve at the start, or matplotlib is not installed.
 
     Examples
     --------
@@ -165,34 +105,19 @@ def figure(name: str, source: Source | None = None) -> Figure:
     >>> figure("speeds", March(Dragon(benches=16), turns=8)).axes[0].get_xlabel()
     'handle, from the head to the tail'
     """
-    kind = _kind(name)
-    if kind.still is not None:
+    kind = FIGURES[word("figure", name, FIGURES)]
+    if kind.endings == STILL_ENDINGS:
         raise ParameterError("figure", name, "one with axes, or written by `write_figure`")
-    return styled_figure(lambda: _draw(name, kind, source))
+    return styled_figure(lambda: kind.draw(_subject(kind, source)))
 
 
 def styled_figure(draw: Callable[[], Figure]) -> Figure:
-    """Figure that `draw` draws, with the fonts and colours of all figures; notebooks display it.
-
-    Raises
-    ------
-    MissingExtraError
-        If matplotlib is not installed.
-
-    Examples
-    --------
-    >>> from matplotlib.figure import Figure
-    >>> styled_figure(Figure).axes
-    []
-    """
+    """Figure that `draw` draws, with the fonts and colours of all figures, for `figure` and for packages above."""
     with styled():
-        drawn = draw()
-        # matplotlib creates some ticks during drawing, with the settings of that time.
-        drawn.draw_without_rendering()
-    return drawn
+        return _laid_out(draw())
 
 
-def write_figure(name: str, path: str | Path, source: Source | None = None) -> None:
+def write_figure(name: str, path: str | Path, source: Run | March | None = None) -> None:
     """Write one of `FIGURES` as PNG or PDF, or as SVG if it has axes.
 
     Parameters
@@ -204,10 +129,8 @@ def write_figure(name: str, path: str | Path, source: Source | None = None) -> N
 
     Raises
     ------
-    ParameterError
+    ParameterError, UnreachableError, MissingExtraError
         As in `figure`, and if the file cannot be created.
-    UnreachableError, MissingExtraError
-        As in `figure`.
     OutputError
         If writing fails.
 
@@ -216,73 +139,51 @@ def write_figure(name: str, path: str | Path, source: Source | None = None) -> N
     >>> from pymunk_dragon.drawing.figures import write_figure
     >>> write_figure("spiral", "spiral.svg")
     """
-    kind = _kind(name)
+    kind = FIGURES[word("figure", name, FIGURES)]
     destination = check_destination(path, kind.endings)
-    if kind.still is not None:
-        run, film = kind.still(*_march_and_interval(kind, source))
+    if kind.endings == STILL_ENDINGS:
+        run, film = kind.draw(_subject(kind, source))
         write_still(run, float(run.times[0]), destination, film)
-        return
-    write_styled(lambda: _draw(name, kind, source), destination)
+    else:
+        write_styled(lambda: kind.draw(_subject(kind, source)), destination)
 
 
 def write_styled(draw: Callable[[], Figure], path: str | Path) -> None:
-    """Write the figure that `draw` draws, with the fonts and colours of all figures, as PNG, SVG or PDF.
-
-    Raises
-    ------
-    ParameterError
-        If the file cannot be created.
-    MissingExtraError
-        If matplotlib is not installed.
-    OutputError
-        If writing fails.
-
-    Examples
-    --------
-    >>> from matplotlib.figure import Figure
-    >>> write_styled(Figure, "empty.svg")
-    """
+    """Write the figure that `draw` draws as PNG, SVG or PDF, for `write_figure` and for packages above."""
     destination = check_destination(path, FIGURE_ENDINGS)
+    ending, content = destination.suffix.lower(), io.BytesIO()
     with styled():
-        drawn = draw()
-        with written_in_place(destination) as draft:
-            ending = destination.suffix.lower()
-            if ending in WITHOUT_DATE:
-                drawn.savefig(draft, format=ending[1:], metadata=WITHOUT_DATE[ending])
-            else:
-                _write_png(drawn, draft)
+        drawn = _laid_out(draw())
+        drawn.savefig(content, format=ending[1:], metadata=METADATA[ending])
+    # With 256 colours no pixel changes by more than two levels, and the file is a third as large. Gradients, which are
+    # rasterized in the other formats, would have visible bands.
+    if ending == ".png" and not any(part.get_rasterized() for part in drawn.findobj()):
+        with Image.open(content) as picture:
+            few = picture.convert("RGB").quantize(256, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
+        content = io.BytesIO()
+        few.save(content, format="PNG", optimize=True)
+    with written_in_place(destination) as draft:
+        draft.write_bytes(content.getbuffer())
 
 
-def _kind(name: str) -> Kind:
-    return FIGURES[word("figure", name, FIGURES)]
+def _laid_out(drawn: Figure) -> Figure:
+    """Fix the layout of a figure, and its ticks, which have the settings of the time at which they are created."""
+    drawn.draw_without_rendering()
+    drawn.set_layout_engine("none")
+    for axes in drawn.axes:
+        # matplotlib's solver adds in the order of addresses: its last digits differ.
+        axes.set_position(np.round(axes.get_position(original=True).bounds, 6).tolist())
+    return drawn
 
 
-def _march_and_interval(kind: Kind, source: Source | None) -> tuple[March, TimeInterval]:
-    """Return the march to draw, and its time interval."""
-    if source is None:
-        source = kind.default()
-    if not isinstance(source, Run | March):
+def _subject(kind: Kind, source: Run | March | None) -> Subject:
+    """Return what is drawn of a source: a march to the end of its curve, or for the times of a run."""
+    march = source.march if isinstance(source, Run) else source or March(Dragon(benches=kind.benches))
+    if not isinstance(march, March):
         raise ParameterError("source", source, "a run or a march")
-    return source.march if isinstance(source, Run) else source, time_interval(source)
-
-
-def _draw(name: str, kind: Kind, source: Source | None) -> Figure:
-    if kind.of_run is not None:
-        if not isinstance(source, Run):
-            raise ParameterError("run", source, f"a run of the engine, which the figure {name} is made from")
-        return kind.of_run(source)
-    assert kind.of_march is not None  # A figure is of a run or of a march.
-    return kind.of_march(*_march_and_interval(kind, source))
-
-
-def _write_png(drawn: Figure, draft: Path) -> None:
-    buffer = io.BytesIO()
-    drawn.savefig(buffer, format="png")
-    with Image.open(buffer) as picture:
-        flat = picture.convert("RGB")
-    if any(part.get_rasterized() for part in drawn.findobj()):
-        # Gradients, which are rasterized in the other formats, would have visible bands.
-        flat.save(draft, format="PNG")
-        return
-    few = flat.quantize(PNG_COLOURS, method=Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
-    few.save(draft, format="PNG", optimize=True)
+    run = source if isinstance(source, Run) else None
+    if np.isfinite(march.end):
+        return Subject(march, run=run)
+    if run is None:
+        raise ParameterError("march", "one on a curve without end", "a run, which defines the time interval")
+    return Subject(march, float(run.times[0]), float(run.times[-1]), run)

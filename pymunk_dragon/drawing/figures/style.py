@@ -1,4 +1,4 @@
-"""Fonts, colours and page layout shared by all figures, and the matplotlib settings."""
+"""What figures share: fonts and colours, page layout, labels, and the march that they show."""
 
 from __future__ import annotations
 
@@ -6,111 +6,78 @@ import atexit
 import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from functools import cache
+from dataclasses import dataclass
+from functools import cache, cached_property, partial
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from PIL import ImageFont
 
+from pymunk_dragon._arrays import Array
 from pymunk_dragon._extras import library
 from pymunk_dragon._files import written_in_place
-from pymunk_dragon._language import font, language
+from pymunk_dragon._language import font, language, text
+from pymunk_dragon.collision import FirstContact, first_contact
 from pymunk_dragon.drawing.palette import Palette
+from pymunk_dragon.errors import ParameterError
+from pymunk_dragon.model.march import March
+from pymunk_dragon.model.run import Run
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-
-# Colours of the films.
 COLOURS = Palette()
-# Lines and text: darker than the palette's blue, for a contrast of at least 4.5 to 1 on the background.
-BLUE = "#3a71a3"
-# Lines and text: darker than the palette's amber, for a contrast of at least 4.5 to 1.
-AMBER = "#9a5f00"
-# Secondary text: a contrast of 5 to 1.
-QUIET = "#5d6675"
-# Lines of less importance: a contrast of 3 to 1.
-PALE = "#8a8d96"
-# Grid lines and frames.
-RULE = "#d9cfb9"
-# Fills behind all other elements.
-FAINT = "#efe9db"
-# Cells that only neighbours share: a tint of blue, distinguishable from CANDIDATE in greyscale.
-SHARED = "#d3dfe8"
-# Cells with candidates for a contact: a tint of amber.
-CANDIDATE = "#efb037"
+# Lines and text: darker than the palette's blue and amber, for a contrast of at least 4.5 to 1 on the background.
+BLUE, AMBER = "#3a71a3", "#9a5f00"
+# Secondary text: a contrast of 5 to 1. Lines of less importance: 3 to 1.
+QUIET, PALE = "#5d6675", "#8a8d96"
+# Grid lines and frames. Fills behind all other elements.
+RULE, FAINT = "#d9cfb9", "#efe9db"
+# Cells that only neighbours share, and those with candidates for a contact: distinguishable in greyscale.
+SHARED, CANDIDATE = "#d3dfe8", "#efb037"
 # Pixels per inch: a page of 8 inches has 1600 pixels, twice the 800 at which it is displayed.
 DPI = 200
-# Pixels per inch of a figure in a notebook: the default of notebooks.
-NOTEBOOK_DPI = 100
-# Inches from a page's edges to its text.
-MARGIN = 0.3
-# Inches: sides of a figure that fills a slide.
-SLIDE_WIDTH, SLIDE_HEIGHT = 8.0, 4.5
-# Inches from a page's top to the baseline of the title.
-TITLE_DEPTH = 0.42
-# Inches from the baseline of the title to that of the subtitle.
-SUBTITLE_DEPTH = 0.29
-# Spacing of lines, and the inches between the baselines of lines of titles and of subtitles that follow from it.
-LINE_SPACING, TITLE_LINE, SUBTITLE_LINE = 1.25, 0.28, 0.2
-# Points per inch.
+# Inches: sides of a figure that fills a slide, and the distance from a page's edges to its text.
+SLIDE_WIDTH, SLIDE_HEIGHT, MARGIN = 8.0, 4.5, 0.3
+# Inches from a page's top to its title, and to its subtitle; height of a line of a title; spacing in font sizes.
+TITLE_TOP, SUBTITLE_TOP, TITLE_LINE, LINE_SPACING = 0.24, 0.56, 0.28, 1.25
 POINTS_PER_INCH = 72.0
-# Points: size of a title.
-TITLE_SIZE = 16
-# Points: smallest size of text.
-SMALL = 10.5
-# Points: width of the halo of text over a line.
-HALO = 3.0
-# Points: width of the halo of text over several lines.
-WIDE_HALO = 5.0
-# The default font of matplotlib.
-FALLBACK_FONT = "DejaVu Sans"
+# Points: size of a title, smallest size of text, and width of the halo of text over a line.
+TITLE_SIZE, SMALL, HALO = 16, 10.5, 3.0
+# Options of a legend in the lower left corner of a slide.
+KEY: dict[str, Any] = {"loc": (MARGIN / SLIDE_WIDTH, MARGIN / SLIDE_HEIGHT), "frameon": False, "borderpad": 0.0}
+# Areas of a slide, as left, bottom, width and height in fractions of the page; and inches between panels.
+BELOW_TITLE, BESIDE_TITLE, PADDING = (0.02, 0.01, 0.96, 0.8), (0.47, 0.01, 0.51, 0.98), 0.1
+# Fraction of a march without contact before its end that shows no speeds, which are unbounded where a spiral ends.
+IRREGULAR_FRACTION = 0.05
+# Fraction of the axes' height: least distance between labels in a column.
+LABEL_STEP = 0.075
 
 # matplotlib settings. Text has at least 10.5 points: 14 pixels in a picture displayed 800 pixels wide, and a thirtieth
 # of the height of a slide.
 RC_PARAMS: dict[str, Any] = {
     "font.size": 11.5,
-    "axes.labelsize": 11.5,
-    "xtick.labelsize": SMALL,
-    "ytick.labelsize": SMALL,
     "text.color": COLOURS.ink,
-    "axes.labelcolor": QUIET,
-    "xtick.color": QUIET,
-    "ytick.color": QUIET,
-    "axes.edgecolor": QUIET,
     "axes.facecolor": "none",
-    "axes.linewidth": 0.8,
-    "axes.formatter.useoffset": False,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
     "figure.facecolor": COLOURS.background,
-    "savefig.facecolor": COLOURS.background,
     "lines.solid_capstyle": "round",
-    "lines.solid_joinstyle": "round",
-    "svg.fonttype": "path",
     # A fixed salt makes the names of clip paths reproducible.
     "svg.hashsalt": "pymunk_dragon",
+    **dict.fromkeys(("xtick.labelsize", "ytick.labelsize"), SMALL),
+    **dict.fromkeys(("axes.labelcolor", "xtick.color", "ytick.color", "axes.edgecolor"), QUIET),
+    **dict.fromkeys(("axes.formatter.useoffset", "axes.spines.top", "axes.spines.right"), False),
 }
 
 
 @contextmanager
 def styled() -> Iterator[None]:
-    """Context with the fonts and colours of all figures; restores matplotlib's settings at its end.
-
-    Figures are drawn in this context, after it has checked that matplotlib can be imported.
-
-    Raises
-    ------
-    MissingExtraError
-        If matplotlib is not installed.
-    OutputError
-        If the fonts, or matplotlib's list of them, cannot be written to the disk.
-    """
+    """Context with the fonts and colours of all figures; restores matplotlib's settings at its end."""
     matplotlib = library("matplotlib")
     # The font of the language, or of the films; matplotlib's default font provides missing glyphs such as µ.
-    family = {"font.family": [_register_font(language()), FALLBACK_FONT]}
+    family = {"font.family": [_register_font(language()), "DejaVu Sans"]}
     with matplotlib.rc_context():
         matplotlib.rcdefaults()
         matplotlib.rcParams.update(RC_PARAMS | family)
@@ -120,23 +87,17 @@ def styled() -> Iterator[None]:
 @cache
 def _register_font(name: str) -> str:
     """Register the font of a language, the present one, with matplotlib; return the name of the font."""
-    fonts = library("matplotlib.font_manager").fontManager
     file = font()
-    if file is not None:
-        fonts.addfont(file)
-        return str(ImageFont.truetype(file, TITLE_SIZE).getname()[0])
-    # The font of Pillow and the films. Without FreeType it is a bitmap font, which matplotlib cannot use.
-    default: Any = ImageFont.load_default(TITLE_SIZE)
-    if not hasattr(default, "font_bytes"):
-        return FALLBACK_FONT
-    # matplotlib reads fonts from files only, and may do so until the program ends.
-    folder = tempfile.TemporaryDirectory(prefix="pymunk-dragon-")
-    atexit.register(folder.cleanup)
-    file = Path(folder.name) / "face.ttf"
-    with written_in_place(file) as draft:
-        draft.write_bytes(default.font_bytes)
-    fonts.addfont(file)
-    return str(default.getname()[0])
+    if file is None:
+        # The font of Pillow and the films. matplotlib reads it from a file only, perhaps until the program ends.
+        default: Any = ImageFont.load_default(TITLE_SIZE)
+        folder = tempfile.TemporaryDirectory(prefix="pymunk-dragon-")
+        atexit.register(folder.cleanup)
+        file = Path(folder.name) / "face.ttf"
+        with written_in_place(file) as draft:
+            draft.write_bytes(default.font_bytes)
+    library("matplotlib.font_manager").fontManager.addfont(file)
+    return str(ImageFont.truetype(file, TITLE_SIZE).getname()[0])
 
 
 @cache
@@ -147,27 +108,10 @@ def _figure_type() -> type[Figure]:
     class NotebookFigure(Figure):
         def _repr_png_(self) -> bytes:
             file = BytesIO()
-            self.savefig(file, format="png", dpi=NOTEBOOK_DPI)
+            self.savefig(file, format="png", dpi=DPI // 2)
             return file.getvalue()
 
     return NotebookFigure
-
-
-def page(width: float, height: float, title: str, subtitle: str = "") -> Figure:
-    """Create a page with a title and a subtitle, of any number of lines, in its upper left corner; sizes in inches."""
-    figure = _figure_type()(figsize=(width, height), dpi=DPI)
-    style: dict[str, Any] = {"x": MARGIN / width, "linespacing": LINE_SPACING}
-    # The baselines of the last lines.
-    last = TITLE_DEPTH + TITLE_LINE * title.count("\n")
-    below = last + SUBTITLE_DEPTH + SUBTITLE_LINE * subtitle.count("\n")
-    figure.text(**style, y=1 - last / height, s=title, size=TITLE_SIZE)
-    figure.text(**style, y=1 - below / height, s=subtitle, color=QUIET)
-    return figure
-
-
-def slide(title: str, subtitle: str = "") -> Figure:
-    """Create a page that fills a slide."""
-    return page(SLIDE_WIDTH, SLIDE_HEIGHT, title, subtitle)
 
 
 def chart(width: float, height: float) -> Figure:
@@ -175,26 +119,30 @@ def chart(width: float, height: float) -> Figure:
     return _figure_type()(figsize=(width, height), dpi=DPI, layout="constrained")
 
 
-def panel(
-    figure: Figure, left: float, bottom: float, width: float, height: float, *, sharey: Axes | None = None
-) -> Axes:
+def page(width: float, height: float, title: str, subtitle: str = "") -> Figure:
+    """Create a page with a title and a subtitle, of any number of lines, in its upper left corner; sizes in inches."""
+    figure = _figure_type()(figsize=(width, height), dpi=DPI)
+    down = SUBTITLE_TOP + TITLE_LINE * title.count("\n")
+    aligned: dict[str, Any] = {"x": MARGIN / width, "va": "top", "linespacing": LINE_SPACING}
+    figure.text(y=1 - TITLE_TOP / height, s=title, size=TITLE_SIZE, **aligned)
+    figure.text(y=1 - down / height, s=subtitle, color=QUIET, **aligned)
+    return figure
+
+
+# Create a page that fills a slide.
+slide = partial(page, SLIDE_WIDTH, SLIDE_HEIGHT)
+
+
+def panel(figure: Figure, left: float, bottom: float, width: float, height: float, **options: Any) -> Axes:
     """Add axes to a page; position and size in inches from the page's lower left corner."""
-    across, up = figure.get_size_inches()
-    axes: Axes = figure.add_axes((left / across, bottom / up, width / across, height / up), sharey=sharey)
-    return axes
+    place = np.array([[left, bottom], [width, height]]) / figure.get_size_inches()
+    return figure.add_axes(tuple(place.ravel().tolist()), **options)
 
 
-def key(figure: Figure, entries: Sequence[Any], left: float, top: float) -> None:
-    """Explain artists by their labels; `left` and `top` in inches from the page's lower left corner."""
-    across, up = figure.get_size_inches()
-    figure.legend(
-        handles=entries,
-        loc="upper left",
-        bbox_to_anchor=(left / across, top / up),
-        frameon=False,
-        borderpad=0.0,
-        borderaxespad=0.0,
-    )
+def panels(figure: Figure, area: Any = BELOW_TITLE, rows: int = 1, columns: int = 1, **options: Any) -> Any:
+    """Add axes, laid out by matplotlib, to an area of a page; options as of `Figure.subplots`."""
+    figure.set_layout_engine("constrained", rect=area, w_pad=PADDING, h_pad=PADDING)
+    return figure.subplots(rows, columns, **options)
 
 
 def halo(width: float = HALO) -> list[Any]:
@@ -204,7 +152,65 @@ def halo(width: float = HALO) -> list[Any]:
     return [withStroke(linewidth=width, foreground=COLOURS.background)]
 
 
-def blend(first: str, second: str, share: float) -> str:
-    """Interpolate between two colours, #rrggbb; `share` is 0 for `first` and 1 for `second`."""
-    one, other = bytes.fromhex(first[1:]), bytes.fromhex(second[1:])
-    return "#" + bytes(round(a + share * (b - a)) for a, b in zip(one, other, strict=True)).hex()
+def logarithmic(axes: Axes, low: float, high: float) -> None:
+    """Set a logarithmic scale from `low` to `high` with plain numbers and thin grid lines."""
+    from matplotlib.ticker import LogLocator, NullLocator
+
+    axes.set(yscale="log", ylim=(low, high))
+    # On a short scale also numbers between the powers of ten have ticks.
+    steps = (1.0, 2.0, 3.0, 5.0) if high < 30 * low else (1.0,)
+    axes.yaxis.set(major_locator=LogLocator(subs=steps, numticks=12), minor_locator=NullLocator())
+    axes.yaxis.set_major_formatter("{x:g}")
+    axes.grid(axis="y", color=RULE, lw=0.6)
+
+
+def lead(axes: Axes, points: Array, names: Sequence[str], across: float, colours: Sequence[Any]) -> None:
+    """Label points (K, 2) in a column at `across`, a fraction of the axes' width, with lines that lead to them.
+
+    The labels are as high as their points, or higher where these are too close together. The limits must be final.
+    """
+    places = (axes.transScale + axes.transLimits).transform(points)
+    order = np.argsort(places[:, 1], kind="stable")
+    steps = LABEL_STEP * np.arange(len(points))
+    heights = np.maximum.accumulate(np.clip(places[order, 1], 0, 1) - steps) + steps
+    for row, height in zip(order.tolist(), np.minimum(heights, 1 - steps[::-1]).tolist(), strict=True):
+        right = across > places[row, 0]
+        arrow = {"arrowstyle": "-", "color": colours[row], "lw": 0.9, "shrinkA": 2, "shrinkB": 0}
+        arrow["relpos"] = (0.0 if right else 1.0, 0.5)
+        place: dict[str, Any] = {"xy": points[row], "xytext": (across, height), "textcoords": "axes fraction"}
+        place |= {"ha": "left" if right else "right", "va": "center", "annotation_clip": False}
+        axes.annotate(names[row], **place, arrowprops=arrow, zorder=2)
+
+
+@dataclass(frozen=True)
+class Subject:
+    """A march from `begin` to `until`, s, or to the end of its curve; and the run that it was taken from, if any."""
+
+    march: March
+    begin: float = 0.0
+    until: float | None = None
+    run: Run | None = None
+
+    @cached_property
+    def hit(self) -> FirstContact:
+        """The first contact, or the end."""
+        hit = first_contact(self.march, start=self.begin, until=self.until)
+        if hit.status == "overlapping":
+            pair = "one whose benches {} and {} overlap at the start".format(*(hit.benches or ()))
+            raise ParameterError("march", pair, "one whose benches are apart")
+        return hit
+
+    @property
+    def end(self) -> str:
+        """Name and time of the first contact, or of the end."""
+        name = text("the first contact, {:.2f} s") if self.hit.contact else text("the end, {:.2f} s")
+        return name.format(self.hit.time)
+
+    @property
+    def last_regular_time(self) -> float:
+        """Time of the contact, or shortly before an end without contact, s."""
+        return self.hit.time - (0 if self.hit.contact else IRREGULAR_FRACTION * (self.hit.time - self.begin))
+
+    def path(self, first: float, last: float, points: int = 2400) -> Array:
+        """Points (P, 2), m, of the curve between two coordinates, m: by default about 150 on a turn of the paper's."""
+        return self.march.curve.point(np.linspace(first, last, points))
