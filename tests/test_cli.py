@@ -299,23 +299,6 @@ def test_figure_has_a_name_and_the_language_of_a_flag_or_the_environment(answer,
 
 
 @pytest.mark.thorough
-def test_all_figures_are_written_to_a_folder_and_those_left_out_have_a_reason(call, small_run, here):
-    of_run = {"drift", "impulses"}
-    small_run.save("run.npz")
-    for arguments, left_out in (
-        (["run.npz", "-o", "one/two"], set()),
-        (["--benches", 3, "--turns", 3, "-o", "short"], {*of_run, "collision"}),
-    ):
-        code, out, err = call("figure", "all", *arguments, "--json")
-        found = json.loads(out)
-        assert (code, set(found["left_out"])) == (0, left_out)
-        assert all(f"left out {name}: " in err for name in left_out)
-        written = {path.stem: path.stat().st_size for path in Path(arguments[-1]).iterdir()}
-        assert written == {Path(each["output"]).stem: each["bytes"] for each in found["outputs"]}
-        assert set(written) == set(FIGURES) - left_out
-
-
-@pytest.mark.thorough
 def test_pdf_has_the_same_bytes_in_each_process(tmp_path):
     for lang in ("en", "zh"):
         contents = set()
@@ -377,7 +360,6 @@ BAD_INPUT = {
     "report -o r.html": "RUN.npz",
     "figure nothing -o f.png": "figure nothing spiral",
     "figure drift -o f.png": "run engine",
-    "figure all -o s.toml": "-o folder",
     "frobnicate": "frobnicate",
     "demo 99": "99",
 }
