@@ -1,4 +1,4 @@
-"""Delaying signals while code runs that must not be interrupted halfway, and blocking them in worker processes."""
+"""Delaying signals while code runs that must not be interrupted halfway."""
 
 from __future__ import annotations
 
@@ -42,27 +42,3 @@ def signals_held(holds: Callable[[], bool] = lambda: True) -> Iterator[Callable[
         for number, handler in handlers.items():
             signal.signal(number, handler)
     release()
-
-
-@contextmanager
-def signals_blocked() -> Iterator[None]:
-    """Block signals while worker processes start, which inherit this and call `unblock_in_worker`."""
-    if not hasattr(signal, "pthread_sigmask"):
-        yield
-        return
-    from multiprocessing import resource_tracker
-
-    # The resource tracker unblocks interrupts when it starts, so it must run before signals are blocked.
-    resource_tracker.ensure_running()
-    with signals_held():
-        before = signal.pthread_sigmask(signal.SIG_BLOCK, ENDING)
-        try:
-            yield
-        finally:
-            signal.pthread_sigmask(signal.SIG_SETMASK, before)
-
-
-def unblock_in_worker() -> None:
-    """Unblock the signals in a worker process, except Ctrl-C, which the parent process handles."""
-    if hasattr(signal, "pthread_sigmask"):
-        signal.pthread_sigmask(signal.SIG_UNBLOCK, set(ENDING) - {signal.SIGINT})

@@ -139,10 +139,10 @@ def test_program_writes_the_table_or_prints_it_only_whatever_functions_print(tmp
 ONE = ["--axis", "pitch=0.5"]
 # Arguments, and what the message names.
 REFUSED = [
-    ([], "--axis"),
+    ([], "axis is None"),
     *((["--axis", f"pitch={bad}"], f"'pitch={bad}'") for bad in ("wide", "0.6:0.5:0.1", "")),
     ([*ONE, "--axis", "pitch=0.6"], "'pitch=0.6'"),
-    (["--axis", "pitch=nan"], "'pitch=[nan]'"),
+    (["--axis", "pitch=nan"], "'pitch=nan'"),
     (["--axis", "pitch=-2,-1"], "'pitch=-2'"),
     (["--axis", "benches=2.5"], "'benches=2.5'"),
     ([*ONE, "--benches", "1"], "--benches is 1"),

@@ -45,7 +45,7 @@ COMMANDS = {
     "contact": "When benches that are not neighbours first touch, and where.",
     "simulate": "Play the march in Pymunk until the dragon runs into itself.",
     "render": "Film a run, several side by side, or an exact march.",
-    "figure": "Draw one of the paper's figures, or one beyond it, or all.",
+    "figure": "Draw one of the paper's figures, or one beyond it.",
     "report": "Report on a run, as a document or a table.",
     "study": "Run a study of many marches.",
     "sweep": "Compute a quantity at many values of parameters, in parallel.",
@@ -107,10 +107,11 @@ def status(arguments: list[str] | None = None) -> int:
     except click.ClickException as error:
         return _complain(error.format_message(), BAD_INPUT)
     except errors.DragonError as error:
-        return _complain(str(error), BAD_INPUT if isinstance(error, INPUT_ERRORS) else FAILED)
+        code = BAD_INPUT if isinstance(error, INPUT_ERRORS) else FAILED
+        return _complain("; ".join([str(error), *getattr(error, "__notes__", ())]), code)
     except KeyboardInterrupt as end:
         # With what is left to be resumed, if there is something.
-        return _complain(": ".join(("interrupted", *map(str, end.args))), INTERRUPTED)
+        return _complain(": ".join(["interrupted", *getattr(end, "__notes__", ())]), INTERRUPTED)
     except BrokenPipeError:
         # The reader of stdout has closed it, as `head` does.
         return _drop_output()

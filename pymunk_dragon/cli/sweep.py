@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import sys
 from contextlib import redirect_stdout
@@ -53,6 +54,8 @@ def sweep(
     from pymunk_dragon.model.scenario import Scenario
     from pymunk_dragon.sweeps import sweep as run_sweep
 
+    # What Dask logs of a lost scheduler; the error is one line.
+    logging.disable()
     # A module of the user's, which other programs would find as well.
     sys.path.append(os.getcwd())
     values = Scenario.read(scenario_file) if scenario_file is not None else {}

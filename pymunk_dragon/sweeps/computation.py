@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 import os
 import signal
 import subprocess
@@ -28,6 +27,7 @@ import numpy as np
 
 from pymunk_dragon._checks import whole, word
 from pymunk_dragon._extras import library
+from pymunk_dragon._signals import ENDING, signals_held
 from pymunk_dragon.errors import DragonError, ParameterError
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.scenario import Scenario, flat_values
@@ -133,8 +133,7 @@ def sweep(
             found.write(file)
     except (KeyboardInterrupt, DragonError) as error:
         if path is not None and partial.rows:
-            kept = f"{len(partial.rows)} of {count} points are in {path}, from where the sweep can be resumed"
-            error.args = ("; ".join([*map(str, error.args), kept]),)
+            error.add_note(f"{len(partial.rows)} of {count} points are in {path}, from where the sweep can be resumed")
         raise
     if path is not None:
         path.unlink(missing_ok=True)
@@ -240,24 +239,29 @@ class _Processes(ProcessPoolExecutor):
             return super().submit(*arguments, **named)
 
     def __exit__(self, kind: type[BaseException] | None, *rest: Any) -> None:
-        # `kill_workers` comes with Python 3.14.
-        processes = list((self._processes or {}).values()) if kind is not None else []
-        self.shutdown(wait=kind is None, cancel_futures=True)
-        for process in processes:
-            process.kill()
+        # `kill_workers` comes with Python 3.14. The thread of the executor ends with the processes: at its exit Python
+        # 3.11 would wake a thread that is about to end, and print an error.
+        if kind is not None:
+            for process in list((self._processes or {}).values()):
+                process.kill()
+        self.shutdown(cancel_futures=True)
 
 
 @contextmanager
 def _blocked_signals() -> Iterator[None]:
-    """Block the signals that end the program, also in processes that are started: a terminal sends them to all."""
+    """Delay the signals that end the program, and block them in processes that start: a terminal sends them to all.
+
+    Other threads may receive what is blocked in this one, and handlers run in this one; so both are needed.
+    """
     if not hasattr(signal, "pthread_sigmask"):  # On Windows.
         yield
         return
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGTERM, signal.SIGHUP})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+    with signals_held():
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, ENDING)
+        try:
+            yield
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _begin_worker() -> None:
@@ -277,8 +281,6 @@ def _end_with(parent: BaseProcess) -> None:
 @contextmanager
 def _cluster(distributed: Any, scheduler: str) -> Iterator[Executor]:
     """The workers of a Dask scheduler at an address."""
-    # It warns of what it does again.
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)
     try:
         # A client with an address of another form waits for itself when it is closed.
         distributed.comm.get_address_host_port(scheduler)

@@ -101,6 +101,14 @@ class Sweep(Result):
         Wall time, s.
     axes, reference : mapping
         Values of each axis, and the scenario's own value.
+
+    Examples
+    --------
+    >>> from concurrent.futures import ThreadPoolExecutor
+    >>> from pymunk_dragon import Scenario, sweep
+    >>> found = sweep(Scenario(benches=16, turns=8), {"width": [0.3, 0.4]}, executor=ThreadPoolExecutor(1))
+    >>> found.points, found.column("width").tolist()
+    (2, [0.3, 0.4])
     """
 
     def __init__(self, quantity: Quantity, axes: Axes, partial: Partial, reference: Values, seconds: float) -> None:
