@@ -20,12 +20,23 @@ if TYPE_CHECKING:
         UnreachableError,
     )
     from pymunk_dragon.model.contact import Contact, ContactEvent, ContactLog
-    from pymunk_dragon.model.curves import Arc, Composite, Curve, Line, Reversed, Sampled, Section, Spiral, UTurn
+    from pymunk_dragon.model.curves import (
+        Arc,
+        Composite,
+        Curve,
+        Line,
+        Reversed,
+        Sampled,
+        Section,
+        Spiral,
+        UTurn,
+        check_curve,
+    )
     from pymunk_dragon.model.dragon import Dragon, outlines
     from pymunk_dragon.model.march import March, States
     from pymunk_dragon.model.run import Run, check_saveable
     from pymunk_dragon.model.scenario import Scenario
-    from pymunk_dragon.model.speed import Speed, SpeedTable
+    from pymunk_dragon.model.speed import SpeedTable
     from pymunk_dragon.physics import EngineSettings, PathGuide, World, simulate
     from pymunk_dragon.player import player_page, write_player
     from pymunk_dragon.reports import report
@@ -37,10 +48,10 @@ __all__ = [
     "Arc", "Camera", "Composite", "Contact", "ContactEvent", "ContactLog", "Curve", "Dragon", "DragonError",
     "EngineSettings", "FileFormatError", "Film", "FirstContact", "Grid", "Line", "March", "MissingExtraError",
     "NearMiss", "OutputError", "Palette", "ParameterError", "PathGuide", "PillowDrawOptions", "Reversed", "Run",
-    "Sampled", "Scenario", "Section", "Separation", "Speed", "SpeedTable", "Spiral", "States", "Sweep",
-    "UTurn", "UnreachableError", "World", "check_saveable", "first_contact", "live", "max_speed", "min_pitch",
-    "outlines", "player_page", "render", "report", "scan", "sensitivity", "separation", "simulate", "sweep", "u_turn",
-    "write_film", "write_player",
+    "Sampled", "Scenario", "Section", "Separation", "SpeedTable", "Spiral", "States", "Sweep", "UTurn",
+    "UnreachableError", "World", "check_curve", "check_saveable", "first_contact", "live", "max_speed",
+    "min_pitch", "outlines", "player_page", "render", "report", "scan", "sensitivity", "separation", "simulate",
+    "sweep", "u_turn", "write_film", "write_player",
 ]  # fmt: skip
 
 # Names are loaded when they are first used: NumPy, Pymunk and Pillow together take longer to import than
@@ -51,12 +62,12 @@ _MODULES = {
     "drawing.debug_draw": "PillowDrawOptions",
     "errors": "DragonError FileFormatError MissingExtraError OutputError ParameterError UnreachableError",
     "model.contact": "Contact ContactEvent ContactLog",
-    "model.curves": "Arc Composite Curve Line Reversed Sampled Section Spiral UTurn",
+    "model.curves": "Arc Composite Curve Line Reversed Sampled Section Spiral UTurn check_curve",
     "model.dragon": "Dragon outlines",
     "model.march": "March States",
     "model.run": "Run check_saveable",
     "model.scenario": "Scenario",
-    "model.speed": "Speed SpeedTable",
+    "model.speed": "SpeedTable",
     "physics": "EngineSettings PathGuide World simulate",
     "player": "player_page write_player",
     "reports": "report",

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from numbers import Integral, Real
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,21 +56,19 @@ def did_you_mean(value: object, words: Iterable[str]) -> str:
     return f": did you mean {similar[0]}?" if similar else ""
 
 
-def answer(method: str, value: object, given: tuple[int, ...], tail: tuple[int, ...] = ()) -> NDArray[np.float64]:
-    """What a method of a user's class returned, as an array of numbers of the shape `given` + `tail`.
-
-    A single number is broadcast to the shape `given`.
-    """
-    shape = given + tail
+def numbers(name: str, value: object, *tail: int, kind: type = float) -> NDArray[Any]:
+    """`value` as an array of floats, or of another `kind`, whose last axes have the lengths `tail`."""
     try:
         array = np.asarray(value)
     except ValueError:  # lists of different lengths
         array = np.array(None)
-    if array.dtype.kind not in "iuf":
-        raise ParameterError(method, value, f"an array of numbers of shape {shape} for arguments of shape {given}")
-    if array.shape != shape and (tail or array.ndim):
-        raise ParameterError(f"the shape of {method}", array.shape, f"{shape} for arguments of shape {given}")
-    return np.broadcast_to(array, shape).astype(float, order="C")
+    real = array.dtype.kind in ("iufc" if kind is complex else "iuf") and (kind is not int or array.dtype.kind != "f")
+    if not real or (tail and array.shape[-len(tail) :] != tail):
+        shape = "".join(f", {length}" for length in tail)
+        raise ParameterError(
+            name, value, f"{'whole ' * (kind is int)}numbers" + f" of the shape (...{shape})" * bool(tail)
+        )
+    return array.astype(kind, copy=False)
 
 
 def number(value: object) -> float:

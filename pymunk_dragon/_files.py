@@ -65,7 +65,7 @@ def read_text(path: str | Path, name: str) -> str:
         with Path(path).open("rb") as file:
             # Not the size of the file: devices have none, and may be endless.
             content = file.read(MAX_TEXT + 1)
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, TypeError) as error:
         raise ParameterError(name, str(path), f"a readable file ({_reason(error)})") from error
     if len(content) > MAX_TEXT:
         raise FileFormatError(path, f"larger than {MAX_TEXT / 1e6:g} MB")

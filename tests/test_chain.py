@@ -73,10 +73,13 @@ def test_whole_chains_never_end_on_another_turn(monkeypatch):
     """From an estimate on another turn Newton's method finds other handles at the same distances: they are refused."""
     spiral = Spiral(pitch=0.3)
     heads, spacings = np.array([spiral.at_turn(turns) for turns in (3, 5, 9)]), np.array([1.65, 1.65])
-    expected, near = spiral._bench_by_bench(heads, spacings), spiral.estimate(heads, spacings)
+    expected, near = (
+        spiral._bench_by_bench(heads, spacings),
+        spiral._estimate(heads, spiral._parameter(heads), spacings[:, None]),
+    )
     for back in (0.3, 0.5, 0.99, 1.0, 1.01, 2.0):
-        estimate = near - back * 2 * np.pi * np.array([0, 1, 1])
-        monkeypatch.setattr(Spiral, "estimate", lambda self, heads, spacings, estimate=estimate: estimate.copy())
+        estimate = near - back * 2 * np.pi * np.array([[0], [1], [1]])
+        monkeypatch.setattr(Spiral, "_estimate", lambda self, *arguments, estimate=estimate: estimate.copy())
         found, succeeded = chain.whole_chains(spiral, heads, spacings)
         np.testing.assert_allclose(found.handles_s[succeeded], expected[succeeded], rtol=0, atol=1e-11)
         np.testing.assert_allclose(spiral.chain(heads, spacings), expected, rtol=0, atol=1e-11)

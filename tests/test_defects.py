@@ -8,7 +8,7 @@ import pytest
 from pymunk_dragon import Arc, Composite, Dragon, Line, March, Sampled, first_contact, simulate
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.contact import Contact
-from pymunk_dragon.model.curves import Curve, spline
+from pymunk_dragon.model.curves import Curve, sampled
 from pymunk_dragon.physics.callbacks import Motion, refined_contact
 from pymunk_dragon.studies import max_speed
 
@@ -74,8 +74,8 @@ def test_constant_gap_is_no_near_miss():
 @pytest.mark.thorough
 def test_sharp_bends_and_unequal_benches_need_few_evaluations_of_the_curve(monkeypatch):
     calls = []
-    solved = spline._solved
-    monkeypatch.setattr(spline, "_solved", lambda *arguments: calls.append(0) or solved(*arguments))
+    solved = sampled._solved
+    monkeypatch.setattr(sampled, "_solved", lambda *arguments: calls.append(0) or solved(*arguments))
     points = [(-30, 0), (-20, 0), (-10, 0), (-4, 0)]
     for i in range(6):
         points += [(4 * i, 2.5 * (-1) ** i), (4 * i + 2, 0)]

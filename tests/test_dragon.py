@@ -47,7 +47,7 @@ def test_impossible_sizes_are_refused_by_name():
             error = refusal(Dragon, benches=223, **{name: value})
             assert error.value is value
             assert_says(error, f"{name} is ", "0.001 to 100 m")
-    for value in [*NO_NUMBERS, 1, 10_001, 10**5000, 223.0, 2.5]:
+    for value in [*(value for value in NO_NUMBERS if value is not None), 1, 10_001, 10**5000, 223.0, 2.5]:
         assert refusal(Dragon, benches=value).name == "benches"
     for overhang in (0.825, 0.9, 50.0):
         assert_says(refusal(Dragon, overhang=overhang), "overhang is ", "0.825 m")

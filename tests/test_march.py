@@ -119,17 +119,12 @@ def assert_matches_oracle(march, time, *, speeds=True):
         (March(Dragon(benches=20), Spiral(pitch=0.31)), 100, True),
         # Turn 3.4 is 3.5 m wide where the head's bench lies across it.
         (March(Dragon(benches=12, head_spacing=3.45, body_spacing=3.4), turns=3.4), 0, True),
+        # Close to the centre and at it.
+        *((March(SMALL, turns=1.5), time, True) for time in (2.5, March(SMALL, turns=1.5).end - 1e-3)),
     ],
 )
 def test_every_handle_is_where_the_oracle_has_it(march, time, speeds):
     assert_matches_oracle(march, time, speeds=speeds)
-
-
-def test_small_dragon_close_to_the_centre_and_at_it_agrees_with_the_oracle():
-    march = March(SMALL, turns=1.5)
-    assert np.linalg.norm(march.at([march.end - 1e-3]).positions[0, 0]) < 1.1e-3
-    for time in (2.5, march.end - 1e-3):
-        assert_matches_oracle(march, time)
 
 
 # What rigid benches demand
@@ -278,6 +273,3 @@ def test_impossible_questions_are_refused_by_name(seed_march):
         assert refusal(seed_march.at, 0, handles=handles).name == "handles"
     for step in NO_NUMBERS:
         assert refusal(seed_march.speeds_by_difference, [0], step).name == "step"
-
-
-# What is worth looking at

@@ -11,7 +11,7 @@ from chain_follower import follow, random_path
 from conftest import refusal
 
 from pymunk_dragon.errors import UnreachableError
-from pymunk_dragon.model.curves import Arc, Composite, Line, Reversed, Spiral, UTurn
+from pymunk_dragon.model.curves import Arc, Composite, Line, Spiral, UTurn
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 
@@ -126,23 +126,6 @@ def test_states_depend_neither_on_the_order_of_questions_nor_on_marches_that_sha
             assert np.array_equal(same.handles_s_or_nan(times), expected)
         first, second = expected[:1], expected[1:2]
         assert np.array_equal(march.continuation.ranges(first, second), alone.continuation.ranges(first, second))
-
-
-@pytest.mark.thorough
-def test_a_spiral_and_the_same_by_the_code_for_any_curve_are_followed_alike_close_to_the_centre():
-    """Where a rear handle vanishes near the centre and another one exists further in, motion has ended."""
-    spiral = Spiral(pitch=1.0)
-    head_start = spiral.at_turn(3)
-    dragon = Dragon(benches=3, head_spacing=0.95, body_spacing=0.5, overhang=0.05, width=0.1)
-    times = np.append(np.linspace(0, -head_start - 0.3, 20), np.linspace(-head_start - 0.3, -head_start, 30))
-    ours = March(dragon, spiral, start_s=head_start).handles_s_or_nan(times)
-    other = March(dragon, Reversed(Reversed(spiral)), start_s=head_start).handles_s_or_nan(times)
-    np.testing.assert_allclose(ours, other, rtol=0, atol=1e-9)
-    lost = np.isnan(ours[:, 1])
-    assert lost[-1]
-    assert lost[np.argmax(lost) :].all()
-    # A state that no motion leads to.
-    assert not np.isnan(spiral.chain([-0.05], [0.95])).any()
 
 
 def test_ranges_near_the_centre_of_a_spiral_contain_a_handle_that_reverses_there():

@@ -1,7 +1,8 @@
-"""Curves and speeds of a user's own class that return nonsense, and arguments of the wrong kind: one clear error."""
+"""Curves of a user's own class that return nonsense, and arguments of the wrong kind: one clear error."""
 
 from __future__ import annotations
 
+import contextlib
 import math
 
 import numpy as np
@@ -10,33 +11,18 @@ from test_curve_kinds import LogarithmicSpiral
 
 from pymunk_dragon.collision import Grid, first_contact, scan
 from pymunk_dragon.drawing import render
-from pymunk_dragon.model.curves import Composite, Reversed, Section, Spiral
-from pymunk_dragon.model.dragon import Dragon
+from pymunk_dragon.errors import DragonError
+from pymunk_dragon.model.curves import Arc, Curve, Line, Reversed, Sampled, Spiral, UTurn, check_curve
+from pymunk_dragon.model.dragon import Dragon, bench_poses, outlines
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 from pymunk_dragon.model.scenario import Scenario
-from pymunk_dragon.model.speed import speed_of
+from pymunk_dragon.model.speed import SpeedTable
 from pymunk_dragon.physics import World, simulate
 from pymunk_dragon.player import player_page
 from pymunk_dragon.reports import report
 
 SMALL = Dragon(benches=4)
-
-
-class Steady:
-    """A user's own speed: 1 m/s."""
-
-    def at(self, t):
-        return np.ones(np.shape(t))
-
-    def distance(self, t):
-        return np.asarray(t, dtype=float)
-
-    def time(self, way):
-        return np.asarray(way, dtype=float)
-
-    def fastest(self, t0, t1):
-        return 1.0
 
 
 def own(base, **members):
@@ -49,6 +35,7 @@ def constant(value):
     return lambda self, first, *others: np.full(np.shape(first), value)
 
 
+METHODS = ("point", "tangent", "curvature", "max_curvature")
 WRONG = (
     lambda self, *arguments: None,
     lambda self, *arguments: "1",
@@ -56,57 +43,46 @@ WRONG = (
     constant(1j),
     constant(None),
     lambda self, first, *others: np.ones((2, *np.shape(first))),
+    constant(math.nan),
+    constant(math.inf),
 )
 
 
-def test_curve_and_speed_of_a_users_own_work():
-    march = March(SMALL, own(LogarithmicSpiral), start_s=30.0, speed=own(Steady))
+def test_curve_of_a_users_own_works_and_is_checked_when_its_author_wants_it():
+    curve = own(LogarithmicSpiral)
+    check_curve(curve)
+    march = March(SMALL, curve, start_s=30.0)
     assert simulate(march, until=0.2).max_drift < 1e-3
     assert first_contact(march, until=3.0).status == "clear"
-    # The class of a user may change points of a curve of the package.
+
+    def of(method, change):
+        return own(LogarithmicSpiral, **{method: lambda self, *s: change(getattr(LogarithmicSpiral, method)(self, *s))})
+
+    wrong = [own(LogarithmicSpiral, **{name: answer}) for name in METHODS for answer in WRONG]
+    wrong += [of(name, change) for name in METHODS for change in (lambda x: x * 0.99, lambda x: np.where(x > 1, x, 1))]
+    wrong += [
+        of("max_curvature", lambda x: 0 * x),
+        own(LogarithmicSpiral, begin_s=0.5),
+        own(LogarithmicSpiral, begin_s=2.0),
+    ]
+    wrong += [of(name, np.nan_to_num) for name in METHODS[:3]]
+    for curve in wrong:
+        assert "Mine" in refusal(check_curve, curve).name
+    # A class that changes the points of a curve of the package inherits what does not fit them.
     moved = own(Spiral, point=lambda self, s: Spiral.point(self, s) + np.array([1.0, 0.0]))
-    offset = March(SMALL, moved).at([0.0, 5.0]).positions - March(SMALL).at([0.0, 5.0]).positions
-    np.testing.assert_allclose(offset, np.broadcast_to([1.0, 0.0], offset.shape), atol=1e-9)
-
-
-def test_wrong_results_of_a_users_curve_are_refused_by_the_method():
-    for method in ("point", "tangent", "curvature", "max_curvature"):
-        for answer in (*WRONG, constant(math.nan), constant(math.inf)):
-            curve = own(LogarithmicSpiral, **{method: answer})
-            for take in (lambda: March(SMALL, curve), lambda: Section(curve, 1, 2), lambda: Composite([curve])):  # noqa: B023  # Called within the loop.
-                assert_says(refusal(take), f"Mine.{method}(")
+    assert refusal(check_curve, moved, -300, -1).name == "Mine.frame(-300)"
     for ends in ((None, 1.0), (math.nan, 1.0), ("0", 1.0), (2.0, 1.0), (0.0, np.zeros(2))):
         curve = own(LogarithmicSpiral, begin_s=ends[0], end_s=ends[1])
-        assert_says(refusal(March, SMALL, curve), "Mine.begin_s and end_s")
-
-    def broken(self, s):
-        on = (np.asarray(s) > 250) & (np.asarray(s) < 260)
-        return np.where(on[..., None], np.nan, LogarithmicSpiral.point(self, s))
-
-    curve = own(LogarithmicSpiral, point=broken)
-    for path in (curve, Composite([Section(curve, 1, 400)]), Reversed(Reversed(curve))):
-        march = March(SMALL, path, start_s=30.0)
-        assert_says(refusal(march.at, np.arange(0.0, 300.0, 5.0)), "Mine.point(25", "begin_s = 1 m")
-
-
-def test_wrong_results_of_a_users_speed_are_refused_by_the_method():
-    cases = [(method, answer) for method in ("at", "distance", "time", "fastest") for answer in WRONG]
-    cases += [(method, constant(math.nan)) for method in ("at", "distance", "time", "fastest")]
-    cases += [("at", constant(value)) for value in (0.0, -1.0, 21.0)]
-    for method, answer in [*cases, ("fastest", constant(0.0))]:
-        ask = getattr(speed_of(own(Steady, **{method: answer})), method)
-        times = [np.array([7.5, 8.5])] * (2 if method == "fastest" else 1)
-        assert_says(refusal(ask, *times), f"Mine.{method}")
-    for function in (
-        lambda t: None,
-        lambda t: "1",
-        lambda t: 1 + 0j * t,
-        lambda t: np.ones(3),
-        lambda t: np.ones((np.size(t), 1)),
+        assert_says(refusal(check_curve, curve), "Mine.begin_s and end_s")
+    for arguments in (
+        (None,),
+        (Spiral,),
+        (Spiral(), "0"),
+        (Spiral(), -300, 1),
+        (Spiral(), -1, -300),
+        (Spiral(), 10**400),
     ):
-        assert_says(refusal(March, speed=function), "speed(0) is")
-    for kind in ({"curve": LogarithmicSpiral}, {"speed": Steady}):
-        assert refusal(March, **kind).name in kind
+        refusal(check_curve, *arguments)
 
 
 def test_what_is_no_march_is_refused(tmp_path, monkeypatch):
@@ -127,3 +103,76 @@ def test_what_is_no_march_is_refused(tmp_path, monkeypatch):
         for value in (None, SMALL, "march"):
             assert refusal(take, value).name in ("march", "run", "source")
     assert list(tmp_path.iterdir()) == []
+
+
+# Arguments of the wrong kind, and public functions of the model with arguments that they take.
+NONSENSE = (
+    None,
+    "text",
+    "",
+    [],
+    {},
+    math.nan,
+    -1,
+    1.5,
+    True,
+    10**400,
+    1e308,
+    object(),
+    [[1], [1, 2]],
+    ["a"],
+    1j,
+    [None],
+)
+NONSENSE += (np.zeros((2, 5)), np.zeros((0, 3)), [10**400], np.array("x"), len, float, np.arange(4.0) * 1e300)
+MARCH, POSES = March(SMALL), np.zeros((4, 3))
+CALLS = [
+    (MARCH.at, {"times": [0.0], "handles": 2}),
+    (MARCH.handles_s_or_nan, {"times": [0.0], "handles": 2}),
+    (MARCH.speeds_by_difference, {"times": [0.0], "step": 0.1}),
+    (MARCH.span, {"start": 0.0, "until": 1.0}),
+    (MARCH.share_states, {"other": MARCH}),
+    (MARCH.distance, {"times": 0.0}),
+    (MARCH.time, {"distances": 0.0}),
+    (MARCH.at([0, 1]).to_dict, {"handles": [1]}),
+    (SMALL.outlines, {"poses": POSES}),
+    (SMALL.outlines_between, {"handles": np.arange(5)}),
+    (SMALL.corners, {"fronts": [1j, 2], "rears": [3, 4], "benches": [0, 1]}),
+    (SMALL.holes, {"poses": POSES}),
+    (SMALL.hole_velocities, {"poses": POSES, "velocities": POSES}),
+    (bench_poses, {"handles": np.zeros((5, 2))}),
+    (outlines, {"poses": POSES, "lengths": np.ones(4), "width": 1.0}),
+    (SpeedTable, {"times": [0], "speeds": [1]}),
+    (SpeedTable.of, {"function": math.exp, "start": 0, "until": 1, "step": 0.1}),
+    (SpeedTable.read, {"path": "none.csv"}),
+    (Run.load, {"path": "none.npz"}),
+    (Run.exact, {"march": MARCH, "times": [0]}),
+    (Run.exact(MARCH, [0, 1]).poses_at, {"times": [0]}),
+    (Run, {"march": MARCH, "times": [0.0], "poses": POSES[None], "drift": np.zeros((1, 4))}),
+    (Scenario.from_dict, {"values": {"benches": 5}}),
+    (Scenario.read, {"path": "none.toml"}),
+    (Curve.from_dict, {"values": {"kind": "spiral"}}),
+    *(
+        (getattr(SpeedTable([0], [1]), name), {argument: 0})
+        for name, argument in (("distance", "t"), ("time", "distance"))
+    ),
+]
+for curve in (
+    Line(stop=(9, 1)),
+    Spiral(),
+    UTurn(),
+    Sampled([(0, 0), (3, 1), (6, 0), (9, 1)]),
+    Reversed(Arc(radius=3, sweep=2)),
+):
+    CALLS += [(getattr(curve, name), {"s": 1.0}) for name in ("point", "tangent", "curvature", "frame", "turns")]
+    CALLS += [(curve.max_curvature, {"s": 1.0, "other": 2.0}), (curve.foot, {"points": [[1.0, 2.0]], "near": [1.0]})]
+    CALLS += [(curve.chain, {"s": 1.0, "spacings": [1.0]}), (curve.at_turn, {"turns": 3.0})]
+
+
+def test_arguments_of_the_wrong_kind_raise_no_errors_of_the_code_inside():
+    with np.errstate(all="ignore"):
+        for call, arguments in CALLS:
+            for name, value in [(name, value) for name in arguments for value in NONSENSE]:
+                # Arrays whose shapes do not go together are a ValueError of NumPy's.
+                with contextlib.suppress(DragonError, ValueError):
+                    call(**arguments | {name: value})

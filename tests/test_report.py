@@ -201,7 +201,6 @@ def test_scenarios_of_other_marches_are_told():
         (TRACTOR, changing),
         (ARM, {"length": pytest.approx(ARM.curve.end_s)}),
         (replace(TRACTOR, speed=1.0, start_s=20.0), {"start_s": 20.0}),
-        (March(speed=lambda t: 1 + np.sin(t) / 2), {"speed": None}),
     ):
         found = summarize(Run.exact(march, [0.0, 0.5]))
         Draft202012Validator(json_schema()).validate(found.to_dict())

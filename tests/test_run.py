@@ -7,13 +7,10 @@ import json
 import math
 import os
 import pickle
-import tempfile
-import tracemalloc
 import warnings
 import zipfile
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import FrozenInstanceError, replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -26,22 +23,19 @@ from pymunk_dragon.model.contact import PHASES, Contact, ContactEvent, ContactLo
 from pymunk_dragon.model.curves import Spiral
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
-from pymunk_dragon.model.provenance import versions
 from pymunk_dragon.model.run import Run
-from pymunk_dragon.model.settings import EngineSettings
+from pymunk_dragon.model.settings import EngineSettings, versions
 
 MARCH = March(Dragon(benches=4, width=0.29), Spiral(pitch=0.6), turns=9.5, speed=1.25)
+TOUCH = {
+    "points": ((0.1, -1e-300), (1 / 3, 2.0)),
+    "normal": (0.6, 0.8),
+    "depth": 1e-9,
+    "relative_velocity": (-0.0, 5e-324),
+}
 EVENTS = ContactLog(
     (
-        ContactEvent(
-            time=0.1 + 0.2,
-            phase="begin",
-            benches=(0, 2),
-            points=((0.1, -1e-300), (1 / 3, 2.0)),
-            normal=(0.6, 0.8),
-            depth=1e-9,
-            relative_velocity=(-0.0, 5e-324),
-        ),
+        ContactEvent(time=0.1 + 0.2, phase="begin", benches=(0, 2), **TOUCH),
         ContactEvent(time=0.4, phase="post_solve", benches=(0, 2), points=((0.0, 0.0),), impulse=(1.0, -2.0)),
         ContactEvent(time=0.5, phase="separate", benches=(0, 2)),
     )
@@ -50,6 +44,7 @@ CONTACT = Contact(
     time=0.3141592653589793, raw_time=0.32, benches=(0, 2), point=(1.5, 2.5), normal=(1.0, 0.0), depth=0.25e-3
 )
 ENGINE = {"player": "pymunk", "guide": "rails", "contacts": "resolve", "start": -0.5, "substep": 0.01, "substeps": 350}
+ARRAYS = ("times", "poses", "drift", "pose_velocities", "joint_impulses")
 
 
 def a_run():
@@ -77,42 +72,46 @@ def plain_run(times, poses, **parts):
 
 def saved(run):
     """The bytes that `save` writes."""
-    with tempfile.TemporaryDirectory() as folder:
-        file = Path(folder) / "run.npz"
-        run.save(file)
-        return file.read_bytes()
+    file = io.BytesIO()
+    run.save(file)
+    return file.getvalue()
 
 
 WHOLE = saved(a_run())
 with np.load(io.BytesIO(WHOLE)) as ARCHIVE:
-    ARRAYS = dict(ARCHIVE)
+    CONTENTS = dict(ARCHIVE)
 
 
-def load(content):
+@pytest.fixture(scope="module")
+def load(tmp_path_factory):
     """Load from bytes, as from a file, with every warning an error."""
-    with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings():
-        warnings.simplefilter("error")
-        file = Path(folder) / "run.npz"
+    file = tmp_path_factory.mktemp("run") / "run.npz"
+
+    def load(content):
         file.write_bytes(content)
-        return Run.load(file)
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            return Run.load(file)
+
+    return load
 
 
 def members(**changes):
     """An archive like that of `save`, with some arrays changed; None leaves one out."""
     buffer = io.BytesIO()
-    np.savez(buffer, **{name: array for name, array in (ARRAYS | changes).items() if array is not None})
+    np.savez(buffer, **{name: array for name, array in (CONTENTS | changes).items() if array is not None})
     return buffer.getvalue()
 
 
 def notes(change):
     """An archive like that of `save`, with its notes changed."""
-    values = json.loads(ARRAYS["notes"].tobytes())
+    values = json.loads(CONTENTS["notes"].tobytes())
     change(values)
     return members(notes=np.frombuffer(json.dumps(values).encode(), dtype=np.uint8))
 
 
 def archive_of(**contents):
-    """The archive of a saved run with other contents of some members."""
+    """The archive of a saved run with other bytes as some members."""
     out = io.BytesIO()
     with zipfile.ZipFile(io.BytesIO(WHOLE)) as old, zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as new:
         for name in old.namelist():
@@ -127,25 +126,18 @@ def event(time, phase, pair=(0, 8)):
     return ContactEvent(time=time, phase=phase, benches=pair)
 
 
-def test_log_of_contacts_is_a_sequence_of_its_events():
-    events = tuple(event(float(i), phase) for i, phase in enumerate(["begin", "post_solve", "begin", "separate"]))
-    log = ContactLog(events)
-    assert (tuple(log), len(log), bool(ContactLog()), log[1:]) == (events, 4, False, ContactLog(events[1:]))
-    assert log[2] is events[2]
-    assert [[one.time for one in log.of(phase)] for phase in PHASES] == [[0, 2], [], [1], [3]]
-
-
-def test_windows_of_contacts_run_from_begin_to_separate_of_each_pair():
+def test_log_of_contacts_has_events_by_phase_and_windows_of_each_pair():
     log = ContactLog(
         (
-            event(1.0, "begin", (0, 8)),
+            event(1.0, "begin"),
             event(1.5, "begin", (1, 9)),
-            event(1.6, "pre_solve", (0, 8)),
-            event(2.0, "separate", (0, 8)),
-            event(3.0, "begin", (0, 8)),
-            event(3.0, "separate", (0, 8)),
+            event(1.6, "pre_solve"),
+            event(2.0, "separate"),
+            event(3.0, "begin"),
+            event(3.0, "separate"),
         )
     )
+    assert [[one.time for one in log.of(phase)] for phase in PHASES] == [[1, 1.5, 3], [1.6], [], [2, 3]]
     assert log.windows() == [
         ContactWindow(benches=(0, 8), begin=1.0, end=2.0),
         ContactWindow(benches=(1, 9), begin=1.5, end=None),
@@ -160,11 +152,11 @@ def test_windows_of_contacts_run_from_begin_to_separate_of_each_pair():
 # Round trip
 
 
-def test_run_comes_back_exactly_and_its_file_is_the_same_again():
+def test_run_comes_back_exactly_and_its_file_is_the_same_again(load):
     run, back = a_run(), load(WHOLE)
-    for name in ("times", "poses", "drift", "pose_velocities", "joint_impulses"):
+    for name in ARRAYS:
         assert getattr(back, name).tobytes() == getattr(run, name).tobytes()
-        assert getattr(back, name).shape == getattr(run, name).shape
+        assert getattr(back, name).dtype == (np.float64 if name in ("times", "poses") else np.float32)
     for name in ("march", "events", "first_contact", "outcome", "provenance"):
         assert getattr(back, name) == getattr(run, name)
     assert str(back.events[0].relative_velocity) == "(-0.0, 5e-324)"
@@ -173,17 +165,12 @@ def test_run_comes_back_exactly_and_its_file_is_the_same_again():
     assert load(notes(lambda values: None)).events == EVENTS
 
 
-def test_runs_without_contact_and_of_other_kinds_of_numbers_come_back():
+def test_runs_without_contact_and_of_other_kinds_of_numbers_come_back(load):
     back = load(saved(Run.exact(MARCH, [0, 1, 2])))
     assert (back.events, back.first_contact, back.joint_impulses) == (ContactLog(), None, None)
     assert (back.outcome, back.provenance) == ("clear", {"player": "exact", "versions": versions()})
     narrow = replace(a_run(), poses=np.ones((7, 4, 3), dtype=np.float32))
-    assert load(saved(narrow)).poses.tolist() == narrow.poses.tolist()
-    # Files of an older version have no velocities.
-    old = load(members(pose_velocities=None))
-    assert (old.pose_velocities, old.poses.tobytes()) == (None, a_run().poses.tobytes())
-    times = np.linspace(0, 3, 40)
-    assert np.abs(old.poses_at(times) - a_run().poses_at(times)).max() < 0.01
+    assert load(saved(narrow)) == narrow
 
 
 # Damage
@@ -191,14 +178,14 @@ def test_runs_without_contact_and_of_other_kinds_of_numbers_come_back():
 
 @given(st.integers(0, len(WHOLE) - 1), st.binary(max_size=2000))
 @examples(200)
-def test_part_of_a_file_and_random_bytes_are_refused(length, content):
+def test_part_of_a_file_and_random_bytes_are_refused(load, length, content):
     for damaged in (WHOLE[:length], content):
-        assert_says(refusal(load, damaged, error=FileFormatError), "run.npz: no run of pymunk_dragon, or a damaged one")
+        assert_says(refusal(load, damaged, error=FileFormatError), "run.npz")
 
 
 @given(st.lists(st.tuples(st.integers(0, len(WHOLE) - 1), st.integers(1, 255)), min_size=1, max_size=4))
 @examples(600)
-def test_flipped_bytes_are_refused_or_do_no_harm(flips):
+def test_flipped_bytes_are_refused_or_do_no_harm(load, flips):
     content = bytearray(WHOLE)
     for place, change in flips:
         content[place] ^= change
@@ -211,65 +198,64 @@ def test_flipped_bytes_are_refused_or_do_no_harm(flips):
         assert run.events == EVENTS
 
 
-def test_foreign_files_are_refused():
-    for content in (
+def test_foreign_files_and_arrays_that_do_not_fit_are_refused(load):
+    contents = [
         b"a dragon went by\n" * 30,
         archive_of(poses=b"hello"),
         archive_of(notes=b"hello"),
-        members(notes=np.frombuffer(b"{hello", dtype=np.uint8)),
+        *(members(notes=np.frombuffer(text, dtype=np.uint8)) for text in (b"{hello", b"[" * 100_000)),
         members(notes=np.eye(3)),
-        members(notes=np.frombuffer(b"[" * 100_000, dtype=np.uint8)),
-        members(notes=None),
-        members(poses=None),
-    ):
-        assert_says(refusal(load, content, error=FileFormatError), "run.npz: no run of pymunk_dragon")
-    error = refusal(load, notes(lambda values: values.update(format_version=2)), error=FileFormatError)
-    assert_says(error, "pymunk_dragon run 2")
-
-
-def test_arrays_that_do_not_fit_are_refused():
-    for name, array in (
+        *(members(**{name: None}) for name in ("notes", "poses", "pose_velocities")),
+        notes(lambda values: values.update(format_version=1)),
+    ]
+    wrong = [
         ("poses", np.zeros((7, 5, 3))),
         ("poses", np.zeros((6, 4, 3))),
-        ("poses", np.zeros((7, 4, 3), dtype=np.float16)),
+        ("poses", np.zeros((7, 4, 3), dtype=np.float32)),
         ("poses", np.full((7, 4, 3), "a")),
         ("poses", np.full((7, 4, 3), np.inf)),
-        ("pose_velocities", np.zeros((7, 5, 3))),
-        ("pose_velocities", np.full((7, 4, 3), np.inf)),
         ("times", np.zeros((7, 1))),
         ("times", np.arange(7)),
         ("times", np.arange(7.0)[::-1].copy()),
         ("times", np.array([0, 1, 2, np.nan, 4, 5, 6.0])),
-        ("drift", np.zeros((7, 3))),
-        ("joint_impulses", np.zeros((7, 4))),
-        ("joint_impulses", np.full((7, 3), np.inf)),
-    ):
-        refusal(load, members(**{name: array}), error=FileFormatError)
-    empty = {"times": np.empty(0), "poses": np.empty((0, 4, 3)), "drift": np.empty((0, 4))}
-    refusal(load, members(**empty), error=FileFormatError)
+        ("drift", np.zeros((7, 3), dtype=np.float32)),
+        ("pose_velocities", np.full((7, 4, 3), np.inf, dtype=np.float32)),
+        ("joint_impulses", np.zeros((7, 4), dtype=np.float32)),
+    ]
+    empty = {"times": np.empty(0), "poses": np.empty((0, 4, 3)), "drift": np.empty((0, 4), dtype=np.float32)}
+    for content in (*contents, *(members(**{name: array}) for name, array in wrong), members(**empty)):
+        assert_says(refusal(load, content, error=FileFormatError), "run.npz")
     # As without a file.
     for changes in (empty, {"drift": np.zeros((7, 3))}, {"outcome": "victory"}):
         refusal(replace, a_run(), **changes, error=DragonError)
 
 
-def test_wrong_notes_are_refused():
+def test_wrong_notes_are_refused(load, tmp_path, monkeypatch):
+    (tmp_path / "other.csv").write_text("0,1\n10,1\n20,2\n30,1\n")
+    monkeypatch.chdir(tmp_path)
     for part, changes in (
         (lambda notes: notes, ({"format": "a film"}, {"outcome": "victory"}, {"outcome": ["clear"]})),
         (lambda notes: notes, ({"events": 3}, {"events": [3]}, {"scenario": "hello"}, {"provenance": 3})),
-        (lambda notes: notes, ({"first_contact": False}, {"first_contact": {}})),
+        (lambda notes: notes, ({"first_contact": False}, {"first_contact": {}}, {"scenario": None})),
         (lambda notes: notes["scenario"], ({"colour": "red"}, {"pitch": -1}, {"benches": 5})),
+        # A loaded run opens no other file.
+        (lambda notes: notes["scenario"], ({"curve": "other.csv"}, {"speed": "other.csv"})),
         (lambda notes: notes["events"][0], ({"colour": "red"}, {"phase": "end"}, {"time": "noon"})),
         (lambda notes: notes["events"][0], ({"time": math.inf}, {"benches": [1]}, {"benches": [2, 0]})),
-        (lambda notes: notes["events"][0], ({"benches": [0, 4]}, {"points": [[1, 2, 3]]}, {"impulse": [True, 1.0]})),
+        (lambda notes: notes["events"][0], ({"benches": [0, 4]}, {"points": [[1, 2, 3]]}, {"impulse": ["1", 1.0]})),
         (lambda notes: notes["first_contact"], ({"benches": [3, 4]}, {"point": None}, {"depth": "deep"})),
     ):
         for change in changes:
             damaged = notes(lambda values, part=part, change=change: part(values).update(change))
             refusal(load, damaged, error=FileFormatError)
-    refusal(load, notes(lambda values: values.pop("scenario")), error=FileFormatError)
+    # Text of a file reaches no terminal as it is.
+    message = str(
+        refusal(load, notes(lambda values: values.update(format="\x1b]0;owned\u202e")), error=FileFormatError)
+    )
+    assert message.isprintable()
 
 
-def test_attributes_come_from_provenance_and_impossible_ones_are_refused():
+def test_attributes_come_from_provenance_and_impossible_ones_are_refused(load):
     run = replace(a_run(), provenance=ENGINE | {"iterations": 7, "head_force": 300.0, "versions": {"numpy": "2"}})
     assert (run.player, run.guide, run.start, run.substep, run.substeps) == ("pymunk", "rails", -0.5, 0.01, 350)
     assert run.settings == EngineSettings(contacts="resolve", substep=0.01, iterations=7, head_force=300.0)
@@ -295,73 +281,38 @@ class Bomb:
         return open, (self.path, "w")
 
 
-def test_pickled_objects_are_never_unpickled(tmp_path):
-    file, trace = tmp_path / "run.npz", tmp_path / "trace"
-    file.write_bytes(pickle.dumps(Bomb(trace)))
-    refusal(Run.load, file, error=FileFormatError)
-    assert not trace.exists()
-    for name in ("times", "poses", "drift", "notes"):
-        file.write_bytes(members(**{name: np.array([Bomb(trace)], dtype=object)}))
-        trace.unlink(missing_ok=True)
-        refusal(Run.load, file, error=FileFormatError)
-        assert not trace.exists(), name
-        # The trap works: NumPy, told to trust the file, springs it.
-        with np.load(file, allow_pickle=True) as archive:
-            archive[name][0].close()
-        assert trace.exists()
+def test_pickled_objects_are_never_unpickled(tmp_path, load):
+    trace = tmp_path / "trace"
+    pickled = [members(**{name: np.array([Bomb(trace)], dtype=object)}) for name in ("times", "poses", "notes")]
+    for content in (pickle.dumps(Bomb(trace)), *pickled):
+        refusal(load, content, error=FileFormatError)
+        assert not trace.exists()
+    # The trap works: NumPy, told to trust the file, springs it.
+    with np.load(io.BytesIO(pickled[0]), allow_pickle=True) as archive:
+        archive["times"][0].close()
+    assert trace.exists()
 
 
-# Files that would take the memory, or open others
-
-
-def assert_refused_without_memory(content, words):
-    tracemalloc.start()
-    try:
-        assert_says(refusal(load, content, error=FileFormatError), words)
-        assert tracemalloc.get_traced_memory()[1] < 10e6
-    finally:
-        tracemalloc.stop()
-
-
-def test_sizes_that_a_file_claims_are_checked_before_memory_is_taken():
-    for name, size in (("poses", 600_000_000), ("notes", 40_000_000)):
-        # The size of a member stands 22 bytes before its name in the directory at the end of an archive.
-        content = bytearray(WHOLE)
-        place = content.rindex(f"{name}.npy".encode()) - 22
-        content[place : place + 4] = size.to_bytes(4, "little")
-        assert_refused_without_memory(bytes(content), "no run does that")
-    for name, shape in (("poses", (7, 4, 30_000_000)), ("drift", (7, 10**9)), ("times", (10**9,))):
+def test_sizes_that_a_file_claims_are_bounded(load):
+    # The size of a member stands 22 bytes before its name in the directory at the end of an archive.
+    content = bytearray(WHOLE)
+    place = content.rindex(b"poses.npy") - 22
+    content[place : place + 4] = (600_000_000).to_bytes(4, "little")
+    assert_says(refusal(load, bytes(content), error=FileFormatError), "no run does that")
+    for name, shape in (("poses", (7, 4, 30_000_000)), ("drift", (7, 10**9)), ("times", (10**12,))):
         file = io.BytesIO()
         np.lib.format.write_array_header_1_0(file, {"descr": "<f8", "fortran_order": False, "shape": shape})
-        assert_refused_without_memory(archive_of(**{name: file.getvalue()}), f"its {name}")
+        refusal(load, archive_of(**{name: file.getvalue()}), error=FileFormatError)
 
 
 def test_files_that_are_none_are_refused_and_a_pipe_is_read(tmp_path):
     for name in ("none.npz", "none/run.npz", ".", "nul\0.npz"):
         assert refusal(Run.load, tmp_path / name).name == "run"
-    assert_says(refusal(Run.load, "/dev/zero", error=FileFormatError), "/dev/zero: no run")
+    refusal(Run.load, "/dev/zero", error=FileFormatError)
     os.mkfifo(tmp_path / "run.npz")
     with ThreadPoolExecutor(1) as pool:
         pool.submit((tmp_path / "run.npz").write_bytes, WHOLE)
         assert Run.load(tmp_path / "run.npz").events == EVENTS
-
-
-def test_loaded_run_opens_no_other_file(tmp_path, monkeypatch):
-    (tmp_path / "other.csv").write_text("0,1\n10,1\n20,2\n30,1\n")
-    monkeypatch.chdir(tmp_path)
-    for name in ("curve", "speed"):
-        content = notes(lambda values, name=name: values["scenario"].update({name: "other.csv"}))
-        assert_says(refusal(load, content, error=FileFormatError), name, "'other.csv'")
-
-
-def test_text_of_a_file_reaches_no_terminal_as_it_is():
-    content = notes(lambda values: values.update(format="\x1b]0;owned\x07\u202e\x9b31m"))
-    message = str(refusal(load, content, error=FileFormatError))
-    assert message.isprintable()
-    assert r"\x1b]0;owned\x07\u202e\x9b31m" in message
-
-
-# Saving
 
 
 def test_save_that_is_impossible_leaves_nothing(tmp_path):
@@ -376,54 +327,46 @@ def test_save_that_is_impossible_leaves_nothing(tmp_path):
 
 
 def changed(array):
-    """A copy of an array whose first number is the next larger double."""
+    """A copy of an array whose first number is the next larger one."""
     other = array.copy()
-    other.flat[0] = np.nextafter(other.flat[0], np.inf)
+    other.flat[0] = np.nextafter(other.flat[0], other.dtype.type(np.inf))
     return other
 
 
 def test_runs_and_states_are_equal_to_those_with_the_same_numbers_and_to_no_other():
-    run = a_run()
-    for same in (a_run(), load(WHOLE), replace(run, wall_seconds=3.0), pickle.loads(pickle.dumps(run))):
-        assert run == same
-        assert hash(run) == hash(same)
-    others = [replace(run, **{name: changed(getattr(run, name))}) for name in ("times", "poses", "drift")]
-    others += [replace(run, **{name: None}) for name in ("pose_velocities", "joint_impulses", "first_contact")]
+    run, states = a_run(), MARCH.at([0, 1.5])
+    for same in (a_run(), replace(run, wall_seconds=3.0), pickle.loads(pickle.dumps(run))):
+        assert (run, hash(run)) == (same, hash(same))
+    others = [replace(run, **{name: changed(getattr(run, name))}) for name in ARRAYS]
+    others += [replace(run, **{name: None}) for name in ("joint_impulses", "first_contact")]
     others += [replace(run, events=ContactLog()), replace(run, outcome="clear"), replace(run, provenance={})]
     others += [replace(run, march=replace(MARCH, speed=1.3)), "run"]
     assert all(run != other for other in others)
-    assert len({run, a_run(), *others}) == 1 + len(others)
-    states = MARCH.at([0, 1.5])
-    assert states == MARCH.at([0, 1.5])
-    assert hash(states) == hash(MARCH.at([0, 1.5]))
-    assert states != MARCH.at([0, 1.6])
-    assert states != replace(states, speeds=changed(states.speeds))
+    assert (states, hash(states)) == (MARCH.at([0, 1.5]), hash(MARCH.at([0, 1.5])))
+    assert states not in (MARCH.at([0, 1.6]), replace(states, speeds=changed(states.speeds)))
 
 
 def test_run_and_states_cannot_be_changed_and_leave_the_givers_arrays_alone():
     poses, provenance = np.zeros((2, 4, 3)), {"player": "test", "settings": {"list": [1, 2], "text": "a"}}
-    run = Run(march=MARCH, times=np.arange(2.0), poses=poses, drift=np.zeros((2, 4)), provenance=provenance)
+    run, states = plain_run(np.arange(2.0), poses, provenance=provenance), MARCH.at([0, 1.5])
     before = json.dumps(run.provenance)
     poses[0] = 7
     provenance["settings"]["list"].append(3)
     with pytest.raises(FrozenInstanceError):
         run.outcome = "contact"
-    states = MARCH.at([0, 1.5])
     names = ("times", "handles_s", "positions", "velocities", "speeds", "poses", "pose_velocities")
-    for array in (run.poses, run.times, run.drift, run.frame_velocities, *(getattr(states, name) for name in names)):
+    for array in (run.poses, run.times, run.drift, run.pose_velocities, *(getattr(states, name) for name in names)):
         with pytest.raises(ValueError, match="read-only"):
             array[0] = 1
     for change in (
         lambda it: it.__setitem__("player", "else"),
-        lambda it: it.pop("player"),
         lambda it: it.__ior__({"new": 1}),
         lambda it: it["settings"].update(text=""),
         lambda it: it["settings"]["list"].__setitem__(0, 9),
     ):
         with pytest.raises((TypeError, AttributeError)):
             change(run.provenance)
-    assert run.poses.max() == 0
-    assert json.dumps(run.provenance) == before
+    assert (run.poses.max(), json.dumps(run.provenance)) == (0, before)
 
 
 def test_drift_of_the_head_is_that_of_the_first_twelve_benches_without_what_is_unknown():
@@ -431,16 +374,12 @@ def test_drift_of_the_head_is_that_of_the_first_twelve_benches_without_what_is_u
     drift = np.zeros((2, 20))
     drift[0, 11], drift[1, 12], drift[1, 0] = 1e-4, 2e-3, np.nan
     run = Run(march=march, times=[0, 1], poses=np.zeros((2, 20, 3)), drift=drift)
-    assert (run.head_drift, run.max_drift) == (1e-4, 2e-3)
+    assert (run.head_drift, run.max_drift) == pytest.approx((1e-4, 2e-3), rel=1e-7)
     unknown = replace(run, drift=np.full((2, 20), np.nan))
     assert np.isnan([unknown.head_drift, unknown.max_drift]).all()
 
 
 # Between frames
-
-
-def with_and_without_velocities(run):
-    return run, replace(run, pose_velocities=None)
 
 
 # The docstring's bound, with the largest fourth derivative of any bench's pose: by finite differences of the model.
@@ -450,33 +389,12 @@ def test_poses_between_frames_are_as_near_as_the_docstring_says(seed_march):
     fourth = np.linalg.norm(sum(w * p for w, p in zip((1, -4, 6, -4, 1), around, strict=True)), axis=-1) / h**4
     bound = 0.1**4 / 384 * fourth.max()
     assert bound < 0.05e-6
-    for run in with_and_without_velocities(Run.exact(seed_march, np.arange(4080, 4120) / 10)):
-        off = np.linalg.norm((run.poses_at(at) - seed_march.at(at).poses)[..., :2], axis=-1)
-        assert 0.5 * bound < off.max() < 1.5 * bound
-
-
-def test_cubic_motion_is_met_exactly():
-    coefficients = np.random.default_rng(0).uniform(-1, 1, (4, 4, 3))
-    rates_of = np.polynomial.polynomial.polyder(coefficients)
-    # One frame stands so near to another that it takes no part in the differences.
-    times, at = np.array([0, 0.1, 0.3, 0.3 + 1e-9, 0.45, 0.6, 0.62]), np.linspace(0, 0.62, 50)
-    poses, rates, wanted, wanted_rates = (
-        np.moveaxis(np.polynomial.polynomial.polyval(t, track), -1, 0)
-        for t in (times, at)
-        for track in (coefficients, rates_of)
-    )
-    for run in with_and_without_velocities(plain_run(times, poses, pose_velocities=rates)):
-        np.testing.assert_allclose(run.poses_at(at), wanted, atol=1e-12)
-        np.testing.assert_allclose(run.pose_velocities_at(at), wanted_rates, atol=1e-6)
-        np.testing.assert_allclose(run.pose_velocities_at(times[[0, 4, 6]]), rates[[0, 4, 6]], atol=1e-11)
-        np.testing.assert_allclose(run.pose_velocities_at([-1, 9]), rates[[0, -1]], atol=1e-11)
-
-
-def test_frames_that_nearly_share_a_time_do_not_spoil_what_is_between_the_others():
-    states = MARCH.at(np.array([0, 0.1, 0.2, 0.2 + 1e-7, 0.3, 0.4]))
-    run = plain_run(states.times, states.poses + 1e-6 * np.random.default_rng(0).standard_normal(states.poses.shape))
-    times = np.linspace(0, 0.4, 41)
-    assert np.abs(run.poses_at(times) - MARCH.at(times).poses).max() < 5e-6
+    run = Run.exact(seed_march, np.arange(4080, 4120) / 10)
+    off = np.linalg.norm((run.poses_at(at) - seed_march.at(at).poses)[..., :2], axis=-1)
+    assert 0.5 * bound < off.max() < 1.5 * bound
+    # Velocities that are not given are differences of the poses.
+    differences = replace(run, pose_velocities=None).pose_velocities
+    np.testing.assert_allclose(differences, run.pose_velocities, rtol=0, atol=5e-3)
 
 
 def test_poses_turn_the_shorter_way_between_frames_and_stay_beyond_the_ends():
@@ -484,10 +402,11 @@ def test_poses_turn_the_shorter_way_between_frames_and_stay_beyond_the_ends():
     angles = turning.poses_at(0.5)[0, :, 2]
     assert np.abs(np.remainder(angles, 2 * np.pi) - np.pi) == pytest.approx(np.zeros(4), abs=1e-12)
     run = a_run()
-    for times, frames in ((run.times, run.poses), ([-5, 99], run.poses[[0, -1]])):
-        back = run.poses_at(times)
-        assert back[..., :2] == pytest.approx(frames[..., :2], abs=1e-15)
-        assert np.cos(back[..., 2] - frames[..., 2]) == pytest.approx(np.ones(frames.shape[:2]), abs=1e-15)
+    for times, frames in ((run.times, slice(None)), ([-5, 99], [0, -1])):
+        back, poses = run.poses_at(times), run.poses[frames]
+        assert back[..., :2] == pytest.approx(poses[..., :2], abs=1e-15)
+        assert np.cos(back[..., 2] - poses[..., 2]) == pytest.approx(np.ones(poses.shape[:2]), abs=1e-15)
+        np.testing.assert_allclose(run.pose_velocities_at(times), run.pose_velocities[frames], atol=1e-6)
     single = Run.exact(MARCH, [2.0])
     assert np.array_equal(single.poses_at([0, 2, 5]), np.repeat(single.poses, 3, axis=0))
 

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields
-from typing import Any, Literal, Self, get_args, overload
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Literal, Self, get_args
 
+import numpy as np
+
+from pymunk_dragon._checks import finite, numbers, whole, word
 from pymunk_dragon._display import table
 from pymunk_dragon._language import text
-from pymunk_dragon.errors import DragonError
+from pymunk_dragon.errors import ParameterError
 
 Phase = Literal["begin", "pre_solve", "post_solve", "separate"]
 PHASES: tuple[Phase, ...] = get_args(Phase)
@@ -21,24 +23,14 @@ class _Record:
     """Base class of records that are read back from JSON."""
 
     @classmethod
-    def from_dict(cls, values: Mapping[str, Any]) -> Self:
+    def _from_dict(cls, values: Mapping[str, Any]) -> Self:
         """The record that `dataclasses.asdict` and JSON, which has lists for tuples, made `values` of.
 
-        Raises
-        ------
-        DragonError
-            If a value is impossible. Values of another structure raise a TypeError, a KeyError or a ValueError.
+        Impossible values raise a ParameterError, values of another structure a TypeError, KeyError or AttributeError.
         """
-        # Only dataclasses derive from this class.
-        absent = {f.name for f in fields(cls) if f.default is None}  # type: ignore[arg-type]
-        read: dict[str, Any] = {
-            name: None if value is None and name in absent else _read(KINDS[name], value)
-            for name, value in values.items()
-        }
-        first, second = read["benches"]
-        if not 0 <= first < second:
-            raise DragonError(f"{values['benches']!r} are no two benches")
-        return cls(**read)
+        # What may be absent has None as its default.
+        absent = {name for name, value in values.items() if value is None and getattr(cls, name, 0) is None}
+        return cls(**{name: None if name in absent else _read(name, value) for name, value in values.items()})
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,24 +39,14 @@ class Contact(_Record):
 
     Attributes
     ----------
-    time : float
-        Time of the contact, s.
-    raw_time : float
-        End of the substep in which the engine noticed, s.
+    time, raw_time : float
+        Time of the contact, and end of the substep in which the engine noticed, s.
     benches : tuple of int
         Their numbers, the smaller one first.
-    point : tuple of float
-        Point of the contact, m.
-    normal : tuple of float
-        Unit vector from the first bench towards the second.
+    point, normal : tuple of float
+        Point of the contact, m, and unit vector from the first bench towards the second.
     depth : float
         How deep they overlap at `raw_time`, m.
-
-    Examples
-    --------
-    >>> contact = Contact(time=1.0, raw_time=1.01, benches=(0, 8), point=(2.0, 3.0), normal=(1.0, 0.0), depth=1e-4)
-    >>> contact.benches
-    (0, 8)
     """
 
     time: float
@@ -77,7 +59,7 @@ class Contact(_Record):
 
 @dataclass(frozen=True, kw_only=True)
 class ContactEvent(_Record):
-    """One collision callback of the engine.
+    """One collision callback of the engine. In `separate`, what describes the contact is absent or None.
 
     Attributes
     ----------
@@ -88,20 +70,15 @@ class ContactEvent(_Record):
     benches : tuple of int
         The smaller number first.
     points : tuple of tuple of float
-        One or two contact points, m; none in `separate`.
+        One or two contact points, m.
     normal : tuple of float or None
-        Unit vector from the first bench towards the second; None in `separate`.
+        Unit vector from the first bench towards the second.
     depth : float or None
-        Deepest overlap of the two, m, positive where they overlap; None in `separate`.
+        Deepest overlap of the two, m, positive where they overlap.
     relative_velocity : tuple of float or None
-        Velocity of the second bench relative to the first, at the middle of the points, m/s; None in `separate`.
+        Velocity of the second bench relative to the first, at the middle of the points, m/s.
     impulse : tuple of float or None
-        Impulse on the second bench, N s; only in `post_solve`, None elsewhere.
-
-    Examples
-    --------
-    >>> ContactEvent(time=1.0, phase="separate", benches=(0, 8)).points
-    ()
+        Impulse on the second bench, N s; only in `post_solve`.
     """
 
     time: float
@@ -116,16 +93,10 @@ class ContactEvent(_Record):
 
 @dataclass(frozen=True, kw_only=True)
 class ContactWindow:
-    """A time interval in which two benches touch.
+    """A time interval in which two benches touch, the smaller number first.
 
-    Attributes
-    ----------
-    benches : tuple of int
-        Their numbers, the smaller one first.
-    begin : float
-        End of the substep in which they began to touch, s.
-    end : float or None
-        End of the substep in which they parted, s; None if they still touched when the run ended.
+    It lasts from the end of the substep in which they began to touch to that in which they parted, s; `end` is None if
+    they still touched when the run ended.
     """
 
     benches: tuple[int, int]
@@ -133,11 +104,8 @@ class ContactWindow:
     end: float | None
 
 
-@dataclass(frozen=True)
-class ContactLog(Sequence[ContactEvent]):
-    """All callback events of a run, in the order in which they came; a sequence of `ContactEvent`.
-
-    Its text is the table of `windows`.
+class ContactLog(tuple[ContactEvent, ...]):
+    """All callback events of a run, in the order in which they came: a tuple whose text is the table of `windows`.
 
     Examples
     --------
@@ -145,19 +113,17 @@ class ContactLog(Sequence[ContactEvent]):
     ...     ContactEvent(time=1.0, phase="begin", benches=(0, 8)),
     ...     ContactEvent(time=2.5, phase="separate", benches=(0, 8)),
     ... ))
-    >>> log
-    ContactLog(2 events)
-    >>> len(log.of("begin"))
-    1
+    >>> log, len(log.of("begin"))
+    (ContactLog(2 events), 1)
     >>> print(log)
     benches  touch from (s)  to (s)
       0   8           1.000  2.500
     """
 
-    events: tuple[ContactEvent, ...] = ()
+    __slots__ = ()
 
     def __repr__(self) -> str:
-        return f"ContactLog({len(self.events)} events)"
+        return f"ContactLog({len(self)} events)"
 
     def __str__(self) -> str:
         rows = (
@@ -167,30 +133,15 @@ class ContactLog(Sequence[ContactEvent]):
         heads = (text("benches"), text("touch from (s)"), text("to (s)"))
         return "\n".join(table(heads, ("<7", "14.3f", ""), rows))
 
-    def __len__(self) -> int:
-        return len(self.events)
-
-    @overload
-    def __getitem__(self, index: int) -> ContactEvent: ...
-    @overload
-    def __getitem__(self, index: slice) -> ContactLog: ...
-    def __getitem__(self, index: int | slice) -> ContactEvent | ContactLog:
-        if isinstance(index, slice):
-            return ContactLog(self.events[index])
-        return self.events[index]
-
-    def __iter__(self) -> Iterator[ContactEvent]:
-        return iter(self.events)
-
     def of(self, phase: Phase) -> ContactLog:
         """The events of one phase."""
-        return ContactLog(tuple(event for event in self.events if event.phase == phase))
+        return ContactLog(tuple(event for event in self if event.phase == phase))
 
     def windows(self) -> list[ContactWindow]:
         """Time intervals in which each pair touched, ordered by the beginning."""
         open_since: dict[tuple[int, int], float] = {}
         windows = []
-        for event in self.events:
+        for event in self:
             if event.phase == "begin":
                 open_since[event.benches] = event.time
             elif event.phase == "separate" and event.benches in open_since:
@@ -198,33 +149,6 @@ class ContactLog(Sequence[ContactEvent]):
                 windows.append(ContactWindow(benches=event.benches, begin=begin, end=event.time))
         still = [ContactWindow(benches=pair, begin=begin, end=None) for pair, begin in open_since.items()]
         return sorted(windows + still, key=lambda window: (window.begin, window.benches))
-
-
-# Kind of each entry of a contact or an event: a type, the names that it may be, a tuple of kinds, or a list of one
-# kind for any number of values.
-KINDS: Mapping[str, Any] = {
-    "time": float,
-    "raw_time": float,
-    "phase": frozenset(PHASES),
-    "benches": (int, int),
-    "point": (float, float),
-    "points": [(float, float)],
-    "normal": (float, float),
-    "depth": float,
-    "relative_velocity": (float, float),
-    "impulse": (float, float),
-}
-
-
-def _read(kind: Any, value: Any) -> Any:
-    """`value` from JSON, with tuples for lists, if it is of a kind of `KINDS`."""
-    if isinstance(kind, list):
-        return tuple(_read(kind[0], item) for item in value)
-    if isinstance(kind, tuple):
-        return tuple(_read(*pair) for pair in zip(kind, value, strict=True))
-    if not (value in kind if isinstance(kind, frozenset) else type(value) in (int, kind) and math.isfinite(value)):
-        raise DragonError(f"{value!r} is none of the values of a contact")
-    return value
 
 
 def contact_text(
@@ -245,3 +169,18 @@ def contact_text(
         return text("benches {i} and {j} overlap at the start, t = {t} s").format(**values)
     x, y = point
     return text("first contact at t = {t} s: benches {i} and {j} at ({x:.6f}, {y:.6f}) m").format(**values, x=x, y=y)
+
+
+def _read(name: str, value: Any) -> Any:
+    """An entry of a record from JSON, checked."""
+    if name == "phase":
+        return word(name, value, PHASES)
+    if name == "benches":
+        first, second = value
+        return (first := whole(name, first, 0, 10**9)), whole(name, second, first + 1, 10**9)
+    if name in ("time", "raw_time", "depth"):
+        return finite(name, value, -np.inf, np.inf, "")
+    vectors = numbers(name, value, 2) if value else np.empty((0, 2))
+    if vectors.ndim != (2 if name == "points" else 1) or not np.isfinite(vectors).all():
+        raise ParameterError(name, value, "finite numbers x, y")
+    return tuple(map(tuple, vectors.tolist())) if name == "points" else tuple(vectors.tolist())

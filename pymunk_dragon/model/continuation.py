@@ -7,13 +7,11 @@ function theorem): the bench pushes its rear handle back where A < 0 (jackknife)
 fold, B = 0, where the bench is perpendicular to the path at its rear handle, and where r reaches the curve's begin.
 
 So g depends on s alone, not on the motion that led to s, and the whole chain is a composition of such functions.
-Three facts make g certain:
+Two facts make g certain:
 
 - Where the path is less curved than a circle with the bench as its diameter, over half that circle's circumference back
   (pi / 2 d from s), A and B are positive, and the rear handle is the only one within that length: the "gentle"
   case, in which `Curve.chain` finds it. This is checked with the curve's own bound on its curvature.
-- On an inward spiral r = k theta, `Curve.chain` finds g wherever it exists, but A may be negative near the centre; see
-  `Spiral.chain_follows_motion`.
 - Elsewhere g is followed in cells. From a root (s0, r0), and with bounds K_s and K_r on the curvature near both
   handles, |F(s, r0)| <= |A| h + M_s h^2 / 2 for |s - s0| <= h, and B decreases by no more than h + M_r p for
   |r - r0| <= p, where M = 1 + K times the longest distance in the cell. If |A| h + M_s h^2 / 2 < p (B - h - M_r p),
@@ -33,7 +31,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pymunk_dragon._arrays import Array, Flags
-from pymunk_dragon.model.chain import ChainMotion, chain_motion, gentle_offsets, rear_between
+from pymunk_dragon.model.chain import ChainMotion, chain_motion, gentle_offsets, rear_between, rear_handle
 from pymunk_dragon.model.curves.base import Curve
 
 # Share of a spacing: grid on which the curvature is checked.
@@ -45,7 +43,7 @@ GRID_CELLS = 4096
 # Share of the longest step that is proven, to cover its rounding.
 SAFE = 0.9
 # Share of a spacing. Shorter steps only approach a fold: its coordinate is then known to about this.
-SHORTEST = 1e-12
+SHORTEST = 1e-13
 # Share of a spacing. Longest step where A may vanish: two reversals in it displace the rear handle negligibly.
 REVERSAL = 1e-4
 # Points per pass in which A = 0 is located in a cell.
@@ -59,24 +57,15 @@ MAX_CELLS = 100_000
 
 
 class Continuation:
-    """Arc-length coordinates of a chain that moves continuously from its state with the head at `head`.
+    """States of a chain with spacings (N,) that moves continuously on `curve` from that with the head at `head`, m.
 
-    The result for a position of the head depends on nothing but the arguments: what is kept between calls is extended
-    in steps that do not depend on the calls.
-
-    Parameters
-    ----------
-    curve : Curve
-        Path of the handles.
-    head : float
-        Coordinate of handle 0 at the start, m. The other handles are then where `Curve.chain` finds them.
-    spacings : ndarray, shape (N,)
-        Straight distances between neighbouring handles, m.
+    There the other handles are where `Curve.chain` finds them. The result for a position of the head depends on nothing
+    but the arguments: what is kept between calls is extended in steps that do not depend on the calls.
     """
 
     def __init__(self, curve: Curve, head: float, spacings: Array) -> None:
         self._curve, self._head, self._spacings = curve, head, spacings
-        self._found: list[_Branch] = []
+        self._found: dict[int, _Branch] = {}
 
     @cached_property
     def start(self) -> Array:
@@ -84,19 +73,15 @@ class Continuation:
         handles_s: Array = self._curve.chain([self._head], self._spacings)[0]
         return handles_s
 
-    def coordinates(self, heads: Array, handles: int) -> Array:
-        """Coordinates (T, handles) of the foremost handles with the head at `heads` (T,), m.
-
-        They are nan for a handle that continuous motion from the start cannot reach, and for all behind it.
-        """
-        return self.motion(heads, handles).handles_s
-
     def motion(self, heads: Array, handles: int) -> ChainMotion:
-        """The same with positions, m, tangents and velocity ratios."""
+        """Motion of the foremost handles with the head at `heads` (T,), m.
+
+        It is nan for a handle that continuous motion from the start cannot reach, and for all behind it.
+        """
         spacings = self._spacings[: handles - 1]
-        direct = self._direct(np.minimum(heads, self._head), np.maximum(heads, self._head), handles)
+        direct = self._gentle(np.minimum(heads, self._head), np.maximum(heads, self._head), range(handles - 1))
         if direct.all():
-            return self._curve.chain_motion(heads, spacings)
+            return self._curve._chain_motion(heads, spacings)
         handles_s = np.empty((heads.size, handles))
         handles_s[direct] = self._curve.chain(heads[direct], spacings)
         handles_s[~direct] = self._followed(heads[~direct], handles)
@@ -130,20 +115,9 @@ class Continuation:
         if self._spacings[1:].size and np.ptp(self._spacings[1:]) > 0:
             return False
         extremes = np.array([min(low, self._head)]), np.array([max(high, self._head)])
-        if self._direct(*extremes, self._spacings.size + 1).all():
+        if self._gentle(*extremes, range(self._spacings.size)).all():
             return True
         return len({id(branch) for branch in self._branches(self._spacings.size)[1:]}) <= 1
-
-    @cached_property
-    def _follows_motion(self) -> bool:
-        """Whether `Curve.chain` always gives the states of all handles, and so of fewer."""
-        return self._curve.chain_follows_motion(self._spacings)
-
-    def _direct(self, lows: Array, highs: Array, handles: int) -> Flags:
-        """Whether `Curve.chain` gives the states of the first handles for any head from `lows` to `highs` (T,)."""
-        if self._follows_motion or self._curve.chain_follows_motion(self._spacings[: handles - 1]):
-            return np.ones(lows.shape, dtype=bool)
-        return self._gentle(lows, highs, range(handles - 1))
 
     def _gentle(self, lows: Array, highs: Array, benches: range) -> Flags:
         """Whether A and B are positive for these benches for any first front from `lows` to `highs` (T,)."""
@@ -156,26 +130,23 @@ class Continuation:
 
     def _branches(self, benches: int) -> list[_Branch]:
         """The functions of the foremost `benches`, or of fewer if others have no state at the start."""
-        if not self._found:
-            known = np.flatnonzero(~np.isnan(self.start[1:]))
-            found: dict[int, _Branch] = {}
-            for bench in known.tolist():
-                if bench not in found:
-                    chord = float(self._spacings[bench])
-                    branch = _Branch(self._curve, chord, float(self.start[bench]), float(self.start[bench + 1]))
-                    others = [
-                        other for other in known.tolist() if other not in found and self._spacings[other] == chord
-                    ]
-                    fronts = self.start[others]
-                    branch.cover(fronts.min(), fronts.max())
-                    same = np.abs(branch.rear(fronts) - self.start[1:][others]) <= SAME
-                    found |= {other: branch for other, shared in zip(others, same.tolist(), strict=True) if shared}
-                    found[bench] = branch
-            self._found = [found[bench] for bench in known.tolist()]
-        return self._found[:benches]
+        known = np.flatnonzero(~np.isnan(self.start[1:]))
+        rest = known if not self._found else known[:0]
+        while rest.size:
+            bench = int(rest[0])
+            chord = float(self._spacings[bench])
+            branch = _Branch(self._curve, chord, float(self.start[bench]), float(self.start[bench + 1]))
+            others = rest[self._spacings[rest] == chord]
+            fronts = self.start[others]
+            branch.cover(fronts.min(), fronts.max())
+            same = np.abs(branch.rear(fronts) - self.start[others + 1]) <= SAME
+            shared = {bench, *others[same].tolist()}
+            self._found |= dict.fromkeys(shared, branch)
+            rest = rest[~np.isin(rest, list(shared))]
+        return [self._found[bench] for bench in known[:benches].tolist()]
 
     def _followed(self, heads: Array, handles: int) -> Array:
-        """Coordinates as in `coordinates`, computed bench by bench."""
+        """Coordinates (T, handles), computed bench by bench."""
         handles_s = np.full((heads.size, handles), np.nan)
         handles_s[:, 0] = heads
         lows, highs = np.minimum(heads, self._head), np.maximum(heads, self._head)
@@ -242,8 +213,7 @@ class _Branch:
         shortest, longest, _ = gentle_offsets(self._curve, fronts, self._chord)
         shortest = np.where(np.isnan(low), shortest, fronts - high)
         longest = np.where(np.isnan(low), longest, fronts - low)
-        points = self._curve.point(fronts)
-        return rear_between(self._curve, fronts, points, self._chord, np.where(inside, shortest, np.nan), longest)
+        return rear_between(self._curve, fronts, self._chord, np.where(inside, shortest, np.nan), longest)
 
     def image(self, lows: Array, highs: Array, known: tuple[tuple[Array, Array], ...]) -> tuple[Array, Array]:
         """Lowest and highest rear coordinates (T,) for fronts between `lows` and `highs`; nan where the function ends.
@@ -251,16 +221,14 @@ class _Branch:
         Pairs of fronts and rears that are `known` are not computed again.
         """
         self.cover(lows.min(), highs.max())
-        ends = []
-        for fronts in (lows, highs):
-            rears = np.full(fronts.shape, np.nan)
-            for front, rear in known:
-                rears = np.where(fronts == front, rear, rears)
-            missing = np.isnan(rears)
-            if missing.any():
-                rears[missing] = self.rear(fronts[missing])
-            ends.append(rears)
-        low, high = np.minimum(*ends), np.maximum(*ends)
+        fronts = np.stack([lows, highs])
+        rears = np.full(fronts.shape, np.nan)
+        for front, rear in known:
+            rears = np.where(fronts == front, rear, rears)
+        missing = np.isnan(rears)
+        if missing.any():
+            rears[missing] = self.rear(fronts[missing])
+        low, high = np.minimum(*rears), np.maximum(*rears)
         for front, rear in self.reversals.T:
             between = (lows < front) & (front < highs)
             low, high = np.where(between, np.minimum(low, rear), low), np.where(between, np.maximum(high, rear), high)
@@ -292,7 +260,8 @@ class _Branch:
         front, rear, growth = tip
         end = self._gentle_run(front, rear, direction, aim)
         if end != front:
-            self._append(direction, (end, self._gentle_rear(end), None), (np.nan, np.nan))
+            rear = float(rear_handle(self._curve, np.array([end]), self._chord)[0])
+            self._append(direction, (end, rear, None), (np.nan, np.nan))
             return
         if growth is None:
             growth = self._growth(np.array([front]), np.array([rear]))
@@ -339,15 +308,10 @@ class _Branch:
             return front
         return float(np.clip(edges[number], curve.begin_s, curve.end_s))
 
-    def _gentle_rear(self, front: float) -> float:
-        fronts = np.array([front])
-        shortest, longest, _ = gentle_offsets(self._curve, fronts, self._chord)
-        return float(rear_between(self._curve, fronts, self._curve.point(fronts), self._chord, shortest, longest)[0])
-
     def _within(self, fronts: Array, bracket: tuple[float, float]) -> Array:
         """Rear coordinates (T,), each unique within `bracket`."""
         low, high = fronts - bracket[1], fronts - bracket[0]
-        return rear_between(self._curve, fronts, self._curve.point(fronts), self._chord, low, high)
+        return rear_between(self._curve, fronts, self._chord, low, high)
 
     def _growth(self, fronts: Array, rears: Array) -> Array:
         """A and B of the module's docstring, (2, T)."""

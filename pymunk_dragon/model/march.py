@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -10,21 +10,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pymunk_dragon._arrays import Array, ArrayRecord, as_vectors, read_only
-from pymunk_dragon._checks import finite, positive, whole
+from pymunk_dragon._arrays import Array, ArrayRecord, as_complex, as_vectors, read_only
+from pymunk_dragon._checks import finite, numbers, positive, whole
 from pymunk_dragon._display import Displayed, table
 from pymunk_dragon._language import text
 from pymunk_dragon.errors import ParameterError, UnreachableError
 from pymunk_dragon.model.chain import ChainMotion
 from pymunk_dragon.model.continuation import Continuation
 from pymunk_dragon.model.curves import Curve, Reversed, Spiral
-from pymunk_dragon.model.curves._arguments import check_curve
+from pymunk_dragon.model.curves.base import required_curve
 from pymunk_dragon.model.curves.spiral import MAX_TURNS
 from pymunk_dragon.model.dragon import Dragon, bench_poses
-from pymunk_dragon.model.speed import ConstantSpeed, Speed, speed_of
+from pymunk_dragon.model.speed import ConstantSpeed, Speed, SpeedTable, speed_of
 
 __all__ = ["March", "States", "check_march", "last_time"]
-
 
 # m before the start. At this distance a double still resolves 0.1 nm.
 MAX_RETREAT = 1e5
@@ -70,7 +69,10 @@ class States(ArrayRecord):
 
     def to_dict(self, handles: Sequence[int] | None = None) -> dict[str, Any]:
         """Times, numbers of the `handles` (all by default), positions (T, H, 2) and speeds (T, H) as lists."""
-        chosen = list(range(self.handles_s.shape[1]) if handles is None else handles)
+        last = self.handles_s.shape[1] - 1
+        if handles is None:
+            handles = range(last + 1)
+        chosen = [whole("handles", int(handle), 0, last) for handle in numbers("handles", handles, kind=int).ravel()]
         positions, speeds = self.positions[:, chosen].tolist(), self.speeds[:, chosen].tolist()
         return {"times": self.times.tolist(), "handles": chosen, "positions": positions, "speeds": speeds}
 
@@ -101,12 +103,10 @@ class States(ArrayRecord):
     @cached_property
     def pose_velocities(self) -> Array:
         """Rate of change of `poses`, (T, N, 3): m/s, m/s, rad/s."""
-        front, rear = self.velocities[:, :-1], self.velocities[:, 1:]
-        along = self.positions[:, :-1] - self.positions[:, 1:]
-        turning = front - rear
-        spin = along[..., 0] * turning[..., 1] - along[..., 1] * turning[..., 0]
-        spin /= np.sum(along**2, axis=-1)
-        return read_only(np.concatenate([(front + rear) / 2, spin[..., None]], axis=-1))
+        velocities, positions = as_complex(self.velocities), as_complex(self.positions)
+        spin = (np.diff(velocities) / np.diff(positions)).imag
+        centres = (self.velocities[:, :-1] + self.velocities[:, 1:]) / 2
+        return read_only(np.concatenate([centres, spin[..., None]], axis=-1))
 
 
 @dataclass(frozen=True)
@@ -116,24 +116,16 @@ class March(Displayed):
     Parameters
     ----------
     dragon : Dragon
-        The chain of benches.
+        The chain of benches. All of it must fit on the curve at t = 0.
     curve : Curve
-        The path of the handles.
+        The path of the handles. A spiral's pitch must be larger than the benches' width.
     turns : float, optional
         Turn of a spiral on which handle 0 is at t = 0; 16, at (8.8, 0) m on the paper's, if `start_s` is not given.
     start_s : float, optional
         Coordinate of handle 0 at t = 0, m. By default 0 on a curve other than a spiral that comes from infinity, and
         the first coordinate at which the whole dragon is on the curve if the curve has a begin.
-    speed : float, Speed or callable
-        Speed of handle 0: a number in m/s, a `SpeedTable`, or a function of the time in s.
-
-    Raises
-    ------
-    ParameterError
-        If `dragon` is not a `Dragon` or `curve` not a `Curve`, if `turns` is not a number above 0 and at most 1000,
-        `start_s` not on the curve or `speed` anywhere not from 1e-6 to 20 m/s, if `turns` is given with `start_s` or
-        for a curve without turns, if a spiral's pitch is not larger than the benches' width, or if the dragon does not
-        fit on the curve at t = 0.
+    speed : float or SpeedTable
+        Speed of handle 0, m/s, from 1e-6 to 20. `SpeedTable.of` makes a table of a function.
 
     Examples
     --------
@@ -146,15 +138,14 @@ class March(Displayed):
     curve: Curve = field(default_factory=Spiral)
     turns: float | None = field(default=None, kw_only=True)
     start_s: float | None = field(default=None, kw_only=True)
-    speed: float | Speed | Callable[[float], float] = field(default=1.0, kw_only=True)
+    speed: float | SpeedTable = field(default=1.0, kw_only=True)
 
     def __post_init__(self) -> None:
         if not isinstance(self.dragon, Dragon):
             raise ParameterError("dragon", self.dragon, "a Dragon")
-        check_curve("curve", self.curve)
-        speed_profile = speed_of(self.speed)
-        if isinstance(speed_profile, ConstantSpeed):
-            object.__setattr__(self, "speed", speed_profile.value)
+        required_curve("curve", self.curve)
+        profile = speed_of(self.speed)
+        object.__setattr__(self, "speed", profile.value if isinstance(profile, ConstantSpeed) else profile)
         widest, turn_width = float(self.dragon.widths.max()), self.curve.turn_width
         if turn_width is not None and turn_width <= widest:
             raise ParameterError("pitch", turn_width, f"more than the width, {widest:g} m")
@@ -162,39 +153,31 @@ class March(Displayed):
         try:
             self.handles_s(0.0)
         except UnreachableError as error:
-            raise self._misfit(error) from error
+            raise self._misfit(error.handle) from error
 
     def _check_start(self) -> None:
         """Check `turns` and `start_s`, of which a march has one or none."""
         if self.start_s is not None:
             if self.turns is not None:
                 raise ParameterError("turns", self.turns, "absent where start_s is given")
-            object.__setattr__(
-                self, "start_s", finite("start_s", self.start_s, self.curve.begin_s, self.curve.end_s, "m")
-            )
+            start_s = finite("start_s", self.start_s, self.curve.begin_s, self.curve.end_s, "m")
+            object.__setattr__(self, "start_s", start_s)
         elif (turns := self.curve.default_turns if self.turns is None else self.turns) is not None:
             self.curve.at_turn(turns)
             object.__setattr__(self, "turns", positive("turns", turns, MAX_TURNS, ""))
 
-    def _misfit(self, error: UnreachableError) -> ParameterError:
+    def _misfit(self, handle: int) -> ParameterError:
         """Error for a march in which a handle has no coordinate at t = 0."""
-        handle = error.handle
-        if self.turns is not None:
-            name = "head_spacing" if handle == 1 else "body_spacing"
-            bound = f"short enough for the curve at turn {self.turns:g}: handle {handle} has no coordinate there"
-            return ParameterError(name, getattr(self.dragon, name), bound)
-        bound = f"a coordinate with room for the whole dragon behind it: handle {handle} has none"
-        return ParameterError("start_s", self.head_start, bound)
+        if self.turns is None:
+            bound = f"a coordinate with room for the whole dragon behind it: handle {handle} has none"
+            return ParameterError("start_s", self.head_start, bound)
+        name = "head_spacing" if handle == 1 else "body_spacing"
+        bound = f"short enough for the curve at turn {self.turns:g}: handle {handle} has no coordinate there"
+        return ParameterError(name, getattr(self.dragon, name), bound)
 
     @cached_property
     def head_start(self) -> float:
-        """Coordinate of handle 0 at t = 0, m.
-
-        Raises
-        ------
-        ParameterError
-            If the curve is too short for the dragon, or reverses within a bench's length.
-        """
+        """Coordinate of handle 0 at t = 0, m; an error if the whole dragon has no room on the curve."""
         if self.start_s is not None:
             return self.start_s
         if self.turns is not None:
@@ -218,13 +201,7 @@ class March(Displayed):
     def span(self, start: float, until: float) -> tuple[float, float]:
         """Range of coordinates that a picture of the curve shows, m: from its begin to its end, if it has these.
 
-        On a curve from infinity the range begins with the last handle at `start` s, or at 0 s if the handle has no
-        coordinate at `start`; on a curve without end it ends with handle 0 at `until` s.
-
-        Raises
-        ------
-        ParameterError
-            As `handles_s` does.
+        Else it begins with the last handle at `start` s, or at 0 s if that has none, and ends with handle 0 at `until`.
         """
         first, last = self.curve.begin_s, self.curve.end_s
         if first == -np.inf:
@@ -249,6 +226,7 @@ class March(Displayed):
 
         They may not be used in two threads at once.
         """
+        check_march(other)
         alike = self.curve == other.curve and self.head_start == other.head_start
         if alike and np.array_equal(self.dragon.spacings, other.dragon.spacings):
             vars(self)["continuation"] = other.continuation
@@ -261,92 +239,6 @@ class March(Displayed):
         """Times (T,) in s at which handle 0 has travelled the `distances` (T,) in m since t = 0."""
         return self.speed_profile.time(distances)
 
-    def handles_s(self, times: ArrayLike, handles: int | None = None) -> Array:
-        """Arc-length coordinates (T, H) of the first `handles` (all by default) at `times` (T,), m.
-
-        Raises
-        ------
-        ParameterError
-            If a time is not a finite number, or so early that the head would be more than 100 km before its start.
-        UnreachableError
-            If continuous motion has ended for a handle: the first such time, and the first such handle then.
-        """
-        return self.motion(times, handles).handles_s
-
-    def handles_s_or_nan(self, times: ArrayLike, handles: int | None = None) -> Array:
-        """The same, with nan for handles that have no coordinate at a time, and for all behind them.
-
-        Raises
-        ------
-        ParameterError
-            As `handles_s` does.
-        """
-        return self.motion_or_nan(times, handles).handles_s
-
-    def motion(self, times: ArrayLike, handles: int | None = None) -> ChainMotion:
-        """Coordinates, positions, tangents and velocity ratios of the handles.
-
-        Parameters, and errors raised, are those of `handles_s`.
-        """
-        motion = self.motion_or_nan(times, handles)
-        if np.isnan(motion.handles_s).any():
-            self._raise_unreachable(self._checked(times), motion.handles_s)
-        return motion
-
-    def motion_or_nan(self, times: ArrayLike, handles: int | None = None) -> ChainMotion:
-        """The same, with nan as in `handles_s_or_nan`."""
-        t = self._checked(times)
-        number = self.dragon.handles
-        if handles is not None:
-            number = whole("handles", handles, 1, number)
-        heads = self.head_start + self.distance(t)
-        beyond = heads > self.curve.end_s
-        if beyond.any():
-            # Not past the end by rounding.
-            heads[beyond] = np.where(t[beyond] <= self.end, self.curve.end_s, np.nan)
-        return self.continuation.motion(heads, number)
-
-    def _checked(self, times: ArrayLike) -> Array:
-        """A copy of `times` as an array (T,) in s."""
-        try:
-            t = np.array(times, dtype=float).ravel()
-        except (TypeError, ValueError, OverflowError) as error:
-            raise ParameterError("times", times, "finite numbers, s") from error
-        bad = ~np.isfinite(t)
-        if not bad.any():
-            with np.errstate(over="ignore"):
-                bad = self.distance(t) < -MAX_RETREAT
-        if bad.any():
-            raise ParameterError("times", t[bad][0].item(), f"finite numbers, at least {self._earliest:g} s")
-        return t
-
-    @property
-    def _earliest(self) -> float:
-        return float(self.time(-MAX_RETREAT))
-
-    def _raise_unreachable(self, times: Array, coordinates: Array) -> None:
-        lost = np.isnan(coordinates)
-        affected = np.flatnonzero(lost.any(axis=1))
-        row = affected[np.argmin(times[affected])]
-        handle = int(np.argmax(lost[row]))
-        if handle == 0 and self.distance(times[row]) < 0:
-            reason = f"the curve begins at t = {float(self.time(self.curve.begin_s - self.head_start)):.6g} s"
-        elif handle == 0:
-            reason = f"the curve ends at t = {self.end:.6g} s"
-        else:
-            spacing, front = self.dragon.spacings[handle - 1], coordinates[row, handle - 1]
-            # The arc of a bench is at most half a circle.
-            if front - self.curve.begin_s < np.pi / 2 * spacing and self._away_from_begin(front) < spacing:
-                reason = f"the curve begins less than a spacing of {spacing:g} m behind handle {handle - 1}"
-            else:
-                reason = f"the curve bends too tightly for a spacing of {spacing:g} m"
-        raise UnreachableError(float(times[row]), handle, reason)
-
-    def _away_from_begin(self, coordinate: float) -> float:
-        """Straight distance of a coordinate from the curve's begin, m."""
-        begin, there = self.curve.point([self.curve.begin_s, coordinate])
-        return float(np.hypot(*(there - begin)))
-
     def at(self, times: ArrayLike, handles: int | None = None) -> States:
         """Exact states of the first `handles` (all by default) at `times` (T,) in s.
 
@@ -355,30 +247,90 @@ class March(Displayed):
 
         Raises
         ------
-        ParameterError, UnreachableError
-            As `handles_s` does.
+        ParameterError
+            If a time is not a finite number, or so early that the head would be more than 100 km before its start.
+        UnreachableError
+            If continuous motion has ended for a handle: the first such time, and the first such handle then.
         """
         t = self._checked(times)
         handles_s, points, tangents, rates = self.motion(t, handles)
         # Signed along the path: a head at more than a right angle to its bench pushes the rear handle back.
         rates *= self.speed_profile.at(t)[:, None]
-        tangents *= rates
+        tangents.real *= rates
+        tangents.imag *= rates
         return States(t, handles_s, as_vectors(points), as_vectors(tangents), np.abs(rates, out=rates))
+
+    def handles_s(self, times: ArrayLike, handles: int | None = None) -> Array:
+        """Arc-length coordinates (T, H) of the handles, m, with the arguments and errors of `at`."""
+        return self.motion(times, handles).handles_s
+
+    def handles_s_or_nan(self, times: ArrayLike, handles: int | None = None) -> Array:
+        """The same, with nan for handles that have no coordinate at a time, and for all behind them."""
+        return self.motion_or_nan(times, handles).handles_s
+
+    def motion(self, times: ArrayLike, handles: int | None = None) -> ChainMotion:
+        """Coordinates, positions, tangents and velocity ratios of the handles, as for `at`."""
+        motion = self.motion_or_nan(times, handles)
+        if np.isnan(motion.handles_s[:, -1]).any():
+            self._raise_unreachable(self._checked(times), motion.handles_s)
+        return motion
+
+    def motion_or_nan(self, times: ArrayLike, handles: int | None = None) -> ChainMotion:
+        """The same, with nan as in `handles_s_or_nan`."""
+        t = self._checked(times)
+        number = self.dragon.handles if handles is None else whole("handles", handles, 1, self.dragon.handles)
+        heads = self.head_start + self.distance(t)
+        beyond = heads > self.curve.end_s
+        if beyond.any():
+            # Not past the end by rounding.
+            heads[beyond] = np.where(t[beyond] <= self.end, self.curve.end_s, np.nan)
+        return self.continuation.motion(heads, number)
 
     def speeds_by_difference(self, times: ArrayLike, step: float) -> Array:
         """Speeds (T, H) in m/s by the paper's forward difference over `step` s (eq. 15), for comparison.
 
         The polar angle's rate of change is approximated by (theta(t + step) - theta(t)) / step, and the speed is that
-        rate times the arc length per radian. The error falls in proportion to `step`.
-
-        Raises
-        ------
-        ParameterError
-            If the curve is not a spiral, or `step` is not above 0.
+        rate times the arc length per radian. The error falls in proportion to `step`. The curve must be a spiral.
         """
         positive("step", step, np.inf, "s")
-        t = self._checked(times)
-        return self.curve.speeds_by_difference(self.handles_s(t), self.handles_s(t + step), step)
+        t, curve = self._checked(times), self.curve
+        if not isinstance(curve, Spiral):
+            raise ParameterError("curve", type(curve).__name__, "a Spiral, which has polar angles")
+        now, later = curve.angle(self.handles_s(t)), curve.angle(self.handles_s(t + step))
+        return np.asarray(curve.k * np.hypot(now, 1) * np.abs(later - now) / step)
+
+    def _checked(self, times: ArrayLike) -> Array:
+        """A copy of `times` as an array (T,) in s."""
+        t = numbers("times", times).flatten()
+        bad = ~np.isfinite(t)
+        if not bad.any():
+            with np.errstate(over="ignore"):
+                bad = self.distance(t) < -MAX_RETREAT
+        if bad.any():
+            earliest = float(self.time(-MAX_RETREAT))
+            raise ParameterError("times", t[bad][0].item(), f"finite numbers, at least {earliest:g} s")
+        return t
+
+    def _raise_unreachable(self, times: Array, coordinates: Array) -> None:
+        lost = np.isnan(coordinates)
+        affected = np.flatnonzero(lost.any(axis=1))
+        row = affected[np.argmin(times[affected])]
+        handle = int(np.argmax(lost[row]))
+        begin = self.curve.begin_s
+        if handle == 0 and self.distance(times[row]) < 0:
+            reason = f"the curve begins at t = {float(self.time(begin - self.head_start)):.6g} s"
+        elif handle == 0:
+            reason = f"the curve ends at t = {self.end:.6g} s"
+        else:
+            spacing, front = self.dragon.spacings[handle - 1], coordinates[row, handle - 1]
+            reason = f"the curve bends too tightly for a spacing of {spacing:g} m"
+            # The arc of a bench is at most half a circle.
+            if (
+                front - begin < np.pi / 2 * spacing
+                and np.hypot(*np.diff(self.curve.point([begin, front]), axis=0)[0]) < spacing
+            ):
+                reason = f"the curve begins less than a spacing of {spacing:g} m behind handle {handle - 1}"
+        raise UnreachableError(float(times[row]), handle, reason)
 
 
 def check_march(value: object) -> None:
@@ -388,16 +340,11 @@ def check_march(value: object) -> None:
 
 
 def last_time(march: March, start: float) -> float:
-    """Time at which handle 0 reaches the end of the curve, s, as the default end of an interval from `start` s.
-
-    Raises
-    ------
-    ParameterError
-        If the curve has no end, or it comes before the start.
-    """
+    """Time at which handle 0 reaches the end of the curve, s, as the default end of an interval from `start` s."""
+    check_march(march)
     if march.end == np.inf:
         raise ParameterError("until", None, "a time, s, on a curve without end")
-    if start >= march.end:
+    if finite("start", start, -np.inf, np.inf, "s") >= march.end:
         raise ParameterError("start", start, f"earlier than the end of the curve, {march.end:g} s")
     return march.end
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
-from functools import cached_property
 from pathlib import Path
 from typing import IO, Any, Literal, get_args
 
@@ -13,17 +12,16 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pymunk_dragon._arrays import Array, ArrayRecord, frozen, read_only
-from pymunk_dragon._checks import word
+from pymunk_dragon._checks import numbers, word
 from pymunk_dragon._display import Displayed
 from pymunk_dragon._language import text
-from pymunk_dragon.errors import DragonError
+from pymunk_dragon.errors import DragonError, ParameterError
 from pymunk_dragon.model.contact import Contact, ContactEvent, ContactLog, contact_text
-from pymunk_dragon.model.dragon import hermite
+from pymunk_dragon.model.dragon import pose_step
 from pymunk_dragon.model.march import March, check_march
-from pymunk_dragon.model.provenance import attributes_of, versions
-from pymunk_dragon.model.run_file import opened_archive, present_names, write_archive
+from pymunk_dragon.model.run_file import opened_archive, write_archive
 from pymunk_dragon.model.scenario import Scenario
-from pymunk_dragon.model.settings import EngineSettings
+from pymunk_dragon.model.settings import EngineSettings, attributes_of, versions
 
 # How a run ended: at a contact, without one, or where the head has no coordinate on the curve.
 Outcome = Literal["contact", "clear", "unreachable"]
@@ -31,13 +29,14 @@ Outcome = Literal["contact", "clear", "unreachable"]
 # The first twelve benches are the ones that the head meets: their drift decides whether the first contact is the true
 # one.
 HEAD_BENCHES = 12
-# Arrays that are missing where the player does not know them.
-MAY_LACK = ("pose_velocities", "joint_impulses")
-# Frames nearer to each other than this share of the median interval count as one where velocities come from finite
-# differences: the errors of their poses, divided by so short a time, would be velocities of their own.
-LEAST_INTERVAL = 0.5
-# Frames whose polynomial gives such a velocity: its error is then of a higher order than the cubic's own.
-DIFFERENCE_POINTS = 5
+# Types of a run's arrays. What needs no 16 digits has seven.
+KINDS = {
+    "times": np.float64,
+    "poses": np.float64,
+    "drift": np.float32,
+    "pose_velocities": np.float32,
+    "joint_impulses": np.float32,
+}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -55,13 +54,13 @@ class Run(ArrayRecord, Displayed):
     poses : ndarray, shape (F, N, 3)
         Pose of every bench: centre in m, angle in rad.
     drift : ndarray, shape (F, N)
-        Position error of each bench's worse hole against the exact model, m; nan where the model has no state.
+        Position error of each bench's worse hole against the exact model, m; nan where the model has no state. This
+        and the next two arrays have single precision.
     pose_velocities : ndarray, shape (F, N, 3), optional
-        Rates of change of `poses`: m/s, m/s, rad/s. None where they are unknown, as in files of older versions.
+        Rates of change of `poses`: m/s, m/s, rad/s. By default differences of the poses.
     joint_impulses : ndarray, shape (F, N - 1), optional
-        Size of the impulse in each pivot, N s, in the substep that ended at the frame; pivot i joins benches i and
-        i + 1. At a contact that ended the run it is the substep of the contact, impact included. None where no engine
-        played.
+        Size of the impulse in each pivot, N s, in the substep that ended at the frame, impacts included; pivot i joins
+        benches i and i + 1. None where no engine played.
     events : ContactLog
         Every collision callback.
     first_contact : Contact, optional
@@ -78,22 +77,13 @@ class Run(ArrayRecord, Displayed):
     ----------
     player : str or None
         "pymunk" or "exact"; None if unknown.
-    guide : str or None
-        Name of the engine's guide; None if unknown.
-    settings : EngineSettings or None
-        Settings of the engine, with the numbers that were used for `substep` and `head_force`; None where no engine
-        played.
+    guide, settings, substeps
+        Name of the engine's guide, `EngineSettings` with the numbers that were used, and number of substeps; None where
+        no engine played.
     start : float
         Time at which the run began, s.
-    substeps : int or None
-        Number of substeps; None where no engine played.
     versions : mapping
         Versions of Python and of the libraries that decide the numbers.
-
-    Raises
-    ------
-    ParameterError, DragonError
-        If the arrays do not fit the march, or an entry of `provenance` has an impossible value.
 
     Examples
     --------
@@ -115,7 +105,7 @@ class Run(ArrayRecord, Displayed):
     times: Array
     poses: Array
     drift: Array
-    pose_velocities: Array | None = None
+    pose_velocities: Array = None  # type: ignore[assignment]  # An array after `__post_init__`.
     joint_impulses: Array | None = None
     events: ContactLog = field(default_factory=ContactLog)
     first_contact: Contact | None = None
@@ -132,17 +122,18 @@ class Run(ArrayRecord, Displayed):
 
     def __post_init__(self) -> None:
         check_march(self.march)
-        frames = len(self.times)
-        for name, shape in _shapes(self.march, frames).items():
-            if name in MAY_LACK and getattr(self, name) is None:
-                continue
-            # A copy, because the caller may change the array.
-            array = np.array(getattr(self, name), dtype=float)
-            if array.shape != shape:
-                raise DragonError(f"a run's {name} have shape {array.shape}, but its march wants {shape}")
-            object.__setattr__(self, name, read_only(array))
-        if not frames or not np.all(np.isfinite(self.times)) or np.any(np.diff(self.times) < 0):
-            raise DragonError("a run's times are not finite and rising, or there are none")
+        times = numbers("times", self.times)
+        if times.ndim != 1 or not (times.size and np.isfinite(times).all() and np.all(np.diff(times) >= 0)):
+            raise ParameterError("times", self.times, "finite and rising, one or more")
+        if self.pose_velocities is None:
+            object.__setattr__(self, "pose_velocities", _differences(times, numbers("poses", self.poses, 3)))
+        for name, shape in _shapes(self.march, times.size).items():
+            if name != "joint_impulses" or self.joint_impulses is not None:
+                # A copy, because the caller may change the array.
+                array = np.array(numbers(name, getattr(self, name)), dtype=KINDS[name])
+                if array.shape != shape:
+                    raise ParameterError(f"the shape of a run's {name}", array.shape, f"{shape}, as its march wants")
+                object.__setattr__(self, name, read_only(array))
         word("outcome", self.outcome, get_args(Outcome))
         object.__setattr__(self, "provenance", frozen(self.provenance))
         for name, value in attributes_of(self.provenance, float(self.times[0])).items():
@@ -204,11 +195,6 @@ class Run(ArrayRecord, Displayed):
     def exact(cls, march: March, times: ArrayLike) -> Run:
         """Run of the exact model with frames at `times` (F,), s, without a search for contacts.
 
-        Raises
-        ------
-        ParameterError, UnreachableError
-            As `March.at` does.
-
         Examples
         --------
         >>> from pymunk_dragon import March
@@ -239,16 +225,9 @@ class Run(ArrayRecord, Displayed):
     def poses_at(self, times: ArrayLike) -> Array:
         """Poses (T, N, 3) at any times, s: m, m, rad. Before and after the run, those of its first and last frame.
 
-        Notes
-        -----
-        Between two frames, centres and angles are cubic Hermite polynomials of time, with the poses and the
-        `pose_velocities` of both frames. The error is at most the interval to the fourth times the fourth derivative
-        over 384: 0.02 um for a head on a turn of 2.3 m radius at 1 m/s and frames 0.1 s apart. An impact between
-        two frames is not represented.
-
-        A run without `pose_velocities` gets them from its poses by finite differences of fourth order: the derivative
-        of the polynomial through the five frames about each one. A frame that follows the one before by less than half
-        the median interval is not among the five.
+        Between two frames, centres and angles are cubic Hermite polynomials of time. The error is at most the interval
+        to the fourth times the fourth derivative over 384: 0.02 um for a head on a turn of 2.3 m radius at 1 m/s and
+        frames 0.1 s apart. An impact between two frames is not represented.
         """
         return self._motion_at(times)[0]
 
@@ -257,43 +236,18 @@ class Run(ArrayRecord, Displayed):
         return self._motion_at(times)[1]
 
     def _motion_at(self, times: ArrayLike) -> tuple[Array, Array]:
-        t = np.atleast_1d(np.asarray(times, dtype=float))
+        t = numbers("times", times).ravel()
         last = len(self.times) - 1
         after = np.clip(np.searchsorted(self.times, t), min(1, last), last)
         before = np.maximum(after - 1, 0)
-        interval = self.times[after] - self.times[before]
+        h = (self.times[after] - self.times[before])[:, None, None]
         # Two frames may share a time: a contact that falls on a frame adds another.
-        share = np.clip((t - self.times[before]) / np.where(interval > 0, interval, 1.0), 0.0, 1.0)
-        velocities = self.frame_velocities
-        return hermite(
-            (self.poses[before], self.poses[after]),
-            (velocities[before], velocities[after]),
-            interval[:, None],
-            share[:, None],
-        )
-
-    @cached_property
-    def frame_velocities(self) -> Array:
-        """The `pose_velocities` (F, N, 3); where they are unknown, those of `poses_at`, from finite differences."""
-        if self.pose_velocities is not None:
-            return self.pose_velocities
-        intervals = np.diff(self.times)
-        apart = intervals[intervals > 0]
-        kept = [0]
-        for frame, time in enumerate(self.times):
-            if apart.size and time - self.times[kept[-1]] >= LEAST_INTERVAL * np.median(apart):
-                kept.append(frame)
-        if len(kept) == 1:
-            return read_only(np.zeros_like(self.poses))
-        times, poses = self.times[kept], self.poses[kept]
-        poses[..., 2] = np.unwrap(poses[..., 2], axis=0)
-        points = min(DIFFERENCE_POINTS, len(kept))
-        first = np.clip(np.searchsorted(times, self.times) - points // 2, 0, len(kept) - points)
-        nodes = first[:, None] + np.arange(points)
-        velocities = np.zeros_like(self.poses)
-        for node, weight in zip(nodes.T, _derivative_weights(times[nodes], self.times).T, strict=True):
-            velocities += weight[:, None, None] * poses[node]
-        return read_only(velocities)
+        divisor = np.where(h > 0, h, 1.0)
+        s = np.clip((t - self.times[before])[:, None, None] / divisor, 0.0, 1.0)
+        start, step = self.poses[before], pose_step(self.poses[before], self.poses[after])
+        v0, v1 = self.pose_velocities[before], self.pose_velocities[after]
+        poses = start + s * s * (3 - 2 * s) * step + h * s * (1 - s) * ((1 - s) * v0 - s * v1)
+        return poses, 6 * s * (1 - s) * step / divisor + (1 - s) * (1 - 3 * s) * v0 + s * (3 * s - 2) * v1
 
     def save(self, path: str | Path | IO[bytes]) -> None:
         """Write the run as a NumPy archive (.npz, no pickle); an interrupted save leaves the old file or none.
@@ -306,7 +260,7 @@ class Run(ArrayRecord, Displayed):
         Raises
         ------
         ParameterError
-            If the ending is not .npz, the folder cannot be written, or the march has no scenario: see `check_saveable`.
+            If the ending is not .npz, the folder cannot be written, or the march fails `check_saveable`.
         OutputError
             If writing fails.
 
@@ -330,26 +284,17 @@ class Run(ArrayRecord, Displayed):
 
     @classmethod
     def load(cls, path: str | Path) -> Run:
-        """Read a run that `save` wrote.
-
-        Raises
-        ------
-        ParameterError
-            If there is no such file, or it cannot be read.
-        FileFormatError
-            If the file is damaged, cut off, of another program or of a newer format, or holds impossible values.
-        """
-        with opened_archive(path) as archive:
-            notes = archive.notes
-            march = Scenario.from_dict(present_names(notes["scenario"]), files=False).march()
-            arrays: dict[str, Any] = {}
-            for name, shape in _shapes(march, len(archive.array("times"))).items():
-                if name in archive or name not in MAY_LACK:
-                    arrays[name] = archive.array(name, shape)
-                    if not (name == "drift" or np.all(np.isfinite(arrays[name]))):
-                        raise DragonError(f"its {name} are not finite numbers")
-            events = ContactLog(tuple(ContactEvent.from_dict(event) for event in notes["events"]))
-            first = None if notes["first_contact"] is None else Contact.from_dict(notes["first_contact"])
+        """Read a run that `save` wrote; a file that is damaged or of another format raises a FileFormatError."""
+        with opened_archive(path) as (notes, stored):
+            march = Scenario.from_dict(notes["scenario"], files=False).march()
+            arrays: dict[str, Any] = {
+                name: stored[name] for name in KINDS if name != "joint_impulses" or name in stored
+            }
+            for name, array in arrays.items():
+                if array.dtype != KINDS[name] or not (name == "drift" or np.isfinite(array).all()):
+                    raise DragonError(f"its {name} are not finite numbers of the type {KINDS[name].__name__}")
+            events = ContactLog(tuple(ContactEvent._from_dict(event) for event in notes["events"]))
+            first = None if notes["first_contact"] is None else Contact._from_dict(notes["first_contact"])
             last = max((item.benches[1] for item in (*events, first) if item is not None), default=0)
             if last >= march.dragon.benches:
                 raise DragonError(f"it has a contact of bench {last}, but its scenario {march.dragon.benches} benches")
@@ -378,33 +323,25 @@ def _shapes(march: March, frames: int) -> dict[str, tuple[int, ...]]:
 def check_saveable(march: March) -> None:
     """Check that a run of a march can be saved, before the run is made.
 
-    Every curve and speed of the package can be saved. A curve of a class of your own and a speed that is a function
-    cannot, because a file holds values and no code.
-
-    Raises
-    ------
-    ParameterError
-        If `Run.save` would refuse a run of this march: names the part that cannot be written down.
+    Every curve of the package can be saved, and a class of your own that is a dataclass with a ``kind``.
 
     Examples
     --------
     >>> from pymunk_dragon import March
     >>> check_saveable(March())
-    >>> check_saveable(March(speed=lambda t: 1 + 0 * t))  # doctest: +ELLIPSIS
-    Traceback (most recent call last):
-    pymunk_dragon.errors.ParameterError: speed is <function ...>, but must be a number or a table to be written down...
     """
     Scenario.of(march)
 
 
-def _derivative_weights(nodes: Array, times: Array) -> Array:
-    """Weights (F, P) of values at `nodes` (F, P) in the derivative at `times` (F,) of the polynomial through them."""
-    scale = np.ptp(nodes, axis=1)[:, None]
-    # The derivative of t**k at t = 0 is 1 for k = 1 and 0 otherwise.
-    degrees = np.arange(nodes.shape[1])[:, None]
-    powers = ((nodes - times[:, None]) / scale)[:, None, :] ** degrees
-    weights: Array = np.linalg.solve(powers, (degrees == 1).astype(float)[None])[..., 0] / scale
-    return weights
+def _differences(times: Array, poses: Array) -> Array:
+    """Rates of change (F, N, 3) of `poses`, by differences of second order."""
+    known, first, frames = np.unique(times, return_index=True, return_inverse=True)
+    if known.size < 2 or len(poses) != len(times):
+        return np.zeros_like(poses)
+    poses = poses[first]
+    poses[..., 2] = np.unwrap(poses[..., 2], axis=0)
+    rates: Array = np.gradient(poses, known, axis=0, edge_order=2 if known.size > 2 else 1)[frames]
+    return rates
 
 
 def _largest(drift: Array) -> float:

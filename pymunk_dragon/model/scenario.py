@@ -40,8 +40,7 @@ pieces = [
 $ pymunk-dragon contact --scenario hairpin.toml
 ```
 
-In Python the same curve is `Composite([Line(...), Arc(...), Line(...)])`. In Python, speeds can also be functions of
-time.
+In Python the same curve is `Composite([Line(...), Arc(...), Line(...)])`.
 """
 
 from __future__ import annotations
@@ -57,9 +56,9 @@ from pymunk_dragon._files import read_text
 from pymunk_dragon.errors import FileFormatError, ParameterError
 from pymunk_dragon.model.curves import Curve, Sampled
 from pymunk_dragon.model.curves.base import parameters_of
-from pymunk_dragon.model.dragon import BENCHES, Dragon, Sizes
+from pymunk_dragon.model.dragon import Dragon, Sizes
 from pymunk_dragon.model.march import March, check_march
-from pymunk_dragon.model.speed import ConstantSpeed, SpeedTable, speed_of
+from pymunk_dragon.model.speed import SpeedTable, speed_of
 
 __all__ = ["Scenario"]
 
@@ -73,7 +72,6 @@ DRAGON = tuple(f.name for f in fields(Dragon))
 DEFAULT_CURVE = "spiral"
 # Parameters of curves that may stand at the top level of a file, beside the name of the curve.
 SHORT = ("pitch", "rotation", "mirrored", "outward", "radius", "ratio", "points")
-ALLOWED_SPEED = f"a number in m/s, a table of [s, m/s], or a file of one, which ends in {CSV}"
 
 # One speed, or times in s and speeds in m/s.
 Speeds = float | tuple[tuple[float, float], ...]
@@ -89,30 +87,17 @@ class Scenario:
     Parameters
     ----------
     benches, head_spacing, body_spacing, overhang, width
-        As in `Dragon`: a count, then m.
+        As in `Dragon`.
     curve : str, Curve or mapping
         "spiral", "u-turn", "sampled" for a `Sampled` path through `points`, or a CSV file of these points. Any other
         registered curve is given as itself or as a table, ``{kind = "line", start = [0, 0], stop = [40, 0]}`` in
         TOML; the tables of a `Composite` are its ``pieces``.
-    pitch, rotation, mirrored, outward
-        As in `Spiral`: m, then rad.
-    pitch, radius, ratio : float
-        As in `UTurn`: m, m and a number.
-    points : sequence of (float, float)
-        As in `Sampled`, m.
-    turns : float
-        As in `March`, on a spiral.
-    start_s : float
-        As in `March`, m.
+    pitch, rotation, mirrored, outward, radius, ratio, points
+        As in `Spiral`, `UTurn` and `Sampled`.
+    turns, start_s : float
+        As in `March`.
     speed : float, or sequence of (float, float)
         In m/s, as in `March`, or a table of times in s and speeds in m/s, or a CSV file of it.
-
-    Raises
-    ------
-    ParameterError
-        If `march` cannot be made of it, or a value is given that its curve does not have.
-    FileFormatError
-        If a file that is named holds something else.
 
     Examples
     --------
@@ -120,7 +105,7 @@ class Scenario:
     0.45
     """
 
-    benches: int = BENCHES
+    benches: int = None  # type: ignore[assignment]  # A number after `__post_init__`, as in `Dragon`.
     head_spacing: float = 2.86
     body_spacing: Sizes = 1.65
     overhang: Sizes = 0.275
@@ -138,27 +123,21 @@ class Scenario:
     speed: Speeds | str = 1.0
 
     def __post_init__(self) -> None:
-        given = {f.name: getattr(self, f.name) for f in fields(self)}
-        for name, value in (dict.fromkeys(given) | _values(_march(given))).items():
+        for name, value in (dict.fromkeys(vars(self)) | _values(self.march())).items():
             object.__setattr__(self, name, value)
+
+    @classmethod
+    def of(cls, march: March) -> Scenario:
+        """The scenario of a march; an error if its curve is of a class of your own without a kind."""
+        check_march(march)
+        return cls(**_values(march))
 
     @classmethod
     def from_dict(cls, values: Mapping[str, Any], *, files: bool = True) -> Scenario:
         """Scenario from nested tables, as `to_dict` gives them, or from the names of all parameters.
 
-        Parameters
-        ----------
-        values : mapping
-            Names and values; the defaults of the others stay. The table `dragon` has the parameters of a `Dragon`, the
-            table `curve` the kind and the parameters of a curve. Parameters may also stand at the top level, where
-            they have precedence.
-        files : bool
-            Whether a curve or a speed may be the name of a file, which is then read.
-
-        Raises
-        ------
-        ParameterError, FileFormatError
-            As in `Scenario`, or if a name is none of a parameter.
+        The table `dragon` has the parameters of a `Dragon`, the table `curve` the kind and the parameters of a curve.
+        Parameters at the top level have precedence. `files` is whether a curve or a speed may be the name of a file.
 
         Examples
         --------
@@ -175,6 +154,41 @@ class Scenario:
                 raise ParameterError(name, value, "something else than the name of another file")
         return cls(**flat)
 
+    @classmethod
+    def read(cls, path: str | Path) -> dict[str, Any]:
+        """Names and values in a TOML file of a scenario. `from_dict` checks them, after flags have replaced some.
+
+        A file that it names lies beside it, unless it says where.
+        """
+        import tomllib
+
+        content = read_text(path, "scenario")
+        try:
+            if LONG_KEY.search(content):
+                raise ValueError("a key has more parts than that of any parameter")
+            values = flat_values(tomllib.loads(content))
+        except ParameterError:
+            raise
+        except (ValueError, RecursionError) as error:
+            # Beside its own error, tomllib lets through those of a number of thousands of digits and of brackets in
+            # thousands of brackets.
+            raise FileFormatError(path, f"no TOML file: {error}") from error
+        files = [name for name in ("curve", "speed") if _is_file(values.get(name))]
+        return values | {name: str(Path(path).parent / values[name]) for name in files}
+
+    def march(self) -> March:
+        """The march that these values describe."""
+        dragon = Dragon(**{name: getattr(self, name) for name in DRAGON})
+        speed: Any = self.speed
+        if _is_file(speed):
+            speed = SpeedTable.read(speed)
+        elif isinstance(speed, list | tuple):
+            if not speed or not all(isinstance(row, list | tuple) and len(row) == 2 for row in speed):
+                bound = f"a number in m/s, a table of [s, m/s], or a file of one, which ends in {CSV}"
+                raise ParameterError("speed", speed, bound)
+            speed = SpeedTable(*zip(*speed, strict=True))
+        return March(dragon, self._curve(), turns=self.turns, start_s=self.start_s, speed=speed)
+
     def to_dict(self) -> dict[str, Any]:
         """Nested tables of plain values, of which `from_dict` makes the same scenario.
 
@@ -188,103 +202,33 @@ class Scenario:
         return {"dragon": asdict(march.dragon), "curve": march.curve.to_dict(), **start, "speed": self.speed}
 
     def values(self) -> dict[str, Any]:
-        """The same values by the names of all parameters, without those that the curve does not have.
-
-        Examples
-        --------
-        >>> Scenario(benches=5, pitch=0.6).values()["pitch"]
-        0.6
-        """
+        """The same values by the names of all parameters, without those that the curve does not have."""
         return flat_values(self.to_dict())
 
-    @classmethod
-    def read(cls, path: str | Path) -> dict[str, Any]:
-        """Names and values in a TOML file of a scenario. `from_dict` checks them, after flags have replaced some.
-
-        A file that it names lies beside it, unless it says where.
-
-        Raises
-        ------
-        ParameterError
-            If the file cannot be read.
-        FileFormatError
-            If it is no TOML.
-        """
-        import tomllib
-
-        try:
-            text = read_text(path, "scenario")
-            if LONG_KEY.search(text):
-                raise FileFormatError(path, "a key has more parts than that of any parameter")
-            values = flat_values(tomllib.loads(text))
-        except ParameterError:
-            raise
-        except (ValueError, RecursionError) as error:
-            # Beside its own error, tomllib lets through those of a number of thousands of digits and of brackets in
-            # thousands of brackets.
-            raise FileFormatError(path, f"no TOML file: {getattr(error, 'reason', error)}") from error
-        beside = {
-            name: str(Path(path).parent / values[name]) for name in ("curve", "speed") if _is_file(values.get(name))
-        }
-        return values | beside
-
-    @classmethod
-    def of(cls, march: March) -> Scenario:
-        """The scenario of a march.
-
-        Raises
-        ------
-        ParameterError
-            If it cannot be written down: a curve of a class of your own, or a speed that is a function.
-        """
-        check_march(march)
-        return cls(**_values(march))
-
-    def march(self) -> March:
-        """The march that these values describe."""
-        return _march({f.name: getattr(self, f.name) for f in fields(self)})
-
-
-def _march(values: Mapping[str, Any]) -> March:
-    """The march that a scenario's `values`, all of them, describe."""
-    dragon = Dragon(**{f.name: values[f.name] for f in fields(Dragon)})
-    return March(
-        dragon, _curve(values), turns=values["turns"], start_s=values["start_s"], speed=_speed(values["speed"])
-    )
-
-
-def _curve(values: Mapping[str, Any]) -> Curve:
-    given = {name: values[name] for name in SHORT if values[name] is not None}
-    kind = values["curve"]
-    if kind is None:
-        kind = "sampled" if "points" in given else DEFAULT_CURVE
-    elif isinstance(kind, Mapping | Curve):
+    def _curve(self) -> Curve:
+        given = {name: getattr(self, name) for name in SHORT if getattr(self, name) is not None}
+        kind: Any = self.curve
         for name, value in given.items():
-            raise ParameterError(name, value, "absent where the curve is a table, which holds all parameters")
-        return kind if isinstance(kind, Curve) else Curve.from_dict(kind)
-    elif _is_file(kind):
-        if "points" in given:
-            raise ParameterError("points", given["points"], f"absent where the curve is a file, {kind}")
-        kind, given["points"] = "sampled", Sampled.read(kind).points
-    if not (isinstance(kind, str) and kind in Curve.kinds):
-        named = named_curves()
-        bound = f"a name, {' or '.join(named)}, that of a file of points, which ends in {CSV}, or a table with its kind"
-        raise ParameterError("curve", kind, bound + did_you_mean(kind, named))
-    try:
-        return Curve.from_dict({"kind": kind} | given)
-    except ParameterError as error:
-        raise ParameterError(error.name.removeprefix("curve."), error.value, error.bound) from error
+            if isinstance(kind, Mapping | Curve) or (name == "points" and _is_file(kind)):
+                raise ParameterError(name, value, "absent where the curve is a table or a file, which has it")
+        if isinstance(kind, Mapping | Curve):
+            return kind if isinstance(kind, Curve) else Curve.from_dict(kind)
+        if kind is None:
+            kind = "sampled" if "points" in given else DEFAULT_CURVE
+        elif _is_file(kind):
+            kind, given["points"] = "sampled", Sampled.read(kind).points
+        if not (isinstance(kind, str) and kind in Curve.kinds):
+            known = named_curves()
+            bound = f"a name, {' or '.join(known)}, a file of points, which ends in {CSV}, or a table with its kind"
+            raise ParameterError("curve", kind, bound + did_you_mean(kind, known))
+        try:
+            return Curve.from_dict({"kind": kind} | given)
+        except ParameterError as error:
+            raise ParameterError(error.name.removeprefix("curve."), error.value, error.bound) from error
 
 
 def named_curves() -> list[str]:
-    """Kinds of curves that a name alone describes, the default first: all their parameters have defaults.
-
-    Examples
-    --------
-    >>> known = named_curves()
-    >>> known[0], "u-turn" in known
-    ('spiral', True)
-    """
+    """Kinds of curves that a name alone describes, the default first: all their parameters have defaults."""
     named = [kind for kind, cls in Curve.kinds.items() if not any(parameters_of(cls).values())]
     return sorted(named, key=lambda kind: kind != DEFAULT_CURVE)
 
@@ -306,6 +250,8 @@ def _with_table(flat: dict[str, Any]) -> dict[str, Any]:
 
 def flat_values(values: Mapping[str, Any]) -> dict[str, Any]:
     """Values by the names of the parameters of a `Scenario`, from nested tables or from such values."""
+    if not isinstance(values, Mapping):
+        raise ParameterError("scenario", values, "a mapping of names and values")
     flat = dict(values)
     dragon = flat.pop("dragon", {})
     if not isinstance(dragon, Mapping):
@@ -322,17 +268,6 @@ def flat_values(values: Mapping[str, Any]) -> dict[str, Any]:
     return {**dragon, **flat}
 
 
-def _speed(value: Any) -> Any:
-    """`value` as a march takes it."""
-    if _is_file(value):
-        return SpeedTable.read(value)
-    if isinstance(value, list | tuple):
-        if not value or not all(isinstance(row, list | tuple) and len(row) == 2 for row in value):
-            raise ParameterError("speed", value, ALLOWED_SPEED)
-        return SpeedTable(*zip(*value, strict=True))
-    return value
-
-
 def _values(march: March) -> dict[str, Any]:
     """Names and values of a scenario that makes `march`."""
     speed = speed_of(march.speed)
@@ -341,13 +276,8 @@ def _values(march: March) -> dict[str, Any]:
         curve = {"curve": march.curve}
     elif "points" in curve:
         curve["points"] = tuple(map(tuple, curve["points"]))
-    if isinstance(speed, ConstantSpeed):
-        values: Speeds = speed.value
-    elif isinstance(speed, SpeedTable):
-        values = tuple(zip(speed.times, speed.speeds, strict=True))
-    else:
-        raise ParameterError("speed", march.speed, "a number or a table to be written down, not a function of time")
-    return asdict(march.dragon) | curve | {"turns": march.turns, "start_s": march.start_s, "speed": values}
+    table = tuple(zip(speed.times, speed.speeds, strict=True)) if isinstance(speed, SpeedTable) else speed.value
+    return asdict(march.dragon) | curve | {"turns": march.turns, "start_s": march.start_s, "speed": table}
 
 
 def _is_file(value: object) -> bool:

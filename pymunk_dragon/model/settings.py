@@ -1,9 +1,14 @@
-"""Settings of the Pymunk engine."""
+"""Settings of the Pymunk engine, and the provenance of a run: what produced it, with which settings and versions."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import Literal, get_args
+import math
+import platform
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
+from importlib.metadata import version
+from typing import Any, Literal, get_args
 
 from pymunk_dragon._checks import finite, positive, whole, word
 from pymunk_dragon.errors import ParameterError
@@ -43,6 +48,8 @@ MAX_ITERATIONS = 100_000
 MAX_FORCE = 1e9
 # s: no substep and no frame interval is longer.
 MAX_INTERVAL = 1e9
+# Settings that `provenance` holds only where they are not their defaults, for files as they have always been.
+OPTIONAL_SETTINGS = ("head_force", "drag", "frame_interval")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,20 +74,12 @@ class EngineSettings:
         Largest force of the head's motor, N, where contacts are resolved. By default twice the ground drag on what the
         head pulls: on itself where dancers walk (0.47 kN for the contest's at 1 m/s), on all benches without a guide.
 
-    Raises
-    ------
-    ParameterError
-        If a setting is out of its range, or `head_force` is given where contacts are not resolved.
-
     Examples
     --------
     >>> from dataclasses import replace
     >>> coarse = EngineSettings(substep=0.05, iterations=5)
     >>> replace(coarse, contacts="report").iterations
     5
-    >>> EngineSettings(iterations=0)
-    Traceback (most recent call last):
-    pymunk_dragon.errors.ParameterError: iterations is 0, but must be a whole number from 1 to 100000
     """
 
     contacts: Contacts = "stop"
@@ -108,23 +107,15 @@ class EngineSettings:
     def resolved(self, *, top_speed: float, pulled_mass: float) -> EngineSettings:
         """The settings with numbers for `substep`, `iterations` and, where contacts are resolved, for `head_force`.
 
-        Parameters
-        ----------
-        top_speed : float
-            Highest speed of the head, m/s.
-        pulled_mass : float
-            Mass of the benches on which the head has to balance the ground drag, kg.
-
-        Raises
-        ------
-        ParameterError
-            If the head would travel less than 0.01 mm or more than 0.1 m in a substep.
+        `top_speed` is the highest one of the head, m/s, and `pulled_mass` that of the benches on which the head has to
+        balance the ground drag, kg. In a substep the head may travel from 0.01 mm to 0.1 m.
 
         Examples
         --------
         >>> EngineSettings().resolved(top_speed=2.0, pulled_mass=20.0).substep
         0.01
         """
+        positive("top_speed", top_speed, math.inf, "m/s")
         resolves = self.contacts == "resolve"
         substep, iterations, force = self.substep, self.iterations, self.head_force
         if substep is None:
@@ -132,7 +123,7 @@ class EngineSettings:
         if iterations is None:
             iterations = RESOLVE_ITERATIONS if resolves else ITERATIONS
         if force is None and resolves:
-            force = HEAD_FORCE * self.drag * top_speed**2 * pulled_mass
+            force = HEAD_FORCE * self.drag * top_speed**2 * finite("pulled_mass", pulled_mass, 0, math.inf, "kg")
         finite("substep", substep, MIN_STRIDE / top_speed, MAX_STRIDE / top_speed, "s")
         return replace(self, substep=substep, iterations=iterations, head_force=force)
 
@@ -141,3 +132,37 @@ def check_settings(value: object) -> None:
     """Raise a ParameterError if `value` is no `EngineSettings`."""
     if not isinstance(value, EngineSettings):
         raise ParameterError("settings", value, "an EngineSettings")
+
+
+def versions() -> dict[str, str]:
+    """Versions of Python and of the libraries that decide a run's numbers."""
+    names = ("pymunk-dragon", "pymunk", "numpy")
+    return {"python": platform.python_version()} | {name: version(name) for name in names}
+
+
+def engine_provenance(
+    settings: EngineSettings, *, guide: str, start: float, until: float, substeps: int
+) -> dict[str, Any]:
+    """The `provenance` of a run of the engine from `start` to at most `until`, s."""
+    values = {"player": "pymunk", "guide": guide, "contacts": settings.contacts, "start": start, "until": until}
+    values |= {"substep": settings.substep, "iterations": settings.iterations, "substeps": substeps}
+    given = {name: getattr(settings, name) for name in OPTIONAL_SETTINGS}
+    changed = {name: value for name, value in given.items() if value != getattr(EngineSettings, name)}
+    return values | {"versions": versions()} | changed
+
+
+def attributes_of(provenance: Mapping[str, Any], start: float) -> dict[str, Any]:
+    """Attributes of a run from its `provenance`; `start` is that of its first frame, s."""
+    for name, kind, words in (("player", str, "a text"), ("guide", str, "a text"), ("versions", Mapping, "a mapping")):
+        if provenance.get(name) is not None and not isinstance(provenance[name], kind):
+            raise ParameterError(name, provenance[name], words)
+    settings = {f.name: provenance[f.name] for f in fields(EngineSettings) if f.name in provenance}
+    substeps = provenance.get("substeps")
+    return {
+        "player": provenance.get("player"),
+        "guide": provenance.get("guide"),
+        "settings": EngineSettings(**settings) if settings else None,
+        "start": finite("start", provenance.get("start", start), -math.inf, math.inf, "s"),
+        "substeps": None if substeps is None else whole("substeps", substeps, 0, sys.maxsize),
+        "versions": provenance.get("versions") or {},
+    }

@@ -16,9 +16,8 @@ from pymunk_dragon.errors import DragonError, ParameterError, UnreachableError
 from pymunk_dragon.model.contact import Contact, ContactEvent, ContactLog
 from pymunk_dragon.model.dragon import interpolated
 from pymunk_dragon.model.march import March, States, check_march, last_time
-from pymunk_dragon.model.provenance import engine_provenance
 from pymunk_dragon.model.run import Outcome, Run
-from pymunk_dragon.model.settings import FRAME_STRIDE, EngineSettings, check_settings
+from pymunk_dragon.model.settings import FRAME_STRIDE, EngineSettings, check_settings, engine_provenance
 from pymunk_dragon.physics.callbacks import Motion, Recorder, refined_contact
 from pymunk_dragon.physics.guides import PathGuide, guide_name
 from pymunk_dragon.physics.world import World

@@ -178,14 +178,12 @@ def curve_points(march: March, start: float, end: float) -> Array:
     return curve.point(np.interp(np.linspace(0.0, passed[-1], count), passed, s))
 
 
-def _pack_velocities(run: Run, step: float) -> tuple[Packed | None, float]:
+def _pack_velocities(run: Run, step: float) -> tuple[Packed, float]:
     """Velocities of the handles for positions that are packed in steps of `step` m, and their error in m/s."""
     intervals = np.diff(run.times)
     apart = intervals[intervals > 0]
-    if run.pose_velocities is None and not apart.size:
-        return None, 0.0
     step *= VELOCITY_STEP / (float(np.median(apart)) if apart.size else 1.0)
-    return _pack_handles(run.march.dragon.hole_velocities(run.poses, run.frame_velocities), step)
+    return _pack_handles(run.march.dragon.hole_velocities(run.poses, run.pose_velocities), step)
 
 
 def exact_offsets(run: Run) -> Array | None:

@@ -98,7 +98,7 @@ def subtitle(summary: Summary) -> str:
     }
     return text("A dragon of {benches} benches at {speed} on a {curve}, {player}").format(
         benches=scenario["benches"],
-        speed=text("a changing speed") if scenario["speed"] is None else _speed(scenario["speed"]),
+        speed=_speed(scenario["speed"]),
         curve=curve,
         player=players.get(player, text("played by {player}").format(player=player)),
     )

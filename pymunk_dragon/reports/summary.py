@@ -19,7 +19,7 @@ from pymunk_dragon.errors import ParameterError, UnreachableError
 from pymunk_dragon.model.contact import Contact
 from pymunk_dragon.model.march import March, States
 from pymunk_dragon.model.run import HEAD_BENCHES, Run
-from pymunk_dragon.model.speed import ConstantSpeed, SpeedTable
+from pymunk_dragon.model.speed import ConstantSpeed
 
 # Name and version of the JSON format, as in `schema.json`.
 SCHEMA, VERSION = "pymunk_dragon report", 1
@@ -66,9 +66,11 @@ class Summary:
         """Parameters of the march as JSON values. Unlike a `Scenario`, they may describe any curve."""
         march = self.run.march
         curve, profile = march.curve, march.speed_profile
-        speed: object = profile.value if isinstance(profile, ConstantSpeed) else None
-        if isinstance(profile, SpeedTable):
-            speed = list(zip(profile.times, profile.speeds, strict=True))
+        speed = (
+            profile.value
+            if isinstance(profile, ConstantSpeed)
+            else list(zip(profile.times, profile.speeds, strict=True))
+        )
         named = {"curve": type(curve).__name__, "pitch": curve.turn_width, "turns": march.turns, "speed": speed}
         parameters = asdict(march.dragon) | named
         parameters |= {name: getattr(curve, name) for name in curve.flags if name not in parameters}

@@ -18,9 +18,9 @@ from pymunk_dragon.drawing.debug_draw import PillowDrawOptions
 from pymunk_dragon.drawing.film import formats, write_film
 from pymunk_dragon.drawing.film.settings import Film
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.model.provenance import engine_provenance
 from pymunk_dragon.model.run import Run
 from pymunk_dragon.model.run_file import write_archive
+from pymunk_dragon.model.settings import engine_provenance
 from pymunk_dragon.sessions.frames import Frames, Recorded
 from pymunk_dragon.sessions.scenes import DragonScene, Scene
 from pymunk_dragon.sessions.scenes.base import ANCHORS

@@ -9,22 +9,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pymunk_dragon._arrays import Array, Complex, Flags, as_complex, as_vectors
-from pymunk_dragon._checks import finite, positive
+from pymunk_dragon._checks import finite, numbers, positive
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.model import chain
-from pymunk_dragon.model.curves._unit_spiral import (
-    MAX_PASSES,
-    STEP_TOLERANCE,
-    arc_rate,
-    estimated_angle,
-    first_reached,
-    squared_distance,
-    unit_vector,
-)
-from pymunk_dragon.model.curves.base import Curve
+from pymunk_dragon.model.curves.base import PackageCurve
 
 __all__ = ["Spiral"]
-
 
 # m. No bench fits into a narrower turn.
 MIN_PITCH = 0.001
@@ -34,36 +23,30 @@ MAX_PITCH = 1000.0
 TURN = 2 * np.pi
 # A thousand turns of the contest's pitch are a dance floor of a kilometre; more is taken for a typing error.
 MAX_TURNS = 1000.0
-# Most benches need 2; what needs more than this is better kept within a bracket.
-FREE_PASSES = 6
-# The same for Halley's, which trebles the digits.
+# Passes of Halley's method: it needs 2.
+MAX_PASSES = 20
+# Share of an angle: after such a step of Halley's method, which trebles the digits, the next is below the last one.
 HALLEY_TOLERANCE = 5e-6
-# Spacings over k between which a rear handle may vanish near the centre and exist again further in: from m(theta*) to
-# 2 pi, and by rounding a little more (see `chain_follows_motion`).
-INNERMOST = 5.78, 6.29
+# Twice the arc length over k from which the angle is estimated by its asymptotic form; it is right to 2 % there.
+FAR_OUT = 8.0
 
 
 @dataclass(frozen=True, kw_only=True)
-class Spiral(Curve, kind="spiral"):
+class Spiral(PackageCurve, kind="spiral"):
     """Archimedean spiral about the origin; the coordinate is the arc length from the centre, negative if inward.
 
     Parameters
     ----------
     pitch : float
-        Radial distance between turns, m.
+        Radial distance between turns, m, from 0.001 to 1000.
     rotation : float
-        Angle by which the spiral is turned about the origin, counter-clockwise, rad. At 0 it leaves the centre along
-        the x axis.
+        Angle by which the spiral is turned about the origin, counter-clockwise, rad, from -1000 to 1000. At 0 it leaves
+        the centre along the x axis.
     mirrored : bool
-        Whether it winds clockwise outward; the paper's winds clockwise inward. It is mirrored in the x
-        axis first and turned then.
+        Whether it winds clockwise outward; the paper's winds clockwise inward. It is mirrored in the x axis first and
+        turned then.
     outward : bool
         Whether it is travelled from the centre out; the paper's goes in.
-
-    Raises
-    ------
-    ParameterError
-        If `pitch` is not a number from 0.001 to 1000 m, or `rotation` not one from -1000 to 1000 rad.
 
     Examples
     --------
@@ -119,181 +102,51 @@ class Spiral(Curve, kind="spiral"):
 
     def turns(self, s: float) -> float:
         """Number of turns from the centre at the coordinate `s` m."""
-        return float(self.angle(s)) / TURN
+        return float(self.angle(finite("s", s, -np.inf, np.inf, "m"))) / TURN
 
     def at_turn(self, turns: float) -> float:
-        """Coordinate `turns` turns from the centre, m.
-
-        Raises
-        ------
-        ParameterError
-            If `turns` is not a number above 0 and at most 1000.
-        """
+        """Coordinate `turns` turns from the centre, m; `turns` is above 0 and at most 1000."""
         return self._at_angle(TURN * positive("turns", turns, MAX_TURNS, ""))
 
     def at_radius(self, radius: float) -> float:
-        """Coordinate at the distance `radius` m from the centre, m.
-
-        Raises
-        ------
-        ParameterError
-            If `radius` is not a number above 0 and at most 1000 pitches.
-        """
+        """Coordinate at the distance `radius` m from the centre, m; `radius` is at most 1000 pitches."""
         return self._at_angle(positive("radius", radius, MAX_TURNS * self.pitch, "m") / self.k)
 
     def angle(self, s: ArrayLike) -> Array:
         """Polar angle theta in rad, counted from the centre along the winding (eq. 6); nan beyond the centre."""
-        length = np.atleast_1d(self._length(s))
+        length = np.atleast_1d(self._sign * numbers("s", s))
         # Twice the arc length over k: theta sqrt(theta^2 + 1) + arcsinh theta (eq. 3-5).
         target = np.maximum(length, 0.0) * (2 / self.k)
-        theta = estimated_angle(target)
+        # The asymptotic form theta^2 = target - log(4 theta^2) / 2 - 1 / 2 - ..., or the tangent at the centre.
+        far = np.maximum(target, FAR_OUT)
+        square = far - 0.5 - np.log(4 * far - 2 * np.log(4 * far) - 2) / 2
+        theta = np.where(target > FAR_OUT, np.sqrt(square), target / 2)
         for _ in range(MAX_PASSES):
-            rise = arc_rate(theta)
-            newton = theta + rise
-            np.log(newton, out=newton)
-            newton -= target
-            newton /= rise
-            newton += theta
-            newton /= 2
+            rise = _rise(theta)
+            newton = (theta + (np.log(theta + rise) - target) / rise) / 2
             # Halley's method; the derivative of `rise` is theta / rise.
-            rise *= rise
-            np.divide(theta, rise, out=rise)
-            rise *= newton
-            rise /= -2
-            rise += 1
-            newton /= rise
-            theta -= newton
-            np.maximum(theta, 0.0, out=theta)
-            if np.all(np.abs(newton, out=newton) <= HALLEY_TOLERANCE * theta + STEP_TOLERANCE):
+            step = newton / (1 - theta * newton / (2 * rise**2))
+            theta = np.maximum(theta - step, 0.0)
+            if np.all(np.abs(step) <= HALLEY_TOLERANCE * theta + 1e-10):
                 break
-        beyond = ~(length >= 0)
-        if beyond.any():
-            theta[beyond] = np.nan
-        return theta.reshape(np.shape(s))
+        return np.where(length >= 0, theta, np.nan).reshape(np.shape(s))
 
-    def speeds_by_difference(self, now: Array, later: Array, step: float) -> Array:
-        """Speeds (...), m/s, of handles at `now`, and at `later` after `step` s, from their polar angles (eq. 15)."""
-        theta = self.angle(now)
-        speeds: Array = self.k * arc_rate(theta) * np.abs(self.angle(later) - theta) / step
-        return speeds
-
-    def point(self, s: ArrayLike) -> Array:
-        """Position (..., 2) in m (eq. 7, 8, 11)."""
+    def _frame(self, s: Array) -> tuple[Array, Array]:
+        """Eq. 7, 8 and 11."""
         theta = self.angle(s)
-        return as_vectors(self._placed(self.k * theta * unit_vector(theta)))
+        direction, ahead = _unit_vector(theta / 2), np.empty(theta.shape, dtype=complex)
+        ahead.real = self._sign / _rise(theta)
+        ahead.imag = theta * ahead.real
+        return as_vectors(self._placed(self.k * theta * direction)), as_vectors(self._placed(ahead * direction))
 
-    def tangent(self, s: ArrayLike) -> Array:
-        """Unit vector (..., 2) in the direction of travel."""
-        # Not self.frame: a derived class may have one that calls this method.
-        return Spiral.frame(self, s)[1]
+    def _curvature(self, s: Array) -> Array:
+        """The paper's spiral curves to the right."""
+        rise = _rise(self.angle(s))
+        return (1 if self.outward != self.mirrored else -1) * (rise + 1 / rise) / (self.k * rise**2)
 
-    def frame(self, s: ArrayLike) -> tuple[Array, Array]:
-        """Positions and unit vectors in the direction of travel, each (..., 2)."""
-        theta = self.angle(s)
-        direction = unit_vector(theta)
-        points, tangents = self.k * theta * direction, self._tangent(theta, direction, arc_rate(theta))
-        return as_vectors(self._placed(points)), as_vectors(self._placed(tangents))
-
-    def curvature(self, s: ArrayLike) -> Array:
-        """Curvature (...) in 1/m, positive to the left: the paper's spiral curves to the right."""
-        return np.asarray(self._curvature_at(self.angle(s)) * (1 if self.outward != self.mirrored else -1))
-
-    def max_curvature(self, s: ArrayLike, other: ArrayLike) -> Array:
-        """Curvature at the inner one of two coordinates, 1/m: it decreases outward."""
-        length, other_length = self._length(s), self._length(other)
-        nearest = np.maximum(np.minimum(length, other_length), 0.0)
-        curvatures = self._curvature_at(self.angle(nearest if self.outward else -nearest))
-        return np.where(np.maximum(length, other_length) < 0, 0.0, curvatures)
-
-    def parameter(self, s: Array) -> Array:
-        """Polar angles (...), negative on an inward spiral, in which `chain` computes (eq. 10, 12, 13)."""
-        return self._sign * self.angle(s)
-
-    def coordinate(self, parameter: Array) -> Array:
-        """Coordinates (...) of parameters, m."""
-        return self._sign * self.arc(self._sign * parameter)
-
-    def estimate(self, heads: Array, spacings: Array) -> Array:
-        """Estimated parameters (T, H) of chains: each arc is as long as on a circle of the spiral's radius there."""
-        if self.outward:
-            return super().estimate(heads, spacings)
-        length = np.concatenate([[0.0], np.cumsum(spacings)]) - heads[:, None]
-        # The radius is nearly the root of 2 k times the arc length.
-        curvature = 1 / np.sqrt(self.k * (length[:, 1:] + length[:, :-1]))
-        length[:, 1:] = np.cumsum(chain.arcs(spacings, curvature), axis=1) - heads[:, None]
-        length *= 2 / self.k
-        parameters = -estimated_angle(length)
-        parameters[:, 0] = self.parameter(heads)
-        return parameters
-
-    def motion(self, parameter: Array) -> tuple[Complex, Complex]:
-        """Positions and their derivatives by the parameter, each (...), as complex numbers."""
-        derivatives = unit_vector(self._sign * parameter)
-        derivatives *= self._sign * self.k
-        points = parameter * derivatives
-        derivatives += self._sign * 1j * points
-        return self._placed(points), self._placed(derivatives)
-
-    def nearest(self, parameters: Array, handles_s: Array, spacings: Array) -> Flags:
-        """Whether each handle of chains (T,), with parameters and coordinates (T, H), is the nearest one back.
-
-        On an inward spiral the distance grows over half a turn back: every term of its growth is positive.
-        """
-        if self.outward:
-            return super().nearest(parameters, handles_s, spacings)
-        back = parameters[:, :-1] - parameters[:, 1:]
-        within: Flags = (back > 0) & (back < np.pi)
-        return np.asarray(within.all(axis=1))
-
-    def behind(self, parameter: Array, chord: float) -> Array:
-        """Parameters (T,) of the nearest points back along the path at the straight distance `chord` m; nan if none.
-
-        On an inward spiral the distance grows along the path up to its first maximum, a little over half a turn back.
-        Up to there the nearest intersection is the only one. Further back the bench would lie across the spiral with
-        its end on another turn, which no motion of the chain leads to: then the result is nan. It is nan also if the
-        distance grows over a whole turn, as close to the centre, and is still too short at its end.
-        """
-        if self.outward:
-            return super().behind(parameter, chord)
-        theta, reach = -parameter, (chord / self.k) ** 2
-        # The chord of a circle with the radius that the spiral has halfway, to third order.
-        phi = chord / (self.k * arc_rate(theta + chord / (2 * self.k * arc_rate(theta))))
-        phi += phi**3 / 24
-        with np.errstate(all="ignore"):
-            for _ in range(FREE_PASSES):
-                value, growth = squared_distance(phi, theta)
-                step = (value - reach) / growth
-                phi = phi - step
-                settled = np.abs(step) <= STEP_TOLERANCE * phi
-                if settled.all():
-                    break
-            # Every term of the growth is positive up to half a turn back, so a root that Newton's method finds there is
-            # the only one.
-            found = settled & (phi < np.pi)
-        missed = ~(found | np.isnan(theta))
-        if missed.any():
-            phi[missed] = first_reached(theta[missed], reach)
-        return -(theta + phi)
-
-    def chain_follows_motion(self, spacings: Array) -> bool:
-        """Whether `chain` always finds the state to which continuous motion leads, for spacings (N,) in m.
-
-        Let D be the distance over k between the points at the angles theta and theta + x, and G = d(D^2)/dx / 2. Then
-        G = x + theta (1 - cos x) + theta (theta + x) sin x, and G > 0 for 0 < x <= pi. For pi < x < 2 pi, G = 0 means
-        cos x / (theta + x) - sin x = 1 / theta. The left side is below the right one at both ends of this interval, and
-        has one maximum in it, where tan x = -(theta + x) - 1 / (theta + x). The maximum lies beyond 3 pi / 2, where
-        theta times the left side grows with theta. So there is one angle theta* = 0.98577 above which D has one maximum
-        m(theta) within a turn, and below which D grows over the whole turn, to 2 pi. By the envelope theorem m grows
-        with theta: dm^2/dtheta = 2 (2 theta + x) (1 - cos x) > 0; and m(theta*) = 5.78357.
-
-        `behind` finds the x < 2 pi up to which D grows to the spacing over k. So where theta falls, a spacing of at
-        most 5.78 k always has its rear handle, one above 2 pi k loses it for good, at the fold, where m(theta) is the
-        spacing; only one in between may lose it and have another one further in. As m grows outward, a bench that is no
-        longer than the one before it loses its rear handle no earlier.
-        """
-        chords = spacings / self.k
-        between = (chords > INNERMOST[0]) & (chords < INNERMOST[1])
-        return not self.outward and bool(np.all(np.diff(chords) <= 0) and not between.any())
+    def _max_curvature(self, lower: Array, upper: Array) -> Array:
+        """The curvature at the inner end: it decreases outward."""
+        return np.abs(self._curvature(lower if self.outward else upper))
 
     def foot(self, points: ArrayLike, near: ArrayLike) -> tuple[Array, Array, Array]:
         """Feet of `points` (..., 2) on the turns nearest to the coordinates `near`: coordinates, points, tangents.
@@ -301,20 +154,20 @@ class Spiral(Curve, kind="spiral"):
         The foot is at the polar angle of the point, so one division replaces four sines. Guides call this at every
         substep, and most of its time is NumPy's for each call: so there are few of them, in place.
         """
-        z = self._unplaced(as_complex(np.asarray(points, dtype=float)))
+        z = self._unplaced(as_complex(numbers("points", points, 2)))
         theta = np.arctan2(z.imag, z.real)
         # The angle at `near` to a few hundredths, except on the innermost turn: enough to identify the turn.
-        turns = np.sqrt(2 / self.k * np.abs(near))
+        turns = np.sqrt(2 / self.k * np.abs(numbers("near", near)))
         turns -= theta
         turns *= 1 / TURN
         theta = theta + TURN * np.rint(turns)
-        rise = arc_rate(theta)
+        rise = _rise(theta)
         # The arc length of eq. 3-5; a logarithm costs less than its arcsinh.
         coordinate = np.log(theta + rise)
         coordinate += theta * rise
         coordinate *= self._sign * self.k / 2
         radius = np.abs(z)
-        # As in `_tangent`, from a vector of length `radius`.
+        # As in `_frame`, from a vector of length `radius`.
         rise *= radius
         ahead = np.empty(theta.shape, dtype=complex)
         np.divide(self._sign, rise, out=ahead.real)
@@ -324,35 +177,66 @@ class Spiral(Curve, kind="spiral"):
         theta /= radius
         return coordinate, as_vectors(self._placed(theta * z)), as_vectors(self._placed(ahead))
 
-    def _length(self, s: ArrayLike) -> Array:
-        """Arc length from the centre, m; negative beyond it."""
-        length = np.asarray(s, dtype=float)
-        return length if self.outward else -length
+    def _parameter(self, s: Array) -> Array:
+        """Polar angles (...), negative on an inward spiral (eq. 10, 12, 13)."""
+        return self._sign * self.angle(s)
+
+    def _coordinate(self, parameter: Array) -> Array:
+        """Arc length from the centre by the closed form of eq. 3-5; a logarithm costs less than its arcsinh."""
+        theta = self._sign * parameter
+        rise = _rise(theta)
+        coordinate = np.log(theta + rise)
+        coordinate += theta * rise
+        coordinate *= self._sign * self.k / 2
+        return coordinate
+
+    def _estimate(self, heads: Array, parameters: Array, spacings: Array) -> Array:
+        """Estimated parameters (H, T), as on any curve.
+
+        Where M is the mean square of the angles of two handles, and c the spacing over k, the square grows by
+        4 sqrt(M) arcsin x from one to the other, with x^2 = c^2 / 4 (M - 1) / M^2. M grows by nearly 2 c.
+        """
+        if self.outward:
+            return super()._estimate(heads, parameters, spacings)
+        chords = spacings / self.k
+        squares = np.empty((spacings.size + 1, heads.size))
+        squares[0] = parameters**2
+        # 1 / M.
+        growth = 1 / (squares[0] + (2 * np.cumsum(chords, axis=0) - chords))
+        sine = np.minimum(chords**2 / 4 * growth, 1.0)
+        # The series of arcsin x / x, and the root of (M - 1) / M.
+        growth *= -0.5
+        growth += 1
+        growth *= 1 + sine * (1 / 6 + sine * (3 / 40))
+        np.cumsum(2 * chords * growth, axis=0, out=squares[1:])
+        squares[1:] += squares[0]
+        estimate: Array = -np.sqrt(squares, out=squares)
+        estimate[0] = parameters
+        return estimate
+
+    def _motion(self, parameter: Array) -> tuple[Complex, Complex]:
+        """Positions and their derivatives by the parameter, each (...), as complex numbers."""
+        derivatives = _unit_vector(parameter * (self._sign / 2))
+        derivatives *= self._sign * self.k
+        points = parameter * derivatives
+        derivatives += self._sign * 1j * points
+        return self._placed(points), self._placed(derivatives)
+
+    def _nearest(self, parameters: Array, handles_s: Array, spacings: Array) -> Flags:
+        """As on any curve. On an inward spiral the distance grows over half a turn back: so does each term of it."""
+        if self.outward:
+            return super()._nearest(parameters, handles_s, spacings)
+        back = parameters[:-1] - parameters[1:]
+        return np.asarray(((back > 0) & (back < np.pi)).all(axis=0))
+
+    def _behind(self, parameter: Array, chord: float) -> Array:
+        """As on any curve, but nan past a turn on an inward spiral: no motion of the chain leads further."""
+        found = super()._behind(parameter, chord)
+        return found if self.outward else np.where(parameter - found <= TURN, found, np.nan)
 
     def _at_angle(self, theta: float) -> float:
-        length = float(self.arc(np.asarray(theta)))
-        return length if self.outward else -length
-
-    def arc(self, theta: Array) -> Array:
-        """Arc length from the centre, m: the closed form of eq. 3-5."""
-        length: Array = self.k / 2 * (theta * arc_rate(theta) + np.arcsinh(theta))
-        return length
-
-    def _curvature_at(self, theta: Array) -> Array:
-        rise = arc_rate(theta)
-        curvature: Array = (rise + 1 / rise) / (self.k * rise**2)
-        return curvature
-
-    def _tangent(self, theta: Array, direction: Complex, rise: Array) -> Complex:
-        """Tangents before the spiral is mirrored and turned, where `direction` points away from the centre.
-
-        The spiral goes `rise` times k for each radian.
-        """
-        ahead = np.empty(theta.shape, dtype=complex)
-        ahead.real = (1 if self.outward else -1) / rise
-        ahead.imag = theta * ahead.real
-        ahead *= direction
-        return ahead
+        """Coordinate of a polar angle, m: the closed form of eq. 3-5."""
+        return self._sign * self.k / 2 * float(theta * np.hypot(theta, 1) + np.arcsinh(theta))
 
     def _placed(self, vectors: Complex) -> Complex:
         """Vectors (...) of the plane, from those of a spiral that is neither mirrored nor turned."""
@@ -367,3 +251,21 @@ class Spiral(Curve, kind="spiral"):
         if self.rotation:
             vectors = vectors * np.exp(-1j * self.rotation)
         return vectors.conj() if self.mirrored else vectors
+
+
+def _rise(theta: Array) -> Array:
+    """Arc length over k per radian. Angles are far too small for their squares to overflow."""
+    rise: Array = np.sqrt(theta * theta + 1)
+    return rise
+
+
+def _unit_vector(half: Array) -> Complex:
+    """e^(2i half), from the tangent of half the angle: NumPy computes it several times as fast as sine and cosine."""
+    tangent = np.tan(half)
+    share = tangent * tangent
+    share += 1
+    share = 2 / share
+    direction = np.empty(half.shape, dtype=complex)
+    np.subtract(share, 1, out=direction.real)
+    np.multiply(share, tangent, out=direction.imag)
+    return direction

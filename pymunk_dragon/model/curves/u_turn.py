@@ -10,10 +10,9 @@ import numpy as np
 
 from pymunk_dragon._arrays import Array
 from pymunk_dragon._checks import finite
-from pymunk_dragon.model.curves.arc import Arc
 from pymunk_dragon.model.curves.base import Curve
-from pymunk_dragon.model.curves.composite import Composite
-from pymunk_dragon.model.curves.section import Section
+from pymunk_dragon.model.curves.composite import Composite, Section
+from pymunk_dragon.model.curves.line_and_arc import Arc
 from pymunk_dragon.model.curves.spiral import Spiral
 
 __all__ = ["UTurn"]
@@ -37,17 +36,11 @@ class UTurn(Composite, kind="u-turn"):
     Parameters
     ----------
     pitch : float
-        Radial distance between turns of either spiral, m.
+        Radial distance between turns of either spiral, m, from 0.001 to 1000.
     radius : float
-        Radius of the circle about the origin, m.
+        Radius of the circle about the origin, m, from 0.1 to 100 and at most 1000 pitches.
     ratio : float
-        Radius of the first arc over that of the second.
-
-    Raises
-    ------
-    ParameterError
-        If `pitch` is not a number from 0.001 to 1000 m, `radius` not one from 0.1 to 100 m and at most 1000 pitches,
-        or `ratio` not one from 0.02 to 50.
+        Radius of the first arc over that of the second, from 0.02 to 50.
 
     Examples
     --------
@@ -68,20 +61,16 @@ class UTurn(Composite, kind="u-turn"):
 
     def __post_init__(self) -> None:
         inward = Spiral(pitch=self.pitch)
-        radius = finite("radius", self.radius, MIN_RADIUS, MAX_RADIUS, "m")
-        ratio = finite("ratio", self.ratio, 1 / MAX_RATIO, MAX_RATIO, "")
-        coordinate = inward.at_radius(radius)
-        outward = Spiral(pitch=inward.pitch, rotation=math.pi, outward=True)
-        for name, value in (("pitch", inward.pitch), ("radius", radius), ("ratio", ratio)):
-            object.__setattr__(self, name, value)
-        heading = self._heading
-        (first, second), (right, left) = self.radii, self.sweeps
-        arcs = [
-            Arc(centre=self.centres[0], radius=first, begin_angle=heading + math.pi / 2, sweep=right),
-            Arc(centre=self.centres[1], radius=second, begin_angle=heading + right - math.pi / 2, sweep=left),
-        ]
-        pieces = (Section(inward, -math.inf, coordinate), *arcs, Section(outward, -coordinate, math.inf))
-        object.__setattr__(self, "pieces", pieces)
+        object.__setattr__(self, "pitch", inward.pitch)
+        object.__setattr__(self, "radius", finite("radius", self.radius, MIN_RADIUS, MAX_RADIUS, "m"))
+        object.__setattr__(self, "ratio", finite("ratio", self.ratio, 1 / MAX_RATIO, MAX_RATIO, ""))
+        s, outward = inward.at_radius(self.radius), Spiral(pitch=self.pitch, rotation=math.pi, outward=True)
+        begins = self._heading + math.pi / 2, self._heading + self.sweeps[0] - math.pi / 2
+        arcs = (
+            Arc(centre=centre, radius=radius, begin_angle=begin, sweep=sweep)
+            for centre, radius, begin, sweep in zip(self.centres, self.radii, begins, self.sweeps, strict=True)
+        )
+        object.__setattr__(self, "pieces", (Section(inward, -math.inf, s), *arcs, Section(outward, -s, math.inf)))
         super().__post_init__()
 
     @property
