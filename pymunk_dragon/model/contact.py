@@ -47,6 +47,11 @@ class Contact(_Record):
         Point of the contact, m, and unit vector from the first bench towards the second.
     depth : float
         How deep they overlap at `raw_time`, m.
+
+    Examples
+    --------
+    >>> Contact(time=1.0, raw_time=1.01, benches=(0, 8), point=(2.0, 3.0), normal=(1.0, 0.0), depth=1e-4).benches
+    (0, 8)
     """
 
     time: float
@@ -79,6 +84,11 @@ class ContactEvent(_Record):
         Velocity of the second bench relative to the first, at the middle of the points, m/s.
     impulse : tuple of float or None
         Impulse on the second bench, N s; only in `post_solve`.
+
+    Examples
+    --------
+    >>> ContactEvent(time=1.0, phase="separate", benches=(0, 8)).points
+    ()
     """
 
     time: float
