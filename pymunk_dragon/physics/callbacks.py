@@ -173,23 +173,9 @@ class Motion(NamedTuple):
 
 
 def refined_contact(dragon: Dragon, contact: Contact, motion: Motion, begin: float) -> Contact:
-    """A contact that began in a substep, at the time within it when the two benches began to touch.
+    """A contact that began in a substep which begins at `begin` s, at the time when the two benches began to touch.
 
-    Parameters
-    ----------
-    dragon : Dragon
-        The dragon of the two benches.
-    contact : Contact
-        The contact at the end of the substep, as in `Recorder.begun`.
-    motion : Motion
-        Motion of all benches in the substep.
-    begin : float
-        Time at which the substep begins, s.
-
-    Returns
-    -------
-    Contact
-        At the start of the substep if they touched there already; at its end if they touch there by rounding only.
+    That is the start of the substep if they touched there already, and its end if they touch there by rounding only.
     """
     pair = list(contact.benches)
     sizes = dragon.lengths[pair], dragon.widths[pair]

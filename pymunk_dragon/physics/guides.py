@@ -113,16 +113,10 @@ class Rails(PathGuide):
     """Path constraints for all rear holes, with forces of dancers that balance the ground drag.
 
     A rail is a `PinJoint` from a bench's rear hole to an anchor one metre beside the path, on the normal through the
-    hole's foot on the curve. So the hole can move only along the path. The anchor is a kinematic body that moves to the
-    next normal before every step.
-
-    The dancers' force along each bench, and their torque, balance the drag on the bench at its speed and angular rate.
-    These follow from bench to bench, from the head on: both holes of a rigid bench have the same velocity along it.
-    Without these forces the head pulls the whole dragon, and without the torques the joints rotate each bench, which
-    needs tension as well. The solver cannot follow a large tension whose direction rotates with the benches.
-
-    The guide uses the path, the head's speed and the engine's positions, but no exact positions of the chain: these
-    are for the engine to find.
+    hole's foot on the curve. So the hole can move only along the path. The anchor moves to the next normal before
+    every step. The dancers' force along each bench, and their torque, balance the drag on it at the speed and the
+    angular rate that follow from bench to bench, from the head on. The guide uses the path, the head's speed and the
+    engine's positions, but no exact positions of the chain: these are for the engine to find.
     """
 
     balances_drag = True

@@ -93,13 +93,6 @@ class World:
     free_from : int or None
         First bench whose dancers have let go, as have those of all behind it.
 
-    Raises
-    ------
-    ParameterError
-        If the substep is out of its range for the speed of the march, or there is no such guide.
-    UnreachableError
-        If the dragon has no state at `start`.
-
     Notes
     -----
     Pymunk moves positions with the velocities of the step before and then solves the joints, which is Euler's method.
@@ -161,22 +154,12 @@ class World:
         self._apply_settings()
         self.guide.attach(self._guided)
         self.bodies = [pymunk.Body(mass, moment) for mass, moment in zip(self._masses, moments, strict=True)]
-        # A kinematic body that has the exact poses of the head: the head itself, or one that controls it by motors.
+        # A kinematic body that has the exact poses of the head.
         self._control = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
         # A step takes time for every body of its space, and anchors need no steps: theirs is never stepped.
         self._anchor_space = pymunk.Space()
         self._anchor_space.add(*parts_of_guide(self.guide, "anchors", self.guide.anchors, pymunk.Body))
-        if self.settings.head_force is None:
-            self.bodies[0] = self._control
-            self.space.add(*self.bodies)
-        else:
-            self.space.add(*self.bodies, self._control)
-            self._motors = (
-                pymunk.PivotJoint(self._control, self.bodies[0], (0.0, 0.0), (0.0, 0.0)),
-                pymunk.GearJoint(self._control, self.bodies[0], 0.0, 1.0),
-            )
-            self._apply_settings()
-            self._add_joints(*self._motors)
+        self._add_bodies()
         self._join()
         self._open_buffers()
         self._warm_start(state)
@@ -196,13 +179,7 @@ class World:
         return float(np.hypot(*(self._control.position - self.bodies[0].position)))
 
     def change(self, **changes: float) -> None:
-        """Change `substep`, `iterations` or `drag` of the settings from the next step on.
-
-        Raises
-        ------
-        ParameterError
-            If one is out of its range.
-        """
+        """Change `substep`, `iterations` or `drag` of the settings from the next step on."""
         changed: dict[str, Any] = changes
         self._given = replace(self._given, **changed)
         self._apply_settings()
@@ -229,6 +206,20 @@ class World:
             return math.fsum(self._masses)
         return math.fsum(self._masses[:1] + ([] if self.free_from is None else self._masses[self.free_from :]))
 
+    def _add_bodies(self) -> None:
+        """Add the bodies: the head is the control body itself, or has motors of finite force to it."""
+        if self.settings.head_force is None:
+            self.bodies[0] = self._control
+            self.space.add(*self.bodies)
+            return
+        self.space.add(*self.bodies, self._control)
+        self._motors = (
+            pymunk.PivotJoint(self._control, self.bodies[0], (0.0, 0.0), (0.0, 0.0)),
+            pymunk.GearJoint(self._control, self.bodies[0], 0.0, 1.0),
+        )
+        self._apply_settings()
+        self._add_joints(*self._motors)
+
     def _join(self) -> None:
         """Add the pivots and the guide's joints, from head to tail: the solver takes them in this order.
 
@@ -238,13 +229,13 @@ class World:
         half = self.march.dragon.spacings / 2
         self.pivots: list[pymunk.PivotJoint] = []
         guiding: list[Sequence[pymunk.Constraint]] = []
-        self._guiding = guiding
         for bench, (before, body) in enumerate(pairwise(self.bodies), start=1):
             pivot = pymunk.PivotJoint(before, body, (-half[bench - 1], 0.0), (half[bench], 0.0))
             pivot.collide_bodies = False
             self.pivots.append(pivot)
             joints = self.guide.joints(bench, body)
             guiding.append(parts_of_guide(self.guide, "joints", joints, pymunk.Constraint))
+        self._guiding = guiding
         if self.settings.contacts == "resolve":
             ordered = [joint for pivot, joints in zip(self.pivots, guiding, strict=True) for joint in (pivot, *joints)]
         else:
