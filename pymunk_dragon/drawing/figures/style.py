@@ -44,7 +44,6 @@ DPI = 200
 SLIDE_WIDTH, SLIDE_HEIGHT, MARGIN = 8.0, 4.5, 0.3
 # Inches from a page's top to its title, and to its subtitle; height of a line of a title; spacing in font sizes.
 TITLE_TOP, SUBTITLE_TOP, TITLE_LINE, LINE_SPACING = 0.24, 0.56, 0.28, 1.25
-POINTS_PER_INCH = 72.0
 # Points: size of a title, smallest size of text, and width of the halo of text over a line.
 TITLE_SIZE, SMALL, HALO = 16, 10.5, 3.0
 # Options of a legend in the lower left corner of a slide.
@@ -131,12 +130,6 @@ def page(width: float, height: float, title: str, subtitle: str = "") -> Figure:
 
 # Create a page that fills a slide.
 slide = partial(page, SLIDE_WIDTH, SLIDE_HEIGHT)
-
-
-def panel(figure: Figure, left: float, bottom: float, width: float, height: float, **options: Any) -> Axes:
-    """Add axes to a page; position and size in inches from the page's lower left corner."""
-    place = np.array([[left, bottom], [width, height]]) / figure.get_size_inches()
-    return figure.add_axes(tuple(place.ravel().tolist()), **options)
 
 
 def panels(figure: Figure, area: Any = BELOW_TITLE, rows: int = 1, columns: int = 1, **options: Any) -> Any:
