@@ -196,55 +196,19 @@ def wait_for(condition, process):
     return found
 
 
-@pytest.fixture
-def filming(tmp_path):
-    """A film of minutes that is being drawn by two processes of a session of their own; and the second one."""
-    options = ["--until", "400", "--speedup", "0.5", "--workers", "1", "-o", tmp_path / "film.gif"]
-    pipe = subprocess.PIPE
-    with subprocess.Popen(
-        [*PROGRAM, "render", *options], stdout=pipe, stderr=pipe, text=True, start_new_session=True
-    ) as process:
-        program = psutil.Process(process.pid)
-
-        def second():
-            found = program.children()
-            return next((child for child in found if any("spawn_main" in word for word in child.cmdline())), None)
-
-        yield process, wait_for(second, process)
-
-
 @pytest.mark.thorough
-@pytest.mark.parametrize("end", ["ctrl-c", "killed", "killed worker"])
-def test_processes_of_a_film_end_together(filming, tmp_path, end):
-    process, helper = filming
-    helpers = psutil.Process(process.pid).children(recursive=True)
-    if end == "ctrl-c":
-        os.killpg(process.pid, signal.SIGINT)  # A terminal sends it to all of them.
-    elif end == "killed":
-        process.kill()
-    else:
-        # It draws: its imports take less.
-        wait_for(lambda: helper.cpu_times().user > 2.0, helper)
-        helper.kill()
-    out, err = process.communicate(timeout=LIMIT)
-    assert out == ""
-    assert psutil.wait_procs(helpers, timeout=LIMIT)[1] == []
-    if end != "killed":
-        code, words = {"ctrl-c": (130, "interrupted"), "killed worker": (1, "ended from outside")}[end]
-        assert process.returncode == code
-        assert_one_line(err, words)
+def test_film_that_is_interrupted_leaves_no_file_and_no_process(tmp_path):
+    for name in ("film.gif", "film.mp4"):
+        options = ["--until", "400", "--speedup", "0.5", "--size", "96", "-o", tmp_path / name]
+        pipe = subprocess.PIPE
+        with subprocess.Popen(
+            [*PROGRAM, "render", *options], stdout=pipe, stderr=pipe, text=True, start_new_session=True
+        ) as process:
+            wait_for(lambda: names(tmp_path), process)
+            children = psutil.Process(process.pid).children(recursive=True)
+            os.killpg(process.pid, signal.SIGINT)  # A terminal sends it to all of them.
+            _, err = process.communicate(timeout=LIMIT)
+        assert process.returncode == 130
+        assert_one_line(err, "interrupted")
+        assert psutil.wait_procs(children, timeout=LIMIT)[1] == []
         assert names(tmp_path) == []
-
-
-@pytest.mark.thorough
-def test_film_of_a_program_from_the_standard_input_is_drawn_without_workers(tmp_path):
-    # Worker processes import the main program, which is no file here.
-    lines = (
-        "from pymunk_dragon import Dragon, March, render",
-        "render(March(Dragon(benches=12)), 'film.gif', workers=2, until=40, speedup=4, fps=20, size=64)",
-    )
-    done = subprocess.run(
-        [sys.executable, "-"], input="\n".join(lines), cwd=tmp_path, capture_output=True, text=True, timeout=LIMIT
-    )
-    assert (done.returncode, done.stderr) == (0, "")
-    assert (tmp_path / "film.gif").read_bytes().endswith(b";")

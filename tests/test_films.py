@@ -16,7 +16,6 @@ from conftest import refusal
 from PIL import Image
 
 from pymunk_dragon import Camera, Contact, Dragon, March, Run, SpeedTable
-from pymunk_dragon._language import in_language
 from pymunk_dragon.drawing import FILM_ENDINGS, Film, render, still, write_film
 from pymunk_dragon.drawing.film.formats import WRITERS, Frames
 from pymunk_dragon.drawing.film.layout import lay_out, sampled
@@ -153,7 +152,6 @@ def test_bad_parameters_are_refused(run, tmp_path):
     cases += [("title", 3), ("title", "\u9f99"), ("caption", "x" * 501), ("camera", "head"), ("palette", "red")]
     cases += [("headings", value) for value in (("a", None), ("one", "too many"), ("\u9f99",))]
     cases += [("show", value) for value in (("shadows",), "grid", ("impulses",))]
-    cases += [("workers", value) for value in (-1, 1.5, "two", 1000)]
     calls = [(name, run, "film.gif", {name: value}) for name, value in cases]
     calls += [("until", run, "film.gif", {"start": 5, "until": 4}), ("until", MARCH, "film.gif", {})]
     calls += [("font", run, "film.gif", {"title": "Dragon", "font": font}) for font in ("nowhere.ttf", __file__)]
@@ -168,20 +166,6 @@ def test_bad_parameters_are_refused(run, tmp_path):
         render(run, tmp_path / "film.apng", size=2048, speedup=0.4, legend=False)
     assert list(tmp_path.iterdir()) == []
     render(run, tmp_path / "film.webp", fps=60, until=0.5, speedup=1, size=64)
-
-
-def long_film(path, **options):
-    march = March(Dragon(benches=3), turns=4)
-    render(march, path, until=16, speedup=0.5, size=64, show=("grid",), title="In parts", **options)
-
-
-@pytest.mark.thorough
-def test_several_processes_make_the_same_film(tmp_path):
-    for ending in LOSSLESS:
-        with in_language("en" if ending == ".webp" else "zh"):
-            for workers in (0, 2):
-                long_film(tmp_path / f"{workers}{ending}", workers=workers)
-        assert (tmp_path / f"0{ending}").read_bytes() == (tmp_path / f"2{ending}").read_bytes()
 
 
 def travel(timing):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 from pathlib import Path
 from typing import Any
 
@@ -24,10 +23,8 @@ MARCH_FILM = 60.0
 # m: distance that the head travels between the frames of a march in a player.
 PLAYER_STRIDE = 0.1
 # Options that only films have, and those that only films and pictures have.
-OF_FILMS = ("speedup", "fps", "hold", "workers")
+OF_FILMS = ("speedup", "fps", "hold")
 OF_PICTURES = ("exact", "size", "follow", "span", "caption", "legend", "font", *OVERLAYS)
-# Worker processes: with more the first process, which writes the film, is the bottleneck.
-MAX_WORKERS = 3
 
 
 def pixels(given: str) -> int | tuple[int, ...]:
@@ -67,7 +64,6 @@ def _overlays() -> list[click.Option]:
 @click.option("--caption", metavar="TEXT", help="Lines below the picture.")
 @click.option("--legend/--no-legend", default=None, help="Legend and scale bar below the picture.  [shown]")
 @click.option("--font", metavar="FILE", type=click.Path(), help="Face of the type, for what the usual one lacks.")
-@click.option("--workers", type=int, metavar="N", help="Processes that draw a long film.  [spare cores, at most 3]")
 @options.json_option
 @options.output_option("a film; .png, a picture at --until; or .html, a page that plays the run", "RUN.gif")
 def render(
@@ -85,7 +81,6 @@ def render(
     camera = Camera(follow=choices.pop("follow"), span=choices.pop("span"))
     sources = _sources(run_files, scenario_file, choices.pop("exact"))
     given = {name: value for name, value in choices.items() if value is not None}
-    workers = given.pop("workers", _spare_cores())
     if isinstance(sources[0], March):
         given.setdefault("until", _end(sources[0], given.get("start", 0.0), film=ending in FILM_ENDINGS))
     film = Film(camera=camera, show=overlays, **given)
@@ -96,16 +91,16 @@ def render(
         _refuse("a picture", "start", *OF_FILMS)
         write_still(sources, film.window(sources)[1], destination, film)
     else:
-        facts = _write_film(sources, destination, film, workers)
+        facts = _write_film(sources, destination, film)
     wrote(destination, *facts)
     if as_json:
         print_file(destination)
 
 
-def _write_film(sources: list[Run | March], path: Path, film: Film, workers: int) -> list[str]:
+def _write_film(sources: list[Run | March], path: Path, film: Film) -> list[str]:
     """Write a film, and return how long it is."""
     with progress("frame", "frame {done}") as show:
-        timing = write_film(sources, path, film, show, workers)
+        timing = write_film(sources, path, film, show)
     count, start = text("{count} frames"), text("from t = {time:g} s")
     return [count.format(count=len(timing.times)), f"{timing.ends[-1]:.1f} s", start.format(time=timing.times[0])]
 
@@ -153,9 +148,3 @@ def _refuse(what: str, *names: str) -> None:
     for option in context.command.params:
         if option.name in names and options.is_given(context, option.name):
             raise click.UsageError(f"{what} has no {option.opts[0]}: leave it out, or write a film")
-
-
-def _spare_cores() -> int:
-    """Return the number of worker processes: the cores that this process does not use."""
-    usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    return min(usable - 1, MAX_WORKERS)

@@ -55,9 +55,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import reduce
 from itertools import pairwise
-from typing import NamedTuple
 
 import pymunk
 from PIL import Image, ImageDraw
@@ -88,7 +88,8 @@ MAX_REACH = 1e9
 SAME_CORNER = 1e-9
 
 
-class DrawCall(NamedTuple):
+@dataclass(slots=True)
+class DrawCall:
     """What Pymunk draws for a shape, a constraint or a contact, in the space's units and its own colours, 0 to 255.
 
     `name` is "circle", "segment" or "polygon" for shapes, "line" or "dot" for constraints, and "contact". `points` has
@@ -118,7 +119,7 @@ class DrawRecorder(pymunk.SpaceDebugDrawOptions):
     >>> space.add(pymunk.Circle(space.static_body, 0.5, offset=(2, 1)))
     >>> recorder = DrawRecorder()
     >>> space.debug_draw(recorder)
-    >>> recorder.calls[0][:3]
+    >>> recorder.calls[0].name, recorder.calls[0].points, recorder.calls[0].radius
     ('circle', (Vec2d(2.0, 1.0),), 0.5)
     """
 

@@ -38,11 +38,11 @@ def film_of(frames: int) -> tuple[Run, Film]:
     )
 
 
-def ours(ending: str, workers: int) -> Callable[[Run, Film, Path], None]:
+def ours(ending: str) -> Callable[[Run, Film, Path], None]:
     """The project's own way, to a format."""
 
     def write(run: Run, film: Film, folder: Path) -> None:
-        write_film(run, folder / f"film{ending}", film, workers=workers)
+        write_film(run, folder / f"film{ending}", film)
 
     return write
 
@@ -85,11 +85,10 @@ def matplotlib_animation(run: Run, film: Film, folder: Path) -> None:
 
 
 WAYS: dict[str, Callable[[Run, Film, Path], None]] = {
-    "ours, GIF, in two processes": ours(".gif", 1),
-    "ours, GIF, in one process": ours(".gif", 0),
-    "ours, APNG, in two": ours(".apng", 1),
-    "ours, WebP, in two": ours(".webp", 1),
-    "ours, MP4, beside FFmpeg": ours(".mp4", 0),
+    "ours, GIF": ours(".gif"),
+    "ours, APNG": ours(".apng"),
+    "ours, WebP": ours(".webp"),
+    "ours, MP4, beside FFmpeg": ours(".mp4"),
     "imageio, a stack of RGB frames, GIF": imageio_rgb,
     "matplotlib, FuncAnimation and PillowWriter, GIF": matplotlib_animation,
 }

@@ -100,7 +100,7 @@ def films(folder: Path) -> dict[str, Callable[[], object]]:
     """A film as a GIF: by `write_film`, and by the usual libraries."""
     run, film = film_of(FRAMES)
     ways = {
-        "`write_film`, one process": ours(".gif", 0),
+        "`write_film`, one process": ours(".gif"),
         "imageio, a stack of RGB frames": imageio_rgb,
         "matplotlib, `FuncAnimation` and `PillowWriter`": matplotlib_animation,
     }
