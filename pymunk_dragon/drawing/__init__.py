@@ -33,12 +33,12 @@ and `--caption` stand above and below (with `--font FILE` for characters that th
 
 | GIF | ms a frame | MB |
 | --- | --- | --- |
-| `write_film`, one process | 6.5 | 6.4 |
-| imageio, a stack of RGB frames | 37.8 | 7.7 |
-| matplotlib, `FuncAnimation` and `PillowWriter` | 67.5 | 21.0 |
+| `write_film` | 6.3 | 9.3 |
+| imageio, a stack of RGB frames | 30.5 | 8.1 |
+| matplotlib, `FuncAnimation` and `PillowWriter` | 48.3 | 21.0 |
 
-A GIF or an MP4 is written as it is drawn, so a longer film takes no more memory; all frames of a WebP or APNG are in
-memory. The program starts other processes for 150 frames and more, one for each spare core.
+An MP4 is written as it is drawn, so a longer film takes no more memory. All frames of the other formats are in memory:
+at most 1e9 pixels, or 5,000 frames of the default size.
 """
 
 from pymunk_dragon.drawing.camera import Camera

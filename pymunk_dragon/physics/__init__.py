@@ -8,7 +8,7 @@ path.
 $ pymunk-dragon simulate --from 400 -o run.npz
 first contact at t = 412.473851 s: benches 0 and 8 at (1.474407, 2.110656) m
 drift 0.003 mm in the first twelve benches, 0.028 mm anywhere
-56.8 times as fast as real time
+79.7 times as fast as real time
 ```
 
 ## How exact the engine is
@@ -26,8 +26,8 @@ as `pymunk-dragon simulate --json` and `python tests/bench/bench_speed.py` measu
 | its time | 412.473850 s; the exact one is 412.473838 s |
 | drift of the first twelve benches | 0.0026 mm |
 | drift of any bench | 0.0192 mm |
-| speed | 55 times real time |
-| driver on top of the bare steps | 0.79 |
+| speed | 80 times real time |
+| driver on top of the bare steps | 0.70 |
 
 The drift grows towards the tail and with the curvature: it is what ten iterations leave of the errors of the joints.
 

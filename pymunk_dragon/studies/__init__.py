@@ -3,6 +3,9 @@
 ## The questions and their answers
 
 ```console
+$ pymunk-dragon positions --times 300 --handles 223
+     t (s)  handle       x (m)       y (m)  speed (m/s)
+       300     223    1.785033    9.301164     0.996478
 $ pymunk-dragon study min-pitch
 smallest pitch 0.450337393027 m: handle 0 reaches the circle of 4.5 m after 220.934 s
 limit:     benches 0 and 19 touch without overlapping as the head passes, t = 216.338214 s at (-0.346485, 4.841505) m
