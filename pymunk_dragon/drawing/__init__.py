@@ -33,12 +33,12 @@ and `--caption` stand above and below (with `--font FILE` for characters that th
 
 | GIF | ms a frame | MB |
 | --- | --- | --- |
-| `write_film` | 6.3 | 9.3 |
+| `write_film` | 6.6 | 6.4 |
 | imageio, a stack of RGB frames | 30.5 | 8.1 |
 | matplotlib, `FuncAnimation` and `PillowWriter` | 48.3 | 21.0 |
 
-An MP4 is written as it is drawn, so a longer film takes no more memory. All frames of the other formats are in memory:
-at most 1e9 pixels, or 5,000 frames of the default size.
+A GIF or an MP4 is written as it is drawn, so a longer film takes no more memory; all frames of a WebP or APNG are in
+memory.
 """
 
 from pymunk_dragon.drawing.camera import Camera
