@@ -1,23 +1,13 @@
-"""How results are shown: tables, text in lines, and base classes of objects that notebooks display."""
+"""How results are shown: tables, and base classes of objects that notebooks display."""
 
 from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from html import escape
 from importlib import import_module
 from typing import Any
-
-# A space at which no line is broken.
-NO_BREAK = "\u00a0"
-# Characters that do not end a line, and such that do not begin one.
-OPENING, CLOSING = "([{“‘（《「【", "!%),./:;?]}”’、。，；：？！）》」】"  # noqa: RUF001  # Those of Chinese.
-# What is not broken: a Chinese character or a word, with the brackets and stops around and the spaces behind it.
-WIDE = "\u2e80-\uffef"
-PIECE = re.compile(
-    rf"[{re.escape(OPENING)}]*(?:[^ {WIDE}]*{NO_BREAK})*(?:[{WIDE}]|[^ {WIDE}]*)[{re.escape(CLOSING)}]* *"
-)
 
 
 class Displayed:
@@ -62,24 +52,3 @@ def _cell(value: Any, specification: str) -> str:
 def width(text: str) -> int:
     """Columns that a text has in a terminal, where a Chinese character has two."""
     return sum(2 if unicodedata.east_asian_width(character) in "WF" else 1 for character in text)
-
-
-def wrapped(text: str, columns: int) -> Iterator[str]:
-    """Lines of `text`, at most `columns` wide where they can be broken; `textwrap` breaks at spaces only."""
-    line = ""
-    for piece in PIECE.findall(unbroken(re.sub(r"\s*\n\s*", " ", text.strip()))):
-        if line and width(line) + width(piece.rstrip(" ")) > columns:
-            yield line.rstrip(" ").replace(NO_BREAK, " ")
-            line = ""
-        line += piece
-    yield line.rstrip(" ").replace(NO_BREAK, " ")
-
-
-def unbroken(text: str) -> str:
-    """`text` with a space that does not break behind each number, so that 1 m/s stays on one line."""
-    return re.sub(r"(?<=\d) (?=\w)", NO_BREAK, text)
-
-
-def closing(text: str) -> str:
-    """The characters with which `text` begins that do not begin a line."""
-    return text[: len(text) - len(text.lstrip(CLOSING))]

@@ -21,10 +21,11 @@ from conftest import assert_says
 from lesson_runs import played
 from PIL import Image
 
-from pymunk_dragon._display import width, wrapped
+from pymunk_dragon._display import width
 from pymunk_dragon.errors import MissingExtraError, ParameterError
 from pymunk_dragon.lessons import LANGUAGES, LESSONS, LessonFile, Terminal, play, record, write_lessons
 from pymunk_dragon.lessons._framework import PARTS, lesson_file, make_notebook
+from pymunk_dragon.lessons._framework.lines import wrapped
 from pymunk_dragon.lessons._framework.markup import in_mathml, in_unicode, pieces, plain
 
 # In the order in which a class hears them.

@@ -10,13 +10,13 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
-from pymunk_dragon._display import closing, unbroken
 from pymunk_dragon._extras import library, optional_imports
 from pymunk_dragon._html import asset, data_address, filled, policy
 from pymunk_dragon._language import in_language
 from pymunk_dragon.drawing import Film, write_film
 from pymunk_dragon.drawing.film.stills import last_frame, picture_size
 from pymunk_dragon.lessons._framework.guess import Guess
+from pymunk_dragon.lessons._framework.lines import closing, unbroken
 from pymunk_dragon.lessons._framework.markup import in_mathml, pieces
 from pymunk_dragon.lessons._framework.notebook import make_notebook
 from pymunk_dragon.lessons._framework.notes import notes

@@ -13,10 +13,10 @@ from contextlib import suppress
 from pathlib import Path
 from typing import NoReturn
 
-from pymunk_dragon._display import wrapped
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.lessons._framework.guess import Guess
 from pymunk_dragon.lessons._framework.lesson_file import live_scene, next_lesson
+from pymunk_dragon.lessons._framework.lines import wrapped
 from pymunk_dragon.lessons._framework.markup import plain
 from pymunk_dragon.lessons._framework.play import Output, make_folder
 from pymunk_dragon.lessons._framework.translations import (
