@@ -90,13 +90,6 @@ def velocity_ratios(front: Array, rear: Array) -> Array:
     return ratios
 
 
-def log_velocity_ratios(front: Array, rear: Array) -> Array:
-    """Logarithms (..., N + 1) of `velocity_ratios`, summed, so that no product overflows; all cosines are positive."""
-    logs = np.zeros((*front.shape[:-1], front.shape[-1] + 1))
-    np.cumsum(np.log(front) - np.log(rear), axis=-1, out=logs[..., 1:])
-    return logs
-
-
 def angular_rates(front: Complex, rear: Complex, spacings: Array) -> Array:
     """Angular rates omega (..., N) by the front handle's coordinate, from e^(i alpha) and e^(i beta)."""
     rates: Array = (front.imag - front.real / rear.real * rear.imag) / spacings
