@@ -28,7 +28,7 @@ FILE: dict[str, Any] = {"metavar": "FILE", "type": click.Path()}
 @click.command(
     cls=options.DragonCommand,
     examples=("", "near-miss", "--benches 60 --from 300 -o live.npz", "--replay live.npz"),
-    names=lambda: SCENES,
+    names=SCENES,
 )
 @click.argument("scene", required=False, type=click.Choice(list(SCENES)), metavar="[SCENE]")
 @options.scenario_options

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable
 from decimal import Decimal
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -45,34 +45,17 @@ SCENARIO_OPTIONS: dict[str, tuple[Any, str, str]] = {
 }
 
 
-class Headed(click.Option):
-    """An option whose help begins with a heading."""
-
-    def __init__(self, flags: Sequence[str], heading: str, help: str, **settings: Any) -> None:
-        super().__init__(flags, help=f"{heading}: {help}", **settings)
-
-
 class DragonCommand(click.Command):
     """A command with the option --lang, whose errors name flags instead of the parameters that get their values.
 
-    Its help has the options of a scenario last, and below them `examples`: arguments of the command. `registered`
-    functions make options that stand before the option of their key, and `names` stand for {names} in the help.
+    Its help has the options of a scenario last, and below them `examples`: arguments of the command. `names` stand for
+    {names} in the help.
     """
 
-    def __init__(
-        self,
-        *arguments: Any,
-        examples: Iterable[str],
-        registered: Mapping[str, Callable[[], Iterable[click.Option]]] | None = None,
-        names: Callable[[], Iterable[str]] = list,
-        **others: Any,
-    ) -> None:
+    def __init__(self, *arguments: Any, examples: Iterable[str], names: Iterable[str] = (), **others: Any) -> None:
         super().__init__(*arguments, **others)
         self.epilog = epilog_of(f"{self.name} {example}" for example in examples)
-        self.help = str(self.help).replace("{names}", ", ".join(names()))
-        for before, make in (registered or {}).items():
-            place = [option.name for option in self.params].index(before)
-            self.params[place:place] = make()
+        self.help = str(self.help).replace("{names}", ", ".join(names))
         text = f"Language of results: en or zh.  [{LANGUAGE_VARIABLE} of the environment, or en]"
         settings: dict[str, Any] = {"callback": _choose_language, "expose_value": False}
         lang = click.Option(

@@ -36,16 +36,17 @@ def pixels(given: str) -> int | tuple[int, ...]:
     return (width, *height) if height else width
 
 
-def _overlays() -> list[click.Option]:
-    """A flag for each overlay."""
-    return [click.Option([f"--{name}"], is_flag=True, help=overlay.shows) for name, overlay in OVERLAYS.items()]
+def overlay_options(function: options.F) -> options.F:
+    """Add a flag for each overlay to a command."""
+    for name, overlay in reversed(list(OVERLAYS.items())):
+        click.option(f"--{name}", is_flag=True, help=overlay.shows)(function)
+    return function
 
 
 @click.command(
     cls=options.DragonCommand,
     examples=("run.npz", "run.npz --exact --camera head -o both.mp4", "--until 60 -o march.gif"),
-    registered={"title": _overlays},
-    names=lambda: FILM_ENDINGS,
+    names=FILM_ENDINGS,
 )
 @click.argument("run_files", metavar="[RUN.npz]...", nargs=-1, type=click.Path())
 @options.scenario_options
@@ -60,6 +61,7 @@ def _overlays() -> list[click.Option]:
 )
 @click.option("--span", type=float, metavar="M", help="Width of the ground in view, m.")
 @click.option("--hold", type=float, metavar="T", help="How long the last frame stays, s.  [2.5]")
+@overlay_options
 @click.option("--title", metavar="TEXT", help="A line above the picture.")
 @click.option("--caption", metavar="TEXT", help="Lines below the picture.")
 @click.option("--legend/--no-legend", default=None, help="Legend and scale bar below the picture.  [shown]")

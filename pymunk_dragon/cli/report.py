@@ -13,7 +13,7 @@ from pymunk_dragon.reports import REPORT_ENDINGS
 from pymunk_dragon.reports import report as write_report
 
 
-@click.command(cls=DragonCommand, examples=("run.npz", "run.npz -o run.md"), names=lambda: REPORT_ENDINGS)
+@click.command(cls=DragonCommand, examples=("run.npz", "run.npz -o run.md"), names=REPORT_ENDINGS)
 @click.argument("run_file", metavar="RUN.npz", type=click.Path())
 @json_option
 @output_option("a document or a table", "RUN.html")

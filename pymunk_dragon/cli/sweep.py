@@ -15,6 +15,9 @@ from pymunk_dragon._language import text
 from pymunk_dragon.cli.options import DragonCommand, chosen, json_option, named, number_list, scenario_options
 from pymunk_dragon.cli.output import print_json, progress, wrote
 from pymunk_dragon.errors import DragonError, ParameterError
+from pymunk_dragon.model.scenario import Scenario
+from pymunk_dragon.sweeps import QUANTITIES
+from pymunk_dragon.sweeps import sweep as run_sweep
 
 EXAMPLES = ("--axis pitch=0.42:0.46:0.01 --benches 60", "--axis pitch=0.5:0.6:0.005 -o pitch.csv -o pitch.png")
 AXIS = "NAME=VALUES, such as pitch=0.4:0.8:0.01 or benches=50,100"
@@ -22,20 +25,15 @@ QUANTITY = "What is computed, or module:function, a function of a march.  [conta
 OUTPUT = "File to write: .csv, or .png, .svg or .pdf for a picture. May be repeated."
 
 
-def _quantities() -> dict[str, Any]:
-    from pymunk_dragon.sweeps import QUANTITIES
-
-    return QUANTITIES
+_parameters = named(lambda: {f"{name}=": "" for each in QUANTITIES.values() for name in each.parameters})
 
 
-_summaries = named(lambda: {name: each.summary for name, each in _quantities().items()})
-_parameters = named(lambda: {f"{name}=": "" for each in _quantities().values() for name in each.parameters})
-
-
-@click.command(cls=DragonCommand, examples=EXAMPLES, names=_quantities)
+@click.command(cls=DragonCommand, examples=EXAMPLES, names=QUANTITIES)
 @scenario_options
 @click.option("--axis", multiple=True, metavar="NAME=VALUES", shell_complete=_parameters, help=AXIS)
-@click.option("--quantity", metavar="NAME", default="contact-time", shell_complete=_summaries, help=QUANTITY)
+@click.option(
+    "--quantity", metavar="NAME", default="contact-time", shell_complete=named(lambda: QUANTITIES), help=QUANTITY
+)
 @click.option("--resume", is_flag=True, help="Go on from the partial table of an interrupted sweep, if there is one.")
 @click.option("--scheduler", metavar="ADDRESS", help="Run on a Dask scheduler, tcp://HOST:PORT.")
 @click.option("--workers", type=int, metavar="N", help="Number of processes.  [one for each core]")
@@ -51,9 +49,6 @@ def sweep(
 
     The quantities are {names}.
     """
-    from pymunk_dragon.model.scenario import Scenario
-    from pymunk_dragon.sweeps import sweep as run_sweep
-
     # What Dask logs of a lost scheduler; the error is one line.
     logging.disable()
     # A module of the user's, which other programs would find as well.
