@@ -12,6 +12,9 @@ from numpy.typing import NDArray
 
 from pymunk_dragon.errors import ParameterError
 
+# m: coordinates of benches. A thousand times the rim of the largest spiral; products of such coordinates are far from
+# the ends of a double.
+MAX_COORDINATE = 1e9
 # Characters of a word of which similar ones are sought: the search takes time that grows with its square.
 MAX_WORD = 40
 

@@ -226,7 +226,7 @@ def test_foreign_files_and_arrays_that_do_not_fit_are_refused(load):
     for content in (*contents, *(members(**{name: array}) for name, array in wrong), members(**empty)):
         assert_says(refusal(load, content, error=FileFormatError), "run.npz")
     # As without a file.
-    for changes in (empty, {"drift": np.zeros((7, 3))}, {"outcome": "victory"}):
+    for changes in (empty, {"drift": np.zeros((7, 3))}, {"poses": np.full((7, 4, 3), 1e10)}, {"outcome": "victory"}):
         refusal(replace, a_run(), **changes, error=DragonError)
 
 

@@ -125,6 +125,12 @@ def test_where_nothing_is_in_the_way_the_head_starts_on_the_circle():
 
 
 @pytest.mark.thorough
+def test_map_may_have_one_pitch():
+    found = min_pitch(Dragon(benches=5, width=0.2))
+    assert len(found.map.pitches) == 1
+    assert f"{found.pitch:.12f} m" in str(found)
+
+
 def test_where_the_search_looks_past_a_limit_certificates_find_it(answer, monkeypatch):
     # So few samples contain no gap of the head's that is smallest in between.
     monkeypatch.setattr("pymunk_dragon.studies._gaps.SAMPLES_PER_SPACING", 0.02)

@@ -22,12 +22,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pymunk_dragon._arrays import Array, Complex, Indices, as_vectors, read_only
+from pymunk_dragon._checks import MAX_COORDINATE
 from pymunk_dragon.errors import ParameterError
 
 __all__ = ["Separation", "separation"]
 
-# m. A thousand times the rim of the largest spiral; products of such coordinates are far from the ends of a double.
-MAX_COORDINATE = 1e9
 # Pairs worked on at once: their temporaries, about 0.7 kB a pair, stay in a processor's second cache.
 CHUNK = 2048
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pymunk_dragon._arrays import Array, ArrayRecord, frozen, read_only
-from pymunk_dragon._checks import numbers, word
+from pymunk_dragon._checks import MAX_COORDINATE, numbers, word
 from pymunk_dragon._display import Displayed
 from pymunk_dragon._language import text
 from pymunk_dragon.errors import DragonError, ParameterError
@@ -134,6 +134,8 @@ class Run(ArrayRecord, Displayed):
                 if array.shape != shape:
                     raise ParameterError(f"the shape of a run's {name}", array.shape, f"{shape}, as its march wants")
                 object.__setattr__(self, name, read_only(array))
+        if not (np.abs(self.poses) <= MAX_COORDINATE).all():
+            raise ParameterError("poses", self.poses, f"finite and within {MAX_COORDINATE:g} m")
         word("outcome", self.outcome, get_args(Outcome))
         object.__setattr__(self, "provenance", frozen(self.provenance))
         for name, value in attributes_of(self.provenance, float(self.times[0])).items():

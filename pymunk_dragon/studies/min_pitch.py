@@ -160,7 +160,7 @@ class MinPitch(Result):
     def _map_text(self) -> str:
         """What is known of other pitches."""
         known = self.map
-        first, *_, last = known.pitches
+        first, last = known.pitches[0], known.pitches[-1]
         pitches = text("{count} pitches from {first:.4g} to {last:.4g} m;")
         pitches, near = pitches.format(count=len(known.pitches), first=first, last=last), 1e3 * known.threshold
         gaps = text("no gap comes within {near:.3g} mm of zero;").format(near=near)
