@@ -6,6 +6,7 @@ import io
 import json
 import sys
 from dataclasses import replace
+from importlib import import_module
 
 import mpmath as mp
 import numpy as np
@@ -124,13 +125,13 @@ def test_where_nothing_is_in_the_way_the_head_starts_on_the_circle():
     assert (found.benches, found.gap, found.contact_pitch) == (None, None, None)
 
 
-@pytest.mark.thorough
 def test_map_may_have_one_pitch():
     found = min_pitch(Dragon(benches=5, width=0.2))
     assert len(found.map.pitches) == 1
     assert f"{found.pitch:.12f} m" in str(found)
 
 
+@pytest.mark.thorough
 def test_where_the_search_looks_past_a_limit_certificates_find_it(answer, monkeypatch):
     # So few samples contain no gap of the head's that is smallest in between.
     monkeypatch.setattr("pymunk_dragon.studies._gaps.SAMPLES_PER_SPACING", 0.02)
@@ -324,7 +325,7 @@ def test_a_picture_needs_matplotlib_before_anything_is_computed(call, monkeypatc
         assert opened.width == 800
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     assert answer._repr_png_() is None
-    monkeypatch.setattr("pymunk_dragon.studies.study", None)
+    monkeypatch.setattr(import_module("pymunk_dragon.cli.study"), "run_study", None)
     status, _, err = call("study", "min-pitch", "-o", tmp_path / "answer.png")
     assert (status, "pymunk-dragon[figures]" in err) == (2, True)
     assert not list(tmp_path.iterdir())
