@@ -15,30 +15,24 @@ STEP = 0.05
 
 
 def line(start, stop):
-    (x, y), (u, v) = [[mp.mpf(part) for part in point] for point in (start, stop)]
-
-    def at(s):
-        length = mp.hypot(u - x, v - y)
-        dx, dy = (u - x) / length, (v - y) / length
-        return x + s * dx, y + s * dy, dx, dy, mp.mpf(0)
-
-    return at
+    start, stop = mp.mpc(*start), mp.mpc(*stop)
+    direction = (stop - start) / abs(stop - start)
+    return lambda s: _numbers(start + s * direction, direction, mp.mpf(0))
 
 
 def arc(centre, radius, begin_angle, sweep):
+    centre, radius, side = mp.mpc(*centre), mp.mpf(radius), mp.sign(sweep)
+
     def at(s):
-        side = mp.sign(sweep)
-        angle = mp.mpf(begin_angle) + side * s / mp.mpf(radius)
-        x, y = (mp.mpf(part) for part in centre)
-        x, y = x + radius * mp.cos(angle), y + radius * mp.sin(angle)
-        return x, y, -side * mp.sin(angle), side * mp.cos(angle), side / mp.mpf(radius)
+        out = mp.expj(begin_angle + side * s / radius)
+        return _numbers(centre + radius * out, side * mp.j * out, side / radius)
 
     return at
 
 
-def spiral(pitch, rotation=0, outward=False):
+def spiral(pitch, rotation=0, outward=False, mirrored=False):
     """The path r = k theta about the origin, by its arc length from the centre, negative on the way in."""
-    k = mp.mpf(pitch) / (2 * mp.pi)
+    k, side = mp.mpf(pitch) / (2 * mp.pi), -1 if mirrored else 1
 
     def at(s):
         length = s if outward else -s
@@ -47,17 +41,19 @@ def spiral(pitch, rotation=0, outward=False):
             return k / 2 * (theta * mp.sqrt(theta**2 + 1) + mp.asinh(theta)) - length
 
         theta = mp.findroot(miss, mp.sqrt(2 * length / k) + mp.mpf("1e-9"))
-        return _of_parameter(lambda p: k * p * mp.expj(p + rotation), theta, 1 if outward else -1)
+        return _of_parameter(lambda p: k * p * mp.expj(side * p + rotation), theta, 1 if outward else -1)
 
     return at
 
 
-def _of_parameter(path, p, side):
+def _numbers(point, direction, curvature):
+    return point.real, point.imag, direction.real, direction.imag, curvature
+
+
+def _of_parameter(path, p, side=1):
     """The five numbers at parameter p of a path in the complex plane, travelled forward (side 1) or back (-1)."""
-    here, first, second = path(p), mp.diff(path, p), mp.diff(path, p, 2)
-    direction = side * first / abs(first)
-    bend = side * (mp.conj(first) * second).imag / abs(first) ** 3
-    return here.real, here.imag, direction.real, direction.imag, bend
+    first, second = mp.diff(path, p), mp.diff(path, p, 2)
+    return _numbers(path(p), side * first / abs(first), side * (mp.conj(first) * second).imag / abs(first) ** 3)
 
 
 def s_turn(pitch, radius, ratio):
@@ -153,15 +149,18 @@ def spline(points):
 
     def cubic(i):
         slope = rises[i] - h[i] * (2 * second[i] + second[i + 1]) / 6
-        third = (second[i + 1] - second[i]) / h[i]
-        return [nodes[i], slope, second[i] / 2, third / 6]
+        return nodes[i], slope, second[i] / 2, (second[i + 1] - second[i]) / h[i] / 6
 
-    def derivative(i, p):
+    def path(i, p):
+        zero, one, two, three = cubics[i]
+        return zero + p * (one + p * (two + p * three))
+
+    def speed(i, p):
         _, one, two, three = cubics[i]
-        return one + p * (2 * two + 3 * p * three)
+        return abs(one + p * (2 * two + 3 * p * three))
 
     def length(i, p):
-        return mp.quad(lambda q: abs(derivative(i, q)), mp.linspace(0, p, 7))
+        return mp.quad(lambda q: speed(i, q), mp.linspace(0, p, 7))
 
     with mp.workdps(DIGITS):
         cubics = [cubic(i) for i in range(n - 1)]
@@ -173,12 +172,8 @@ def spline(points):
             s, i = s - lengths[i], i + 1
         p = h[i] * s / lengths[i]
         for _ in range(7):
-            p -= (length(i, p) - s) / abs(derivative(i, p))
-        zero, one, two, three = cubics[i]
-        first, bent = derivative(i, p), 2 * two + 6 * p * three
-        here, direction = zero + p * (one + p * (two + p * three)), first / abs(first)
-        bend = (mp.conj(first) * bent).imag / abs(first) ** 3
-        return here.real, here.imag, direction.real, direction.imag, bend
+            p -= (length(i, p) - s) / speed(i, p)
+        return _of_parameter(lambda q: path(i, q), p)
 
     return at, sum(lengths)
 

@@ -11,17 +11,10 @@ from conftest import assert_says, refusal
 from exact_curves import DIGITS, spline, worst_errors
 from hypothesis import assume, example, given
 from hypothesis import strategies as st
+from test_curve_kinds import CORNERS, WAVE
 
 from pymunk_dragon.errors import FileFormatError, MissingExtraError, ParameterError
-from pymunk_dragon.model.curves import Line, Sampled, check_curve
-
-WAVE = np.stack([np.linspace(0, 20, 60), 3 * np.sin(np.linspace(0, 20, 60))], axis=-1)
-CORNERS = [(0, 0), (1, 0.2), (3.5, -1), (4, 2), (3.2, 2.1), (3, 7), (9, 7.5), (8, 3), (20, 1), (21, 1.1), (21.5, -3)]
-
-
-@pytest.mark.parametrize("points", [WAVE, CORNERS], ids=["wave", "corners"])
-def test_path_is_consistent_in_itself(points):
-    check_curve(Sampled(points))
+from pymunk_dragon.model.curves import Line, Sampled
 
 
 @pytest.mark.parametrize(
@@ -87,31 +80,6 @@ def test_bound_on_the_bends_is_above_all_of_them_and_not_far_above(steps, first,
     assert path.max_curvature(low, high) >= bends.max()
     everywhere = np.abs(path.curvature(np.linspace(0, path.end_s, 60_001))).max()
     assert path.max_curvature(0, path.end_s) <= 1.03 * everywhere + 1e-12
-
-
-def test_what_makes_no_path_is_refused():
-    for points in (
-        None,
-        3,
-        "abc",
-        [],
-        [(0, 0), (1, 1), (2, 2)],
-        [(0, 0, 0)] * 5,
-        [(0, 0), (1,), (2, 2), (3, 3)],
-        [(0, 0), (1, "x"), (2, 2), (3, 3)],
-        np.zeros((60_000, 2)),
-    ):
-        assert refusal(Sampled, points).name == "points"
-    for row, point, words in (
-        (2, (np.nan, 0), "point 3 is [nan, 0.0]"),
-        (4, (0, np.inf), "point 5 is [0.0, inf]"),
-        (0, (0, 2e5), "point 1 is [0.0, 200000.0]"),
-        (3, (2, 0), "point 4 is [2.0, 0.0]"),
-        (3, (1, 0), "point 1 is [0.0, 0.0]"),
-    ):
-        points = np.stack([np.arange(6.0), np.zeros(6)], axis=-1)
-        points[row] = point
-        assert_says(refusal(Sampled, points), words)
 
 
 def test_points_are_read_from_a_file(tmp_path):

@@ -21,30 +21,15 @@ TURN = March(curve=UTurn())
 SMALL = Dragon(benches=12, head_spacing=0.5, body_spacing=0.3, overhang=0.05, width=0.1)
 
 
-def hairpin(length, radius, back=0.0):
-    """Straight on, round to the left, and straight back."""
-    return Composite(
-        [
-            Line(stop=(length, 0)),
-            Arc(centre=(length, radius), radius=radius, begin_angle=-np.pi / 2, sweep=np.pi),
-            Line(start=(length, 2 * radius), stop=(back, 2 * radius)),
-        ]
-    )
-
-
-def loop(radius):
-    """Straight on, and round a loop that crosses the way in."""
-    return Composite(
-        [
-            Line(start=(-20, 0), stop=(0, 0)),
-            Arc(centre=(0, radius), radius=radius, begin_angle=-np.pi / 2, sweep=1.5 * np.pi),
-            Line(start=(-radius, radius), stop=(-radius, -6)),
-        ]
-    )
+def bent(length, radius, sweep, onward):
+    """Straight on, round to the left by an angle, and straight on."""
+    arc = Arc(centre=(length, radius), radius=radius, begin_angle=-np.pi / 2, sweep=sweep)
+    end, ahead = arc.point(arc.end_s), arc.tangent(arc.end_s)
+    return Composite([Line(stop=(length, 0)), arc, Line(start=end, stop=end + onward * ahead)])
 
 
 # Its legs are closer than a bench is long.
-HAIRPIN = hairpin(10, 0.6)
+HAIRPIN = bent(10, 0.6, np.pi, 10)
 # Points of a loop that a hand may have drawn.
 DRAWN = Sampled(
     [(-12, 0), (-8, 0.3), (-4, -0.2), (0, 0), (3, 1), (4, 4), (1.5, 6), (-1, 4), (-1.5, 1), (-1, -3), (1, -7)]
@@ -53,9 +38,7 @@ TABLE = SpeedTable([0, 4, 9], [0.5, 2, 1])
 LONG = Dragon(benches=21, head_spacing=0.9, body_spacing=0.8, overhang=0.1, width=0.3)
 
 
-@pytest.mark.parametrize(
-    "time", [14.1, *(pytest.param(time, marks=pytest.mark.thorough) for time in (-0.5, 7.5, 16.0))]
-)
+@pytest.mark.parametrize("time", [14.1, *(pytest.param(t, marks=pytest.mark.thorough) for t in (-0.5, 7.5, 16.0))])
 def test_handles_in_the_u_turn_are_where_many_digits_have_them(time):
     """Also while the chain lies over one, two or all three joints."""
     with mp.workdps(DIGITS):
@@ -91,11 +74,8 @@ def test_the_next_handle_is_the_nearest_along_the_path_that_a_scan_sees():
 
 def test_places_before_the_begin_are_none_and_the_begin_itself_is_one():
     line = Line(stop=(10, 0))
-    assert np.isnan(line.chain([1.0, 1.5, 10.5], [1.5, 1.5])).tolist() == [
-        [False, True, True],
-        [False, False, True],
-        [True, True, True],
-    ]
+    found = np.isnan(line.chain([1.0, 1.5, 10.5], [1.5, 1.5])).tolist()
+    assert found == [[False, True, True], [False, False, True], [True] * 3]
     assert line.chain([1.5, 3.0], [1.5, 1.5])[1].tolist() == pytest.approx([3, 1.5, 0], abs=1e-15)
 
 
@@ -196,7 +176,7 @@ def test_rails_keep_the_dragon_on_any_curve(march, until):
 
 
 def test_engine_and_certificate_agree_on_the_first_contact_where_the_path_crosses_itself():
-    march = March(LONG, loop(2.2))
+    march = March(LONG, bent(20, 2.2, 1.5 * np.pi, 8))
     exact, run = first_contact(march), simulate(march)
     assert run.first_contact.benches == exact.benches
     assert run.first_contact.time == pytest.approx(exact.time, abs=2e-3)
@@ -206,7 +186,7 @@ def test_engine_and_certificate_agree_on_the_first_contact_where_the_path_crosse
 def test_search_for_a_contact_ends_where_motion_does(benches):
     """The hairpin is too tight for a bench of a metre: its rear handle is pushed back, and in the end off the path."""
     dragon = Dragon(benches=benches, head_spacing=1.0, body_spacing=0.5, overhang=0.05, width=0.05)
-    march = March(dragon, hairpin(3, 0.45, back=-9))
+    march = March(dragon, bent(3, 0.45, np.pi, 12))
     hit = first_contact(march)
     times = np.linspace(0, march.end, 20_001)
     lost = np.isnan(march.handles_s_or_nan(times)).any(axis=1)

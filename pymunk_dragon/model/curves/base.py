@@ -5,29 +5,29 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import MISSING, fields, is_dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from pymunk_dragon._arrays import Array, Complex, Flags, as_complex
-from pymunk_dragon._checks import did_you_mean, numbers
+from pymunk_dragon._checks import numbers, word
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model import chain
 from pymunk_dragon.model.chain import ChainMotion
 
-# Benches that are computed one by one before the chain behind them is computed as a whole again.
-BLOCK = 16
-# Levels of curves inside curves. A level takes up to 4 of Python's 1000 nested calls in an evaluation.
-MAX_DEPTH = 32
 # m from the origin. At this distance a double still resolves 0.02 nm.
 FARTHEST = 1e5
+# Levels of curves inside curves. A level takes up to 4 of Python's 1000 nested calls in an evaluation.
+_MAX_DEPTH = 32
+# Benches that are computed one by one before the chain behind them is computed as a whole again.
+_BLOCK = 16
 # Sine of half the angle of an arc that is as long as its chord.
-LEAST_SINE = 1e-9
+_LEAST_SINE = 1e-9
 # So close to the estimate of a foot, the path differs from its tangent by a few 1e-11 of the radius of curvature.
-NEAR_FOOT = 1e-5
+_NEAR_FOOT = 1e-5
 # Passes for a foot: each leaves a share of the error, the distance from the path over its radius of curvature.
-FOOT_PASSES = 20
+_FOOT_PASSES = 20
 
 
 class Curve(ABC):
@@ -39,12 +39,12 @@ class Curve(ABC):
     runs may contain it.
 
     A point of the path is given by its arc-length coordinate ``s`` in m, which grows in the direction of travel; each
-    curve defines its zero. Every method is vectorised over coordinates and returns arrays of their shape, or that shape
-    + (2,) for points and vectors. Beyond the ends the result is nan.
+    curve defines its zero. Coordinates may be arrays of any shape; results have that shape, or that shape + (2,) for
+    points and vectors. Beyond the ends they are nan.
 
     Examples
     --------
-    A rope that hangs between two posts, with its lowest point at (0, 2) m:
+    A rope that hangs between two posts, with its lowest point at (0, 2) m, where the curvature is largest:
 
     >>> import numpy as np
     >>> class Catenary(Curve):
@@ -60,14 +60,11 @@ class Curve(ABC):
     ...         return 2 / (np.square(s) + 4)
     ...
     ...     def max_curvature(self, s, other):
-    ...         # The curvature is largest at the lowest point.
     ...         return self.curvature(np.clip(0, np.minimum(s, other), np.maximum(s, other)))
-    >>> from pymunk_dragon import Composite, Line, Section, check_curve
+    >>> from pymunk_dragon import check_curve
     >>> check_curve(Catenary())
-    >>> top, slope = Catenary().point(3.0), Catenary().tangent(3.0)
-    >>> path = Composite([Section(Catenary(), -3.0, 3.0), Line(start=top, stop=top + slope)])
-    >>> path.point([0.0, 3.0, 6.0, 7.0]).round(3).tolist()
-    [[-2.39, 3.606], [0.0, 2.0], [2.39, 3.606], [2.944, 4.438]]
+    >>> Catenary().point([-3.0, 0.0]).round(3).tolist()
+    [[-2.39, 3.606], [0.0, 2.0]]
     """
 
     # Registered classes by their kinds, the names in scenario files and saved runs.
@@ -78,59 +75,33 @@ class Curve(ABC):
     # Parameters that are flags of the command line: a placeholder of the value, and a description.
     flags: ClassVar[Mapping[str, tuple[str, str]]] = {}
 
-    # Only declared, so that a dataclass may have fields of these names.
-    if TYPE_CHECKING:
+    # Distance between neighbouring turns, m, which benches have to be narrower than; None without such turns.
+    turn_width: float | None = None
+    # Whether the distance from the origin falls and the absolute curvature grows along the whole path.
+    inward: bool = False
+    # Circles about the curve that pictures show: x and y of the centre, and radius, m.
+    circles: tuple[tuple[float, float, float], ...] = ()
+    # Finite coordinates, m, at which pieces inside this curve begin or end, by their own zero.
+    inner_ends: tuple[float, ...] = ()
 
-        @property
-        def begin_s(self) -> float:
-            """First coordinate, m; -inf for a path without begin."""
+    # First and last coordinate, m; infinite on a path without begin or end.
+    begin_s: float
+    end_s: float
 
-        @property
-        def end_s(self) -> float:
-            """Last coordinate, m; inf for a path without end."""
-
-    def __init_subclass__(cls, kind: str | None = None, **others: Any) -> None:
-        super().__init_subclass__(**others)
+    def __init_subclass__(cls, kind: str | None = None) -> None:
+        super().__init_subclass__()
         # A dataclass with slots is a second class with the members of the first one.
         cls.kind = cls.__dict__.get("kind") if kind is None else kind
-        if cls.kind is None:
-            return
-        if not isinstance(cls.kind, str):
-            raise ParameterError("kind", cls.kind, "a text")
-        # A class of the same name, as in a notebook's cell, is replaced.
-        known = Curve.kinds.setdefault(cls.kind, cls)
-        if (known.__module__, known.__name__) != (cls.__module__, cls.__name__):
-            bound = f"a text that no other class has; this is the kind of {known.__name__}"
-            raise ParameterError("kind", cls.kind, bound)
-        Curve.kinds[cls.kind] = cls
-
-    @property
-    def turn_width(self) -> float | None:
-        """Distance between neighbouring turns, m, which benches have to be narrower than; None without such turns."""
-        return None
-
-    @property
-    def inward(self) -> bool:
-        """Whether the distance from the origin falls and the absolute curvature grows along the whole path."""
-        return False
-
-    @property
-    def circles(self) -> tuple[tuple[float, float, float], ...]:
-        """Circles about the curve that pictures show: x and y of the centre, and radius, m."""
-        return ()
-
-    @property
-    def inner_ends(self) -> tuple[float, ...]:
-        """Finite coordinates, m, at which pieces inside this curve begin or end, by their own zero."""
-        return ()
+        if cls.kind is not None:
+            # A class of the same name, as in a notebook's cell, is replaced.
+            known = Curve.kinds.get(cls.kind, cls)
+            if (known.__module__, known.__name__) != (cls.__module__, cls.__name__):
+                raise ParameterError("kind", cls.kind, f"no other class's, but it is that of {known.__name__}")
+            Curve.kinds[cls.kind] = cls
 
     @abstractmethod
     def point(self, s: ArrayLike) -> Array:
-        """Position (..., 2) in m.
-
-        Right to 8 last digits of the largest coordinate, in space or along the path: the certificate of a first contact
-        rests on this.
-        """
+        """Position (..., 2) in m, right to 8 last digits of the largest coordinate in space or along the path."""
 
     @abstractmethod
     def tangent(self, s: ArrayLike) -> Array:
@@ -142,22 +113,18 @@ class Curve(ABC):
 
     @abstractmethod
     def max_curvature(self, s: ArrayLike, other: ArrayLike) -> Array:
-        """Upper bound (...) on the absolute curvature between two coordinates in any order, 1/m.
-
-        The certificate of a first contact depends on this bound. It is 0 beyond the ends.
-        """
+        """Upper bound (...) on the absolute curvature between two coordinates in any order, 1/m; 0 beyond the ends."""
 
     def frame(self, s: ArrayLike) -> tuple[Array, Array]:
         """Positions and unit vectors in the direction of travel, each (..., 2)."""
         return self.point(s), self.tangent(s)
 
     def chain(self, s: ArrayLike, spacings: ArrayLike) -> Array:
-        """Coordinates of all handles of chains with the heads at `s`, each laid out along the path from its head.
+        """Coordinates (T, N + 1), m, of all handles of chains with the heads at `s` (T,) and the `spacings` (N,), m.
 
-        With heads at `s` (T,) and `spacings` (N,), m, the coordinates (T, N + 1) are in m, and nan for a handle that
-        has none on the curve, and for all behind it. Each handle is at the first point back along the path whose
-        straight distance from the handle before is the spacing, never at a later intersection; that distance has to
-        grow over the whole arc between. Motion may take a chain to other states: `continuation.py` follows it.
+        Each handle is at the first point back along the path whose straight distance from the handle before is the
+        spacing; that distance has to grow over the whole arc between. A handle that has no such point is nan, as all
+        behind it. Motion may take a chain to other states: `March` follows it.
 
         Examples
         --------
@@ -168,10 +135,10 @@ class Curve(ABC):
         return self._chain_motion(numbers("s", s).ravel(), numbers("spacings", spacings).ravel()).handles_s
 
     def foot(self, points: ArrayLike, near: ArrayLike) -> tuple[Array, Array, Array]:
-        """Feet of the perpendiculars from `points` (..., 2), m, close to the path: coordinates, points and tangents.
+        """Feet of the perpendiculars from `points` (..., 2), m, to the path nearest to the coordinates `near` (...), m.
 
-        Coordinates (...) and points (..., 2) are in m, tangents (..., 2) unit vectors. The foot is the one nearest to
-        the estimate `near` (...) of its coordinate, m.
+        Returns their coordinates (...) and points (..., 2), m, and the unit tangents (..., 2) there. The points have to
+        be closer to the path than its radius of curvature.
 
         Examples
         --------
@@ -182,11 +149,11 @@ class Curve(ABC):
         """
         xy = numbers("points", points, 2)
         s = np.clip(numbers("near", near), self.begin_s, self.end_s)
-        for _ in range(FOOT_PASSES):
+        for _ in range(_FOOT_PASSES):
             feet, tangents = self.frame(s)
             step = np.clip(s + np.sum((xy - feet) * tangents, axis=-1), self.begin_s, self.end_s) - s
             s = s + step
-            if np.all(np.abs(step) <= NEAR_FOOT):
+            if np.all(np.abs(step) <= _NEAR_FOOT):
                 break
         return s, feet + step[..., None] * tangents, tangents
 
@@ -201,7 +168,7 @@ class Curve(ABC):
     def to_dict(self) -> dict[str, Any]:
         """Kind and parameters as plain values, of which `Curve.from_dict` makes an equal curve.
 
-        The class of the curve, and of each inside it, must be registered itself, and at most 32 levels may be nested.
+        The classes of the curve and of those inside it must be registered, and at most 32 levels may be nested.
 
         Examples
         --------
@@ -240,28 +207,34 @@ class Curve(ABC):
         if not settled.all():
             rest = ~settled
             handles_s = np.full((int(rest.sum()), spacings.size + 1), np.nan)
-            handles_s[:, : BLOCK + 1] = self._bench_by_bench(heads[rest], spacings[:BLOCK])
-            behind = ~np.isnan(handles_s[:, min(BLOCK, spacings.size)])
-            if spacings.size > BLOCK and behind.any():
-                handles_s[behind, BLOCK:] = self.chain(handles_s[behind, BLOCK], spacings[BLOCK:])
+            handles_s[:, : _BLOCK + 1] = self._bench_by_bench(heads[rest], spacings[:_BLOCK])
+            behind = ~np.isnan(handles_s[:, min(_BLOCK, spacings.size)])
+            if spacings.size > _BLOCK and behind.any():
+                handles_s[behind, _BLOCK:] = self.chain(handles_s[behind, _BLOCK], spacings[_BLOCK:])
             for into, part in zip(found, chain.chain_motion(self, handles_s, spacings), strict=True):
                 into[rest] = part
         return found
 
-    def _bench_by_bench(self, s: Array, chords: Array) -> Array:
+    def _bench_by_bench(self, heads: Array, spacings: Array) -> Array:
         """Coordinates (T, H) as in `chain`, from each handle to the next."""
-        parameters = np.empty((s.size, chords.size + 1))
-        parameters[:, 0] = self._parameter(s)
-        for i, chord in enumerate(chords.tolist()):
-            parameters[:, i + 1] = self._behind(parameters[:, i], chord)
-        handles_s = self._coordinate(parameters)
-        # The inverse of `_parameter` rounds; the heads keep their coordinates.
-        handles_s[:, 0] = np.where(np.isnan(parameters[:, 0]), np.nan, s)
+        handles_s = np.full((heads.size, spacings.size + 1), np.nan)
+        handles_s[:, 0] = self._inside(heads)
+        for i, spacing in enumerate(spacings.tolist()):
+            on = ~np.isnan(handles_s[:, i])
+            handles_s[on, i + 1] = self._behind(handles_s[on, i], spacing)
         return handles_s
+
+    def _behind(self, s: Array, chord: float) -> Array:
+        """Coordinates (T,) of the nearest points back from `s` (T,) at the straight distance `chord`; nan if none."""
+        return chain.rear_handle(self, s, chord)
+
+    def _inside(self, s: Array) -> Array:
+        """Coordinates, with nan for those off the curve."""
+        return np.where((s >= self.begin_s) & (s <= self.end_s), s, np.nan)
 
     def _parameter(self, s: Array) -> Array:
         """The parameter (...) in which chains are computed, growing in the direction of travel; nan off the curve."""
-        return np.where((s >= self.begin_s) & (s <= self.end_s), s, np.nan)
+        return self._inside(s)
 
     def _coordinate(self, parameter: Array) -> Array:
         """Coordinates (...), m, of parameters: the inverse of `_parameter`."""
@@ -279,20 +252,13 @@ class Curve(ABC):
         """
         s = np.concatenate([heads[None], heads - np.cumsum(spacings, axis=0)])
         square = self.curvature(np.clip(s, self.begin_s, self.end_s)) ** 2
-        sine = np.clip(np.sqrt((square[1:] + square[:-1]) / 2) * (spacings / 2), LEAST_SINE, 1.0)
+        sine = np.clip(np.sqrt((square[1:] + square[:-1]) / 2) * (spacings / 2), _LEAST_SINE, 1.0)
         s[1:] = heads - np.cumsum(np.arcsin(sine) / sine * spacings, axis=0)
         return self._parameter(np.maximum(s, self.begin_s))
 
     def _nearest(self, parameters: Array, handles_s: Array, spacings: Array) -> Flags:
         """Whether each handle of chains (T,), with parameters and coordinates (H, T), is the one that `chain` means."""
         return chain.nearest(self, handles_s, spacings)
-
-    def _behind(self, parameter: Array, chord: float) -> Array:
-        """Parameters (T,) of the nearest points back along the path at the straight distance `chord`; nan if none."""
-        found = np.full(parameter.shape, np.nan)
-        on = ~np.isnan(parameter)
-        found[on] = self._parameter(chain.rear_handle(self, self._coordinate(parameter[on]), chord))
-        return found
 
 
 class PackageCurve(Curve):
@@ -312,11 +278,11 @@ class PackageCurve(Curve):
 
     def frame(self, s: ArrayLike) -> tuple[Array, Array]:
         """Positions and unit vectors in the direction of travel, each (..., 2)."""
-        return self._frame(self._on(s))
+        return self._frame(self._inside(numbers("s", s)))
 
     def curvature(self, s: ArrayLike) -> Array:
         """Curvature (...) in 1/m, positive to the left."""
-        return np.asarray(self._curvature(self._on(s)))
+        return np.asarray(self._curvature(self._inside(numbers("s", s))))
 
     def max_curvature(self, s: ArrayLike, other: ArrayLike) -> Array:
         """Upper bound (...) on the absolute curvature between two coordinates, 1/m."""
@@ -326,10 +292,10 @@ class PackageCurve(Curve):
         on = lower <= upper
         return np.where(on, self._max_curvature(np.where(on, lower, np.nan), upper), 0.0)
 
-    def _on(self, s: ArrayLike) -> Array:
-        """Coordinates as an array, with nan for those that are off the curve."""
-        coordinates = numbers("s", s)
-        return np.where((coordinates >= self.begin_s) & (coordinates <= self.end_s), coordinates, np.nan)
+    def _set(self, **values: Any) -> None:
+        """Set attributes of a frozen dataclass."""
+        for name, value in values.items():
+            object.__setattr__(self, name, value)
 
     @abstractmethod
     def _frame(self, s: Array) -> tuple[Array, Array]: ...
@@ -359,8 +325,8 @@ def _plain(value: Any, where: str, depth: int) -> Any:
         return [_plain(item, f"{where}[{i}]", depth) for i, item in enumerate(value)]
     if not isinstance(value, Curve):
         return value.tolist() if isinstance(value, np.ndarray) else value
-    if depth > MAX_DEPTH:
-        raise ParameterError("curve", type(value).__name__, f"nested in at most {MAX_DEPTH - 1} other curves")
+    if depth > _MAX_DEPTH:
+        raise ParameterError("curve", type(value).__name__, f"nested in at most {_MAX_DEPTH - 1} other curves")
     if value.kind is None or not is_dataclass(value):
         bound = f"a curve of a registered kind: {', '.join(sorted(Curve.kinds))} or one of your own"
         raise ParameterError(where, type(value).__name__, bound)
@@ -374,23 +340,24 @@ def _made(values: Any, where: str, depth: int) -> Any:
         return [_made(item, f"{where}[{i}]", depth) for i, item in enumerate(values)]
     if not isinstance(values, Mapping):
         return values
-    if depth > MAX_DEPTH:
-        raise ParameterError("curve", values, f"nested in at most {MAX_DEPTH - 1} other curves")
-    given = dict(values)
-    kind = given.pop("kind", None)
-    if not (isinstance(kind, str) and kind in Curve.kinds):
-        bound = f"one of {', '.join(sorted(Curve.kinds))}{did_you_mean(kind, Curve.kinds)}"
-        raise ParameterError(f"{where}.kind", kind, bound)
-    parameters = parameters_of(Curve.kinds[kind])
-    for name in {**given, **parameters}:
-        if name not in parameters:
-            owners = ", ".join(sorted(other for other, cls in Curve.kinds.items() if name in parameters_of(cls)))
-            hint = f"kinds with it: {owners}" if owners else f"its parameters are {', '.join(parameters)}"
-            raise ParameterError(f"{where}.{name}", given[name], f"absent on a {kind} curve; {hint}")
-        if name not in given and parameters[name]:
-            raise ParameterError(f"{where}.{name}", None, f"given: the kind {kind} has no default for it")
+    if depth > _MAX_DEPTH:
+        raise ParameterError("curve", values, f"nested in at most {_MAX_DEPTH - 1} other curves")
+    kind = word(f"{where}.kind", values.get("kind"), sorted(Curve.kinds))
+    given = {name: value for name, value in values.items() if name != "kind"}
+    _check_names(kind, given, where)
     arguments = {name: _made(value, f"{where}.{name}", depth + 1) for name, value in given.items()}
     try:
         return Curve.kinds[kind](**arguments)
     except ParameterError as error:
         raise ParameterError(f"{where}.{error.name}", error.value, error.bound) from error
+
+
+def _check_names(kind: str, given: Mapping[str, Any], where: str) -> None:
+    """Refuse parameters that curves of a kind do not have, and those without a default that are not given."""
+    known = parameters_of(Curve.kinds[kind])
+    for name in given:
+        if name not in known:
+            raise ParameterError(f"{where}.{name}", given[name], f"absent: a {kind} curve has {', '.join(known)}")
+    for name, required in known.items():
+        if required and name not in given:
+            raise ParameterError(f"{where}.{name}", None, f"given: the kind {kind} has no default for it")

@@ -3,45 +3,34 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pymunk_dragon._arrays import Array, Complex, as_complex
 from pymunk_dragon._checks import number
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.curves.base import Curve, PackageCurve, required_curve
 
-__all__ = ["Composite", "Reversed", "Section"]
-
-# m that two pieces may be apart where they meet: far above rounding, 1e-13 m, and far below what results need.
-MAX_GAP = 1e-9
-# rad, the same for their directions.
-MAX_KINK = 1e-9
+# m and rad that two pieces may be apart where they meet: far above rounding, and far below what results need.
+_MAX_GAP = _MAX_KINK = 1e-9
 # m before a section at which a handle still counts as on it.
-ROUNDING = 1e-10
+_ROUNDING = 1e-10
 
 
 class _Link(NamedTuple):
-    """A piece, and how its coordinates and parameters follow from the composite's."""
+    """A piece, and what its coordinates and parameters are above those of the composite."""
 
     curve: Curve
     shift: float
-    # So that the composite's parameter and its rate are continuous at the joints.
-    scale: float
     parameter_shift: float
 
     def on(self, s: Array) -> Array:
         """Coordinates on the piece, clipped to it against rounding."""
         return np.clip(s + self.shift, self.curve.begin_s, self.curve.end_s)
-
-    def parameters(self, parameters: Array) -> Array:
-        """Parameters on the piece."""
-        return (parameters + self.parameter_shift) / self.scale
 
 
 @dataclass(frozen=True)
@@ -80,56 +69,50 @@ class Composite(PackageCurve, kind="composite"):
         pieces: tuple[Curve, ...] = tuple(given) if isinstance(given, Iterable) else ()
         if not pieces or not all(isinstance(piece, Curve) for piece in pieces):
             raise ParameterError("pieces", self.pieces, "one Curve or more")
-        ends = pieces[0].begin_s, pieces[0].end_s
-        links = [_Link(pieces[0], next((float(end) for end in ends if math.isfinite(end)), 0.0), 1.0, 0.0)]
-        joints, parameter_joints = [], []
+        zero = next((float(end) for end in (pieces[0].begin_s, pieces[0].end_s) if math.isfinite(end)), 0.0)
+        links, joints, parameter_joints = [_Link(pieces[0], zero, 0.0)], [], []
         for before, after in pairwise(pieces):
-            self._check_joint(len(links), before, after)
-            (end, end_rate), (begin, rate) = _parameter_at(before, before.end_s), _parameter_at(after, after.begin_s)
+            ends = (before, before.end_s), (after, after.begin_s)
+            self._check_joint(len(links), *ends)
+            end, begin = (float(curve._parameter(np.array(s))) for curve, s in ends)
             joints.append(before.end_s - links[-1].shift)
-            parameter_joints.append(links[-1].scale * end - links[-1].parameter_shift)
-            scale = links[-1].scale * rate / end_rate
-            links.append(_Link(after, after.begin_s - joints[-1], scale, scale * begin - parameter_joints[-1]))
-        found = {"pieces": pieces, "joints": joints, "_parameter_joints": parameter_joints, "_links": links}
-        for name, values in found.items():
-            object.__setattr__(self, name, tuple(values))
+            parameter_joints.append(end - links[-1].parameter_shift)
+            links.append(_Link(after, after.begin_s - joints[-1], begin - parameter_joints[-1]))
+        self._set(pieces=pieces, joints=tuple(joints), _parameter_joints=tuple(parameter_joints), _links=tuple(links))
+        ends_s = [end for piece in pieces for end in (piece.begin_s, piece.end_s, *piece.inner_ends)]
+        self._set(inner_ends=tuple(filter(math.isfinite, ends_s)))
+        self._set(begin_s=pieces[0].begin_s - zero, end_s=pieces[-1].end_s - links[-1].shift)
 
-    def _check_joint(self, number: int, before: Curve, after: Curve) -> None:
-        """Refuse two pieces that do not meet at joint `number`, counted from 1."""
-        names = f"piece {number} ({type(before).__name__}) and piece {number + 1} ({type(after).__name__})"
-        if not (math.isfinite(before.end_s) and math.isfinite(after.begin_s)):
+    def _check_joint(self, number: int, before: tuple[Curve, float], after: tuple[Curve, float]) -> None:
+        """Refuse two curves that do not meet at these coordinates: joint `number`, counted from 1."""
+        names = f"piece {number} ({type(before[0]).__name__}) and piece {number + 1} ({type(after[0]).__name__})"
+        if not (math.isfinite(before[1]) and math.isfinite(after[1])):
             raise ParameterError("pieces", self.pieces, f"finite where they meet: {names} lie infinitely far apart")
-        (point, ahead), (other, ahead_after) = (
-            map(as_complex, curve.frame(end)) for curve, end in ((before, before.end_s), (after, after.begin_s))
-        )
-        gap, kink = abs(other - point), abs(np.angle(ahead_after / ahead))
+        (point, ahead), (other, turned) = (map(as_complex, curve.frame(end)) for curve, end in (before, after))
+        gap, kink = abs(other - point), abs(np.angle(turned / ahead))
         # Written so that nan fails.
-        if not (gap <= MAX_GAP and kink <= MAX_KINK):
+        if not (gap <= _MAX_GAP and kink <= _MAX_KINK):
             apart = f"{gap:.3g} m and {kink:.3g} rad ({math.degrees(kink):.3g} degrees)"
             raise ParameterError("pieces", self.pieces, f"joined smoothly: at joint {number} {names} are {apart} apart")
 
-    @property
-    def begin_s(self) -> float:
-        """Coordinate at which the first piece begins: 0 m, or -inf."""
-        return self.pieces[0].begin_s - self._links[0].shift
-
-    @property
-    def end_s(self) -> float:
-        """Coordinate at which the last piece ends, m."""
-        return self.pieces[-1].end_s - self._links[-1].shift
-
-    @property
-    def inner_ends(self) -> tuple[float, ...]:
-        """Finite coordinates, m, at which the pieces begin or end, each by its own zero."""
-        ends = (end for piece in self.pieces for end in (piece.begin_s, piece.end_s, *piece.inner_ends))
-        return tuple(end for end in ends if math.isfinite(end))
+    def _parts(self, joints: tuple[float, ...], values: Array) -> Iterator[tuple[_Link, Any]]:
+        """Pieces that end at `joints`, each with the indices of the values (...) on it; nan is on the last one."""
+        index = np.searchsorted(joints, values, side="right")
+        first, last = int(index.min(initial=len(joints))), int(index.max(initial=0))
+        for k in range(first, last + 1):
+            yield self._links[k], ... if first == last else index == k
 
     def _frame(self, s: Array) -> tuple[Array, Array]:
-        points, tangents = self._joined(s, self.joints, lambda link, part: link.curve.frame(link.on(part)))
+        points, tangents = np.empty((2, *s.shape, 2))
+        for link, here in self._parts(self.joints, s):
+            points[here], tangents[here] = link.curve.frame(link.on(s[here]))
         return points, tangents
 
     def _curvature(self, s: Array) -> Array:
-        return self._joined(s, self.joints, lambda link, part: (link.curve.curvature(link.on(part)),))[0]
+        curvatures = np.empty(s.shape)
+        for link, here in self._parts(self.joints, s):
+            curvatures[here] = link.curve.curvature(link.on(s[here]))
+        return curvatures
 
     def _max_curvature(self, lower: Array, upper: Array) -> Array:
         curvatures = np.zeros(lower.shape)
@@ -141,23 +124,21 @@ class Composite(PackageCurve, kind="composite"):
         return curvatures
 
     def _parameter(self, s: Array) -> Array:
-        def parameters(link: _Link, part: Array) -> tuple[Array]:
-            return (link.scale * link.curve._parameter(link.on(part)) - link.parameter_shift,)
-
-        return self._joined(self._on(s), self.joints, parameters)[0]
+        s, parameters = self._inside(s), np.empty(s.shape)
+        for link, here in self._parts(self.joints, s):
+            parameters[here] = link.curve._parameter(link.on(s[here])) - link.parameter_shift
+        return parameters
 
     def _coordinate(self, parameter: Array) -> Array:
-        def coordinates(link: _Link, part: Array) -> tuple[Array]:
-            return (link.curve._coordinate(link.parameters(part)) - link.shift,)
-
-        return self._joined(parameter, self._parameter_joints, coordinates)[0]
+        s = np.empty(parameter.shape)
+        for link, here in self._parts(self._parameter_joints, parameter):
+            s[here] = link.curve._coordinate(parameter[here] + link.parameter_shift) - link.shift
+        return s
 
     def _motion(self, parameter: Array) -> tuple[Complex, Complex]:
-        def motion(link: _Link, part: Array) -> tuple[Complex, Complex]:
-            points, derivatives = link.curve._motion(link.parameters(part))
-            return points, derivatives * (1 / link.scale)
-
-        points, derivatives = self._joined(parameter, self._parameter_joints, motion)
+        points, derivatives = np.empty((2, *parameter.shape), dtype=complex)
+        for link, here in self._parts(self._parameter_joints, parameter):
+            points[here], derivatives[here] = link.curve._motion(parameter[here] + link.parameter_shift)
         return points, derivatives
 
     def _estimate(self, heads: Array, parameters: Array, spacings: Array) -> Array:
@@ -165,31 +146,8 @@ class Composite(PackageCurve, kind="composite"):
         if not self.joints or not (heads <= self.joints[0]).all():
             return super()._estimate(heads, parameters, spacings)
         first = self._links[0]
-        estimate = first.curve._estimate(first.on(heads), first.parameters(parameters), spacings)
-        return first.scale * estimate - first.parameter_shift
-
-    def _joined(
-        self, values: Array, joints: tuple[float, ...], method: Callable[[_Link, Array], tuple[NDArray[Any], ...]]
-    ) -> tuple[NDArray[Any], ...]:
-        """Joined results of `method` for each piece and the values (...) on it, which end at the `joints`."""
-        # nan is sorted behind all joints, and gives nan on the last piece.
-        index = np.searchsorted(joints, values, side="right")
-        first, last = (int(index.min()), int(index.max())) if index.size else (0, 0)
-        if first == last:
-            return method(self._links[first], values)
-        places = [np.flatnonzero(index == k) for k in range(first, last + 1)]
-        parts = [method(link, values.take(place)) for link, place in zip(self._links[first:], places, strict=False)]
-        results = tuple(np.empty((values.size, *part.shape[1:]), part.dtype) for part in parts[0])
-        for place, found in zip(places, parts, strict=True):
-            for result, part in zip(results, found, strict=True):
-                result[place] = part
-        return tuple(result.reshape(values.shape + result.shape[1:]) for result in results)
-
-
-def _parameter_at(curve: Curve, s: float) -> tuple[float, float]:
-    """The parameter of a coordinate, and metres per unit of the parameter there."""
-    parameter = curve._parameter(np.array([s]))
-    return float(parameter[0]), float(np.abs(curve._motion(parameter)[1][0]))
+        estimate = first.curve._estimate(first.on(heads), parameters + first.parameter_shift, spacings)
+        return estimate - first.parameter_shift
 
 
 @dataclass(frozen=True)
@@ -224,8 +182,7 @@ class Section(PackageCurve, kind="section"):
         if not begin < end <= last:
             bound = f"a coordinate on the curve after {begin:g} m, at most {last:g} m"
             raise ParameterError("end_s", self.end_s, bound)
-        object.__setattr__(self, "begin_s", begin)
-        object.__setattr__(self, "end_s", end)
+        self._set(begin_s=begin, end_s=end)
 
     def _frame(self, s: Array) -> tuple[Array, Array]:
         return self.curve.frame(s)
@@ -237,21 +194,18 @@ class Section(PackageCurve, kind="section"):
         return self.curve.max_curvature(lower, upper)
 
     def _parameter(self, s: Array) -> Array:
-        return self.curve._parameter(self._on(s))
+        return self.curve._parameter(self._inside(s))
 
     def _coordinate(self, parameter: Array) -> Array:
         s = self.curve._coordinate(parameter)
         # Rounding may put a handle at the beginning before it.
-        return np.where(s < self.begin_s - ROUNDING, np.nan, np.maximum(s, self.begin_s))
-
-    def _estimate(self, heads: Array, parameters: Array, spacings: Array) -> Array:
-        return self.curve._estimate(heads, parameters, spacings)
+        return np.where(s < self.begin_s - _ROUNDING, np.nan, np.maximum(s, self.begin_s))
 
     def _motion(self, parameter: Array) -> tuple[Complex, Complex]:
         return self.curve._motion(parameter)
 
-    def _behind(self, parameter: Array, chord: float) -> Array:
-        return self.curve._behind(parameter, chord)
+    def _estimate(self, heads: Array, parameters: Array, spacings: Array) -> Array:
+        return self.curve._estimate(heads, parameters, spacings)
 
 
 @dataclass(frozen=True)
@@ -274,16 +228,7 @@ class Reversed(PackageCurve, kind="reversed"):
 
     def __post_init__(self) -> None:
         required_curve("curve", self.curve)
-
-    @property
-    def begin_s(self) -> float:
-        """Where the curve ends, m."""
-        return -self.curve.end_s
-
-    @property
-    def end_s(self) -> float:
-        """Where the curve begins, m."""
-        return -self.curve.begin_s
+        self._set(begin_s=-self.curve.end_s, end_s=-self.curve.begin_s)
 
     def _frame(self, s: Array) -> tuple[Array, Array]:
         points, tangents = self.curve.frame(-s)

@@ -12,16 +12,14 @@ from pymunk_dragon._checks import finite, numbers
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.curves.base import FARTHEST, PackageCurve
 
-__all__ = ["Arc", "Line"]
-
 # m. Two points closer than this do not define a direction.
-SHORTEST_LINE = 1e-3
+_SHORTEST_LINE = 1e-3
 # m. Smaller circles are too narrow even for benches of a millimetre.
-MIN_RADIUS = 1e-3
-# Radians: a thousand turns and the angle at which they begin. More is taken for a typing error, and costs digits.
-MAX_ANGLE = 2000 * math.pi
+_MIN_RADIUS = 1e-3
+# rad: a thousand turns, and the angle at which they begin. More is taken for a typing error, and costs digits.
+_MAX_ANGLE = 2000 * math.pi
 # m. Less is taken for a typing error.
-SHORTEST_ARC = 1e-9
+_SHORTEST_ARC = 1e-9
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,15 +43,10 @@ class Line(PackageCurve, kind="line"):
     stop: tuple[float, float]
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "start", _point("start", self.start))
-        object.__setattr__(self, "stop", _point("stop", self.stop))
-        if self.end_s < SHORTEST_LINE:
-            raise ParameterError("stop", self.stop, f"at least {SHORTEST_LINE:g} m from the start, {self.start}")
-
-    @property
-    def end_s(self) -> float:
-        """Length, m."""
-        return math.dist(self.start, self.stop)
+        start, stop = _point("start", self.start), _point("stop", self.stop)
+        self._set(start=start, stop=stop, end_s=math.dist(start, stop))
+        if self.end_s < _SHORTEST_LINE:
+            raise ParameterError("stop", stop, f"at least {_SHORTEST_LINE:g} m from the start, {start}")
 
     def _frame(self, s: Array) -> tuple[Array, Array]:
         direction = np.subtract(self.stop, self.start) / self.end_s
@@ -95,17 +88,11 @@ class Arc(PackageCurve, kind="arc"):
     sweep: float
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "centre", _point("centre", self.centre))
-        object.__setattr__(self, "radius", finite("radius", self.radius, MIN_RADIUS, FARTHEST, "m"))
-        for name in ("begin_angle", "sweep"):
-            object.__setattr__(self, name, finite(name, getattr(self, name), -MAX_ANGLE, MAX_ANGLE, "rad"))
-        if self.end_s < SHORTEST_ARC:
-            raise ParameterError("sweep", self.sweep, f"at least {SHORTEST_ARC / self.radius:.3g} rad, to either side")
-
-    @property
-    def end_s(self) -> float:
-        """Length, m."""
-        return self.radius * abs(self.sweep)
+        radius = finite("radius", self.radius, _MIN_RADIUS, FARTHEST, "m")
+        angles = {n: finite(n, getattr(self, n), -_MAX_ANGLE, _MAX_ANGLE, "rad") for n in ("begin_angle", "sweep")}
+        self._set(centre=_point("centre", self.centre), radius=radius, **angles, end_s=radius * abs(angles["sweep"]))
+        if self.end_s < _SHORTEST_ARC:
+            raise ParameterError("sweep", self.sweep, f"at least {_SHORTEST_ARC / radius:.3g} rad, to either side")
 
     def _frame(self, s: Array) -> tuple[Array, Array]:
         angle = self.begin_angle + self._curvature(s) * s
@@ -121,7 +108,7 @@ class Arc(PackageCurve, kind="arc"):
 
 
 def _point(name: str, value: object) -> tuple[float, float]:
-    """`value` as x and y in m, or a `ParameterError`."""
+    """`value` as x and y in m."""
     xy = numbers(name, value)
     if xy.shape != (2,) or not (np.abs(xy) <= FARTHEST).all():
         raise ParameterError(name, value, f"two numbers x, y from {-FARTHEST:g} to {FARTHEST:g} m")

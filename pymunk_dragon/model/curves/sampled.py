@@ -1,72 +1,52 @@
-"""A smooth path through points that a user gives.
-
-The spline is cut into cells so short that arc length and curvature are accurate to the last digits.
-"""
+"""A smooth path through points: a spline, cut so short that arc length and curvature are right to the last digits."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
-from typing import Any, NamedTuple, Self
+from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
-from pymunk_dragon._arrays import Array, Complex, Indices, as_complex
+from pymunk_dragon._arrays import Array, ArrayRecord, Complex, Indices, as_complex, as_vectors, read_only
 from pymunk_dragon._checks import numbers
 from pymunk_dragon._extras import library
 from pymunk_dragon._files import number_rows
 from pymunk_dragon.errors import FileFormatError, ParameterError
 from pymunk_dragon.model.curves.base import FARTHEST, PackageCurve
 
-__all__ = ["Sampled"]
-
 # A cubic that is the same on both sides of the second and the last but one point needs two more.
-MIN_POINTS = 4
+_MIN_POINTS = 4
 # A point for every metre of a day's march, nearly; every point costs some kB and a millisecond for a hundred of them.
-MAX_POINTS = 50_000
+_MAX_POINTS = 50_000
 # m. Neighbouring points closer than this count as one point given twice, without a direction between them.
-MIN_CHORD = 1e-3
-# Coordinates evaluated together: their temporaries fit into a processor's cache.
-CHUNK = 1024
+_MIN_CHORD = 1e-3
 # Share of a cell: after so small a step of Newton's the next one would be below the last digit.
-STEP_TOLERANCE = 1e-9
+_STEP_TOLERANCE = 1e-9
 # Newton's method doubles the digits of a guess that is right to a hundredth; 3 are enough.
-MAX_PASSES = 8
-# Nodes of the Gauss-Legendre rule for arc lengths: eight are exact to degree 15.
-NODES = 8
+_MAX_PASSES = 8
 # Share of a cell's length. Halves that agree with the whole so well have 16 more bits than this, and rounding has none.
-LENGTH_TOLERANCE = 4e-15
+_LENGTH_TOLERANCE = 4e-15
 # Share of the parametric speed along the chords. A slower path is close to a cusp.
-MIN_SPEED = 0.01
+_MIN_SPEED = 0.01
 # Excess of the bound on a cell's curvature, as a share of the cell's curvature and of the path's largest one.
-LOOSE, LOOSE_OVERALL = 0.02, 0.001
+_LOOSE, _LOOSE_OVERALL = 0.02, 0.001
 # Parameters in a cell at which speed and curvature are sampled.
-SEEN = (0.0, 0.5, 1.0)
+_SEEN = (0.0, 0.5, 1.0)
 # Share of a bound that covers its rounding.
-ROUNDING = 1e-9
+_ROUNDING = 1e-9
 # Times that a cell is halved. A path that needs more has a cusp; others need fewer than ten.
-MAX_HALVINGS = 40
+_MAX_HALVINGS = 40
 # From the powers of a polynomial on [0, 1] to its Bernstein coefficients, between which all its values lie.
-BERNSTEIN_2 = np.array([[1, 0, 0], [1, 1 / 2, 0], [1, 1, 1]])
-BERNSTEIN_4 = np.array(
+_BERNSTEIN_2 = np.array([[1, 0, 0], [1, 1 / 2, 0], [1, 1, 1]])
+_BERNSTEIN_4 = np.array(
     [[1, 0, 0, 0, 0], [1, 1 / 4, 0, 0, 0], [1, 1 / 2, 1 / 6, 0, 0], [1, 3 / 4, 1 / 2, 1 / 4, 0], [1, 1, 1, 1, 1]]
 )
 
 
-class _Cells(NamedTuple):
-    """C cells: polynomials of w from 0 to 1 in the complex plane, lengths in m, bounds on the curvature in 1/m."""
-
-    # Coefficients (C, 4) of 1, w, w^2, w^3, m.
-    cubics: Complex
-    lengths: Array
-    curvatures: Array
-
-
 @dataclass(frozen=True, eq=False)
-class Sampled(PackageCurve, kind="sampled"):
+class Sampled(ArrayRecord, PackageCurve, kind="sampled"):
     """Smooth path through points: the cubic spline by chord length, whose curvature is continuous (not-a-knot ends).
 
     It begins at the first point and ends at the last one; the coordinate is the arc length from the first. Two paths
@@ -92,26 +72,23 @@ class Sampled(PackageCurve, kind="sampled"):
     begin_s = 0.0
 
     points: Array
-    _cells: _Cells = field(init=False, repr=False)
-    # Coordinates at which each cell begins and the last one ends, (C + 1,), m.
-    _edges: Array = field(init=False, repr=False)
-    # The bound on the curvature over 2^k cells from each on, one row for each k.
-    _curvatures: list[Array] = field(init=False, repr=False)
+    # C cells: coefficients (C, 4) of 1, w, w^2, w^3 for w from 0 to 1, m; bounds on the curvatures (C,), 1/m.
+    _cubics: Complex = field(init=False, repr=False, compare=False)
+    _curvatures: Array = field(init=False, repr=False, compare=False)
+    # Lengths of the cells, m, and coordinates at which they begin and the last one ends, (C + 1,), m.
+    _lengths: Array = field(init=False, repr=False, compare=False)
+    _edges: Array = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         points = _checked(self.points)
         path = as_complex(points)
-        lengths = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(path)))])
-        spline = library("scipy.interpolate").CubicSpline(lengths, path)
+        chords = np.abs(np.diff(path))
+        spline = library("scipy.interpolate").CubicSpline(np.append(0.0, np.cumsum(chords)), path)
         # SciPy gives the highest power first, and a piece's parameter in m.
-        cells = _cut((spline.c[::-1] * np.diff(lengths) ** np.arange(4)[:, None]).T, path)
-        edges = np.concatenate([[0.0], np.cumsum(cells.lengths)])
-        curvatures = [cells.curvatures]
-        while 2 ** len(curvatures) <= cells.curvatures.size:
-            half = 2 ** (len(curvatures) - 1)
-            curvatures.append(np.maximum(curvatures[-1][:-half], curvatures[-1][half:]))
-        for name, value in (("points", points), ("_cells", cells), ("_edges", edges), ("_curvatures", curvatures)):
-            object.__setattr__(self, name, value)
+        cubics, lengths, curvatures = _cut((spline.c[::-1] * chords ** np.arange(4)[:, None]).T, path)
+        edges = np.append(0.0, np.cumsum(lengths))
+        self._set(points=points, _cubics=cubics, _curvatures=curvatures, _lengths=lengths, _edges=edges)
+        self._set(end_s=float(edges[-1]))
 
     @classmethod
     def read(cls, path: str | Path) -> Self:
@@ -125,96 +102,68 @@ class Sampled(PackageCurve, kind="sampled"):
                 raise FileFormatError(path, f"line {lines[int(number) - 1]}: {error}") from error
             raise ParameterError("curve", str(path), error.bound) from error
 
-    def __eq__(self, other: object) -> bool:
-        if type(other) is not type(self):
-            return NotImplemented
-        return np.array_equal(self.points, other.points)
-
-    def __hash__(self) -> int:
-        return hash(self.points.tobytes())
-
-    @property
-    def end_s(self) -> float:
-        """Length, m."""
-        return float(self._edges[-1])
-
     def _frame(self, s: Array) -> tuple[Array, Array]:
-        both = self._evaluated(s, _frame).view(float).reshape(*s.shape, 2, 2)
-        return both[..., 0, :], both[..., 1, :]
+        cubics, w = self._located(s)
+        zero, one, two, three = cubics.T
+        velocity = _velocity(cubics, w)
+        points, tangents = zero + w * (one + w * (two + w * three)), velocity * (1 / np.abs(velocity))
+        return as_vectors(points).reshape(*s.shape, 2), as_vectors(tangents).reshape(*s.shape, 2)
 
     def _curvature(self, s: Array) -> Array:
-        return self._evaluated(s, _curvature)
+        return _curvature(*self._located(s)).reshape(s.shape)
 
     def _max_curvature(self, lower: Array, upper: Array) -> Array:
         last = self._cell(upper)
-        first = np.minimum(self._cell(lower), last)
-        # Two overlapping ranges of 2^k cells each cover all from the first to the last one.
-        rows = np.frexp(last - first + 1)[1] - 1
-        curvatures = np.zeros(lower.shape)
-        for k in np.unique(rows).tolist():
-            here = rows == k
-            curvatures[here] = np.maximum(self._curvatures[k][first[here]], self._curvatures[k][last[here] - 2**k + 1])
-        return curvatures
+        ends = np.stack([np.minimum(self._cell(lower), last), last + 1], axis=-1)
+        curvatures: Array = np.maximum.reduceat(np.append(self._curvatures, 0.0), ends.ravel())[::2]
+        return curvatures.reshape(lower.shape)
 
     def _cell(self, s: Array) -> Indices:
         """Cell of each coordinate."""
-        return np.clip(np.searchsorted(self._edges, s, side="right") - 1, 0, self._cells.lengths.size - 1)
+        return np.searchsorted(self._edges[1:-1], s, side="right")
 
-    def _evaluated(self, s: Array, what: Callable[[Complex, Array], NDArray[Any]]) -> NDArray[Any]:
-        """`what` (n, ...) of cubics (n, 4) at their w (n,), for coordinates of any shape."""
-        flat = s.ravel()
-        parts = []
-        for start in range(0, max(flat.size, 1), CHUNK):
-            chunk = flat[start : start + CHUNK]
-            cell = self._cell(chunk)
-            cubics = self._cells.cubics[cell]
-            parts.append(what(cubics, _solved(cubics, chunk - self._edges[cell], self._cells.lengths[cell])))
-        values = np.concatenate(parts)
-        return values.reshape(s.shape + values.shape[1:])
+    def _located(self, s: Array) -> tuple[Complex, Array]:
+        """Cubics (n, 4) and their w (n,) for coordinates of any shape."""
+        cell, s = self._cell(s.ravel()), s.ravel()
+        cubics = self._cubics[cell]
+        return cubics, _solved(cubics, s - self._edges[cell], self._lengths[cell])
 
 
 def _checked(points: object) -> Array:
     """A read-only copy of `points` (N, 2), if a path can go through them."""
     array: Array = numbers("points", points).copy()
-    if array.ndim != 2 or array.shape[1] != 2 or not MIN_POINTS <= len(array) <= MAX_POINTS:
-        raise ParameterError("points", points, f"{MIN_POINTS} to {MAX_POINTS} points, each x and y in m")
-    far = ~(np.abs(array).max(axis=1) <= FARTHEST)
-    close = np.append(False, np.abs(np.diff(as_complex(np.where(far[:, None], 0, array)))) < MIN_CHORD)
-    bounds = (
-        f"at most {FARTHEST:g} m from the origin along either axis",
-        f"at least {MIN_CHORD:g} m from the one before",
-    )
-    for bad, bound in zip((far, close), bounds, strict=True):
-        for i in np.flatnonzero(bad)[:1].tolist():
-            raise ParameterError(f"point {i + 1}", array[i].tolist(), bound)
-    array.flags.writeable = False
-    return array
+    if array.ndim != 2 or array.shape[1] != 2 or not _MIN_POINTS <= len(array) <= _MAX_POINTS:
+        raise ParameterError("points", points, f"{_MIN_POINTS} to {_MAX_POINTS} points, each x and y in m")
+    for i in np.flatnonzero(~(np.abs(array).max(axis=1) <= FARTHEST))[:1].tolist():
+        bound = f"at most {FARTHEST:g} m from the origin along either axis"
+        raise ParameterError(f"point {i + 1}", array[i].tolist(), bound)
+    for i in np.flatnonzero(np.abs(np.diff(as_complex(array))) < _MIN_CHORD)[:1].tolist():
+        raise ParameterError(f"point {i + 2}", array[i + 1].tolist(), f"at least {_MIN_CHORD:g} m from the one before")
+    return read_only(array)
 
 
-def _cut(cubics: Complex, path: Complex) -> _Cells:
-    """Cells of a path, from the cubics (n, 4) between the points (n + 1,) that it goes through."""
+def _cut(cubics: Complex, path: Complex) -> tuple[Complex, Array, Array]:
+    """Cubics, lengths and curvatures of the cells of a path, from those (n, 4) between its points (n + 1,)."""
     chords = np.abs(np.diff(path))
     sources = np.arange(chords.size)
-    for _ in range(MAX_HALVINGS):
+    for _ in range(_MAX_HALVINGS):
         slowest, curvatures = _bounds(cubics)
-        too_slow = np.min([_speed(cubics, w) for w in SEEN], axis=0) < MIN_SPEED * chords
+        too_slow = np.min([_speed(cubics, w) for w in _SEEN], axis=0) < _MIN_SPEED * chords
         if too_slow.any():
             break
-        seen = np.max([np.abs(_curvature(cubics, w)) for w in SEEN], axis=0)
+        seen = np.max([np.abs(_curvature(cubics, w)) for w in _SEEN], axis=0)
         lengths, halves = _travelled(cubics, 1.0), _halved(cubics)
         by_halves = _travelled(halves, 1.0).reshape(-1, 2).sum(axis=1)
-        too_slow = slowest < MIN_SPEED * chords
-        coarse = too_slow | (np.abs(by_halves - lengths) > LENGTH_TOLERANCE * lengths)
+        too_slow = slowest < _MIN_SPEED * chords
+        coarse = too_slow | (np.abs(by_halves - lengths) > _LENGTH_TOLERANCE * lengths)
         # Written so that nan fails.
-        coarse |= ~(curvatures <= (1 + LOOSE) * seen + LOOSE_OVERALL * seen.max())
+        coarse |= ~(curvatures <= (1 + _LOOSE) * seen + _LOOSE_OVERALL * seen.max())
         if not coarse.any():
-            return _Cells(cubics, lengths, curvatures * (1 + ROUNDING))
-        # A cell that is cut makes room for two.
-        places = np.cumsum(1 + coarse) - 1
-        cubics = np.repeat(cubics, 1 + coarse, axis=0)
-        cubics[places[coarse] - 1], cubics[places[coarse]] = halves[0::2][coarse], halves[1::2][coarse]
-        chords = np.repeat(np.where(coarse, chords / 2, chords), 1 + coarse)
-        sources = np.repeat(sources, 1 + coarse)
+            return cubics, lengths, curvatures * (1 + _ROUNDING)
+        cut = np.flatnonzero(coarse)
+        cubics[cut], chords[cut] = halves[1::2][cut], chords[cut] / 2
+        cubics = np.insert(cubics, cut, halves[0::2][cut], axis=0)
+        chords, sources = np.insert(chords, cut, chords[cut]), np.insert(sources, cut, sources[cut])
     i = int(sources[np.argmax(too_slow)])
     bound = f"followed by a smooth path; from it to point {i + 2} the path nearly stops, as at a cusp"
     raise ParameterError(f"point {i + 1}", [float(path[i].real), float(path[i].imag)], bound)
@@ -227,10 +176,10 @@ def _bounds(cubics: Complex) -> tuple[Array, Array]:
     a, b, c = one.conj() * two, one.conj() * three, two.conj() * three
     ones, twos, threes = (np.square(np.abs(each)) for each in (one, two, three))
     squares = np.stack([ones, 2 * a.real, twos + 2 * b.real, 2 * c.real, threes])
-    slowest = np.sqrt(np.maximum((BERNSTEIN_4 @ squares).min(axis=0), 0.0))
+    slowest = np.sqrt(np.maximum((_BERNSTEIN_4 @ squares).min(axis=0), 0.0))
     turning = np.stack([a.imag, 2 * b.imag, c.imag])
     with np.errstate(divide="ignore", invalid="ignore"):
-        return slowest, np.abs(BERNSTEIN_2 @ turning).max(axis=0) / slowest**3
+        return slowest, np.abs(_BERNSTEIN_2 @ turning).max(axis=0) / slowest**3
 
 
 def _halved(cubics: Complex) -> Complex:
@@ -247,18 +196,18 @@ def _solved(cubics: Complex, s: Array, lengths: Array) -> Array:
     # The initial guess is the cubic with the correct values and slopes at both ends.
     first, last = lengths / _speed(cubics, 0.0), lengths / _speed(cubics, 1.0)
     w = share * (first + share * (3 - 2 * first - last + share * (first + last - 2)))
-    for _ in range(MAX_PASSES):
+    for _ in range(_MAX_PASSES):
         step = (_travelled(cubics, w) - s) / _speed(cubics, w)
         w = np.clip(w - step, 0.0, 1.0)
-        if not np.any(np.abs(step) > STEP_TOLERANCE):
+        if not np.any(np.abs(step) > _STEP_TOLERANCE):
             break
     return w
 
 
 @cache
 def _gauss() -> tuple[Array, Array]:
-    """Nodes and weights of the Gauss-Legendre rule on [0, 1]."""
-    nodes, weights = np.polynomial.legendre.leggauss(NODES)
+    """Eight nodes and weights of the Gauss-Legendre rule on [0, 1], which is exact to degree 15."""
+    nodes, weights = np.polynomial.legendre.leggauss(8)
     return (nodes[:, None] + 1) / 2, weights[:, None] / 2
 
 
@@ -280,13 +229,6 @@ def _velocity(cubics: Complex, w: Array | float) -> Complex:
     _, one, two, three = cubics.T
     velocity: Complex = one + w * (2 * two + w * (3 * three))
     return velocity
-
-
-def _frame(cubics: Complex, w: Array) -> Complex:
-    """Points and unit tangents (n, 2) of cubics (n, 4) at w (n,)."""
-    zero, one, two, three = cubics.T
-    velocity = _velocity(cubics, w)
-    return np.stack([zero + w * (one + w * (two + w * three)), velocity * (1 / np.abs(velocity))], axis=1)
 
 
 def _curvature(cubics: Complex, w: Array | float) -> Array:

@@ -13,22 +13,20 @@ from pymunk_dragon._checks import finite, numbers, positive
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.curves.base import PackageCurve
 
-__all__ = ["Spiral"]
-
 # m. No bench fits into a narrower turn.
-MIN_PITCH = 0.001
+_MIN_PITCH = 0.001
 # m. No dance floor has a wider turn. Both bounds also keep squares of lengths far from the ends of a double.
 MAX_PITCH = 1000.0
 # rad.
-TURN = 2 * np.pi
+_TURN = 2 * np.pi
 # A thousand turns of the contest's pitch are a dance floor of a kilometre; more is taken for a typing error.
 MAX_TURNS = 1000.0
 # Passes of Halley's method: it needs 2.
-MAX_PASSES = 20
+_MAX_PASSES = 20
 # Share of an angle: after such a step of Halley's method, which trebles the digits, the next is below the last one.
-HALLEY_TOLERANCE = 5e-6
+_HALLEY_TOLERANCE = 5e-6
 # Twice the arc length over k from which the angle is estimated by its asymptotic form; it is right to 2 % there.
-FAR_OUT = 8.0
+_FAR_OUT = 8.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -64,36 +62,18 @@ class Spiral(PackageCurve, kind="spiral"):
     outward: bool = False
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "pitch", finite("pitch", self.pitch, MIN_PITCH, MAX_PITCH, "m"))
-        object.__setattr__(self, "rotation", finite("rotation", self.rotation, -1000.0, 1000.0, "rad"))
+        pitch = finite("pitch", self.pitch, _MIN_PITCH, MAX_PITCH, "m")
+        self._set(pitch=pitch, rotation=finite("rotation", self.rotation, -1000.0, 1000.0, "rad"))
         for name in ("mirrored", "outward"):
             if not isinstance(getattr(self, name), bool):
                 raise ParameterError(name, getattr(self, name), "True or False")
+        begin_s, end_s = (0.0, np.inf) if self.outward else (-np.inf, 0.0)
+        self._set(begin_s=begin_s, end_s=end_s, turn_width=pitch, inward=not self.outward)
 
     @property
     def k(self) -> float:
         """Metres of radius per radian (eq. 2)."""
-        return self.pitch / TURN
-
-    @property
-    def begin_s(self) -> float:
-        """The centre, 0 m, of an outward spiral; -inf for an inward one."""
-        return 0.0 if self.outward else -np.inf
-
-    @property
-    def end_s(self) -> float:
-        """The centre, 0 m, of an inward spiral; inf for an outward one."""
-        return np.inf if self.outward else 0.0
-
-    @property
-    def turn_width(self) -> float:
-        """The pitch, m."""
-        return self.pitch
-
-    @property
-    def inward(self) -> bool:
-        """Whether the spiral is travelled inward."""
-        return not self.outward
+        return self.pitch / _TURN
 
     @property
     def _sign(self) -> int:
@@ -102,15 +82,18 @@ class Spiral(PackageCurve, kind="spiral"):
 
     def turns(self, s: float) -> float:
         """Number of turns from the centre at the coordinate `s` m."""
-        return float(self.angle(finite("s", s, -np.inf, np.inf, "m"))) / TURN
+        return float(self.angle(finite("s", s, -np.inf, np.inf, "m"))) / _TURN
 
     def at_turn(self, turns: float) -> float:
         """Coordinate `turns` turns from the centre, m; `turns` is above 0 and at most 1000."""
-        return self._at_angle(TURN * positive("turns", turns, MAX_TURNS, ""))
+        return self._at_angle(_TURN * positive("turns", turns, MAX_TURNS, ""))
 
     def at_radius(self, radius: float) -> float:
         """Coordinate at the distance `radius` m from the centre, m; `radius` is at most 1000 pitches."""
         return self._at_angle(positive("radius", radius, MAX_TURNS * self.pitch, "m") / self.k)
+
+    def _at_angle(self, theta: float) -> float:
+        return float(self._coordinate(np.array(self._sign * theta)))
 
     def angle(self, s: ArrayLike) -> Array:
         """Polar angle theta in rad, counted from the centre along the winding (eq. 6); nan beyond the centre."""
@@ -118,26 +101,23 @@ class Spiral(PackageCurve, kind="spiral"):
         # Twice the arc length over k: theta sqrt(theta^2 + 1) + arcsinh theta (eq. 3-5).
         target = np.maximum(length, 0.0) * (2 / self.k)
         # The asymptotic form theta^2 = target - log(4 theta^2) / 2 - 1 / 2 - ..., or the tangent at the centre.
-        far = np.maximum(target, FAR_OUT)
+        far = np.maximum(target, _FAR_OUT)
         square = far - 0.5 - np.log(4 * far - 2 * np.log(4 * far) - 2) / 2
-        theta = np.where(target > FAR_OUT, np.sqrt(square), target / 2)
-        for _ in range(MAX_PASSES):
+        theta = np.where(target > _FAR_OUT, np.sqrt(square), target / 2)
+        for _ in range(_MAX_PASSES):
             rise = _rise(theta)
             newton = (theta + (np.log(theta + rise) - target) / rise) / 2
             # Halley's method; the derivative of `rise` is theta / rise.
             step = newton / (1 - theta * newton / (2 * rise**2))
             theta = np.maximum(theta - step, 0.0)
-            if np.all(np.abs(step) <= HALLEY_TOLERANCE * theta + 1e-10):
+            if np.all(np.abs(step) <= _HALLEY_TOLERANCE * theta + 1e-10):
                 break
         return np.where(length >= 0, theta, np.nan).reshape(np.shape(s))
 
     def _frame(self, s: Array) -> tuple[Array, Array]:
-        """Eq. 7, 8 and 11."""
-        theta = self.angle(s)
-        direction, ahead = _unit_vector(theta / 2), np.empty(theta.shape, dtype=complex)
-        ahead.real = self._sign / _rise(theta)
-        ahead.imag = theta * ahead.real
-        return as_vectors(self._placed(self.k * theta * direction)), as_vectors(self._placed(ahead * direction))
+        points, derivatives = self._motion(self._parameter(s))
+        derivatives *= 1 / np.abs(derivatives)
+        return as_vectors(points), as_vectors(derivatives)
 
     def _curvature(self, s: Array) -> Array:
         """The paper's spiral curves to the right."""
@@ -149,25 +129,21 @@ class Spiral(PackageCurve, kind="spiral"):
         return np.abs(self._curvature(lower if self.outward else upper))
 
     def foot(self, points: ArrayLike, near: ArrayLike) -> tuple[Array, Array, Array]:
-        """Feet of `points` (..., 2) on the turns nearest to the coordinates `near`: coordinates, points, tangents.
+        """As on any curve, but at the polar angles of `points`: a division replaces four sines.
 
-        The foot is at the polar angle of the point, so one division replaces four sines. Guides call this at every
-        substep, and most of its time is NumPy's for each call: so there are few of them, in place.
+        Guides call this at every substep, and most of its time is NumPy's for each call: so there are few, in place.
         """
         z = self._unplaced(as_complex(numbers("points", points, 2)))
         theta = np.arctan2(z.imag, z.real)
         # The angle at `near` to a few hundredths, except on the innermost turn: enough to identify the turn.
         turns = np.sqrt(2 / self.k * np.abs(numbers("near", near)))
         turns -= theta
-        turns *= 1 / TURN
-        theta = theta + TURN * np.rint(turns)
+        turns *= 1 / _TURN
+        theta = theta + _TURN * np.rint(turns)
         rise = _rise(theta)
-        # The arc length of eq. 3-5; a logarithm costs less than its arcsinh.
-        coordinate = np.log(theta + rise)
-        coordinate += theta * rise
-        coordinate *= self._sign * self.k / 2
+        coordinate = self._arc_length(theta, rise)
         radius = np.abs(z)
-        # As in `_frame`, from a vector of length `radius`.
+        # The tangent on the way out is z (1 + i theta) / (radius rise).
         rise *= radius
         ahead = np.empty(theta.shape, dtype=complex)
         np.divide(self._sign, rise, out=ahead.real)
@@ -182,9 +158,11 @@ class Spiral(PackageCurve, kind="spiral"):
         return self._sign * self.angle(s)
 
     def _coordinate(self, parameter: Array) -> Array:
-        """Arc length from the centre by the closed form of eq. 3-5; a logarithm costs less than its arcsinh."""
         theta = self._sign * parameter
-        rise = _rise(theta)
+        return self._arc_length(theta, _rise(theta))
+
+    def _arc_length(self, theta: Array, rise: Array) -> Array:
+        """Coordinate of a polar angle, m: the closed form of eq. 3-5. A logarithm costs less than its arcsinh."""
         coordinate = np.log(theta + rise)
         coordinate += theta * rise
         coordinate *= self._sign * self.k / 2
@@ -215,7 +193,7 @@ class Spiral(PackageCurve, kind="spiral"):
         return estimate
 
     def _motion(self, parameter: Array) -> tuple[Complex, Complex]:
-        """Positions and their derivatives by the parameter, each (...), as complex numbers."""
+        """Eq. 7, 8 and 11."""
         derivatives = _unit_vector(parameter * (self._sign / 2))
         derivatives *= self._sign * self.k
         points = parameter * derivatives
@@ -229,14 +207,10 @@ class Spiral(PackageCurve, kind="spiral"):
         back = parameters[:-1] - parameters[1:]
         return np.asarray(((back > 0) & (back < np.pi)).all(axis=0))
 
-    def _behind(self, parameter: Array, chord: float) -> Array:
+    def _behind(self, s: Array, chord: float) -> Array:
         """As on any curve, but nan past a turn on an inward spiral: no motion of the chain leads further."""
-        found = super()._behind(parameter, chord)
-        return found if self.outward else np.where(parameter - found <= TURN, found, np.nan)
-
-    def _at_angle(self, theta: float) -> float:
-        """Coordinate of a polar angle, m: the closed form of eq. 3-5."""
-        return self._sign * self.k / 2 * float(theta * np.hypot(theta, 1) + np.arcsinh(theta))
+        found = super()._behind(s, chord)
+        return np.where(self.angle(found) - self.angle(s) > _TURN, np.nan, found)
 
     def _placed(self, vectors: Complex) -> Complex:
         """Vectors (...) of the plane, from those of a spiral that is neither mirrored nor turned."""

@@ -15,14 +15,10 @@ from pymunk_dragon.model.curves.composite import Composite, Section
 from pymunk_dragon.model.curves.line_and_arc import Arc
 from pymunk_dragon.model.curves.spiral import Spiral
 
-__all__ = ["UTurn"]
-
-# m. Smaller circles are too narrow for benches.
-MIN_RADIUS = 0.1
-# m. On larger circles, coordinates on the spiral lose digits.
-MAX_RADIUS = 100.0
+# m. Smaller circles are too narrow for benches; on larger ones, coordinates on the spiral lose digits.
+_MIN_RADIUS, _MAX_RADIUS = 0.1, 100.0
 # A turn on arcs more different than this is one on a single arc.
-MAX_RATIO = 50.0
+_MAX_RATIO = 50.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,8 +26,8 @@ class UTurn(Composite, kind="u-turn"):
     """In on a spiral, round inside a circle on two arcs that touch, and out on the spiral turned by 180 degrees.
 
     The coordinate is 0 at the entry to the circle. Entry and exit are opposite to each other with equal tangents, so
-    both arcs have the same angle: twice that between the entry's direction and the straight line to the
-    exit. With that the sum of the radii is fixed, and the length of the turn as well, whatever their ratio.
+    both arcs turn by twice the angle between the entry's direction and the straight line to the exit. That fixes the
+    sum of the radii, and the length of the turn, whatever the ratio.
 
     Parameters
     ----------
@@ -41,6 +37,12 @@ class UTurn(Composite, kind="u-turn"):
         Radius of the circle about the origin, m, from 0.1 to 100 and at most 1000 pitches.
     ratio : float
         Radius of the first arc over that of the second, from 0.02 to 50.
+
+    Attributes
+    ----------
+    length, radii, sweeps, centres, tangent_points
+        Length of both arcs, m; for each, radius, m, angle, rad, and centre (2,), m; and (3, 2), m, entry, the point
+        between the arcs, and exit.
 
     Examples
     --------
@@ -58,70 +60,32 @@ class UTurn(Composite, kind="u-turn"):
     pitch: float = 1.7
     radius: float = 4.5
     ratio: float = 2.0
+    length: float = field(init=False, repr=False, compare=False)
+    sweeps: Array = field(init=False, repr=False, compare=False)
+    radii: Array = field(init=False, repr=False, compare=False)
+    tangent_points: Array = field(init=False, repr=False, compare=False)
+    centres: Array = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        inward = Spiral(pitch=self.pitch)
-        object.__setattr__(self, "pitch", inward.pitch)
-        object.__setattr__(self, "radius", finite("radius", self.radius, MIN_RADIUS, MAX_RADIUS, "m"))
-        object.__setattr__(self, "ratio", finite("ratio", self.ratio, 1 / MAX_RATIO, MAX_RATIO, ""))
-        s, outward = inward.at_radius(self.radius), Spiral(pitch=self.pitch, rotation=math.pi, outward=True)
-        begins = self._heading + math.pi / 2, self._heading + self.sweeps[0] - math.pi / 2
+        inward, radius = Spiral(pitch=self.pitch), finite("radius", self.radius, _MIN_RADIUS, _MAX_RADIUS, "m")
+        ratio = finite("ratio", self.ratio, 1 / _MAX_RATIO, _MAX_RATIO, "")
+        s, outward = inward.at_radius(radius), Spiral(pitch=self.pitch, rotation=math.pi, outward=True)
+        # The polar angle of the entry; the angle between the path there and the straight line to the exit.
+        angle = 2 * math.pi * radius / inward.pitch
+        aside = math.atan(angle)
+        heading = angle - math.pi + aside
+        sweeps = np.array([-2 * aside, 2 * aside])
+        # Each arc's chord is twice its radius times the sine of half its angle; together they are the diameter.
+        radii = radius / math.sin(aside) / (1 + ratio) * np.array([ratio, 1.0])
+        points = np.outer([1.0, (1 - ratio) / (1 + ratio), -1.0], radius * np.array([math.cos(angle), math.sin(angle)]))
+        centres = points[[0, 2]] + np.outer(radii * [-1, 1], [-math.sin(heading), math.cos(heading)])
+        begins = heading + math.pi / 2, heading - 2 * aside - math.pi / 2
         arcs = (
             Arc(centre=centre, radius=radius, begin_angle=begin, sweep=sweep)
-            for centre, radius, begin, sweep in zip(self.centres, self.radii, begins, self.sweeps, strict=True)
+            for centre, radius, begin, sweep in zip(centres, radii, begins, sweeps, strict=True)
         )
-        object.__setattr__(self, "pieces", (Section(inward, -math.inf, s), *arcs, Section(outward, -s, math.inf)))
+        self._set(pieces=(Section(inward, -math.inf, s), *arcs, Section(outward, -s, math.inf)))
         super().__post_init__()
-
-    @property
-    def turn_width(self) -> float:
-        """The pitch, m."""
-        return self.pitch
-
-    @property
-    def circles(self) -> tuple[tuple[float, float, float], ...]:
-        """The circle inside which the turn is made: x and y of the centre, and radius, m."""
-        return ((0.0, 0.0, self.radius),)
-
-    @property
-    def radii(self) -> Array:
-        """Radii of the arcs, (2,), m."""
-        # Each arc's chord is twice its radius times the sine of half its angle; together they are the diameter.
-        return self.radius / math.sin(self._aside) / (1 + self.ratio) * np.array([self.ratio, 1.0])
-
-    @property
-    def centres(self) -> Array:
-        """Centres of the arcs, (2, 2), m: the first on the right of the path, the second on its left."""
-        left = np.array([-math.sin(self._heading), math.cos(self._heading)])
-        return self.tangent_points[[0, 2]] + np.outer(self.radii * [-1, 1], left)
-
-    @property
-    def sweeps(self) -> Array:
-        """Angles that the arcs turn by, (2,), rad."""
-        return np.array([-2 * self._aside, 2 * self._aside])
-
-    @property
-    def tangent_points(self) -> Array:
-        """Entry, the point between the arcs, and exit, (3, 2), m."""
-        entry = self.radius * np.array([math.cos(self._angle), math.sin(self._angle)])
-        return np.outer([1.0, (1 - self.ratio) / (1 + self.ratio), -1.0], entry)
-
-    @property
-    def length(self) -> float:
-        """Length of both arcs, m."""
-        return 2 * self._aside * self.radius / math.sin(self._aside)
-
-    @property
-    def _angle(self) -> float:
-        """Polar angle of the entry, rad."""
-        return 2 * math.pi * self.radius / self.pitch
-
-    @property
-    def _aside(self) -> float:
-        """Angle between the direction at the entry and the straight line to the exit, rad."""
-        return math.atan(self._angle)
-
-    @property
-    def _heading(self) -> float:
-        """Direction of travel at the entry and at the exit, rad."""
-        return self._angle - math.pi + self._aside
+        self._set(pitch=inward.pitch, radius=radius, ratio=ratio, length=2 * aside * radius / math.sin(aside))
+        self._set(sweeps=sweeps, radii=radii, tangent_points=points, centres=centres)
+        self._set(turn_width=inward.pitch, circles=((0.0, 0.0, radius),))
