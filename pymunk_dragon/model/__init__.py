@@ -8,24 +8,15 @@ $ pymunk-dragon positions --times 0,60,120 --handles 0,1,51,223
 $ pymunk-dragon positions --paper
 ```
 
-The second command prints tables 1 to 3 of the paper, all 147 entries, cut after three decimals as the paper cuts
-them; the tests compare them with the paper's.
+The second command prints tables 1 to 3 of the paper, all 147 entries, cut after three decimals as the paper cuts them.
 
-## The equations
+Each handle is on the curve behind the handle before it, at the distance of the two holes of a bench. The docstring of
+`model/chain.py` has the equations, which Newton's method solves for all handles at once. Of several points at that
+distance, the right one is where continuous motion along the curve leads to, also where a long head bench pushes the
+next handle back: `model/continuation.py` has the conditions under which it is unique.
 
-Each handle is on the curve behind the handle before it, at the distance of the two holes of a bench. The two ends of
-a rigid bench have the same velocity component along the bench, which gives the velocity of each handle from the one
-before it. The docstring of `model/chain.py` has the equations and their derivatives. Newton's method solves the
-equations of all handles at once: the system is bidiagonal, and three to six iterations suffice.
-
-Several points of the curve have the right distance. The one that is meant is the one that continuous motion along the
-curve leads to, also where a long head bench pushes the next handle back. The docstring of `model/continuation.py` has
-the conditions under which the solution is unique.
-
-## Measurements
-
-Medians from one run of `python tests/bench/bench_speed.py` on two cores. The plain recursion goes from handle to
-handle, vectorised over the times, as one would write it with NumPy:
+Medians from one run of `python tests/bench/bench_speed.py` on two cores, where the plain recursion goes from handle to
+handle, vectorised over the times:
 
 | 301 times x 224 handles, positions and velocities | ms | share |
 | --- | --- | --- |

@@ -21,31 +21,30 @@ from numpy.typing import ArrayLike, NDArray
 
 from pymunk_dragon._arrays import Array, Complex, Flags, as_complex
 
-# Newton's method needs 3 or 4 passes, and bisection, its fallback within a bracket, 53.
-MAX_PASSES = 80
-# Newton's method for whole chains needs 3 to 6 passes, the last one to check the result.
-WHOLE_PASSES = 8
+# Passes of Newton's method, which needs 3 or 4, and of bisection, its fallback within a bracket, which needs 53.
+_MAX_PASSES = 80
+# The same for whole chains, which need 3 to 6, the last one to check the result.
+_WHOLE_PASSES = 8
 # Error of a distance, as a share of the shortest spacing, whose square, the error after the next step, is negligible.
-WHOLE_ERROR = 3e-7
+_WHOLE_ERROR = 3e-7
 # The same up to which the derivatives of one pass serve the next one too.
-SAME_DERIVATIVES = 1e-3
-# Error of the distance between neighbouring handles up to which a whole chain is accepted, in last digits of the
-# largest coordinate.
-WHOLE_RESIDUAL = 64
+_SAME_DERIVATIVES = 1e-3
+# The same at which a whole chain is accepted, in last digits of the largest coordinate.
+_WHOLE_RESIDUAL = 64
 # m by which two computed coordinates of one handle may differ.
-SAME_HANDLE = 1e-9
+_SAME_HANDLE = 1e-9
 # Handles of whole chains that are computed together: their temporaries stay in a processor's second cache.
-WHOLE_HANDLES = 14_000
+_WHOLE_HANDLES = 14_000
 # Doubles from which on NumPy takes large pages, which come up to a hundred times as fast.
-LARGE_PAGES = 1 << 19
+_LARGE_PAGES = 1 << 19
 # Share of a chord: after a Newton step as small as this, the next one is below the last digit.
-STEP_TOLERANCE = 1e-10
+_STEP_TOLERANCE = 1e-10
 # Share of a chord. Shorter steps mean that the straight distance has its maximum.
-SMALLEST_STEP = 1e-9
+_SMALLEST_STEP = 1e-9
 # Steps after which the search on a strongly curved path ends without a result.
-MAX_STEPS = 1_000
+_MAX_STEPS = 1_000
 # Chords over which the largest curvature ahead is taken when the growth of a distance is followed.
-LOOKAHEAD = 0.25
+_LOOKAHEAD = 0.25
 
 
 class Path(Protocol):
@@ -81,10 +80,7 @@ def angles(points: Array, tangents: Array, spacings: Array) -> tuple[Complex, Co
 
 
 def velocity_ratios(front: Array, rear: Array) -> Array:
-    """Velocities (..., N + 1) of all handles along the path, in units of the first one's, from cos alpha and cos beta.
-
-    They are negative for a handle that a jackknifed bench pushes back.
-    """
+    """Velocities (..., N + 1) along the path in units of the first handle's, from cos alpha and cos beta (..., N)."""
     ratios = np.ones((*front.shape[:-1], front.shape[-1] + 1))
     np.cumprod(front / rear, axis=-1, out=ratios[..., 1:])
     return ratios
@@ -99,10 +95,10 @@ def angular_rates(front: Complex, rear: Complex, spacings: Array) -> Array:
 def rate_bounds(
     sines: tuple[Array, Array], ratio: Array, cosine: Array, curvature: Array, spacing: Array
 ) -> RateBounds:
-    """Bounds by the equations of this module with the worst signs, each (...).
+    """Bounds (...) by the equations of this module with the worst signs.
 
-    They follow from upper bounds on |sin alpha| and |sin beta| (`sines`), on |rho| and on the absolute curvature at
-    both handles, and from a lower bound on cos beta (`cosine`).
+    `sines` are upper bounds on |sin alpha| and |sin beta|, `ratio` and `curvature` on |rho| and the absolute curvature
+    at both handles, and `cosine` is a lower bound on cos beta.
     """
     front, rear = sines
     omega = (front + ratio * rear) / spacing
@@ -112,10 +108,9 @@ def rate_bounds(
 
 
 class ChainMotion(NamedTuple):
-    """Chains of H handles with T positions of the head, and their motion: arrays (T, H).
+    """Arrays (T, H) of coordinates, complex points and unit tangents, and velocities in units of the head's.
 
-    Coordinates are nan for a handle that has none, and for all behind it. Points and the path's unit tangents are
-    complex. Ratios are velocities along the path, in units of the head's.
+    They are nan for a handle that has no coordinate, and for all behind it.
     """
 
     handles_s: Array
@@ -145,12 +140,12 @@ def whole_chains(path: Path, heads: Array, spacings: Array) -> tuple[ChainMotion
     closed form, x = R cumsum(F / (B R)). They are also the velocity ratios of the chain in this parameter.
 
     A chain is accepted where all distances are the spacings to rounding, and each handle is the nearest one back along
-    the path. Apart from rounding, the result for a head does not depend on the other heads.
+    the path.
     """
     handles = spacings.size + 1
     found = _empty(heads.size, handles)
     settled, parameters = np.empty(heads.size, dtype=bool), path._parameter(heads)
-    rows = max(1, WHOLE_HANDLES // handles)
+    rows = max(1, _WHOLE_HANDLES // handles)
     with np.errstate(all="ignore"):
         for begin in range(0, heads.size, rows):
             block = slice(begin, begin + rows)
@@ -162,7 +157,7 @@ def whole_chains(path: Path, heads: Array, spacings: Array) -> tuple[ChainMotion
 def _empty(chains: int, handles: int) -> ChainMotion:
     """Arrays (chains, handles) of any contents."""
     size = chains * handles
-    memory = np.empty(6 * size if size < WHOLE_HANDLES else max(6 * size, LARGE_PAGES))
+    memory = np.empty(6 * size if size < _WHOLE_HANDLES else max(6 * size, _LARGE_PAGES))
     handles_s, points, tangents, ratios = np.split(memory[: 6 * size], [size, 3 * size, 5 * size])
     found = ChainMotion(handles_s, points.view(complex), tangents.view(complex), ratios)
     return found.each(lambda part: part.reshape(chains, handles))
@@ -174,7 +169,7 @@ def _solve_block(path: Path, heads: Array, parameters: Array, spacings: Array, i
     squares, inverse = lengths**2, 0.5 / lengths
     parameters = path._estimate(heads, parameters, lengths)
     settled, known = np.zeros(heads.shape, dtype=bool), np.full(heads.shape, np.nan)
-    for _ in range(WHOLE_PASSES):
+    for _ in range(_WHOLE_PASSES):
         points, derivatives = path._motion(parameters)
         benches = points[:-1] - points[1:]
         np.conjugate(benches, out=benches)
@@ -186,7 +181,7 @@ def _solve_block(path: Path, heads: Array, parameters: Array, spacings: Array, i
         error = np.abs(error, out=error).max(axis=0, initial=0)
         if settled.all():
             break
-        if not (known <= SAME_DERIVATIVES * shortest).all():
+        if not (known <= _SAME_DERIVATIVES * shortest).all():
             ratios, behind = _ratios(benches, derivatives)
             behind *= ratios[1:]
             weights, known = 0.5 / behind, error
@@ -196,13 +191,13 @@ def _solve_block(path: Path, heads: Array, parameters: Array, spacings: Array, i
         if settled.any():
             step[:, settled] = 0
         parameters[1:] += step
-        settled |= error * known <= (WHOLE_ERROR * shortest) ** 2
+        settled |= error * known <= (_WHOLE_ERROR * shortest) ** 2
     into.handles_s[:] = path._coordinate(parameters)
     # The inverse of `_parameter` rounds; the heads keep their coordinates.
     into.handles_s[0] = heads
     largest = np.maximum(np.abs(into.handles_s[[0, -1]]).max(axis=0), np.abs(points[0]) + spacings.sum())
     # Written so that nan fails.
-    settled &= error <= WHOLE_RESIDUAL * np.spacing(largest)
+    settled &= error <= _WHOLE_RESIDUAL * np.spacing(largest)
     if settled.all():
         settled = path._nearest(parameters, into.handles_s, spacings)
     else:
@@ -239,8 +234,8 @@ def rear_handle(path: Path, s: Array, chord: float) -> Array:
 def nearest(path: Path, handles_s: Array, spacings: Array) -> Flags:
     """Whether each rear handle of chains (H, T) at these distances is the one that `rear_handle` finds; (T,)."""
     fronts, rears, reach = handles_s[:-1], handles_s[1:], np.pi / 2 * spacings[:, None]
-    # Where the path is gentle as in `gentle_offsets`, it is the only one within reach. First with one bound on the
-    # curvature for the whole chain, then with one for each bench.
+    # Where the path is gentle as in `gentle_offsets`, it is the only one within reach: with one bound on the curvature
+    # for the whole chain, or with one for each bench.
     found = (fronts > rears) & (fronts - rears <= reach)
     curvature = path.max_curvature((fronts - reach).min(axis=0, initial=np.inf), handles_s[0])
     chains = np.flatnonzero(~(curvature * spacings.max(initial=0) < 2))
@@ -250,7 +245,7 @@ def nearest(path: Path, handles_s: Array, spacings: Array) -> Flags:
         sharp[:, chains] = ~(path.max_curvature(some - reach, some) * spacings[:, None] < 2)
     for spacing in np.unique(spacings).tolist() if sharp.any() else []:
         chosen = np.nonzero(sharp & (spacings[:, None] == spacing))
-        found[chosen] = np.abs(rear_handle(path, fronts[chosen], spacing) - rears[chosen]) <= SAME_HANDLE
+        found[chosen] = np.abs(rear_handle(path, fronts[chosen], spacing) - rears[chosen]) <= _SAME_HANDLE
     return np.asarray(found.all(axis=0))
 
 
@@ -260,10 +255,10 @@ def gentle_offsets(path: Path, s: Array, chord: float) -> tuple[Array, Array, Fl
     Where the path is no more curved than a circle with the chord as its diameter, the straight distance grows over half
     that circle's circumference, and the arc to the handle is no longer than the circle's arc.
     """
-    sine = np.maximum(path.max_curvature(s - np.pi / 2 * chord, s) * chord / 2, SMALLEST_STEP)
+    sine = np.maximum(path.max_curvature(s - np.pi / 2 * chord, s) * chord / 2, _SMALLEST_STEP)
     # Longer by at least one last digit, so that the bracket on a straight line is not empty.
-    longest = np.arcsin(np.minimum(sine, 1.0)) / sine * chord * (1 + STEP_TOLERANCE)
-    return np.full(s.shape, chord * (1 - STEP_TOLERANCE)), longest, sine < 1
+    longest = np.arcsin(np.minimum(sine, 1.0)) / sine * chord * (1 + _STEP_TOLERANCE)
+    return np.full(s.shape, chord * (1 - _STEP_TOLERANCE)), longest, sine < 1
 
 
 def rear_between(path: Path, s: Array, chord: float, low: Array, high: Array) -> Array:
@@ -278,10 +273,10 @@ def rear_between(path: Path, s: Array, chord: float, low: Array, high: Array) ->
     if (at_begin := high == first).any():
         # Rounding may put a handle at the path's begin before it.
         distance = np.abs(fronts[at_begin] - as_complex(path.point(path.begin_s)))
-        lost[at_begin] |= distance < chord * (1 - STEP_TOLERANCE)
+        lost[at_begin] |= distance < chord * (1 - _STEP_TOLERANCE)
     low, high = np.where(lost, np.nan, low), np.where(lost, np.nan, high)
     offset = high.copy()
-    for _ in range(MAX_PASSES):
+    for _ in range(_MAX_PASSES):
         points, tangents = map(as_complex, path.frame(np.maximum(s - offset, path.begin_s)))
         distance = np.abs(fronts - points)
         short = distance < chord
@@ -291,7 +286,7 @@ def rear_between(path: Path, s: Array, chord: float, low: Array, high: Array) ->
         better = np.where((better >= low) & (better <= high), better, (low + high) / 2)
         step = np.abs(better - offset)
         offset = better
-        if not np.any(step > STEP_TOLERANCE * chord):
+        if not np.any(step > _STEP_TOLERANCE * chord):
             break
     return np.maximum(s - offset, path.begin_s)
 
@@ -304,23 +299,23 @@ def _bracket(path: Path, s: Array, chord: float) -> tuple[Array, Array]:
     """
     fronts = as_complex(path.point(s))
     before, offset, distance, growth = np.zeros((4, s.size))
-    rows, ahead = np.arange(s.size), np.full(s.shape, LOOKAHEAD * chord)
-    for _ in range(MAX_STEPS):
+    rows, ahead = np.arange(s.size), np.full(s.shape, _LOOKAHEAD * chord)
+    for _ in range(_MAX_STEPS):
         here, reach = offset[rows], ahead[rows]
         curvature = path.max_curvature(s[rows] - here, s[rows] - here - reach)
-        curvature = np.maximum(curvature, SMALLEST_STEP / chord)
+        curvature = np.maximum(curvature, _SMALLEST_STEP / chord)
         slope = 1 - curvature * distance[rows]
         # The positive root, without cancellation.
         total = np.abs(slope) + np.sqrt(slope**2 + 4 * curvature * growth[rows])
         step = np.minimum(np.where(slope > 0, total / (2 * curvature), 2 * growth[rows] / total), reach)
         before[rows], offset[rows] = here, here + step
         # Where steps are short, the curvature much further ahead does not matter.
-        ahead[rows] = np.minimum(4 * step, LOOKAHEAD * chord)
+        ahead[rows] = np.minimum(4 * step, _LOOKAHEAD * chord)
         points, tangents = map(as_complex, path.frame(s[rows] - offset[rows]))
         between = fronts[rows] - points
         distance[rows], growth[rows] = np.abs(between), (between.conj() * tangents).real
         beyond = np.isnan(distance[rows]) | (distance[rows] >= chord)
-        stuck = ~beyond & (step < SMALLEST_STEP * chord)
+        stuck = ~beyond & (step < _SMALLEST_STEP * chord)
         before[rows[stuck]] = np.nan
         rows = rows[~(beyond | stuck)]
         if not rows.size:

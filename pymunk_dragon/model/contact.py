@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Literal, Self, get_args
+from typing import Any, Literal, TypeVar, get_args
 
 import numpy as np
 
@@ -18,23 +18,11 @@ PHASES: tuple[Phase, ...] = get_args(Phase)
 
 Vector = tuple[float, float]
 
-
-class _Record:
-    """Base class of records that are read back from JSON."""
-
-    @classmethod
-    def _from_dict(cls, values: Mapping[str, Any]) -> Self:
-        """The record that `dataclasses.asdict` and JSON, which has lists for tuples, made `values` of.
-
-        Impossible values raise a ParameterError, values of another structure a TypeError, KeyError or AttributeError.
-        """
-        # What may be absent has None as its default.
-        absent = {name for name, value in values.items() if value is None and getattr(cls, name, 0) is None}
-        return cls(**{name: None if name in absent else _read(name, value) for name, value in values.items()})
+_Kind = TypeVar("_Kind")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Contact(_Record):
+class Contact:
     """Contact of two benches that are not neighbours.
 
     Attributes
@@ -63,8 +51,8 @@ class Contact(_Record):
 
 
 @dataclass(frozen=True, kw_only=True)
-class ContactEvent(_Record):
-    """One collision callback of the engine. In `separate`, what describes the contact is absent or None.
+class ContactEvent:
+    """One collision callback of the engine; `separate` has no more than time and benches.
 
     Attributes
     ----------
@@ -103,11 +91,7 @@ class ContactEvent(_Record):
 
 @dataclass(frozen=True, kw_only=True)
 class ContactWindow:
-    """A time interval in which two benches touch, the smaller number first.
-
-    It lasts from the end of the substep in which they began to touch to that in which they parted, s; `end` is None if
-    they still touched when the run ended.
-    """
+    """Time interval, s, in which two benches touch, as ends of substeps; `end` is None if it lasts beyond the run."""
 
     benches: tuple[int, int]
     begin: float
@@ -164,16 +148,12 @@ class ContactLog(tuple[ContactEvent, ...]):
 def contact_text(
     status: str, benches: tuple[int, int] | None, point: Vector | None, time: float, decimals: int = 6
 ) -> str:
-    """When and where two benches first touch, in one line, or until which time none do.
-
-    `decimals` is the number of decimals of the time of a contact that are certain.
-    """
+    """When and where two benches first touch, with so many `decimals` of the time, or until which time none do."""
     if benches is None or point is None:
-        if status == "unreachable":
-            return text("no contact until t = {t:.6g} s, after which a handle has no position on the curve").format(
-                t=time
-            )
-        return text("no contact until t = {t:.6g} s").format(t=time)
+        if status != "unreachable":
+            return text("no contact until t = {t:.6g} s").format(t=time)
+        lost = text("no contact until t = {t:.6g} s, after which a handle has no position on the curve")
+        return lost.format(t=time)
     values = {"i": benches[0], "j": benches[1], "t": f"{time:.{decimals}f}"}
     if status == "overlapping":
         return text("benches {i} and {j} overlap at the start, t = {t} s").format(**values)
@@ -181,16 +161,25 @@ def contact_text(
     return text("first contact at t = {t} s: benches {i} and {j} at ({x:.6f}, {y:.6f}) m").format(**values, x=x, y=y)
 
 
+def read_contact(kind: type[_Kind], values: Mapping[str, Any], benches: int) -> _Kind:
+    """The record of a contact among `benches`, from JSON of its `dataclasses.asdict`; an error if it is none."""
+    first, second = values["benches"]
+    pair = whole("benches", first, 0, benches - 2), whole("benches", second, first + 1, benches - 1)
+    read: dict[str, Any] = {}
+    for name, value in values.items():
+        # What may be absent has None as its default.
+        absent = value is None and getattr(kind, name, 0) is None
+        read[name] = None if absent else pair if name == "benches" else _read(name, value)
+    return kind(**read)
+
+
 def _read(name: str, value: Any) -> Any:
-    """An entry of a record from JSON, checked."""
+    """An entry of a record, checked; JSON has lists for tuples."""
     if name == "phase":
         return word(name, value, PHASES)
-    if name == "benches":
-        first, second = value
-        return (first := whole(name, first, 0, 10**9)), whole(name, second, first + 1, 10**9)
     if name in ("time", "raw_time", "depth"):
         return finite(name, value, -np.inf, np.inf, "")
-    vectors = numbers(name, value, 2) if value else np.empty((0, 2))
+    vectors = numbers(name, value or np.empty((0, 2)), 2)
     if vectors.ndim != (2 if name == "points" else 1) or not np.isfinite(vectors).all():
         raise ParameterError(name, value, "finite numbers x, y")
-    return tuple(map(tuple, vectors.tolist())) if name == "points" else tuple(vectors.tolist())
+    return tuple(map(tuple, vectors.tolist())) if vectors.ndim > 1 else tuple(vectors.tolist())

@@ -34,38 +34,32 @@ from pymunk_dragon._arrays import Array, Flags
 from pymunk_dragon.model.chain import ChainMotion, chain_motion, gentle_offsets, rear_between, rear_handle
 from pymunk_dragon.model.curves.base import Curve
 
-# Share of a spacing: grid on which the curvature is checked.
-GRID = 0.25
-# Share of a spacing: longest half cell in either coordinate.
-WINDOW = 0.125
+# Shares of a spacing: grid on which the curvature is checked, and longest half cell in either coordinate.
+_GRID, _WINDOW = 0.25, 0.125
 # Cells of the grid that are checked at once.
-GRID_CELLS = 4096
+_GRID_CELLS = 4096
 # Share of the longest step that is proven, to cover its rounding.
-SAFE = 0.9
+_SAFE = 0.9
 # Share of a spacing. Shorter steps only approach a fold: its coordinate is then known to about this.
-SHORTEST = 1e-13
+_SHORTEST = 1e-13
 # Share of a spacing. Longest step where A may vanish: two reversals in it displace the rear handle negligibly.
-REVERSAL = 1e-4
-# Points per pass in which A = 0 is located in a cell.
-SECTIONS = 17
-# Passes: to 1e-12 of the cell.
-PASSES = 10
+_REVERSAL = 1e-4
+# Points per pass in which A = 0 is located in a cell, and passes: to 1e-12 of the cell.
+_SECTIONS, _PASSES = 17, 10
 # m by which two benches may differ in a state that they share.
-SAME = 1e-9
+_SAME = 1e-9
 # Cells after which a strongly curved path is not followed any further.
-MAX_CELLS = 100_000
+_MAX_CELLS = 100_000
 
 
 class Continuation:
-    """States of a chain with spacings (N,) that moves continuously on `curve` from that with the head at `head`, m.
+    """States of a chain with spacings (N,) that moves continuously from where `Curve.chain` has it for `head`, m.
 
-    There the other handles are where `Curve.chain` finds them. The result for a position of the head depends on nothing
-    but the arguments: what is kept between calls is extended in steps that do not depend on the calls.
+    No result depends on earlier calls: what is kept between calls is extended in the same steps for all.
     """
 
     def __init__(self, curve: Curve, head: float, spacings: Array) -> None:
         self._curve, self._head, self._spacings = curve, head, spacings
-        self._found: dict[int, _Branch] = {}
 
     @cached_property
     def start(self) -> Array:
@@ -74,12 +68,9 @@ class Continuation:
         return handles_s
 
     def motion(self, heads: Array, handles: int) -> ChainMotion:
-        """Motion of the foremost handles with the head at `heads` (T,), m.
-
-        It is nan for a handle that continuous motion from the start cannot reach, and for all behind it.
-        """
+        """Motion of the foremost handles with the head at `heads` (T,), m; nan where no continuous motion leads to."""
         spacings = self._spacings[: handles - 1]
-        direct = self._gentle(np.minimum(heads, self._head), np.maximum(heads, self._head), range(handles - 1))
+        direct = self._gentle(np.minimum(heads, self._head), np.maximum(heads, self._head), spacings)
         if direct.all():
             return self._curve._chain_motion(heads, spacings)
         handles_s = np.empty((heads.size, handles))
@@ -90,18 +81,18 @@ class Continuation:
     def ranges(self, first: Array, last: Array) -> tuple[Array, Array]:
         """Lowest and highest coordinates (T, H) of handles while the chain moves between two states (T, H)."""
         lows, highs = np.minimum(first, last), np.maximum(first, last)
-        handles = first.shape[1]
-        rows = np.flatnonzero(~self._gentle(lows[:, 0], highs[:, 0], range(handles - 1)))
+        spacings = self._spacings[: first.shape[1] - 1]
+        rows = np.flatnonzero(~self._gentle(lows[:, 0], highs[:, 0], spacings))
         if rows.size:
             reversing = np.zeros(rows.size, dtype=bool)
-            for i, branch in enumerate(self._branches(handles - 1)):
+            for i, branch in enumerate(self._branches[: spacings.size]):
                 reversing |= branch.hidden(lows[rows, i], highs[rows, i]) > 0
             rows = rows[reversing]
-        for i, branch in enumerate(self._branches(handles - 1) if rows.size else []):
-            gentle = self._gentle(lows[rows, i], highs[rows, i], range(i, handles - 1))
+        for i, branch in enumerate(self._branches[: spacings.size] if rows.size else []):
+            gentle = self._gentle(lows[rows, i], highs[rows, i], spacings[i:])
             rest, rows = rows[gentle], rows[~gentle]
-            lows[rest, i:] = self._curve.chain(lows[rest, i], self._spacings[i : handles - 1])
-            highs[rest, i:] = self._curve.chain(highs[rest, i], self._spacings[i : handles - 1])
+            for ends in (lows, highs):
+                ends[rest, i:] = self._curve.chain(ends[rest, i], spacings[i:])
             if not rows.size:
                 break
             known = (first[rows, i], first[rows, i + 1]), (last[rows, i], last[rows, i + 1])
@@ -112,48 +103,41 @@ class Continuation:
 
     def alike(self, low: float, high: float) -> bool:
         """Whether all benches behind bench 0 are the same function while the head stays between `low` and `high`, m."""
-        if self._spacings[1:].size and np.ptp(self._spacings[1:]) > 0:
+        if np.unique(self._spacings[1:]).size > 1:
             return False
         extremes = np.array([min(low, self._head)]), np.array([max(high, self._head)])
-        if self._gentle(*extremes, range(self._spacings.size)).all():
-            return True
-        return len({id(branch) for branch in self._branches(self._spacings.size)[1:]}) <= 1
+        return bool(self._gentle(*extremes, self._spacings)[0]) or len({id(each) for each in self._branches[1:]}) <= 1
 
-    def _gentle(self, lows: Array, highs: Array, benches: range) -> Flags:
-        """Whether A and B are positive for these benches for any first front from `lows` to `highs` (T,)."""
-        spacings = self._spacings[benches.start : benches.stop]
-        if not spacings.size:
-            return np.ones(lows.shape, dtype=bool)
+    def _gentle(self, lows: Array, highs: Array, spacings: Array) -> Flags:
+        """Whether A and B are positive for such benches for any first front from `lows` to `highs` (T,)."""
         curvature = self._curve.max_curvature(lows - np.pi / 2 * spacings.sum(), highs)
-        gentle: Flags = ~(curvature * spacings.max() >= 2)
-        return gentle
+        return np.asarray(~(curvature * spacings.max(initial=0) >= 2))
 
-    def _branches(self, benches: int) -> list[_Branch]:
-        """The functions of the foremost `benches`, or of fewer if others have no state at the start."""
-        known = np.flatnonzero(~np.isnan(self.start[1:]))
-        rest = known if not self._found else known[:0]
+    @cached_property
+    def _branches(self) -> list[_Branch]:
+        """The function of each bench, the same one for benches of one spacing whose states it connects at the start."""
+        found: dict[int, _Branch] = {}
+        rest = np.arange(self._spacings.size)
         while rest.size:
-            bench = int(rest[0])
-            chord = float(self._spacings[bench])
-            branch = _Branch(self._curve, chord, float(self.start[bench]), float(self.start[bench + 1]))
-            others = rest[self._spacings[rest] == chord]
+            bench, others = rest[0], rest[self._spacings[rest] == self._spacings[rest[0]]]
+            branch = _Branch(self._curve, *map(float, (self._spacings[bench], *self.start[bench : bench + 2])))
             fronts = self.start[others]
             branch.cover(fronts.min(), fronts.max())
-            same = np.abs(branch.rear(fronts) - self.start[others + 1]) <= SAME
-            shared = {bench, *others[same].tolist()}
-            self._found |= dict.fromkeys(shared, branch)
-            rest = rest[~np.isin(rest, list(shared))]
-        return [self._found[bench] for bench in known[:benches].tolist()]
+            same = np.abs(branch.rear(fronts) - self.start[others + 1]) <= _SAME
+            shared = others[same | (others == bench)]
+            found |= dict.fromkeys(shared.tolist(), branch)
+            rest = np.setdiff1d(rest, shared)
+        return [found[bench] for bench in range(self._spacings.size)]
 
     def _followed(self, heads: Array, handles: int) -> Array:
         """Coordinates (T, handles), computed bench by bench."""
         handles_s = np.full((heads.size, handles), np.nan)
         handles_s[:, 0] = heads
         lows, highs = np.minimum(heads, self._head), np.maximum(heads, self._head)
-        done = np.zeros(heads.size, dtype=bool)
-        for i, branch in enumerate(self._branches(handles - 1)):
+        spacings, done = self._spacings[: handles - 1], np.zeros(heads.size, dtype=bool)
+        for i, branch in enumerate(self._branches[: handles - 1]):
             rows = np.flatnonzero(~done & ~np.isnan(handles_s[:, i]))
-            gentle = self._gentle(lows[rows], highs[rows], range(i, handles - 1))
+            gentle = self._gentle(lows[rows], highs[rows], spacings[i:])
             self._fill_rest(handles_s, rows[gentle], i, lows)
             done[rows[gentle]] = True
             rows = rows[~gentle]
@@ -182,13 +166,11 @@ class _Branch:
     """Rear handle's coordinate of a bench as a function of the front handle's, as far as it is continuous."""
 
     def __init__(self, curve: Curve, chord: float, front: float, rear: float) -> None:
-        self._curve, self._chord, self._rear = curve, chord, rear
-        # By direction: the state reached last, None where the function ends; edges of cells, and brackets of the rear.
-        # A state is both coordinates, and A and B if they are known.
-        state = front, rear, None
-        self._last_states: dict[int, tuple[float, float, Array | None] | None] = {-1: state, 1: state}
-        self._ends = {-1: [front], 1: [front]}
-        self._brackets: dict[int, list[tuple[float, float]]] = {-1: [], 1: []}
+        self._curve, self._chord, self._start = curve, chord, (front, rear)
+        # By direction: the state reached last, None where the function ends, and the cells, each with the coordinate at
+        # which it ends and a bracket of the rear handle's.
+        self._tips: dict[int, tuple[float, float] | None] = {-1: self._start, 1: self._start}
+        self._cells: dict[int, list[tuple[float, float, float]]] = {-1: [], 1: []}
         # Coordinates of both handles at reversals; fronts between which there may be one, and how far two of them there
         # may move the rear handle, m.
         self._reversals: list[tuple[float, float]] = []
@@ -199,8 +181,8 @@ class _Branch:
         """Follow the function to both coordinates of the front handle, or to where it ends."""
         grown = False
         for direction, aim in ((-1, low), (1, high)):
-            while self._last_states[direction] is not None and (aim - self._ends[direction][-1]) * direction > 0:
-                self._extend(direction, aim)
+            while (tip := self._tips[direction]) is not None and (aim - tip[0]) * direction > 0:
+                self._tips[direction] = self._extended(*tip, direction, aim)
                 grown = True
         if grown:
             self._join()
@@ -209,17 +191,14 @@ class _Branch:
         """Coordinates (T,) of the rear handle, m; nan outside of what is covered."""
         cells = np.searchsorted(self._edges, fronts, side="right") - 1
         inside = (cells >= 0) & (fronts <= self._edges[-1])
-        low, high = self._cells[np.clip(cells, 0, len(self._cells) - 1)].T
+        low, high = self._brackets[np.clip(cells, 0, len(self._brackets) - 1)].T
         shortest, longest, _ = gentle_offsets(self._curve, fronts, self._chord)
         shortest = np.where(np.isnan(low), shortest, fronts - high)
         longest = np.where(np.isnan(low), longest, fronts - low)
         return rear_between(self._curve, fronts, self._chord, np.where(inside, shortest, np.nan), longest)
 
     def image(self, lows: Array, highs: Array, known: tuple[tuple[Array, Array], ...]) -> tuple[Array, Array]:
-        """Lowest and highest rear coordinates (T,) for fronts between `lows` and `highs`; nan where the function ends.
-
-        Pairs of fronts and rears that are `known` are not computed again.
-        """
+        """Lowest and highest rear coordinates (T,) for fronts from `lows` to `highs`; nan where the function ends."""
         self.cover(lows.min(), highs.max())
         fronts = np.stack([lows, highs])
         rears = np.full(fronts.shape, np.nan)
@@ -229,16 +208,13 @@ class _Branch:
         if missing.any():
             rears[missing] = self.rear(fronts[missing])
         low, high = np.minimum(*rears), np.maximum(*rears)
-        for front, rear in self.reversals.T:
-            between = (lows < front) & (front < highs)
-            low, high = np.where(between, np.minimum(low, rear), low), np.where(between, np.maximum(high, rear), high)
+        for front_s, rear_s in self._reversals:
+            passed = np.where((lows < front_s) & (front_s < highs), rear_s, low)
+            low, high = np.minimum(low, passed), np.maximum(high, passed)
         return low, high
 
     def hidden(self, lows: Array, highs: Array) -> Array:
-        """How far reversals may move the rear handle while the front handle is between `lows` and `highs` (T,), m.
-
-        It is 0 where there is no reversal.
-        """
+        """How far reversals may move the rear handle while the front is between `lows` and `highs` (T,), m, or 0."""
         self.cover(lows.min(), highs.max())
         found = np.zeros(lows.shape)
         for low, high, hidden in self._possible_reversals:
@@ -247,58 +223,46 @@ class _Branch:
 
     def _join(self) -> None:
         """Join the cells of both directions into arrays."""
-        (left, right), (before, after) = self._ends.values(), self._brackets.values()
-        self._edges = np.array(left[::-1] + right[1:])
+        left, right = self._cells[-1][::-1], self._cells[1]
+        self._edges = np.array([*(cell[0] for cell in left), self._start[0], *(cell[0] for cell in right)])
         # Before it is followed anywhere, the function is known at the start only.
-        self._cells = np.array(before[::-1] + after or [(self._rear, self._rear)])
-        self.reversals = np.array(sorted(self._reversals)).reshape(-1, 2).T
+        self._brackets = np.array([cell[1:] for cell in left + right] or [(self._start[1], self._start[1])])
 
-    def _extend(self, direction: int, aim: float) -> None:
-        """Append gentle cells of the grid up to the one that contains `aim`, or one cell that is proven."""
-        tip = self._last_states[direction]
-        assert tip is not None  # `cover` extends only where the chain goes on.
-        front, rear, growth = tip
-        end = self._gentle_run(front, rear, direction, aim)
+    def _extended(self, front: float, rear: float, direction: int, aim: float) -> tuple[float, float] | None:
+        """Append gentle cells up to the one with `aim`, or one cell that is proven; the state at the end."""
+        cells, end = self._cells[direction], self._gentle_run(front, rear, direction, aim)
         if end != front:
+            cells.append((end, np.nan, np.nan))
             rear = float(rear_handle(self._curve, np.array([end]), self._chord)[0])
-            self._append(direction, (end, rear, None), (np.nan, np.nan))
-            return
-        if growth is None:
-            growth = self._growth(np.array([front]), np.array([rear]))
+            return None if np.isnan(rear) else (end, rear)
         last = self._curve.end_s if direction > 0 else self._curve.begin_s
+        growth = self._growth(front, rear)
         step, half, hidden = self._step(front, rear, growth, direction)
         step = min(step, abs(last - front))
-        shortest = max(SHORTEST * self._chord, 4 * float(np.spacing(abs(front))))
-        while step > shortest and len(self._brackets[direction]) < MAX_CELLS:
+        shortest = max(_SHORTEST * self._chord, 4 * float(np.spacing(abs(front))))
+        while step > shortest and len(cells) < _MAX_CELLS:
             bracket = rear - half, rear + half
             following = front + direction * step
             there = float(self._within(np.array([following]), bracket)[0])
             if not np.isnan(there):
                 if hidden:
                     self._possible_reversals.append((min(front, following), max(front, following), hidden))
-                growth_there = self._growth(np.array([following]), np.array([there]))
-                if (growth[0, 0] >= 0) != (growth_there[0, 0] >= 0):
+                if (growth[0] >= 0) != (self._growth(following, there)[0] >= 0):
                     self._reversals.append(self._reversal(front, following, bracket))
-                self._append(direction, (following, there, growth_there), bracket)
-                return
+                cells.append((following, *bracket))
+                return following, there
             # The rear handle is before the begin of the curve.
             step /= 2
-        self._last_states[direction] = None
-
-    def _append(self, direction: int, state: tuple[float, float, Array | None], bracket: tuple[float, float]) -> None:
-        """Add a cell that ends in a state."""
-        self._ends[direction].append(state[0])
-        self._brackets[direction].append(bracket)
-        self._last_states[direction] = None if np.isnan(state[1]) else state
+        return None
 
     def _gentle_run(self, front: float, rear: float, direction: int, aim: float) -> float:
         """Where, from `front` on, a row of gentle cells of the grid ends; `front` itself if there is none."""
         chord, curve = self._chord, self._curve
-        cell = GRID * chord
+        cell = _GRID * chord
         first = np.floor(front / cell) if direction > 0 else np.ceil(front / cell)
         if ((first + direction) * cell - front) * direction <= 0:
             first += direction
-        count = int(min(GRID_CELLS, np.ceil(abs(aim - front) / cell) + 1))
+        count = int(min(_GRID_CELLS, np.ceil(abs(aim - front) / cell) + 1))
         edges = (first + direction * np.arange(count + 1)) * cell
         lows, highs = np.minimum(edges[:-1], edges[1:]), np.maximum(edges[:-1], edges[1:])
         gentle = curve.max_curvature(lows - np.pi / 2 * chord, highs) * chord < 2
@@ -313,16 +277,16 @@ class _Branch:
         low, high = fronts - bracket[1], fronts - bracket[0]
         return rear_between(self._curve, fronts, self._chord, low, high)
 
-    def _growth(self, fronts: Array, rears: Array) -> Array:
-        """A and B of the module's docstring, (2, T)."""
+    def _growth(self, fronts: float | Array, rears: float | Array) -> Array:
+        """A and B of the module's docstring, (2, ...)."""
         points, tangents = self._curve.frame(np.stack([fronts, rears]))
         growth: Array = np.sum(tangents * (points[0] - points[1]), axis=-1)
         return growth
 
     def _step(self, front: float, rear: float, growth: Array, direction: int) -> tuple[float, float, float]:
         """Length and half height of a proven cell, both 0 at a fold; and what reversals in it may hide, m."""
-        ahead, behind = growth[:, 0].tolist()
-        window = WINDOW * self._chord
+        ahead, behind = growth.tolist()
+        window = _WINDOW * self._chord
         others = np.array([front + direction * window, rear + window])
         curvature = self._curve.max_curvature(np.array([front, rear - window]), others)
         own, other = (1 + curvature * (self._chord + 2 * window)).tolist()
@@ -330,22 +294,22 @@ class _Branch:
             return 0.0, 0.0, 0.0
         half = min(window, behind / (2 * other))
         room, slope = half * (behind - other * half), abs(ahead) + half
-        step = SAFE * min(2 * room / (slope + float(np.sqrt(slope**2 + 2 * own * room))), behind / 4, window)
+        step = _SAFE * min(2 * room / (slope + float(np.sqrt(slope**2 + 2 * own * room))), behind / 4, window)
         # For each metre, A changes by no more than `own` and the rear handle's rate. B stays above half of itself less
         # the step, so that rate is at most 8 |A| / B as long as A keeps its sign.
         change = own + 8 * abs(ahead) / behind
-        certain = SAFE * abs(ahead) / change
+        certain = _SAFE * abs(ahead) / change
         if step <= certain:
             return step, half, 0.0
-        step = min(step, max(certain, REVERSAL * self._chord))
+        step = min(step, max(certain, _REVERSAL * self._chord))
         # Else |A| is below 2 `change` times the step in it.
         return step, half, 0.0 if step <= certain else 8 * change * step**2 / behind
 
     def _reversal(self, front: float, other: float, bracket: tuple[float, float]) -> tuple[float, float]:
         """Coordinates of both handles where A = 0, between two fronts at which its signs differ."""
         low, high = min(front, other), max(front, other)
-        for _ in range(PASSES):
-            fronts = np.linspace(low, high, SECTIONS)
+        for _ in range(_PASSES):
+            fronts = np.linspace(low, high, _SECTIONS)
             rears = self._within(fronts, bracket)
             forward = self._growth(fronts, rears)[0] >= 0
             change = int(np.argmax(forward != forward[0]))

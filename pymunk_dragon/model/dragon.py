@@ -8,50 +8,44 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from pymunk_dragon._arrays import Array, Complex, Indices, as_complex, as_vectors, read_only
 from pymunk_dragon._checks import finite, numbers, whole
 from pymunk_dragon.errors import ParameterError
-
-__all__ = ["Dragon", "Sizes", "bench_poses", "interpolated", "outlines", "pose_step"]
 
 # m: the same for all benches, or one for each.
 Sizes = float | Sequence[float]
 
 # Benches of the contest's dragon.
 BENCHES = 223
-# The shortest chain: a head and a tail.
-MIN_BENCHES = 2
-# 16 km of dragon, 45 times the contest's, which still fit into memory; more is taken for a typing error.
-MAX_BENCHES = 10_000
-# m. Keeps every length far above the resolution of a double at the rim of the largest spiral.
-MIN_LENGTH = 0.001
-# m. No bench is longer; catches centimetres and millimetres given as metres.
-MAX_LENGTH = 100.0
-# The paper's choice, beside the last handle: the head's two, and every fiftieth.
-TABLE_HANDLES = (0, 1, 51, 101, 151, 201)
+# A head and a tail; 16 km of dragon, which still fit into memory: more is taken for a typing error.
+_MIN_BENCHES, MAX_BENCHES = 2, 10_000
+# m. Far above the resolution of a double at the rim of the largest spiral; centimetres and millimetres given as metres
+# are longer than the longest bench.
+_LENGTHS = 0.001, 100.0
+# Those in the paper's tables, beside the last one.
+_TABLE_HANDLES = (0, 1, 51, 101, 151, 201)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Dragon:
-    """A chain of wooden benches, each hinged to the next through a hole near its end.
+    """A chain of benches, each hinged to the next through a hole near its end; by default the contest's (section 2.1).
 
-    Handles are numbered 0 to N along the dragon: handle i is the front hole of bench i, handle N the rear hole of the
-    tail. The defaults are the dragon of the contest (paper, section 2.1).
+    Handle i, from 0 to N, is the front hole of bench i; handle N is the rear hole of the tail.
 
     Parameters
     ----------
     benches : int
-        Number of benches N, from 2 to 10,000: one head, N - 2 of the body, one tail. By default 223, or the number for
-        which a sequence has sizes.
+        Number of benches N, from 2 to 10,000, the head and the tail included. By default 223, or the number for which
+        a sequence has sizes.
     head_spacing : float
         Distance between the two holes of the head, m, as all sizes from 0.001 to 100.
     body_spacing : float or sequence of float
-        Distance between the two holes of every other bench, m: of all, or of each, N - 1.
+        The same of every other bench, m: of all, or of each, N - 1.
     overhang : float or sequence of float
-        From a hole's centre to the bench end beside it, at both ends, m: of all benches, or of each, N. Together, the
-        overhangs of the benches before and after another one are shorter than its spacing.
+        From a hole's centre to the bench end beside it, m: of all benches, or of each, N. The overhangs of the benches
+        before and after another one are together shorter than its spacing.
     width : float or sequence of float
         Width, m: of all benches, or of each, N.
 
@@ -69,26 +63,25 @@ class Dragon:
     width: Sizes = 0.30
 
     def __post_init__(self) -> None:
+        # How many more benches there are than a sequence has sizes.
         more = {"body_spacing": 1, "overhang": 0, "width": 0}
-        benches: int | None = self.benches
-        name = "benches"
+        name, benches = "benches", self.benches
         if benches is None:
-            lists = [each for each in more if _is_sequence(getattr(self, each))]
-            name = f"number of benches by {lists[0]}" if lists else name
-            benches = len(getattr(self, lists[0])) + more[lists[0]] if lists else BENCHES
-        object.__setattr__(self, "benches", whole(name, benches, MIN_BENCHES, MAX_BENCHES))
-        object.__setattr__(self, "head_spacing", _length("head_spacing", self.head_spacing))
+            counts = {each: len(getattr(self, each)) + more[each] for each in more if _is_sequence(getattr(self, each))}
+            name, benches = next(iter(counts.items()), (name, BENCHES))
+            name = name if name == "benches" else f"number of benches by {name}"
+        object.__setattr__(self, "benches", whole(name, benches, _MIN_BENCHES, MAX_BENCHES))
+        object.__setattr__(self, "head_spacing", finite("head_spacing", self.head_spacing, *_LENGTHS, "m"))
         for name, extra in more.items():
             object.__setattr__(self, name, _sizes(name, getattr(self, name), self.benches - extra))
         # At an end of the chain the bench replaces its missing neighbour.
         beside = np.pad(self.overhangs, 1, mode="edge")
         room = self.spacings - beside[:-2] - beside[2:]
-        if (room <= 0).any():
+        if room.min() <= 0:
             i = int(np.argmin(room))
             if isinstance(self.overhang, float):
-                raise ParameterError(
-                    "overhang", self.overhang, f"less than half the shortest spacing, {self.spacings[i] / 2:g} m"
-                )
+                bound = f"less than half the shortest spacing, {self.spacings[i] / 2:g} m"
+                raise ParameterError("overhang", self.overhang, bound)
             bound = f"together less than the spacing of bench {i} between them, {self.spacings[i]:g} m"
             raise ParameterError(f"overhang beside bench {i}", beside[[i, i + 2]].tolist(), bound)
 
@@ -100,7 +93,7 @@ class Dragon:
     @property
     def representatives(self) -> list[int]:
         """The handles that the paper's tables show, as far as this dragon has them, and its last one."""
-        return [*(handle for handle in TABLE_HANDLES if handle < self.benches), self.benches]
+        return [*(handle for handle in _TABLE_HANDLES if handle < self.benches), self.benches]
 
     @cached_property
     def spacings(self) -> Array:
@@ -136,20 +129,17 @@ class Dragon:
         return outlines(pose, self.lengths[: pose.shape[-2]], self.widths[: pose.shape[-2]])
 
     def outlines_between(self, handles: Complex) -> Complex:
-        """Corners (..., M, 4), in the order of `outlines`, of the first M benches, between `handles` (..., M + 1).
-
-        Points of the plane are complex numbers, m.
-        """
+        """The same (..., M, 4) between `handles` (..., M + 1), as complex numbers."""
         points = np.atleast_1d(numbers("handles", handles, kind=complex))
         return self.corners(points[..., :-1], points[..., 1:], np.arange(points.shape[-1] - 1))
 
     def corners(self, fronts: Complex, rears: Complex, benches: Indices) -> Complex:
         """The same (..., 4) of `benches` (...), by their numbers, between their front and rear handles (...)."""
         chosen = numbers("benches", benches, kind=int)
-        if chosen.size:
-            whole("benches", int(chosen.min()), 0, self.benches - 1)
-            whole("benches", int(chosen.max()), 0, self.benches - 1)
+        for number in (chosen.min(), chosen.max()) if chosen.size else ():
+            whole("benches", int(number), 0, self.benches - 1)
         front, rear = numbers("fronts", fronts, kind=complex), numbers("rears", rears, kind=complex)
+        _check_together(fronts=front, rears=rear, benches=chosen)
         along = front - rear
         centres = rear + along / 2
         along = along * (self.lengths[chosen] / 2 / np.abs(along))
@@ -163,10 +153,7 @@ class Dragon:
         return as_vectors(centres + half), as_vectors(centres - half)
 
     def hole_velocities(self, poses: ArrayLike, velocities: ArrayLike) -> tuple[Array, Array]:
-        """Velocities of the front and rear hole, each (..., N, 2) in m/s, of benches with rates of change (..., N, 3).
-
-        The rates of change of `poses` (..., N, 3) are in m/s, m/s and rad/s.
-        """
+        """Velocities of both, each (..., N, 2) in m/s, from the rates of change (..., N, 3) of `poses`."""
         rates = self._poses("velocities", velocities, self.benches)
         half = self.spacings / 2 * _headings(self._poses("poses", poses, self.benches))
         centres, turning = as_complex(rates[..., :2]), 1j * rates[..., 2] * half
@@ -183,10 +170,7 @@ class Dragon:
 
 
 def bench_poses(handles: ArrayLike) -> Array:
-    """Poses (..., N, 3) as x, y in m and angle in rad, of the benches between `handles` (..., N + 1, 2).
-
-    A bench's centre is midway between its holes, and its angle is the direction from its rear to its front hole.
-    """
+    """Centres in m and angles in rad, (..., N, 3), of benches from rear to front between `handles` (..., N + 1, 2)."""
     holes = np.atleast_2d(numbers("handles", handles, 2))
     front, rear = holes[..., :-1, :], holes[..., 1:, :]
     along = front - rear
@@ -209,9 +193,10 @@ def outlines(poses: ArrayLike, lengths: ArrayLike, width: ArrayLike) -> Array:
     >>> outlines([[0, 0, 0]], [2.0], 1.0)[0].tolist()
     [[-1.0, -0.5], [1.0, -0.5], [1.0, 0.5], [-1.0, 0.5]]
     """
-    pose, length = numbers("poses", poses, 3), numbers("lengths", lengths)
+    pose, length, across = numbers("poses", poses, 3), numbers("lengths", lengths), numbers("width", width)
+    _check_together(poses=pose[..., 0], lengths=length, width=across)
     along = _headings(pose) * length / 2
-    left = along * (1j * numbers("width", width) / length)
+    left = along * (1j * across / length)
     return as_vectors(_rectangles(as_complex(pose[..., :2]), along, left))
 
 
@@ -227,10 +212,6 @@ def pose_step(before: Array, after: Array) -> Array:
     return step
 
 
-def _length(name: str, value: object) -> float:
-    return finite(name, value, MIN_LENGTH, MAX_LENGTH, "m")
-
-
 def _is_sequence(value: object) -> bool:
     return np.ndim(value) == 1 if isinstance(value, np.ndarray) else isinstance(value, list | tuple)
 
@@ -238,11 +219,21 @@ def _is_sequence(value: object) -> bool:
 def _sizes(name: str, value: Any, count: int) -> Sizes:
     """`value` as a float, or as a tuple of `count` floats."""
     if not _is_sequence(value):
-        return _length(name, value)
+        return finite(name, value, *_LENGTHS, "m")
     if len(value) != count:
-        bound = f"a number from {MIN_LENGTH:g} to {MAX_LENGTH:g} m, or {count} of them, one for each bench"
+        bound = "a number from {:g} to {:g} m, or {} of them, one for each bench".format(*_LENGTHS, count)
         raise ParameterError(name, value, bound)
-    return tuple(_length(f"{name}[{i}]", size) for i, size in enumerate(value))
+    return tuple(finite(f"{name}[{i}]", size, *_LENGTHS, "m") for i, size in enumerate(value))
+
+
+def _check_together(**arrays: NDArray[Any]) -> None:
+    """Raise a ParameterError if the shapes of arrays cannot be broadcast together."""
+    shapes = [array.shape for array in arrays.values()]
+    try:
+        np.broadcast_shapes(*shapes)
+    except ValueError as error:
+        names = ", ".join(arrays)
+        raise ParameterError(f"the shapes of {names}", shapes, "ones that go together") from error
 
 
 def _headings(poses: Array) -> Complex:
@@ -253,7 +244,7 @@ def _headings(poses: Array) -> Complex:
 
 def _rectangles(centres: Complex, along: Complex, left: Complex) -> Complex:
     """Corners (..., 4) of rectangles from their centres and half their sides (...)."""
-    corners: Complex = np.empty((*along.shape, 4), dtype=complex)
+    corners: Complex = np.empty((*np.broadcast_shapes(centres.shape, left.shape), 4), dtype=complex)
     for k, corner in enumerate((-along - left, along - left, along + left, left - along)):
         np.add(centres, corner, out=corners[..., k])
     return corners

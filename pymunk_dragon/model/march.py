@@ -19,16 +19,13 @@ from pymunk_dragon.model.chain import ChainMotion
 from pymunk_dragon.model.continuation import Continuation
 from pymunk_dragon.model.curves import Curve, Reversed, Spiral
 from pymunk_dragon.model.curves.base import required_curve
-from pymunk_dragon.model.curves.spiral import MAX_TURNS
 from pymunk_dragon.model.dragon import Dragon, bench_poses
-from pymunk_dragon.model.speed import ConstantSpeed, Speed, SpeedTable, speed_of
-
-__all__ = ["March", "States", "check_march", "last_time"]
+from pymunk_dragon.model.speed import SpeedTable, speed_of
 
 # m before the start. At this distance a double still resolves 0.1 nm.
-MAX_RETREAT = 1e5
+_MAX_RETREAT = 1e5
 # m between a curve's begin and the last handle of a dragon that starts there: a thousand rounding errors.
-CLEAR_OF_BEGIN = 1e-9
+_CLEAR_OF_BEGIN = 1e-9
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -37,14 +34,12 @@ class States(ArrayRecord):
 
     Attributes
     ----------
-    times : ndarray, shape (T,)
-        s.
-    handles_s : ndarray, shape (T, H)
-        Arc-length coordinates of the handles, m.
-    positions, velocities : ndarray, shape (T, H, 2)
-        m and m/s.
-    speeds : ndarray, shape (T, H)
-        Magnitudes of the velocities, m/s.
+    times : ndarray, shape (T,), s
+    handles_s : ndarray, shape (T, H), m
+        Arc-length coordinates of the handles.
+    positions, velocities : ndarray, shape (T, H, 2), m and m/s
+    speeds : ndarray, shape (T, H), m/s
+        Magnitudes of the velocities.
 
     Examples
     --------
@@ -69,10 +64,9 @@ class States(ArrayRecord):
 
     def to_dict(self, handles: Sequence[int] | None = None) -> dict[str, Any]:
         """Times, numbers of the `handles` (all by default), positions (T, H, 2) and speeds (T, H) as lists."""
-        last = self.handles_s.shape[1] - 1
-        if handles is None:
-            handles = range(last + 1)
-        chosen = [whole("handles", int(handle), 0, last) for handle in numbers("handles", handles, kind=int).ravel()]
+        known = range(self.handles_s.shape[1])
+        given = numbers("handles", known if handles is None else handles, kind=int).ravel().tolist()
+        chosen = [whole("handles", handle, 0, known[-1]) for handle in given]
         positions, speeds = self.positions[:, chosen].tolist(), self.speeds[:, chosen].tolist()
         return {"times": self.times.tolist(), "handles": chosen, "positions": positions, "speeds": speeds}
 
@@ -144,27 +138,26 @@ class March(Displayed):
         if not isinstance(self.dragon, Dragon):
             raise ParameterError("dragon", self.dragon, "a Dragon")
         required_curve("curve", self.curve)
-        profile = speed_of(self.speed)
-        object.__setattr__(self, "speed", profile.value if isinstance(profile, ConstantSpeed) else profile)
+        if not isinstance(self.speed, SpeedTable):
+            object.__setattr__(self, "speed", self.speed_profile.speeds[0])
         widest, turn_width = float(self.dragon.widths.max()), self.curve.turn_width
         if turn_width is not None and turn_width <= widest:
             raise ParameterError("pitch", turn_width, f"more than the width, {widest:g} m")
         self._check_start()
-        try:
-            self.handles_s(0.0)
-        except UnreachableError as error:
-            raise self._misfit(error.handle) from error
+        if np.isnan(start := self.continuation.start).any():
+            raise self._misfit(int(np.isnan(start).argmax()))
 
     def _check_start(self) -> None:
         """Check `turns` and `start_s`, of which a march has one or none."""
+        turns = self.curve.default_turns if self.turns is None else self.turns
         if self.start_s is not None:
             if self.turns is not None:
                 raise ParameterError("turns", self.turns, "absent where start_s is given")
             start_s = finite("start_s", self.start_s, self.curve.begin_s, self.curve.end_s, "m")
             object.__setattr__(self, "start_s", start_s)
-        elif (turns := self.curve.default_turns if self.turns is None else self.turns) is not None:
+        elif turns is not None:
             self.curve.at_turn(turns)
-            object.__setattr__(self, "turns", positive("turns", turns, MAX_TURNS, ""))
+            object.__setattr__(self, "turns", float(turns))
 
     def _misfit(self, handle: int) -> ParameterError:
         """Error for a march in which a handle has no coordinate at t = 0."""
@@ -185,7 +178,7 @@ class March(Displayed):
         if self.curve.begin_s == -np.inf:
             return min(0.0, self.curve.end_s)
         # The dragon from its tail on: its handles follow each other back along the reversed curve.
-        tail = self.curve.begin_s + CLEAR_OF_BEGIN
+        tail = self.curve.begin_s + _CLEAR_OF_BEGIN
         head = -float(Reversed(self.curve).chain([-tail], self.dragon.spacings[::-1])[0, -1])
         if np.isnan(head):
             length = self.curve.end_s - self.curve.begin_s
@@ -212,20 +205,17 @@ class March(Displayed):
         return first, last
 
     @cached_property
-    def speed_profile(self) -> Speed:
-        """The speed as an object that converts between times and distances."""
+    def speed_profile(self) -> SpeedTable:
+        """The speed as a table, which converts between times and distances."""
         return speed_of(self.speed)
 
     @cached_property
     def continuation(self) -> Continuation:
-        """States reached by continuous motion from t = 0."""
+        """The states that continuous motion from t = 0 reaches."""
         return Continuation(self.curve, self.head_start, self.dragon.spacings)
 
     def share_states(self, other: March) -> None:
-        """Use what `other` has computed of the states, if it has the same curve, start and spacings.
-
-        They may not be used in two threads at once.
-        """
+        """Use the states that `other` computes, in no other thread, if it has the same curve, start and spacings."""
         check_march(other)
         alike = self.curve == other.curve and self.head_start == other.head_start
         if alike and np.array_equal(self.dragon.spacings, other.dragon.spacings):
@@ -242,18 +232,11 @@ class March(Displayed):
     def at(self, times: ArrayLike, handles: int | None = None) -> States:
         """Exact states of the first `handles` (all by default) at `times` (T,) in s.
 
-        Velocities follow from the rigid bench: both its handles have the same velocity component along it (the exact
-        form of eq. 14).
-
-        Raises
-        ------
-        ParameterError
-            If a time is not a finite number, or so early that the head would be more than 100 km before its start.
-        UnreachableError
-            If continuous motion has ended for a handle: the first such time, and the first such handle then.
+        A time may be so early that the head is 100 km before its start. Where continuous motion has ended for a handle,
+        an UnreachableError has the first such time, and the first such handle then.
         """
-        t = self._checked(times)
-        handles_s, points, tangents, rates = self.motion(t, handles)
+        handles_s, points, tangents, rates = self.motion(times, handles)
+        t = numbers("times", times).flatten()
         # Signed along the path: a head at more than a right angle to its bench pushes the rear handle back.
         rates *= self.speed_profile.at(t)[:, None]
         tangents.real *= rates
@@ -269,17 +252,17 @@ class March(Displayed):
         return self.motion_or_nan(times, handles).handles_s
 
     def motion(self, times: ArrayLike, handles: int | None = None) -> ChainMotion:
-        """Coordinates, positions, tangents and velocity ratios of the handles, as for `at`."""
+        """Coordinates, positions, tangents and velocity ratios of the handles; arguments and errors as for `at`."""
         motion = self.motion_or_nan(times, handles)
         if np.isnan(motion.handles_s[:, -1]).any():
-            self._raise_unreachable(self._checked(times), motion.handles_s)
+            raise self._unreachable(numbers("times", times).ravel(), motion.handles_s)
         return motion
 
     def motion_or_nan(self, times: ArrayLike, handles: int | None = None) -> ChainMotion:
         """The same, with nan as in `handles_s_or_nan`."""
-        t = self._checked(times)
+        t, travelled = self._travelled(times)
         number = self.dragon.handles if handles is None else whole("handles", handles, 1, self.dragon.handles)
-        heads = self.head_start + self.distance(t)
+        heads = self.head_start + travelled
         beyond = heads > self.curve.end_s
         if beyond.any():
             # Not past the end by rounding.
@@ -289,52 +272,47 @@ class March(Displayed):
     def speeds_by_difference(self, times: ArrayLike, step: float) -> Array:
         """Speeds (T, H) in m/s by the paper's forward difference over `step` s (eq. 15), for comparison.
 
-        The polar angle's rate of change is approximated by (theta(t + step) - theta(t)) / step, and the speed is that
-        rate times the arc length per radian. The error falls in proportion to `step`. The curve must be a spiral.
+        The curve must be a spiral: the speed is (theta(t + step) - theta(t)) / step times the arc length per radian.
         """
         positive("step", step, np.inf, "s")
-        t, curve = self._checked(times), self.curve
+        t, curve = numbers("times", times).ravel(), self.curve
         if not isinstance(curve, Spiral):
             raise ParameterError("curve", type(curve).__name__, "a Spiral, which has polar angles")
         now, later = curve.angle(self.handles_s(t)), curve.angle(self.handles_s(t + step))
         return np.asarray(curve.k * np.hypot(now, 1) * np.abs(later - now) / step)
 
-    def _checked(self, times: ArrayLike) -> Array:
-        """A copy of `times` as an array (T,) in s."""
+    def _travelled(self, times: ArrayLike) -> tuple[Array, Array]:
+        """A copy of `times` as an array (T,) in s, and the distances (T,) then, m."""
         t = numbers("times", times).flatten()
-        bad = ~np.isfinite(t)
-        if not bad.any():
-            with np.errstate(over="ignore"):
-                bad = self.distance(t) < -MAX_RETREAT
+        with np.errstate(over="ignore"):
+            travelled = self.distance(t)
+        bad = ~(np.isfinite(t) & (travelled >= -_MAX_RETREAT))
         if bad.any():
-            earliest = float(self.time(-MAX_RETREAT))
+            earliest = float(self.time(-_MAX_RETREAT))
             raise ParameterError("times", t[bad][0].item(), f"finite numbers, at least {earliest:g} s")
-        return t
+        return t, travelled
 
-    def _raise_unreachable(self, times: Array, coordinates: Array) -> None:
-        lost = np.isnan(coordinates)
-        affected = np.flatnonzero(lost.any(axis=1))
-        row = affected[np.argmin(times[affected])]
-        handle = int(np.argmax(lost[row]))
-        begin = self.curve.begin_s
-        if handle == 0 and self.distance(times[row]) < 0:
-            reason = f"the curve begins at t = {float(self.time(begin - self.head_start)):.6g} s"
-        elif handle == 0:
-            reason = f"the curve ends at t = {self.end:.6g} s"
+    def _unreachable(self, times: Array, handles_s: Array) -> UnreachableError:
+        """Error for the first time at which a handle has no coordinate, and the first such handle then."""
+        lost = np.isnan(handles_s)
+        affected = np.flatnonzero(lost[:, -1])
+        row = affected[times[affected].argmin()]
+        handle, begin = int(lost[row].argmax()), self.curve.begin_s
+        if handle == 0:
+            word, limit = ("begins", begin) if self.distance(times[row]) < 0 else ("ends", self.curve.end_s)
+            reason = f"the curve {word} at t = {float(self.time(limit - self.head_start)):.6g} s"
         else:
-            spacing, front = self.dragon.spacings[handle - 1], coordinates[row, handle - 1]
+            spacing, front = self.dragon.spacings[handle - 1], handles_s[row, handle - 1]
             reason = f"the curve bends too tightly for a spacing of {spacing:g} m"
             # The arc of a bench is at most half a circle.
-            if (
-                front - begin < np.pi / 2 * spacing
-                and np.hypot(*np.diff(self.curve.point([begin, front]), axis=0)[0]) < spacing
-            ):
+            near = front - begin < np.pi / 2 * spacing
+            if near and np.hypot(*np.diff(self.curve.point([begin, front]), axis=0)[0]) < spacing:
                 reason = f"the curve begins less than a spacing of {spacing:g} m behind handle {handle - 1}"
-        raise UnreachableError(float(times[row]), handle, reason)
+        return UnreachableError(float(times[row]), handle, reason)
 
 
 def check_march(value: object) -> None:
-    """Raise a ParameterError if `value` is not a march."""
+    """Raise a ParameterError if `value` is no march."""
     if not isinstance(value, March):
         raise ParameterError("march", value, "a March")
 

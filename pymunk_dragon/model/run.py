@@ -1,49 +1,59 @@
-"""Runs: what the engine or the exact model produced."""
+"""Runs, which the engine or the exact model produced, and their files.
+
+A file of a run is a NumPy archive (.npz) of arrays and of notes as JSON, read without trust in its contents.
+"""
 
 from __future__ import annotations
 
+import io
+import json
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import IO, Any, Literal, get_args
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
-from pymunk_dragon._arrays import Array, ArrayRecord, frozen, read_only
+from pymunk_dragon._arrays import Array, ArrayRecord, read_only
 from pymunk_dragon._checks import MAX_COORDINATE, numbers, word
 from pymunk_dragon._display import Displayed
+from pymunk_dragon._files import check_destination, written_in_place
 from pymunk_dragon._language import text
-from pymunk_dragon.errors import DragonError, ParameterError
-from pymunk_dragon.model.contact import Contact, ContactEvent, ContactLog, contact_text
+from pymunk_dragon.errors import DragonError, FileFormatError, ParameterError
+from pymunk_dragon.model.contact import Contact, ContactEvent, ContactLog, contact_text, read_contact
 from pymunk_dragon.model.dragon import pose_step
 from pymunk_dragon.model.march import March, check_march
-from pymunk_dragon.model.run_file import opened_archive, write_archive
 from pymunk_dragon.model.scenario import Scenario
 from pymunk_dragon.model.settings import EngineSettings, attributes_of, versions
 
 # How a run ended: at a contact, without one, or where the head has no coordinate on the curve.
 Outcome = Literal["contact", "clear", "unreachable"]
 
-# The first twelve benches are the ones that the head meets: their drift decides whether the first contact is the true
-# one.
+# The benches that the head meets: their drift decides whether the first contact is the true one.
 HEAD_BENCHES = 12
 # Types of a run's arrays. What needs no 16 digits has seven.
-KINDS = {
+_KINDS: dict[str, Any] = {
     "times": np.float64,
     "poses": np.float64,
     "drift": np.float32,
     "pose_velocities": np.float32,
     "joint_impulses": np.float32,
 }
+# Name and version of the format of files, the only one that is read.
+_FORMAT, _FORMAT_VERSION = "pymunk_dragon run", 2
+# Bytes that a file may unpack to, or this many times its size: positions of moving benches hardly get smaller by
+# packing, callbacks to a tenth.
+_MAX_UNPACKED, _MAX_RATIO = 512_000_000, 10
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Run(ArrayRecord, Displayed):
     """A dragon's run over F frames of N benches.
 
-    Two runs are equal if everything but the time that playing took is, every number to the last bit.
+    Two runs are equal if everything but the seconds that playing took is equal, to the last bit.
 
     Parameters
     ----------
@@ -55,12 +65,12 @@ class Run(ArrayRecord, Displayed):
         Pose of every bench: centre in m, angle in rad.
     drift : ndarray, shape (F, N)
         Position error of each bench's worse hole against the exact model, m; nan where the model has no state. This
-        and the next two arrays have single precision.
+        array and the next two have single precision.
     pose_velocities : ndarray, shape (F, N, 3), optional
         Rates of change of `poses`: m/s, m/s, rad/s. By default differences of the poses.
     joint_impulses : ndarray, shape (F, N - 1), optional
-        Size of the impulse in each pivot, N s, in the substep that ended at the frame, impacts included; pivot i joins
-        benches i and i + 1. None where no engine played.
+        Size of the impulse in the pivot of benches i and i + 1, N s, in the substep that ended at the frame, impacts
+        included. None where no engine played.
     events : ContactLog
         Every collision callback.
     first_contact : Contact, optional
@@ -68,22 +78,12 @@ class Run(ArrayRecord, Displayed):
     outcome : {"contact", "clear", "unreachable"}
         Whether a contact came, none came until the end, or the curve ended first.
     provenance : mapping
-        Player, settings and versions, as JSON values: the attributes below are read from it. Other entries are kept.
+        JSON values, of which the attributes below are read: `player` ("pymunk" or "exact"), `guide`, `settings` (an
+        `EngineSettings` with the numbers that were used), `start` in s, number of `substeps`, `versions` of Python and
+        libraries. What is unknown is None.
     wall_seconds, step_seconds : float, optional
         Duration of the stepping loop, and of the engine's steps in it, s. Not saved, so that the same scenario gives
         the same file.
-
-    Attributes
-    ----------
-    player : str or None
-        "pymunk" or "exact"; None if unknown.
-    guide, settings, substeps
-        Name of the engine's guide, `EngineSettings` with the numbers that were used, and number of substeps; None where
-        no engine played.
-    start : float
-        Time at which the run began, s.
-    versions : mapping
-        Versions of Python and of the libraries that decide the numbers.
 
     Examples
     --------
@@ -91,10 +91,6 @@ class Run(ArrayRecord, Displayed):
     >>> run = simulate(March(Dragon(benches=16)), start=411)
     >>> run
     Run(16 benches, 16 frames from 411 s to 412.474 s, contact)
-    >>> print(run)  # doctest: +ELLIPSIS
-    first contact at t = 412.47... s: benches 0 and 8 at (...) m
-    drift 0.00... mm in the first twelve benches, 0.00... mm anywhere
-    ... times as fast as real time
     >>> run.player, run.guide, run.settings.iterations, run.substeps
     ('pymunk', 'rails', 10, 74)
     >>> run.poses_at([411.05, 411.15]).shape
@@ -127,17 +123,21 @@ class Run(ArrayRecord, Displayed):
             raise ParameterError("times", self.times, "finite and rising, one or more")
         if self.pose_velocities is None:
             object.__setattr__(self, "pose_velocities", _differences(times, numbers("poses", self.poses, 3)))
-        for name, shape in _shapes(self.march, times.size).items():
+        frames, benches = times.size, self.march.dragon.benches
+        shapes = [(frames,), (frames, benches, 3), (frames, benches), (frames, benches, 3), (frames, benches - 1)]
+        for (name, kind), shape in zip(_KINDS.items(), shapes, strict=True):
             if name != "joint_impulses" or self.joint_impulses is not None:
                 # A copy, because the caller may change the array.
-                array = np.array(numbers(name, getattr(self, name)), dtype=KINDS[name])
+                array = np.array(numbers(name, getattr(self, name)), dtype=kind)
                 if array.shape != shape:
                     raise ParameterError(f"the shape of a run's {name}", array.shape, f"{shape}, as its march wants")
+                limit = MAX_COORDINATE if name == "poses" else np.finfo(kind).max
+                if name != "drift" and not (np.abs(array) <= limit).all():
+                    raise ParameterError(name, array, f"finite and within {limit:g}")
                 object.__setattr__(self, name, read_only(array))
-        if not (np.abs(self.poses) <= MAX_COORDINATE).all():
-            raise ParameterError("poses", self.poses, f"finite and within {MAX_COORDINATE:g} m")
         word("outcome", self.outcome, get_args(Outcome))
-        object.__setattr__(self, "provenance", frozen(self.provenance))
+        # A copy, and lists for tuples, as in a file.
+        object.__setattr__(self, "provenance", json.loads(json.dumps(self.provenance)))
         for name, value in attributes_of(self.provenance, float(self.times[0])).items():
             object.__setattr__(self, name, value)
 
@@ -146,7 +146,6 @@ class Run(ArrayRecord, Displayed):
         return f"Run({self.march.dragon.benches} benches, {frames}, {self.outcome})"
 
     def __str__(self) -> str:
-        """First contact, drift and speed of the engine, and contact windows if the run went on after contacts."""
         touch, until = self.first_contact, float(self.times[-1])
         if touch is not None:
             status = "overlapping" if touch.time <= self.start else self.outcome
@@ -156,27 +155,28 @@ class Run(ArrayRecord, Displayed):
         else:
             lines = [contact_text(self.outcome, None, None, until)]
         if self.player != "exact":
-            head, largest, speed = 1e3 * self.head_drift, 1e3 * self.max_drift, self.to_dict()["realtime_factor"]
             drift = text("drift {head:.3f} mm in the first twelve benches, {largest:.3f} mm anywhere")
-            lines.append(drift.format(head=head, largest=largest))
-            if speed is not None:
+            lines.append(drift.format(head=1e3 * self.head_drift, largest=1e3 * self.max_drift))
+            if speed := self.to_dict()["realtime_factor"]:
                 lines.append(text("{speed:.1f} times as fast as real time").format(speed=speed))
         if self.settings is not None and self.settings.contacts != "stop":
             lines.append(str(self.events))
         return "\n".join(lines)
 
     def to_dict(self) -> dict[str, Any]:
-        """Result of the run as JSON values, as `simulate --json` prints it; None for what is unknown.
+        """Result of the run as JSON values in SI units, as `simulate --json` prints it; None for what is unknown.
 
-        Times are in s and drifts in m. `realtime_factor` is the simulated time over the wall time, `driver_overhead`
-        the time of the stepping loop outside the engine over that inside.
+        `realtime_factor` is the simulated time over the wall time, and `driver_overhead` the time of the stepping loop
+        outside the engine over that inside.
         """
         wall, stepping = self.wall_seconds, self.step_seconds
+        drift = {"head": self.head_drift, "max": self.max_drift}
         simulated = self.substeps * self.substep if self.substeps and self.substep else None
         return {
             "status": self.outcome,
             "first_contact": asdict(self.first_contact) if self.first_contact else None,
-            "drift": {"head": _known(self.head_drift), "max": _known(self.max_drift)},
+            # JSON has no nan.
+            "drift": {name: None if math.isnan(value) else value for name, value in drift.items()},
             "start": self.start,
             "until": float(self.times[-1]),
             "substep": self.substep,
@@ -217,24 +217,23 @@ class Run(ArrayRecord, Displayed):
     @property
     def head_drift(self) -> float:
         """Largest drift of the first twelve benches, m."""
-        return _largest(self.drift[:, :HEAD_BENCHES])
+        return float(np.fmax.reduce(self.drift[:, :HEAD_BENCHES], axis=None, initial=np.nan))
 
     @property
     def max_drift(self) -> float:
         """Largest drift of any bench, m."""
-        return _largest(self.drift)
+        return float(np.fmax.reduce(self.drift, axis=None, initial=np.nan))
 
     def poses_at(self, times: ArrayLike) -> Array:
         """Poses (T, N, 3) at any times, s: m, m, rad. Before and after the run, those of its first and last frame.
 
-        Between two frames, centres and angles are cubic Hermite polynomials of time. The error is at most the interval
-        to the fourth times the fourth derivative over 384: 0.02 um for a head on a turn of 2.3 m radius at 1 m/s and
-        frames 0.1 s apart. An impact between two frames is not represented.
+        Between two frames, they are cubic Hermite polynomials of time, with an error of at most the interval to the
+        fourth times the fourth derivative over 384, but for an impact between them: 0.02 um on a turn of 2.3 m radius.
         """
         return self._motion_at(times)[0]
 
     def pose_velocities_at(self, times: ArrayLike) -> Array:
-        """Rates of change (T, N, 3) of `poses_at`: m/s, m/s, rad/s. Before and after the run, those of its ends."""
+        """Rates of change (T, N, 3) of `poses_at`: m/s, m/s, rad/s."""
         return self._motion_at(times)[1]
 
     def _motion_at(self, times: ArrayLike) -> tuple[Array, Array]:
@@ -252,19 +251,7 @@ class Run(ArrayRecord, Displayed):
         return poses, 6 * s * (1 - s) * step / divisor + (1 - s) * (1 - 3 * s) * v0 + s * (3 * s - 2) * v1
 
     def save(self, path: str | Path | IO[bytes]) -> None:
-        """Write the run as a NumPy archive (.npz, no pickle); an interrupted save leaves the old file or none.
-
-        Parameters
-        ----------
-        path : path or binary file
-            File to write, or an open one.
-
-        Raises
-        ------
-        ParameterError
-            If the ending is not .npz, the folder cannot be written, or the march fails `check_saveable`.
-        OutputError
-            If writing fails.
+        """Write the run to a path that ends in .npz, or an open file; an interrupted save leaves the old file or none.
 
         Examples
         --------
@@ -281,7 +268,7 @@ class Run(ArrayRecord, Displayed):
             "events": [asdict(event) for event in self.events],
             "provenance": dict(self.provenance),
         }
-        arrays = {name: getattr(self, name) for name in _shapes(self.march, len(self.times))}
+        arrays = {name: getattr(self, name) for name in _KINDS}
         write_archive(path, notes, {name: array for name, array in arrays.items() if array is not None})
 
     @classmethod
@@ -289,43 +276,24 @@ class Run(ArrayRecord, Displayed):
         """Read a run that `save` wrote; a file that is damaged or of another format raises a FileFormatError."""
         with opened_archive(path) as (notes, stored):
             march = Scenario.from_dict(notes["scenario"], files=False).march()
-            arrays: dict[str, Any] = {
-                name: stored[name] for name in KINDS if name != "joint_impulses" or name in stored
-            }
-            for name, array in arrays.items():
-                if array.dtype != KINDS[name] or not (name == "drift" or np.isfinite(array).all()):
-                    raise DragonError(f"its {name} are not finite numbers of the type {KINDS[name].__name__}")
-            events = ContactLog(tuple(ContactEvent._from_dict(event) for event in notes["events"]))
-            first = None if notes["first_contact"] is None else Contact._from_dict(notes["first_contact"])
-            last = max((item.benches[1] for item in (*events, first) if item is not None), default=0)
-            if last >= march.dragon.benches:
-                raise DragonError(f"it has a contact of bench {last}, but its scenario {march.dragon.benches} benches")
+            first, benches = notes["first_contact"], march.dragon.benches
+            names = [name for name in _KINDS if name != "joint_impulses" or name in stored]
+            arrays: dict[str, Any] = {name: stored[name] for name in names}
+            for name in arrays:
+                if arrays[name].dtype != _KINDS[name]:
+                    raise DragonError(f"its {name} are not of the type {_KINDS[name].__name__}")
             return cls(
                 march=march,
                 **arrays,
-                events=events,
-                first_contact=first,
+                events=ContactLog(read_contact(ContactEvent, event, benches) for event in notes["events"]),
+                first_contact=None if first is None else read_contact(Contact, first, benches),
                 outcome=notes["outcome"],
                 provenance=dict(notes["provenance"]),
             )
 
 
-def _shapes(march: March, frames: int) -> dict[str, tuple[int, ...]]:
-    """Shapes of a run's arrays."""
-    benches = march.dragon.benches
-    return {
-        "times": (frames,),
-        "poses": (frames, benches, 3),
-        "drift": (frames, benches),
-        "pose_velocities": (frames, benches, 3),
-        "joint_impulses": (frames, benches - 1),
-    }
-
-
 def check_saveable(march: March) -> None:
-    """Check that a run of a march can be saved, before the run is made.
-
-    Every curve of the package can be saved, and a class of your own that is a dataclass with a ``kind``.
+    """Check that runs of a march can be saved: its curve is of the package, or a dataclass with a ``kind``.
 
     Examples
     --------
@@ -333,6 +301,47 @@ def check_saveable(march: March) -> None:
     >>> check_saveable(March())
     """
     Scenario.of(march)
+
+
+def write_archive(path: str | Path | IO[bytes], notes: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> None:
+    """Write arrays and notes, to a path or an open file; an interrupted write leaves the old file or none."""
+    whole = {"format": _FORMAT, "format_version": _FORMAT_VERSION, **notes}
+    contents: dict[str, Any] = {"notes": np.frombuffer(json.dumps(whole).encode(), dtype=np.uint8), **arrays}
+    if isinstance(path, str | Path):
+        with written_in_place(check_destination(path, [".npz"])) as draft, draft.open("wb") as file:
+            np.savez_compressed(file, **contents)
+    elif hasattr(path, "write"):
+        np.savez_compressed(path, **contents)
+    else:
+        raise ParameterError("output", path, "a path or an open file")
+
+
+@contextmanager
+def opened_archive(path: str | Path, name: str = "run") -> Iterator[tuple[dict[str, Any], Mapping[str, NDArray[Any]]]]:
+    """Notes and arrays in a file of `write_archive`; what is raised inside is the fault of its contents."""
+    try:
+        file = Path(path).open("rb")  # noqa: SIM115 (closed below, where what is wrong is the content)
+    except (OSError, ValueError, TypeError) as error:
+        reason = (isinstance(error, OSError) and error.strerror) or error
+        raise ParameterError(name, str(path), f"a readable file ({reason})") from error
+    try:
+        # Of a pipe, whose end may never come, no more than a run can hold.
+        content = file if file.seekable() else io.BytesIO(file.read(_MAX_UNPACKED))
+        with file, np.load(content, allow_pickle=False) as archive:
+            size = content.seek(0, io.SEEK_END)
+            unpacked = sum(member.file_size for member in archive.zip.infolist())
+            if unpacked > max(_MAX_UNPACKED, _MAX_RATIO * size):
+                raise DragonError(f"its {size} bytes unpack to {unpacked}, and no run does that")
+            notes = json.loads(archive["notes"].tobytes())
+            if (notes["format"], notes["format_version"]) != (_FORMAT, _FORMAT_VERSION):
+                found = f"{notes['format']} {notes['format_version']}"
+                raise DragonError(f"its format is {found}, and this version reads {_FORMAT} {_FORMAT_VERSION}")
+            yield notes, archive
+    except DragonError as error:
+        raise FileFormatError(path, f"a damaged run: {error}") from error
+    except Exception as error:
+        # A damaged archive makes zipfile, its decompressors, NumPy and JSON raise nearly anything.
+        raise FileFormatError(path, "no run of pymunk_dragon, or a damaged one") from error
 
 
 def _differences(times: Array, poses: Array) -> Array:
@@ -344,13 +353,3 @@ def _differences(times: Array, poses: Array) -> Array:
     poses[..., 2] = np.unwrap(poses[..., 2], axis=0)
     rates: Array = np.gradient(poses, known, axis=0, edge_order=2 if known.size > 2 else 1)[frames]
     return rates
-
-
-def _largest(drift: Array) -> float:
-    known = drift[np.isfinite(drift)]
-    return float(known.max()) if known.size else float("nan")
-
-
-def _known(value: float) -> float | None:
-    """JSON has no nan."""
-    return None if math.isnan(value) else value

@@ -1,9 +1,8 @@
 """Scenarios: what a user chooses, by flags or in a TOML file, and from which the march is made.
 
-Every command takes the same dragon and curve as flags (`--benches`, `--head-spacing`, `--body-spacing`, `--overhang`,
-`--width`, `--curve`, `--pitch`, `--turns`, `--radius`, `--ratio`, `--speed`), or as a file (`--scenario FILE.toml`;
-flags win). A file can hold more than flags. Sizes may be lists with one value for each bench, the speed a table or
-the name of a CSV file, and the curve a path through points or their CSV file:
+Every command takes a dragon, a curve and a speed as flags, or as a file (`--scenario FILE.toml`; flags win). In a file,
+sizes may be lists with one value for each bench, the speed a table or the name of a CSV file, and the curve a path
+through points or their CSV file:
 
 ```toml
 # tractor.toml
@@ -20,8 +19,8 @@ $ pymunk-dragon contact --scenario tractor.toml
 $ pymunk-dragon render --scenario tractor.toml -o tractor.gif --speedup 5
 ```
 
-A file may also have nested tables of the dragon, the curve and the speed, as saved runs contain them. Any curve is a
-table with its kind and its parameters. This one goes straight, round to the left, and back:
+Any curve is a table with its kind and its parameters, and the dragon may be one. This curve goes straight, round to the
+left, and back, as `Composite([Line(...), Arc(...), Line(...)])` in Python:
 
 ```toml
 # hairpin.toml
@@ -39,8 +38,6 @@ pieces = [
 ```console
 $ pymunk-dragon contact --scenario hairpin.toml
 ```
-
-In Python the same curve is `Composite([Line(...), Arc(...), Line(...)])`.
 """
 
 from __future__ import annotations
@@ -58,45 +55,38 @@ from pymunk_dragon.model.curves import Curve, Sampled
 from pymunk_dragon.model.curves.base import parameters_of
 from pymunk_dragon.model.dragon import Dragon, Sizes
 from pymunk_dragon.model.march import March, check_march
-from pymunk_dragon.model.speed import SpeedTable, speed_of
-
-__all__ = ["Scenario"]
+from pymunk_dragon.model.speed import SpeedTable
 
 # A key such as a.b.c of so many parts that tomllib, whose time grows with their square, would take minutes.
-LONG_KEY = re.compile(r"""(?<![\w-])(?:(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){20}""")
+_LONG_KEY = re.compile(r"""(?<![\w-])(?:(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){20}""")
 # What a file of points or of speeds is called.
-CSV = ".csv"
+_CSV = ".csv"
 # Names of the dragon's parameters: in the table `dragon` of a file, or at its top level.
-DRAGON = tuple(f.name for f in fields(Dragon))
+_DRAGON = tuple(f.name for f in fields(Dragon))
 # Kind of the curve of a scenario that names none.
-DEFAULT_CURVE = "spiral"
+_DEFAULT_CURVE = "spiral"
 # Parameters of curves that may stand at the top level of a file, beside the name of the curve.
-SHORT = ("pitch", "rotation", "mirrored", "outward", "radius", "ratio", "points")
+_SHORT = ("pitch", "rotation", "mirrored", "outward", "radius", "ratio", "points")
 
-# One speed, or times in s and speeds in m/s.
-Speeds = float | tuple[tuple[float, float], ...]
-Points = tuple[tuple[float, float], ...]
+# Points x, y in m, or times in s and speeds in m/s.
+_Pairs = tuple[tuple[float, float], ...]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Scenario:
-    """A dragon on a curve, as plain values; the defaults are the paper's.
-
-    What a curve does not have is None. Values given as None are left to their defaults.
+    """A dragon on a curve, as plain values; the defaults are the paper's, and what a curve does not have is None.
 
     Parameters
     ----------
-    benches, head_spacing, body_spacing, overhang, width
-        As in `Dragon`.
+    benches, head_spacing, body_spacing, overhang, width, turns, start_s
+        As in `Dragon` and `March`.
     curve : str, Curve or mapping
         "spiral", "u-turn", "sampled" for a `Sampled` path through `points`, or a CSV file of these points. Any other
         registered curve is given as itself or as a table, ``{kind = "line", start = [0, 0], stop = [40, 0]}`` in
         TOML; the tables of a `Composite` are its ``pieces``.
     pitch, rotation, mirrored, outward, radius, ratio, points
         As in `Spiral`, `UTurn` and `Sampled`.
-    turns, start_s : float
-        As in `March`.
-    speed : float, or sequence of (float, float)
+    speed : float, sequence of (float, float) or str
         In m/s, as in `March`, or a table of times in s and speeds in m/s, or a CSV file of it.
 
     Examples
@@ -117,10 +107,10 @@ class Scenario:
     outward: bool | None = None
     radius: float | None = None
     ratio: float | None = None
-    points: Points | None = None
+    points: _Pairs | None = None
     turns: float | None = None
     start_s: float | None = None
-    speed: Speeds | str = 1.0
+    speed: float | _Pairs | str = 1.0
 
     def __post_init__(self) -> None:
         for name, value in (dict.fromkeys(vars(self)) | _values(self.march())).items():
@@ -134,9 +124,8 @@ class Scenario:
 
     @classmethod
     def from_dict(cls, values: Mapping[str, Any], *, files: bool = True) -> Scenario:
-        """Scenario from nested tables, as `to_dict` gives them, or from the names of all parameters.
+        """Scenario from the names of all parameters, or from tables `dragon` and `curve` as `to_dict` gives them.
 
-        The table `dragon` has the parameters of a `Dragon`, the table `curve` the kind and the parameters of a curve.
         Parameters at the top level have precedence. `files` is whether a curve or a speed may be the name of a file.
 
         Examples
@@ -144,7 +133,13 @@ class Scenario:
         >>> Scenario.from_dict({"dragon": {"benches": 5}, "curve": {"kind": "u-turn", "ratio": 3}}).radius
         4.5
         """
-        flat = _with_table(flat_values(values))
+        flat = flat_values(values)
+        flags = [name for name in flat if name in {*_SHORT}.union(*(kind.flags for kind in Curve.kinds.values()))]
+        curve = flat.get("curve")
+        if isinstance(curve, Mapping) or not set(flags) <= set(_SHORT):
+            # Flags of curves that are no parameters of a `Scenario` are entries of a table.
+            table = curve if isinstance(curve, Mapping) else {"kind": curve or _DEFAULT_CURVE}
+            flat["curve"] = {**table, **{name: flat.pop(name) for name in flags}}
         known = [f.name for f in fields(cls)]
         for name, value in flat.items():
             if name not in known:
@@ -156,35 +151,30 @@ class Scenario:
 
     @classmethod
     def read(cls, path: str | Path) -> dict[str, Any]:
-        """Names and values in a TOML file of a scenario. `from_dict` checks them, after flags have replaced some.
-
-        A file that it names lies beside it, unless it says where.
-        """
+        """Names and values in a TOML file, for `from_dict`; a file that it names lies beside it."""
         import tomllib
 
         content = read_text(path, "scenario")
         try:
-            if LONG_KEY.search(content):
+            if _LONG_KEY.search(content):
                 raise ValueError("a key has more parts than that of any parameter")
             values = flat_values(tomllib.loads(content))
         except ParameterError:
             raise
-        except (ValueError, RecursionError) as error:
-            # Beside its own error, tomllib lets through those of a number of thousands of digits and of brackets in
-            # thousands of brackets.
+        except (ValueError, RecursionError) as error:  # also of thousands of digits, or of nested brackets
             raise FileFormatError(path, f"no TOML file: {error}") from error
         files = [name for name in ("curve", "speed") if _is_file(values.get(name))]
         return values | {name: str(Path(path).parent / values[name]) for name in files}
 
     def march(self) -> March:
         """The march that these values describe."""
-        dragon = Dragon(**{name: getattr(self, name) for name in DRAGON})
+        dragon = Dragon(**{name: getattr(self, name) for name in _DRAGON})
         speed: Any = self.speed
         if _is_file(speed):
             speed = SpeedTable.read(speed)
         elif isinstance(speed, list | tuple):
             if not speed or not all(isinstance(row, list | tuple) and len(row) == 2 for row in speed):
-                bound = f"a number in m/s, a table of [s, m/s], or a file of one, which ends in {CSV}"
+                bound = f"a number in m/s, a table of [s, m/s], or a file of one, which ends in {_CSV}"
                 raise ParameterError("speed", speed, bound)
             speed = SpeedTable(*zip(*speed, strict=True))
         return March(dragon, self._curve(), turns=self.turns, start_s=self.start_s, speed=speed)
@@ -206,20 +196,21 @@ class Scenario:
         return flat_values(self.to_dict())
 
     def _curve(self) -> Curve:
-        given = {name: getattr(self, name) for name in SHORT if getattr(self, name) is not None}
+        given = {name: getattr(self, name) for name in _SHORT if getattr(self, name) is not None}
         kind: Any = self.curve
+        whole = isinstance(kind, Mapping | Curve)
         for name, value in given.items():
-            if isinstance(kind, Mapping | Curve) or (name == "points" and _is_file(kind)):
+            if whole or (name == "points" and _is_file(kind)):
                 raise ParameterError(name, value, "absent where the curve is a table or a file, which has it")
-        if isinstance(kind, Mapping | Curve):
+        if whole:
             return kind if isinstance(kind, Curve) else Curve.from_dict(kind)
         if kind is None:
-            kind = "sampled" if "points" in given else DEFAULT_CURVE
+            kind = "sampled" if "points" in given else _DEFAULT_CURVE
         elif _is_file(kind):
             kind, given["points"] = "sampled", Sampled.read(kind).points
         if not (isinstance(kind, str) and kind in Curve.kinds):
             known = named_curves()
-            bound = f"a name, {' or '.join(known)}, a file of points, which ends in {CSV}, or a table with its kind"
+            bound = f"a name, {' or '.join(known)}, a file of points, which ends in {_CSV}, or a table with its kind"
             raise ParameterError("curve", kind, bound + did_you_mean(kind, known))
         try:
             return Curve.from_dict({"kind": kind} | given)
@@ -230,55 +221,40 @@ class Scenario:
 def named_curves() -> list[str]:
     """Kinds of curves that a name alone describes, the default first: all their parameters have defaults."""
     named = [kind for kind, cls in Curve.kinds.items() if not any(parameters_of(cls).values())]
-    return sorted(named, key=lambda kind: kind != DEFAULT_CURVE)
-
-
-def _with_table(flat: dict[str, Any]) -> dict[str, Any]:
-    """`flat` with a table as the curve, if it has flags of curves that are no parameters of a `Scenario`."""
-    curve = flat.get("curve")
-    table = curve if isinstance(curve, Mapping) else {"kind": DEFAULT_CURVE if curve is None else curve}
-    kind = table.get("kind")
-    if not (isinstance(kind, str) and kind in Curve.kinds):
-        return flat
-    # A flag that only other kinds have is refused with the names of these.
-    others = {name for cls in Curve.kinds.values() for name in cls.flags} - set(SHORT)
-    own = {name: flat[name] for name in (*Curve.kinds[kind].flags, *others) if name in flat}
-    if set(own) <= set(SHORT) and table is not curve:
-        return flat
-    return {name: value for name, value in flat.items() if name not in own} | {"curve": {**table, **own}}
+    return sorted(named, key=lambda kind: kind != _DEFAULT_CURVE)
 
 
 def flat_values(values: Mapping[str, Any]) -> dict[str, Any]:
     """Values by the names of the parameters of a `Scenario`, from nested tables or from such values."""
     if not isinstance(values, Mapping):
         raise ParameterError("scenario", values, "a mapping of names and values")
-    flat = dict(values)
-    dragon = flat.pop("dragon", {})
+    flat = {name: value for name, value in values.items() if name != "dragon"}
+    dragon = values.get("dragon", {})
     if not isinstance(dragon, Mapping):
         raise ParameterError("dragon", dragon, "a table with parameters of the dragon")
     for name, value in dragon.items():
-        if name not in DRAGON:
-            raise ParameterError(f"dragon.{name}", value, "absent: the parameters are " + ", ".join(DRAGON))
+        if name not in _DRAGON:
+            raise ParameterError(f"dragon.{name}", value, "absent: the parameters are " + ", ".join(_DRAGON))
     curve = flat.get("curve")
-    if isinstance(curve, Mapping) and set(curve) <= {"kind", *SHORT}:
-        kind = curve.get("kind")
+    if isinstance(curve, Mapping) and set(curve) <= {"kind", *_SHORT}:
+        parameters = dict(curve)
+        kind = parameters.pop("kind", None)
         if isinstance(kind, str) and not _is_file(kind):
-            parameters = {name: value for name, value in curve.items() if name != "kind"}
             return {**dragon, **parameters, **flat, "curve": kind}
     return {**dragon, **flat}
 
 
 def _values(march: March) -> dict[str, Any]:
     """Names and values of a scenario that makes `march`."""
-    speed = speed_of(march.speed)
+    speed = march.speed
     curve = flat_values({"curve": march.curve.to_dict()})
     if not isinstance(curve["curve"], str):
         curve = {"curve": march.curve}
     elif "points" in curve:
         curve["points"] = tuple(map(tuple, curve["points"]))
-    table = tuple(zip(speed.times, speed.speeds, strict=True)) if isinstance(speed, SpeedTable) else speed.value
+    table = tuple(zip(speed.times, speed.speeds, strict=True)) if isinstance(speed, SpeedTable) else speed
     return asdict(march.dragon) | curve | {"turns": march.turns, "start_s": march.start_s, "speed": table}
 
 
 def _is_file(value: object) -> bool:
-    return isinstance(value, str | Path) and Path(value).suffix.lower() == CSV
+    return isinstance(value, str | Path) and Path(value).suffix.lower() == _CSV

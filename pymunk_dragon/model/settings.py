@@ -6,7 +6,7 @@ import math
 import platform
 import sys
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import asdict, dataclass, fields, replace
 from importlib.metadata import version
 from typing import Any, Literal, get_args
 
@@ -16,21 +16,16 @@ from pymunk_dragon.errors import ParameterError
 # Response to contacts: end the run, go on and record them, or let the engine push the benches apart.
 Contacts = Literal["stop", "report", "resolve"]
 
-# Metres that the head travels in one substep. The docstring of `physics` has the drift and time error of other values.
-STRIDE = 1 / 50
-# Solver iterations per substep, chosen with `STRIDE`.
-ITERATIONS = 10
-# The same where contacts are resolved. The docstring of `physics` has the joint gaps and depths.
-RESOLVE_STRIDE = 1 / 200
-# The same: contact forces load the joints, and with 10 iterations gaps are five times as wide.
-RESOLVE_ITERATIONS = 60
+# Metres that the head travels in one substep, and solver iterations in it. The docstring of `physics` has the drift and
+# time error of other values.
+STRIDE, ITERATIONS = 1 / 50, 10
+# The same where contacts are resolved: contact forces load the joints, and with 10 iterations gaps are five times as
+# wide.
+_RESOLVE_STRIDE, _RESOLVE_ITERATIONS = 1 / 200, 60
 # The same for a drift below a micrometre on the reference march.
-FINE_STRIDE = 1 / 400
-FINE_ITERATIONS = 60
-# Longer substeps skip over a bench, m.
-MAX_STRIDE = 0.1
-# Shorter substeps take days for a march, m.
-MIN_STRIDE = 1e-5
+FINE_STRIDE, FINE_ITERATIONS = 1 / 400, 60
+# m. Longer substeps skip over a bench; shorter ones than the least take days for a march.
+MAX_STRIDE, _MIN_STRIDE = 0.1, 1e-5
 # Metres that the head travels between recorded frames; between them poses are interpolated to a micrometre.
 FRAME_STRIDE = 0.1
 # Ground drag, per metre marched (per second at 1 m/s). Pymunk corrects joint errors at a rate of 6.3 per second
@@ -39,17 +34,12 @@ FRAME_STRIDE = 0.1
 # third with any drag from 5 to 20 (tests/bench/bench_drift.py).
 DRAG = 11.5
 # Largest force of the head's motor, in units of the ground drag on what the head has to pull.
-HEAD_FORCE = 2.0
-# Per metre marched: at 1e4 a body keeps nothing of its velocity in a substep of 10 mm.
-MAX_DRAG = 1e4
+_HEAD_FORCE = 2.0
 # More sweeps per substep than any chain needs to converge.
-MAX_ITERATIONS = 100_000
-# N: the weight of a hundred thousand tonnes, which no head needs.
-MAX_FORCE = 1e9
-# s: no substep and no frame interval is longer.
-MAX_INTERVAL = 1e9
-# Settings that `provenance` holds only where they are not their defaults, for files as they have always been.
-OPTIONAL_SETTINGS = ("head_force", "drag", "frame_interval")
+_MAX_ITERATIONS = 100_000
+# Largest values, and units. With the largest drag a body keeps nothing of its velocity in a substep of 10 mm; the
+# largest force is the weight of a hundred thousand tonnes.
+_LIMITS = {"substep": (1e9, "s"), "drag": (1e4, "per metre"), "frame_interval": (1e9, "s"), "head_force": (1e9, "N")}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -91,41 +81,28 @@ class EngineSettings:
 
     def __post_init__(self) -> None:
         word("contacts", self.contacts, get_args(Contacts))
-        checked: dict[str, float] = {"drag": positive("drag", self.drag, MAX_DRAG, "per metre")}
+        if self.head_force is not None and self.contacts != "resolve":
+            raise ParameterError("head_force", self.head_force, "absent unless contacts are resolved")
+        for name, (high, unit) in _LIMITS.items():
+            if (value := getattr(self, name)) is not None or name == "drag":
+                object.__setattr__(self, name, positive(name, value, high, unit))
         if self.iterations is not None:
-            checked["iterations"] = whole("iterations", self.iterations, 1, MAX_ITERATIONS)
-        for name in ("substep", "frame_interval"):
-            if (value := getattr(self, name)) is not None:
-                checked[name] = positive(name, value, MAX_INTERVAL, "s")
-        if self.head_force is not None:
-            if self.contacts != "resolve":
-                raise ParameterError("head_force", self.head_force, "absent unless contacts are resolved")
-            checked["head_force"] = positive("head_force", self.head_force, MAX_FORCE, "N")
-        for name, value in checked.items():
-            object.__setattr__(self, name, value)
+            object.__setattr__(self, "iterations", whole("iterations", self.iterations, 1, _MAX_ITERATIONS))
 
     def resolved(self, *, top_speed: float, pulled_mass: float) -> EngineSettings:
         """The settings with numbers for `substep`, `iterations` and, where contacts are resolved, for `head_force`.
 
         `top_speed` is the highest one of the head, m/s, and `pulled_mass` that of the benches on which the head has to
         balance the ground drag, kg. In a substep the head may travel from 0.01 mm to 0.1 m.
-
-        Examples
-        --------
-        >>> EngineSettings().resolved(top_speed=2.0, pulled_mass=20.0).substep
-        0.01
         """
         positive("top_speed", top_speed, math.inf, "m/s")
-        resolves = self.contacts == "resolve"
-        substep, iterations, force = self.substep, self.iterations, self.head_force
-        if substep is None:
-            substep = (RESOLVE_STRIDE if resolves else STRIDE) / top_speed
-        if iterations is None:
-            iterations = RESOLVE_ITERATIONS if resolves else ITERATIONS
+        resolves, force = self.contacts == "resolve", self.head_force
+        stride, iterations = (_RESOLVE_STRIDE, _RESOLVE_ITERATIONS) if resolves else (STRIDE, ITERATIONS)
+        substep = stride / top_speed if self.substep is None else self.substep
         if force is None and resolves:
-            force = HEAD_FORCE * self.drag * top_speed**2 * finite("pulled_mass", pulled_mass, 0, math.inf, "kg")
-        finite("substep", substep, MIN_STRIDE / top_speed, MAX_STRIDE / top_speed, "s")
-        return replace(self, substep=substep, iterations=iterations, head_force=force)
+            force = _HEAD_FORCE * self.drag * top_speed**2 * finite("pulled_mass", pulled_mass, 0, math.inf, "kg")
+        finite("substep", substep, _MIN_STRIDE / top_speed, MAX_STRIDE / top_speed, "s")
+        return replace(self, substep=substep, iterations=self.iterations or iterations, head_force=force)
 
 
 def check_settings(value: object) -> None:
@@ -146,23 +123,20 @@ def engine_provenance(
     """The `provenance` of a run of the engine from `start` to at most `until`, s."""
     values = {"player": "pymunk", "guide": guide, "contacts": settings.contacts, "start": start, "until": until}
     values |= {"substep": settings.substep, "iterations": settings.iterations, "substeps": substeps}
-    given = {name: getattr(settings, name) for name in OPTIONAL_SETTINGS}
-    changed = {name: value for name, value in given.items() if value != getattr(EngineSettings, name)}
-    return values | {"versions": versions()} | changed
+    # Other settings only where they are not their defaults.
+    changed = {name: value for name, value in asdict(settings).items() if value != getattr(EngineSettings, name)}
+    return {**values, "versions": versions(), **changed}
 
 
 def attributes_of(provenance: Mapping[str, Any], start: float) -> dict[str, Any]:
     """Attributes of a run from its `provenance`; `start` is that of its first frame, s."""
-    for name, kind, words in (("player", str, "a text"), ("guide", str, "a text"), ("versions", Mapping, "a mapping")):
-        if provenance.get(name) is not None and not isinstance(provenance[name], kind):
-            raise ParameterError(name, provenance[name], words)
+    known = {name: provenance.get(name) for name in ("player", "guide", "substeps", "versions")}
+    for name, kind in (("player", str), ("guide", str), ("versions", Mapping)):
+        if not isinstance(known[name], kind | None):
+            raise ParameterError(name, known[name], "a text" if kind is str else "a mapping")
+    if known["substeps"] is not None:
+        whole("substeps", known["substeps"], 0, sys.maxsize)
     settings = {f.name: provenance[f.name] for f in fields(EngineSettings) if f.name in provenance}
-    substeps = provenance.get("substeps")
-    return {
-        "player": provenance.get("player"),
-        "guide": provenance.get("guide"),
-        "settings": EngineSettings(**settings) if settings else None,
-        "start": finite("start", provenance.get("start", start), -math.inf, math.inf, "s"),
-        "substeps": None if substeps is None else whole("substeps", substeps, 0, sys.maxsize),
-        "versions": provenance.get("versions") or {},
-    }
+    start = finite("start", provenance.get("start", start), -math.inf, math.inf, "s")
+    read = {"settings": EngineSettings(**settings) if settings else None, "start": start}
+    return {**known, **read, "versions": known["versions"] or {}}
