@@ -2,7 +2,8 @@
 
 `simulate` plays a march in Pymunk. Each bench is a rigid body with the shape of the bench, and a `PivotJoint` at each
 hole chains it to the next one. The head is moved along its path; the dancers (`guide="rails"`) keep every hole on the
-path.
+path. With a head that only pulls (`--guide none`) the dragon straightens, and bench 1 runs into bench 28 after 10.9 s.
+A guide of your own is derived from `PathGuide`.
 
 ```console
 $ pymunk-dragon simulate --from 400 -o run.npz
@@ -11,25 +12,17 @@ drift 0.003 mm in the first twelve benches, 0.028 mm anywhere
 79.7 times as fast as real time
 ```
 
+![With a guide the dragon stays on its path; without one it straightens, and benches touch](renders/guides.gif)
+
 ## How exact the engine is
 
-The exact model places every handle on the path to 1e-10 m. Pymunk only knows bodies, joints and small steps of time,
-so it drifts. The drift matters: the head passes bench 9 with a gap of 3.0 mm and bench 11 with 0.9 mm, and an engine
-with an error of a millimetre reports a collision that never happens.
+Pymunk only knows bodies, joints and small steps of time, so it drifts. The head passes bench 11 with a gap of 0.9 mm:
+an engine with an error of a millimetre reports a collision that never happens.
 
-The reference scenario from t = 0 to its first contact, at the default settings (a substep of 20 ms, 10 iterations),
-as `pymunk-dragon simulate --json` and `python tests/bench/bench_speed.py` measure it on two cores:
-
-| what | measured |
-| --- | --- |
-| first contact | benches 0 and 8, none before |
-| its time | 412.473850 s; the exact one is 412.473838 s |
-| drift of the first twelve benches | 0.0026 mm |
-| drift of any bench | 0.0192 mm |
-| speed | 80 times real time |
-| driver on top of the bare steps | 0.70 |
-
-The drift grows towards the tail and with the curvature: it is what ten iterations leave of the errors of the joints.
+From t = 0 to its first contact at the default settings (a substep of 20 ms, 10 iterations), benches 0 and 8 of the
+reference scenario touch at 412.473850 s, none before; the exact time is 412.473838 s. The drift is 0.0026 mm in the
+first twelve benches and 0.0192 mm anywhere. The run is 80 times as fast as real time, and the driver takes 0.70 of the
+time of the bare steps on top (`pymunk-dragon simulate --json` and `python tests/bench/bench_speed.py` on two cores).
 
 ![Drift over time and along the dragon](renders/figures/drift.png)
 
@@ -48,21 +41,16 @@ Drift and error of the contact time by substep and iterations, from 400 s on (`p
 | 1/400 s | 60 | 0.01 | 0.07 | +0.000 |
 
 In the turn of question 4 the drift is larger, because the curvature of the path jumps there, and with it every
-acceleration. From -100 to 100 s it is 128 µm in the first twelve benches and 133 µm anywhere; with `--fine`, 2 and 4
-µm:
-
-```sh
-pymunk-dragon simulate --curve u-turn --from -100 --until 100
-```
+acceleration: 128 µm in the first twelve benches and 133 µm anywhere; with `--fine`, 2 and 4 µm
+(`pymunk-dragon simulate --curve u-turn --from -100 --until 100`).
 
 ## What makes the engine exact
 
 In the order of their effect:
 
-- **Dancers walk.** Each dancer pushes the bench along at the speed that follows from the bench before, so that the
+- **Dancers walk and turn their benches** at the speed and the rate that follow from the bench before, so that the
   head need not pull the whole dragon against the ground. Otherwise the tension in the joints rotates with the benches
   at every step, and the solver cannot follow it.
-- **Dancers turn their benches.** If the joints have to turn them against the ground, that pulls at the chain as well.
 - **Poses of second order.** Pymunk moves bodies with the velocities of the step before, which is Euler's method, and
   223 benches add up its errors. The driver shifts the poses before each step by half a step times the change of
   velocity: the Adams-Bashforth method, from nothing but the engine's own velocities. After the step it corrects them
@@ -91,19 +79,11 @@ first contact to 10 s after it (`python tests/bench/bench_pile_up.py`):
 | 1/200 s (default) | 471 (default) | 0.032 | 0.180 | 0.43 |
 | 1/200 s (default) | 3000 | 0.089 | 0.343 | 0.18 |
 | 1/400 s | 471 | 0.011 | 0.073 | 0.09 |
-
-## Without dancers
-
-With a head that only pulls (`--guide none`) the dragon straightens, and bench 1 runs into bench 28 after 10.9 s:
-
-![With a guide the dragon stays on its path; without one it straightens, and benches touch](renders/guides.gif)
-
-`simulate(guide=...)` also takes a guide of your own, derived from `PathGuide`.
 """
 
 from pymunk_dragon.model.settings import EngineSettings
-from pymunk_dragon.physics.guides import GUIDES, GuidedChain, PathGuide, Rails
+from pymunk_dragon.physics.guides import GUIDES, PathGuide, Rails
 from pymunk_dragon.physics.simulation import simulate
 from pymunk_dragon.physics.world import World
 
-__all__ = ["GUIDES", "EngineSettings", "GuidedChain", "PathGuide", "Rails", "World", "simulate"]
+__all__ = ["GUIDES", "EngineSettings", "PathGuide", "Rails", "World", "simulate"]

@@ -4,111 +4,96 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import replace
+from functools import partial
 from time import perf_counter
 from typing import Any, NamedTuple
 
 import pymunk
 
 from pymunk_dragon._arrays import Array
-from pymunk_dragon._signals import signals_held
 from pymunk_dragon.collision.sat import Separation, separation
+from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.contact import PHASES, Contact, ContactEvent, Phase
 from pymunk_dragon.model.dragon import Dragon, outlines
 from pymunk_dragon.physics.world import World
 
-Vector = tuple[float, float]
+_Vector = tuple[float, float]
 
 # Halvings of a substep: a hundredth of a second becomes 1e-11 s, far below what the engine's poses are worth.
-BISECTIONS = 30
+_BISECTIONS = 30
+
+
+def check_callable(name: str, value: object) -> None:
+    """Raise a ParameterError if `value` is neither None nor a function."""
+    if value is not None and not callable(value):
+        raise ParameterError(name, value, "a function")
 
 
 class Recorder:
-    """Log of every collision callback of a world's space, as `ContactEvent`; a context manager around all steps.
+    """Log of every collision callback of a world's space, as `ContactEvent`.
 
-    Pymunk calls back from C, where an exception would be printed and forgotten: it is kept here, and raised at
-    the end of `step`. So are those of handlers of signals, which Python may run before the first line of a callback.
-    Where contacts are only reported, the engine does not act on them, and `post_solve` never comes.
+    Pymunk calls back from C, where an exception would be printed and forgotten: it is kept here, and raised at the end
+    of `step`. Where contacts are only reported, the engine does not act on them, and `post_solve` never comes.
 
     Pymunk 7.3.1 reports some rectangles in line as touching, metres deep or without a normal, although they are apart.
     So a contact is checked where it begins and where it is deeper than the narrowest bench. It is neither logged nor
     acted on while the benches are apart.
 
-    Parameters
-    ----------
-    world : World
-        The world whose collisions are logged.
-    on_event : callable, optional
-        Called with each event.
+    `on_event` is called with each event after the step.
 
     Attributes
     ----------
-    time : float
-        Time of the next events, s.
     events : list of ContactEvent
         All events.
     begun : list of Contact
         Contacts that began in the last step, as at its end.
+    in_engine : bool
+        Whether a step is being made. A signal's handler must not run then, because it could raise an exception in C.
     """
 
     def __init__(self, world: World, on_event: Callable[[ContactEvent], None] | None = None) -> None:
-        self.time = 0.0
+        if not isinstance(world, World):
+            raise ParameterError("world", world, "a World")
+        check_callable("on_event", on_event)
         self.events: list[ContactEvent] = []
         self.begun: list[Contact] = []
-        self._world = world
+        self.in_engine = False
+        self._world, self._on_event, self._time = world, on_event, world.start
         self._benches: dict[pymunk.Shape, tuple[int, pymunk.Body]] = {
             shape: (bench, body) for bench, (shape, body) in enumerate(zip(world.shapes, world.bodies, strict=True))
         }
         self._narrowest = float(world.march.dragon.widths.min())
         # Pairs whose contact has begun and not ended.
         self._touching: set[tuple[int, int]] = set()
-        self._on_event = on_event
-        self._failure: BaseException | None = None
-        # Whether the engine runs, not the code here.
-        self._in_engine = False
-        self._signals = signals_held(lambda: self._in_engine)
-        callbacks: dict[str, Any] = {phase: self._callback(phase) for phase in PHASES}
+        self._failures: list[BaseException] = []
+        callbacks: dict[str, Any] = {phase: partial(self._call, phase) for phase in PHASES}
         world.space.on_collision(**callbacks)
-
-    def __enter__(self) -> Recorder:
-        """Delay signals that come in a step until its end."""
-        self._raise_delayed = self._signals.__enter__()
-        return self
-
-    def __exit__(self, *raised: Any) -> None:
-        """Restore the handlers of signals."""
-        self._signals.__exit__(*raised)
 
     def step(self, time: float) -> float:
         """Make a step of the world that ends at `time`; returns the seconds that the engine took."""
-        self.time = time
+        self._time, before = time, len(self.events)
         self.begun.clear()
         begin = perf_counter()
-        self._in_engine = True
+        self.in_engine = True
         try:
             self._world.space.step(self._world.substep)
         finally:
-            self._in_engine = False
+            self.in_engine = False
         seconds = perf_counter() - begin
-        self._raise_delayed()
-        if self._failure is not None:
-            failure, self._failure = self._failure, None
-            raise failure
+        if self._failures:
+            raise self._failures[0]
+        if self._on_event is not None:
+            for event in self.events[before:]:
+                self._on_event(event)
         return seconds
 
-    def _callback(self, phase: Phase) -> Callable[[pymunk.Arbiter, pymunk.Space, Any], None]:
-        def callback(arbiter: pymunk.Arbiter, space: pymunk.Space, data: Any) -> None:
-            # A space that is taken apart reports a last `separate` of everything that still touches.
-            if not self._in_engine or self._failure is not None:
-                return
+    def _call(self, phase: Phase, arbiter: pymunk.Arbiter, space: pymunk.Space, data: Any) -> None:
+        # A space that is taken apart reports a last `separate` of everything that still touches.
+        if self.in_engine:
             try:
-                self._in_engine = False
                 self._log(phase, arbiter)
             except BaseException as failure:
-                self._failure = failure
-            finally:
-                self._in_engine = True
-
-        return callback
+                self._failures.append(failure)
 
     def _log(self, phase: Phase, arbiter: pymunk.Arbiter) -> None:
         (first, first_body), (second, second_body) = (self._benches[shape] for shape in arbiter.shapes)
@@ -118,7 +103,7 @@ class Recorder:
         if phase == "separate":
             self._touching.discard(benches)
             if known:
-                self._keep(ContactEvent(time=self.time, phase=phase, benches=benches))
+                self.events.append(ContactEvent(time=self._time, phase=phase, benches=benches))
             return
         points, normal, depth = _manifold(arbiter.contact_point_set, swapped)
         false = (not known or depth > self._narrowest) and _apart(arbiter.shapes)
@@ -126,34 +111,23 @@ class Recorder:
             arbiter.process_collision = not (false or self._world.settings.contacts == "report")
         if false:
             return
-        x = sum(point[0] for point in points) / len(points)
-        y = sum(point[1] for point in points) / len(points)
-        relative = second_body.velocity_at_world_point((x, y)) - first_body.velocity_at_world_point((x, y))
+        middle = sum(x for x, _ in points) / len(points), sum(y for _, y in points) / len(points)
+        relative = second_body.velocity_at_world_point(middle) - first_body.velocity_at_world_point(middle)
+        common: dict[str, Any] = {"time": self._time, "benches": benches, "normal": normal, "depth": depth}
         event = ContactEvent(
-            time=self.time,
             phase=phase,
-            benches=benches,
             points=points,
-            normal=normal,
-            depth=depth,
             relative_velocity=_signed(relative, swapped),
             # total_impulse is what the arbiter's first shape received.
             impulse=_signed(arbiter.total_impulse, not swapped) if phase == "post_solve" else None,
+            **common,
         )
         if not known:
             self._touching.add(benches)
-            raw = Contact(
-                time=self.time, raw_time=self.time, benches=benches, point=points[0], normal=normal, depth=depth
-            )
-            self.begun.append(raw)
+            self.begun.append(Contact(raw_time=self._time, point=points[0], **common))
             if phase != "begin":
-                self._keep(replace(event, phase="begin"))
-        self._keep(event)
-
-    def _keep(self, event: ContactEvent) -> None:
+                self.events.append(replace(event, phase="begin"))
         self.events.append(event)
-        if self._on_event is not None:
-            self._on_event(event)
 
 
 class Motion(NamedTuple):
@@ -188,7 +162,7 @@ def refined_contact(dragon: Dragon, contact: Contact, motion: Motion, begin: flo
         touching, found = 0.0, at_begin
     elif found.distance > 0:
         return contact
-    for _ in range(BISECTIONS):
+    for _ in range(_BISECTIONS):
         middle = (apart + touching) / 2
         if (halfway := separated(middle)).distance <= 0:
             touching, found = middle, halfway
@@ -198,7 +172,7 @@ def refined_contact(dragon: Dragon, contact: Contact, motion: Motion, begin: flo
     return replace(contact, time=begin + touching * (contact.raw_time - begin), point=(x, y), normal=(u, v))
 
 
-def _manifold(contact: pymunk.ContactPointSet, swapped: bool) -> tuple[tuple[Vector, ...], Vector, float]:
+def _manifold(contact: pymunk.ContactPointSet, swapped: bool) -> tuple[tuple[_Vector, ...], _Vector, float]:
     """Contact points (m, the deepest first), normal from the lower to the higher bench, and depth (m)."""
     ordered = sorted(contact.points, key=lambda point: point.distance)
     middles = [(point.point_a + point.point_b) / 2 for point in ordered]
@@ -216,5 +190,5 @@ def _apart(shapes: Iterable[pymunk.Shape]) -> bool:
     return bool(separation(first, second).distance > 0)
 
 
-def _signed(vector: pymunk.Vec2d, swapped: bool) -> Vector:
+def _signed(vector: pymunk.Vec2d, swapped: bool) -> _Vector:
     return (-vector.x, -vector.y) if swapped else (vector.x, vector.y)

@@ -4,47 +4,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import TypeVar
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pymunk
 
-from pymunk_dragon._arrays import Array, Complex
-from pymunk_dragon._checks import did_you_mean
+from pymunk_dragon._arrays import Array, Complex, as_vectors
+from pymunk_dragon._checks import word
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.model.march import March, States
+from pymunk_dragon.model.march import States
 
-Part = TypeVar("Part")
+if TYPE_CHECKING:
+    from pymunk_dragon.physics.world import World
 
 # m, from a hole to the point that its rail is pinned to. Any length does; one metre needs no scaling of the normal.
-PIN_LENGTH = 1.0
-
-
-@dataclass(kw_only=True)
-class GuidedChain:
-    """Data that a guide gets of a chain of N benches before the first step; a live session may change the rates.
-
-    Attributes
-    ----------
-    march : March
-        The dragon, its curve and its speed.
-    state : States
-        Exact state at the start.
-    substep : float
-        Length of a step, s.
-    drag_rate : float
-        Rate at which the ground drag reduces velocities, 1/s.
-    masses, moments : ndarray, shape (N,)
-        Masses of the benches, kg, and their moments of inertia about their centres, kg m^2.
-    """
-
-    march: March
-    state: States
-    substep: float
-    drag_rate: float
-    masses: Array
-    moments: Array
+_PIN_LENGTH = 1.0
 
 
 class PathGuide:
@@ -80,8 +54,11 @@ class PathGuide:
     anchors: Sequence[pymunk.Body] = ()
     balances_drag = False
 
-    def attach(self, chain: GuidedChain) -> None:
-        """Prepare for a run of `chain`; called once, before everything else."""
+    def attach(self, world: World) -> None:
+        """Prepare for a run; called once, before everything else.
+
+        The `march`, `masses` and `moments` of `world` stay; `substep` and `drag_rate` may change from step to step.
+        """
 
     def joints(self, bench: int, body: pymunk.Body) -> Sequence[pymunk.Constraint]:
         """Joints between the body of `bench`, from 1 on, and the anchors; none by default.
@@ -90,8 +67,8 @@ class PathGuide:
         """
         return ()
 
-    def relocate(self, handles_s: Array) -> None:
-        """Take other coordinates (H,) of the handles, m, near which the path is to be found."""
+    def relocate(self, states: States) -> None:
+        """Take the exact `states` (one time) from which the run begins, or goes on; called after `attach`."""
 
     def update(self, poses: Array, hinge_velocity: Array, anchors: Array, forces: Array) -> None:
         """Write the anchors' positions and the forces for the next step; called before each.
@@ -121,112 +98,82 @@ class Rails(PathGuide):
 
     balances_drag = True
 
-    def attach(self, chain: GuidedChain) -> None:
-        """Create the anchors, and take sizes, masses and the holes' coordinates from `chain`."""
-        dragon, state = chain.march.dragon, chain.state
-        self.anchors = [pymunk.Body(body_type=pymunk.Body.KINEMATIC) for _ in range(1, dragon.benches)]
-        self._curve = chain.march.curve
-        self._over_spacings = 1 / dragon.spacings[1:]
+    def attach(self, world: World) -> None:
+        """Create the anchors."""
+        self._world, self._curve, spacings = world, world.march.curve, world.march.dragon.spacings[1:]
+        self.anchors = [pymunk.Body(body_type=pymunk.Body.KINEMATIC) for _ in spacings]
+        self._inertia = np.array([world.masses[1:], world.moments[1:]])
+        self._over_spacings = 1 / spacings
         # From the rear hole to the centre, along the bench, m; complex, as NumPy converts real factors at every call.
-        self._half = (dragon.spacings[1:] / 2).astype(complex)
-        # Coordinates of the rear holes, only to identify the turn of the curve on which each hole is, and their speeds
-        # along the path, negative where a jackknifed bench pushes them back.
-        self._rear_s = state.handles_s[0, 2:].copy()
-        self._rear_speeds = np.sum(state.velocities[0, 2:] * self._curve.tangent(self._rear_s), axis=-1)
-        self._chain, self._inertia = chain, np.array([chain.masses[1:], chain.moments[1:]])
-        benches = dragon.benches - 1
-        # Scratch. Complex numbers are vectors: NumPy then calls once for both components.
-        self._headings, self._holes, self._facing, self._front, self._rear = np.empty((5, benches), dtype=complex)
-        self._change = np.empty((2, benches))
-        # m/s of the benches along themselves, and rad/s: now, and what the drag leaves of those of the step before.
-        self._motion, self._kept_motion = np.empty((2, 2, benches))
-        self._is_moving = False
+        self._half = (spacings / 2).astype(complex)
 
-    def relocate(self, handles_s: Array) -> None:
-        """Take other coordinates (H,) of the handles, m, near which the path is to be found."""
-        self._rear_s = handles_s[2:].copy()
-        self._rear_speeds[:] = 0.0
-        self._is_moving = False
+    def relocate(self, states: States) -> None:
+        """Take coordinates and speeds of the rear holes from `states`."""
+        # They only identify the turn of the curve on which each hole is. A jackknifed bench pushes its hole back.
+        self._rear_s = states.handles_s[0, 2:]
+        self._rear_speeds = np.sum(states.velocities[0, 2:] * self._curve.tangent(self._rear_s), axis=-1)
+        # What the drag leaves of the motion in the step before.
+        self._kept_motion: Array | None = None
 
     def joints(self, bench: int, body: pymunk.Body) -> Sequence[pymunk.Constraint]:
         """Pin from the rear hole to its anchor."""
         pin = pymunk.PinJoint(body, self.anchors[bench - 1], (-float(self._half[bench - 1].real), 0.0), (0.0, 0.0))
-        pin.distance = PIN_LENGTH
+        pin.distance = _PIN_LENGTH
         return (pin,)
 
     def update(self, poses: Array, hinge_velocity: Array, anchors: Array, forces: Array) -> None:
         """Write the anchors beside the holes, and the dancers' forces and torques."""
-        headings, holes = self._headings, self._holes
-        angles = poses[1:, 2]
-        np.cos(angles, out=headings.real)
-        np.sin(angles, out=headings.imag)
-        np.multiply(headings, self._half, out=holes)
-        np.subtract(_complex(poses[1:, :2]), holes, out=holes)
-        near = self._rear_speeds * self._chain.substep
-        near += self._rear_s
-        self._rear_s, feet, directions = self._curve.foot(holes.view(float).reshape(-1, 2), near)
-        tangents, beside = _complex(directions), _complex(anchors)
-        np.multiply(tangents, PIN_LENGTH * 1j, out=beside)
-        beside += _complex(feet)
-        self._find_motion(complex(*hinge_velocity), tangents)
-        kept = math.exp(-self._chain.drag_rate * self._chain.substep)
-        if not self._is_moving:
-            self._is_moving = True
-            np.multiply(self._motion, kept, out=self._kept_motion)
-        push, torque = np.subtract(self._motion, self._kept_motion, out=self._change)
+        substep = self._world.substep
+        headings = np.empty(len(self.anchors), dtype=complex)
+        np.cos(poses[1:, 2], out=headings.real)
+        np.sin(poses[1:, 2], out=headings.imag)
+        holes = _complex(poses[1:, :2]) - headings * self._half
+        self._rear_s, feet, directions = self._curve.foot(as_vectors(holes), self._rear_s + self._rear_speeds * substep)
+        tangents = _complex(directions)
+        np.add(tangents * (_PIN_LENGTH * 1j), _complex(feet), out=_complex(anchors))
+        motion = self._motion(complex(*hinge_velocity), headings, tangents)
+        kept = motion * math.exp(-self._world.drag_rate * substep)
         # What a bench gains, or loses to the drag, in a substep.
-        self._change *= self._inertia
-        self._change /= self._chain.substep
+        change = motion - (kept if self._kept_motion is None else self._kept_motion)
+        push, torque = change * self._inertia / substep
         np.multiply(headings, push, out=_complex(forces[1:, :2]))
         forces[1:, 2] = torque
-        np.multiply(self._motion, kept, out=self._kept_motion)
+        self._kept_motion = kept
 
-    def _find_motion(self, hinge_velocity: complex, tangents: Complex) -> None:
-        """Find speeds of the benches along themselves, m/s, and their angular rates, rad/s.
+    def _motion(self, hinge_velocity: complex, headings: Complex, tangents: Complex) -> Array:
+        """Speeds of the benches along themselves, m/s, and their angular rates, rad/s, (2, N - 1).
 
         Each bench's front hole moves with the rear hole of the bench before, the first one's with the head's, and its
         rear hole moves along the path.
         """
-        facing, front, rear = self._facing, self._front, self._rear
-        np.conjugate(self._headings, out=facing)
-        np.multiply(tangents, facing, out=rear)
+        facing = headings.conj()
+        front, rear = np.empty_like(facing), tangents * facing
         front[0] = hinge_velocity * facing[0]
         np.multiply(tangents[:-1], facing[1:], out=front[1:])
-        speeds, rates = self._motion
-        # As `velocity_ratios`, in place and times the head's speed.
-        np.divide(front.real, rear.real, out=self._rear_speeds)
-        np.multiply.accumulate(self._rear_speeds, out=self._rear_speeds)
+        # As `velocity_ratios`, times the head's speed.
+        self._rear_speeds = np.multiply.accumulate(front.real / rear.real)
         front[1:] *= self._rear_speeds[:-1]
-        speeds[:] = front.real
-        np.multiply(self._rear_speeds, rear.imag, out=rates)
-        np.subtract(front.imag, rates, out=rates)
-        rates *= self._over_spacings
+        return np.array([front.real, (front.imag - self._rear_speeds * rear.imag) * self._over_spacings])
 
 
 # Guides that have a name, as in `simulate(guide=...)`.
 GUIDES: dict[str, type[PathGuide]] = {"rails": Rails, "none": PathGuide}
 
 
-def guide_of(guide: object) -> PathGuide:
+def guide_of(guide: str | PathGuide) -> PathGuide:
     """The guide with a name, or the given one."""
-    if isinstance(guide, PathGuide):
-        return guide
-    if not (isinstance(guide, str) and guide in GUIDES):
-        more = did_you_mean(guide, GUIDES) if isinstance(guide, str) else ", or a PathGuide"
-        raise ParameterError("guide", guide, f"one of {', '.join(GUIDES)}{more}")
-    return GUIDES[guide]()
-
-
-def parts_of_guide(guide: PathGuide, member: str, value: object, kind: type[Part]) -> Sequence[Part]:
-    """`value` of a guide's `member`, checked to be a list or tuple of objects of the `kind`."""
-    if isinstance(value, list | tuple) and all(isinstance(part, kind) for part in value):
-        return value
-    raise ParameterError(f"{type(guide).__name__}.{member}", value, f"a list or tuple of pymunk.{kind.__name__}")
+    return guide if isinstance(guide, PathGuide) else GUIDES[word("guide", guide, GUIDES)]()
 
 
 def guide_name(guide: PathGuide) -> str:
     """Name under which a guide is registered, otherwise that of its class."""
     return next((name for name, kind in GUIDES.items() if kind is type(guide)), type(guide).__name__)
+
+
+def check_parts(guide: PathGuide, member: str, value: object, kind: type) -> None:
+    """Raise a ParameterError if `value` of a guide's `member` is no list or tuple of objects of the `kind`."""
+    if not (isinstance(value, list | tuple) and all(isinstance(part, kind) for part in value)):
+        raise ParameterError(f"{type(guide).__name__}.{member}", value, f"a list or tuple of pymunk.{kind.__name__}")
 
 
 def _complex(vectors: Array) -> Complex:

@@ -4,41 +4,35 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import replace
 from time import perf_counter
 from typing import Any
 
 import numpy as np
 
-from pymunk_dragon._arrays import Array
-from pymunk_dragon._checks import finite
-from pymunk_dragon.errors import DragonError, ParameterError, UnreachableError
+from pymunk_dragon._arrays import Array, as_vectors
+from pymunk_dragon._signals import signals_held
+from pymunk_dragon.errors import DragonError, UnreachableError
 from pymunk_dragon.model.contact import Contact, ContactEvent, ContactLog
 from pymunk_dragon.model.dragon import interpolated
-from pymunk_dragon.model.march import March, States, check_march, last_time
+from pymunk_dragon.model.march import March, States, last_time
 from pymunk_dragon.model.run import Outcome, Run
-from pymunk_dragon.model.settings import FRAME_STRIDE, EngineSettings, check_settings, engine_provenance
-from pymunk_dragon.physics.callbacks import Motion, Recorder, refined_contact
+from pymunk_dragon.model.settings import FRAME_STRIDE, EngineSettings, engine_provenance
+from pymunk_dragon.physics.callbacks import Motion, Recorder, check_callable, refined_contact
 from pymunk_dragon.physics.guides import PathGuide, guide_name
 from pymunk_dragon.physics.world import World
 
-# Pose and velocity of the head, (3,), and velocity of its rear hole, (2,), at the end of a substep.
-HeadState = tuple[Array, Array, Array]
-
 # Where contacts are resolved: the distance from its exact pose at which the head counts as blocked, in widths (1 mm for
 # the contest's benches).
-HEAD_LAG = 1 / 300
+_HEAD_LAG = 1 / 300
 # How much of its speed the march then loses per metre at full speed. At 1 m/s the dancers brake at 20 m/s^2, with at
 # most 0.26 kN each.
-BRAKING = 20.0
+_BRAKING = 20.0
 # How much of its speed the march regains afterwards per metre at full speed.
-RESUMING = 2.0
+_RESUMING = 2.0
 # Substeps for which the head's exact poses are computed at once.
-BLOCK = 2048
-# Times further than this from any march, s, lose their milliseconds to rounding.
-MAX_TIME = 1e9
+_BLOCK = 2048
 # Share of a substep: a shorter one at the end is due to rounding and left out.
-LAST_SUBSTEP = 1e-6
+_LAST_SUBSTEP = 1e-6
 
 
 def simulate(
@@ -53,6 +47,8 @@ def simulate(
     **changes: Any,
 ) -> Run:
     """Play a march in Pymunk.
+
+    The default settings are right to 0.02 mm; a shorter `substep` is more exact, a longer one is faster.
 
     Parameters
     ----------
@@ -76,37 +72,20 @@ def simulate(
     Run
         With `drift` against the exact model, and every collision callback in `events`.
 
-    Raises
-    ------
-    ParameterError
-        If a setting is unusable.
-    UnreachableError
-        If the dragon has no state at `start`.
-    DragonError
-        If the engine's chain flew apart.
-
     Examples
     --------
-    >>> from pymunk_dragon import Dragon, EngineSettings, March, simulate
+    >>> from pymunk_dragon import Dragon, March, simulate
     >>> march = March(Dragon(benches=16))
     >>> run = simulate(march, start=411, contacts="report", until=412.6)
     >>> run.first_contact.benches, round(run.first_contact.time, 3)
     ((0, 8), 412.474)
-    >>> coarse = EngineSettings(substep=0.05, iterations=10)
-    >>> simulate(march, settings=coarse, until=1).substeps
-    20
     """
-    check_march(march)
-    start = finite("start", start, -MAX_TIME, MAX_TIME, "s")
-    until = last_time(march, start) if until is None else finite("until", until, -MAX_TIME, MAX_TIME, "s")
-    if until <= start:
-        raise ParameterError("until", until, f"later than the start, {start:g} s")
-    settings = EngineSettings() if settings is None else settings
-    check_settings(settings)
-    world = World(march, guide, replace(settings, **changes), start=start, until=until)
-    with Recorder(world, on_event) as recorder:
-        loop = _Loop(world, recorder)
-        loop.play(until, progress)
+    check_callable("progress", progress)
+    until = last_time(march, start) if until is None else until
+    world = World(march, guide, settings, start=start, until=until, **changes)
+    start, until = world.start, float(until)
+    loop = _Loop(world, Recorder(world, on_event))
+    loop.play(until, progress)
     times, poses, velocities, impulses = (np.array(values) for values in zip(*loop.frames, strict=True))
     return Run(
         march=march,
@@ -115,7 +94,7 @@ def simulate(
         drift=_drift(march, times, poses),
         pose_velocities=velocities,
         joint_impulses=impulses,
-        events=ContactLog(tuple(recorder.events)),
+        events=ContactLog(tuple(loop.recorder.events)),
         first_contact=loop.first_contact,
         outcome=loop.outcome,
         provenance=engine_provenance(
@@ -130,8 +109,7 @@ class _Loop:
     """Steps a world to the end of a run, and keeps the frames and the first contact."""
 
     def __init__(self, world: World, recorder: Recorder) -> None:
-        self._world = world
-        self._recorder = recorder
+        self._world, self.recorder = world, recorder
         self.frames: list[tuple[float, Array, Array, list[float]]] = []
         self.substeps = 0
         self.first_contact: Contact | None = None
@@ -149,13 +127,15 @@ class _Loop:
         world, settings = self._world, self._world.settings
         interval = settings.frame_interval or FRAME_STRIDE / world.top_speed
         per_frame = max(1, round(interval / world.substep))
-        total = max(1, math.ceil((until - world.start) / world.substep - LAST_SUBSTEP))
+        total = max(1, math.ceil((until - world.start) / world.substep - _LAST_SUBSTEP))
         track = _waiting_head(world, total) if settings.contacts == "resolve" else _exact_head(world, total)
         begin = perf_counter()
         # A chain that flies apart is found by `_record`, in the next frame; until then NumPy need not warn of it.
-        with np.errstate(all="ignore"):
+        with np.errstate(all="ignore"), signals_held(lambda: self.recorder.in_engine) as release:
             for head in track:
-                self._step(head)
+                world.prepare(*head)
+                self._step()
+                release()
                 if self.first_contact is not None and settings.contacts == "stop":
                     break
                 if self.substeps % per_frame == 0:
@@ -169,19 +149,14 @@ class _Loop:
             self.outcome = "contact"
         self.wall_seconds = perf_counter() - begin
 
-    def _step(self, head: HeadState) -> None:
-        """Make a substep that ends with the head in a given state; the contact that ends the run becomes a frame."""
-        world, recorder = self._world, self._recorder
-        begin = self.time
+    def _step(self) -> None:
+        """Make a substep; the contact that ends the run becomes a frame."""
+        world, begin = self._world, self.time
+        before, velocities = world.poses, world.velocities
         self.substeps += 1
-        world.prepare(*head)
-        self.step_seconds += recorder.step(self.time)
-        if not recorder.begun:
-            world.read()
-            return
-        before, velocities = world.poses.copy(), world.velocities.copy()
+        self.step_seconds += self.recorder.step(self.time)
         world.read()
-        if self.first_contact is None:
+        if self.recorder.begun and self.first_contact is None:
             self._refine(before, velocities, (begin, self.time))
 
     def _refine(self, before: Array, velocities: Array, times: tuple[float, float]) -> None:
@@ -194,7 +169,7 @@ class _Loop:
         world, substep = self._world, times[1] - times[0]
         moved = interpolated(before, world.collided_poses, 1.0) - before
         motion = Motion(before, substep * velocities, moved - substep * velocities)
-        begun = [refined_contact(world.march.dragon, contact, motion, times[0]) for contact in self._recorder.begun]
+        begun = [refined_contact(world.march.dragon, contact, motion, times[0]) for contact in self.recorder.begun]
         self.first_contact = min(begun, key=lambda contact: contact.time)
         if world.settings.contacts == "stop":
             share = (self.first_contact.time - times[0]) / substep
@@ -205,58 +180,43 @@ class _Loop:
         if not np.all(np.isfinite(poses) & np.isfinite(velocities)):
             raise DragonError(f"the chain flew apart before t = {time:.6g} s; a smaller substep may hold it")
         if not self.frames or time > self.frames[-1][0]:
-            self.frames.append((time, poses.copy(), velocities.copy(), self._world.joint_impulses))
+            self.frames.append((time, poses, velocities, self._world.joint_impulses))
 
 
-def _exact_head(world: World, total: int) -> Iterator[HeadState]:
-    """Exact states of the head at the ends of up to `total` substeps, as far as the curve goes."""
-    for first in range(1, total + 1, BLOCK):
-        times = world.start + np.arange(first, min(first + BLOCK, total + 1)) * world.substep
+def _exact_head(world: World, total: int) -> Iterator[tuple[States, int]]:
+    """Exact states of the head at the ends of up to `total` substeps, as far as the curve goes, and their rows."""
+    for first in range(1, total + 1, _BLOCK):
+        times = world.start + np.arange(first, min(first + _BLOCK, total + 1)) * world.substep
         try:
-            head = world.march.at(times, handles=2)
+            states = world.march.at(times, handles=2)
         except UnreachableError as error:
-            reachable = times[times < error.time]
-            if reachable.size:
-                yield from head_states(world.march.at(reachable, handles=2))
+            states = world.march.at(times[times < error.time], handles=2)
+        yield from ((states, row) for row in range(len(states.times)))
+        if len(states.times) < len(times):
             return
-        yield from head_states(head)
 
 
-def _waiting_head(world: World, total: int) -> Iterator[HeadState]:
-    """The same, but the head slows down to a stop while the engine's head cannot follow.
+def _waiting_head(world: World, total: int) -> Iterator[tuple[States, int, float]]:
+    """The same, with a share of the speed: the head slows down to a stop while the engine's head cannot follow.
 
     The dancers follow the speed of these states, so they brake with it.
     """
-    most_lag = HEAD_LAG * float(world.march.dragon.widths.min())
+    most_lag = _HEAD_LAG * float(world.march.dragon.widths.min())
     time, share = world.start, 1.0
     for _ in range(total):
-        change = -BRAKING if world.head_lag > most_lag else RESUMING
+        change = -_BRAKING if world.head_lag > most_lag else _RESUMING
         share = min(max(share + change * world.top_speed * world.substep, 0.0), 1.0)
         time += share * world.substep
         try:
-            [(pose, velocity, hinge_velocity)] = head_states(world.march.at(time, handles=2))
+            states = world.march.at(time, handles=2)
         except UnreachableError:
             return
-        yield pose, share * velocity, share * hinge_velocity
-
-
-def head_states(states: States) -> Iterator[HeadState]:
-    """States of the head at the times of `states`."""
-    return zip(states.poses[:, 0], states.pose_velocities[:, 0], states.velocities[:, 1], strict=True)
+        yield states, 0, share
 
 
 def _drift(march: March, times: Array, poses: Array) -> Array:
-    """Distance of each bench's worse hole from its exact position, (F, N) in m; nan where the model has no state."""
-    drift = np.full(poses.shape[:2], np.nan)
-    known = len(times)
-    try:
-        exact = march.at(times).positions
-    except UnreachableError as error:
-        known = int(np.searchsorted(times, error.time))
-        exact = march.at(times[:known]).positions
-    front, rear = march.dragon.holes(poses[:known])
-    drift[:known] = np.maximum(
-        np.linalg.norm(front - exact[:, :-1], axis=-1),
-        np.linalg.norm(rear - exact[:, 1:], axis=-1),
-    )
-    return drift
+    """Distance of each bench's worse hole from its exact position, (F, N) in m; nan where the model has none."""
+    exact = as_vectors(march.motion_or_nan(times).points)
+    front, rear = march.dragon.holes(poses)
+    errors = np.linalg.norm(front - exact[:, :-1], axis=-1), np.linalg.norm(rear - exact[:, 1:], axis=-1)
+    return np.asarray(np.maximum(*errors))

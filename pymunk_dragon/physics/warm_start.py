@@ -4,57 +4,40 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from itertools import chain
+from typing import Any
 
 import numpy as np
 import pymunk
 
 from pymunk_dragon._arrays import Array
 
+# Of each bench but the first: the pivot to the bench before, and pins to bodies with a position of their own.
+_Joints = Sequence[tuple[pymunk.PivotJoint, Sequence[pymunk.PinJoint]]]
+
 # kg: the impulse of a joint changes the velocity of such a body by less than the rounding of 1 m/s.
-HEAVY = 1e30
+_HEAVY = 1e30
 # Added to the diagonal of the equations, in units of its largest number, as joints of a guide may repeat each other.
-REGULARISATION = 1e-14
+_REGULARISATION = 1e-14
 
 
-def balanced_impulses(
-    pivots: Sequence[pymunk.PivotJoint],
-    pins: Sequence[Sequence[pymunk.PinJoint]],
-    poses: Array,
-    velocities: Array,
-    inverse_masses: Array,
-) -> list[Array]:
-    """Impulses that leave no relative velocity at the joints of each bench but the first, N s.
+def balanced_impulses(joints: _Joints, poses: Array, velocities: Array, inverse_masses: Array) -> list[Array]:
+    """Impulses that leave no relative velocity at the joints: x and y of each pivot's, one number for each pin, N s.
 
-    The joints of a bench share a body with those of its two neighbours only. So the equations are block-tridiagonal,
-    and elimination takes a time that grows with N; the solver's sweeps need a time that grows with the cube of N.
-
-    Parameters
-    ----------
-    pivots : sequence of pymunk.PivotJoint, length N - 1
-        Pivots between the benches and the ones before.
-    pins : sequence of sequences of pymunk.PinJoint, length N - 1
-        Pins from each bench but the first to bodies with a position of their own.
-    poses, velocities : ndarray, shape (N, 3)
-        Poses of the benches, and their velocities without the joints: m, m, rad and per s.
-    inverse_masses : ndarray, shape (N, 3)
-        One over the mass, twice, and one over the moment of each bench; zeros where the velocity is given.
-
-    Returns
-    -------
-    list of ndarray
-        For each bench but the first: x and y of the pivot's impulse on it, and one number for each pin.
+    `poses` (N, 3) and `velocities` (N, 3) without the joints are in m, m, rad and per s. `inverse_masses` (N, 3) are
+    one over the mass, twice, and over the moment; zeros where the velocity is given. The joints of a bench share a
+    body with those of its two neighbours only. So the equations are block-tridiagonal, and elimination takes a time
+    that grows with N; the solver's sweeps need a time that grows with the cube of N.
     """
     diagonals, uppers, rights = [], [], []
     own = np.zeros((0, 3))
-    for bench, (pivot, pinned) in enumerate(zip(pivots, pins, strict=True), start=1):
+    for bench, (pivot, pins) in enumerate(joints, start=1):
         masses_before, masses = inverse_masses[bench - 1], inverse_masses[bench]
-        front = np.zeros((2 + len(pinned), 3))
+        front = np.zeros((2 + len(pins), 3))
         front[:2] = -_anchor_rows(poses[bench - 1], pivot.anchor_a)
         uppers.append(own * masses_before @ front.T)
-        own = np.vstack([_anchor_rows(poses[bench], pivot.anchor_b), *(_pin_row(poses[bench], pin) for pin in pinned)])
+        own = np.vstack([_anchor_rows(poses[bench], pivot.anchor_b), *(_pin_row(poses[bench], pin) for pin in pins)])
         diagonal = own * masses @ own.T + front * masses_before @ front.T
-        diagonals.append(diagonal + REGULARISATION * diagonal.max() * np.eye(len(diagonal)))
+        diagonals.append(diagonal + _REGULARISATION * diagonal.max() * np.eye(len(diagonal)))
         rights.append(-(own @ velocities[bench] + front @ velocities[bench - 1]))
     return _solved(diagonals, uppers[1:], rights)
 
@@ -65,14 +48,10 @@ def _solved(diagonals: list[Array], uppers: list[Array], rights: list[Array]) ->
         factor = np.linalg.solve(diagonals[row], upper).T
         diagonals[row + 1] -= factor @ upper
         rights[row + 1] -= factor @ rights[row]
-    found = [_solve(diagonals[-1], rights[-1])]
+    found: list[Any] = [np.linalg.solve(diagonals[-1], rights[-1])]
     for diagonal, upper, right in zip(diagonals[-2::-1], uppers[::-1], rights[-2::-1], strict=True):
-        found.append(_solve(diagonal, right - upper @ found[-1]))
+        found.append(np.linalg.solve(diagonal, right - upper @ found[-1]))
     return found[::-1]
-
-
-def _solve(matrix: Array, right: Array) -> Array:
-    return np.asarray(np.linalg.solve(matrix, right), dtype=float)
 
 
 def _anchor_rows(pose: Array, anchor: tuple[float, float]) -> Array:
@@ -88,14 +67,7 @@ def _pin_row(pose: Array, pin: pymunk.PinJoint) -> Array:
     return np.array([x, y]) / -math.hypot(x, y) @ _anchor_rows(pose, pin.anchor_a)
 
 
-def set_impulses(
-    space: pymunk.Space,
-    substep: float,
-    poses: Array,
-    pivots: Sequence[pymunk.PivotJoint],
-    pins: Sequence[Sequence[pymunk.PinJoint]],
-    impulses: Sequence[Array],
-) -> None:
+def set_impulses(space: pymunk.Space, substep: float, joints: _Joints, poses: Array, impulses: Sequence[Array]) -> None:
     """Give impulses to the joints, with which the solver begins the next step of `substep` s with benches at `poses`.
 
     Pymunk has no setter for them, so a step is made in which each joint may have the size of its impulse at most, its
@@ -107,10 +79,10 @@ def set_impulses(
     limits = [(joint, joint.max_force) for joint in space.constraints]
     settings = space.iterations, space.damping
     for body in dynamic:
-        body.mass, body.moment = HEAVY, math.inf
+        body.mass, body.moment = _HEAVY, math.inf
     for joint, _ in limits:
         joint.max_force = 0.0
-    _pull(substep, poses, pivots, pins, impulses)
+    _pull(substep, joints, poses, impulses)
     space.iterations, space.damping = 1, 1.0
     space.step(substep)
     space.iterations, space.damping = settings
@@ -118,26 +90,21 @@ def set_impulses(
         body.mass, body.moment = mass, moment
     for joint, limit in limits:
         joint.max_force = limit
-    for pin in chain.from_iterable(pins):
-        pin.b.velocity = 0.0, 0.0
+    for _, pins in joints:
+        for pin in pins:
+            pin.b.velocity = 0.0, 0.0
 
 
-def _pull(
-    substep: float,
-    poses: Array,
-    pivots: Sequence[pymunk.PivotJoint],
-    pins: Sequence[Sequence[pymunk.PinJoint]],
-    impulses: Sequence[Array],
-) -> None:
+def _pull(substep: float, joints: _Joints, poses: Array, impulses: Sequence[Array]) -> None:
     """Give the joints' bodies the velocities, and the joints the largest forces, that make these impulses."""
-    _place(pivots[0].a, poses[0], np.zeros(2), substep)
     velocity: Array = np.zeros(2)
-    for pivot, pinned, pose, given in zip(pivots, pins, poses[1:], impulses, strict=True):
+    _place(joints[0][0].a, poses[0], velocity, substep)
+    for (pivot, pins), pose, given in zip(joints, poses[1:], impulses, strict=True):
         size = math.hypot(*given[:2])
         pivot.max_force = size / substep
         velocity = velocity - given[:2] / (size or 1.0)
         _place(pivot.b, pose, velocity, substep)
-        for pin, impulse in zip(pinned, given[2:], strict=True):
+        for pin, impulse in zip(pins, given[2:], strict=True):
             pin.max_force = abs(impulse) / substep
             pin.b.velocity = pymunk.Vec2d(*(velocity + _pin_row(pose, pin)[:2] * math.copysign(1.0, impulse)))
 

@@ -16,7 +16,7 @@ from pymunk_dragon._arrays import Array
 from pymunk_dragon._checks import whole
 from pymunk_dragon._files import read_text
 from pymunk_dragon.errors import DragonError, FileFormatError
-from pymunk_dragon.model.run_file import opened_archive
+from pymunk_dragon.model.run import opened_archive
 from pymunk_dragon.sessions.messages import INPUTS, checked
 from pymunk_dragon.sessions.scenes import planned
 
@@ -131,8 +131,8 @@ class Log:
         if str(path).endswith(".json"):
             text = read_text(path, "replay")
         else:
-            with opened_archive(path, "replay") as archive:
-                text = json.dumps(archive.notes["provenance"].get("live"))
+            with opened_archive(path, "replay") as (notes, _):
+                text = json.dumps(notes["provenance"].get("live"))
         try:
             return cls._of(json.loads(text))
         except Exception as error:  # Whatever it is, the content is to blame.

@@ -15,11 +15,9 @@ from PIL import Image
 from pymunk_dragon._arrays import Array
 from pymunk_dragon._files import check_destination, written_in_place
 from pymunk_dragon.drawing.debug_draw import PillowDrawOptions
-from pymunk_dragon.drawing.film import formats, write_film
-from pymunk_dragon.drawing.film.settings import Film
+from pymunk_dragon.drawing.film import formats, render
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.model.run import Run
-from pymunk_dragon.model.run_file import write_archive
+from pymunk_dragon.model.run import Run, write_archive
 from pymunk_dragon.model.settings import engine_provenance
 from pymunk_dragon.sessions.frames import Frames, Recorded
 from pymunk_dragon.sessions.scenes import DragonScene, Scene
@@ -70,7 +68,7 @@ def record(session: Session, path: str | Path, progress: Progress | None = None)
     elif len(recorded.times) < 2:
         raise ParameterError("record", str(path), "a file of a session with at least two frames")
     elif _is_march(recorded):
-        write_film(_run(recorded), destination, Film(speedup=1, fps=FPS), progress)
+        render(_run(recorded), destination, progress=progress, speedup=1, fps=FPS)
     else:
         _film(session, recorded, destination, progress)
 

@@ -9,13 +9,12 @@ import numpy as np
 import pymunk
 
 from pymunk_dragon._arrays import Array
-from pymunk_dragon._checks import whole, word
+from pymunk_dragon._checks import word
 from pymunk_dragon.drawing.scene import hole_diameter
 from pymunk_dragon.errors import UnreachableError
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.scenario import Scenario
 from pymunk_dragon.model.settings import MAX_STRIDE, EngineSettings
-from pymunk_dragon.physics.simulation import head_states
 from pymunk_dragon.physics.world import World, top_speed
 from pymunk_dragon.player.data import CURVE_ERROR, curve_points
 from pymunk_dragon.sessions.scenes.base import Parameter, Scene
@@ -114,10 +113,9 @@ class DragonScene(Scene):
                 self.events.append("the head is at the end of its path")
             self.ended = self.stops = True
             states, share = self.march.at(self._march_time, handles=2), 0.0
-        [(pose, velocity, hinge_velocity)] = head_states(states)
         if world.returning:
             world.carry(self.march.at(self._march_time), share)
-        world.prepare(pose, share * velocity, share * hinge_velocity)
+        world.prepare(states, share=share)
         self._touching.clear()
         world.space.step(world.substep)
         world.read()
@@ -204,7 +202,7 @@ class DragonScene(Scene):
 
     def release(self, bench: int) -> None:
         """Let the dancers of `bench` and of all behind it go."""
-        self.world.release(whole("bench", bench, 1, self.march.dragon.benches - 1))
+        self.world.release(bench)
 
     def hold(self) -> None:
         """Bring the dancers back."""
