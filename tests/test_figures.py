@@ -109,6 +109,9 @@ def test_handles_end_where_the_contact_stops_them_with_the_velocities_of_the_exa
     places, velocities = states.positions[0, HANDLES], states.velocities[0, HANDLES]
     for handle, place in zip(HANDLES, places, strict=True):
         np.testing.assert_allclose(line(drawn("trajectories"), f"path-{handle}")[:, -1], place, atol=1e-8)
+    # An endless curve is shown for as long as a run.
+    way = line(figure("trajectories", OTHERS["u-turn"]), "path-0").T
+    np.testing.assert_allclose(way[[0, -1]], U_TURN.at([-20, 20]).positions[:, 0], atol=1e-9)
     arrows = artist(drawn("velocities"), "velocities")
     tips = np.column_stack([arrows.U, arrows.V])
     np.testing.assert_allclose(tips / np.hypot(*tips[0]), velocities / np.hypot(*velocities[0]), atol=1e-7)
@@ -207,27 +210,17 @@ def test_texts_of_a_figure_are_large_do_not_overlap_and_tell_the_units(name: str
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("source", OTHERS.values(), ids=OTHERS)
-def test_other_curves_have_figures_whose_labels_do_not_overlap(source: Any, tmp_path: Path) -> None:
-    for name in ("outer-loop", "inward"):
-        write_figure(name, tmp_path / "still.png", source)
-    for name in ("grid", "trajectories", "velocities", "gap", "speeds"):
-        told = " ".join(check_texts(figure(name, source), border=5))
-        assert not any(word in told for word in ("spiral", "coil", "inward"))
-
-
-@pytest.mark.thorough
-def test_texts_of_the_figures_of_studies_do_not_overlap() -> None:
-    few = Dragon(benches=25)
-    for found in (min_pitch(), min_pitch(radius=8.0), max_speed(), u_turn(few, search=False)):
+def test_texts_of_other_figures_do_not_overlap(tmp_path: Path) -> None:
+    for found in (min_pitch(), min_pitch(radius=8.0), max_speed(), u_turn(Dragon(benches=25), search=False)):
         for lang in ("en", "zh"):
             with in_language(lang):
                 assert len(check_texts(found.plot())) > 5
-
-
-def test_endless_curve_is_looked_at_for_as_long_as_a_run() -> None:
-    way = line(figure("trajectories", OTHERS["u-turn"]), "path-0").T
-    np.testing.assert_allclose(way[[0, -1]], U_TURN.at([-20, 20]).positions[:, 0], atol=1e-9)
+    for source in OTHERS.values():
+        for name in ("outer-loop", "inward"):
+            write_figure(name, tmp_path / "still.png", source)
+        for name in ("grid", "trajectories", "velocities", "gap", "speeds"):
+            told = " ".join(check_texts(figure(name, source), border=5))
+            assert not any(word in told for word in ("spiral", "coil", "inward"))
 
 
 def test_matplotlib_and_pymunk_are_imported_when_they_are_needed_and_pyplot_never() -> None:

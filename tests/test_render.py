@@ -13,8 +13,8 @@ from PIL import Image
 
 from pymunk_dragon import Camera, Dragon, March, Palette, Run, UTurn, first_contact
 from pymunk_dragon._language import in_language
-from pymunk_dragon.drawing import Film, still, write_still
-from pymunk_dragon.drawing.film.layout import lay_out, sampled
+from pymunk_dragon.drawing import Film, render, still
+from pymunk_dragon.drawing.film.layout import Canvas
 from pymunk_dragon.drawing.lettering import Lettering
 from pymunk_dragon.drawing.palette import BLOCK
 from pymunk_dragon.drawing.scene import smallest_gap
@@ -57,8 +57,8 @@ def displaced(run):
 
 def shown(source, time, film):
     """A picture, and where points of the ground lie on it."""
-    [clip] = clips = sampled([source], np.array([time]), film)
-    view = lay_out(clips, film).scenes[0].view(next(clip.snapshots).poses)
+    [scene], [state] = Canvas([source], np.array([time]), film).scenes, snapshots(source, np.array([time]))
+    view = scene.view(state.poses)
     return still(source, time, film), lambda points: view.pixels(points) / BLOCK
 
 
@@ -105,12 +105,13 @@ def test_no_two_bench_colours_look_alike_to_anyone_or_in_grey():
 def test_bad_cameras_palettes_marks_and_times_are_refused(run, tmp_path):
     cases = [(name, Camera, {name: value}) for name, value in [("span", 0), ("span", float("inf")), ("follow", "tail")]]
     cases += [("body", Palette, {"body": colour}) for colour in ("red", "#12345", "#12345g", "#1234567", None)]
-    cases += [("time", write_still, {"source": run, "time": 11.0, "path": tmp_path / "still.png"})]
+    cases += [("time", still, {"source": run, "time": 11.0})]
+    cases += [("until", render, {"source": run, "until": 11.0, "path": tmp_path / "still.png"})]
     for mark in ("contacts", "normals", "impulses"):
         cases += [("show", still, {"source": SMALL, "time": 1.0, "film": Film(show=(mark,))})]
     for name, call, arguments in cases:
         assert refusal(call, **arguments).name == name
-    write_still(run, 4.0, tmp_path / "still.png", Film(size=120))
+    render(run, tmp_path / "still.png", size=120, until=4.0)
     np.testing.assert_array_equal(iio.imread(tmp_path / "still.png"), still(run, 4.0, Film(size=120)))
 
 

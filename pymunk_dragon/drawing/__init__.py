@@ -16,14 +16,12 @@ $ pymunk-dragon render run.npz -o marks.png --camera head --velocities --grid --
 ![The engine, and the exact model with the engine's position error magnified](renders/exact.gif)
 
 Without options a film shows what a class should see. It slows down towards near misses and contacts, shows at most
-0.66 m of march a frame (0.4 of the distance between two holes of a bench), lasts 8 to 20 s at 20 frames a second, and
-holds its last frame for 2.5 s. The reference march is shown from t = 338 s in 11 s; `--from 0` shows all of it in 20
-s, at 50 frames a second. `--speedup`, `--fps`, `--from`, `--until` and `--hold` override this. Beside a run,
-`--exact` shows the exact model with the engine's position error magnified by the factor in the legend. `--lang zh`
-writes in Chinese (`pip install 'pymunk-dragon[chinese]'`).
+0.66 m of march a frame, lasts 8 to 20 s at 20 frames a second, and holds its last frame for 2.5 s. The reference march
+is shown from t = 338 s in 11 s; `--from 0` shows all of it in 20 s, at 50 frames a second. `--speedup`, `--fps`,
+`--from`, `--until` and `--hold` override this. `--lang zh` writes in Chinese (`pip install 'pymunk-dragon[chinese]'`).
 
 Flags lay marks over the benches: velocities, the grid, impulses of the joints, contacts and their normals. `--title`
-and `--caption` stand above and below (with `--font FILE` for characters that the default font lacks):
+and `--caption` stand above and below:
 
 ![Arrows, discs and cells laid over the benches at the first contact](renders/marks.png)
 
@@ -33,18 +31,14 @@ and `--caption` stand above and below (with `--font FILE` for characters that th
 
 | GIF | ms a frame | MB |
 | --- | --- | --- |
-| `write_film` | 6.6 | 6.4 |
+| `render` | 6.6 | 6.4 |
 | imageio, a stack of RGB frames | 30.5 | 8.1 |
 | matplotlib, `FuncAnimation` and `PillowWriter` | 48.3 | 21.0 |
-
-A GIF or an MP4 is written as it is drawn, so a longer film takes no more memory; all frames of a WebP or APNG are in
-memory.
 """
 
 from pymunk_dragon.drawing.camera import Camera
-from pymunk_dragon.drawing.film import FILM_ENDINGS, render, write_film
+from pymunk_dragon.drawing.film import FILM_ENDINGS, STILL_ENDINGS, render, still, still_png
 from pymunk_dragon.drawing.film.settings import Film
-from pymunk_dragon.drawing.film.stills import STILL_ENDINGS, still, still_png, write_still
 from pymunk_dragon.drawing.overlay import OVERLAYS
 from pymunk_dragon.drawing.palette import Palette
 
@@ -58,6 +52,4 @@ __all__ = [
     "render",
     "still",
     "still_png",
-    "write_film",
-    "write_still",
 ]

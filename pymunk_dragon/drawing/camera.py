@@ -30,13 +30,8 @@ class Camera:
     follow : {"field", "head"}
         Keep the camera fixed over the whole field, or centre it on the head bench.
     span : float, optional
-        Width of the ground in view, m. The default for "field" holds the dragon during the whole film, the default for
-        "head" is 20 times the head bench's width.
-
-    Raises
-    ------
-    ParameterError
-        If `follow` is neither "field" nor "head", or `span` is not a number from 0.1 m to 1e5 m.
+        Width of the ground in view, m, from 0.1 to 1e5. The default for "field" holds the dragon during the whole film,
+        the default for "head" is 20 times the head bench's width.
 
     Examples
     --------

@@ -1,7 +1,7 @@
 """Pymunk's debug drawing on Pillow images; no window is needed.
 
-`PillowDrawOptions` draws any space on a Pillow image, with smooth edges, over whatever the image shows already. It
-needs nothing else of this package: no dragon, no march, no run.
+`PillowDrawOptions` draws any space on a Pillow image, over whatever the image shows already. It needs nothing else of
+this package.
 
 ```python
 import pymunk
@@ -40,15 +40,10 @@ image.save("debug_draw.png", optimize=True)
 ![Boxes and balls between two walls, and Newton's cradle](renders/debug_draw.png)
 
 `fit` shows a whole space, or a `pymunk.BB` of it; any other view is a `transform`, as everywhere in Pymunk. For a film
-set `image` to a new picture for each frame, and `fit` a box, which keeps the view; Pillow saves the pictures.
+set `image` to a new picture for each frame, and `fit` a box, which keeps the view.
 
-Milliseconds of processor time for a picture of 640 x 640 pixels (`python tests/bench/bench_debug_draw.py`, with
-matplotlib installed beside it):
-
-| space | Pillow | `pymunk.matplotlib_util` |
-| --- | --- | --- |
-| 223 benches and their pivots | 28 | 327 |
-| pile of 100 boxes and its contacts | 16 | 84 |
+A picture of 223 benches and their pivots, 640 x 640 pixels, takes 38 ms, and 366 ms with `pymunk.matplotlib_util`
+(`python tests/bench/bench_debug_draw.py`).
 """
 
 from __future__ import annotations
@@ -57,7 +52,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import reduce
-from itertools import pairwise
 
 import pymunk
 from PIL import Image, ImageDraw
@@ -70,22 +64,18 @@ __all__ = ["DrawCall", "DrawRecorder", "PillowDrawOptions"]
 
 Point = tuple[float, float]
 
-# Pixels: a thinner line is invisible, a wider one hides the picture.
-LINE_WIDTH_RANGE = (0.25, 100.0)
-# Pixels around a space: the dots of constraints have a radius of 5.
-MARGIN = 10.0
+# Pixels: Pillow draws a line of one drawn pixel step by step, however long the line is; a wider one hides the picture.
+LINE_WIDTH_RANGE = (1.0, 100.0)
 # Line widths: half the length of a collision mark. Chipmunk's is two units of the space, which may be two metres.
 COLLISION_MARK = 5.0
 # Drawn pixels per pixel along each axis.
 SAMPLES = 2
-# Drawn pixels: ImageDraw also fills the pixels on a polygon's edge, so every polygon is inset.
-EDGE_INSET = 0.38
-# Drawn pixels: largest distance between an arc and its chord; and the most chords of an arc.
-FLATNESS, MAX_CHORDS = 0.1, 2000
+# Drawn pixels: ImageDraw also fills the pixels on a polygon's edge, so every radius is smaller by this.
+EDGE_INSET = 0.4
+# Most chords per radian of an arc. The number grows with the root of the radius: they are within 0.13 drawn pixels.
+MAX_CHORDS = 1000.0
 # Drawn pixels: what reaches farther is not drawn, because ImageDraw has integers of 32 bits.
 MAX_REACH = 1e9
-# Drawn pixels: closer corners are merged, because the direction of so short a side is only rounding error.
-SAME_CORNER = 1e-9
 
 
 @dataclass(slots=True)
@@ -174,8 +164,8 @@ class DrawRecorder(pymunk.SpaceDebugDrawOptions):
 class PillowDrawOptions(DrawRecorder):
     """Debug drawing of a space on a Pillow image: `space.debug_draw(PillowDrawOptions(image))`.
 
-    Shapes, constraints and contacts are drawn with the alpha of their colours, at twice the image's size, which is then
-    reduced. `with options:` around calls of the drawing methods draws more, in the space's coordinates.
+    Everything is drawn with the alpha of its colour, at twice the image's size, which is then reduced. `with options:`
+    around calls of the drawing methods draws more, in the space's coordinates.
 
     Parameters
     ----------
@@ -185,16 +175,7 @@ class PillowDrawOptions(DrawRecorder):
         Whether y increases upwards from the image's lower edge. If False, y increases downwards from the upper edge as
         in `pymunk.pygame_util`.
     line_width : float
-        Width of outlines and lines, pixels. Dots and contacts scale with the line width.
-
-    Raises
-    ------
-    ParameterError
-        If `image` is not an image or has another mode, or `line_width` is not a number from 0.25 to 100.
-
-    Notes
-    -----
-    `transform`, from the space to pixels, may translate, scale, rotate and mirror. Colours and `flags` are Pymunk's.
+        Width of outlines and lines, pixels, from 1 to 100. Dots and contacts scale with the line width.
 
     Examples
     --------
@@ -209,7 +190,6 @@ class PillowDrawOptions(DrawRecorder):
     >>> space.debug_draw(options)
     >>> image.getpixel((160, 80))
     (149, 165, 166)
-    >>> image.save("ball.png")
     """
 
     def __init__(self, image: Image.Image, *, positive_y_is_up: bool = False, line_width: float = 1.0) -> None:
@@ -225,124 +205,108 @@ class PillowDrawOptions(DrawRecorder):
 
     @image.setter
     def image(self, image: Image.Image) -> None:
-        if not isinstance(image, Image.Image):
-            raise ParameterError("image", image, "a PIL.Image.Image")
-        if image.mode != "RGB":
-            raise ParameterError("image.mode", image.mode, "RGB")
+        mode = getattr(image, "mode", None)
+        if mode != "RGB":
+            raise ParameterError("image", mode or image, "a PIL.Image.Image in mode RGB")
         self._image = image
 
-    def fit(self, area: pymunk.Space | pymunk.BB, margin: float = MARGIN) -> None:
+    def fit(self, area: pymunk.Space | pymunk.BB, margin: float = 10.0) -> None:
         """Set `transform` so that a space, or a part of it, fills the image but for a margin, pixels, and is centred.
 
-        Raises
-        ------
-        ParameterError
-            If `area` has no extent (for example an empty space), or `margin` leaves less than 2 pixels.
+        A `ParameterError` is raised if `area` has no extent, or `margin` leaves less than 2 pixels.
         """
         width, height = self.image.size
         margin = finite("margin", margin, 0, min(width, height) / 2 - 1, "pixels")
         box = _extent(area) if isinstance(area, pymunk.Space) else area
-        box_width, box_height = box.right - box.left, box.top - box.bottom
-        if not (min(box_width, box_height) >= 0 and 0 < max(box_width, box_height) < math.inf):
+        lengths = box.right - box.left, box.top - box.bottom
+        if not (min(lengths) >= 0 and 0 < max(lengths) < math.inf):
             raise ParameterError("area", area, "something that has a size")
-        sizes = ((width, box_width), (height, box_height))
-        scale = min((pixels - 2 * margin) / size for pixels, size in sizes if size > 0)
+        sides = zip((width, height), lengths, strict=True)
+        scale = min((pixels - 2 * margin) / length for pixels, length in sides if length > 0)
         x, y = box.center()
         self.transform = pymunk.Transform(scale, 0, 0, scale, width / 2 - scale * x, height / 2 - scale * y)
 
     def __exit__(self, *raised: object) -> None:
         """Draw what was recorded."""
         super().__exit__(*raised)
-        if raised[1] is None:
-            canvas = self.image.resize([SAMPLES * length for length in self.image.size], Image.Resampling.NEAREST)
-            painter = _Painter(canvas, self)
-            for call in self.calls:
-                painter.paint(call)
-            self.image.paste(canvas.reduce(SAMPLES))
+        if raised[1] is not None:
+            return
+        canvas = self.image.resize([SAMPLES * length for length in self.image.size], Image.Resampling.NEAREST)
+        view = pymunk.Transform.scaling(SAMPLES) @ self.transform
+        if self.positive_y_is_up:
+            view = pymunk.Transform(1, 0, 0, -1, 0, canvas.height) @ view
+        # Blends translucent colours with the canvas.
+        draw = ImageDraw.Draw(canvas, "RGBA")
+        for call in self.calls:
+            _paint(draw, view, SAMPLES * self.line_width, call)
+        self.image.paste(canvas.reduce(SAMPLES))
 
 
 def _extent(space: pymunk.Space) -> pymunk.BB:
-    """Return the bounding box of a space's shapes and its constraints' anchors."""
-    boxes = [shape.bb for shape in space.shapes]
-    for joint in space.constraints:
-        for name, body in (("anchor_a", joint.a), ("anchor_b", joint.b), ("groove_a", joint.a), ("groove_b", joint.a)):
-            if hasattr(joint, name):
-                x, y = body.local_to_world(getattr(joint, name))
-                boxes.append(pymunk.BB(x, y, x, y))
+    """Return the bounding box of a space's shapes and constraints."""
+    recorder = DrawRecorder()
+    recorder.flags = recorder.DRAW_SHAPES | recorder.DRAW_CONSTRAINTS
+    space.debug_draw(recorder)
+    # The radius of a dot is in pixels.
+    reaches = [(point, call.radius if call.outline else 0) for call in recorder.calls for point in call.points]
+    boxes = [pymunk.BB.newForCircle(*reach) for reach in reaches]
     # Shapes with infinite coordinates are not drawn either.
-    boxes = [box for box in boxes if all(map(math.isfinite, box))]
-    if not boxes:
-        raise ParameterError("area", space, "a space with something in it")
-    return reduce(pymunk.BB.merge, boxes)
+    finite_boxes = (box for box in boxes if all(map(math.isfinite, box)))
+    return reduce(pymunk.BB.merge, finite_boxes, pymunk.BB(math.inf, math.inf, -math.inf, -math.inf))
 
 
-class _Painter:
-    """Painter of calls on a canvas; lengths are in drawn pixels."""
+def _paint(draw: ImageDraw.ImageDraw, view: pymunk.Transform, line: float, call: DrawCall) -> None:
+    """Paint a call with lines of a width in drawn pixels, to which `view` transforms the space."""
+    points = [view @ point for point in call.points]
+    radius = call.radius * (line if call.name == "dot" else math.sqrt(abs(view.a * view.d - view.b * view.c)))
+    if not all(abs(number) < MAX_REACH for point in points for number in (*point, radius)):
+        return
+    if call.name == "contact":
+        middle, reach = (points[0] + points[1]) / 2, COLLISION_MARK * line * (points[1] - points[0]).normalized()
+        points = [middle - reach, middle + reach]
+    if call.name in ("contact", "line"):
+        draw.line(_pixels(points), _rounded(call.fill), round(line))
+        return
+    outlined = _fill(draw, points, radius, line, call)
+    if call.name == "circle" and outlined:
+        tip = pymunk.Vec2d(*call.points[0]) + pymunk.Vec2d.from_polar(call.radius, call.angle)
+        draw.line(_pixels([points[0], view @ tip]), _rounded(call.outline or call.fill), round(line))
 
-    def __init__(self, canvas: Image.Image, options: PillowDrawOptions) -> None:
-        self._size, self._line = canvas.size, SAMPLES * options.line_width
-        self._transform = pymunk.Transform.scaling(SAMPLES) @ options.transform
-        if options.positive_y_is_up:
-            self._transform = pymunk.Transform(1, 0, 0, -1, 0, canvas.height) @ self._transform
-        a, b, c, d, _, _ = self._transform
-        self._scale = math.sqrt(abs(a * d - b * c))
-        # Blends translucent colours with the canvas.
-        self._draw = ImageDraw.Draw(canvas, "RGBA")
 
-    def paint(self, call: DrawCall) -> None:
-        """Paint a call."""
-        points = [self._transform @ point for point in call.points]
-        line, half = self._line, self._line / 2
-        if call.name == "contact":
-            middle = (points[0] + points[1]) / 2
-            reach = COLLISION_MARK * line * (points[1] - points[0]).normalized()
-            points = [middle - reach, middle + reach]
-        if call.name == "dot":
-            self._fill(call.fill, self._offset(points, call.radius * line))
-            return
-        if call.outline is None:
-            self._stroke(call.fill, points[0], points[1])
-            return
-        radius = self._scale * call.radius
-        if radius + _depth(points) < 1.5 * line:
-            # The outline would cover all. No shape is thinner than a line.
-            self._fill(call.fill, self._offset(points, radius if len(points) > 2 else max(radius, half)))
-            return
-        outside, inside = self._offset(points, radius), self._offset(points, radius - line)
-        # The outline of a translucent shape is a ring: a polygon with a hole in it, and a cut of no width.
-        hole = [*outside[:1], *inside, *inside[:1]] if call.fill[3] < 255 else []
-        self._fill(call.outline, outside + hole)
-        self._fill(call.fill, inside)
-        if call.name == "circle":
-            tip = self._transform @ (pymunk.Vec2d(*call.points[0]) + pymunk.Vec2d.from_polar(call.radius, call.angle))
-            # The round end of the line stays inside the circle.
-            end = points[0] + (tip - points[0]) * (1 - half / radius)
-            self._stroke(call.outline, points[0], end)
+def _fill(draw: ImageDraw.ImageDraw, points: list[pymunk.Vec2d], radius: float, line: float, call: DrawCall) -> bool:
+    """Fill a convex polygon with round corners; return whether it has an outline, which would cover a thin shape."""
+    # No segment is thinner than a line.
+    radius = max(radius, line / 2) if len(points) == 2 else radius
+    corners, headings = _sides(points)
+    across = [[y * math.cos(heading) - x * math.sin(heading) for x, y in corners] for heading in headings]
+    thickness = 2 * radius + min(max(row) - min(row) for row in across)
+    outline = _rounded(call.outline) if call.outline and thickness > 4 * line else None
+    polygon = _around(corners, headings, max(radius - EDGE_INSET, 0.0))
+    draw.polygon(_pixels(polygon), _rounded(call.fill), outline, round(line))
+    return outline is not None
 
-    def _offset(self, points: Sequence[Point], distance: float) -> list[Point]:
-        """Return the polygon at a distance around a point, a line or a convex polygon, or inside it if negative.
 
-        The polygon is empty if it is outside the image, or has a coordinate that is nan or huge.
-        """
-        corners = _corners(points)
-        # Only a polygon has an inside.
-        distance = max(distance - EDGE_INSET, 2 * FLATNESS if len(corners) < 3 else -math.inf)
-        if not all(abs(number) < MAX_REACH for point in points for number in (*point, distance)):
-            return []
-        for axis, length in enumerate(self._size):
-            along = [point[axis] for point in points]
-            if max(along) + distance < 0 or min(along) - distance > length:
-                return []
-        return _offset_polygon(corners, distance)
+def _sides(points: Sequence[pymunk.Vec2d]) -> tuple[list[pymunk.Vec2d], list[float]]:
+    """Return the corners of a polygon, counter-clockwise where y points up, and the headings of its sides, rad."""
+    corners = list(dict.fromkeys(points))
+    following = [*corners[1:], corners[0]]
+    if sum(corner.cross(after) for corner, after in zip(corners, following, strict=True)) < 0:
+        corners, following = following[::-1], corners[::-1]
+    return corners, [(after - corner).angle for corner, after in zip(corners, following, strict=True)]
 
-    def _fill(self, colour: Sequence[float], polygon: list[Point]) -> None:
-        if polygon:
-            self._draw.polygon(_pixels(polygon), fill=_rounded(colour))
 
-    def _stroke(self, colour: Sequence[float], a: Point, b: Point) -> None:
-        # ImageDraw's lines are more even than its thin polygons.
-        if all(abs(number) < MAX_REACH for number in (*a, *b)):
-            self._draw.line(_pixels([a, b]), fill=_rounded(colour), width=max(1, round(self._line)))
+def _around(corners: Sequence[Point], headings: Sequence[float], distance: float) -> list[Point]:
+    """Return the polygon at a distance around a point, a line or a convex polygon."""
+    polygon: list[Point] = []
+    for i, (x, y) in enumerate(corners):
+        turn = (headings[i] - headings[i - 1]) % math.tau
+        # At a straight corner, rounding can give an angle just below a full circle. A point has one.
+        turn = math.tau if len(corners) == 1 else turn if turn < 1.5 * math.pi else 0.0
+        chords = 1 + int(turn * min(1 + math.sqrt(distance), MAX_CHORDS))
+        # The outer normal of a side is a quarter turn clockwise from its heading.
+        angles = [headings[i - 1] - math.pi / 2 + turn * k / chords for k in range(chords + 1)]
+        polygon += [(x + distance * math.cos(angle), y + distance * math.sin(angle)) for angle in angles]
+    return polygon
 
 
 def _pixels(points: Sequence[Point]) -> list[tuple[int, int]]:
@@ -352,40 +316,3 @@ def _pixels(points: Sequence[Point]) -> list[tuple[int, int]]:
 
 def _rounded(colour: Sequence[float]) -> tuple[int, ...]:
     return tuple(round(part) for part in colour)
-
-
-def _corners(points: Sequence[Point]) -> list[Point]:
-    """Return corners without duplicates, counter-clockwise where y points up."""
-    corners = [p for p, q in zip(points, [*points[1:], points[0]], strict=True) if math.dist(p, q) > SAME_CORNER]
-    return [*reversed(corners)] if _area(corners) < 0 else corners or [points[0]]
-
-
-def _area(points: Sequence[Point]) -> float:
-    """Return the area of a polygon, negative if its corners are in clockwise order where y points up."""
-    x0, y0 = points[0] if points else (0.0, 0.0)
-    return sum((x1 - x0) * (y2 - y0) - (x2 - x0) * (y1 - y0) for (x1, y1), (x2, y2) in pairwise(points)) / 2
-
-
-def _depth(points: Sequence[Point]) -> float:
-    """Return a length by which a convex polygon can be inset: at least half of the largest one."""
-    perimeter = sum(math.dist(p, q) for p, q in zip(points, [*points[1:], points[0]], strict=True))
-    return abs(_area(points)) / perimeter if perimeter > 0 else 0.0
-
-
-def _offset_polygon(corners: list[Point], distance: float) -> list[Point]:
-    """Return the polygon around a convex one, with round corners, or inside it if `distance` is negative."""
-    outline: list[Point] = []
-    headings = [math.atan2(q[1] - p[1], q[0] - p[0]) for p, q in zip(corners, [*corners[1:], corners[0]], strict=True)]
-    for i, (x, y) in enumerate(corners):
-        turn = (headings[i] - headings[i - 1]) % math.tau if len(corners) > 1 else math.tau
-        # At a straight corner, rounding can give an angle just below a full circle.
-        turn = 0.0 if len(corners) > 1 and turn > 1.5 * math.pi else turn
-        # The outer normal of a side is a quarter turn clockwise from its heading.
-        start, reach, chords = headings[i - 1] - math.pi / 2, distance, 0
-        if distance > FLATNESS:
-            chords = min(math.ceil(turn / math.acos(1 - FLATNESS / distance) / 2), MAX_CHORDS)
-        if chords < 1:
-            start, turn, reach = start + turn / 2, 0.0, distance / math.cos(turn / 2)
-        angles = [start + turn * k / max(1, chords) for k in range(chords + 1)]
-        outline += [(x + reach * math.cos(angle), y + reach * math.sin(angle)) for angle in angles]
-    return outline

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from PIL import Image, ImageDraw, ImageFont
 
-from pymunk_dragon._language import font
+from pymunk_dragon._language import font as language_font
 from pymunk_dragon.drawing.palette import Palette
 from pymunk_dragon.errors import ParameterError
 
@@ -34,15 +34,15 @@ class Lettering:
     ) -> None:
         self.height = round(scale * max(MIN_HEIGHT, round(RELATIVE_HEIGHT * min(size))))
         self.margin = round(SIDE_MARGIN * self.height)
-        self._style = self.height, None if font is None else str(font), palette
+        self._style = self.height, font, palette
 
     def check(self, name: str, text: str) -> None:
         """Raise a `ParameterError` if the font lacks a character of the parameter `name`, or cannot be read."""
         font = _font(*self._style[:2])
-        box = font.getmask(UNASSIGNED_CHARACTER)
+        missing = font.getmask(UNASSIGNED_CHARACTER)
         for character in "".join(text.split()):
             drawn = font.getmask(character)
-            if drawn.size == box.size and bytes(drawn) == bytes(box):
+            if drawn.size == missing.size and bytes(drawn) == bytes(missing):
                 bound = f"of characters that the type has; it lacks {character!r}, which another font may have"
                 raise ParameterError(name, text, bound)
 
@@ -54,9 +54,8 @@ class Lettering:
         """Write text into both upper (or lower) corners of `picture`; `right` is omitted if it would overlap `left`."""
         first, second = self.line(left), self.line(right)
         top = picture.height - first.height if bottom else 0
-        room = picture.width - second.width
-        if right and (not left or first.width <= room):
-            picture.paste(second, (room, top))
+        if right and first.width * bool(left) + second.width <= picture.width:
+            picture.paste(second, (picture.width - second.width, top))
         if left:
             picture.paste(first, (0, top))
 
@@ -67,38 +66,35 @@ class Lettering:
             longer = f"{lines[-1]} {word}".strip()
             if self.line(longer).width <= width:
                 lines[-1] = longer
-                continue
-            lines.append("")
-            for character in word:
-                if lines[-1] and self.line(lines[-1] + character).width > width:
-                    lines.append("")
-                lines[-1] += character
+            else:
+                lines += self._parts(word, width)
         return [line for line in lines if line]
+
+    def _parts(self, word: str, width: int) -> list[str]:
+        parts = [word[0]]
+        for character in word[1:]:
+            if self.line(parts[-1] + character).width > width:
+                parts.append("")
+            parts[-1] += character
+        return parts
 
 
 def pillow_font(size: float) -> Font:
-    """A font of Pillow, `size` pixels high, with the characters of the present language.
-
-    Raises
-    ------
-    MissingExtraError
-        If the language needs a font that is not installed.
-    """
-    face = font()
-    return ImageFont.load_default(size) if face is None else ImageFont.truetype(face, size)
+    """Font of Pillow, `size` pixels high, with the characters of the present language."""
+    return _font(size, language_font())
 
 
 @lru_cache(maxsize=8)
-def _font(size: int, face: str | None) -> Font:
+def _font(size: float, file: str | Path | None) -> Font:
     try:
-        return ImageFont.load_default(size) if face is None else ImageFont.truetype(face, size)
+        return ImageFont.load_default(size) if file is None else ImageFont.truetype(file, size)
     except OSError as error:
-        raise ParameterError("font", face, "a file of a TrueType or OpenType face that can be read") from error
+        raise ParameterError("font", str(file), "a file of a TrueType or OpenType face that can be read") from error
 
 
 @lru_cache(maxsize=32)
-def _line_image(text: str, size: int, face: str | None, palette: Palette) -> Image.Image:
-    font, margin = _font(size, face), round(SIDE_MARGIN * size)
+def _line_image(text: str, size: int, file: str | Path | None, palette: Palette) -> Image.Image:
+    font, margin = _font(size, file), round(SIDE_MARGIN * size)
     # No digit or Latin letter extends below these characters.
     height = round(font.getbbox("gjpqy,()[]|")[3])
     image = Image.new("RGB", (round(font.getbbox(text)[2]) + 2 * margin, height + margin), palette.rgb("background"))

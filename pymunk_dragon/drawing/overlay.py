@@ -6,7 +6,7 @@ An overlay is a function that draws it, and an entry in `OVERLAYS`, from which f
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,25 +20,17 @@ from pymunk_dragon.model.march import March
 
 # s: an arrow ends where its handle would be after this time, so its length is proportional to the speed.
 ARROW_TIME = 0.5
-# Drawn pixels: width of an arrow's shaft, and of a normal's.
-SHAFT_WIDTH, NORMAL_WIDTH = 4, 6
-# Drawn pixels: length and half the width of an arrowhead.
-ARROWHEAD_LENGTH, ARROWHEAD_HALF_WIDTH = 13.0, 5.0
-# Drawn pixels: a shorter arrow has no visible direction.
-MIN_ARROW_LENGTH = 2.0
-# Drawn pixels: length of a normal.
-NORMAL_LENGTH = 72.0
-# Drawn pixels: width of the outline of a displaced bench.
-OUTLINE_WIDTH = 3
-# Drawn pixels: width of a bench from which outlines of displaced benches do not cover the benches.
-MIN_OUTLINE_WIDTH = 20.0
+# Drawn pixels: width of an arrow's shaft; length and half the width of its head. A shorter arrow has no direction.
+SHAFT_WIDTH, ARROWHEAD_LENGTH, ARROWHEAD_HALF_WIDTH, MIN_ARROW_LENGTH = 4, 13.0, 5.0, 2.0
+# Drawn pixels: width and length of a normal.
+NORMAL_WIDTH, NORMAL_LENGTH = 6, 72.0
+# Drawn pixels: width of the outline of a displaced bench, and of benches that are not covered by such outlines.
+OUTLINE_WIDTH, MIN_OUTLINE_WIDTH = 3, 20.0
 # Drawn pixels: largest radius of the disc of the largest impulse; and the same as a fraction of a bench's width, so
 # that the disc does not hide small benches.
 MAX_DISC_RADIUS, MAX_DISC_FRACTION = 36.0, 0.7
-# Drawn pixels: radius of a contact point.
-CONTACT_RADIUS = 8.0
-# Drawn pixels: the lines of smaller cells would cover the ground.
-MIN_CELL_SIZE = 8.0
+# Drawn pixels: radius of a contact point; and size of a cell, of which smaller ones would cover the ground.
+CONTACT_RADIUS, MIN_CELL_SIZE = 8.0, 8.0
 
 
 @dataclass(frozen=True)
@@ -52,12 +44,9 @@ class Layer:
     palette: Palette
     largest_impulse: float
 
-    def disc(self, centre: list[float], radius: float) -> None:
+    def disc(self, centre: Sequence[float], radius: float) -> None:
         """Draw a disc of force; lengths in drawn pixels."""
-        x, y = centre
-        ImageDraw.Draw(self.image).ellipse(
-            (x - radius, y - radius, x + radius, y + radius), fill=self.palette.rgb("force")
-        )
+        ImageDraw.Draw(self.image).circle(centre, radius, fill=self.palette.rgb("force"))
 
     def arrow(self, begin: list[float], end: list[float], colour: Colour, width: int = SHAFT_WIDTH) -> None:
         """Draw an arrow from a drawn pixel to another one."""
@@ -86,6 +75,13 @@ class Overlay:
     draw: Callable[[Layer], None]
     needs: str | None = None
     below: bool = False
+
+
+def draw_overlays(layer: Layer, names: Collection[str], *, below: bool = False) -> None:
+    """Draw the overlays with these names that lie above, or below, the benches."""
+    for name, overlay in OVERLAYS.items():
+        if name in names and overlay.below == below:
+            overlay.draw(layer)
 
 
 def draw_errors(layer: Layer) -> None:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass, fields
 from functools import cached_property
-from itertools import combinations_with_replacement
+from itertools import combinations_with_replacement, product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,7 +34,7 @@ Colour = tuple[int, int, int]
 
 @dataclass(frozen=True, kw_only=True)
 class Palette:
-    """Colours of a film, each as "#rrggbb".
+    """Colours of a film, each as "#rrggbb". The defaults are distinguishable with colour blindness and in greyscale.
 
     Parameters
     ----------
@@ -46,16 +46,6 @@ class Palette:
         Outlines, holes and text.
     motion, force, grid : str
         Velocities; impulses, contact points and normals; cells of the broad phase.
-
-    Raises
-    ------
-    ParameterError
-        If a colour is not "#" and six hexadecimal digits.
-
-    Notes
-    -----
-    The default colours are distinguishable with red-green colour blindness and in greyscale: the lightnesses of the
-    bench colours differ by at least a seventh of the scale.
 
     Examples
     --------
@@ -89,17 +79,17 @@ class Palette:
     @cached_property
     def table(self) -> NDArray[np.uint8]:
         """Red, green and blue (C, 3) of the colours of films; C is at most 255."""
-        mixtures = [mixture for mixture in combinations_with_replacement(COVERED, BLOCK**2) if _occurs(mixture)]
+        mixtures = filter(_occurs, combinations_with_replacement(COVERED, BLOCK**2))
         colours = [np.mean([self.rgb(name) for name in mixture], axis=0) for mixture in mixtures]
-        colours += [self._blend("background", "ink", step / TEXT_SHADES) for step in range(TEXT_SHADES)]
-        accents = [("motion", name, share) for name in COVERED for share in range(1, 5)]
-        accents += [("force", name, share) for _, name, share in accents]
-        colours += [self._blend(name, accent, share / 4) for accent, name, share in accents]
-        colours += [self._blend(name, "grid", tint / 255) for name in COVERED[:2] for tint in (CELL_TINT, LINE_TINT)]
+        # Colours, colours above them, and the opacities of the latter.
+        blends = [
+            *product(["background"], ["ink"], np.arange(TEXT_SHADES) / TEXT_SHADES),
+            *product(COVERED, ["motion", "force"], [0.25, 0.5, 0.75, 1.0]),
+            *product(["background", "curve"], ["grid"], [CELL_TINT / 255, LINE_TINT / 255]),
+        ]
+        for below, above, opacity in blends:
+            colours.append((1 - opacity) * np.array(self.rgb(below)) + opacity * np.array(self.rgb(above)))
         return np.unique(np.rint(colours).astype(np.uint8), axis=0)
-
-    def _blend(self, below: str, above: str, opacity: float) -> NDArray[np.float64]:
-        return (1 - opacity) * np.array(self.rgb(below)) + opacity * np.array(self.rgb(above))
 
 
 def _occurs(mixture: tuple[str, ...]) -> bool:

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import math
+from dataclasses import KW_ONLY, dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
 from pymunk_dragon._arrays import Array
@@ -14,7 +17,7 @@ from pymunk_dragon._language import text
 from pymunk_dragon.collision import separation
 from pymunk_dragon.drawing.camera import Camera, View
 from pymunk_dragon.drawing.lettering import Lettering
-from pymunk_dragon.drawing.overlay import OVERLAYS, Layer, draw_errors
+from pymunk_dragon.drawing.overlay import Layer, draw_errors, draw_overlays
 from pymunk_dragon.drawing.palette import BLOCK, Palette
 from pymunk_dragon.drawing.snapshots import Snapshot
 from pymunk_dragon.model.contact import Contact
@@ -53,6 +56,7 @@ class Nearest(NamedTuple):
     point: tuple[float, float]
 
 
+@dataclass(frozen=True)
 class Scene:
     """Renderer of the states of a march at a constant scale.
 
@@ -63,77 +67,69 @@ class Scene:
     `displaced` poses. Pictures without contact or gap display the film's first time, `since`, s, if it is given.
     """
 
-    def __init__(
-        self,
-        march: March,
-        camera: Camera,
-        *,
-        centre: tuple[float, float],
-        span: float,
-        size: tuple[int, int],
-        palette: Palette,
-        times: tuple[float, float],
-        contact: Contact | None,
-        gap: bool | None,
-        show: tuple[str, ...],
-        largest_impulse: float,
-        magnification: float | None,
-        since: float | None,
-        font: str | Path | None,
-    ) -> None:
-        self.march, self.camera, self.contact, self.size = march, camera, contact, size
-        self.magnification = magnification
-        self._palette = palette
-        self._gap, self._since, self._largest_impulse = gap, since, largest_impulse
-        shown = [overlay for name, overlay in OVERLAYS.items() if name in show]
-        self._below = [overlay.draw for overlay in shown if overlay.below]
-        self._above = [draw_errors, *(overlay.draw for overlay in shown if not overlay.below)]
-        self._text = Lettering(size, self._palette, font=font)
-        drawn_size = (size[0] * BLOCK, size[1] * BLOCK)
-        self._view = View(centre, drawn_size[0] / span, drawn_size)
-        body = march.dragon.benches - 2
-        self._colours = [self._palette.rgb(name) for name in ("head", *["body"] * body, "tail")]
-        self._curve = self._sample_curve(*times)
-        self._background = self._draw_background(self._view) if camera.follow == "field" else None
+    march: March
+    camera: Camera
+    _: KW_ONLY
+    centre: tuple[float, float]
+    span: float
+    size: tuple[int, int]
+    palette: Palette
+    times: tuple[float, float]
+    contact: Contact | None
+    gap: bool | None
+    show: tuple[str, ...]
+    largest_impulse: float
+    magnification: float | None
+    since: float | None
+    font: str | Path | None
 
     @property
     def scale(self) -> float:
         """Pixels per m."""
-        return self._view.scale / BLOCK
-
-    def draw(self, snapshot: Snapshot) -> Image.Image:
-        """Draw a snapshot (mode RGB)."""
-        touching = self.contact if self.contact and snapshot.time >= self.contact.time else None
-        nearest = None if touching or self._gap is False else smallest_gap(self.march.dragon, snapshot.poses)
-        near = nearest if nearest is not None and nearest.distance < SMALL_GAP else None
-        view = self.view(snapshot.poses)
-        image = self._background.copy() if self._background else self._draw_background(view)
-        layer = Layer(image, view, snapshot, self.march, self._palette, self._largest_impulse)
-        for draw in self._below:
-            draw(layer)
-        self._draw_benches(image, view, snapshot.poses, touching)
-        if event := touching or near:
-            self._draw_ring(image, view, event.point)
-        for draw in self._above:
-            draw(layer)
-        picture = image.reduce(BLOCK)
-        self._write_text(picture, snapshot, touching, nearest if self._gap or self.camera.follow == "head" else near)
-        return picture
+        return self.size[0] / self.span
 
     def view(self, poses: Array) -> View:
         """Return the view of a picture of the benches at `poses` (N, 3), in drawn pixels."""
-        if self.camera.follow == "field":
-            return self._view
-        return View((float(poses[0, 0]), float(poses[0, 1])), self._view.scale, self._view.size)
+        x, y = self.centre if self.camera.follow == "field" else poses[0, :2].tolist()
+        return View((x, y), self.scale * BLOCK, (self.size[0] * BLOCK, self.size[1] * BLOCK))
 
-    def _sample_curve(self, since: float, until: float) -> Array:
-        """Sample the curve: points (P, 2), m. The interval always includes the dragon's position at 0 s."""
-        first, last = self.march.span(min(since, 0.0), max(until, 0.0))
-        points = min(int((last - first) * self._view.scale / CURVE_STEP) + 2, MAX_CURVE_POINTS)
+    def draw(self, snapshot: Snapshot) -> Image.Image:
+        """Draw a snapshot (mode RGB)."""
+        view = self.view(snapshot.poses)
+        image = self._fixed_ground.copy() if self.camera.follow == "field" else self._ground(view)
+        layer = Layer(image, view, snapshot, self.march, self.palette, self.largest_impulse)
+        contact = self.contact if self.contact and snapshot.time >= self.contact.time else None
+        nearest = None if contact else self._nearest(snapshot.poses)
+        draw_overlays(layer, self.show, below=True)
+        _draw_benches(layer, contact.benches if contact else ())
+        if event := contact or (nearest if nearest and nearest.distance < SMALL_GAP else None):
+            _draw_ring(layer, event.point)
+        draw_errors(layer)
+        draw_overlays(layer, self.show)
+        picture = image.reduce(BLOCK)
+        speed = float(self.march.speed_profile.at(snapshot.time))
+        self._lettering.put(picture, f"t = {snapshot.time:.2f} s", text("head {:.2f} m/s").format(speed))
+        self._lettering.put(picture, *self._lower_texts(snapshot, contact, nearest), bottom=True)
+        return picture
+
+    @cached_property
+    def _lettering(self) -> Lettering:
+        return Lettering(self.size, self.palette, font=self.font)
+
+    @cached_property
+    def _curve(self) -> Array:
+        """Points (P, 2), m, of the curve. The interval always includes the dragon's position at 0 s."""
+        first, last = self.march.span(min(self.times[0], 0.0), max(self.times[1], 0.0))
+        points = min(int((last - first) * self.scale * BLOCK / CURVE_STEP) + 2, MAX_CURVE_POINTS)
         return self.march.curve.point(np.linspace(first, last, points))
 
-    def _draw_background(self, view: View) -> Image.Image:
-        image = Image.new("RGB", view.size, self._palette.rgb("background"))
+    @cached_property
+    def _fixed_ground(self) -> Image.Image:
+        return self._ground(self.view(np.zeros((1, 3))))
+
+    def _ground(self, view: View) -> Image.Image:
+        """Draw the curve and its circles."""
+        image = Image.new("RGB", view.size, self.palette.rgb("background"))
         draw = ImageDraw.Draw(image)
         seen = view.holds(self._curve, 2 * CURVE_STEP / view.scale)
         width = max(1, round(CURVE_WIDTH * self.march.dragon.widths.min() * view.scale))
@@ -141,75 +137,34 @@ class Scene:
         borders = np.flatnonzero(np.diff(np.concatenate([[False], seen, [False]]).astype(np.int8)))
         for first, last in borders.reshape(-1, 2).tolist():
             points = np.floor(view.pixels(self._curve[first:last])).ravel().tolist()
-            draw.line(points, fill=self._palette.rgb("curve"), width=width)
+            draw.line(points, fill=self.palette.rgb("curve"), width=width)
         for x, y, radius in self.march.curve.circles:
-            self._draw_circle(draw, view.pixels((x, y)).tolist(), radius * view.scale)
+            dashes = max(8, round(math.pi * radius * view.scale / (CIRCLE_DASH * BLOCK)))
+            box = [*(view.pixels((x, y)) - radius * view.scale), *(view.pixels((x, y)) + radius * view.scale)]
+            for dash in range(dashes):
+                angles = 360 * dash / dashes, 360 * (dash + 0.5) / dashes
+                draw.arc(box, *angles, fill=self.palette.rgb("ink"), width=BLOCK)
         return image
 
-    def _draw_circle(self, draw: ImageDraw.ImageDraw, centre: tuple[float, float], radius: float) -> None:
-        """Draw a dashed circle; lengths are in drawn pixels."""
-        x, y = centre
-        dashes = max(8, round(math.pi * radius / (CIRCLE_DASH * BLOCK)))
-        for dash in range(dashes):
-            box = (x - radius, y - radius, x + radius, y + radius)
-            angles = 360 * dash / dashes, 360 * (dash + 0.5) / dashes
-            draw.arc(box, *angles, fill=self._palette.rgb("ink"), width=BLOCK)
+    def _nearest(self, poses: Array) -> Nearest | None:
+        """Return the bench closest to the head bench if its gap is displayed."""
+        nearest = None if self.gap is False else smallest_gap(self.march.dragon, poses)
+        always = self.gap or self.camera.follow == "head"
+        return nearest if nearest and (always or nearest.distance < SMALL_GAP) else None
 
-    def _draw_benches(self, image: Image.Image, view: View, poses: Array, touching: Contact | None) -> None:
-        dragon, draw, ink = self.march.dragon, ImageDraw.Draw(image), self._palette.rgb("ink")
-        # ImageDraw also fills the pixels on a polygon's edge, so every side is inset by half a pixel.
-        pixel = 1 / view.scale
-        corners = outlines(poses, dragon.lengths - pixel, dragon.widths - pixel)
-        seen = np.flatnonzero(view.holds(poses[:, :2], float(dragon.lengths.max())))
-        polygons = np.floor(view.pixels(corners[seen])).astype(int).reshape(-1, 8).tolist()
-        # From tail to head, so that the head is drawn on top.
-        for bench, polygon in zip(seen[::-1].tolist(), polygons[::-1], strict=True):
-            hit = touching and bench in touching.benches
-            draw.polygon(polygon, fill=self._palette.rgb("contact") if hit else self._colours[bench], outline=ink)
-        if touching and 0 in touching.benches:
-            self._draw_head_in_contact(draw, view, poses[:1])
-        diameter = hole_diameter(dragon) * view.scale
-        if diameter >= MIN_HOLE_DIAMETER:
-            front, rear = dragon.holes(poses)
-            corner = np.rint(view.pixels(np.concatenate([front[seen], rear[seen]])) - diameter / 2)
-            for box in np.concatenate([corner, corner + round(diameter) - 1], axis=1).tolist():
-                draw.ellipse(box, fill=ink)
-
-    def _draw_head_in_contact(self, draw: ImageDraw.ImageDraw, view: View, pose: Array) -> None:
-        """Draw the head in its own colour, inside a border in the contact colour if the head is wide enough."""
-        dragon = self.march.dragon
-        border = 1 / view.scale
-        if dragon.widths[0] * self.scale >= HEAD_BORDERS * HEAD_BORDER:
-            border += 2 * HEAD_BORDER / self.scale
-        corners = outlines(pose, dragon.lengths[:1] - border, dragon.widths[:1] - border)
-        polygon = np.floor(view.pixels(corners)).astype(int).ravel().tolist()
-        draw.polygon(polygon, fill=self._palette.rgb("head"), outline=self._palette.rgb("ink"))
-
-    def _draw_ring(self, image: Image.Image, view: View, point: tuple[float, float]) -> None:
-        if self.march.dragon.widths.min() * self.scale < RING_BENCH_WIDTH:
-            return
-        x, y = view.pixels(point).tolist()
-        radius = RING_RADIUS * BLOCK
-        box = (x - radius, y - radius, x + radius, y + radius)
-        ImageDraw.Draw(image).ellipse(box, outline=self._palette.rgb("ink"), width=BLOCK)
-
-    def _write_text(
-        self, picture: Image.Image, snapshot: Snapshot, touching: Contact | None, nearest: Nearest | None
-    ) -> None:
-        left = "" if self._since is None else text("from t = {:g} s").format(self._since)
-        if touching:
+    def _lower_texts(self, snapshot: Snapshot, contact: Contact | None, nearest: Nearest | None) -> tuple[str, str]:
+        """Return the texts in the lower left and right corners."""
+        left = "" if self.since is None else text("from t = {:g} s").format(self.since)
+        if contact:
             # Short, to fit into a corner beside the spiral.
-            left = text("contact: benches {} and {}").format(*touching.benches)
+            left = text("contact: benches {} and {}").format(*contact.benches)
         elif snapshot.error is not None:
             left = text("position error up to {:.4f} mm").format(1e3 * snapshot.error)
-        elif nearest is not None:
+        elif nearest:
             left = text("gap {gap} to bench {bench}").format(gap=_length(nearest.distance), bench=nearest.bench)
-        right = ""
-        if snapshot.impulses is not None:
-            right = text("joints up to {} N s").format(_impulse(float(snapshot.impulses.max())))
-        speed = float(self.march.speed_profile.at(snapshot.time))
-        self._text.put(picture, f"t = {snapshot.time:.2f} s", text("head {:.2f} m/s").format(speed))
-        self._text.put(picture, left, right, bottom=True)
+        if snapshot.impulses is None:
+            return left, ""
+        return left, text("joints up to {} N s").format(_impulse(float(snapshot.impulses.max())))
 
 
 def hole_diameter(dragon: Dragon) -> float:
@@ -237,6 +192,42 @@ def smallest_gap(dragon: Dragon, poses: Array) -> Nearest | None:
     nearest = int(np.argmin(found.distance))
     x, y = found.point[nearest].tolist()
     return Nearest(nearest + 2, max(0.0, float(found.distance[nearest])), (x, y))
+
+
+def _draw_benches(layer: Layer, touching: tuple[int, ...]) -> None:
+    """Draw benches and holes, from tail to head, so that the head is on top; `touching` benches are in contact."""
+    dragon, poses, rgb = layer.march.dragon, layer.snapshot.poses, layer.palette.rgb
+    colours = {0: rgb("head"), dragon.benches - 1: rgb("tail")} | dict.fromkeys(touching, rgb("contact"))
+    seen = np.flatnonzero(layer.view.holds(poses[:, :2], float(dragon.lengths.max())))[::-1]
+    draw, body, ink = ImageDraw.Draw(layer.image), rgb("body"), rgb("ink")
+    for bench, polygon in zip(seen.tolist(), _polygons(layer, seen), strict=True):
+        draw.polygon(polygon, fill=colours.get(bench, body), outline=ink)
+    if 0 in touching:
+        # In its own colour, inside a border in the contact colour if the head is wide enough.
+        border = 2 * HEAD_BORDER * BLOCK / layer.view.scale
+        wide = dragon.widths[0] * layer.view.scale >= HEAD_BORDERS * HEAD_BORDER * BLOCK
+        draw.polygon(_polygons(layer, np.array([0]), border * wide)[0], fill=rgb("head"), outline=ink)
+    diameter = hole_diameter(dragon) * layer.view.scale
+    if diameter >= MIN_HOLE_DIAMETER:
+        holes = np.concatenate([hole[seen] for hole in dragon.holes(poses)])
+        corner = np.rint(layer.view.pixels(holes) - diameter / 2)
+        for box in np.concatenate([corner, corner + round(diameter) - 1], axis=1).tolist():
+            draw.ellipse(box, fill=ink)
+
+
+def _polygons(layer: Layer, benches: NDArray[np.intp], border: float = 0.0) -> list[list[int]]:
+    """Return the outlines of benches in pixels, without a border, m."""
+    # ImageDraw also fills the pixels on a polygon's edge, so every side is inset by half a pixel.
+    less, dragon = 1 / layer.view.scale + border, layer.march.dragon
+    corners = outlines(layer.snapshot.poses[benches], dragon.lengths[benches] - less, dragon.widths[benches] - less)
+    polygons: list[list[int]] = np.floor(layer.view.pixels(corners)).astype(int).reshape(-1, 8).tolist()
+    return polygons
+
+
+def _draw_ring(layer: Layer, point: tuple[float, float]) -> None:
+    if layer.march.dragon.widths.min() * layer.view.scale >= RING_BENCH_WIDTH * BLOCK:
+        centre = layer.view.pixels(point).tolist()
+        ImageDraw.Draw(layer.image).circle(centre, RING_RADIUS * BLOCK, outline=layer.palette.rgb("ink"), width=BLOCK)
 
 
 def _length(gap: float) -> str:

@@ -1,43 +1,33 @@
-"""Samples a run or march at the times of a film: poses, velocities, impulses and contacts, as pictures need them."""
+"""States of a run or march at the times of a film, as pictures need them."""
 
 from __future__ import annotations
 
 import math
 from bisect import bisect_right
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pymunk_dragon._arrays import Array
-from pymunk_dragon._language import text
 from pymunk_dragon.collision import FirstContact, first_contact
-from pymunk_dragon.model.contact import Contact
+from pymunk_dragon.model.contact import ContactEvent
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 
 # What a picture or film is drawn from.
 Source = Run | March
-Vector = tuple[float, float]
 
 # Frames whose poses are computed at once: enough to amortise the cost of a call, few enough to limit memory.
-CHUNK_FRAMES = 32
+_CHUNK_FRAMES = 32
 # s: margin by which the search for a contact at the end of a film extends beyond the end.
-CONTACT_MARGIN = 1e-6
-# Times at which the extent of a dragon is sampled.
-EXTENT_SAMPLES = 64
+_CONTACT_MARGIN = 1e-6
+# Times at which the extent of a dragon, and the position errors of a run, are sampled.
+_SAMPLES = 64
 # Substeps: a contact callback is shown if it is at most this much older than the frame. The last substep, and a margin
 # for rounding.
-RECENT_SUBSTEPS = 1.5
-
-
-@dataclass(frozen=True)
-class Touch:
-    """Contact of two benches: points in m, and the unit normal from the first bench to the second."""
-
-    points: tuple[Vector, ...]
-    normal: Vector
+_RECENT_SUBSTEPS = 1.5
 
 
 @dataclass(frozen=True)
@@ -45,36 +35,18 @@ class Snapshot:
     """State of a dragon of N benches at one time.
 
     `poses` (N, 3) are in m and rad. If an overlay needs them there are `velocities` (N + 1, 2) of the handles, m/s,
-    `impulses` (N - 1,) in the joints, N s, and `touches`. In the exact model beside a run, `displaced` poses (N, 3)
-    have the run's position errors, magnified, and `error` is the largest one, m, of those that decide the factor.
+    `impulses` (N - 1,) in the joints, N s, and `touches`, with points and normals. In the exact model beside a run,
+    `displaced` poses (N, 3) have the run's position errors, magnified, and `error` is the largest one, m, of those that
+    decide the factor.
     """
 
     time: float
     poses: Array
     velocities: Array | None = None
     impulses: Array | None = None
-    touches: tuple[Touch, ...] = ()
+    touches: tuple[ContactEvent, ...] = ()
     displaced: Array | None = None
     error: float | None = None
-
-
-@dataclass(frozen=True)
-class Clip:
-    """A run or march sampled at the F times of a film.
-
-    `window` has the first and last time, s, of a run, or of the film of a march; `extent` (2, 2) the lower left and
-    upper right corner, m, of the dragon's bounding box, for a fixed camera; `largest_impulse` is in N s;
-    `magnification` is the factor of the position errors in the snapshots' `displaced` poses.
-    """
-
-    march: March
-    model: str
-    contact: Contact | None
-    window: tuple[float, float]
-    extent: Array | None
-    largest_impulse: float
-    snapshots: Iterator[Snapshot]
-    magnification: float | None = None
 
 
 def march_of(source: Source) -> March:
@@ -82,136 +54,109 @@ def march_of(source: Source) -> March:
     return source.march if isinstance(source, Run) else source
 
 
-def sample(source: Source, times: Array, needs: Collection[str] = (), *, extent: bool = False) -> Clip:
-    """Sample `source` at the `times` (F,), s, of a film; `needs` has fields of `Snapshot`, beside the poses."""
-    run = source if isinstance(source, Run) else None
-    known = times if run is None else run.times
-    samples = np.linspace(times[0], times[-1], min(EXTENT_SAMPLES, len(times)))
-    return Clip(
-        march=march_of(source),
-        model=_model(run),
-        contact=run.first_contact if run else None,
-        window=(float(known[0]), float(known[-1])),
-        extent=_extent(source, samples) if extent else None,
-        largest_impulse=_largest_impulse(run, times) if run else 0.0,
-        snapshots=snapshots(source, times, needs),
-    )
-
-
 def first_contact_until(march: March, start: float, until: float) -> FirstContact:
     """Search for the first contact of the exact model from `start` to `until`, s, including a contact at `until`."""
-    found = first_contact(march, start=start, until=min(until + CONTACT_MARGIN, march.end))
+    found = first_contact(march, start=start, until=min(until + _CONTACT_MARGIN, march.end))
     return replace(found, time=min(found.time, until))
 
 
-def with_errors(clip: Clip, run: Run, times: Array, reach: float, length: float) -> Clip:
-    """Return the clip of the march of `run` at `times` (F,), with its contact and the magnified errors of the run.
+def snapshots(source: Source, times: Array, needs: Collection[str] = ()) -> Iterator[Snapshot]:
+    """Yield the snapshots at `times` (F,), s; before and after a run, those of its first and last time.
 
-    The errors of the benches within `reach` m of the head decide the factor: the largest one is drawn about `length` m
-    long. The factor is 1 for larger errors, and there is none if no bench has an error.
+    `needs` has the fields that are filled beside the poses.
     """
-    march, ends = run.march, run.times[[0, -1]]
-    first, last = np.clip(times[[0, -1]], *ends).tolist()
-    samples = np.linspace(first, last, min(EXTENT_SAMPLES, len(times)))
-    exact = march.at(samples).poses
+    for chunk in np.split(times, range(_CHUNK_FRAMES, len(times), _CHUNK_FRAMES)):
+        if isinstance(source, Run):
+            yield from _of_run(source, np.clip(chunk, source.times[0], source.times[-1]), needs)
+        else:
+            states = source.at(chunk)
+            yield from map(Snapshot, chunk.tolist(), states.poses, states.velocities)
+
+
+def _of_run(run: Run, times: Array, needs: Collection[str]) -> Iterator[Snapshot]:
+    """Yield the snapshots of a run at `times` (T,), which are within the run."""
+    poses = run.poses_at(times)
+    fields = [_FIELDS[need](run, times, poses) for need in needs]
+    for time, pose, *values in zip(times.tolist(), poses, *fields, strict=True):
+        yield Snapshot(time, pose, **dict(zip(needs, values, strict=True)))
+
+
+def _velocities(run: Run, times: Array, poses: Array) -> Array:
+    front, rear = run.march.dragon.hole_velocities(poses, run.pose_velocities_at(times))
+    return np.concatenate([front, rear[:, -1:]], axis=1)
+
+
+def _impulses(run: Run, times: Array, _: Array) -> Array:
+    """Return the impulses of the frames before, which are not interpolated."""
+    assert run.joint_impulses is not None  # Other runs are refused.
+    return run.joint_impulses[np.searchsorted(run.times, times, side="right") - 1]
+
+
+def _touches(run: Run, times: Array, _: Array) -> Iterator[tuple[ContactEvent, ...]]:
+    """Yield the last callback of each contact in the last substep; before all callbacks, the refined first contact."""
+    for time in times.tolist():
+        since = time - _RECENT_SUBSTEPS * (run.substep or 0.0)
+        begin, end = (bisect_right(run.events, t, key=lambda event: event.time) for t in (since, time))
+        last = {event.benches: event for event in run.events[begin:end] if event.normal}
+        yield tuple(last.values()) if end > 0 else _refined(run, time)
+
+
+def _refined(run: Run, time: float) -> tuple[ContactEvent, ...]:
+    first = run.first_contact
+    if first is None or time < first.time:
+        return ()
+    points, normal = (first.point,), first.normal
+    return (ContactEvent(time=time, phase="begin", benches=first.benches, points=points, normal=normal),)
+
+
+# Functions of a run, T times and the poses then, which return a field of each snapshot.
+_FIELDS: Mapping[str, Callable[[Run, Array, Array], Iterable[Any]]] = {
+    "velocities": _velocities,
+    "impulses": _impulses,
+    "touches": _touches,
+}
+
+
+def largest_impulse(source: Source, times: Array) -> float:
+    """Return the largest joint impulse, N s, of a run of the engine during the film; 0 of another source."""
+    if isinstance(source, March) or source.joint_impulses is None:
+        return 0.0
+    first, last = np.searchsorted(source.times, times[[0, -1]], side="right")
+    return float(source.joint_impulses[max(first - 1, 0) : last].max())
+
+
+def extent(source: Source, times: Array) -> tuple[Array, Array]:
+    """Return the lower left and upper right corner (2,), m, of the dragon's bounding box over `times` (F,)."""
+    states = snapshots(source, np.linspace(times[0], times[-1], min(_SAMPLES, len(times))))
+    corners = np.concatenate([march_of(source).dragon.outlines(state.poses).reshape(-1, 2) for state in states])
+    return corners.min(axis=0), corners.max(axis=0)
+
+
+def with_errors(
+    states: Iterator[Snapshot], run: Run, times: Array, reach: float
+) -> tuple[Iterator[Snapshot], float | None]:
+    """Return the states of the march of `run` at `times` (F,) with the run's magnified errors, and their factor.
+
+    The largest error of the benches within `reach` m of the head is drawn as long as the width of a bench, or with an
+    infinite reach as a bench. The factor is 1 for larger errors, and there is none if no bench has an error.
+    """
+    dragon, (begin, end) = run.march.dragon, run.times[[0, -1]].tolist()
+    first, last = np.clip(times[[0, -1]], begin, end).tolist()
+    samples = np.linspace(first, last, min(_SAMPLES, len(times)))
+    exact = run.march.at(samples).poses
     near = np.linalg.norm(exact[-1, :, :2] - exact[-1, 0, :2], axis=-1) <= reach
     largest = float(np.linalg.norm((run.poses_at(samples) - exact)[:, near, :2], axis=-1).max())
-    if run.first_contact is not None:
-        clip = replace(clip, contact=first_contact_until(march, *ends.tolist()).contact)
     if largest == 0:
-        return clip
+        return states, None
+    length = float(dragon.spacings.min() if reach == math.inf else dragon.widths.min())
     factor = max(1.0, float(f"{length / largest:.0e}"))
 
-    def displaced(snapshot: Snapshot) -> Snapshot:
-        if not ends[0] <= snapshot.time <= ends[1]:
-            return snapshot
-        errors = run.poses_at(snapshot.time)[0] - snapshot.poses
+    def displaced(state: Snapshot) -> Snapshot:
+        if not begin <= state.time <= end:
+            return state
+        errors = run.poses_at(state.time)[0] - state.poses
         errors[:, 2] = np.angle(np.exp(1j * errors[:, 2]))
         error = float(np.linalg.norm(errors[near, :2], axis=-1).max())
-        return replace(snapshot, displaced=snapshot.poses + factor * errors, error=error)
+        return replace(state, displaced=state.poses + factor * errors, error=error)
 
-    return replace(clip, snapshots=map(displaced, clip.snapshots), magnification=factor)
-
-
-def snapshots(source: Source, times: Array, needs: Collection[str] = ()) -> Iterator[Snapshot]:
-    """Yield the snapshots at `times` (F,), s. Times outside a run are clipped to its first or last time."""
-    if isinstance(source, Run):
-        times = np.clip(times, source.times[0], source.times[-1])
-    contacts = _ContactTimeline(source) if isinstance(source, Run) and "touches" in needs else None
-    for begin in range(0, len(times), CHUNK_FRAMES):
-        for snapshot in _chunk(source, times[begin : begin + CHUNK_FRAMES], needs):
-            yield replace(snapshot, touches=contacts.at(snapshot.time)) if contacts else snapshot
-
-
-def _chunk(source: Source, times: Array, needs: Collection[str]) -> Iterator[Snapshot]:
-    """Yield the snapshots at `times` (T,), without contacts."""
-    velocities: Iterable[Array | None] = [None] * len(times)
-    impulses: Iterable[Array | None] = [None] * len(times)
-    if isinstance(source, March):
-        states = source.at(times)
-        poses, velocities = states.poses, states.velocities
-    else:
-        poses = source.poses_at(times)
-        if "velocities" in needs:
-            front, rear = source.march.dragon.hole_velocities(poses, source.pose_velocities_at(times))
-            velocities = np.concatenate([front, rear[:, -1:]], axis=1)
-        if "impulses" in needs and source.joint_impulses is not None:
-            # Impulses are not interpolated.
-            impulses = source.joint_impulses[_frames_before(source, times)]
-    yield from map(Snapshot, times.tolist(), poses, velocities, impulses)
-
-
-def _extent(source: Source, times: Array) -> Array:
-    """Return the lower left and upper right corner (2, 2), m, of the dragon's bounding box over `times` (T,)."""
-    dragon = march_of(source).dragon
-    corners = np.concatenate([dragon.outlines(snapshot.poses).reshape(-1, 2) for snapshot in snapshots(source, times)])
-    return np.array([corners.min(axis=0), corners.max(axis=0)])
-
-
-def _model(run: Run | None) -> str:
-    """Return the name of the model that computed a run, with its options; None is a march."""
-    if run is None or run.player == "exact":
-        return text("exact model")
-    words = [text("engine")]
-    if run.guide is not None:
-        # A guide of the user's own has no other name.
-        words.append({"none": text("no guide"), "rails": text("rails")}.get(run.guide, run.guide))
-    if run.settings is not None and run.settings.contacts == "resolve":
-        words.append(text("contacts resolved"))
-    return text(", ").join(words)
-
-
-def _frames_before(run: Run, times: Array) -> NDArray[np.intp]:
-    """Return the numbers of the last frames of a run at or before `times`."""
-    return np.searchsorted(run.times, times, side="right") - 1
-
-
-def _largest_impulse(run: Run, times: Array) -> float:
-    """Return the largest joint impulse, N s, of a run from the first to the last of `times` (F,)."""
-    if run.joint_impulses is None:
-        return 0.0
-    first, last = _frames_before(run, np.clip(times[[0, -1]], run.times[0], run.times[-1]))
-    return float(run.joint_impulses[first : last + 1].max())
-
-
-class _ContactTimeline:
-    """Contacts of a run's benches by time."""
-
-    def __init__(self, run: Run) -> None:
-        self._first = run.first_contact
-        self._events = [event for event in run.events if event.points]
-        self._recent = RECENT_SUBSTEPS * (run.substep or 0.0)
-        pair = self._first.benches if self._first else None
-        ends = (event.time for event in run.events if event.phase == "separate" and event.benches == pair)
-        # The end of the first contact is known only if the engine continued after it.
-        self._first_end = next(ends, math.inf)
-
-    def at(self, time: float) -> tuple[Touch, ...]:
-        """Return the contacts of the last substep's callbacks, and the refined first contact until it has callbacks."""
-        begin, end = (bisect_right(self._events, t, key=lambda event: event.time) for t in (time - self._recent, time))
-        last = {event.benches: event for event in self._events[begin:end]}
-        touches = [Touch(event.points, event.normal) for event in last.values() if event.normal is not None]
-        first = self._first
-        if first is not None and first.benches not in last and first.time <= time < self._first_end:
-            touches.append(Touch((first.point,), first.normal))
-        return tuple(touches)
+    return map(displaced, states), factor

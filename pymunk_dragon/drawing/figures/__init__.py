@@ -31,7 +31,7 @@ from PIL import Image
 
 from pymunk_dragon._checks import word
 from pymunk_dragon._files import check_destination, written_in_place
-from pymunk_dragon.drawing import STILL_ENDINGS, write_still
+from pymunk_dragon.drawing import STILL_ENDINGS, render
 from pymunk_dragon.drawing.figures import charts, plan_views
 from pymunk_dragon.drawing.figures.style import Subject, styled
 from pymunk_dragon.errors import ParameterError
@@ -94,9 +94,9 @@ def figure(name: str, source: Run | March | None = None) -> Figure:
     Raises
     ------
     ParameterError
-        If the figure does not exist, requires another source, or the source has no data for it.
-    UnreachableError, MissingExtraError
-        If the dragon does not fit on its curve at the start, or matplotlib is not installed.
+        If the figure does not exist, or the source has no data for it.
+    MissingExtraError
+        If matplotlib is not installed.
 
     Examples
     --------
@@ -120,19 +120,8 @@ def styled_figure(draw: Callable[[], Figure]) -> Figure:
 def write_figure(name: str, path: str | Path, source: Run | March | None = None) -> None:
     """Write one of `FIGURES` as PNG or PDF, or as SVG if it has axes.
 
-    Parameters
-    ----------
-    name, source
-        As in `figure`.
-    path : path
-        File to write. If writing is interrupted, an old file is kept and no incomplete file is left.
-
-    Raises
-    ------
-    ParameterError, UnreachableError, MissingExtraError
-        As in `figure`, and if the file cannot be created.
-    OutputError
-        If writing fails.
+    `name` and `source` are those of `figure`. If writing is interrupted, an old file is kept and no incomplete file is
+    left; if it fails, an `OutputError` is raised.
 
     Examples
     --------
@@ -143,7 +132,7 @@ def write_figure(name: str, path: str | Path, source: Run | March | None = None)
     destination = check_destination(path, kind.endings)
     if kind.endings == STILL_ENDINGS:
         run, film = kind.draw(_subject(kind, source))
-        write_still(run, float(run.times[0]), destination, film)
+        render(run, destination, film)
     else:
         write_styled(lambda: kind.draw(_subject(kind, source)), destination)
 
@@ -178,12 +167,14 @@ def _laid_out(drawn: Figure) -> Figure:
 
 def _subject(kind: Kind, source: Run | March | None) -> Subject:
     """Return what is drawn of a source: a march to the end of its curve, or for the times of a run."""
-    march = source.march if isinstance(source, Run) else source or March(Dragon(benches=kind.benches))
+    if isinstance(source, Run):
+        if np.isfinite(source.march.end):
+            return Subject(source.march, run=source)
+        start, until = source.times[[0, -1]].tolist()
+        return Subject(source.march, start, until, run=source)
+    march = source or March(Dragon(benches=kind.benches))
     if not isinstance(march, March):
         raise ParameterError("source", source, "a run or a march")
-    run = source if isinstance(source, Run) else None
-    if np.isfinite(march.end):
-        return Subject(march, run=run)
-    if run is None:
+    if not np.isfinite(march.end):
         raise ParameterError("march", "one on a curve without end", "a run, which defines the time interval")
-    return Subject(march, float(run.times[0]), float(run.times[-1]), run)
+    return Subject(march)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from pymunk_dragon._arrays import Array
 from pymunk_dragon._language import text
-from pymunk_dragon.collision import separation
+from pymunk_dragon.collision import FirstContact, NearMiss, separation
 from pymunk_dragon.drawing.figures import style
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.march import March
@@ -30,42 +31,36 @@ FIRST_COLOUR = "#6391bb"
 
 def gap(subject: style.Subject) -> Figure:
     """Draw the gap between the head and the benches it passes, on a logarithmic scale."""
-    march, begin = subject.march, subject.begin
+    march, hit = subject.march, subject.hit
     if march.dragon.benches < 3:
         raise ParameterError("benches", march.dragon.benches, "3 or more: neighbours have no gap")
-    end, contact = subject.hit.time, subject.hit.contact
     # The close-up shows the time in which the head travels a few of its lengths.
-    since = max(begin, float(march.time(march.distance(end) - 4.5 * march.dragon.lengths[0])))
-    misses = sorted((miss for miss in subject.hit.near_misses or () if miss.benches[0] == 0), key=lambda miss: miss.gap)
-    title = text("How near the head comes to other benches than its neighbour")
-    if contact and misses:
-        title = text("The head slips past bench {} by {:.1f} mm, and then hits bench {}")
-        title = title.format(misses[0].benches[1], MM * misses[0].gap, contact.benches[1])
+    since = max(subject.begin, float(march.time(march.distance(hit.time) - 4.5 * march.dragon.lengths[0])))
+    misses = sorted((miss for miss in hit.near_misses or () if miss.benches[0] == 0), key=lambda miss: miss.gap)
     subtitle = text("gap between the head and the nearest bench but its neighbour, mm; dashed: to each bench by itself")
-    figure = style.slide(title, subtitle)
+    figure = style.slide(_gap_title(misses, hit), subtitle)
     whole, close = style.panels(figure, columns=2, sharey=True, width_ratios=(1, 2))
-    whole.axvspan(since, end, color=style.FAINT, lw=0)
-    for axes, left, gid in ((whole, begin, "gap"), (close, since, "last-gap")):
+    whole.axvspan(since, hit.time, color=style.FAINT, lw=0)
+    for axes, left, gid in ((whole, subject.begin, "gap"), (close, since, "last-gap")):
         # As many times as the line is pixels wide.
-        times = np.union1d(np.linspace(left, end, 1000), [miss.time for miss in misses if miss.time > left])
-        gap_line(axes, march, times, gid)
-        axes.set(xlim=(left, end), xlabel=text("time (s)"))
+        times = np.union1d(np.linspace(left, hit.time, 1000), [miss.time for miss in misses if miss.time > left])
+        _gap_lines(axes, march, times, gid)
+        axes.set(xlim=(left, hit.time), xlabel=text("time (s)"))
         axes.locator_params(axis="x", nbins=5)
     low, high = whole.dataLim.intervaly
-    style.logarithmic(whole, MIN_GAP if contact else max(MIN_GAP, low / BORDER), BORDER * high)
-    shown = [miss for miss in misses if miss.time > since]
-    for miss, marker in zip(shown, "osD^v", strict=False):
-        note = text("bench {}: {:.3f} mm\nat {:.3f} s").format(miss.benches[1], MM * miss.gap, miss.time)
-        close.plot(miss.time, MM * miss.gap, marker, color=style.COLOURS.ink, ms=6, label=note)
-    if contact:
-        note = text("bench {}: contact\nat {:.4f} s").format(contact.benches[1], end)
-        close.plot(end, MIN_GAP, "X", color=style.COLOURS.contact, ms=8, label=note, clip_on=False)
-    if shown or contact:
-        close.legend(loc="upper left", bbox_to_anchor=(1, 1), frameon=False, labelspacing=1.0, handletextpad=0.2)
+    style.logarithmic(whole, MIN_GAP if hit.contact else max(MIN_GAP, low / BORDER), BORDER * high)
+    _mark_events(close, [miss for miss in misses if miss.time > since], hit)
     return figure
 
 
-def gap_line(axes: Axes, march: March, times: Array, gid: str) -> None:
+def _gap_title(misses: Sequence[NearMiss], hit: FirstContact) -> str:
+    if not hit.contact or not misses:
+        return text("How near the head comes to other benches than its neighbour")
+    title = text("The head slips past bench {} by {:.1f} mm, and then hits bench {}")
+    return title.format(misses[0].benches[1], MM * misses[0].gap, hit.contact.benches[1])
+
+
+def _gap_lines(axes: Axes, march: March, times: Array, gid: str) -> None:
     """Draw the head's smallest gap, mm; `last-gap` adds the gap to each closest bench."""
     # In parts, to limit memory.
     corners = (march.dragon.outlines(march.at(part).poses) for part in np.array_split(times, 10))
@@ -76,9 +71,21 @@ def gap_line(axes: Axes, march: March, times: Array, gid: str) -> None:
     axes.plot(times, gaps.min(axis=1), color=style.BLUE, lw=2.0 if gid == "last-gap" else 1.2, gid=gid)
 
 
+def _mark_events(axes: Axes, misses: Sequence[NearMiss], hit: FirstContact) -> None:
+    """Mark near misses and the contact, with a legend."""
+    for miss, marker in zip(misses, "osD^v", strict=False):
+        note = text("bench {}: {:.3f} mm\nat {:.3f} s").format(miss.benches[1], MM * miss.gap, miss.time)
+        axes.plot(miss.time, MM * miss.gap, marker, color=style.COLOURS.ink, ms=6, label=note)
+    if hit.contact:
+        note = text("bench {}: contact\nat {:.4f} s").format(hit.contact.benches[1], hit.time)
+        axes.plot(hit.time, MIN_GAP, "X", color=style.COLOURS.contact, ms=8, label=note, clip_on=False)
+    if axes.get_legend_handles_labels()[0]:
+        axes.legend(loc="upper left", bbox_to_anchor=(1, 1), frameon=False, labelspacing=1.0, handletextpad=0.2)
+
+
 def speeds(subject: style.Subject) -> Figure:
     """Draw the speed along the dragon at several times."""
-    times = several_times(subject.begin, subject.last_regular_time)
+    times = _several_times(subject.begin, subject.last_regular_time)
     values = subject.march.at(times).speeds
     title = text("The handles go at {:.3f} to {:.3f} m/s").format(values.min(), values.max())
     if subject.march.curve.inward:
@@ -86,7 +93,7 @@ def speeds(subject: style.Subject) -> Figure:
             values[-1, -1], times[-1]
         )
     figure = style.slide(title, text("speed of every handle at several times, m/s"))
-    bundle(style.panels(figure), values, times, "speed", text("handle, from the head to the tail"))
+    _bundle(style.panels(figure), values, times, "speed", text("handle, from the head to the tail"))
     return figure
 
 
@@ -95,7 +102,7 @@ def drift(subject: style.Subject) -> Figure:
     from matplotlib.ticker import EngFormatter
 
     run = subject.run
-    if run is None or run.player == "exact" or len(run.times) == 1 or not run.max_drift > 0:
+    if run is None or len(run.times) == 1 or not run.max_drift > 0:
         raise ParameterError("run", "one without a drift", "one that the engine has played for a while")
     metres = EngFormatter("m", places=1)
     title = text("The engine stays within {} of the exact model").format(metres(run.max_drift))
@@ -103,25 +110,25 @@ def drift(subject: style.Subject) -> Figure:
     over_time, along = style.panels(figure, columns=2, sharey=True, width_ratios=(2, 1))
     # Without the first frame, whose position error is 0.
     frames = np.unique(np.linspace(1, len(run.times) - 1, 600).astype(np.intp))
-    for gid, note, count, colour, dashes in (
-        ("any-bench", text("largest of all"), None, style.BLUE, "-"),
-        ("first-benches", text("largest of the first {}").format(HEAD_BENCHES), HEAD_BENCHES, style.AMBER, "--"),
+    noted = text("largest of the first {}").format(HEAD_BENCHES)
+    for gid, note, count, line in (
+        ("any-bench", text("largest of all"), None, {"color": style.BLUE, "ls": "-"}),
+        ("first-benches", noted, HEAD_BENCHES, {"color": style.AMBER, "ls": "--"}),
     ):
         worst = np.fmax.reduce(run.drift[frames, :count], axis=1)
-        over_time.plot(run.times[frames], worst, color=colour, lw=2.2, ls=dashes, gid=gid, label=note)
+        over_time.plot(run.times[frames], worst, lw=2.2, gid=gid, label=note, **line)
     low, high = 10.0 ** np.ceil(np.log10(run.max_drift)) * np.array([1 / DRIFT_RANGE, 1.0])
-    if gaps := [miss.gap for miss in subject.hit.near_misses or () if run.times[0] <= miss.time <= run.times[-1]]:
-        # An engine with a position error as large as the smallest gap can find the wrong first contact.
-        high = max(high, 2 * min(gaps))
+    gaps = [miss.gap for miss in subject.hit.near_misses or () if run.times[0] <= miss.time <= run.times[-1]]
+    for axes in (over_time, along) if gaps else ():
         note = text("smallest gap: {}").format(metres(min(gaps)))
-        for axes in (over_time, along):
-            axes.axhline(min(gaps), color=style.COLOURS.ink, lw=1.2, ls=":", gid="smallest-gap", label=note)
-    style.logarithmic(over_time, low, high)
+        axes.axhline(min(gaps), color=style.COLOURS.ink, lw=1.2, ls=":", gid="smallest-gap", label=note)
+    # An engine with a position error as large as the smallest gap can find the wrong first contact.
+    style.logarithmic(over_time, low, max(high, 2 * min(gaps, default=0.0)))
     over_time.yaxis.set_major_formatter(EngFormatter("m"))
     over_time.set(xlim=(run.times[0], run.times[-1]), xlabel=text("time (s)"))
     over_time.legend(loc="lower right", frameon=False)
-    rows = np.unique(np.searchsorted(run.times, several_times(run.times[0], run.times[-1])[1:]))
-    bundle(along, run.drift[rows], run.times[rows], "drift", text("bench"))
+    rows = np.unique(np.searchsorted(run.times, _several_times(run.times[0], run.times[-1])[1:]))
+    _bundle(along, run.drift[rows], run.times[rows], "drift", text("bench"))
     return figure
 
 
@@ -135,7 +142,7 @@ def impulses(subject: style.Subject) -> Figure:
     times, forces = run.times[before], run.joint_impulses[before] / run.substep
     if not forces.max(initial=0.0) > 0:
         raise ParameterError("run", "one whose joints carry nothing", "one that the engine has played for a while")
-    rows = np.unique(np.searchsorted(times, several_times(times[0], times[-1])))
+    rows = np.unique(np.searchsorted(times, _several_times(times[0], times[-1])))
     times, forces = times[rows], forces[rows]
     title = text("The joints carry up to {:.2f} N at first, and up to {:.2f} N at {:.5g} s")
     title = title.format(forces[0].max(), forces[-1].max(), times[-1])
@@ -147,11 +154,11 @@ def impulses(subject: style.Subject) -> Figure:
     axes.spines["left"].set_visible(False)
     axes.grid(axis="y", color=style.RULE, lw=0.6)
     joint = text("joint, from the head to the tail; joint i is between benches i and i + 1")
-    bundle(axes, forces, times, "impulse", joint, end=0)
+    _bundle(axes, forces, times, "impulse", joint, end=0)
     return figure
 
 
-def several_times(begin: float, end: float) -> Array:
+def _several_times(begin: float, end: float) -> Array:
     """Return a few round times, s, from `begin` on, and `end`."""
     from matplotlib.ticker import MaxNLocator
 
@@ -160,7 +167,7 @@ def several_times(begin: float, end: float) -> Array:
     return np.array([*(tick for tick in ticks if begin <= tick < end - (end - begin) / 50), end])
 
 
-def bundle(axes: Axes, values: Array, times: Array, gid: str, along: str, end: int = -1) -> None:
+def _bundle(axes: Axes, values: Array, times: Array, gid: str, along: str, end: int = -1) -> None:
     """Draw lines of `values` (T, K) along the dragon, later ones darker and thicker, with their `times` at an end."""
     from matplotlib.colors import LinearSegmentedColormap
 

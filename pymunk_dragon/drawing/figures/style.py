@@ -7,7 +7,7 @@ import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import cache, cached_property, partial
+from functools import cache, cached_property
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,7 +17,6 @@ from PIL import ImageFont
 
 from pymunk_dragon._arrays import Array
 from pymunk_dragon._extras import library
-from pymunk_dragon._files import written_in_place
 from pymunk_dragon._language import font, language, text
 from pymunk_dragon.collision import FirstContact, first_contact
 from pymunk_dragon.drawing.palette import Palette
@@ -40,9 +39,9 @@ RULE, FAINT = "#d9cfb9", "#efe9db"
 SHARED, CANDIDATE = "#d3dfe8", "#efb037"
 # Pixels per inch: a page of 8 inches has 1600 pixels, twice the 800 at which it is displayed.
 DPI = 200
-# Inches: sides of a figure that fills a slide, and the distance from a page's edges to its text.
+# Inches: sides of a figure that fills a slide, and the distance from its edges to its text.
 SLIDE_WIDTH, SLIDE_HEIGHT, MARGIN = 8.0, 4.5, 0.3
-# Inches from a page's top to its title, and to its subtitle; height of a line of a title; spacing in font sizes.
+# Inches from a slide's top to its title, and to its subtitle; height of a line of a title; spacing in font sizes.
 TITLE_TOP, SUBTITLE_TOP, TITLE_LINE, LINE_SPACING = 0.24, 0.56, 0.28, 1.25
 # Points: size of a title, smallest size of text, and width of the halo of text over a line.
 TITLE_SIZE, SMALL, HALO = 16, 10.5, 3.0
@@ -55,8 +54,7 @@ IRREGULAR_FRACTION = 0.05
 # Fraction of the axes' height: least distance between labels in a column.
 LABEL_STEP = 0.075
 
-# matplotlib settings. Text has at least 10.5 points: 14 pixels in a picture displayed 800 pixels wide, and a thirtieth
-# of the height of a slide.
+# matplotlib settings. Text has at least 10.5 points: a thirtieth of the height of a slide.
 RC_PARAMS: dict[str, Any] = {
     "font.size": 11.5,
     "text.color": COLOURS.ink,
@@ -93,8 +91,7 @@ def _register_font(name: str) -> str:
         folder = tempfile.TemporaryDirectory(prefix="pymunk-dragon-")
         atexit.register(folder.cleanup)
         file = Path(folder.name) / "face.ttf"
-        with written_in_place(file) as draft:
-            draft.write_bytes(default.font_bytes)
+        file.write_bytes(default.font_bytes)
     library("matplotlib.font_manager").fontManager.addfont(file)
     return str(ImageFont.truetype(file, TITLE_SIZE).getname()[0])
 
@@ -114,22 +111,18 @@ def _figure_type() -> type[Figure]:
 
 
 def chart(width: float, height: float) -> Figure:
-    """Create an empty figure with matplotlib's constrained layout; sizes in inches."""
+    """Create an empty figure with matplotlib's constrained layout; sides in inches."""
     return _figure_type()(figsize=(width, height), dpi=DPI, layout="constrained")
 
 
-def page(width: float, height: float, title: str, subtitle: str = "") -> Figure:
-    """Create a page with a title and a subtitle, of any number of lines, in its upper left corner; sizes in inches."""
-    figure = _figure_type()(figsize=(width, height), dpi=DPI)
+def slide(title: str, subtitle: str) -> Figure:
+    """Create a figure that fills a slide, with a title and a subtitle, of any number of lines, in its upper left."""
+    figure = _figure_type()(figsize=(SLIDE_WIDTH, SLIDE_HEIGHT), dpi=DPI)
     down = SUBTITLE_TOP + TITLE_LINE * title.count("\n")
-    aligned: dict[str, Any] = {"x": MARGIN / width, "va": "top", "linespacing": LINE_SPACING}
-    figure.text(y=1 - TITLE_TOP / height, s=title, size=TITLE_SIZE, **aligned)
-    figure.text(y=1 - down / height, s=subtitle, color=QUIET, **aligned)
+    aligned: dict[str, Any] = {"x": MARGIN / SLIDE_WIDTH, "va": "top", "linespacing": LINE_SPACING}
+    figure.text(y=1 - TITLE_TOP / SLIDE_HEIGHT, s=title, size=TITLE_SIZE, **aligned)
+    figure.text(y=1 - down / SLIDE_HEIGHT, s=subtitle, color=QUIET, **aligned)
     return figure
-
-
-# Create a page that fills a slide.
-slide = partial(page, SLIDE_WIDTH, SLIDE_HEIGHT)
 
 
 def panels(figure: Figure, area: Any = BELOW_TITLE, rows: int = 1, columns: int = 1, **options: Any) -> Any:
@@ -138,11 +131,11 @@ def panels(figure: Figure, area: Any = BELOW_TITLE, rows: int = 1, columns: int 
     return figure.subplots(rows, columns, **options)
 
 
-def halo(width: float = HALO) -> list[Any]:
+def halo() -> list[Any]:
     """Return path effects that keep text readable on lines: a border in the background colour."""
     from matplotlib.patheffects import withStroke
 
-    return [withStroke(linewidth=width, foreground=COLOURS.background)]
+    return [withStroke(linewidth=HALO, foreground=COLOURS.background)]
 
 
 def logarithmic(axes: Axes, low: float, high: float) -> None:

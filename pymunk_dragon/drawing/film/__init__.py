@@ -1,81 +1,62 @@
-"""Films of a run or march, or of several side by side.
+"""Films of a run or march, or of several side by side, and pictures of one time.
 
-A film passes through these modules: `settings` (parameters) with `timing` (times of the frames), `drawing.snapshots`
-(states at these times), `layout` (arranges the scenes, which draw the states), and `formats` (file).
+A film passes through these modules: `settings` (parameters) with `timing` (times of the frames), `layout` (arranges the
+scenes, which draw the states of `drawing.snapshots` at these times), and `formats` (file).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+import io
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from PIL import Image
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image, ImageSequence
 
+from pymunk_dragon._checks import finite
 from pymunk_dragon._files import check_destination, written_in_place
 from pymunk_dragon.drawing.film.formats import WRITERS, Frames
-from pymunk_dragon.drawing.film.layout import lay_out, sampled
-from pymunk_dragon.drawing.film.settings import Film, checked_sources
+from pymunk_dragon.drawing.film.layout import Canvas
+from pymunk_dragon.drawing.film.settings import Film, checked_sources, shared_window
 from pymunk_dragon.drawing.film.timing import Timing
 from pymunk_dragon.drawing.snapshots import Source
 
-__all__ = ["FILM_ENDINGS", "render", "write_film"]
-
-# Function that is called with the number of frames done and the number of all frames.
-Progress = Callable[[int, int], None]
-# All endings of films, in lower case.
-FILM_ENDINGS = tuple(WRITERS)
+# A picture in a PDF: pixels per inch, of which a page of 8 inches has 1600; a JPEG quality without visible artefacts;
+# and no properties that would give equal pictures different bytes.
+_PDF = {"resolution": 200.0, "quality": 95, "subsampling": 0, "title": None, "creationDate": None, "modDate": None}
+_STILLS: Mapping[str, Mapping[str, Any]] = {
+    ".png": {"format": "PNG", "optimize": True},
+    ".pdf": {"format": "PDF", **_PDF},
+}
+# All endings of films and of still pictures, in lower case.
+FILM_ENDINGS, STILL_ENDINGS = tuple(WRITERS), tuple(_STILLS)
 
 
 def render(
     source: Source | Sequence[Source],
     path: str | Path,
-    *,
-    progress: Progress | None = None,
-    **parameters: Any,
-) -> None:
-    """Write a film of a run or march, or of several side by side.
-
-    Parameters
-    ----------
-    source, path, progress
-        As in `write_film`.
-    **parameters
-        Parameters of a `Film`: fps, speedup, size, start, until, hold, camera, palette, gap, legend, show, title,
-        caption, headings, font.
-
-    Raises
-    ------
-    ParameterError, UnreachableError, MissingExtraError, OutputError
-        As in `write_film`.
-
-    Examples
-    --------
-    >>> from pymunk_dragon import Dragon, March, render
-    >>> render(March(Dragon(benches=16)), "march.gif", until=60, size=320)
-    """
-    write_film(source, path, Film(**parameters), progress)
-
-
-def write_film(
-    source: Source | Sequence[Source],
-    path: str | Path,
     film: Film | None = None,
-    progress: Progress | None = None,
+    progress: Callable[[int, int], None] | None = None,
+    **parameters: Any,
 ) -> Timing:
-    """Write a film with the parameters of a `Film`.
+    """Write a film of a run or march, or of several side by side, or a picture of the film's last time.
 
     Parameters
     ----------
     source : Run or March, or a sequence of them
         Several sources are shown side by side at the same simulated time; a run that has ended keeps its last frame.
     path : path
-        File to write: .gif, .apng, .webp, or .mp4 with the extra `mp4`. If writing is interrupted, an old file is kept
-        and no incomplete file is left.
+        File to write: .gif, .apng, .webp, or .mp4 with the extra `mp4`; a picture is .png or .pdf. If writing is
+        interrupted, an old file is kept and no incomplete file is left.
     film : Film, optional
         Speed, size, window, camera, marks, texts and colours.
     progress : callable, optional
         Function called for each frame with the number of frames done and the number of all frames.
+    **parameters
+        Parameters of a `Film` by their names, instead of those of `film`.
 
     Returns
     -------
@@ -95,30 +76,77 @@ def write_film(
 
     Examples
     --------
-    >>> from pymunk_dragon import Dragon, March, write_film
-    >>> from pymunk_dragon.drawing import Film
-    >>> film = Film(size=320, until=60, title="16 benches")
-    >>> timing = write_film(March(Dragon(benches=16)), "march.webp", film)
+    >>> from pymunk_dragon import Dragon, March, render
+    >>> timing = render(March(Dragon(benches=16)), "march.webp", size=320, until=60, title="16 benches")
     >>> timing.fps, float(timing.ends[-1])  # frames per second, and length of the film in s
     (20, 8.0)
     """
-    film = film or Film()
+    film = replace(film or Film(), **parameters)
     sources = checked_sources(source)
-    destination = check_destination(path, WRITERS)
+    destination = check_destination(path, (*WRITERS, *_STILLS))
+    ending = destination.suffix.lower()
+    if ending in _STILLS:
+        film = replace(film, start=film.window(sources)[1])
     timing = film.timing(sources)
-    times, ends = timing.times, timing.ends.tolist()
-    clips = sampled(sources, times, film)
     # A start that was not chosen by the user is displayed.
-    chosen = film.start is None and times[0] > film.window(sources)[0]
-    canvas = lay_out(clips, film, since=float(times[0]) if chosen else None)
+    chosen = film.start is None and timing.times[0] > film.window(sources)[0]
+    canvas = Canvas(sources, timing.times, film, since=float(timing.times[0]) if chosen else None)
     colours = Image.new("P", (1, 1))
     colours.putpalette(film.palette.table.tobytes())
 
     def pictures() -> Iterator[Image.Image]:
-        for states in zip(*(clip.snapshots for clip in clips), strict=True):
-            yield canvas.draw(states).quantize(palette=colours, dither=Image.Dither.NONE)
+        for done, frame in enumerate(canvas.frames(), start=1):
+            yield frame.quantize(palette=colours, dither=Image.Dither.NONE)
+            if progress is not None:
+                progress(done, len(timing.times))
 
-    frames = Frames(pictures=pictures(), ends=ends, size=canvas.size, fps=timing.fps, progress=progress)
+    frames = Frames(pictures=pictures(), ends=timing.ends.tolist(), size=canvas.size, fps=timing.fps)
     with written_in_place(destination) as draft:
-        WRITERS[destination.suffix.lower()](draft, frames)
+        if ending in _STILLS:
+            draft.write_bytes(_file(next(canvas.frames()), ending))
+        else:
+            WRITERS[ending](draft, frames)
     return timing
+
+
+def still_png(source: Source | Sequence[Source], time: float, film: Film | None = None) -> bytes:
+    """Return the content of a PNG file of the picture of `still`."""
+    return _file(Image.fromarray(still(source, time, film)), ".png")
+
+
+def still(source: Source | Sequence[Source], time: float, film: Film | None = None) -> NDArray[np.uint8]:
+    """Return the picture (height, width, 3) of a run or march, or of several side by side, at one time, s.
+
+    The film has size, camera, marks, texts and colours; its time window is ignored.
+
+    Raises
+    ------
+    ParameterError
+        If `time` is outside the run, or the run has no data for a mark.
+    UnreachableError
+        If the dragon of a march does not fit on its curve at `time`.
+
+    Examples
+    --------
+    >>> from pymunk_dragon import Dragon, March
+    >>> from pymunk_dragon.drawing import Film, still
+    >>> still(March(Dragon(benches=16)), 60.0, Film(size=(320, 240), legend=False)).shape
+    (240, 320, 3)
+    """
+    sources = checked_sources(source)
+    finite("time", time, *shared_window(sources), "s")
+    return np.asarray(next(Canvas(sources, np.array([time], dtype=float), film or Film()).frames()))
+
+
+def size_and_last_frame(content: bytes) -> tuple[tuple[int, int], bytes]:
+    """Return width and height, pixels, and the last frame as PNG, of a film or picture from the content of its file."""
+    with Image.open(io.BytesIO(content)) as film:
+        *_, last = (frame.convert("RGB") for frame in ImageSequence.Iterator(film))
+        return film.size, _file(last, ".png")
+
+
+def _file(picture: Image.Image, ending: str) -> bytes:
+    """Return the content of a file of a picture."""
+    content = io.BytesIO()
+    picture.save(content, **_STILLS[ending])
+    return content.getvalue()
