@@ -20,8 +20,8 @@ def answer(name: str, make: Callable[[], Any]) -> Any:
     return pickle.loads(path.read_bytes())
 
 
-def slopes_by_width() -> Sensitivity:
+def slopes_by_width(**sizes: float) -> Sensitivity:
     """The sensitivity to one size only, of a shorter dragon, in a fraction of the time."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(sys.modules["pymunk_dragon.studies.sensitivity"], "SIZES", ("width",))
-        return sensitivity(Dragon(benches=25))
+        return sensitivity(Dragon(benches=25, **sizes))

@@ -10,10 +10,7 @@ $ pymunk-dragon study min-pitch
 smallest pitch 0.450337393027 m: handle 0 reaches the circle of 4.5 m after 220.934 s
 limit:     benches 0 and 19 touch without overlapping as the head passes, t = 216.338214 s at (-0.346485, 4.841505) m
 certified: no contact at 0.450337394027 m, but one at 0.450337392027 m
-map:       19 pitches from 0.3 to 0.6077 m;
-           all 1258 gaps sampled within 10 mm of zero change with the pitch,
-           the head being on the same circle, by 0.50 to 1.43 mm for each mm;
-           so all larger pitches are free, and all smaller ones are not
+map:       20 pitches from 0.3 to 0.6321 m; the smallest gap grows from each to the next
 $ pymunk-dragon study u-turn --no-search
 the turn:  13.621245 m on arcs of 3.005418 and 1.502709 m,
            each of 173.118444 degrees, about (-0.760009, -1.305726), (1.735932, 2.448402) m,
@@ -28,7 +25,7 @@ largest speed of the head 1.2462663582 m/s: no handle exceeds 2 m/s
 limit:     handles 3 to 7 go 1.6047933790 times as fast as the head 11.6187 s after it entered
            the circle, 14.4800 m into it
 then:      handles 0, 1, 2, ... go 1.246  1.937  1.937  2.000  2.000  2.000  2.000  2.000  1.978  1.978 m/s
-certified: no handle exceeds that by more than 1e-11 of it (574 evaluations)
+certified: no handle exceeds that by more than 1e-11 of it (548 evaluations)
 ```
 
 Beside each answer of the contest the one of an independent method, from formulas alone and in 34 to 50 digits
@@ -47,18 +44,16 @@ The contest's own sheets are written by `positions --times 0:300:1 -o result1.xl
 
 ## What each answer rests on
 
-- **The smallest pitch.** Newton's method on the smallest gap of the whole march, with exact derivatives; and
-  `first_contact` on both sides of it, because the time intervals in which benches touch are short: a scan every
-  second finds a pitch that is too small (0.450274 m). With the head on the same circle, every gap near zero that was
-  sampled, at 19 pitches and along the whole march, grows with the pitch. So there is no other limit.
+- **The smallest pitch.** The zero of the smallest gap of the whole march, with `first_contact` on both sides, because
+  the time intervals in which benches touch are short: a scan every second finds a pitch that is too small (0.450274 m).
+  At 20 pitches, up to one at which turns are too far apart for benches to touch, the smallest gap grows with the pitch:
+  no other limit shows.
 - **The turn.** Two arcs that touch both spirals and each other turn by the same angle, so the length does not depend
   on the ratio of their radii. More arcs make the turn shorter. `study u-turn`, without `--no-search`, searches turns
-  on n arcs by sequential linear programming with SciPy (`pip install 'pymunk-dragon[studies]'`), such that no handle
+  on five arcs by sequential linear programming with SciPy (`pip install 'pymunk-dragon[studies]'`), such that no handle
   goes faster, relative to the head, than on the contest's own turn, and certifies the largest speed and the first
-  contact of the result. The problem is not convex: the result is the best turn that was found, and no proof shows
-  that there is no shorter one: 11.281 m on three arcs, 10.497 m on five and 10.327 m on seven, if no radius is
-  below 0.5 m (`--min-radius`). On seven arcs, rounding decides where the search ends, within some centimetres. The
-  straight line across is 9 m.
+  contact of the result. The problem is not convex: the result, 10.4947 m if no radius is below 0.5 m, is the best turn
+  that was found, and no proof shows that there is no shorter one. The straight line across is 9 m.
 - **The largest speed.** Branch and bound over the distance of the head, with derivatives from interval arithmetic: no
   handle is faster at any time, sampled or not.
 - **The sensitivity.** `study sensitivity` prints how much a millimetre of each size moves the first contact and the
@@ -73,8 +68,7 @@ The contest's own sheets are written by `positions --times 0:300:1 -o result1.xl
 ## A study of your own
 
 A study is a module with a function, its result, and an entry `STUDY`. The result's class has the text, the JSON
-values and, if there is one, the figure; `STUDIES` has all studies by name, from which the command line takes their
-options.
+values and, if there is one, the figure; the command line takes the options from `STUDIES`.
 """
 
 from __future__ import annotations
@@ -116,14 +110,7 @@ STUDIES: Mapping[str, Study] = {study.name: study for study in (MIN_PITCH, MAX_S
 
 
 def study(name: str, values: Mapping[str, Any], progress: Progress = silent) -> Any:
-    """Run one of `STUDIES`; `values` are those of its `parameters` by name, and the others keep their defaults.
-
-    Raises
-    ------
-    ParameterError
-        If there is no such study, it does not take one of the values, or a value is out of range.
-    DragonError
-        As the study itself does.
+    """Run one of `STUDIES` with `values` of its `parameters` by name; a wrong name or value is a `ParameterError`.
 
     Examples
     --------

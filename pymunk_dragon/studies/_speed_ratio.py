@@ -29,15 +29,13 @@ from pymunk_dragon._arrays import Array
 from pymunk_dragon._language import text
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model import chain
-from pymunk_dragon.model.curves import Composite, Reversed
+from pymunk_dragon.model.curves import Composite
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 
-Interval = tuple[Array, Array]
-
 # Length of the initial intervals in spacings, and m of the head's distance below which they are not halved: rounding.
 INTERVAL, MIN_INTERVAL = 1 / 16, 1e-12
-# Initial intervals times benches up to which a whole dragon is evaluated through the turn: some seconds of work.
+# Initial intervals times benches up to which a whole dragon is followed through the turn: some seconds of work.
 WORK = 100_000
 # Relative width of the enclosure: the search takes longer below it. Relative difference up to which the speeds of two
 # handles count as equal, several of these widths; and relative bound on the rounding error of a ratio.
@@ -57,8 +55,8 @@ class SpeedRatio:
     ----------
     ratio, excess : float
         Largest ratio of a handle's speed to the head's, and the relative amount by which the true one may be larger.
-    handle, handles : int and tuple of int
-        The foremost handle with that speed, and all handles with it.
+    handles : tuple of int
+        All handles with that speed; `handle` is the foremost one.
     distance : float
         Distance travelled by the head from the entry of the circle at the maximum, m.
     evaluations : int
@@ -67,20 +65,24 @@ class SpeedRatio:
 
     ratio: float
     excess: float
-    handle: int
     handles: tuple[int, ...]
     distance: float
     evaluations: int
 
+    @property
+    def handle(self) -> int:
+        """The foremost of the fastest handles."""
+        return self.handles[0]
+
     def to_dict(self) -> dict[str, Any]:
         """Ratio, relative excess, foremost handle, and distance travelled by the head, m."""
-        return {"ratio": self.ratio, "excess": self.excess, "handle": self.handle, "distance": self.distance}
+        return {name: getattr(self, name) for name in ("ratio", "excess", "handle", "distance")}
 
     def __str__(self) -> str:
         return text(
             "handle {handle}, {ratio:.6f} times as fast as the head,\n"
             "as that is {distance:.3f} m in: certified to {excess:.1g}"
-        ).format(handle=self.handle, ratio=self.ratio, distance=self.distance, excess=self.excess)
+        ).format(**self.to_dict())
 
 
 def largest_ratio(dragon: Dragon, path: Composite) -> SpeedRatio:
@@ -93,41 +95,23 @@ def largest_ratio(dragon: Dragon, path: Composite) -> SpeedRatio:
     """
     search = _Search(March(dragon, path), path)
     head, whole = float(dragon.spacings[0]), float(dragon.spacings.sum())
-    if not dragon.alike:
-        search.run(0.0, search.exit_distance(dragon.benches, whole))
-        return search.result(_outward_gain(path, dragon.spacings))
-    search.run(0.0, search.exit_distance(1, head))
-    # Once the head has left the turn, the benches behind it move as a chain of equal benches, whose motion is periodic.
-    gain, body = _outward_gain(path, dragon.spacings[:2]), float(dragon.spacings[1:2].sum()) or head
-    alike = March(replace(dragon, head_spacing=body), path, start_s=path.joints[-1])
-    followers = _Search(alike, path, search.ratio / gain)
-    followers.run(0.0, followers.exit_distance(1, body))
-    bound = gain
-    if followers.found:
-        # With benches on the outward spiral, handles may be faster than the followers alone, by at most the gain. The
-        # maximum of the followers is evaluated for each number of benches that have left the turn. The remaining
-        # positions are searched if they are few, and bounded by the gain otherwise.
-        samples = _periodic_samples(dragon, path, followers.travelled)
-        search.enclose(samples, samples)
-        if whole / (INTERVAL * body) * dragon.benches <= WORK:
-            search.run(search.exit_distance(1, head), search.exit_distance(dragon.benches, whole))
-        else:
-            bound = followers.ratio * gain
-    search.evaluations += followers.evaluations
-    return search.result(bound)
-
-
-def _periodic_samples(dragon: Dragon, path: Composite, phase: float) -> Array:
-    """Distances travelled by the head at which handle 1, 2, ... is `phase` m behind the exit.
-
-    The benches between that handle and the head are on the outward spiral. Their positions follow from the handle's.
-    """
-    outward = path.pieces[-1]
-    ahead, head, body = Reversed(outward), float(dragon.spacings[0]), float(dragon.spacings[-1])
-    handles = ahead.chain([-(outward.begin_s + phase)], [body] * (dragon.benches - 2))[0]
-    heads = ahead.chain(handles, [head])[:, 1]
-    samples: Array = -heads - outward.begin_s + path.joints[-1]
-    return samples
+    first, gain = search.exit_distance(1, head), _outward_gain(path, dragon.spacings)
+    search.run(0.0, first)
+    if dragon.alike:
+        # The head has left the turn, so the benches behind it move as a chain of equal benches: periodically.
+        body = float(dragon.spacings[-1])
+        alike = March(replace(dragon, head_spacing=body), path, start_s=path.joints[-1])
+        followers = _Search(alike, path, search.ratio / gain)
+        followers.run(0.0, followers.exit_distance(1, body))
+        search.evaluations += followers.evaluations
+        if not followers.found:
+            return search.result(gain)
+        if whole / (INTERVAL * body) * dragon.benches > WORK:
+            # A period of the followers behind one bench on the outward spiral; behind more they gain little.
+            search.run(first, search.exit_distance(2, head + body))
+            return search.result(followers.ratio * gain)
+    search.run(first, search.exit_distance(dragon.benches, whole))
+    return search.result(gain)
 
 
 def _outward_gain(path: Composite, spacings: Array) -> float:
@@ -163,15 +147,11 @@ class _Search:
     def run(self, begin: float, end: float) -> None:
         """Enclose the largest ratio while the head travels from `begin` to `end`, m."""
         edges = np.linspace(begin, end, int(np.ceil((end - begin) / (INTERVAL * self.spacings.min()))) + 1)
-        self.enclose(edges[:-1], edges[1:])
-
-    def enclose(self, begins: Array, ends: Array) -> None:
-        """Enclose the largest ratio on intervals of the head's distance."""
         # The handles further back are on the inward spiral, and no faster than the last of these handles.
-        ahead = int(np.count_nonzero(self.march.handles_s(self.march.time(ends.max()))[0] > 0))
+        ahead = int(np.count_nonzero(self.march.handles_s(self.march.time(end))[0] > 0))
         handles = min(max(2, ahead + 1), self.march.dragon.handles)
-        middles, halves = (begins + ends) / 2, (ends - begins) / 2
-        parts = [self.march.handles_s(travelled, handles) for travelled in (begins, middles, ends)]
+        middles, halves = (edges[:-1] + edges[1:]) / 2, np.diff(edges) / 2
+        parts = [self.march.handles_s(travelled, handles) for travelled in (edges[:-1], middles, edges[1:])]
         while middles.size:
             first, middle, last = parts
             self.evaluations += middles.size
@@ -187,7 +167,7 @@ class _Search:
             handles = int(np.flatnonzero((most[left] > self.ratio).any(axis=0))[-1]) + 2
             first, middle, last = (part[left, :handles] for part in parts)
             halves = np.tile(halves[left] / 2, 2)
-            middles = np.concatenate([middles[left], middles[left]]) + np.repeat([-1, 1], left.size) * halves
+            middles = np.tile(middles[left], 2) + np.repeat([-1, 1], left.size) * halves
             joined = np.concatenate([first, middle]), np.concatenate([middle, last])
             parts = [joined[0], self.march.handles_s(middles, handles), joined[1]]
 
@@ -198,94 +178,83 @@ class _Search:
         intervals.
         """
         spacings = self.spacings[: first.shape[1] - 1]
-        front, rear = map(np.angle, chain.angles(*self.curve.frame(middle), spacings))
-        if np.any(np.abs(front) >= RIGHT_ANGLE):
+        angles = np.angle(chain.angles(*self.curve.frame(middle), spacings))
+        if np.any(np.abs(angles[0]) >= RIGHT_ANGLE):
             raise ParameterError("curve", self.curve, FORWARD)
         # While both holes move forward, they remain between their coordinates at the ends of the interval. No bench
         # rotates by more than the sum of the two distances, over its spacing.
         moved = np.maximum(middle - first, last - middle)
         swept = moved * self.curve.max_curvature(first, last)
-        turned = (moved[:, :-1] + moved[:, 1:]) / spacings
-        fronts, rears = (
-            (angle - half, angle + half)
-            for angle, half in ((front, swept[:, :-1] + turned), (rear, swept[:, 1:] + turned))
-        )
-        low, high = self._curvatures(first, last)
-        velocity_ratio, slope = _velocity_ratio(
-            fronts, rears, (low[:, :-1], high[:, :-1]), (low[:, 1:], high[:, 1:]), spacings
-        )
-        ratios = chain.velocity_ratios(np.cos(front), np.cos(rear))[:, 1:]
+        change = np.stack([swept[:, :-1], swept[:, 1:]]) + (moved[:, :-1] + moved[:, 1:]) / spacings
+        lows, highs = angles - change, angles + change
+        fronts, rears = np.stack([lows, highs], axis=1)
+        curvatures = self._curvatures(first, last)
         with np.errstate(over="ignore", invalid="ignore"):
-            slowest, fastest = (chain.velocity_ratios(bound[:, :-1], np.ones(1)) for bound in velocity_ratio)
-            low, high = _product((slowest, fastest), _quotient(slope, velocity_ratio))
-            change = np.maximum(np.abs(np.cumsum(low, axis=1)), np.abs(np.cumsum(high, axis=1)))
-            most = ratios * np.exp(change * moved[:, :1]) * (1 + ROUNDING)
+            velocity_ratios, slopes = _velocity_ratio(
+                fronts, rears, curvatures[..., :-1], curvatures[..., 1:], spacings
+            )
+            ahead = chain.velocity_ratios(velocity_ratios[..., :-1], np.ones(1))
+            slope = np.abs(np.cumsum(_product(ahead, slopes), axis=-1)).max(axis=0)
+            ratios = chain.velocity_ratios(*np.cos(angles))[:, 1:]
+            most = ratios * np.exp(slope * moved[:, :1]) * (1 + ROUNDING)
         # Where an angle may reach a right angle, there is no bound for this handle and the handles behind it.
-        largest = np.abs([*fronts, *rears]).max(axis=0)
+        largest = np.maximum(-lows, highs).max(axis=0)
         known = np.logical_and.accumulate(largest < RIGHT_ANGLE, axis=1)
         return ratios, np.where(known & np.isfinite(most), most, np.inf)
 
-    def _curvatures(self, first: Array, last: Array) -> Interval:
-        """Least and largest signed curvature of the path between coordinates.
+    def _curvatures(self, first: Array, last: Array) -> Array:
+        """Least and largest signed curvature (2, K, H) of the path between coordinates.
 
         The curvature of an arc is constant, and that of a spiral is monotonic.
         """
-        ends = self.curve.curvature(first), self.curve.curvature(last)
-        low, high = np.minimum(*ends), np.maximum(*ends)
+        found = np.sort([self.curve.curvature(first), self.curve.curvature(last)], axis=0)
         for joint, before, after in zip(self.curve.joints, self.curve.pieces[:-1], self.curve.pieces[1:], strict=True):
             here = (first <= joint + MIN_INTERVAL) & (last >= joint - MIN_INTERVAL)
             for end in (float(before.curvature(before.end_s)), float(after.curvature(after.begin_s))):
-                low, high = np.where(here, np.minimum(low, end), low), np.where(here, np.maximum(high, end), high)
-        return low, high
+                found[0, here], found[1, here] = np.minimum(found[0, here], end), np.maximum(found[1, here], end)
+        return found
 
     def result(self, bound: float) -> SpeedRatio:
         """The largest ratio, if `bound` is a bound on all ratios that were not enclosed."""
         speeds = self.march.at(self.travelled, self.handles).speeds[0]
-        fastest = np.flatnonzero(speeds > self.ratio * (1 - EQUAL)).tolist()
         return SpeedRatio(
             ratio=self.ratio,
             excess=max(RELATIVE_TOLERANCE, bound / self.ratio - 1),
-            handle=fastest[0],
-            handles=tuple(fastest),
+            handles=tuple(np.flatnonzero(speeds > self.ratio * (1 - EQUAL)).tolist()),
             distance=self.travelled,
             evaluations=self.evaluations,
         )
 
 
+# Interval arithmetic on arrays (2, ...) of lower and upper bounds.
+
+
 def _velocity_ratio(
-    fronts: Interval, rears: Interval, front_curvature: Interval, rear_curvature: Interval, spacings: Array
-) -> tuple[Interval, Interval]:
-    """Velocity ratio of a bench's rear hole to its front hole, and its derivative by the front hole's coordinate."""
-    sines = [(np.sin(low), np.sin(high)) for low, high in (fronts, rears)]
-    cosines = [_cosine(fronts), _cosine(rears)]
-    ratio = _quotient(*cosines)
-    rate = _difference(sines[0], _product(ratio, sines[1]))
-    rear = _product(_product(ratio, ratio), _product(rear_curvature, sines[1]))
-    (low, high), squared = _difference(rear, _product(front_curvature, sines[0])), _product(rate, rate)
+    fronts: Array, rears: Array, front_curvatures: Array, rear_curvatures: Array, spacings: Array
+) -> tuple[Array, Array]:
+    """Velocity ratio rho of benches, and the derivative of its logarithm by the front hole's coordinate."""
+    cosines, front_sines, rear_sines = _cosine(fronts), np.sin(fronts), np.sin(rears)
+    ratio = _quotient(cosines, _cosine(rears))
+    rate = front_sines - _product(ratio, rear_sines)[::-1]
     # A square is not negative.
-    total = low + np.maximum(squared[0], 0.0) / spacings, high + squared[1] / spacings
-    return ratio, _quotient(total, cosines[1])
+    square = np.maximum(_product(rate, rate), 0.0) / spacings
+    rear = _product(_product(ratio, ratio), _product(rear_curvatures, rear_sines))
+    return ratio, _quotient(rear - _product(front_curvatures, front_sines)[::-1] + square, cosines)
 
 
-def _cosine(angles: Interval) -> Interval:
+def _cosine(angles: Array) -> Array:
     """Cosines of angles up to a right angle, above 0."""
-    ends = np.cos(angles[0]), np.cos(angles[1])
     # At a right angle the cosine is zero. Results for such angles are discarded.
-    low = np.maximum(np.minimum(*ends), MIN_COSINE)
-    return low, np.where(angles[0] * angles[1] <= 0, 1.0, np.maximum(np.maximum(*ends), low))
+    low, high = np.maximum(np.sort(np.cos(angles), axis=0), MIN_COSINE)
+    return np.stack([low, np.where(angles[0] * angles[1] <= 0, 1.0, high)])
 
 
-def _difference(one: Interval, other: Interval) -> Interval:
-    """Difference of intervals."""
-    return one[0] - other[1], one[1] - other[0]
-
-
-def _product(one: Interval, other: Interval) -> Interval:
+def _product(one: Array, other: Array) -> Array:
     """Product of intervals."""
-    ends = [a * b for a in one for b in other]
-    return np.minimum.reduce(ends), np.maximum.reduce(ends)
+    ends = one[:, None] * other
+    return np.stack([ends.min(axis=(0, 1)), ends.max(axis=(0, 1))])
 
 
-def _quotient(one: Interval, other: Interval) -> Interval:
+def _quotient(one: Array, other: Array) -> Array:
     """Quotient by an interval above 0."""
-    return _product(one, (1 / other[1], 1 / other[0]))
+    return _product(one, 1 / other[::-1])

@@ -6,7 +6,7 @@ handle's speed to the head's, which `_speed_ratio.py` encloses.
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -171,7 +171,7 @@ def max_speed(
         speeds=tuple(speeds.tolist()),
         curve=curve,
         dragon=dragon,
-        **asdict(found),
+        **vars(found),
     )
 
 

@@ -1,38 +1,32 @@
 """The smallest pitch at which the head reaches the turning circle (the contest's question 3).
 
-A smaller pitch brings the turns closer together, so the head touches a bench that it passes before it reaches the
-circle. The result consists of three parts:
+With a smaller pitch the head touches a bench that it passes before it reaches the circle. The result has two parts:
 
-- The limit. The smallest gap on the whole inward spiral, as a function of the pitch, has a zero. Newton's method finds
-  the zero from the exact derivative (`_gaps.py`).
-- Its certificate. `first_contact` certifies that the march is free of contacts a nanometre above the limit, and finds a
-  contact a nanometre below.
-- Its uniqueness: no free pitches below and no collisions above. Dragons are compared with their heads at the same
-  distance from the centre. At every sampled pitch and position, every gap close to zero grows with the pitch. So a
-  position that is free at one pitch is free at all larger pitches. Marches at larger pitches start further out, and the
-  additional part of their spirals is sampled as well. So the free pitches are a half line that begins at the limit.
+- A map: the smallest gap of the whole inward march at pitches 4 % apart, from the width of a bench to a pitch at which
+  turns are too far apart for benches to touch. The last pitch with an overlap, and the next one, bracket the limit.
+- The limit: the zero of the smallest gap in this bracket. `first_contact` certifies that the march is free of contacts
+  a nanometre above the limit; a nanometre below, two benches overlap.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from pymunk_dragon._checks import finite, positive
 from pymunk_dragon._language import text
-from pymunk_dragon.collision import FirstContact, first_contact
 from pymunk_dragon.errors import DragonError, ParameterError
 from pymunk_dragon.model.curves.spiral import MAX_PITCH
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
-from pymunk_dragon.studies._gaps import PITCH, Gaps, InwardMarch, SampledGaps, gaps_of
+from pymunk_dragon.studies._gaps import Gap, InwardMarch
 from pymunk_dragon.studies._study import Progress, Result, Study, labelled, silent
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 Limit = Literal["passing", "arrival", "start", "circle"]
@@ -40,40 +34,20 @@ Limit = Literal["passing", "arrival", "start", "circle"]
 # m. Radius of the contest's turning circle, and the largest one: with a wider circle the inward spiral is kilometres
 # long, and the search takes minutes.
 RADIUS, MAX_RADIUS = 4.5, 100.0
-# Largest turn of the start. Samples begin further out, and a spiral has at most a thousand turns.
+# Largest turn of the start: a spiral has at most a thousand turns.
 MAX_TURNS = 900.0
 # m. Distance from the limit at which pitches are certified: a thousand times the error of the limit.
 CERTIFIED = 1e-9
 # m. Distance of the result from the zero of the smallest gap: rounding, of a few 1e-15 m, shows no overlap there.
 TANGENCY_MARGIN = 1e-13
-# Newton steps, at most (three suffice), and the step in m below which only rounding is left.
-MAX_NEWTON_STEPS, STEP_TOLERANCE = 60, 1e-12
-# Share of the distance to the circle within which a minimum of a gap lies at an end of the spiral.
+# Steps to the zero, at most (some eight suffice), and the gap in m below which only rounding is left.
+MAX_STEPS, GAP_ROUNDING = 60, 1e-14
+# Share of the distance to the circle within which the smallest gap lies at an end of the march.
 AT_END = 1e-9
 # Least pitch of the map over the width, which no march's pitch may equal, and ratio of successive pitches.
 MIN_PITCH_RATIO, PITCH_RATIO = 1 + 1e-6, 1.04
-# Shares of the width: smallest gap at which the map ends, because beyond it no gap is close to zero, and size up to
-# which a gap counts as close to zero, 1 cm at the contest's 0.3 m.
-MAP_END, CLOSE_TO_ZERO = 0.5, 1 / 30
 # Text of each cause of a smallest pitch.
 LIMITS = {"passing": "as the head passes", "arrival": "as the head arrives", "start": "as the dragon starts"}
-
-
-@dataclass(frozen=True)
-class PitchMap:
-    """Smallest gaps on the inward spiral at several pitches, m; negative where benches overlap.
-
-    `further_out` has those on a spiral that begins as far out as that of the next pitch, and `growth` the least and the
-    largest derivative, by the pitch, of the `samples` gaps within `threshold` of zero, with handle 0 at the same
-    distance from the centre; None without such gaps.
-    """
-
-    pitches: tuple[float, ...]
-    gaps: tuple[float, ...]
-    further_out: tuple[float, ...]
-    growth: tuple[float, float] | None
-    threshold: float
-    samples: int
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -82,100 +56,74 @@ class MinPitch(Result):
 
     Attributes
     ----------
-    pitch : float
-        The smallest pitch, m. If a gap limits it, two benches touch there without overlapping.
-    turns, radius, march : float, float, March
-        Turn of the spiral on which handle 0 starts, radius of the turning circle, m, and the march at that pitch.
+    pitch, turns, radius, march : float, float, float, March
+        The smallest pitch, m, the turn on which handle 0 starts, radius of the circle, m, and the march at that pitch.
     limit : {"passing", "arrival", "start", "circle"}
-        Cause of the limit: the head touches a bench while passing it; two benches touch as the head arrives; two
-        benches touch at the start; or only the circle, on which the head then starts.
-    benches, point : tuple or None
-        The two benches that touch, the smaller number first, and the contact point, m; None where no benches touch.
+        Cause of the limit: two benches touch without overlapping as the head passes, as it arrives or at the start; or
+        the head starts on the circle.
+    benches, point, gap : tuple, tuple, float, or None
+        The two benches that touch, the smaller number first, the contact point, m, and their gap, zero but for
+        rounding, m; None where no benches touch.
     distance, arrival_distance : float
         Distances travelled by handle 0 at the contact and at the circle, m; `march.time` gives the times.
-    gap, slope : float or None
-        Gap of the two benches at the contact, m, zero but for rounding; and its derivative by the pitch, m per m.
-    half_line : bool
-        Whether the map shows that all larger pitches are free, and all smaller ones are not.
     clear_pitch, contact_pitch : float
-        Pitches, m, at which `first_contact` certifies a march without a contact, and finds a contact. The latter is
-        None where only the circle is the limit: at a smaller pitch the head would start inside it.
-    map : PitchMap
-        Smallest gaps at other pitches.
+        Pitches, m, at which `first_contact` certifies a march without a contact, and at which two benches overlap; the
+        latter is None where the circle is the limit.
+    pitches, gaps : tuple of float
+        The map: pitches, and the smallest gap before the circle at each, m; negative where benches overlap.
     """
 
     pitch: float
     turns: float
     radius: float
     march: March
-    limit: Limit
-    benches: tuple[int, int] | None
-    point: tuple[float, float] | None
+    limit: Limit = "circle"
+    benches: tuple[int, int] | None = None
+    point: tuple[float, float] | None = None
     distance: float
     arrival_distance: float
-    gap: float | None
-    slope: float | None
-    half_line: bool
+    gap: float | None = None
     clear_pitch: float
-    contact_pitch: float | None
-    map: PitchMap = field(repr=False)
+    contact_pitch: float | None = None
+    pitches: tuple[float, ...]
+    gaps: tuple[float, ...]
 
     def to_dict(self) -> dict[str, Any]:
         """Values in SI units, as `study min-pitch --json` prints them."""
-        names = ("pitch", "radius", "turns", "limit", "benches", "point")
-        evidence = ("gap", "slope", "clear_pitch", "contact_pitch", "half_line")
-        known = asdict(self.map)
-        del known["further_out"]
+        names = ("pitch", "radius", "turns", "limit", "benches", "point", "gap", "clear_pitch", "contact_pitch")
+        time, arrival = self.march.time([self.distance, self.arrival_distance]).tolist()
         # JSON has no infinity.
-        known["gaps"] = [gap if math.isfinite(gap) else None for gap in self.map.gaps]
-        return {
-            **{name: getattr(self, name) for name in names},
-            "time": float(self.march.time(self.distance)),
-            "arrival": float(self.march.time(self.arrival_distance)),
-            **{name: getattr(self, name) for name in evidence},
-            "map": known,
-        }
+        gaps = [gap if math.isfinite(gap) else None for gap in self.gaps]
+        known = {"time": time, "arrival": arrival, "map": {"pitches": self.pitches, "gaps": gaps}}
+        return {name: getattr(self, name) for name in names} | known
 
     def _lines(self) -> list[str]:
         first = text("smallest pitch {pitch:.12f} m: handle 0 reaches the circle of {radius:g} m")
-        arrival = text("after {time:.3f} s").format(time=self.march.time(self.arrival_distance))
-        if self.benches is None or self.point is None:
-            limit = text("the circle, on which it starts;\nwith a smaller pitch it would start inside")
-            certified = text("no contact at {clear:.12f} m").format(clear=self.clear_pitch)
-        else:
-            (i, j), (x, y) = self.benches, self.point
+        arrival = text("after {time:.3f} s")
+        limit = text("the circle, on which it starts;\nwith a smaller pitch it would start inside")
+        certified = text("no contact at {clear:.12f} m")
+        if self.benches is not None and self.point is not None:
+            (i, j), (x, y), time = self.benches, self.point, self.march.time(self.distance)
             limit = text(
                 "benches {i} and {j} touch without overlapping {cause},\nt = {time:.6f} s at ({x:.6f}, {y:.6f}) m"
-            ).format(i=i, j=j, cause=text(LIMITS[self.limit]), time=self.march.time(self.distance), x=x, y=y)
+            ).format(i=i, j=j, cause=text(LIMITS[self.limit]), time=time, x=x, y=y)
             certified = text("no contact at {clear:.12f} m, but one at {contact:.12f} m")
-            certified = certified.format(clear=self.clear_pitch, contact=self.contact_pitch)
+        known = text("{count} pitches from {first:.4g} to {last:.4g} m;")
+        known = known.format(count=len(self.pitches), first=self.pitches[0], last=self.pitches[-1])
+        trend = text("the smallest gap falls between some of them")
+        if all(less < more or math.isinf(more) for less, more in pairwise(self.gaps)):
+            trend = text("the smallest gap grows from each to the next")
         return [
             first.format(pitch=self.pitch, radius=self.radius),
-            *labelled("", arrival),
+            *labelled("", arrival.format(time=self.march.time(self.arrival_distance))),
             *labelled(text("limit:"), limit),
-            *labelled(text("certified:"), certified),
-            *labelled(text("map:"), self._map_text()),
+            *labelled(text("certified:"), certified.format(clear=self.clear_pitch, contact=self.contact_pitch)),
+            *labelled(text("map:"), f"{known}\n{trend}"),
         ]
-
-    def _map_text(self) -> str:
-        """What is known of other pitches."""
-        known = self.map
-        first, last = known.pitches[0], known.pitches[-1]
-        pitches = text("{count} pitches from {first:.4g} to {last:.4g} m;")
-        pitches, near = pitches.format(count=len(known.pitches), first=first, last=last), 1e3 * known.threshold
-        gaps = text("no gap comes within {near:.3g} mm of zero;").format(near=near)
-        if known.growth is not None:
-            gaps = text(
-                "all {samples} gaps sampled within {near:.3g} mm of zero change with the pitch,\n"
-                "the head being on the same circle, by {least:.2f} to {most:.2f} mm for each mm;"
-            ).format(samples=known.samples, near=near, least=known.growth[0], most=known.growth[1])
-        end = text("which does not show that all larger pitches are free, and all smaller ones are not")
-        if self.half_line:
-            end = text("so all larger pitches are free, and all smaller ones are not")
-        return "\n".join((pitches, gaps, end))
 
     def _draw(self) -> Figure:
         """The smallest gap over the pitch, and the contact."""
+        from pymunk_dragon.drawing.figures.style import BLUE, COLOURS, QUIET
         from pymunk_dragon.studies._figures import heading, panels, plan_view
 
         title = text("At a pitch of {:.6f} m the head starts on the circle itself").format(self.pitch)
@@ -183,11 +131,16 @@ class MinPitch(Result):
             title = text("At a pitch of {:.6f} m benches {} and {} just touch").format(self.pitch, *self.benches)
         aim = text("the smallest pitch at which handle 0 reaches the circle of {:g} m from turn {:g} without a contact")
         figure, axes = panels(title, aim.format(self.radius, self.turns), [["pitches", "contact"]])
-        _draw_gap_over_pitch(axes["pitches"], self)
+        heading(axes["pitches"], text("smallest gap before the circle, mm"))
+        axes["pitches"].axhline(0.0, color=QUIET, lw=0.8)
+        axes["pitches"].plot(self.pitches, 1e3 * np.array(self.gaps), "o-", color=BLUE, ms=3, gid="gap-over-pitch")
+        answer, gap = f"{self.pitch:.9f} m", 1e3 * self.gaps[0] if self.benches is None else 0.0
+        axes["pitches"].plot(self.pitch, gap, "o", color=COLOURS.contact, ms=7, gid="answer", label=answer)
+        axes["pitches"].set_xlabel(text("pitch (m)"))
+        axes["pitches"].legend(loc="upper left", frameon=False, borderpad=0.0)
         heading(axes["contact"], text("dashed: the circle"))
-        half = 0.7 * float(self.march.dragon.lengths[0])
-        time = float(self.march.time(self.distance))
-        plan_view(axes["contact"], self.march, time, self.radius, half, about=0, touching=self.benches or ())
+        time, half = float(self.march.time(self.distance)), 0.7 * float(self.march.dragon.lengths[0])
+        plan_view(axes["contact"], self.march, time, self.radius, half, touching=self.benches or (0,))
         return figure
 
 
@@ -201,8 +154,6 @@ def min_pitch(
 ) -> MinPitch:
     """The smallest pitch at which handle 0 reaches a circle about the centre without a collision.
 
-    All larger pitches are free as well, and no smaller one is.
-
     Parameters
     ----------
     dragon : Dragon, optional
@@ -212,18 +163,18 @@ def min_pitch(
     radius : float
         Radius of the circle, m.
     progress : callable, optional
-        Called with the smallest gap at the last pitch of the map, and the gap at which the map ends, m.
+        Called with the number of pitches of the map that are done, and that of all.
 
     Returns
     -------
     MinPitch
-        The pitch is accurate to 1e-12 m, and certified to 1e-9 m.
+        The pitch is accurate to 1e-12 m, and certified to 1e-9 m. No larger pitch of the map has an overlap.
 
     Raises
     ------
     ParameterError
-        If the radius is no number, is less than the longest spacing (further in, a handle may have no position), or is
-        larger than any start; or if the dragon is too short to pass itself, so that nothing limits the pitch.
+        If the radius is less than the longest spacing (further in, a handle may have no position) or larger than any
+        start, benches touch however far apart the turns are, or the dragon is too short to pass itself.
     DragonError
         If the limit cannot be certified.
 
@@ -241,165 +192,92 @@ def min_pitch(
     radius = finite("radius", radius, float(dragon.spacings.max()), min(MAX_RADIUS, MAX_PITCH * turns), "m")
     # Turns are not closer than the width, and the start is not inside the circle.
     narrowest = max(float(dragon.widths.max()) * MIN_PITCH_RATIO, radius / turns)
-    least = InwardMarch(dragon=dragon, pitch=narrowest, turns=turns, radius=radius)
-    known = _pitch_map(least, progress)
-    if known.gaps[0] > 0:
-        # No gap is a limit.
-        if least.pitch > radius / turns or _first_contact(least, least.pitch + CERTIFIED).status != "clear":
-            short = "so many, and so long, that the dragon can run into itself outside the circle"
-            raise ParameterError("benches", dragon.benches, short)
-        return _result(least, speed, known, None)
-    last = max(row for row, gap in enumerate(known.gaps) if gap <= 0)
-    blocked, free = known.pitches[last : last + 2]
-    pitch = zero_gap(replace(least, pitch=free), blocked, free) + TANGENCY_MARGIN
-    inward = replace(least, pitch=pitch)
-    contact = SampledGaps(inward).minimum()
-    certified = contact is not None and _first_contact(least, pitch + CERTIFIED).status == "clear"
-    if contact is not None and certified:
-        # The same benches overlap at the same distance for a smaller pitch.
-        below = replace(least, pitch=pitch - CERTIFIED)
-        travelled = min(float(contact.travelled[0]), below.length)
-        certified = bool(gaps_of(below, travelled, contact.pairs).gaps[0] < 0)
-    if not certified:
-        pitch, hit = _bisected(least, known.pitches[last:])
-        inward = replace(least, pitch=pitch)
-        contact = SampledGaps(inward).minimum()
-        if contact is None or abs(contact.gaps[0]) > CERTIFIED:
-            contact = gaps_of(inward, hit.time, [hit.benches or ()])
-    return _result(inward, speed, known, contact)
-
-
-def zero_gap(inward: InwardMarch, blocked: float, free: float) -> float:
-    """Zero of the smallest sampled gap between two pitches, m, by Newton's method from the pitch of `inward`.
-
-    SciPy's bracketing methods use no derivative and sample the spiral twice as often; importing them takes as long.
-    """
-    pitch = inward.pitch
-    for _ in range(MAX_NEWTON_STEPS):
-        found = SampledGaps(replace(inward, pitch=pitch)).minimum()
-        gap, slope = (np.inf, 0.0) if found is None else (float(found.gaps[0]), _slope(found))
-        if gap > 0:
-            free = pitch
-        else:
-            blocked = pitch
-        better = pitch - gap / slope if slope > 0 else blocked
-        if abs(better - pitch) <= STEP_TOLERANCE:
-            return better
-        pitch = better if blocked < better < free else (blocked + free) / 2
-    return free
-
-
-def _pitch_map(least: InwardMarch, progress: Progress) -> PitchMap:
-    """Smallest gaps from the march at the least pitch to a pitch at which all gaps are wide."""
-    close = CLOSE_TO_ZERO * float(least.dragon.widths.min())
-    dragon, gap = least.dragon, float(least.dragon.widths.max())
-    straight = dragon.spacings[1:-1] - dragon.overhangs[:-2] - dragon.overhangs[2:]
-    if straight.min(initial=np.inf) < 2 * gap:
-        # The smallest gap where adjacent turns are out of reach.
-        gap = min(gap, *SampledGaps(replace(least, pitch=2 * float(dragon.lengths.max()) + gap)).smallest())
-    if gap <= 0:
-        raise ParameterError("body_spacing", dragon.body_spacing, "long enough for benches not to touch on the circle")
-    wide = MAP_END * gap
-    pitches: list[float] = []
-    rows: list[tuple[float, float]] = []
-    slopes: list[float] = []
-    while not rows or min(rows[-1]) < wide:
-        pitches.append(PITCH_RATIO * pitches[-1] if pitches else least.pitch)
-        sampled = SampledGaps(replace(least, pitch=pitches[-1]), PITCH_RATIO)
-        rows.append(sampled.smallest())
-        slopes += sampled.growth(close).tolist()
-        progress(min(max(0.0, *rows[-1]), wide), wide)
-    bounds = (min(slopes), max(slopes)) if slopes else None
-    gaps, further_out = zip(*rows, strict=True)
-    return PitchMap(tuple(pitches), gaps, further_out, bounds, close, len(slopes))
-
-
-def _result(inward: InwardMarch, speed: float, known: PitchMap, contact: Gaps | None) -> MinPitch:
-    """The result at a pitch with the contact that limits the pitch, and the test of the half line."""
-    smaller = np.array(known.pitches) < inward.pitch
-    separated = [
-        # Where benches differ, the samples do not include the gaps of all of them.
-        inward.dragon.alike,
-        known.growth is None or known.growth[0] > 0,
-        np.all(np.array(known.gaps)[smaller] < 0),
-        np.all(np.array(known.further_out)[~smaller] > 0),
-        SampledGaps(inward, PITCH_RATIO).smallest()[1] > -CERTIFIED,
-    ]
-    limit: Limit = "circle"
-    benches = point = None
+    least = InwardMarch(dragon, narrowest, turns, radius)
+    pitches, gaps = _map(least, progress)
+    inward, contact = least, None
+    blocked = [row for row, gap in enumerate(gaps) if gap <= 0]
+    if blocked:
+        around = slice(blocked[-1], blocked[-1] + 2)
+        inward = replace(least, pitch=_zero(least, pitches[around], gaps[around]) + TANGENCY_MARGIN)
+        contact = inward.smallest_gap()
+    above, below = (replace(inward, pitch=inward.pitch + side) for side in (CERTIFIED, -CERTIFIED))
+    # Two benches that overlap are a contact, whatever else the march contains.
+    if above.first_contact.status != "clear" or (contact is not None and below.smallest_gap().size >= 0):
+        inward, contact = _bisected(least, pitches)
+    elif contact is None and inward.pitch > radius / turns:
+        short = "so many, and so long, that the dragon can run into itself outside the circle"
+        raise ParameterError("benches", dragon.benches, short)
+    touching: dict[str, Any] = {}
     if contact is not None:
-        (x, y), share = contact.points[0].tolist(), contact.travelled[0]
-        benches, point = contact.benches, (x, y)
-        at_end: Limit = "arrival" if share >= (1 - AT_END) * inward.length else "passing"
-        limit = "start" if share <= AT_END * inward.length else at_end
+        share = contact.travelled / inward.length
+        at_end: Limit = "arrival" if share >= 1 - AT_END else "passing"
+        touching = {"limit": "start" if share <= AT_END else at_end, "contact_pitch": inward.pitch - CERTIFIED}
+        touching |= {"gap": contact.size, "benches": contact.benches, "point": contact.point}
     return MinPitch(
         pitch=inward.pitch,
-        turns=inward.turns,
-        radius=inward.radius,
+        turns=turns,
+        radius=radius,
         march=replace(inward.march, speed=speed),
-        limit=limit,
-        benches=benches,
-        point=point,
-        distance=0.0 if contact is None else float(contact.travelled[0]),
-        # Rounding may give a negative distance where the start is on the circle.
-        arrival_distance=max(0.0, inward.length),
-        gap=None if contact is None else float(contact.gaps[0]),
-        slope=None if contact is None else _slope(contact),
-        half_line=all(separated),
+        distance=contact.travelled if contact else 0.0,
+        arrival_distance=inward.length,
         clear_pitch=inward.pitch + CERTIFIED,
-        contact_pitch=None if contact is None else inward.pitch - CERTIFIED,
-        map=known,
+        pitches=pitches,
+        gaps=gaps,
+        **touching,
     )
 
 
-def _slope(smallest: Gaps) -> float:
-    """Derivative of a minimal gap by the pitch: at the start for a fixed turn, elsewhere for a fixed radius."""
-    return float(smallest.slopes[0, PITCH] if smallest.travelled[0] == 0 else smallest.slopes_at_radius[0])
+def _map(least: InwardMarch, progress: Progress) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Pitches from that of `least` until turns are out of each other's reach, and the smallest gap at each, m."""
+    dragon, half = least.dragon, least.dragon.spacings / 2
+    # How far benches with handles on the circle reach beyond it, and into it.
+    middle = np.sqrt(least.radius**2 - half**2)
+    beyond = np.hypot(half + dragon.overhangs, middle + dragon.widths / 2) - least.radius
+    into = least.radius - middle + dragon.widths / 2
+    ratio = max(PITCH_RATIO, float(beyond.max() + into.max()) / least.pitch)
+    count = math.ceil(math.log(ratio) / math.log(PITCH_RATIO)) + 1
+    pitches = tuple(least.pitch * PITCH_RATIO**row for row in range(count))
+    gaps = []
+    for row, pitch in enumerate(pitches):
+        gaps.append(replace(least, pitch=pitch).smallest_gap().size)
+        progress(row + 1, count)
+    if gaps[-1] <= 0:
+        raise ParameterError("body_spacing", dragon.body_spacing, "long enough for benches not to touch on the circle")
+    return pitches, tuple(gaps)
 
 
-def _first_contact(inward: InwardMarch, pitch: float) -> FirstContact:
-    """Certified first contact before the circle at a pitch."""
-    changed = replace(inward, pitch=pitch)
-    return first_contact(changed.march, until=changed.length)
-
-
-def _bisected(inward: InwardMarch, pitches: tuple[float, ...]) -> tuple[float, FirstContact]:
-    """The limit above the first of the pitches, by bisection of certificates alone, and the contact below the limit."""
-    blocked, *larger = pitches
-    free = next((pitch for pitch in larger if _first_contact(inward, pitch).status == "clear"), math.inf)
-    hit = _first_contact(inward, blocked)
-    while CERTIFIED < free - blocked < math.inf:
-        middle = (free + blocked) / 2
-        if (found := _first_contact(inward, middle)).status == "clear":
-            free = middle
+def _zero(least: InwardMarch, pitches: tuple[float, ...], gaps: tuple[float, ...]) -> float:
+    """Zero of the smallest gap, m, between a pitch with an overlap and one without, by the Illinois method."""
+    (blocked, free), (overlap, gap) = pitches, gaps
+    size = overlap
+    for _ in range(MAX_STEPS):
+        pitch = blocked - overlap * (free - blocked) / (gap - overlap)
+        before, size = size, replace(least, pitch=pitch).smallest_gap().size
+        if abs(size) <= GAP_ROUNDING:
+            return pitch
+        # An end that stays for a second time counts half, so that the bracket shrinks from both sides.
+        again = 0.5 if (size > 0) == (before > 0) else 1.0
+        if size > 0:
+            free, gap, overlap = pitch, size, overlap * again
         else:
-            blocked, hit = middle, found
-    if free == math.inf or hit.benches is None:
-        raise DragonError(f"no limit of the pitch can be certified above {blocked:.9g} m")
-    return free, hit
+            blocked, overlap, gap = pitch, size, gap * again
+    return free
 
 
-def _draw_gap_over_pitch(axes: Axes, found: MinPitch) -> None:
-    """Draw the smallest gap of a march over the pitch."""
-    from pymunk_dragon.drawing.figures.style import BLUE, COLOURS, FAINT, QUIET
-    from pymunk_dragon.studies._figures import heading
-
-    heading(axes, text("smallest gap before the circle, mm"))
-    gaps = 1e3 * np.array(found.map.gaps)
-    axes.axhline(0.0, color=QUIET, lw=0.8)
-    axes.plot(found.map.pitches, gaps, "o-", color=BLUE, lw=2.0, ms=3, gid="gap-over-pitch")
-    gap, answer = 0.0 if found.benches is not None else float(gaps[0]), f"{found.pitch:.9f} m"
-    axes.plot(found.pitch, gap, "o", color=COLOURS.contact, ms=7, zorder=4, gid="answer", label=answer)
-    axes.set_ylim(*axes.get_ylim())
-    if gaps[0] < 0:
-        axes.axhspan(axes.get_ylim()[0], 0.0, color=FAINT, lw=0, zorder=0)
-        axes.text(0.97, 0.06, text("benches overlap"), transform=axes.transAxes, ha="right", color=QUIET)
-    axes.set_xlabel(text("pitch (m)"))
-    axes.legend(loc="upper left", frameon=False, borderpad=0.0)
+def _bisected(least: InwardMarch, pitches: tuple[float, ...]) -> tuple[InwardMarch, Gap]:
+    """The march at the limit, below the largest of the pitches, by bisection of certificates alone, and its contact."""
+    marches = [replace(least, pitch=pitch) for pitch in (pitches[0] + CERTIFIED, *pitches[1:])]
+    row = next((row for row in reversed(range(len(marches))) if marches[row].first_contact.status != "clear"), -1)
+    if row in (-1, len(marches) - 1):
+        raise DragonError(f"no limit of the pitch can be certified from {pitches[0]:.9g} to {pitches[-1]:.9g} m")
+    blocked, free = marches[row : row + 2]
+    while free.pitch - blocked.pitch > CERTIFIED:
+        middle = replace(least, pitch=(free.pitch + blocked.pitch) / 2)
+        free, blocked = (middle, blocked) if middle.first_contact.status == "clear" else (free, middle)
+    hit = blocked.first_contact
+    return free, free.gap_about(hit.time, float(least.dragon.spacings.min()), hit.benches or (0, 0))
 
 
 STUDY = Study(
-    name="min-pitch",
-    summary="smallest pitch at which the head reaches the circle (question 3)",
-    run=min_pitch,
+    name="min-pitch", summary="smallest pitch at which the head reaches the circle (question 3)", run=min_pitch
 )

@@ -1,9 +1,7 @@
 """Derivatives of the first contact's time and of the smallest pitch by every size of the benches.
 
-The derivatives are central differences of the exact answers, over a hundredth of a millimetre to either side. They are
-accurate to 1e-7 s or mm for each millimetre, and at the contest's sizes to 2e-9: the answers have errors of some 1e-12,
-and their third derivatives hardly matter over such steps. Where other benches touch within a step, there is no
-derivative. The answers one millimetre to either side show how far a derivative holds.
+They are central differences of the exact answers, accurate to 1e-7 s or mm for each millimetre. Where other benches
+touch within a step, there is no derivative. The answers a millimetre to either side show how far a derivative holds.
 """
 
 from __future__ import annotations
@@ -21,9 +19,8 @@ from pymunk_dragon.errors import DragonError, ParameterError
 from pymunk_dragon.model.curves import Spiral
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
-from pymunk_dragon.studies._gaps import InwardMarch, SampledGaps
 from pymunk_dragon.studies._study import Progress, Result, Study, silent
-from pymunk_dragon.studies.min_pitch import CERTIFIED, PITCH_RATIO, RADIUS, MinPitch, min_pitch, zero_gap
+from pymunk_dragon.studies.min_pitch import RADIUS, MinPitch, min_pitch
 
 # Sizes of the benches by which both answers are differentiated.
 SIZES = ("width", "overhang", "head_spacing", "body_spacing")
@@ -45,8 +42,7 @@ class Slope:
     size, value : str, float
         Name of the size, and the size, m; the least one where the benches differ, which all change by the same amount.
     slope : float or None
-        Derivative of the result: s per m for the time, m per m for the pitch; None where other benches touch, or none,
-        within a hundredth of a millimetre.
+        Derivative, s per m or m per m; None where other benches touch, or none, within a hundredth of a millimetre.
     less, more : tuple or None
         Results, s or m, and benches for a size that is a millimetre smaller, and larger; None without a contact.
     """
@@ -64,18 +60,12 @@ class Sensitivity(Result):
 
     Attributes
     ----------
-    march : March
-        The march whose first contact is differentiated.
-    time, benches : float, tuple of int
-        Time of the first contact, s, and the two benches that touch.
-    times, pitches : tuple of Slope
-        Derivatives of that time by each size, including the pitch, and of the smallest pitch by each size of the
-        benches; the latter is empty where the circle limits the pitch.
-    smallest : MinPitch
-        The smallest pitch of the same dragon.
+    time, benches, times : float, tuple of int, tuple of Slope
+        Time of the first contact, s, the two benches that touch, and derivatives by each size, and by the pitch.
+    smallest, pitches : MinPitch, tuple of Slope
+        The smallest pitch, and its derivatives by each size; none where the circle limits the pitch.
     """
 
-    march: March
     time: float
     benches: tuple[int, int]
     times: tuple[Slope, ...]
@@ -89,15 +79,15 @@ class Sensitivity(Result):
         return {"contact": {"time": self.time, "benches": self.benches, "slopes": times}, "smallest_pitch": smallest}
 
     def _lines(self) -> list[str]:
-        i, j = self.benches
-        first = text("first contact at t = {time:.9f} s: benches {i} and {j}").format(time=self.time, i=i, j=j)
+        first = text("first contact at t = {time:.9f} s: benches {i} and {j}")
+        first = first.format(time=self.time, i=self.benches[0], j=self.benches[1])
         lines = [first, *_table(text("s per mm"), 1e3, self.times, (self.time, self.benches))]
         pitch, benches = self.smallest.pitch, self.smallest.benches
         if benches is None:
             limited = text("smallest pitch {pitch:.12f} m: limited by the circle, whatever the benches")
             return [*lines, limited.format(pitch=pitch)]
-        i, j = benches
-        smallest = text("smallest pitch {pitch:.12f} m: benches {i} and {j}").format(pitch=pitch, i=i, j=j)
+        smallest = text("smallest pitch {pitch:.12f} m: benches {i} and {j}")
+        smallest = smallest.format(pitch=pitch, i=benches[0], j=benches[1])
         return [*lines, smallest, *_table(text("mm per mm"), 1.0, self.pitches, (pitch, benches))]
 
 
@@ -117,18 +107,11 @@ def sensitivity(
     dragon : Dragon, optional
         The dragon; by default the contest's.
     pitch
-        As in `Spiral`, for the first contact. The smallest pitch does not depend on it.
+        As in `Spiral`, for the first contact, without which a `ParameterError` is raised.
     turns, speed, radius
-        As in `March` and `min_pitch`.
+        As in `min_pitch`.
     progress : callable, optional
         Called with the number of sizes that are done and the number of all.
-
-    Raises
-    ------
-    ParameterError
-        If the dragon never touches itself, or as `March` and `min_pitch` do.
-    DragonError
-        As `min_pitch` does.
 
     Examples
     --------
@@ -137,58 +120,40 @@ def sensitivity(
     ('width', -0.032)
     """
     dragon = dragon or Dragon()
-    march = March(dragon, Spiral(pitch=pitch), turns=turns, speed=speed)
 
-    def contact(name: str, change: float) -> Answer:
+    def contact(name: str, change: float) -> Known:
         spiral = Spiral(pitch=pitch + change * (name == "pitch"))
         hit = first_contact(March(_changed(dragon, name, change), spiral, turns=turns, speed=speed))
-        return (hit.time, hit.benches) if hit.status == "contact" and hit.benches is not None else None
+        if hit.status != "contact" or hit.benches is None:
+            raise ParameterError("pitch", pitch, "one at which the dragon runs into itself")
+        return hit.time, hit.benches
 
-    first = contact("", 0.0)
-    if first is None:
-        raise ParameterError("pitch", pitch, "one at which the dragon runs into itself")
-    smallest = min_pitch(dragon, turns=turns, speed=speed, radius=radius)
-    known = InwardMarch(dragon=dragon, pitch=smallest.pitch, turns=turns, radius=radius)
-
-    def sampled_limit(name: str, change: float) -> Answer:
-        inward = replace(known, dragon=_changed(dragon, name, change))
-        found = zero_gap(inward, known.pitch / PITCH_RATIO, known.pitch * PITCH_RATIO)
-        touching = SampledGaps(replace(inward, pitch=found)).minimum()
-        return None if touching is None else (found, touching.benches)
-
-    def certified_limit(name: str, change: float) -> Answer:
+    def limit(name: str, change: float) -> Answer:
         found = min_pitch(_changed(dragon, name, change), turns=turns, radius=radius)
         return None if found.benches is None else (found.pitch, found.benches)
 
+    time, benches = contact("", 0.0)
+    smallest = min_pitch(dragon, turns=turns, speed=speed, radius=radius)
     times, pitches = [], []
-    limit, at_limit = certified_limit, None
-    if smallest.benches is not None:
-        at_limit = smallest.pitch, smallest.benches
-        if (sampled := sampled_limit("", 0.0)) is not None and abs(sampled[0] - smallest.pitch) <= CERTIFIED:
-            limit = sampled_limit
-    for done, name in enumerate((*SIZES, "pitch")):
-        progress(done, len(SIZES) + 1)
+    for done, name in enumerate((*SIZES, "pitch"), 1):
         value = pitch if name == "pitch" else float(np.min(getattr(dragon, name)))
-        times.append(_slope(name, value, first, contact))
-        if at_limit is not None and name != "pitch":
-            pitches.append(_slope(name, value, at_limit, limit))
-    progress(1, 1)
-    return Sensitivity(
-        march=march, time=first[0], benches=first[1], times=tuple(times), smallest=smallest, pitches=tuple(pitches)
-    )
+        times.append(_slope(name, value, benches, contact))
+        if smallest.benches is not None and name != "pitch":
+            pitches.append(_slope(name, value, smallest.benches, limit))
+        progress(done, len(SIZES) + 1)
+    return Sensitivity(time=time, benches=benches, times=tuple(times), smallest=smallest, pitches=tuple(pitches))
 
 
 def _changed(dragon: Dragon, name: str, change: float) -> Dragon:
     """A dragon with one of the `SIZES` changed by `change` m, on all benches that have the size."""
     if name not in SIZES:
         return dragon
-    value = getattr(dragon, name)
-    more: Any = value + change if isinstance(value, float) else tuple(each + change for each in value)
-    return replace(dragon, **{name: more})
+    changed: Any = (np.array(getattr(dragon, name)) + change).tolist()
+    return replace(dragon, **{name: changed})
 
 
-def _slope(name: str, value: float, base: Known, answer: Callable[[str, float], Answer]) -> Slope:
-    """Derivative by a size of the answers to changes of this size, from the answer without a change."""
+def _slope(name: str, value: float, benches: tuple[int, int], answer: Callable[[str, float], Answer]) -> Slope:
+    """Derivative by a size of the answers to changes of this size, as long as these benches touch."""
 
     def changed(change: float) -> Answer:
         try:
@@ -197,7 +162,7 @@ def _slope(name: str, value: float, base: Known, answer: Callable[[str, float], 
             return None
 
     less, more, slope = changed(-STEP), changed(STEP), None
-    if less is not None and more is not None and less[1] == more[1] == base[1]:
+    if less is not None and more is not None and less[1] == more[1] == benches:
         slope = (more[0] - less[0]) / (2 * STEP)
     return Slope(size=name, value=value, slope=slope, less=changed(-MILLIMETRE), more=changed(MILLIMETRE))
 
@@ -219,9 +184,5 @@ def _table(unit: str, per: float, slopes: Sequence[Slope], base: Known) -> list[
     return table(heads, ("<13", "8.2f", "+10.7f", "<20", ""), rows)
 
 
-STUDY = Study(
-    name="sensitivity",
-    summary="effect of each size of the benches on first contact and that pitch",
-    run=sensitivity,
-    formats=(".json",),
-)
+SUMMARY = "effect of each size of the benches on first contact and that pitch"
+STUDY = Study(name="sensitivity", summary=SUMMARY, run=sensitivity, formats=(".json",))
