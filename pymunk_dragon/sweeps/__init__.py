@@ -10,8 +10,8 @@ $ pymunk-dragon sweep --quantity max-speed --axis ratio=1:2:0.25 --axis radius=4
 
 ![The time of the first contact over pitch and width](renders/figures/contact-map.png)
 
-- **Axes** are parameters of the dragon and of its curve, and those of the quantity, as `start`, `until` or `limit`:
-  ranges with both ends, `0.4:0.8:0.01`, or lists, `50,100,200`.
+- **Axes** are parameters of the dragon, its curve and the quantity, as `start`, `until` or `limit`: ranges with both
+  ends, `0.4:0.8:0.01`, or lists, `50,100,200`.
 - **Quantities** are `contact-time`, `nearest-gap`, `min-pitch` and `max-speed`, or a function of yours of a march that
   returns names and numbers: `--quantity mine:longest_gap` of `mine.py` in this folder.
 - **The table** has a row for each point, in the order of the grid: the axes, the values, and `error`, the reason why a

@@ -5,19 +5,17 @@ from __future__ import annotations
 import os
 import signal
 import subprocess
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import Executor, Future, ProcessPoolExecutor
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
 from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
 from functools import partial as partial_of
 from importlib import import_module
 from importlib.metadata import version
-from itertools import islice, product
-from math import prod
+from itertools import product
 from multiprocessing import get_context, parent_process
 from multiprocessing.process import BaseProcess
 from multiprocessing.spawn import get_executable
 from pathlib import Path
-from queue import SimpleQueue
 from threading import Thread
 from time import perf_counter
 from typing import Any
@@ -25,7 +23,7 @@ from zlib import crc32
 
 import numpy as np
 
-from pymunk_dragon._checks import whole, word
+from pymunk_dragon._checks import number, whole, word
 from pymunk_dragon._extras import library
 from pymunk_dragon._signals import ENDING, signals_held
 from pymunk_dragon.errors import DragonError, ParameterError
@@ -36,7 +34,8 @@ from pymunk_dragon.sweeps.table import Axes, Partial, Sweep, check_format
 
 # Futures under way, at most: enough for so many workers, and few in memory.
 UNDER_WAY = 256
-# Processes, at most.
+# Processors for this process, of which each gets a worker process, and such processes at most.
+CORES = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 MAX_WORKERS = 1000
 # s until a Dask scheduler must answer.
 CONNECT_TIMEOUT = 10
@@ -47,12 +46,12 @@ def sweep(
     axes: Mapping[str, Sequence[float]] | None = None,
     quantity: str | Callable[..., Values] = "contact-time",
     executor: Executor | None = None,
-    out: str | Path | Sequence[str | Path] | None = None,
+    out: str | Path | Sequence[str | Path] = (),
     *,
     resume: bool = False,
     scheduler: str | None = None,
     workers: int | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Callable[[int, int], object] = lambda done, total: None,
 ) -> Sweep:
     r"""Compute a quantity of a dragon at many values of its parameters, in parallel.
 
@@ -73,26 +72,20 @@ def sweep(
         a partial table beside the first one, with the ending ``.partial``.
     resume : bool
         Whether to go on from the partial table of an interrupted sweep, if there is one.
-    scheduler : str, optional
-        Address of a Dask scheduler, such as ``"tcp://HOST:8786"``, instead of an executor.
-    workers : int, optional
-        Number of processes; by default one for each core.
+    scheduler, workers : str and int, optional
+        Address of a Dask scheduler, as ``"tcp://HOST:8786"``, instead of an executor; number of processes.  [the cores]
     progress : callable, optional
-        Called with the number of finished points and the number of all points.
+        Called with the numbers of finished points and of all points.
 
     Returns
     -------
     Sweep
-        The table. A point without values, as for a dragon that does not fit on its curve, has the reason as `error`.
+        The table. A point without values, as of a dragon that does not fit on its curve, has the reason as `error`.
 
     Raises
     ------
-    ParameterError
-        If an argument is out of range, no corner of the axes is a valid scenario, or another sweep left points.
-    FileFormatError
-        If the partial table is damaged, or of another scenario, axis or quantity, which is named.
-    MissingExtraError
-        If Dask or matplotlib is needed and not installed.
+    ParameterError, FileFormatError
+        If an argument is out of range, or the partial table is damaged or of another sweep.
     OutputError, DragonError
         If a file cannot be written; if a worker or the scheduler was lost.
 
@@ -108,71 +101,71 @@ def sweep(
     begin = perf_counter()
     chosen = quantity_of(quantity)
     points = _axes(axes, chosen.parameters)
-    given = Scenario.of(scenario) if isinstance(scenario, March) else scenario or {}
-    given = given.values() if isinstance(given, Scenario) else flat_values(given)
-    if "start_s" in points:
-        given.pop("turns", None)
-    base, reference = _base(chosen, given, points)
-    files = [check_format(path, points) for path in ([out] if isinstance(out, str | Path) else out or ())]
-    if resume and not files:
+    given = _given(scenario, points)
+    base = _base(chosen, given, points)
+    if resume and not out:
         raise ParameterError("resume", resume, "absent without a file to write")
-    used = _pool(executor, scheduler, workers)
-    path = Path(f"{files[0]}.partial") if files else None
-    partial = Partial(path, _description(chosen, points, base), resume=resume)
-    count = prod(map(len, points.values()))
-    call = partial_of(evaluate, chosen.name, base)
-    numbered = enumerate(product(*points.values()))
-    missing = ((n, dict(zip(points, at, strict=True))) for n, at in numbered if n not in partial.rows)
-    try:
-        with used as started:
-            for _ in _evaluate(started, call, missing, partial):
-                if progress is not None:
-                    progress(len(partial.rows), count)
-        found = Sweep(chosen, points, partial, reference, perf_counter() - begin)
+    files = [check_format(path, points) for path in ([out] if isinstance(out, str | Path) else out)]
+    pool = _pool(executor, scheduler, workers)
+    with Partial(files, _description(chosen, points, base), points, resume=resume) as partial:
+        with pool as started:
+            for rows in _outcomes(started, partial_of(evaluate, chosen.name, base), partial.missing()):
+                partial.append(rows)
+                progress(len(partial.rows), partial.count)
+        found = Sweep(chosen, partial, _reference(chosen, given, points), perf_counter() - begin)
         for file in files:
             found.write(file)
-    except (KeyboardInterrupt, DragonError) as error:
-        if path is not None and partial.rows:
-            error.add_note(f"{len(partial.rows)} of {count} points are in {path}, from where the sweep can be resumed")
-        raise
-    if path is not None:
-        path.unlink(missing_ok=True)
     return found
 
 
 def _axes(given: Mapping[str, Sequence[float]] | None, parameters: Sequence[str]) -> Axes:
-    """The axes of a sweep: values of parameters, which are all integers if all are whole numbers."""
+    """The axes of a sweep: parameters and their values."""
     if not given or not isinstance(given, Mapping):
         raise ParameterError("axis", given or None, "at least one: a parameter and its values")
-    axes = {}
-    for name, values in given.items():
-        word("axis", name, parameters)
-        try:
-            numbers = np.array(values, dtype=float).ravel()
-        except (TypeError, ValueError):
-            numbers = np.array([])
-        if not numbers.size or not np.isfinite(numbers).all():
-            raise ParameterError("axis", f"{name}={values}", "finite numbers, at least one")
-        # Larger doubles have no digits after the point.
-        whole_numbers = not (numbers % 1).any() and np.abs(numbers).max() < 2**53
-        axes[name] = tuple(map(int if whole_numbers else float, numbers.tolist()))
-    return axes
+    return {word("axis", name, parameters): _axis(name, values) for name, values in given.items()}
 
 
-def _base(quantity: Quantity, given: Values, axes: Axes) -> tuple[dict[str, Any], dict[str, float]]:
-    """Complete values of parameters that are not axes, from a corner that is a scenario; the scenario's own of axes."""
-    errors, reference = [], {}
-    with suppress(ParameterError):  # It may be no scenario without the axes.
-        known = quantity.base(given)
-        reference = {name: known[name] for name in axes if isinstance(known.get(name), int | float)}
+def _axis(name: str, values: Sequence[float]) -> tuple[float, ...]:
+    """The values of an axis, which are all integers if all are whole numbers."""
+    try:
+        numbers = np.array(values, dtype=float).ravel()
+    except (TypeError, ValueError):
+        numbers = np.array([])
+    if not numbers.size or not np.isfinite(numbers).all():
+        raise ParameterError("axis", f"{name}={values}", "finite numbers, at least one")
+    # Larger doubles have no digits after the point.
+    whole_numbers = ((numbers % 1 == 0) & (np.abs(numbers) < 2**53)).all()
+    return tuple(numbers.astype(int if whole_numbers else float).tolist())
+
+
+def _given(scenario: Scenario | March | Mapping[str, Any] | None, axes: Axes) -> dict[str, Any]:
+    """Values of parameters of a scenario in any form."""
+    known = Scenario.of(scenario) if isinstance(scenario, March) else scenario or {}
+    values = known.values() if isinstance(known, Scenario) else flat_values(known)
+    if "start_s" in axes:
+        values.pop("turns", None)
+    return values
+
+
+def _base(quantity: Quantity, given: Values, axes: Axes) -> dict[str, Any]:
+    """Complete values of parameters that are not axes, from the first corner of the axes that is a scenario."""
+    errors = []
     for corner in product(*(dict.fromkeys((min(values), max(values))) for values in axes.values())):
         try:
             found = quantity.base({**given, **dict(zip(axes, corner, strict=True))})
-            return {name: value for name, value in found.items() if name not in axes}, reference
+            return {name: value for name, value in found.items() if name not in axes}
         except ParameterError as error:
             errors.append(error)
     first = errors[0]
     raise ParameterError("axis", f"{first.name}={first.value}", first.bound) if first.name in axes else first
+
+
+def _reference(quantity: Quantity, given: Values, axes: Axes) -> dict[str, float]:
+    """The scenario's own values of axes, or nan where it has none."""
+    known = {}
+    with suppress(ParameterError):  # It may be no scenario without the axes.
+        known = quantity.base(given)
+    return {name: number(known.get(name)) for name in axes}
 
 
 def _description(quantity: Quantity, axes: Axes, base: Values) -> dict[str, Any]:
@@ -184,41 +177,35 @@ def _description(quantity: Quantity, axes: Axes, base: Values) -> dict[str, Any]
     return described | {f"scenario {name}": base[name] for name in sorted(base)}
 
 
-def _evaluate(pool: Executor, call: Callable[..., Outcome], points: Iterator[Any], partial: Partial) -> Iterator[None]:
-    """Evaluate a quantity by `call` at numbered points, and yield after outcomes were added to the partial table."""
+def _outcomes(pool: Executor, call: Callable[..., Outcome], points: Iterable[Any]) -> Iterator[dict[int, Outcome]]:
+    """Evaluate a quantity by `call` at numbered points; yields outcomes by these numbers."""
     running: dict[Future[Outcome], int] = {}
-    done: SimpleQueue[Future[Outcome]] = SimpleQueue()
     try:
-        while True:
-            for number, at in islice(points, UNDER_WAY - len(running)):
-                future = pool.submit(call, at)
-                running[future] = number
-                future.add_done_callback(done.put)
-            if not running:
-                return
-            finished = [done.get(), *(done.get() for _ in range(done.qsize()))]
-            rows: dict[int, Outcome] = {}
-            try:
-                for future in finished:
-                    rows[running.pop(future)] = future.result()
-            finally:
-                partial.append(rows)
-            yield
-    except DragonError:
-        raise
+        for number, at in points:
+            running[pool.submit(call, at)] = number
+            if len(running) >= UNDER_WAY:
+                yield _finished(running)
+        while running:
+            yield _finished(running)
     except Exception as error:  # Whatever an executor raises.
         raise DragonError(f"a worker was lost, or did not start: {type(error).__name__}: {error}") from error
 
 
-def _pool(executor: Executor | None, scheduler: str | None, number: int | None) -> AbstractContextManager[Executor]:
+def _finished(running: dict[Future[Outcome], int]) -> dict[int, Outcome]:
+    """Remove futures that have an outcome, and return these; if one has an error and no other an outcome, raise it."""
+    done = wait(running, return_when=FIRST_COMPLETED).done
+    whole = [future for future in done if not future.exception()]
+    return {running.pop(future): future.result() for future in whole or done}
+
+
+def _pool(executor: Executor | None, scheduler: str | None, workers: int | None) -> AbstractContextManager[Executor]:
     """A context with the executor that these arguments of `sweep` mean."""
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    count = cores if number is None else whole("workers", number, 1, MAX_WORKERS)
+    count = whole("workers", CORES if workers is None else workers, 1, MAX_WORKERS)
     if not isinstance(executor, Executor | None):
         raise ParameterError("executor", executor, "a concurrent.futures.Executor")
     if scheduler is not None:
         return _cluster(library("distributed"), scheduler)
-    return _Processes(count) if executor is None else nullcontext(executor)
+    return nullcontext(executor) if executor else _Processes(count)
 
 
 class _Processes(ProcessPoolExecutor):
@@ -270,12 +257,12 @@ def _begin_worker() -> None:
     # What a quantity prints is not part of a table on stdout.
     with suppress(OSError):  # There may be no stderr.
         os.dup2(2, 1)
-    Thread(target=_end_with, args=[parent_process()], daemon=True).start()
 
+    def end_with(parent: BaseProcess) -> None:
+        parent.join()
+        os._exit(1)
 
-def _end_with(parent: BaseProcess) -> None:
-    parent.join()
-    os._exit(1)
+    Thread(target=end_with, args=[parent_process()], daemon=True).start()
 
 
 @contextmanager

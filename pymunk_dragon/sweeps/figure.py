@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pymunk_dragon._arrays import Array
+from pymunk_dragon._arrays import Array, Flags
 from pymunk_dragon._language import text
 from pymunk_dragon.drawing.figures.style import COLOURS, QUIET, chart, halo
-from pymunk_dragon.sweeps.table import Sweep
+from pymunk_dragon.sweeps.table import Sweep, varied
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -32,36 +32,48 @@ NAMED = 0.03
 
 def draw(found: Sweep) -> Figure:
     """Draw a sweep of at most two axes with several values each, with matplotlib's current settings."""
-    rows, width = list(found.rows()), len(found.names)
-    names = [name for name, values in found.axes.items() if len(set(values)) > 1] or found.names[:1]
+    names = varied(found.axes) or found.names[:1]
     at = [np.array(found.column(name), dtype=float) for name in names]
-    values = np.array([row[width] if isinstance(row[width], int | float) else np.nan for row in rows], dtype=float)
-    labels = [_label(row[width:]) for row in rows]
+    cells = [row[len(found.names) :] for row in found.rows()]
+    values = np.array([row[0] if isinstance(row[0], int | float) else np.nan for row in cells], dtype=float)
+    labels = list(map(_label, cells))
     figure = chart(8.0, 6.0)
     axes = figure.add_subplot(xlabel=_words(names[0], unit=True))
+    quantity = _words(found.columns[len(found.names)], unit=True)
     if len(names) == 1:
-        note = "{0} points; along each line the same benches touch"
-        axes.set_ylabel(_words(found.columns[width], unit=True))
+        axes.set_ylabel(quantity)
         _draw_line(axes, at[0], values, labels)
     else:
-        note = "{0} points; across each line other benches touch"
         axes.set_ylabel(_words(names[1], unit=True))
-        figure.colorbar(_draw_map(axes, at[0], at[1], values, labels), label=_words(found.columns[width], unit=True))
-    missing = ~np.isfinite(values)
-    if missing.any():
-        heights = [*at, np.full(len(values), axes.get_ylim()[0])][1]
-        axes.plot(at[0][missing], heights[missing], "x", color=QUIET, ms=4, label=text("no value"), gid="missing")
+        figure.colorbar(_draw_map(axes, at[0], at[1], values, labels), label=quantity)
+    _draw_missing(axes, at, ~np.isfinite(values))
     for name, x, line in zip(names, at, (axes.axvline, axes.axhline), strict=False):
-        if min(x) <= found.reference.get(name, np.nan) <= max(x):
-            label = text("reference: {0}").format(f"{_words(name)} {found.reference[name]:g}")
-            line(found.reference[name], ls="--", lw=1, color=COLOURS.contact, label=label, gid="reference")
-    note = note if "bench_a" in found.columns else "{0} points"
-    axes.set_title(text(note).format(found.points), color=QUIET)
-    over = text(" and ").join(_words(name) for name in names)
+        own = found.reference[name]
+        if min(x) <= own <= max(x):
+            label = text("reference: {0}").format(f"{_words(name)} {own:g}")
+            line(own, ls="--", lw=1, color=COLOURS.contact, label=label, gid="reference")
+    _write_titles(figure, axes, found, names)
+    return figure
+
+
+def _draw_missing(axes: Axes, at: Sequence[Array], missing: Flags) -> None:
+    """Draw crosses at the points that are `missing`."""
+    if missing.any():
+        heights = [*at, np.full(missing.size, axes.get_ylim()[0])][1]
+        axes.plot(at[0][missing], heights[missing], "x", color=QUIET, ms=4, label=text("no value"), gid="missing")
+
+
+def _write_titles(figure: Figure, axes: Axes, found: Sweep, names: Sequence[str]) -> None:
+    """Write titles and a legend."""
+    note = text("{0} points")
+    if "bench_a" in found.columns:
+        along = text("{0} points; along each line the same benches touch")
+        note = along if len(names) == 1 else text("{0} points; across each line other benches touch")
+    axes.set_title(note.format(found.points), color=QUIET)
+    over = text(" and ").join(map(_words, names))
     figure.suptitle(text("{0} over {1}").format(text(found.summary), over), size=16)
     if axes.get_legend_handles_labels()[0]:
         figure.legend(loc="outside lower center", ncols=4, frameon=False)
-    return figure
 
 
 def _draw_line(axes: Axes, x: Array, values: Array, labels: Sequence[str]) -> None:

@@ -5,15 +5,15 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import fields
-from importlib import import_module
 from inspect import getdoc, signature
+from pkgutil import resolve_name
 from typing import Any
 
 import numpy as np
 
 from pymunk_dragon._checks import word
 from pymunk_dragon.collision import first_contact
-from pymunk_dragon.errors import DragonError, ParameterError
+from pymunk_dragon.errors import DragonError, ParameterError, one_line
 from pymunk_dragon.model.curves import Curve
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.scenario import Scenario
@@ -52,20 +52,19 @@ class Quantity:
 
     def scenario(self, values: Values) -> tuple[Scenario, dict[str, Any]]:
         """The scenario of values of parameters, and the function's own ones."""
-        own = {name: _plain(name, values[name]) for name in self.own if name in values}
-        return Scenario.from_dict({name: values[name] for name in values if name not in own}), own
+        others = dict(values)
+        own = {name: _plain(name, others.pop(name)) for name in self.own if name in others}
+        return Scenario.from_dict(others), own
 
 
 def quantity_of(quantity: str | Callable[..., Values]) -> Quantity:
     """The quantity of a name, or of a function that has one; a `ParameterError` if it cannot be imported by it."""
-    if isinstance(quantity, str) and ":" not in quantity:
-        return QUANTITIES[word("quantity", quantity, [*QUANTITIES, "module:function"])]
-    name = quantity if isinstance(quantity, str) else f"{quantity.__module__}:{quantity.__qualname__}"
-    module, _, path = name.partition(":")
+    named = f"{getattr(quantity, '__module__', '')}:{getattr(quantity, '__qualname__', quantity)}"
+    name = quantity if isinstance(quantity, str) else named
+    if ":" not in name:
+        return QUANTITIES[word("quantity", name, [*QUANTITIES, "module:function"])]
     try:
-        found: Any = import_module(module)
-        for part in path.split("."):
-            found = getattr(found, part)
+        found: Any = resolve_name(name)
         if quantity in (found, name):
             return Quantity(name, found)
         reason = "another object has this name"
@@ -83,17 +82,12 @@ def evaluate(name: str, base: Values, point: Values) -> Outcome:
         return {_column(key, point): _plain(key, value) for key, value in found.items()}, None
     except BaseException as error:
         reason = str(error) if isinstance(error, DragonError) else f"{type(error).__name__}: {error}"
-        return None, _printable(" ".join(reason.split()))[:MAX_MESSAGE]
-
-
-def _printable(text: str) -> str:
-    """`text` with escape sequences for line ends and other characters that no cell of a table should have."""
-    return "".join(each if each.isprintable() else each.encode("unicode_escape").decode() for each in text)
+        return None, one_line(reason)[:MAX_MESSAGE]
 
 
 def _column(name: object, axes: Values) -> str:
     """The name of one of a quantity's values, if it can be that of a column beside those of the axes."""
-    if isinstance(name, str) and name and name.isprintable() and name not in axes and name != "error":
+    if isinstance(name, str) and name.isprintable() and name not in {"", "error", *axes}:
         return name
     raise ParameterError("a name of the quantity's values", name, "printable, and that of no other column")
 
@@ -102,7 +96,7 @@ def _plain(name: str, value: object) -> float | str | None:
     """A value of a parameter or of a quantity as a plain number, a text or None."""
     plain = value.item() if isinstance(value, np.generic) else value
     if isinstance(plain, str):
-        return _printable(plain)
+        return one_line(plain)
     if isinstance(plain, float | None) or (isinstance(plain, int) and abs(plain) < 2**63):
         return plain
     raise ParameterError(name, value, "a number of at most 64 bits, or a text")
@@ -114,20 +108,14 @@ def _benches(benches: tuple[int, int] | None) -> dict[str, int | None]:
 
 
 def contact_time(march: March, *, start: float = 0.0, until: float | None = None) -> Values:
-    """Time of the first contact.
-
-    In s, with its benches and the status of the search.
-    """
+    """Time of the first contact."""
     hit = first_contact(march, start=start, until=until)
     time = hit.time if hit.status == "contact" else None
     return {"contact_time": time, **_benches(hit.benches), "status": hit.status}
 
 
 def nearest_gap(march: March, *, start: float = 0.0, until: float | None = None) -> Values:
-    """Gap of the nearest miss before the first contact.
-
-    In m, with its time in s and its benches.
-    """
+    """Gap of the nearest miss before the first contact."""
     hit = first_contact(march, start=start, until=until)
     miss = min(hit.near_misses or (), key=lambda each: each.gap, default=None)
     gap, time, benches = (miss.gap, miss.time, miss.benches) if miss else (None, None, None)
@@ -135,10 +123,7 @@ def nearest_gap(march: March, *, start: float = 0.0, until: float | None = None)
 
 
 def min_pitch(march: March, *, turns: float = 16.0, speed: float = 1.0, radius: float = 4.5) -> Values:
-    """Smallest pitch at which the head reaches the circle.
-
-    In m, with the benches that touch at a smaller one.
-    """
+    """Smallest pitch at which the head reaches the circle."""
     found = smallest_pitch(march.dragon, turns=turns, speed=speed, radius=radius)
     return {"min_pitch": found.pitch, **_benches(found.benches), "limit": found.limit}
 
@@ -146,15 +131,12 @@ def min_pitch(march: March, *, turns: float = 16.0, speed: float = 1.0, radius: 
 def max_speed(
     march: March, *, limit: float = 2.0, pitch: float = 1.7, radius: float = 4.5, ratio: float = 2.0
 ) -> Values:
-    """Largest speed of the head in the U-turn.
-
-    In m/s, with the fastest handle and how much faster it is.
-    """
+    """Largest speed of the head in the U-turn."""
     found = largest_speed(march.dragon, limit=limit, pitch=pitch, radius=radius, ratio=ratio)
     return {"max_speed": found.speed, "handle": found.handle, "speed_ratio": found.ratio}
 
 
-# All quantities with a name of their own.
+# All quantities with a name of their own. Their values are in SI units.
 QUANTITIES = {
     "contact-time": Quantity("contact-time", contact_time),
     "nearest-gap": Quantity("nearest-gap", nearest_gap),

@@ -1,8 +1,7 @@
 """The table of a sweep, and the partial table: its finished points in a file, so that it can go on after an end.
 
-A partial table is CSV. The last cell of each line is a checksum of the others. The first line describes the sweep in
-JSON; each other line has the number of a point, its values by name in JSON, and the reason why there are none. A line
-is complete with its end.
+Each line of a partial table is JSON and, after a comma, its checksum. The first line describes the sweep; each other
+line has the number of a point, its values by name, and the reason why there are none. A line is complete with its end.
 """
 
 from __future__ import annotations
@@ -10,9 +9,10 @@ from __future__ import annotations
 import csv
 import json
 import os
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from io import StringIO
-from itertools import product
+from itertools import chain, product
+from math import prod
 from pathlib import Path
 from reprlib import repr as shortened
 from typing import Any
@@ -38,52 +38,69 @@ PICTURES = (".png", ".svg", ".pdf")
 
 
 class Partial:
-    """Outcomes of points by their numbers, `rows`, also in a file at `path`; `sweep` has all that determines them."""
+    """Outcomes of points by their numbers, `rows`, also in a file beside the first of `files` until this context ends.
 
-    def __init__(self, path: Path | None, sweep: Mapping[str, Any], *, resume: bool) -> None:
-        self.path = path
+    `sweep` has all that determines them. After an exception the file stays.
+    """
+
+    def __init__(self, files: Sequence[Path], sweep: dict[str, Any], axes: Axes, *, resume: bool) -> None:
+        self.axes = axes
+        self.count = prod(map(len, axes.values()))
         self.rows: dict[int, Outcome] = {}
-        self._first = _sealed(json.dumps(sweep))
-        self._begun = False
-        if path is not None and path.exists() and (content := path.read_bytes()):
-            if not resume:
-                table = str(path.with_suffix(""))
-                raise ParameterError("output", table, f"another table or one to resume: {path} has points of it")
-            self._read(path, content)
+        self.path = Path(f"{files[0]}.partial") if files else None
+        # What the file does not have yet.
+        self._head = _sealed(sweep)
+        if self.path is not None and self.path.exists() and self.path.stat().st_size:
+            self._read(self.path, sweep, resume)
         self.resumed = len(self.rows)
 
-    def _read(self, path: Path, content: bytes) -> None:
+    def _read(self, path: Path, sweep: dict[str, Any], resume: bool) -> None:
         """Take the rows from a file, and cut an unfinished last line off."""
+        if not resume:
+            table = str(path.with_suffix(""))
+            raise ParameterError("output", table, f"another table or one to resume: {path} has points of it")
+        content = path.read_bytes()
         *lines, unfinished = content.split(b"\n")
-        if not lines and not self._first.startswith(unfinished):
+        if not lines and not self._head.startswith(unfinished):
             raise FileFormatError(path, "not the partial table of a sweep")
-        texts = [_opened(path, line, number) for number, line in enumerate(lines, start=1)]
-        if lines and lines[0] != self._first[:-1]:
-            before, now = json.loads(texts[0]), json.loads(_opened(path, self._first[:-1], 1))
-            name = next((name for name in {**before, **now} if before.get(name) != now.get(name)), "sign")
-            changed = f"{name} was {shortened(before.get(name))}, but is {shortened(now.get(name))}"
-            raise FileFormatError(path, f"of another sweep: {changed}")
-        csv.field_size_limit(max(csv.field_size_limit(), len(content)))
-        for number, values, error in csv.reader(texts[1:]):
-            self.rows[int(number)] = json.loads(values), error or None
-        self._begun = bool(lines)
-        if unfinished:
-            os.truncate(path, len(content) - len(unfinished))
+        values = [_opened(path, line, number) for number, line in enumerate(lines, start=1)]
+        if lines:
+            if lines[0] != self._head[:-1]:
+                raise FileFormatError(path, f"of another sweep: {_difference(values[0], sweep)}")
+            self._head = b""
+        self.rows = {number: (found, error) for number, found, error in values[1:]}
+        os.truncate(path, len(content) - len(unfinished))
+
+    def missing(self) -> Iterator[tuple[int, dict[str, float]]]:
+        """Numbers of the points without an outcome, and their values of the axes."""
+        for number, point in enumerate(product(*self.axes.values())):
+            if number not in self.rows:
+                yield number, dict(zip(self.axes, point, strict=True))
 
     def append(self, rows: Mapping[int, Outcome]) -> None:
         """Add the outcomes of points; they are on the disk when this returns. May raise an `OutputError`."""
-        if self.path is not None and rows:
-            cells = ([number, json.dumps(values), error] for number, (values, error) in rows.items())
-            lines = [_sealed(_csv_line(each)) for each in cells]
+        if self.path is not None:
             try:
                 with self.path.open("ab") as file:
-                    file.write(b"".join(lines if self._begun else [self._first, *lines]))
+                    file.write(self._head + b"".join(_sealed([number, *outcome]) for number, outcome in rows.items()))
                     file.flush()
                     os.fsync(file.fileno())
             except OSError as error:
-                raise OutputError(self.path, error.strerror or str(error)) from error
-            self._begun = True
+                raise OutputError(self.path, error.strerror) from error
+            self._head = b""
         self.rows.update(rows)
+
+    def __enter__(self) -> Partial:
+        return self
+
+    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
+        if self.path is None:
+            return
+        if error is None:
+            self.path.unlink(missing_ok=True)
+        elif self.rows:
+            points = f"{len(self.rows)} of {self.count} points"
+            error.add_note(f"{points} are in {self.path}, from where the sweep can be resumed")
 
 
 class Sweep(Result):
@@ -91,16 +108,14 @@ class Sweep(Result):
 
     Attributes
     ----------
-    quantity : str
-        Name of the quantity.
     names, columns : tuple of str
         Names of the axes, and of all columns: the axes, the values of the quantity, and `error`.
     points, failed, resumed : int
         Number of all points, of those without values, and of those that were finished before.
-    seconds : float
-        Wall time, s.
+    quantity, seconds : str and float
+        Name of the quantity; wall time, s.
     axes, reference : mapping
-        Values of each axis, and the scenario's own value.
+        Values of each axis, and the scenario's own value or nan.
 
     Examples
     --------
@@ -111,24 +126,24 @@ class Sweep(Result):
     (2, [0.3, 0.4])
     """
 
-    def __init__(self, quantity: Quantity, axes: Axes, partial: Partial, reference: Values, seconds: float) -> None:
+    def __init__(self, quantity: Quantity, partial: Partial, reference: Values, seconds: float) -> None:
         self.quantity = quantity.name
         self.summary = quantity.summary
-        self.axes = axes
-        self.names = tuple(axes)
-        self.points = len(partial.rows)
-        self._outcomes = [partial.rows[number] for number in range(self.points)]
-        self._of_quantity = list(dict.fromkeys(name for values, _ in self._outcomes for name in values or ()))
+        self.axes = partial.axes
+        self.names = tuple(self.axes)
+        self.points = partial.count
+        self._values, self._errors = zip(*map(partial.rows.__getitem__, range(self.points)), strict=True)
+        self._of_quantity = list(dict.fromkeys(chain.from_iterable(filter(None, self._values))))
         self.columns = (*self.names, *self._of_quantity, "error")
-        self.failed = sum(error is not None for _, error in self._outcomes)
+        self.failed = self.points - self._errors.count(None)
         self.resumed = partial.resumed
         self.reference = reference
         self.seconds = seconds
 
     def rows(self) -> Iterator[list[Any]]:
         """The rows of the table in the order of the grid, each with a value or None for each column."""
-        for point, (values, error) in zip(product(*self.axes.values()), self._outcomes, strict=True):
-            yield [*point, *((values or {}).get(name) for name in self._of_quantity), error]
+        for point, values, error in zip(product(*self.axes.values()), self._values, self._errors, strict=True):
+            yield [*point, *map((values or {}).get, self._of_quantity), error]
 
     def column(self, name: str) -> NDArray[Any]:
         """A column (P,): numbers, with nan where there is none, or objects if it has texts or only whole numbers."""
@@ -142,10 +157,8 @@ class Sweep(Result):
 
         Raises
         ------
-        ParameterError
-            If the ending is none of these, the file cannot be created, or a picture had more than two axes.
-        MissingExtraError, OutputError
-            If matplotlib is needed and not installed; if writing fails.
+        ParameterError, OutputError
+            If the file cannot be created, or a picture had more than two axes; if writing fails.
         """
         destination = check_format(path, self.axes)
         if destination.suffix.lower() != TABLE:
@@ -154,10 +167,11 @@ class Sweep(Result):
         with written_in_place(destination) as draft, draft.open("w", encoding="utf-8", newline="\n") as file:
             file.writelines(f"{line}\n" for line in self.csv())
 
-    def csv(self) -> Iterator[str]:
+    def csv(self) -> list[str]:
         """Lines of the table as CSV: numbers with all their digits, nothing for None."""
-        yield _csv_line(self.columns)
-        yield from map(_csv_line, self.rows())
+        table = StringIO()
+        csv.writer(table, lineterminator="\n").writerows([self.columns, *self.rows()])
+        return table.getvalue().splitlines()
 
     def to_dict(self) -> dict[str, Any]:
         """Numbers of points and wall time, as `sweep --json` prints them."""
@@ -181,26 +195,31 @@ def check_format(path: str | Path, axes: Axes) -> Path:
     destination = check_destination(path, (TABLE, *PICTURES))
     if destination.suffix.lower() != TABLE:
         library("matplotlib")
-        if sum(len(set(values)) > 1 for values in axes.values()) > 2:
+        if len(varied(axes)) > 2:
             raise ParameterError("output", str(path), "a table, .csv, of more than two axes")
     return destination
 
 
-def _csv_line(cells: Iterable[Any]) -> str:
-    """Cells as a line of CSV without its end: numbers with all their digits, nothing for None."""
-    line = StringIO()
-    csv.writer(line, lineterminator="").writerow(cells)
-    return line.getvalue()
+def varied(axes: Axes) -> list[str]:
+    """Names of the axes with more than one value."""
+    return [name for name, values in axes.items() if len(set(values)) > 1]
 
 
-def _sealed(content: str) -> bytes:
-    """A line of the partial table with its checksum."""
-    return b"%s,%08x\n" % (content.encode(), crc32(content.encode()))
+def _sealed(values: Any) -> bytes:
+    """A line of the partial table: JSON of values, and its checksum."""
+    content = json.dumps(values).encode()
+    return b"%s,%08x\n" % (content, crc32(content))
 
 
-def _opened(path: Path, line: bytes, number: int) -> str:
-    """A line without its checksum, which must be right."""
+def _opened(path: Path, line: bytes, number: int) -> Any:
+    """The values of a line, whose checksum must be right."""
     content, _, checksum = line.rpartition(b",")
     if checksum != b"%08x" % crc32(content):
         raise FileFormatError(path, f"line {number} of this partial table is damaged")
-    return content.decode()
+    return json.loads(content)
+
+
+def _difference(before: dict[str, Any], now: dict[str, Any]) -> str:
+    """The first value in which two descriptions differ."""
+    name = next(name for name in now | before if json.dumps(before.get(name)) != json.dumps(now.get(name)))
+    return f"{name} was {shortened(before.get(name))}, but is {shortened(now.get(name))}"
