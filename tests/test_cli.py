@@ -17,7 +17,7 @@ import pytest
 from conftest import assert_says
 from PIL import Image
 
-from pymunk_dragon.cli.options import SCENARIO_OPTIONS
+from pymunk_dragon.cli.common import SCENARIO_OPTIONS
 from pymunk_dragon.drawing.figures import FIGURES
 from pymunk_dragon.model.curves import UTurn
 from pymunk_dragon.model.dragon import Dragon
@@ -270,7 +270,7 @@ def test_render_sets_runs_side_by_side_with_their_marks_and_words(answer, small_
 @pytest.mark.thorough
 def test_film_of_a_march_ends_with_its_first_contact(answer, tmp_path, monkeypatch):
     noted = []
-    monkeypatch.setattr("pymunk_dragon.cli.render.wrote", lambda path, *facts: noted.append((path.suffix, *facts)))
+    monkeypatch.setattr("pymunk_dragon.cli.common.wrote", lambda path, *facts: noted.append((path.suffix, *facts)))
     for path in (tmp_path / "m.gif", tmp_path / "m.png"):
         answer("render", "--benches", "16", "--size", "64", "-o", path)
     # The last 74 s before the contact at 412.47 s.
@@ -319,7 +319,7 @@ def test_pdf_has_the_same_bytes_in_each_process(tmp_path):
 # Command lines, and words that the message has: the value or name, and what is allowed.
 BAD_INPUT = {
     "positions --pitch 0.25": "pitch 0.25 width",
-    "positions --ratio 1": "--ratio u-turn",
+    "positions --ratio 1": "--ratio pitch",
     "positions --curve u-turn --turns 3": "--turns Spiral",
     "positions --curve circle": "--curve 'circle' spiral u-turn .csv",
     "positions --speed nowhere.csv": "--speed 'nowhere.csv'",
@@ -352,13 +352,12 @@ BAD_INPUT = {
     "render -o f.gif --from -1e9": "times",
     "render -o f.gif --from 5 --until 1": "--until 1.0",
     "render -o f.gif --title 板凳龙": "title 板",
-    "render -o f.gif --title x --font nowhere.ttf": "font nowhere.ttf",
     "render -o f.gif --exact": "--exact run",
     "render -o f.gif --impulses": "impulses engine",
     "render -o f.gif --size big": "--size 'big'",
     "render -o f.gif --camera tail": "--camera 'tail' head",
     "report -o r.html": "RUN.npz",
-    "figure nothing -o f.png": "figure nothing spiral",
+    "figure nothing -o f.png": "'nothing' spiral",
     "figure drift -o f.png": "run engine",
     "frobnicate": "frobnicate",
     "demo 99": "99",

@@ -13,7 +13,7 @@ import pytest
 from click.shell_completion import ShellComplete
 
 from pymunk_dragon.cli import COMMANDS, COMPLETE_VARIABLE, PROGRAM, cli, command
-from pymunk_dragon.cli.options import SCENARIO_OPTIONS
+from pymunk_dragon.cli.common import SCENARIO_OPTIONS
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 
@@ -23,22 +23,11 @@ def examples_of(text):
     return [shlex.split(line)[1:] for line in text.partition("Examples:\n")[2].splitlines()]
 
 
-@pytest.fixture
-def help_of(call, monkeypatch):
-    """The help of a command in a terminal of 80 columns."""
+def test_help_fits_80_columns_and_has_examples_that_the_command_takes(call, monkeypatch):
     monkeypatch.setenv("COLUMNS", "80")
-
-    def shown(*names):
-        code, out, err = call(*names, "--help")
-        assert (code, err) == (0, "")
-        return out
-
-    return shown
-
-
-def test_help_fits_80_columns_and_has_examples_that_the_command_takes(help_of):
     for each in ("", *COMMANDS):
-        out = help_of(*each.split())
+        code, out, err = call(*each.split(), "--help")
+        assert (code, err) == (0, "")
         assert max(map(len, out.splitlines())) <= 80
         assert examples_of(out)
         for name, *arguments in examples_of(out):
@@ -50,7 +39,7 @@ def test_help_fits_80_columns_and_has_examples_that_the_command_takes(help_of):
             assert out.index(flags[0]) > max(out.index("  --scenario "), out.find("  --from "), out.find("  --json "))
             assert all(flag in out for flag in flags)
             assert COMMANDS[each] in " ".join(out.split())
-    listed = help_of().partition("Commands:\n")[2].partition("\n\n")[0].splitlines()
+    listed = call("--help")[1].partition("Commands:\n")[2].partition("\n\n")[0].splitlines()
     assert [line.split()[0] for line in listed] == list(COMMANDS)
 
 
@@ -63,10 +52,10 @@ def test_program_without_a_command_shows_its_help_and_version(call):
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("name", ["positions", "contact", "render", "report"])
-def test_examples_of_the_help_run(help_of, call, late_run, name, tmp_path, monkeypatch):
+def test_examples_of_the_help_run(call, late_run, name, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     late_run.save("run.npz")
-    for arguments in examples_of(help_of(name)):
+    for arguments in examples_of(call(name, "--help")[1]):
         assert call(*arguments)[0] == 0, arguments
 
 
@@ -100,29 +89,17 @@ def test_mistake_gets_the_word_that_was_meant(call, tmp_path, monkeypatch):
 # What a terminal says of the file beside its size.
 WRITTEN = {
     "render run.npz --size 64": ("run.gif", r"\d+ frames, \d+\.\d s, from t = 79 s, "),
-    "positions --times 0 -o p.csv": ("p.csv", ""),
-    "contact --from 412 -o c.json": ("c.json", ""),
     "simulate --until 1 --benches 9 -o r.npz": ("r.npz", r"\d+ frames, "),
     "report run.npz -o r.json": ("r.json", ""),
-    "figure grid": ("grid.png", ""),
-    "study max-speed --benches 9 -o s.json": ("s.json", ""),
     "sweep --axis turns=8,9 --benches 9 -o s.csv": ("s.csv", ""),
-    "demo spiral -o l.py": ("l.py", ""),
 }
 
 
-@pytest.mark.parametrize(
-    "commands",
-    [
-        pytest.param([*WRITTEN][:1], id="render"),
-        pytest.param([*WRITTEN][1:], id="others", marks=pytest.mark.thorough),
-    ],
-)
-def test_terminal_says_which_file_was_written(terminal, commands, tmp_path, monkeypatch):
+@pytest.mark.thorough
+def test_terminal_says_which_file_was_written(terminal, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Run.exact(March(turns=8), [79, 80, 81]).save("run.npz")
-    for arguments in commands:
-        name, facts = WRITTEN[arguments]
+    for arguments, (name, facts) in WRITTEN.items():
         said = terminal(*arguments.split())
         assert re.search(rf"^wrote {re.escape(name)}: {facts}\d+\.\d [kM]B$", said, re.MULTILINE), said
         assert Path(name).stat().st_size
@@ -148,15 +125,13 @@ def test_shell_completes_names_flags_and_files():
         "demo al": ["all"],
         "figure col": ["collision"],
         "study m": ["min-pitch", "max-speed"],
-        "study --min": ["--min-radius"],
+        "study --fast": ["--fastest"],
         "live n": ["near-miss"],
         "contact --pit": ["--pitch"],
         "contact --method e": ["exact", "engine"],
         "simulate --guide ": ["rails", "none"],
         "simulate --contacts re": ["report", "resolve"],
         "render --camera ": ["field", "head"],
-        "sweep --quantity m": ["min-pitch", "max-speed"],
-        "sweep --axis p": ["pitch="],
     }.items():
         values = [item.value for item in completed(line)]
         assert [value for value in values if value in found] == found, line  # Registries may have more names.

@@ -1,4 +1,4 @@
-"""The command line: one module for each command.
+"""The command line.
 
 Every command but `report`, which reads a run, and `demo` takes the same dragon and curve, as flags or as a file
 (`pymunk_dragon.model.scenario`). Lists are `0,60,120` or `0:300:1`, with both ends. `-o FILE` writes a file, whose
@@ -37,9 +37,9 @@ import click
 from click.shell_completion import shell_complete
 
 from pymunk_dragon import __version__, errors
-from pymunk_dragon.cli.options import PROGRAM, epilog_of
+from pymunk_dragon.cli.common import PROGRAM, epilog_of
 
-# The commands, in the order in which one uses them. Each is a function in the module of its name.
+# The commands, in the order in which one uses them.
 COMMANDS = {
     "positions": "Where the handles are and how fast, exactly.",
     "contact": "When benches that are not neighbours first touch, and where.",
@@ -52,6 +52,8 @@ COMMANDS = {
     "demo": "Play a lesson by its name or number, or all lessons.",
     "live": "Play the dragon in real time, and touch it in a browser.",
 }
+# Modules of commands that are not in the module of their name.
+MODULES = dict.fromkeys(("render", "figure", "report"), "documents")
 # Environment variable with which a shell demands completions, as Click names it.
 COMPLETE_VARIABLE = "_PYMUNK_DRAGON_COMPLETE"
 # Commands for the start, in the help of the program.
@@ -64,7 +66,7 @@ INPUT_ERRORS = (errors.ParameterError, errors.UnreachableError, errors.FileForma
 
 def command(name: str) -> click.Command:
     """Import a command."""
-    found: click.Command = getattr(import_module(f"{__name__}.{name}"), name)
+    found: click.Command = getattr(import_module(f"{__name__}.{MODULES.get(name, name)}"), name)
     return found
 
 
@@ -107,11 +109,9 @@ def status(arguments: list[str] | None = None) -> int:
     except click.ClickException as error:
         return _complain(error.format_message(), BAD_INPUT)
     except errors.DragonError as error:
-        code = BAD_INPUT if isinstance(error, INPUT_ERRORS) else FAILED
-        return _complain("; ".join([str(error), *getattr(error, "__notes__", ())]), code)
+        return _complain(str(error), BAD_INPUT if isinstance(error, INPUT_ERRORS) else FAILED, error)
     except KeyboardInterrupt as end:
-        # With what is left to be resumed, if there is something.
-        return _complain(": ".join(["interrupted", *getattr(end, "__notes__", ())]), INTERRUPTED)
+        return _complain("interrupted", INTERRUPTED, end)
     except BrokenPipeError:
         # The reader of stdout has closed it, as `head` does.
         return _drop_output()
@@ -157,8 +157,8 @@ def _drop_output() -> int:
     return FAILED
 
 
-def _complain(message: str, code: int) -> int:
-    """Print an error message in one line, and return the exit code."""
+def _complain(message: str, code: int, error: BaseException | None = None) -> int:
+    """Print a message and the notes of an error in one line, and return the exit code."""
     with suppress(OSError):
-        click.echo(f"{PROGRAM}: {errors.one_line(message)}", err=True)
+        click.echo(f"{PROGRAM}: {errors.one_line('; '.join([message, *getattr(error, '__notes__', ())]))}", err=True)
     return code

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from pymunk_dragon._extras import library
-from pymunk_dragon.cli import options
-from pymunk_dragon.cli.output import answer, progress, write_json, wrote
+from pymunk_dragon.cli import common
 from pymunk_dragon.errors import DragonError
 
 if TYPE_CHECKING:
@@ -19,17 +18,16 @@ if TYPE_CHECKING:
 SETTINGS_OF = {"step": "grid", "tolerance": "grid", "fine": "engine"}
 
 
-@click.command(cls=options.DragonCommand, examples=("", "--pitch 0.5 --json", "--from 400 --method engine"))
-@options.scenario_options
+@click.command(cls=common.DragonCommand, examples=("", "--pitch 0.5 --json", "--from 400 --method engine"))
+@common.scenario_options
 @click.option("--method", type=click.Choice(["exact", "grid", "engine"]), default="exact", help="Search.  [exact]")
-@options.start_option
-@options.until_option
+@common.start_option
+@common.until_option
 @click.option("--step", type=float, metavar="T", help="Of the grid: s between samples.  [1]")
 @click.option("--tolerance", type=float, metavar="T", help="Of the grid: how far it bisects, s.  [1e-6]")
 @click.option("--fine", is_flag=True, default=None, help="Of the engine: short substeps and many iterations.")
-@options.json_option
-@options.output_option(".json, or .xlsx for the contest's sheet of that moment")
-def contact(scenario_file: str | None, method: str, as_json: bool, output: str | None, **choices: Any) -> None:
+@common.output_option(".json, or .xlsx for the contest's sheet of that moment")
+def contact(method: str, output: str | None, **choices: Any) -> None:
     """When benches that are not neighbours first touch, and where.
 
     The exact method certifies that no benches touched before, however briefly. The grid is the method of the paper:
@@ -37,15 +35,15 @@ def contact(scenario_file: str | None, method: str, as_json: bool, output: str |
     """
     settings = {name: value for name, value in choices.items() if value is not None}
     _check_settings(method, settings)
-    march = options.march_of(scenario_file)
-    destination = options.destination_of(output, (".json", ".xlsx"))
-    if options.ending_of(destination) == ".xlsx":
+    march = common.march()
+    path, ending = common.destination_of(output, (".json", ".xlsx"))
+    if ending == ".xlsx":
         library("xlsxwriter")  # Before the search.
     values, shown = (_played if method == "engine" else _found)(march, method, **settings)
     result = {"status": values["status"], "method": method} | values
-    if destination is not None:
-        _write(destination, march, result)
-    answer(as_json, result, shown)
+    if path is not None:
+        _write(path, march, result)
+    common.answer(result, shown)
 
 
 def _check_settings(method: str, settings: dict[str, Any]) -> None:
@@ -59,7 +57,7 @@ def _found(march: March, method: str, *, start: float, **settings: Any) -> tuple
     from pymunk_dragon.collision import first_contact, scan
 
     search = first_contact if method == "exact" else scan
-    with progress("t", "t = {done:.1f} s", start) as show:
+    with common.progress("t", "t = {done:.1f} s", start) as show:
         found = search(march, start=start, progress=show, **settings)
     return found.to_dict(), str(found)
 
@@ -79,10 +77,10 @@ def _write(path: Path, march: March, result: dict[str, Any]) -> None:
     """Write the result, or a sheet of the moment of the contact."""
     from pymunk_dragon.reports import write_contact_table
 
-    if options.ending_of(path) == ".json":
-        write_json(path, result)
+    if path.suffix.lower() == ".json":
+        common.write_json(path, result)
     elif result["time"] is not None:
         write_contact_table(march, result["time"], path)
     else:
         raise DragonError(f"no contact until t = {result['until']:.6g} s, so {path} was not written")
-    wrote(path)
+    common.wrote(path)

@@ -9,8 +9,7 @@ import click
 
 from pymunk_dragon._extras import library
 from pymunk_dragon._language import text
-from pymunk_dragon.cli import options
-from pymunk_dragon.cli.output import progress, wrote
+from pymunk_dragon.cli import common
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.sessions.log import Log
 from pymunk_dragon.sessions.recording import RECORDING_ENDINGS, record
@@ -18,21 +17,18 @@ from pymunk_dragon.sessions.scenes import SCENES, Ready, dragon, planned, ready
 from pymunk_dragon.sessions.session import SPEEDS, Session
 
 # Options of a dragon of the user's.
-OWN = ("scenario_file", "start", "contacts", "free_from")
+OWN = ("start", "contacts", "free_from")
 # Hosts at which only this machine reaches the page.
 LOCAL = ("127.0.0.1", "localhost", "::1")
 CONTACTS = click.Choice(["stop", "report", "resolve"])
 FILE: dict[str, Any] = {"metavar": "FILE", "type": click.Path()}
+EXAMPLES = ("", "near-miss", "--benches 60 --from 300 -o live.npz", "--replay live.npz")
 
 
-@click.command(
-    cls=options.DragonCommand,
-    examples=("", "near-miss", "--benches 60 --from 300 -o live.npz", "--replay live.npz"),
-    names=SCENES,
-)
-@click.argument("scene", required=False, type=click.Choice(list(SCENES)), metavar="[SCENE]")
-@options.scenario_options
-@options.start_option
+@click.command(cls=common.DragonCommand, examples=EXAMPLES)
+@click.argument("scene", required=False, type=click.Choice(list(SCENES)))
+@common.scenario_options
+@common.start_option
 @click.option("--contacts", type=CONTACTS, default="resolve", help="What contacts do.  [resolve]")
 @click.option("--free-from", type=int, metavar="N", help="First bench without dancers.  [all have dancers]")
 @click.option("--replay", **FILE, help="Play a recording again, .npz or .json.")
@@ -45,24 +41,18 @@ FILE: dict[str, Any] = {"metavar": "FILE", "type": click.Path()}
 )
 @click.option("--no-browser", "browser", flag_value=False, default=True, help="Do not open a browser.")
 @click.option("--paused", is_flag=True, help="Begin paused.")
-def live(
-    scene: str | None, scenario_file: str | None, replay: str | None, ends: bool, output: str | None, **choices: Any
-) -> None:
-    """Play the dragon in real time, and touch it in a browser.
-
-    SCENE is a ready scene: {names}.
-    """
-    given = (options.is_given(click.get_current_context(), name) for name in OWN)
-    if [scene is not None, bool(options.chosen()) or any(given), replay is not None].count(True) > 1:
+def live(scene: str | None, replay: str | None, ends: bool, output: str | None, **choices: Any) -> None:
+    """Play the dragon in real time, and touch it in a browser. A scene has its own dragon."""
+    if [bool(each) for each in (scene, common.flags_given("scenario", *common.chosen(), *OWN), replay)].count(True) > 1:
         raise click.UsageError("a ready scene and a recording have their own dragon: leave out the other options")
-    if ends and replay is None:
-        raise click.UsageError("--exit ends a replay: give a recording with --replay")
     if not ends:
         library("aiohttp")
-    path = options.destination_of(output, RECORDING_ENDINGS)
+    elif replay is None:
+        raise click.UsageError("--exit ends a replay: give a recording with --replay")
+    path, _ = common.destination_of(output, RECORDING_ENDINGS)
     log = None if replay is None else Log.load(replay)
-    settings = {name: choices.pop(name) for name in OWN[1:]}
-    source = _source(scene, log) or dragon(options.march_of(scenario_file), **settings)
+    settings = {name: choices.pop(name) for name in OWN}
+    source = _source(scene, log) or dragon(common.march(), **settings)
     session = Session(source, record=path is not None, running=not choices.pop("paused"))
     if log is not None:
         session.play_again(log.inputs, log.values, log.steps)
@@ -124,6 +114,6 @@ def _write(session: Session, path: Path | None) -> None:
     """Write the recording, if there is a file for it, with progress for a film."""
     if path is not None:
         label = text("writing {name}").format(name=path.name)
-        with progress(label, label) as show:
+        with common.progress(label, label) as show:
             record(session, path, show)
-        wrote(path)
+        common.wrote(path)

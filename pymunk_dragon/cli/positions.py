@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from pymunk_dragon._files import written_in_place
-from pymunk_dragon.cli import options
-from pymunk_dragon.cli.output import answer, write_json, wrote
+from pymunk_dragon.cli import common
 from pymunk_dragon.errors import ParameterError
 
 if TYPE_CHECKING:
@@ -24,60 +23,40 @@ COLUMNS = ("time_s", "handle", "x_m", "y_m", "speed_m_s")
 # Positions in one table: more fill the memory, and are probably a typing error.
 MAX_TABLE = 20_000_000
 
+EXAMPLES = ("", "--times 0,60,120 --handles 0,1,223", "--times 0:300:1 -o result1.xlsx")
 
-@click.command(
-    cls=options.DragonCommand,
-    examples=("", "--times 0,60,120 --handles 0,1,223", "--times 0:300:1 -o result1.xlsx"),
-)
-@options.scenario_options
+
+@click.command(cls=common.DragonCommand, examples=EXAMPLES)
+@common.scenario_options
 @click.option("--times", metavar="LIST", help=f"Times, s: 0,60,120 or 0:300:1.  [{TABLE_TIMES}]")
 @click.option("--handles", metavar="LIST", help="Handles.  [those of the paper's tables]")
 @click.option("--paper", is_flag=True, help="Print the paper's tables 1 to 3 instead, cut as the paper cuts them.")
-@options.json_option
-@options.output_option(".csv, .json, or .xlsx for the contest's sheets with all handles")
-def positions(
-    scenario_file: str | None, times: str | None, handles: str | None, paper: bool, as_json: bool, output: str | None
-) -> None:
+@common.output_option(".csv, .json, or .xlsx for the contest's sheets with all handles")
+def positions(times: str | None, handles: str | None, paper: bool, output: str | None) -> None:
     """Where the handles are and how fast, exactly."""
-    march = options.march_of(scenario_file)
-    if paper:
-        if times or handles or as_json or output:
-            raise click.UsageError("--paper prints all of its tables: leave out --times, --handles, --json and -o")
+    march = common.march()
+    if not paper:
+        _answer(march, times or TABLE_TIMES, handles, output)
+    elif common.flags_given("times", "handles", "json", "output"):
+        raise click.UsageError("--paper prints all of its tables: leave out --times, --handles, --json and -o")
+    else:
         click.echo(_paper_tables(march))
-        return
+
+
+def _answer(march: March, times: str, handles: str | None, output: str | None) -> None:
+    """Print or write states of handles."""
     selected = march.dragon.representatives if handles is None else _handles(handles, march.dragon.handles - 1)
-    at = _times(times or TABLE_TIMES, march.dragon.handles)
-    destination = options.destination_of(output, (".csv", ".json", ".xlsx"))
-    if handles is not None and options.ending_of(destination) == ".xlsx":
+    at = common.number_list("times", times)
+    if len(at) * march.dragon.handles > MAX_TABLE:
+        raise ParameterError("times", times, f"at most {MAX_TABLE // march.dragon.handles} for this dragon")
+    path, ending = common.destination_of(output, (".csv", ".json", ".xlsx"))
+    if handles is not None and ending == ".xlsx":
         raise click.UsageError("the contest's sheets have all handles: leave out --handles, or write .csv or .json")
     states = march.at(at)
-    if destination is not None:
-        _write(destination, march, at, states, selected)
-    if as_json or destination is None:
-        answer(as_json, states.to_dict(selected), states.text(selected))
-
-
-def _times(given: str, handles: int) -> list[float]:
-    times = options.number_list("times", given)
-    if len(times) * handles > MAX_TABLE:
-        raise ParameterError("times", given, f"at most {MAX_TABLE // handles} for this dragon")
-    return times
-
-
-def _handles(given: str, last: int) -> list[int]:
-    numbers = options.number_list("handles", given)
-    if not all(number.is_integer() and 0 <= number <= last for number in numbers):
-        raise ParameterError("handles", given, f"whole numbers from 0 to {last}")
-    return [int(number) for number in numbers]
-
-
-def _paper_tables(march: March) -> str:
-    from pymunk_dragon.collision import first_contact
-    from pymunk_dragon.reports import paper_tables
-
-    # On a curve without end there is no last time for the search.
-    hit = first_contact(march) if isfinite(march.end) else None
-    return paper_tables(march, hit.time if hit is not None and hit.status == "contact" else None)
+    if path is not None:
+        _write(path, march, at, states, selected)
+    if path is None or common.wants_json():
+        common.answer(states.to_dict(selected), states.text(selected))
 
 
 def _write(path: Path, march: March, times: list[float], states: States, handles: list[int]) -> None:
@@ -90,5 +69,21 @@ def _write(path: Path, march: March, times: list[float], states: States, handles
         with written_in_place(path) as draft, draft.open("w", newline="", encoding="utf-8") as file:
             csv.writer(file).writerows([COLUMNS, *states.rows(handles)])
     else:
-        write_json(path, states.to_dict(handles))
-    wrote(path)
+        common.write_json(path, states.to_dict(handles))
+    common.wrote(path)
+
+
+def _handles(given: str, last: int) -> list[int]:
+    numbers = common.number_list("handles", given)
+    if not all(number.is_integer() and 0 <= number <= last for number in numbers):
+        raise ParameterError("handles", given, f"whole numbers from 0 to {last}")
+    return [int(number) for number in numbers]
+
+
+def _paper_tables(march: March) -> str:
+    from pymunk_dragon.collision import first_contact
+    from pymunk_dragon.reports import paper_tables
+
+    # On a curve without end there is no last time for the search.
+    hit = first_contact(march) if isfinite(march.end) else None
+    return paper_tables(march, hit.time if hit is not None and hit.status == "contact" else None)

@@ -12,60 +12,44 @@ from typing import Any
 import click
 
 from pymunk_dragon._language import text
-from pymunk_dragon.cli.options import DragonCommand, chosen, json_option, named, number_list, scenario_options
-from pymunk_dragon.cli.output import print_json, progress, wrote
+from pymunk_dragon.cli import common
 from pymunk_dragon.errors import DragonError, ParameterError
-from pymunk_dragon.model.scenario import Scenario
 from pymunk_dragon.sweeps import QUANTITIES
 from pymunk_dragon.sweeps import sweep as run_sweep
 
 EXAMPLES = ("--axis pitch=0.42:0.46:0.01 --benches 60", "--axis pitch=0.5:0.6:0.005 -o pitch.csv -o pitch.png")
 AXIS = "NAME=VALUES, such as pitch=0.4:0.8:0.01 or benches=50,100"
-QUANTITY = "What is computed, or module:function, a function of a march.  [contact-time]"
+QUANTITY = f"{', '.join(QUANTITIES)}, or module:function, a function of a march.  [contact-time]"
 OUTPUT = "File to write: .csv, or .png, .svg or .pdf for a picture. May be repeated."
 
 
-_parameters = named(lambda: {f"{name}=": "" for each in QUANTITIES.values() for name in each.parameters})
-
-
-@click.command(cls=DragonCommand, examples=EXAMPLES, names=QUANTITIES)
-@scenario_options
-@click.option("--axis", multiple=True, metavar="NAME=VALUES", shell_complete=_parameters, help=AXIS)
-@click.option(
-    "--quantity", metavar="NAME", default="contact-time", shell_complete=named(lambda: QUANTITIES), help=QUANTITY
-)
+@click.command(cls=common.DragonCommand, examples=EXAMPLES)
+@common.scenario_options
+@click.option("--axis", multiple=True, metavar="NAME=VALUES", help=AXIS)
+@click.option("--quantity", metavar="NAME", default="contact-time", help=QUANTITY)
 @click.option("--resume", is_flag=True, help="Go on from the partial table of an interrupted sweep, if there is one.")
 @click.option("--scheduler", metavar="ADDRESS", help="Run on a Dask scheduler, tcp://HOST:PORT.")
 @click.option("--workers", type=int, metavar="N", help="Number of processes.  [one for each core]")
-@json_option
-@click.option("-o", "--output", "output", multiple=True, metavar="FILE", help=OUTPUT)
-def sweep(
-    scenario_file: str | None, axis: tuple[str, ...], as_json: bool, output: tuple[str, ...], **settings: Any
-) -> None:
+@common.json_option
+@click.option("-o", "--output", multiple=True, metavar="FILE", type=click.Path(), help=OUTPUT)
+def sweep(axis: tuple[str, ...], output: tuple[str, ...], **settings: Any) -> None:
     """Compute a quantity at many values of parameters, in parallel.
 
     Without -o the table is printed as CSV. Finished points are kept beside the first file, FILE.partial, from which
     --resume goes on. The other options choose the reference dragon, which a picture marks.
-
-    The quantities are {names}.
     """
     # What Dask logs of a lost scheduler; the error is one line.
     logging.disable()
     # A module of the user's, which other programs would find as well.
     sys.path.append(os.getcwd())
-    values = Scenario.read(scenario_file) if scenario_file is not None else {}
-    axes = _axes(axis)
     # What a quantity prints is not part of a table on stdout.
-    with progress("sweep") as show, redirect_stdout(sys.stderr):
+    with common.progress("sweep") as show, redirect_stdout(sys.stderr):
         label = text("{done} of {total} points")
         settings["progress"] = lambda done, total: show(done, total, label.format(done=done, total=total))
-        found = run_sweep(values | chosen(), axes, out=output, **settings)
+        found = run_sweep(common.file_values() | common.chosen(), _axes(axis), out=output, **settings)
     for file in output:
-        wrote(Path(file))
-    if as_json:
-        print_json(found.to_dict())
-    else:
-        click.echo(found if output else "\n".join(found.csv()))
+        common.wrote(Path(file))
+    common.answer(found.to_dict(), found if output else "\n".join(found.csv()))
     if found.failed:
         raise DragonError(f"{found.failed} of {found.points} points failed; the column error has the reasons")
 
@@ -79,7 +63,7 @@ def _axes(given: tuple[str, ...]) -> dict[str, list[float]]:
         if name in axes:
             raise ParameterError("axis", each, f"given once for {name}")
         try:
-            axes[name] = number_list("axis", values)
+            axes[name] = common.number_list("axis", values)
         except ParameterError as error:
             raise ParameterError("axis", each, AXIS) from error
     return axes

@@ -1,0 +1,249 @@
+"""What the commands share: their class, options with what these mean, and output."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from decimal import Decimal
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+
+from pymunk_dragon._files import check_destination, written_in_place
+from pymunk_dragon._language import in_language, text
+from pymunk_dragon.errors import ParameterError
+
+if TYPE_CHECKING:
+    from pymunk_dragon.model.march import March
+    from pymunk_dragon.model.run import Run
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+PROGRAM = "pymunk-dragon"
+# Numbers in one list: more would come from a typing error.
+MAX_LIST = 100_000
+# Steps of a progress bar, and its columns: with the longest label, that of a sweep, its line fits in 80.
+STEPS, BAR = 1000, 14
+
+
+def speed_or_file(value: str) -> float | str:
+    """A number, or the name of a file, which the scenario reads."""
+    try:
+        return float(value)
+    except ValueError:
+        return value
+
+
+# Type, placeholder and help of each option of a scenario but those of curves; its flag is the name with hyphens.
+SCENARIO_OPTIONS: dict[str, tuple[Any, str, str]] = {
+    "benches": (int, "N", "Number of benches.  [223]"),
+    "head_spacing": (float, "M", "Distance between the head's holes, m.  [2.86]"),
+    "body_spacing": (float, "M", "Distance between any other bench's holes, m.  [1.65]"),
+    "overhang": (float, "M", "From a hole to the end of the bench, m.  [0.275]"),
+    "width": (float, "M", "Width of the benches, m.  [0.3]"),
+    "turns": (float, "X", "Turn of the spiral on which the head starts.  [16]"),
+    "speed": (speed_or_file, "M/S|FILE.csv", "Speed of the head, m/s, or a file with times and speeds t,v.  [1]"),
+}
+
+
+class DragonCommand(click.Command):
+    """A command with the option --lang, whose errors name flags instead of the parameters that get their values.
+
+    Its help has the options of a scenario last, and below them `examples`: arguments of the command.
+    """
+
+    def __init__(self, *arguments: Any, examples: Sequence[str], **others: Any) -> None:
+        super().__init__(*arguments, **others)
+        self.epilog = epilog_of([f"{self.name} {example}" for example in examples])
+        # The values of the options of a scenario are not arguments of the function.
+        self.params = sorted([*self.params, LANGUAGE], key=lambda option: not option.expose_value)
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run the command; it does not get the values of --json and --scenario, which `wants_json` and others use."""
+        ctx.meta["json"], ctx.meta["file"] = (ctx.params.pop(name, None) for name in ("json", "scenario"))
+        try:
+            return super().invoke(ctx)
+        except ParameterError as error:
+            for flag in flags_given(error.name.removeprefix("curve.")):
+                raise ParameterError(flag, error.value, error.bound) from error
+            raise
+
+
+def epilog_of(examples: Sequence[str]) -> str:
+    """The end of a help: examples, each a command with its arguments."""
+    return "\n".join(["\b", "Examples:", *(f"  {PROGRAM} {example}".rstrip() for example in examples)])
+
+
+def flags_given(*names: str) -> list[str]:
+    """Flags of those of the options `names` that were given on the command line."""
+    context, given = click.get_current_context(), click.core.ParameterSource.COMMANDLINE
+    options = [option for option in context.command.params if option.name in names]
+    return [option.opts[0] for option in options if context.get_parameter_source(str(option.name)) is given]
+
+
+LANGUAGE = click.Option(
+    ["--lang", "language"],
+    metavar="LANG",
+    default="en",
+    envvar="PYMUNK_DRAGON_LANG",
+    expose_value=False,
+    callback=lambda context, option, value: context.with_resource(in_language(value)),
+    help="Language of results: en or zh.  [PYMUNK_DRAGON_LANG of the environment, or en]",
+)
+json_option = click.option("--json", is_flag=True, help="Print one JSON object and nothing else.")
+start_option = click.option("--from", "start", type=float, default=0.0, metavar="T", help="First time, s.  [0]")
+until_option = click.option("--until", type=float, metavar="T", help="Last time, s.  [the end of the curve]")
+
+
+def output_option(endings: str, default: str | None = None) -> Callable[[F], F]:
+    """The options --json and -o; the ending of its file chooses the format."""
+    about = f"File to write: {endings}." + (f"  [{default}]" if default else "")
+    output = click.option("-o", "--output", metavar="FILE", type=click.Path(), help=about)
+    return lambda function: json_option(output(function))
+
+
+def scenario_options(function: F) -> F:
+    """Add the options of a scenario to a command, for `file_values`, `chosen` and `march`."""
+
+    def collect(context: click.Context, option: click.Parameter, value: Any) -> None:
+        if value is not None:
+            context.meta.setdefault("scenario", {})[option.name] = value
+
+    hidden: dict[str, Any] = {"callback": collect, "expose_value": False}
+    for name, (kind, metavar, about) in reversed((SCENARIO_OPTIONS | _curve_options()).items()):
+        click.option("--" + name.replace("_", "-"), type=kind, metavar=metavar, help=about, **hidden)(function)
+    about = "Read the dragon, curve and speed from a file; options win."
+    return click.option("--scenario", metavar="FILE.toml", type=click.Path(), help=about)(function)
+
+
+def _curve_options() -> dict[str, tuple[Any, str, str]]:
+    """The options --curve and those of the registered curves."""
+    from pymunk_dragon.model.curves import Curve
+    from pymunk_dragon.model.scenario import named_curves
+
+    default, *others = named_curves()
+    about = f"{', '.join([default, *others])}, or a file with points x,y of a path, m.  [{default}]"
+    options: dict[str, tuple[Any, str, str]] = {"curve": (str, "NAME|FILE.csv", about)}
+    for kind in dict.fromkeys((default, *Curve.kinds)):
+        for flag, (metavar, about) in Curve.kinds[kind].flags.items():
+            value = getattr(Curve.kinds[kind], flag, None)
+            shown = f"  [{value:g} of a {kind}]" if value else ""
+            options[flag] = (float, metavar, options.get(flag, ("", "", about))[2] + shown)
+    return options
+
+
+def chosen() -> dict[str, Any]:
+    """The options of the dragon and its curve that were given, by name."""
+    found: dict[str, Any] = click.get_current_context().meta.get("scenario", {})
+    return found
+
+
+def file_values() -> dict[str, Any]:
+    """The values in the scenario file, if one was given."""
+    from pymunk_dragon.model.scenario import Scenario
+
+    file = click.get_current_context().meta["file"]
+    return {} if file is None else Scenario.read(file)
+
+
+def march() -> March:
+    """The march of the scenario file and the options."""
+    from pymunk_dragon.model.scenario import Scenario
+
+    try:
+        return Scenario.from_dict(file_values() | chosen()).march()
+    except ParameterError as error:
+        if error.name.removeprefix("curve.") in chosen():
+            raise
+        # A key of the file, which may have the name of another option: `start` is not --from.
+        raise click.UsageError(str(error)) from error
+
+
+def run_of(run_file: str) -> Run:
+    """The run in a file, which has its own scenario."""
+    from pymunk_dragon.model.run import Run
+
+    if chosen() or flags_given("scenario"):
+        raise click.UsageError("a run file contains its scenario: leave out the options of the dragon and its curve")
+    return Run.load(run_file)
+
+
+def destination_of(output: str | None, endings: Iterable[str]) -> tuple[Path | None, str]:
+    """The file to write, after `check_destination`, and its ending, or None and ""; to be called before the work."""
+    path = None if output is None else check_destination(output, endings)
+    return path, "" if path is None else path.suffix.lower()
+
+
+def number_list(name: str, given: str) -> list[float]:
+    """Numbers from `0,60,120` or `0:300:1`, both ends included, or a mixture; `name` is that of the parameter."""
+    numbers: list[float] = []
+    try:
+        for part in given.split(","):
+            # Decimal numbers, as they are written: the second after 0.2 in steps of 0.1 is 0.4 and not 0.4 + 6e-17.
+            first, *others = map(Decimal, part.split(":"))
+            last, step = others or (first, Decimal(1))
+            steps = (last - first) / step
+            if not (step > 0 and 0 <= steps < MAX_LIST):
+                raise ValueError
+            numbers += [float(first + step * i) for i in range(int(steps) + 1)]
+    except (ValueError, ArithmeticError):
+        bound = f"numbers such as 0,60,120 or first:last:step such as 0:300:1, of which there are at most {MAX_LIST}"
+        raise ParameterError(name, given, bound) from None
+    return numbers
+
+
+@contextmanager
+def progress(label: str, now: str = "", begin: float = 0.0) -> Iterator[Callable[..., None]]:
+    """Progress bar on stderr if that is a terminal.
+
+    Yields `show(done, total, label)`, of numbers that start with `begin`; the label is by default the text `now` with
+    {done} and {total}.
+    """
+    hidden = not sys.stderr.isatty()
+    with click.progressbar(length=STEPS, width=BAR, label=label, file=sys.stderr, hidden=hidden) as bar:
+
+        def show(done: float, total: float, label: str = "") -> None:
+            bar.label = label or text(now).format(done=done, total=total)
+            bar.update(max(int(STEPS * (done - begin) / (total - begin)) - bar.pos, 0))
+
+        yield show
+
+
+def note(line: str) -> None:
+    """Print a line on stderr if that is a terminal."""
+    if sys.stderr.isatty():
+        click.echo(line, err=True)
+
+
+def wrote(path: Path, *facts: str) -> None:
+    """Note which file was written and its size."""
+    if path.is_file():  # Not a device or a FIFO, which has no size.
+        count = path.stat().st_size
+        size = f"{count / 1e6:.1f} MB" if count >= 1e6 else f"{count / 1e3:.1f} kB"
+        note(text("wrote {path}: {facts}").format(path=path, facts=", ".join([*facts, size])))
+
+
+def answer_with_file(path: Path, *facts: str) -> None:
+    """Note which file was written, and with --json print its name and size."""
+    wrote(path, *facts)
+    if wants_json():
+        answer({"output": str(path), "bytes": path.stat().st_size})
+
+
+def write_json(path: Path, result: dict[str, Any]) -> None:
+    """Write one JSON object to a file."""
+    with written_in_place(path) as draft:
+        draft.write_text(json.dumps(result) + "\n", encoding="utf-8")
+
+
+def wants_json() -> bool:
+    """Whether a JSON object is to be printed."""
+    return bool(click.get_current_context().meta["json"])
+
+
+def answer(result: dict[str, Any], shown: object = "") -> None:
+    """Print a result, with --json as a JSON object."""
+    click.echo(json.dumps(result) if wants_json() else shown)
