@@ -9,6 +9,8 @@ from contextlib import suppress
 from time import monotonic
 from types import FrameType
 
+from pymunk_dragon._signals import ENDING
+
 # s after a signal in which others are ignored, as a SIGHUP after SIGTERM, while files are removed.
 GRACE = 2.0
 
@@ -19,19 +21,15 @@ class Interruption(KeyboardInterrupt):
 
 def main() -> None:
     """Run the program and exit with the code of `pymunk_dragon.cli.status`, or with 128 plus the number of a signal."""
-    received: list[int] = []
-    last = -GRACE
+    received: list[tuple[int, float]] = []
 
     def stop(number: int, frame: FrameType | None) -> None:
-        nonlocal last
-        received.append(number)
-        if monotonic() - last >= GRACE:
-            last = monotonic()
+        if not received or monotonic() - received[-1][1] >= GRACE:
+            received.append((number, monotonic()))
             raise Interruption
 
     # Signals that nohup, or a shell that starts it in the background, has the program ignore stay ignored.
-    known = (getattr(signal, name, None) for name in ("SIGINT", "SIGTERM", "SIGHUP"))
-    handled = [number for number in known if number and signal.getsignal(number) != signal.SIG_IGN]
+    handled = [number for number in ENDING if signal.getsignal(number) != signal.SIG_IGN]
     code = 0
     try:
         for number in handled:
@@ -47,7 +45,7 @@ def main() -> None:
             sys.stderr.write("pymunk-dragon: interrupted\n")
     for number in handled:
         signal.signal(number, signal.SIG_IGN)  # Until Python has shut down.
-    sys.exit(128 + received[0] if received else code)
+    sys.exit(128 + received[0][0] if received else code)
 
 
 if __name__ == "__main__":

@@ -15,13 +15,13 @@ class Displayed:
 
     def plot(self) -> Any:
         """Draw the object as a matplotlib figure, which notebooks display."""
-        return _views().plot(self)
+        return _represented(self, "plot")
 
     def _repr_html_(self) -> Any:
-        return _views().as_html(self)
+        return _represented(self, "as_html")
 
     def _repr_png_(self) -> Any:
-        return _views().as_png(self)
+        return _represented(self, "as_png")
 
 
 class Printed:
@@ -31,9 +31,9 @@ class Printed:
         return f"<pre>{escape(str(self), quote=False)}</pre>"
 
 
-def _views() -> Any:
-    """The module that represents objects. By its name, because the package is above the classes of all of them."""
-    return import_module("pymunk_dragon.notebook")
+def _represented(shown: object, how: str) -> Any:
+    # The module is imported by its name, because it is above the classes of what it represents.
+    return getattr(import_module("pymunk_dragon.notebook"), how)(shown)
 
 
 def table(heads: Sequence[str], formats: Sequence[str], rows: Iterable[Sequence[Any]]) -> list[str]:

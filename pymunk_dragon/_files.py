@@ -20,13 +20,13 @@ def check_destination(path: str | Path, endings: Iterable[str]) -> Path:
     A device or a FIFO needs no ending if there is only one to choose from.
     """
     destination, known = Path(path), list(endings)
-    status = _status(destination)
-    unnamed = len(known) == 1 and status is not None and not stat.S_ISREG(status.st_mode)
+    mode = _mode(destination)
+    unnamed = len(known) == 1 and mode and not stat.S_ISREG(mode)
     if destination.suffix.lower() not in known and not unnamed:
         raise ParameterError("output", str(path), "a file name that ends in " + " or ".join(known))
-    if status is not None and stat.S_ISDIR(status.st_mode):
+    if stat.S_ISDIR(mode):
         raise ParameterError("output", str(path), "a file, not a folder")
-    with _drafts(destination, status):
+    with _draft(destination):
         return destination
 
 
@@ -38,21 +38,17 @@ def written_in_place(path: str | Path) -> Iterator[Path]:
     written to. An OSError becomes an OutputError.
     """
     destination = Path(path)
-    status = _status(destination)
     try:
-        with _drafts(destination, status) as folder:
-            draft = folder / f"draft{destination.suffix}"
+        with _draft(destination) as draft:
             yield draft
-            if status is not None and _is_stream(status):
-                import shutil
-
+            if _is_stream(destination):
                 # Appended, because stdout may be a file that others write to as well.
-                with draft.open("rb") as content, destination.open("ab") as stream:
-                    shutil.copyfileobj(content, stream)
-            else:
-                if status is not None:
-                    draft.chmod(stat.S_IMODE(status.st_mode))
-                draft.replace(os.path.realpath(destination))
+                with destination.open("ab") as stream:
+                    stream.write(draft.read_bytes())
+                return
+            if mode := _mode(destination):
+                draft.chmod(stat.S_IMODE(mode))
+            draft.replace(os.path.realpath(destination))
     except OutputError:
         raise
     except OSError as error:
@@ -81,62 +77,59 @@ def number_rows(path: str | Path, name: str, columns: Sequence[str]) -> tuple[li
     The first line may hold names; empty lines are skipped. `columns` is the content of each column, for messages.
     """
     meant = " and ".join(columns)
-    lines, rows = [], []
+    rows: dict[int, tuple[float, ...]] = {}
     for line, content in enumerate(read_text(path, name).splitlines(), start=1):
         cells = [cell.strip(' \t"') for cell in content.split(",")]
-        row = _numbers(cells)
-        if not any(cells) or (line == 1 and not row):
-            continue
-        if not len(row) == len(cells) == len(columns):
-            raise FileFormatError(path, f"line {line} must hold {meant}, not {content.strip()[:40]!r}")
-        lines.append(line)
-        rows.append(row)
+        row = tuple(_numbers(cells))
+        if any(cells) and (row or line > 1):
+            if not len(row) == len(cells) == len(columns):
+                raise FileFormatError(path, f"line {line} must hold {meant}, not {content.strip()[:40]!r}")
+            rows[line] = row
     if not rows:
         raise FileFormatError(path, f"no line holds {meant}")
-    return lines, rows
+    return list(rows), list(rows.values())
 
 
-def _numbers(cells: Iterable[str]) -> tuple[float, ...]:
+def _numbers(cells: Iterable[str]) -> Iterator[float]:
     """The numbers in cells, of which others have another content."""
-    numbers = []
     for cell in cells:
         with suppress(ValueError):
-            numbers.append(float(cell))
-    return tuple(numbers)
+            yield float(cell)
 
 
-def _status(path: Path) -> os.stat_result | None:
-    """Status of the file that `path` leads to; None if there is none yet."""
+def _mode(path: Path) -> int:
+    """Type and permissions of the file that `path` leads to; 0 if there is none yet."""
     try:
-        return path.stat()
+        return path.stat().st_mode
     except FileNotFoundError:
-        return None
+        return 0
     except (OSError, ValueError) as error:
         raise ParameterError("output", str(path), f"a file that can be written ({_reason(error)})") from error
 
 
-def _is_stream(status: os.stat_result) -> bool:
+def _is_stream(path: Path) -> bool:
     """Whether a file is written to instead of replaced: a device, a FIFO, or the file behind stdout or stderr."""
+    mode = _mode(path)
     for descriptor in (1, 2):
         with suppress(OSError):
-            if os.path.samestat(status, os.fstat(descriptor)):
+            if os.path.samefile(path, descriptor):
                 return True
-    return not stat.S_ISREG(status.st_mode)
+    return mode != 0 and not stat.S_ISREG(mode)
 
 
 @contextmanager
-def _drafts(destination: Path, status: os.stat_result | None) -> Iterator[Path]:
-    """A new folder beside `destination`, or anywhere for what is not replaced; removed at the end."""
+def _draft(destination: Path) -> Iterator[Path]:
+    """A file in a new folder beside `destination`, or anywhere for what is not replaced; removed at the end."""
     from tempfile import TemporaryDirectory
 
-    beside = None if status is not None and _is_stream(status) else Path(os.path.realpath(destination)).parent
+    beside = None if _is_stream(destination) else Path(os.path.realpath(destination)).parent
     try:
         drafts = TemporaryDirectory(prefix=".pymunk-dragon-", dir=beside)
     except OSError as error:
         bound = f"in a folder that can be written ({_reason(error)})"
         raise ParameterError("output", str(destination), bound) from error
     with drafts as folder:
-        yield Path(folder)
+        yield Path(folder) / f"draft{destination.suffix}"
 
 
 def _reason(error: Exception) -> str:

@@ -19,11 +19,8 @@ from pymunk_dragon.errors import ParameterError
 
 LANGUAGES = ("en", "zh")
 _language: ContextVar[str] = ContextVar("language", default="en")
-
-
-def language() -> str:
-    """The present language."""
-    return _language.get()
+# The present language.
+language = _language.get
 
 
 @contextmanager

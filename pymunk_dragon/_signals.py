@@ -1,15 +1,15 @@
-"""Delaying signals while code runs that must not be interrupted halfway."""
+"""The signals that end a program, and delaying them while code runs that must not be interrupted halfway."""
 
 from __future__ import annotations
 
 import signal
-import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from threading import current_thread, main_thread
 from types import FrameType
 from typing import Any
 
-# Signals that end a program, of those that the system has.
+# Those that the system has.
 ENDING = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
 
 
@@ -19,9 +19,8 @@ def signals_held(holds: Callable[[], bool] = lambda: True) -> Iterator[Callable[
 
     They are also run at the end. Outside the main thread, in which all handlers run, this changes nothing.
     """
-    handlers: dict[int, Any] = {}
-    if threading.current_thread() is threading.main_thread():
-        handlers = {number: found for number in ENDING if callable(found := signal.getsignal(number))}
+    found = {number: signal.getsignal(number) for number in ENDING if current_thread() is main_thread()}
+    handlers: dict[int, Any] = {number: handler for number, handler in found.items() if callable(handler)}
     held: list[int] = []
 
     def handle(number: int, frame: FrameType | None) -> None:

@@ -56,29 +56,18 @@ class UnreachableError(DragonError):
 
 
 class FileFormatError(DragonError, ValueError):
-    """The file `path` is damaged, of another format or of another version."""
+    """A file, of a path, is damaged, of another format or of another version, for a reason."""
 
     _form = "{0}: {1}"
 
-    def __init__(self, path: object, reason: str) -> None:
-        super().__init__(path, reason)
-        self.path, self.reason = path, reason
-
 
 class OutputError(DragonError, OSError):
-    """The file `path` could not be written; no part of it is left."""
+    """A file, of a path, could not be written, for a reason; no part of it is left."""
 
     _form = "cannot write {0}: {1}"
 
-    def __init__(self, path: object, reason: str) -> None:
-        super().__init__(path, reason)
-        self.path, self.reason = path, reason
-
 
 class MissingExtraError(DragonError, ImportError):
-    """A `feature` needs a library that is not installed, of the optional dependencies `extra`."""
+    """A feature needs a library that is not installed, of some optional dependencies of the package."""
 
     _form = "{0} needs: pip install 'pymunk-dragon[{1}]'"
-
-    def __init__(self, feature: str, extra: str) -> None:
-        super().__init__(feature, extra)

@@ -15,7 +15,6 @@ from pymunk_dragon.lessons import LESSONS, Terminal, play
 from pymunk_dragon.lessons._framework import translations
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
-from pymunk_dragon.model.run import Run
 
 CHINESE = re.compile("[\u4e00-\u9fff]")
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]\d+)?")
@@ -101,11 +100,9 @@ def test_language_is_an_option_or_of_the_environment(call, monkeypatch):
     assert "--lang" not in err
 
 
-def test_messages_on_a_terminal_are_chinese(terminal, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    Run.exact(March(turns=8), [79, 80]).save("run.npz")
-    shown = terminal("report", "run.npz", "-o", "run.json", "--lang", "zh")
-    assert re.search(r"^已写入 run.json：\d+(\.\d)? kB$", shown, re.MULTILINE)
+def test_messages_on_a_terminal_are_chinese(terminal, tmp_path):
+    shown = terminal("positions", "--times", "0", "-o", tmp_path / "p.json", "--lang", "zh")
+    assert re.search(r"^已写入 .*p.json：\d+(\.\d)? kB$", shown, re.MULTILINE)
 
 
 def test_font_has_the_characters_of_all_translations(monkeypatch):

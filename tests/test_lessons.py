@@ -207,7 +207,7 @@ def test_program_lists_plays_and_writes_lessons(call, tmp_path):
 
 def test_bad_input_is_one_line(call, monkeypatch, tmp_path):
     for arguments, *words in (
-        (["dragon"], "lesson is 'dragon'", "spiral"),
+        (["dragon"], "'dragon'", "spiral"),
         (["spiral", "--lang", "fr"], "lang is 'fr'", "en, zh"),
         (["spiral", "--save", __file__], "save is", "a folder that can be written"),
         (["spiral", "--save", ""], "save is ''"),

@@ -60,11 +60,7 @@ def test_curve_of_a_users_own_works_and_is_checked_when_its_author_wants_it():
 
     wrong = [own(LogarithmicSpiral, **{name: answer}) for name in METHODS for answer in WRONG]
     wrong += [of(name, change) for name in METHODS for change in (lambda x: x * 0.99, lambda x: np.where(x > 1, x, 1))]
-    wrong += [
-        of("max_curvature", lambda x: 0 * x),
-        own(LogarithmicSpiral, begin_s=0.5),
-        own(LogarithmicSpiral, begin_s=2.0),
-    ]
+    wrong += [of("max_curvature", lambda x: 0 * x), *(own(LogarithmicSpiral, begin_s=begin) for begin in (0.5, 2.0))]
     wrong += [of(name, np.nan_to_num) for name in METHODS[:3]]
     for curve in wrong:
         assert "Mine" in refusal(check_curve, curve).name
@@ -74,14 +70,7 @@ def test_curve_of_a_users_own_works_and_is_checked_when_its_author_wants_it():
     for ends in ((None, 1.0), (math.nan, 1.0), ("0", 1.0), (2.0, 1.0), (0.0, np.zeros(2))):
         curve = own(LogarithmicSpiral, begin_s=ends[0], end_s=ends[1])
         assert_says(refusal(check_curve, curve), "Mine.begin_s and end_s")
-    for arguments in (
-        (None,),
-        (Spiral,),
-        (Spiral(), "0"),
-        (Spiral(), -300, 1),
-        (Spiral(), -1, -300),
-        (Spiral(), 10**400),
-    ):
+    for arguments in ((None,), (Spiral,), *((Spiral(), *ends) for ends in (("0",), (-300, 1), (-1, -300), (10**400,)))):
         refusal(check_curve, *arguments)
 
 
@@ -106,25 +95,8 @@ def test_what_is_no_march_is_refused(tmp_path, monkeypatch):
 
 
 # Arguments of the wrong kind, and public functions of the model with arguments that they take.
-NONSENSE = (
-    None,
-    "text",
-    "",
-    [],
-    {},
-    math.nan,
-    -1,
-    1.5,
-    True,
-    10**400,
-    1e308,
-    object(),
-    [[1], [1, 2]],
-    ["a"],
-    1j,
-    [None],
-)
-NONSENSE += (np.zeros((2, 5)), np.zeros((0, 3)), [10**400], np.array("x"), len, float, np.arange(4.0) * 1e300)
+NONSENSE = [None, "text", "", [], {}, math.nan, -1, 1.5, True, 10**400, 1e308, object(), [[1], [1, 2]], ["a"], 1j]
+NONSENSE += [[None], np.zeros((2, 5)), np.zeros((0, 3)), [10**400], np.array("x"), len, float, np.arange(4.0) * 1e300]
 MARCH, POSES = March(SMALL), np.zeros((4, 3))
 CALLS = [
     (MARCH.at, {"times": [0.0], "handles": 2}),
@@ -152,18 +124,11 @@ CALLS = [
     (Scenario.from_dict, {"values": {"benches": 5}}),
     (Scenario.read, {"path": "none.toml"}),
     (Curve.from_dict, {"values": {"kind": "spiral"}}),
-    *(
-        (getattr(SpeedTable([0], [1]), name), {argument: 0})
-        for name, argument in (("distance", "t"), ("time", "distance"))
-    ),
+    (SpeedTable([0], [1]).distance, {"t": 0}),
+    (SpeedTable([0], [1]).time, {"distance": 0}),
 ]
-for curve in (
-    Line(stop=(9, 1)),
-    Spiral(),
-    UTurn(),
-    Sampled([(0, 0), (3, 1), (6, 0), (9, 1)]),
-    Reversed(Arc(radius=3, sweep=2)),
-):
+PATH = Sampled([(0, 0), (3, 1), (6, 0), (9, 1)])
+for curve in (Line(stop=(9, 1)), Spiral(), UTurn(), PATH, Reversed(Arc(radius=3, sweep=2))):
     CALLS += [(getattr(curve, name), {"s": 1.0}) for name in ("point", "tangent", "curvature", "frame", "turns")]
     CALLS += [(curve.max_curvature, {"s": 1.0, "other": 2.0}), (curve.foot, {"points": [[1.0, 2.0]], "near": [1.0]})]
     CALLS += [(curve.chain, {"s": 1.0, "spacings": [1.0]}), (curve.at_turn, {"turns": 3.0})]

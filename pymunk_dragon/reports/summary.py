@@ -19,7 +19,7 @@ from pymunk_dragon.errors import ParameterError, UnreachableError
 from pymunk_dragon.model.contact import Contact
 from pymunk_dragon.model.march import March, States
 from pymunk_dragon.model.run import HEAD_BENCHES, Run
-from pymunk_dragon.model.speed import ConstantSpeed
+from pymunk_dragon.model.speed import SpeedTable
 
 # Name and version of the JSON format, as in `schema.json`.
 SCHEMA, VERSION = "pymunk_dragon report", 1
@@ -65,13 +65,9 @@ class Summary:
     def scenario(self) -> dict[str, Any]:
         """Parameters of the march as JSON values. Unlike a `Scenario`, they may describe any curve."""
         march = self.run.march
-        curve, profile = march.curve, march.speed_profile
-        speed = (
-            profile.value
-            if isinstance(profile, ConstantSpeed)
-            else list(zip(profile.times, profile.speeds, strict=True))
-        )
-        named = {"curve": type(curve).__name__, "pitch": curve.turn_width, "turns": march.turns, "speed": speed}
+        curve, speed = march.curve, march.speed
+        table = list(zip(speed.times, speed.speeds, strict=True)) if isinstance(speed, SpeedTable) else speed
+        named = {"curve": type(curve).__name__, "pitch": curve.turn_width, "turns": march.turns, "speed": table}
         parameters = asdict(march.dragon) | named
         parameters |= {name: getattr(curve, name) for name in curve.flags if name not in parameters}
         if math.isfinite(length := curve.end_s - curve.begin_s):

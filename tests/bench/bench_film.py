@@ -21,8 +21,8 @@ from statistics import median
 import numpy as np
 from measure import arguments, sized
 
-from pymunk_dragon.drawing import Film, write_film
-from pymunk_dragon.drawing.film.layout import lay_out, sampled
+from pymunk_dragon.drawing import Film, render
+from pymunk_dragon.drawing.film.layout import Canvas
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 
@@ -42,7 +42,7 @@ def ours(ending: str) -> Callable[[Run, Film, Path], None]:
     """The project's own way, to a format."""
 
     def write(run: Run, film: Film, folder: Path) -> None:
-        write_film(run, folder / f"film{ending}", film)
+        render(run, folder / f"film{ending}", film)
 
     return write
 
@@ -51,9 +51,7 @@ def imageio_rgb(run: Run, film: Film, folder: Path) -> None:
     """The default of imageio: a stack of RGB frames, drawn as ours are."""
     import imageio.v3 as iio
 
-    [clip] = clips = sampled([run], film.timing([run]).times, film)
-    canvas = lay_out(clips, film)
-    stack = np.stack([np.asarray(canvas.draw([snapshot])) for snapshot in clip.snapshots])
+    stack = np.stack([np.asarray(frame) for frame in Canvas([run], film.timing([run]).times, film).frames()])
     iio.imwrite(folder / "film.gif", stack, duration=1000 / FPS, loop=0)
 
 

@@ -97,10 +97,10 @@ def marches() -> dict[str, Callable[[], object]]:
 
 
 def films(folder: Path) -> dict[str, Callable[[], object]]:
-    """A film as a GIF: by `write_film`, and by the usual libraries."""
+    """A film as a GIF: by `render`, and by the usual libraries."""
     run, film = film_of(FRAMES)
     ways = {
-        "`write_film`, one process": ours(".gif"),
+        "`render`, one process": ours(".gif"),
         "imageio, a stack of RGB frames": imageio_rgb,
         "matplotlib, `FuncAnimation` and `PillowWriter`": matplotlib_animation,
     }

@@ -13,8 +13,8 @@ from typing import Any
 from pymunk_dragon._extras import library, optional_imports
 from pymunk_dragon._html import asset, data_address, filled, policy
 from pymunk_dragon._language import in_language
-from pymunk_dragon.drawing import Film, write_film
-from pymunk_dragon.drawing.film.stills import last_frame, picture_size
+from pymunk_dragon.drawing import Film, render
+from pymunk_dragon.drawing.film import size_and_last_frame
 from pymunk_dragon.lessons._framework.guess import Guess
 from pymunk_dragon.lessons._framework.lines import closing, unbroken
 from pymunk_dragon.lessons._framework.markup import in_mathml, pieces
@@ -148,11 +148,9 @@ def _pieces(text: str) -> list[tuple[str, str]]:
 
 def _film(picture: bytes, ending: str) -> dict[str, Any]:
     """A film, with its last frame, or a picture, and its size."""
-    return {
-        "picture": _address(picture, ending),
-        "size": picture_size(picture),
-        "last_frame": _address(last_frame(picture), ".png") if ending == ".gif" else None,
-    }
+    size, last = size_and_last_frame(picture)
+    last_frame = _address(last, ".png") if ending == ".gif" else None
+    return {"picture": _address(picture, ending), "size": size, "last_frame": last_frame}
 
 
 @cache
@@ -160,7 +158,7 @@ def _dragon() -> bytes:
     """The film at the top of the page: the march of the reference scenario into its first contact."""
     with tempfile.TemporaryDirectory(prefix="pymunk-dragon-") as folder, in_language("en"):
         file = Path(folder) / "march.gif"
-        write_film(March(), file, FILM)
+        render(March(), file, FILM)
         return file.read_bytes()
 
 
