@@ -29,10 +29,11 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 __all__ = [
-    "Arc", "Camera", "Composite", "Contact", "ContactEvent", "ContactLog", "Curve", "Dragon", "DragonError",
-    "EngineSettings", "FileFormatError", "Film", "FirstContact", "Grid", "Line", "March", "MissingExtraError",
-    "NearMiss", "OutputError", "Palette", "ParameterError", "PathGuide", "PillowDrawOptions", "Reversed", "Run",
-    "Sampled", "Scenario", "Section", "Separation", "SpeedTable", "Spiral", "States", "Sweep", "UTurn",
+    "Arc", "Button", "Camera", "Composite", "Contact", "ContactEvent", "ContactLog", "Curve", "Dragon", "DragonError",
+    "EngineSettings", "FileFormatError", "Film", "FirstContact", "Grid", "Key", "Line", "March", "MissingExtraError",
+    "NearMiss", "OutputError", "Palette", "ParameterError", "PathGuide", "PillowDrawOptions", "PygameEvents",
+    "Reversed", "Run",
+    "Sampled", "Scenario", "Section", "Separation", "Slider", "SpeedTable", "Spiral", "States", "Sweep", "UTurn",
     "UnreachableError", "World", "check_curve", "check_saveable", "first_contact", "live", "max_speed",
     "min_pitch", "outlines", "player_page", "render", "report", "scan", "sensitivity", "separation", "simulate",
     "sweep", "u_turn", "write_player",
@@ -55,7 +56,7 @@ _MODULES = {
     "physics": "EngineSettings PathGuide World simulate",
     "player": "player_page write_player",
     "reports": "report",
-    "sessions": "live",
+    "sessions": "Button Key PygameEvents Slider live",
     "studies": "max_speed min_pitch sensitivity u_turn",
     "sweeps": "Sweep sweep",
 }

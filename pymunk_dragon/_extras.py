@@ -18,6 +18,7 @@ FEATURES = {
     "latex2mathml": ("a formula on a page", "demos"),
     "matplotlib": ("a figure", "figures"),
     "nbformat": ("a notebook", "demos"),
+    "pygame": ("a pygame program on a page", "pygame"),
     "pygments": ("a page of lessons", "demos"),
     "scipy": ("a path through points", "curves"),
     "scipy.optimize": ("the search for the shortest turn", "studies"),

@@ -55,16 +55,16 @@ def written_in_place(path: str | Path) -> Iterator[Path]:
         raise OutputError(destination, _reason(error)) from error
 
 
-def read_text(path: str | Path, name: str) -> str:
-    """Text of the UTF-8 file of at most 4 MB that the parameter `name` gives, without a byte order mark."""
+def read_text(path: str | Path, name: str, limit: int = MAX_TEXT) -> str:
+    """Text of the UTF-8 file of at most `limit` bytes that the parameter `name` gives, without a byte order mark."""
     try:
         with Path(path).open("rb") as file:
             # Not the size of the file: devices have none, and may be endless.
-            content = file.read(MAX_TEXT + 1)
+            content = file.read(limit + 1)
     except (OSError, ValueError, TypeError) as error:
         raise ParameterError(name, str(path), f"a readable file ({_reason(error)})") from error
-    if len(content) > MAX_TEXT:
-        raise FileFormatError(path, f"larger than {MAX_TEXT / 1e6:g} MB")
+    if len(content) > limit:
+        raise FileFormatError(path, f"larger than {limit / 1e6:g} MB")
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:

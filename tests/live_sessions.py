@@ -16,13 +16,11 @@ import numpy as np
 
 from pymunk_dragon.sessions.handle import serve, source_of
 from pymunk_dragon.sessions.log import Log
-from pymunk_dragon.sessions.scenes import planned
+from pymunk_dragon.sessions.ready import planned
 from pymunk_dragon.sessions.session import Session
 
 # s that anything may take on a busy machine.
 PATIENCE = 60.0
-# Layout of a frame's head, from the description of the protocol.
-HEAD = struct.Struct("<6I5d5f")
 
 
 class Played:
@@ -77,7 +75,7 @@ class Played:
     def frame(self):
         """What a client would be shown now."""
         found = []
-        self.session.call(lambda: found.append(self.scene.frame(self.session.generation, 1.0, 0.0)))
+        self.session.call(lambda: found.append(self.scene.frame({"generation": self.session.generation})))
         self.settle()
         return decoded(found[0])
 
@@ -112,20 +110,17 @@ def replayed(log: Log):
 
 
 def decoded(frame: bytes):
-    """A frame's parts."""
-    head = HEAD.unpack_from(frame)
-    generation, bodies, joints, contacts, exact, flags, steps, now, march_time, rate, step_time = head[:11]
-    sizes = {"poses": 3 * bodies, "forces": joints, "exact": 3 * exact, "errors": exact, "contacts": 7 * contacts}
-    rest = np.frombuffer(frame, "<f4", offset=HEAD.size)
+    """A frame's header and arrays."""
+    [length] = struct.unpack_from("<I", frame)
+    header = json.loads(frame[4 : 4 + length])
+    sizes = header["sizes"]
+    rest = np.frombuffer(frame, "<f4", offset=4 + length)
     assert len(rest) == sum(sizes.values())
     parts = dict(zip(sizes, np.split(rest, np.cumsum(list(sizes.values()))[:-1]), strict=True))
-    for name, columns in {"poses": 3, "exact": 3, "contacts": 7}.items():
-        parts[name] = parts[name].reshape(-1, columns)
-    held = head[11:] if flags & 1 else None
-    return SimpleNamespace(
-        generation=generation, steps=steps, time=now, march_time=march_time, rate=rate, step_time=step_time,
-        held=held, **parts,
-    )  # fmt: skip
+    for name, columns in {"poses": 3, "exact": 3, "contacts": 5, "joints": 5}.items():
+        if name in parts:
+            parts[name] = parts[name].reshape(-1, columns)
+    return SimpleNamespace(**header, **parts)
 
 
 @contextmanager

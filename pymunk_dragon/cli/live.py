@@ -12,8 +12,8 @@ from pymunk_dragon._language import text
 from pymunk_dragon.cli import common
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.sessions.log import Log
+from pymunk_dragon.sessions.ready import SCENES, Ready, dragon, planned, ready
 from pymunk_dragon.sessions.recording import RECORDING_ENDINGS, record
-from pymunk_dragon.sessions.scenes import SCENES, Ready, dragon, planned, ready
 from pymunk_dragon.sessions.session import SPEEDS, Session
 
 # Options of a dragon of the user's.
@@ -21,6 +21,7 @@ OWN = ("start", "contacts", "free_from")
 # Hosts at which only this machine reaches the page.
 LOCAL = ("127.0.0.1", "localhost", "::1")
 CONTACTS = click.Choice(["stop", "report", "resolve"])
+OUTPUT_HELP = "File to write at the end: inputs, .json, the run of a dragon, .npz, or a film, as .gif."
 FILE: dict[str, Any] = {"metavar": "FILE", "type": click.Path()}
 EXAMPLES = ("", "near-miss", "--benches 60 --from 300 -o live.npz", "--replay live.npz")
 
@@ -33,7 +34,13 @@ EXAMPLES = ("", "near-miss", "--benches 60 --from 300 -o live.npz", "--replay li
 @click.option("--free-from", type=int, metavar="N", help="First bench without dancers.  [all have dancers]")
 @click.option("--replay", **FILE, help="Play a recording again, .npz or .json.")
 @click.option("--exit", "ends", is_flag=True, help="Play the recording without a page, as fast as possible, and exit.")
-@click.option("-o", "--record", "output", **FILE, help="File to write at the end: a run, .npz, or a film, as .gif.")
+@click.option(
+    "-o",
+    "--record",
+    "output",
+    **FILE,
+    help=OUTPUT_HELP,
+)
 @click.option("--port", type=int, default=0, metavar="N", help="Port.  [a free one]")
 @click.option("--host", default=LOCAL[0], metavar="ADDRESS", help="Address to listen on.  [this machine only]")
 @click.option(

@@ -84,7 +84,7 @@ class DrawCall:
 
     `name` is "circle", "segment" or "polygon" for shapes, "line" or "dot" for constraints, and "contact". `points` has
     a centre, the ends of a line, or corners. The `radius` of a dot is in pixels. Only shapes have an `outline`, and
-    only circles an `angle`, rad.
+    only circles an `angle`, rad; `moves` tells whether the body of a shape is dynamic.
     """
 
     name: str
@@ -93,6 +93,7 @@ class DrawCall:
     fill: Colour
     outline: Colour | None = None
     angle: float = 0.0
+    moves: bool = False
 
 
 class DrawRecorder(pymunk.SpaceDebugDrawOptions):
@@ -117,9 +118,11 @@ class DrawRecorder(pymunk.SpaceDebugDrawOptions):
         super().__init__()
         self.calls: list[DrawCall] = []
         self._error: Exception | None = None
+        self._moves = False
 
     def color_for_shape(self, shape: pymunk.Shape) -> Colour:
-        """Return a shape's own colour, or that of its kind of body."""
+        """Return the colour of the shape that Chipmunk draws next: its own colour, or that of its kind of body."""
+        self._moves = shape.body is not None and shape.body.body_type == pymunk.Body.DYNAMIC
         try:
             red, green, blue, alpha = map(float, super().color_for_shape(shape))
         except (TypeError, ValueError) as error:
@@ -129,7 +132,7 @@ class DrawRecorder(pymunk.SpaceDebugDrawOptions):
 
     def draw_circle(self, pos: Point, angle: float, radius: float, outline_color: Colour, fill_color: Colour) -> None:
         """Record a circle with a line from its centre in the direction of `angle`."""
-        self.calls.append(DrawCall("circle", (pos,), radius, fill_color, outline_color, angle))
+        self.calls.append(DrawCall("circle", (pos,), radius, fill_color, outline_color, angle, self._moves))
 
     def draw_segment(self, a: Point, b: Point, color: Colour) -> None:
         """Record a line of a constraint or, if it has the colour of collision points, a contact."""
@@ -138,11 +141,11 @@ class DrawRecorder(pymunk.SpaceDebugDrawOptions):
 
     def draw_fat_segment(self, a: Point, b: Point, radius: float, outline_color: Colour, fill_color: Colour) -> None:
         """Record a segment with round ends."""
-        self.calls.append(DrawCall("segment", (a, b), radius, fill_color, outline_color))
+        self.calls.append(DrawCall("segment", (a, b), radius, fill_color, outline_color, 0.0, self._moves))
 
     def draw_polygon(self, verts: Sequence[Point], radius: float, outline_color: Colour, fill_color: Colour) -> None:
         """Record a convex polygon with corners rounded by a radius."""
-        self.calls.append(DrawCall("polygon", tuple(verts), radius, fill_color, outline_color))
+        self.calls.append(DrawCall("polygon", tuple(verts), radius, fill_color, outline_color, 0.0, self._moves))
 
     def draw_dot(self, size: float, pos: Point, color: Colour) -> None:
         """Record a disc of radius `size`, pixels."""

@@ -16,20 +16,72 @@ time of a step as charts.
 
 ## Any Pymunk space
 
-In Python and notebooks, any space of yours plays in the same page:
+In Python and notebooks, any space plays in the same page, drawn as Pymunk's debug drawing draws it. Give a function
+that builds the space, so that it can begin anew:
 
 ```python
 import pymunk
 
-from pymunk_dragon import live
+from pymunk_dragon import Button, Slider, live
 
-space = pymunk.Space()
-space.gravity = 0, -9.8
-body = pymunk.Body(1, 1)
-space.add(body, pymunk.Circle(body, 0.5), pymunk.PinJoint(space.static_body, body, (0, 3)))
-with live(space, step=1 / 240, browser=False) as session:
+
+def build(gravity=900.0, balls=12):
+    space = pymunk.Space()
+    space.gravity = 0, gravity
+    space.add(pymunk.Segment(space.static_body, (0, 400), (600, 380), 5))
+    for i in range(balls):
+        body = pymunk.Body()
+        body.position = 40 * i + 50, 100
+        circle = pymunk.Circle(body, 15)
+        circle.mass, circle.elasticity = 1, 0.8
+        space.add(body, circle)
+    return space
+
+
+def kick(space):
+    for body in space.bodies:
+        body.apply_impulse_at_local_point((0, -500))
+
+
+controls = [Slider("gravity", 0, 2000), Slider("balls", 1, 14, rebuilds=True), Button("Kick", kick)]
+with live(build, controls=controls, y_down=True, units="px", browser=False) as session:
     print(session.address)  # http://127.0.0.1:.../?token=...
 ```
+
+`on_step` is called before each step, `plots` are shown as charts beside energy and momentum, and an exception in a
+function of yours pauses the session and shows its line on the page.
+
+## A program with a loop of its own
+
+A pygame program plays on the page with its keys and its mouse when three of its lines change: it imports
+`from pymunk_dragon import PygameEvents, live`, opens a session after its space,
+`session = live(space, step=None, y_down=True, units="px", controls=[PygameEvents()])`, and makes its steps by
+`session.step(dt)` in place of `space.step(dt)`. So do these examples of Pymunk's (`python -m pymunk.examples`); those
+whose y points up have no `y_down`:
+
+| example | after this line | in place of this line | y points |
+| --- | --- | --- | --- |
+| arrows | `space = pymunk.Space()` | `space.step(dt)` | down |
+| balls_and_lines | `space = pymunk.Space()` | `space.step(dt)` | up |
+| bouncing_balls | `self._space = pymunk.Space()` | `self._space.step(self._dt)` | down |
+| box2d_pyramid | `self.space = pymunk.Space()` | `self.space.step(dt)` | up |
+| breakout | `space = pymunk.Space()` | `space.step(dt)` | up |
+| camera | `space = pymunk.Space()` | `space.step(dt)` | down |
+| collisions | `space = pymunk.Space()` | `space.step(1.0 / 60.0)` | down |
+| constraints | `space = pymunk.Space()` | `space.step(1.0 / 60)` | down |
+| contact_and_no_flipy | `space = pm.Space()` | `space.step(dt)` | down |
+| contact_with_friction | `space = pymunk.Space()` | `space.step(dt)` | up |
+| damped_rotary_spring_pointer | `space = pymunk.Space()` | `space.step(dt)` | down |
+| deformable | `space = pymunk.Space()` | `space.step(1.0 / fps)` | down |
+| flipper | `space = pymunk.Space()` | `space.step(dt)` | down |
+| index_video | `space = pymunk.Space()` | `space.step(1.0 / fps)` | down |
+| newtons_cradle | `space = pm.Space()` | `space.step(dt)` | up |
+| planet | `space = pymunk.Space()` | `space.step(dt)` | down |
+| platformer | `space = pymunk.Space()` | `space.step(dt)` | up |
+| playground | `self.space = pm.Space()` | `self.space.step(dt)` | up |
+| point_query | `space = pymunk.Space()` | `space.step(dt)` | down |
+| slide_and_pinjoint | `space = pymunk.Space()` | `space.step(1 / 50.0)` | down |
+| using_sprites | `space = pymunk.Space()` | `space.step(dt)` | up |
 
 ## Recordings
 
@@ -71,6 +123,7 @@ them.
 
 from __future__ import annotations
 
+from pymunk_dragon.sessions.controls import Button, Key, PygameEvents, Slider
 from pymunk_dragon.sessions.handle import Live, live
 
-__all__ = ["Live", "live"]
+__all__ = ["Button", "Key", "Live", "PygameEvents", "Slider", "live"]

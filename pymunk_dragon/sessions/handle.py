@@ -18,8 +18,10 @@ from pymunk_dragon._extras import library
 from pymunk_dragon._files import check_destination
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.march import March
+from pymunk_dragon.sessions.controls import Button, Key, PygameEvents, Slider
+from pymunk_dragon.sessions.ready import Ready, dragon, program, ready
 from pymunk_dragon.sessions.recording import RECORDING_ENDINGS, record
-from pymunk_dragon.sessions.scenes import Ready, Scene, dragon, ready
+from pymunk_dragon.sessions.scene import Play
 from pymunk_dragon.sessions.session import Session
 
 if TYPE_CHECKING:
@@ -29,6 +31,7 @@ if TYPE_CHECKING:
 FRAME_HEIGHT = 720
 # s. Longest step of a space.
 MAX_STEP = 10.0
+DEFAULT = Play()
 
 
 class Live:
@@ -61,6 +64,13 @@ class Live:
     def watch_address(self) -> str:
         """Address with which one only watches."""
         return self._server.watch_address
+
+    def step(self, dt: float) -> None:
+        """Make a step of `dt` s, in place of ``space.step(dt)``, in a program that makes the steps itself.
+
+        The program waits here until the step is due: in real time, or while the page has paused it.
+        """
+        self._session.step(dt)
 
     def stop(self) -> None:
         """End the session and its server, and write the recording if there is to be one."""
@@ -97,35 +107,56 @@ class Live:
 
 
 def live(
-    what: March | pymunk.Space | str | None = None,
+    what: March | pymunk.Space | Callable[..., pymunk.Space] | str | None = None,
     *,
-    step: float = 1 / 60,
+    step: float | None = 1 / 60,
+    on_step: Callable[[pymunk.Space, float], object] | None = None,
+    controls: Sequence[Slider | Button | Key | PygameEvents] = (),
+    plots: Mapping[str, Callable[[pymunk.Space], float]] | None = None,
+    y_down: bool = False,
+    units: str = "m",
+    paused: bool = False,
+    browser: bool = True,
     host: str = "127.0.0.1",
     port: int = 0,
     allow_hosts: Sequence[str] = (),
-    browser: bool = True,
     record: str | Path | None = None,
 ) -> Live:
     """Step a march or any Pymunk space in real time, and show it in a browser, where it can be touched.
 
-    Returns at once: the space is stepped in a thread of its own. Do not change it meanwhile, except in `Live.paused`.
+    Give a function that builds the space: it is called at the start and at each reset, which then repeats the run to
+    the bit. Returns at once: the space is stepped in a thread of its own. Change it in `on_step`, in the actions of
+    controls and in Pymunk's callbacks, or from other threads in `Live.paused`.
 
     Parameters
     ----------
-    what : March, pymunk.Space or str, optional
-        What to play: a march, a space, or the name of a ready scene; by default the dragon of the contest.
-    step : float
-        Length of a step of a space, s.
+    what : March, pymunk.Space, callable or str, optional
+        What to play: a march, a space, a function that returns a space, or the name of a ready scene; by default the
+        dragon of the contest. Arguments of the function are the values of sliders.
+    step : float, optional
+        Length of a step of a space, s. None for a program with a loop of its own, which makes the steps by `Live.step`.
+    on_step : callable, optional
+        Function of the space and the time, s, that is called before each step.
+    controls : sequence of Slider, Button, Key and PygameEvents
+        What the page has in addition.
+    plots : mapping of str to callable, optional
+        Functions of the space whose values the page shows as charts, by their titles.
+    y_down : bool
+        Whether y points down on the page.
+    units : str
+        Unit of length of the space, for example "px".
+    paused : bool
+        Whether to begin paused.
+    browser : bool
+        Whether to open a browser.
     host : str
         Address to listen on. With the default, only programs on this machine can connect.
     port : int
         Port; 0 for a free one.
     allow_hosts : sequence of str
         Names of hosts under which a proxy shows the page.
-    browser : bool
-        Whether to open a browser.
     record : path, optional
-        File to write when the session is stopped: .npz, .gif, .apng, .webp or .mp4.
+        File to write when the session is stopped: .json (inputs), .npz (the run of a dragon), .gif, .apng, .webp, .mp4.
 
     Returns
     -------
@@ -141,45 +172,77 @@ def live(
 
     Examples
     --------
-    >>> from pymunk_dragon import live
-    >>> session = live("pendulum", browser=False)
+    >>> import pymunk
+    >>> from pymunk_dragon import Button, Slider, live
+    >>> def build(gravity=900.0, balls=3):
+    ...     space = pymunk.Space()
+    ...     space.gravity = 0, gravity
+    ...     for i in range(balls):
+    ...         body = pymunk.Body(1, 10)
+    ...         body.position = 30 * i, 0
+    ...         space.add(body, pymunk.Circle(body, 10))
+    ...     return space
+    >>> def kick(space):
+    ...     space.bodies[0].apply_impulse_at_local_point((0, -500))
+    >>> controls = [Slider("gravity", 0, 2000), Slider("balls", 1, 9, rebuilds=True), Button("Kick", kick)]
+    >>> session = live(build, controls=controls, y_down=True, units="px", browser=False)
     >>> session.stop()
     """
     library("aiohttp")
     path = None if record is None else check_destination(record, RECORDING_ENDINGS)
-    return serve(
-        Session(source_of(what, step), record=path is not None),
-        host=host,
-        port=port,
-        allow_hosts=allow_hosts,
-        browser=browser,
-        path=path,
+    play = Play(
+        step=None if step is None else finite("step", step, 1e-6, MAX_STEP, "s"),
+        on_step=on_step,
+        controls=tuple(controls),
+        plots=dict(plots or {}),
+        y_down=y_down,
+        units=units,
     )
+    session = Session(source_of(what, play), record=path is not None, running=not paused)
+    return serve(session, host=host, port=port, allow_hosts=allow_hosts, browser=browser, path=path)
 
 
-def source_of(what: object, step: float = 1 / 60) -> Ready:
-    """How the scene of a march, a space or a name is made."""
+def source_of(what: object, play: Play = DEFAULT) -> Ready:
+    """Return how the scene of a march, a space, a function or a name is made."""
     if what is None or isinstance(what, str):
         return ready(what or "dragon")
     if isinstance(what, March):
         return dragon(what)
-    if not isinstance(what, pymunk.Space):
-        raise ParameterError("what", what, "a March, a pymunk.Space, or the name of a scene")
-    length = finite("step", step, 1e-6, MAX_STEP, "s")
-    return Ready(name="space", title="A space", text="Pull a body, cut a joint.", build=_again(what, length))
+    if isinstance(what, pymunk.Space):
+        return program(_again(what), play)
+    if not callable(what):
+        raise ParameterError("what", what, "a March, a pymunk.Space, a function that returns one, or a scene's name")
+    return program(what, play)
 
 
-def _again(space: pymunk.Space, step: float) -> Callable[[Mapping[str, float]], Scene]:
-    """Function that makes the scene of a space, and from the second time on puts the space back before."""
-    made: list[Scene] = []
+def _again(space: pymunk.Space) -> Callable[[], pymunk.Space]:
+    """Return a function that returns a space, from the second time on as it was before."""
+    items: list[pymunk.Body | pymunk.Shape | pymunk.Constraint] = [*space.bodies, *space.shapes, *space.constraints]
+    before = [(item, {name: getattr(item, name) for name in _names(item)}) for item in (space, *items)]
+    calls: list[bool] = []
 
-    def build(values: Mapping[str, float]) -> Scene:
-        if made:
-            made.pop().restore()
-        made.append(Scene(space, step))
-        return made[0]
+    def build() -> pymunk.Space:
+        if calls:
+            # All shapes are removed, as the space keeps contacts of shapes that stay.
+            space.remove(*space.constraints, *space.shapes, *space.bodies)
+            for item, values in before:
+                for name, value in values.items():
+                    setattr(item, name, value)
+            space.add(*items)
+        calls.append(True)
+        return space
 
     return build
+
+
+def _names(item: object) -> tuple[str, ...]:
+    """Return the properties of a part of a space that are put back."""
+    if isinstance(item, pymunk.Body):
+        # The angle comes first: Pymunk finds the position of a body from that of its centre of mass, with the angle.
+        return ("angle", "position", "velocity", "angular_velocity", "force", "torque")
+    if isinstance(item, pymunk.Space):
+        return ("gravity", "damping", "iterations")
+    return ("max_force",) if isinstance(item, pymunk.Constraint) else ()
 
 
 def serve(

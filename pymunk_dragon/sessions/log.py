@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import zlib
 from base64 import b64decode, b64encode
 from collections.abc import Iterator, Mapping
@@ -13,32 +14,26 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pymunk_dragon._arrays import Array
-from pymunk_dragon._checks import whole
+from pymunk_dragon._checks import finite, whole
 from pymunk_dragon._files import read_text
 from pymunk_dragon.errors import DragonError, FileFormatError
 from pymunk_dragon.model.run import opened_archive
 from pymunk_dragon.sessions.messages import INPUTS, checked
-from pymunk_dragon.sessions.scenes import planned
+from pymunk_dragon.sessions.ready import planned
 
 if TYPE_CHECKING:
     from pymunk_dragon.sessions.session import Session
 
 # Inputs that are kept: some hours of a mouse that never rests.
 MAX_INPUTS = 1_000_000
+# Bytes of as many inputs as JSON.
+MAX_SIZE = 100 * MAX_INPUTS
 # Steps of a recording, at most.
 MAX_STEPS = 100_000_000
 
 
 class InputLog:
-    """Inputs, packed: a movement of a hand takes some ten bytes.
-
-    Examples
-    --------
-    >>> log = InputLog()
-    >>> log.append(3, {"do": "cut", "joint": 1})
-    >>> list(log), len(log)
-    ([(3, {'do': 'cut', 'joint': 1})], 1)
-    """
+    """Inputs, packed: a movement of a hand takes some ten bytes."""
 
     def __init__(self) -> None:
         self._packer = zlib.compressobj()
@@ -84,21 +79,7 @@ def _line(step: int, message: dict[str, Any]) -> bytes:
 
 @dataclass(frozen=True, kw_only=True)
 class Log:
-    """What was done to a scene since it was built.
-
-    Attributes
-    ----------
-    plan : mapping or None
-        As `Ready.plan`.
-    values : mapping
-        Values of parameters with which the scene was built.
-    steps : int
-        Number of steps.
-    inputs : list of (int, dict)
-        Numbers of the steps before which messages took effect, and these.
-    poses : str
-        Poses of all bodies after the last step, as `as_text` writes them.
-    """
+    """What was done to a scene since it was built."""
 
     plan: Mapping[str, Any] | None
     values: Mapping[str, float]
@@ -119,17 +100,9 @@ class Log:
 
     @classmethod
     def load(cls, path: str | Path) -> Log:
-        """Read the log in a file that `record` wrote as .npz, or that the page saved as .json.
-
-        Raises
-        ------
-        ParameterError
-            If there is no such file, or it cannot be read.
-        FileFormatError
-            If it is no recording, or a damaged one.
-        """
+        """Read the log in a run that `record` wrote as .npz, or in .json, which the page saves too."""
         if str(path).endswith(".json"):
-            text = read_text(path, "replay")
+            text = read_text(path, "replay", MAX_SIZE)
         else:
             with opened_archive(path, "replay") as (notes, _):
                 text = json.dumps(notes["provenance"].get("live"))
@@ -147,20 +120,14 @@ class Log:
             planned(notes["plan"])
         return cls(
             plan=notes["plan"],
-            values={str(name): float(value) for name, value in notes["values"].items()},
+            values={str(name): finite(name, value, -math.inf, math.inf, "") for name, value in notes["values"].items()},
             steps=whole("steps", notes["steps"], 0, MAX_STEPS),
             inputs=inputs,
             poses=as_text(_numbers(notes["poses"])),
         )
 
     def difference(self, poses: str) -> float:
-        """Largest difference of coordinates, m, and angles, rad, of a replay's last poses from the recording's.
-
-        Raises
-        ------
-        DragonError
-            If they are not of as many bodies.
-        """
+        """Largest difference of coordinates, m, and angles, rad, of a replay's last poses from the recording's."""
         recorded, replayed = _numbers(self.poses), _numbers(poses)
         if len(recorded) != len(replayed):
             raise DragonError("the recording ends with another number of bodies than its replay")

@@ -6,6 +6,7 @@ A message is a JSON object: `do` names the action, other members are its argumen
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -25,33 +26,25 @@ ACTIONS: Mapping[str, Mapping[str, type]] = {
     "finish": {},
     "set": {"name": str, "value": float},
     "contacts": {"value": str},
-    "grab": {"body": int, "x": float, "y": float},
+    "grab": {"x": float, "y": float, "slip": float},
     "drag": {"x": float, "y": float},
     "drop": {},
     "release": {"bench": int},
     "hold": {},
-    "cut": {"joint": int},
+    "cut": {"x": float, "y": float, "slip": float},
     "obstacle": {"shape": str, "x": float, "y": float, "size": float},
     "remove": {"obstacle": int},
+    "press": {"name": str, "down": bool},
+    "pointer": {"x": float, "y": float, "kind": str},
+    "until_contact": {},
     "ping": {"id": int},
 }
 # Actions that change the motion: they are logged with the number of the step before which they act.
-INPUTS = ("set", "contacts", "grab", "drag", "drop", "release", "hold", "cut", "obstacle", "remove")
+INPUTS = ("set", "contacts", "grab", "drag", "drop", "release", "hold", "cut", "obstacle", "remove", "press", "pointer")
 
 
 def parsed(text: str) -> dict[str, Any]:
-    """The message in a text.
-
-    Raises
-    ------
-    ParameterError
-        If it is none.
-
-    Examples
-    --------
-    >>> parsed('{"do": "cut", "joint": 3}')
-    {'do': 'cut', 'joint': 3}
-    """
+    """The message in a text."""
     if len(text) > MAX_MESSAGE:
         raise ParameterError("message", f"{len(text)} characters", f"at most {MAX_MESSAGE}")
     try:
@@ -77,9 +70,9 @@ def _value(name: str, value: object, kind: type) -> Any:
             return float(value)
         except OverflowError:
             raise ParameterError(name, value, "a smaller number") from None
-    if type(value) is not kind:
+    if type(value) is not kind or (isinstance(value, float) and not math.isfinite(value)):
         raise ParameterError(name, value, f"a {NAMES[kind]}")
     return value
 
 
-NAMES = {int: "whole number", float: "number", str: "text"}
+NAMES = {int: "whole number", float: "finite number", str: "text", bool: "truth value"}

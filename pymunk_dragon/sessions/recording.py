@@ -1,175 +1,226 @@
-"""Files of what happened in a session: an .npz, which is a run if it was a dragon, and films."""
+"""Frames of a session, and files of what happened: inputs as .json, the run of a dragon as .npz, films."""
 
 from __future__ import annotations
 
 import io
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict
+import struct
+import tempfile
+import weakref
+from collections.abc import Callable, Iterator
+from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import IO
+from typing import IO, TYPE_CHECKING
 
 import numpy as np
 import pymunk
 from PIL import Image
 
-from pymunk_dragon._arrays import Array
 from pymunk_dragon._files import check_destination, written_in_place
 from pymunk_dragon.drawing.debug_draw import PillowDrawOptions
 from pymunk_dragon.drawing.film import formats, render
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.model.run import Run, write_archive
+from pymunk_dragon.model.run import Run
 from pymunk_dragon.model.settings import engine_provenance
-from pymunk_dragon.sessions.frames import Frames, Recorded
-from pymunk_dragon.sessions.scenes import DragonScene, Scene
-from pymunk_dragon.sessions.scenes.base import ANCHORS
-from pymunk_dragon.sessions.session import Session
+from pymunk_dragon.sessions.dragon import DragonScene
+from pymunk_dragon.sessions.log import Log
+from pymunk_dragon.sessions.scene import Scene, from_binary
 
-# Endings of files of recordings.
-RECORDING_ENDINGS = (".npz", *formats.WRITERS)
+if TYPE_CHECKING:
+    from pymunk_dragon.sessions.session import Session
+
+RECORDING_ENDINGS = (".json", ".npz", *formats.WRITERS)
+# Simulated s between frames.
+INTERVAL = 1 / 30
+# Bytes of frames after which a recording that a client began ends: ten minutes of 223 benches.
+MAX_RECORDED = 100_000_000
 # Frames a second of a film, and pixels of one by Pymunk's debug drawing.
 FPS, SIZE = 20, (640, 480)
-# Radius of the ends of a joint, pixels.
-JOINT_SIZE = 3
-# The area of a film is at most so many times as large as the scene's.
-LARGEST_FIELD = 2.0
 # Inputs whose effects a run does not show.
 NOT_IN_RUNS = {"cut", "obstacle"}
-# Colours of such a film: one index means transparent.
-COLOURS = 255
+# Colours of such a film: one index means transparent. Pictures from which they are chosen.
+COLOURS, SAMPLES = 255, 8
+
+# Before each snapshot: its time, s, and its length, bytes.
+FRAME = struct.Struct("<dI")
 
 Progress = Callable[[int, int], None]
 
 
+class Frames:
+    """Times and snapshots of a scene, in a file of the session's own."""
+
+    def __init__(self, file: IO[bytes], limit: float = np.inf) -> None:
+        self._file, self._limit = file, limit
+
+    def clear(self) -> None:
+        """Forget all frames."""
+        self._file.seek(0)
+        self._file.truncate()
+
+    def append(self, scene: Scene) -> None:
+        """Add the present state of the scene."""
+        snapshot = scene.snapshot()
+        self._file.write(FRAME.pack(scene.time, len(snapshot)) + snapshot)
+
+    @property
+    def is_full(self) -> bool:
+        """Whether there is no room for another frame."""
+        return self._file.tell() >= self._limit
+
+    def __iter__(self) -> Iterator[tuple[float, bytes]]:
+        end = self._file.tell()
+        self._file.seek(0)
+        while self._file.tell() < end:
+            time, length = FRAME.unpack(self._file.read(FRAME.size))
+            yield time, self._file.read(length)
+
+
+class Recorder:
+    """Frames of a session, and the recording of a client."""
+
+    def __init__(self, *, always: bool) -> None:
+        self.frames = self._in_a_file() if always else None
+        self.recorded: Recorded | None = None
+        self._recording: Frames | None = None
+        self._steps_of_frame = 1
+
+    @property
+    def is_recording(self) -> bool:
+        """Whether a client records at the moment."""
+        return self._recording is not None
+
+    @property
+    def seconds(self) -> float | None:
+        """Length of the last recording, s, if it is a run that can be saved."""
+        if self.recorded is None or not isinstance(self.recorded.scene, DragonScene):
+            return None
+        return self.recorded.times[-1] - self.recorded.times[0]
+
+    def rebuilt(self, scene: Scene) -> None:
+        """Begin anew with the session's new scene: remove all frames."""
+        self._steps_of_frame = max(1, round(INTERVAL / scene.step_length))
+        for frames in self._kept():
+            frames.clear()
+
+    def keep(self, session: Session) -> Iterator[str]:
+        """Keep a frame of the present state if one is due, and yield a text for each error."""
+        if session.scene.steps % self._steps_of_frame:
+            return
+        try:
+            for frames in self._kept():
+                frames.append(session.scene)
+        except OSError as error:
+            self.frames = None
+            yield f"frames are no longer kept: {error.strerror}"
+        if self._recording is not None and self._recording.is_full:
+            self.finish(session)
+            yield "the recording is full, and has ended"
+
+    def begin(self, scene: Scene) -> None:
+        """Begin the recording of a client."""
+        self._recording = Frames(io.BytesIO(), MAX_RECORDED)
+        self._recording.append(scene)
+
+    def finish(self, session: Session) -> None:
+        """End the recording of a client, if one goes on."""
+        if self._recording is not None:
+            self.recorded, self._recording = Recorded.of(session, self._recording), None
+
+    def _kept(self) -> list[Frames]:
+        return [frames for frames in (self.frames, self._recording) if frames is not None]
+
+    def _in_a_file(self) -> Frames:
+        """Return frames in a file without a name, which is gone with the recorder."""
+        file = tempfile.TemporaryFile()  # noqa: SIM115 (it is closed with the recorder)
+        weakref.finalize(self, file.close)
+        return Frames(file)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Recorded:
+    """What happened in a session up to a moment."""
+
+    scene: Scene
+    log: Log
+    times: list[float]
+    snapshots: list[bytes]
+
+    @classmethod
+    def of(cls, session: Session, frames: Frames | None) -> Recorded:
+        """Return the frames of a session that does not step at the moment; the last is the present one."""
+        scene, found = session.scene, list(frames or ())
+        if not found or found[-1][0] < scene.time:
+            found.append((scene.time, scene.snapshot()))
+        times, snapshots = map(list, zip(*found, strict=True))
+        return cls(scene=scene, log=Log.of(session), times=times, snapshots=snapshots)
+
+    @property
+    def is_run(self) -> bool:
+        """Whether the film of a run shows all there was: it has neither obstacles nor joints that were cut."""
+        done = {message["do"] for _, message in self.log.inputs}
+        return isinstance(self.scene, DragonScene) and not self.scene.obstacles and NOT_IN_RUNS.isdisjoint(done)
+
+    def run(self) -> Run:
+        """Return the frames of a dragon as a run, with errors against the exact model at the times of the march."""
+        scene, log, times = self.scene, self.log, np.array(self.times)
+        if not isinstance(scene, DragonScene):
+            raise ParameterError("record", ".npz", ".json or a film: only a dragon's session is a run")
+        states = [from_binary(snapshot, "<f8") for snapshot in self.snapshots]
+        march_times = np.array([header["march_time"] for header, _ in states])
+        poses = np.array([arrays["poses"].reshape(-1, 3) for _, arrays in states])
+        exact = scene.march.at(march_times).positions
+        front, rear = scene.march.dragon.holes(poses)
+        errors = np.linalg.norm(front - exact[:, :-1], axis=-1), np.linalg.norm(rear - exact[:, 1:], axis=-1)
+        span = {"start": float(times[0]), "until": float(times[-1])}
+        notes = engine_provenance(scene.world.settings, guide="rails", substeps=log.steps, **span)
+        live = {**asdict(log), "march_times": march_times.tolist()}
+        provenance = {**notes, "live": live}
+        return Run(march=scene.march, times=times, poses=poses, drift=np.maximum(*errors), provenance=provenance)
+
+
 def record(session: Session, path: str | Path, progress: Progress | None = None) -> None:
-    """Write what happened in a session since its scene was built: as .npz, or as a film.
-
-    The .npz of a dragon is a run as well, which `Run.load` reads.
-
-    Parameters
-    ----------
-    session : Session
-        A session that does not step at the moment.
-    path : path
-        File to write, ending in .npz or as a film.
-    progress : callable, optional
-        Called with the number of pictures that are drawn, and of all.
-
-    Raises
-    ------
-    ParameterError
-        If the ending is another one, the file cannot be created, or a film would have a single frame.
-    OutputError
-        If writing fails.
-    """
+    """Write what happened in a session since its scene was built: inputs as .json, a dragon's run as .npz, a film."""
     destination = check_destination(path, RECORDING_ENDINGS)
-    recorded = Recorded.of(session, session.recorder.frames or Frames(io.BytesIO()))
-    if destination.suffix.lower() == ".npz":
-        save(recorded, destination)
+    ending = destination.suffix.lower()
+    if ending == ".json":
+        with written_in_place(destination) as draft:
+            draft.write_text(Log.of(session).to_json())
+        return
+    recorded = Recorded.of(session, session.recorder.frames)
+    if ending == ".npz":
+        recorded.run().save(destination)
     elif len(recorded.times) < 2:
         raise ParameterError("record", str(path), "a file of a session with at least two frames")
-    elif _is_march(recorded):
-        render(_run(recorded), destination, progress=progress, speedup=1, fps=FPS)
+    elif recorded.is_run:
+        render(recorded.run(), destination, progress=progress, speedup=1, fps=FPS)
     else:
-        _film(session, recorded, destination, progress)
+        _film(recorded, destination, progress)
 
 
-def _is_march(recorded: Recorded) -> bool:
-    """Whether the film of a run shows all there was: it has neither obstacles nor joints that were cut."""
-    scene = recorded.scene
-    return (
-        isinstance(scene, DragonScene)
-        and not scene.obstacles
-        and NOT_IN_RUNS.isdisjoint(message["do"] for _, message in recorded.log.inputs)
-    )
+def _film(recorded: Recorded, destination: Path, progress: Progress | None) -> None:
+    """Write a film by Pymunk's debug drawing."""
+    scene, times, snapshots = recorded.scene, np.array(recorded.times), recorded.snapshots
+    every = snapshots[:: max(1, len(snapshots) // SAMPLES)]
+    table = Image.fromarray(np.concatenate([np.asarray(_picture(scene, each)) for each in every])).quantize(COLOURS)
 
+    def pictures() -> Iterator[Image.Image]:
+        for done, snapshot in enumerate(snapshots, start=1):
+            yield _picture(scene, snapshot).quantize(palette=table, dither=Image.Dither.NONE)
+            if progress is not None:
+                progress(done, len(snapshots))
 
-def save(recorded: Recorded, file: Path | IO[bytes]) -> None:
-    """Write frames and log as .npz, to a path or an open file; those of a dragon are a run."""
-    if isinstance(recorded.scene, DragonScene):
-        _run(recorded).save(file)
-    else:
-        arrays = {"times": recorded.times, "poses": recorded.poses.ravel()}
-        write_archive(file, {"provenance": {"live": asdict(recorded.log)}}, arrays)
-
-
-def _run(recorded: Recorded) -> Run:
-    """The frames of a dragon as a run, with errors against the exact model at the times of the march."""
-    scene, log, times, poses = recorded.scene, recorded.log, recorded.times, recorded.poses
-    assert isinstance(scene, DragonScene)  # Only a dragon is saved as a run.
-    exact = scene.march.at(recorded.march_times).positions
-    front, rear = scene.march.dragon.holes(poses)
-    errors = np.linalg.norm(front - exact[:, :-1], axis=-1), np.linalg.norm(rear - exact[:, 1:], axis=-1)
-    span = {"start": float(times[0]), "until": float(times[-1])}
-    notes = engine_provenance(scene.world.settings, guide="rails", substeps=log.steps, **span)
-    live = {**asdict(log), "march_times": recorded.march_times.tolist()}
-    return Run(
-        march=scene.march, times=times, poses=poses, drift=np.maximum(*errors), provenance={**notes, "live": live}
-    )
-
-
-def _film(session: Session, recorded: Recorded, destination: Path, progress: Progress | None) -> None:
-    """Write a film of a replay by Pymunk's debug drawing; at its end the session is where it was."""
-    log, times = recorded.log, recorded.times
-    field = _field(recorded)
-    last = _picture(session.scene, field)
-    session.play_again(log.inputs, log.values, log.steps)
-    table = _table([_picture(session.scene, field), last, _obstacle()])
     ends = np.append(times[1:], 2 * times[-1] - times[-2]) - times[0]
-    pictures = _pictures(session, field, times, table, progress)
     with written_in_place(destination) as draft:
-        film = formats.Frames(pictures=pictures, ends=ends.tolist(), size=SIZE, fps=FPS)
+        film = formats.Frames(pictures=pictures(), ends=ends.tolist(), size=SIZE, fps=FPS)
         formats.WRITERS[destination.suffix.lower()](draft, film)
 
 
-def _table(pictures: Sequence[Image.Image]) -> Image.Image:
-    """An image with a table of the colours of all pictures."""
-    return Image.fromarray(np.concatenate([np.asarray(picture) for picture in pictures])).quantize(COLOURS)
-
-
-def _obstacle() -> Image.Image:
-    """Picture of an obstacle, which may stand only for a while."""
-    space = pymunk.Space()
-    space.add(pymunk.Circle(space.static_body, 1))
-    return _picture(Scene(space), pymunk.BB(-1, -1, 1, 1))
-
-
-def _pictures(
-    session: Session, field: pymunk.BB, times: Array, table: Image.Image, progress: Progress | None
-) -> Iterator[Image.Image]:
-    """Pictures of a session that is replayed, in the colours of `table`, at times (F,), s."""
-    for done, time in enumerate(times, start=1):
-        session.step_to(time)
-        yield _picture(session.scene, field).quantize(palette=table, dither=Image.Dither.NONE)
-        if progress is not None:
-            progress(done, len(times))
-
-
-def _field(recorded: Recorded) -> pymunk.BB:
-    """The area where bodies and obstacles are, unless it is much larger than the scene's."""
-    scene = recorded.scene
-    centre, half = np.array(scene.field["centre"]), np.array(scene.field["size"]) / 2
-    put = [message for _, message in recorded.log.inputs if message["do"] == "obstacle"] + [*scene.obstacles.values()]
-    boxes = [(each["x"], each["y"], each["size"] / 2) for each in put]
-    points = np.array([(x + side * size, y + side * size) for x, y, size in boxes for side in (-1, 1)])
-    points = np.vstack([centre - half, centre + half, recorded.poses[..., :2].reshape(-1, 2), points.reshape(-1, 2)])
-    points = np.clip(points, centre - LARGEST_FIELD * half.max(), centre + LARGEST_FIELD * half.max())
-    return pymunk.BB(*points.min(axis=0), *points.max(axis=0))
-
-
-def _picture(scene: Scene, field: pymunk.BB) -> Image.Image:
-    """Picture of an area of the scene by Pymunk's debug drawing."""
+def _picture(scene: Scene, snapshot: bytes) -> Image.Image:
+    """Return the picture of a snapshot by Pymunk's debug drawing."""
     picture = Image.new("RGB", SIZE, "white")
-    options = PillowDrawOptions(picture, positive_y_is_up=True)
-    options.fit(field)
-    options.flags &= ~options.DRAW_CONSTRAINTS
-    scene.space.debug_draw(options)
+    options = PillowDrawOptions(picture, positive_y_is_up=not scene.play.y_down)
+    (x, y), (width, height) = scene.field["centre"], scene.field["size"]
+    options.fit(pymunk.BB(x - width / 2, y - height / 2, x + width / 2, y + height / 2))
     with options:
-        for joint in scene.standing_joints():
-            a, b = (
-                body.local_to_world(getattr(joint, anchor, (0, 0)))
-                for body, anchor in zip((joint.a, joint.b), ANCHORS, strict=True)
-            )
-            options.draw_segment(a, b, options.constraint_color)
-            options.draw_dot(JOINT_SIZE, a, options.constraint_color)
-            options.draw_dot(JOINT_SIZE, b, options.constraint_color)
+        options.calls += scene.calls_of(snapshot)
     return picture

@@ -27,17 +27,16 @@ from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.sessions.log import Log
 from pymunk_dragon.sessions.messages import MAX_MESSAGE, parsed
 from pymunk_dragon.sessions.page import live_page
-from pymunk_dragon.sessions.recording import save
 from pymunk_dragon.sessions.session import Session
 
 # Bytes of a message: a character takes up to four.
 MAX_BYTES = 4 * MAX_MESSAGE
-# Messages of a client in a second; further ones are ignored, and answered once.
-MOST_MESSAGES = 500
+# Messages of a client in a second: the others wait, and a client that sends more for so many seconds is disconnected.
+MOST_MESSAGES, FLOOD_TIME = 500, 10
 # Texts that wait for a client; one that does not take them is disconnected.
 MAX_TEXTS = 1000
-# Clients at once.
-MAX_CLIENTS = 200
+# Clients at once, and those of them who only watch: places are kept for those who control.
+MAX_CLIENTS, MAX_WATCHERS = 220, 200
 # s after which a client that does not answer is disconnected.
 HEARTBEAT = 20.0
 # s in which the server has to begin, and clients to take the last bytes.
@@ -60,7 +59,7 @@ class _Client:
         self._texts: deque[str] = deque()
         self._frame: bytes | None = None
         self._news = asyncio.Event()
-        self._second, self._messages = 0.0, 0
+        self._second, self._messages, self._floods = 0.0, 0, 0
 
     def tell(self, message: dict[str, Any]) -> None:
         """Send a text; a client that does not take them is disconnected."""
@@ -75,16 +74,17 @@ class _Client:
         self._frame = frame
         self._news.set()
 
-    def floods(self, now: float) -> bool:
-        """Whether another message at this time, s, is one too many."""
+    async def slow_down(self) -> None:
+        """Count a message, and wait before one too many: meanwhile, nothing is read from this client."""
+        now = asyncio.get_running_loop().time()
         if now - self._second >= 1:
             self._second, self._messages = now, 0
         self._messages += 1
-        if self._messages == MOST_MESSAGES + 1:
-            self.tell(
-                {"kind": "error", "text": f"more than {MOST_MESSAGES} messages in a second: the others are ignored"}
-            )
-        return self._messages > MOST_MESSAGES
+        if self._messages > MOST_MESSAGES:
+            self._floods += 1
+            if self._floods >= FLOOD_TIME:
+                self._drop()
+            await asyncio.sleep(self._second + 1 - now)
 
     async def send(self) -> None:
         """Send what there is, as fast as the client takes it."""
@@ -100,26 +100,7 @@ class _Client:
 
 
 class Server:
-    """Serves a session to browsers.
-
-    Parameters
-    ----------
-    session : Session
-        The session, which is started and stopped with the server.
-    host : str
-        Address to listen on; by default only this machine can connect.
-    port : int
-        Port; 0 for a free one.
-    allowed : sequence of str
-        Names of hosts under which a proxy shows the page.
-
-    Attributes
-    ----------
-    port : int
-        The port.
-    token, watch_token : str
-        What an address must have to control the session, or to watch it.
-    """
+    """Serves a session to browsers."""
 
     def __init__(
         self, session: Session, *, host: str = "127.0.0.1", port: int = 0, allowed: Sequence[str] = ()
@@ -155,13 +136,7 @@ class Server:
         return self._address(self.watch_token)
 
     def start(self) -> None:
-        """Begin to serve, and to step.
-
-        Raises
-        ------
-        ParameterError
-            If the address cannot be used.
-        """
+        """Begin to serve, and to step."""
         self._thread.start()
         if not self._begun.wait(START_TIME):
             raise ParameterError("host", self.host, f"an address that is found within {START_TIME:g} s")
@@ -253,7 +228,10 @@ class Server:
             return web.Response(status=403, text="Requests of other pages are refused.\n", headers=HEADERS)
         if not (_has_token(request, self.token) or _has_token(request, self.watch_token)):
             return web.Response(status=403, text="The address needs the token that was printed.\n", headers=HEADERS)
-        response: web.StreamResponse = await handler(request)
+        try:
+            response: web.StreamResponse = await handler(request)
+        except web.HTTPException as error:  # Such as of an address that does not exist.
+            return web.Response(status=error.status, text=f"{error.reason}\n", headers=HEADERS)
         return response
 
     def _is_known(self, name: str | None) -> bool:
@@ -274,10 +252,10 @@ class Server:
     async def _run_file(self, request: web.Request) -> web.Response:
         """What a client recorded last, as .npz."""
         recorded = self.session.recorder.recorded
-        if recorded is None:
+        if recorded is None or self.session.recorder.seconds is None:
             return web.Response(status=404, text="Nothing was recorded.\n", headers=HEADERS)
         file = io.BytesIO()
-        await asyncio.to_thread(save, recorded, file)
+        await asyncio.to_thread(lambda: recorded.run().save(file))
         return _download(file.getvalue(), "live.npz", "application/octet-stream")
 
     async def _inputs(self, request: web.Request) -> web.Response:
@@ -293,21 +271,22 @@ class Server:
         return _download(text.encode(), "live.json", "application/json")
 
     async def _socket(self, request: web.Request) -> web.StreamResponse:
-        if len(self._clients) >= MAX_CLIENTS:
+        controls = _has_token(request, self.token)
+        watchers = sum(not client.controls for client in self._clients)
+        if len(self._clients) >= MAX_CLIENTS or (watchers >= MAX_WATCHERS and not controls):
             return web.Response(status=503, text="There are too many clients.\n", headers=HEADERS)
         connection = web.WebSocketResponse(compress=False, heartbeat=HEARTBEAT, max_msg_size=MAX_BYTES)
         await connection.prepare(request)
         transport = request.transport
         assert transport is not None  # The request is being answered.
-        client = _Client(connection, _has_token(request, self.token), transport.abort)
+        client = _Client(connection, controls, transport.abort)
         client.tell(self._for(client, self.session.description()))
         self._clients.add(client)
         self._count()
         sending = asyncio.create_task(client.send())
         try:
             async for message in connection:
-                if client.floods(asyncio.get_running_loop().time()):
-                    continue
+                await client.slow_down()
                 if message.type is WSMsgType.TEXT:
                     self._receive(client, message.data)
                 else:

@@ -2,22 +2,26 @@
 
 from __future__ import annotations
 
+import sys
 import threading
+import traceback
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
+from pathlib import Path
 from time import perf_counter, sleep
 from typing import Any
 
-import numpy as np
+import pymunk
 
 from pymunk_dragon._checks import finite, whole, word
 from pymunk_dragon.errors import DragonError, ParameterError
-from pymunk_dragon.sessions.frames import Recorder
+from pymunk_dragon.sessions.controls import Slider
 from pymunk_dragon.sessions.log import MAX_INPUTS, InputLog, as_text
 from pymunk_dragon.sessions.messages import INPUTS
-from pymunk_dragon.sessions.replay import PATIENCE, Replay
-from pymunk_dragon.sessions.scenes import SCENES, Parameter, Ready, ready
+from pymunk_dragon.sessions.ready import SCENES, Ready, ready
+from pymunk_dragon.sessions.recording import Recorder
+from pymunk_dragon.sessions.scene import without_nan
 
 # Simulated over real time.
 SPEEDS = 0.1, 20.0
@@ -27,53 +31,50 @@ FRAME_RATE = 60.0
 LARGEST_DEBT = 0.1
 # s of real time after which the thread takes messages, even if further steps are due.
 LONGEST_TURN = 1 / FRAME_RATE
-# s between two checks for messages while the thread waits.
-TICK = 0.002
+# s between two checks for messages while the thread waits; and for Ctrl-C while another thread waits for it.
+TICK, PATIENCE = 0.002, 0.2
+# s that `stop` waits for the thread, which a function of the user's may hold.
+LONGEST_STOP = 0.5
+# s. Longest step of a program that makes the steps itself.
+MAX_LENGTH = 10.0
 # Steps at once.
 MAX_COUNT = 100_000
-# s over which the rate is averaged.
-RATE_TIME = 1.0
+# s over which the rate is averaged, and between two values of the charts.
+RATE_TIME, PLOT_TIME = 1.0, 0.1
 # Share of a new value in the mean time of a step that is shown.
 SMOOTHING = 0.1
 # Messages that wait for the thread; a client that floods loses the others.
 MAX_WAITING = 1000
-# Steps between two checks whether the bodies flew apart.
-CHECKED = 10
+# Events of a second that clients get; the others are counted.
+MAX_EVENTS = 20
+# Lines of a traceback that the page shows.
+TRACE_LINES = 8
+# Files that are not the user's.
+LIBRARIES = str(Path(__file__).parents[1]), str(Path(pymunk.__file__).parent)
 
 
 class _StoppedError(Exception):
     """The session was stopped while a program held it."""
 
 
+class _Replay:
+    """Inputs of a recording that are carried out again, each before a certain step, until the step `steps`."""
+
+    def __init__(self, inputs: Sequence[tuple[int, dict[str, Any]]], steps: int) -> None:
+        self.inputs, self.steps = deque(inputs), steps
+        self.ended = threading.Event()
+        self.poses: str | None = None
+        self.error: str | None = None
+
+    def end(self, *, poses: str | None = None, error: str | None = None) -> None:
+        """End with the last poses, with an error, or with neither if the replay is cancelled; only once."""
+        if not self.ended.is_set():
+            self.poses, self.error = poses, error
+            self.ended.set()
+
+
 class Session:
-    """A scene in motion.
-
-    Parameters
-    ----------
-    source : Ready
-        How the scene is made.
-    record : bool
-        Whether frames are kept from the beginning, in a temporary file.
-    running : bool
-        Whether time goes on from the beginning.
-
-    Attributes
-    ----------
-    tell, show : callable
-        Called from the session's thread with each message for all clients, a dict, and with each frame, bytes.
-    clients : int
-        Number of clients; without one, no frames are made.
-    scene : Scene
-        The scene. Only the session's thread changes it.
-    running : bool
-        Whether time goes on.
-    speed : float
-        Simulated over real time.
-    inputs : InputLog
-        What was done since the scene was built.
-    recorder : Recorder
-        Frames of the session, and the recording of a client.
-    """
+    """A scene in motion."""
 
     def __init__(self, source: Ready, *, record: bool = False, running: bool = True) -> None:
         self.source = self._own = source
@@ -83,27 +84,65 @@ class Session:
         self.running, self.speed = running, 1.0
         self.generation = 0
         self.recorder = Recorder(always=record)
-        self._replay = Replay((), 0)
+        self._replay = _Replay((), 0)
+        self._replay.end()
         self._waiting: deque[tuple[dict[str, Any], Callable[[str], None]]] = deque()
         self._calls: deque[Callable[[], None]] = deque()
-        self._rate = self._step_seconds = 0.0
+        self._wanted: tuple[Ready, Mapping[str, float]] | None = None
+        self._rate = self._measured = self._step_seconds = self._plotted = 0.0
+        self._second, self._events = 0.0, 0
+        self._due = self._frame_due = self._stepped = perf_counter()
+        self._raised: list[Exception] = []
+        self._failed: tuple[int, int, str] | None = None
         self._stepping = threading.Lock()
         self._changed, self._ended = False, threading.Event()
         self._single_steps = 0
-        self._rebuild({})
+        self._description: dict[str, Any] = {}
+        self._build(source, {})
         self._thread = threading.Thread(target=self._run, name="pymunk-dragon live", daemon=True)
 
     # ---- from other threads
 
     def start(self) -> None:
-        """Begin to step."""
-        self._thread.start()
+        """Begin to step, unless a program makes the steps."""
+        if self.scene.play.step is not None:
+            self._thread.start()
+
+    def step(self, length: float) -> None:
+        """Make a step of a program that makes the steps itself, when it is due: messages and frames go on meanwhile."""
+        if self.scene.play.step is not None:
+            raise ParameterError("step", self.scene.play.step, "None for a program that makes the steps itself")
+        self.scene.step_length = finite("dt", length, 0, MAX_LENGTH, "s")
+        if not self.scene.steps:
+            # Now the program has opened its window and filled its space.
+            self.scene.fit()
+            self._describe()
+            self.tell(self._description)
+        while not self._ended.is_set():
+            with self._unheld():
+                self._take_messages()
+            now = perf_counter()
+            if not self.running:
+                self._due = now
+            self._due = max(self._due, now - LARGEST_DEBT)
+            if self._single_steps or (self.running and now >= self._due):
+                break
+            self._refresh(now)
+            sleep(TICK)
+        begin = self.scene.time
+        self._single_steps = max(self._single_steps - 1, 0)
+        self._step()
+        self._due += length / self.speed
+        now = perf_counter()
+        self._measure(self.scene.time - begin, now - self._stepped)
+        self._stepped = now
+        self._refresh(now)
 
     def stop(self) -> None:
-        """End the thread."""
+        """End the thread; one that is held by a function of the user's ends after it."""
         self._ended.set()
         if self._thread.is_alive():
-            self._thread.join()
+            self._thread.join(LONGEST_STOP)
 
     def post(
         self, message: dict[str, Any], answer: Callable[[str], None] = lambda error: None, *, always: bool = False
@@ -128,23 +167,25 @@ class Session:
         self._calls.append(action)
 
     def description(self) -> dict[str, Any]:
-        """What a client gets when it connects, and after each rebuild."""
+        """Return what a client gets when it connects, and after each rebuild."""
         return self._description
 
     def state(self) -> dict[str, Any]:
-        """What changes now and then."""
-        recorded = self.recorder.recorded
-        return {
-            "kind": "state",
-            "generation": self.generation,
-            "running": self.running,
-            "speed": self.speed,
-            "recording": self.recorder.is_recording,
-            "recorded": None if recorded is None else float(np.ptp(recorded.times)),
-            "replaying": not self._replay.has_ended,
-            "clients": self.clients,
-            **self.scene.state(),
-        }
+        """Return what changes now and then."""
+        state: dict[str, Any] = without_nan(
+            {
+                "kind": "state",
+                "generation": self.generation,
+                "running": self.running,
+                "speed": self.speed,
+                "recording": self.recorder.is_recording,
+                "recorded": self.recorder.seconds,
+                "replaying": not self._replay.ended.is_set(),
+                "clients": self.clients,
+                **self.scene.state(),
+            }
+        )
+        return state
 
     def wait(self) -> None:
         """Wait until the session is stopped from another thread."""
@@ -152,42 +193,49 @@ class Session:
             pass
 
     def wait_for_replay(self) -> str | None:
-        """Wait for the end of a replay, and return its last poses, or None if it was cancelled.
-
-        Raises
-        ------
-        DragonError
-            If an input of the recording cannot be carried out.
-        """
-        return self._replay.wait()
+        """Wait for the end of a replay, and return its last poses, or None if it was cancelled."""
+        while not self._replay.ended.wait(PATIENCE):
+            pass
+        if self._replay.error is not None:
+            raise DragonError(self._replay.error)
+        return self._replay.poses
 
     def play_again(self, inputs: Sequence[tuple[int, dict[str, Any]]], values: Mapping[str, float], steps: int) -> None:
         """Build the scene with these values, and carry out inputs before the steps of these numbers, up to `steps`.
 
-        Only before `start` and after `stop`.
+        Only before `start`.
         """
-        self._rebuild(values)
-        self._replay = Replay(inputs, steps)
+        self._build(self.source, values)
+        self._replay = _Replay(inputs, steps)
         self._go_on_with_replay()
-
-    def step_to(self, time: float) -> None:
-        """Make the steps of a replay up to this time, s, while the thread does not run."""
-        while not self._replay.has_ended and self.scene.time < time - self.scene.step_length / 2:
-            self._step()
 
     def touch(self) -> None:
         """Send the state again after the next step."""
         self._changed = True
 
     def poses(self) -> str:
-        """The bodies' poses to the last bit, as text."""
+        """Return the bodies' poses to the last bit, as text."""
         return as_text(self.scene.poses())
 
     # ---- the thread
 
     def _run(self) -> None:
-        with suppress(_StoppedError):
-            self._play()
+        # Exceptions in callbacks, which C calls, reach this hook only.
+        before = sys.unraisablehook
+
+        def hook(raised: Any) -> None:
+            if threading.current_thread() is self._thread and isinstance(raised.exc_value, Exception):
+                self._raised.append(raised.exc_value)
+            else:
+                before(raised)
+
+        sys.unraisablehook = hook
+        try:
+            with suppress(_StoppedError):
+                self._play()
+        finally:
+            if sys.unraisablehook is hook:
+                sys.unraisablehook = before
 
     @contextmanager
     def _unheld(self) -> Iterator[None]:
@@ -202,92 +250,136 @@ class Session:
 
     def _play(self) -> None:
         """Step in time with the clock, and make frames."""
-        debt, last, due = 0.0, perf_counter(), perf_counter()
+        debt, last = 0.0, perf_counter()
         while not self._ended.is_set():
+            generation = self.generation
             with self._unheld():
                 self._take_messages()
+            # The time in which a scene is built is not played.
             now = perf_counter()
-            passed, last = now - last, now
+            passed, last = (0.0 if generation != self.generation else now - last), now
             # A step may be longer than the largest debt.
             most = max(LARGEST_DEBT * self.speed, self.scene.step_length)
             debt = min(debt + passed * self.speed, most) if self.running else 0.0
-            begin, before = perf_counter(), self.scene.time
-            stepped = False
-            while self._single_steps or (self.running and debt >= self.scene.step_length):
-                debt -= self.scene.step_length
-                self._single_steps = max(self._single_steps - 1, 0)
-                stepped = True
-                with self._unheld():
-                    self._step()
-                if perf_counter() - begin > LONGEST_TURN or self._waiting:
-                    break
+            before = self.scene.time
+            debt, stepped = self._turn(debt)
             self._measure(self.scene.time - before, passed)
-            if self._changed:
-                self._changed = False
-                self.tell(self.state())
-            if self.clients and (now := perf_counter()) >= due:
-                # At even intervals, but none is made up for.
-                due = max(due, now - 1 / FRAME_RATE) + 1 / FRAME_RATE
-                self._show()
+            self._refresh(perf_counter())
             if not stepped:
                 sleep(TICK)
 
-    def _measure(self, simulated: float, passed: float) -> None:
-        if passed > 0:
-            self._rate += min(1.0, passed / RATE_TIME) * (simulated / passed - self._rate)
+    def _refresh(self, now: float) -> None:
+        """Send the state if it changed, and a frame if one is due."""
+        if self._changed:
+            self._changed = False
+            self.tell(self.state())
+        if self.clients and now >= self._frame_due:
+            # At even intervals, but none is made up for.
+            self._frame_due = max(self._frame_due, now - 1 / FRAME_RATE) + 1 / FRAME_RATE
+            self._show(now)
 
-    def _show(self) -> None:
-        with suppress(ValueError):
-            self.show(self.scene.frame(self.generation, self._rate, self._step_seconds))
+    def _turn(self, debt: float) -> tuple[float, bool]:
+        """Make the steps that are due, for a while, and return the debt that is left, and whether one was made."""
+        begin, stepped = perf_counter(), False
+        while self._single_steps or (self.running and debt >= self.scene.step_length):
+            debt -= self.scene.step_length
+            self._single_steps = max(self._single_steps - 1, 0)
+            stepped = True
+            with self._unheld():
+                self._step()
+            if perf_counter() - begin > LONGEST_TURN or self._waiting:
+                break
+        return debt, stepped
+
+    def _measure(self, simulated: float, passed: float) -> None:
+        """Average the rate over the last second, or since time goes on."""
+        if not self.running:
+            self._measured = 0.0
+        elif passed > 0:
+            self._measured = min(self._measured + passed, RATE_TIME)
+            self._rate += passed / max(self._measured, passed) * (simulated / passed - self._rate)
+
+    def _show(self, now: float) -> None:
+        rate = self._rate if self._measured >= RATE_TIME / 2 else None
+        header: dict[str, Any] = {"generation": self.generation, "rate": rate, "step_time": self._step_seconds}
+        with self._watched():
+            if now >= self._plotted + PLOT_TIME and self.running:
+                self._plotted = now
+                header["plots"] = list(self.scene.plots().values())
+            self.show(self.scene.frame(header))
+
+    @contextmanager
+    def _watched(self) -> Iterator[None]:
+        """Context in which an exception of the user's functions pauses the session, and is shown."""
+        try:
+            yield
+            if self._raised:
+                raise self._raised[0]
+        except Exception as error:
+            if self._replay.ended.is_set():
+                self._pause()
+                self._tell_error(error)
+            else:
+                self._fail_replay(f"the replay ends at step {self.scene.steps}: {error}")
+        finally:
+            self._raised.clear()
 
     def _step(self) -> None:
         """Make one step."""
-        scene = self.scene
-        begin = perf_counter()
-        try:
+        scene, begin = self.scene, perf_counter()
+        with self._watched():
             scene.advance()
-            if scene.steps % CHECKED == 0 and not np.isfinite(scene.poses()).all():
-                raise DragonError("the bodies flew apart: reset, and take shorter steps")
-        except Exception as error:
-            if self._replay.has_ended:
-                self._pause()
-                self._tell_error(str(error))
-            else:
-                self._fail_replay(f"the replay ends at step {scene.steps}: {error}")
-            return
-        self._step_seconds += SMOOTHING * (perf_counter() - begin - self._step_seconds)
-        self._keep_frame()
-        for text in scene.events:
-            self.tell({"kind": "event", "time": scene.time, "text": text})
-        scene.events.clear()
-        if scene.stops:
-            scene.stops = False
-            # The recorded session went on after that.
-            if self._replay.has_ended:
-                self._pause()
-        self._go_on_with_replay()
+            self._step_seconds += SMOOTHING * (perf_counter() - begin - self._step_seconds)
+            self._keep_frame()
+            self._tell_events()
+            if scene.stops:
+                scene.stops = False
+                # The recorded session went on after that.
+                if self._replay.ended.is_set():
+                    self._pause()
+            self._go_on_with_replay()
+
+    def _tell_events(self) -> None:
+        """Tell what happened, but not more than clients can show; the rest is counted."""
+        now = perf_counter()
+        if now - self._second >= 1:
+            if self._events > MAX_EVENTS:
+                i = self._events - MAX_EVENTS
+                self.tell({"kind": "event", "time": self.scene.time, "text": f"{i} further events in a second"})
+            self._second, self._events = now, 0
+        for text in self.scene.events:
+            self._events += 1
+            if self._events <= MAX_EVENTS:
+                self.tell({"kind": "event", "time": self.scene.time, "text": text})
+        self.scene.events.clear()
 
     def _go_on_with_replay(self) -> None:
         """Carry out the inputs of a replay that belong before the next step; after its last step it ends."""
-        if self._replay.has_ended:
+        replay = self._replay
+        if replay.ended.is_set():
             return
-        for step, message in self._replay.due(self.scene.steps):
+        while replay.inputs and replay.inputs[0][0] <= self.scene.steps:
+            step, message = replay.inputs.popleft()
             try:
                 self._apply(message)
             except DragonError as error:
                 self._fail_replay(f"the replay ends before step {step}, which has an input that is impossible: {error}")
                 return
-        if self.scene.steps >= self._replay.steps:
+        if self.scene.steps >= replay.steps:
             self._pause()
-            self._replay.end(poses=self.poses())
+            replay.end(poses=self.poses())
 
     def _fail_replay(self, reason: str) -> None:
         self._pause()
-        self._tell_error(reason)
+        self.tell({"kind": "error", "text": reason})
         self._replay.end(error=reason)
 
-    def _tell_error(self, text: str) -> None:
-        self.tell({"kind": "error", "text": text})
+    def _tell_error(self, error: Exception) -> None:
+        """Tell of an exception, but not again in each frame of a session that is paused by it."""
+        now = self.generation, self.scene.steps, str(error)
+        if now != self._failed:
+            self._failed = now
+            self.tell(_described(error))
 
     def _pause(self) -> None:
         self.running, self._single_steps = False, 0
@@ -302,12 +394,20 @@ class Session:
                 self._do(message)
             except DragonError as error:
                 answer(str(error))
-            except Exception as error:  # Such as of a scene of the user's own.
-                answer(f"{type(error).__name__}: {error}")
+            except Exception as error:  # Of the user's own functions.
+                self._pause()
+                self._tell_error(error)
+        with self._watched():
+            self._build_wanted()
 
     def _do(self, message: dict[str, Any]) -> None:
         """Carry out a message."""
         action = message["do"]
+        if self._rebuilds(message):
+            self._changed = True
+            return
+        # Several wishes for a new scene are carried out as one.
+        self._build_wanted()
         if action in INPUTS:
             self._input(message)
         elif action == "play":
@@ -315,14 +415,13 @@ class Session:
         elif action == "pause":
             self._pause()
         elif action == "step":
+            count = whole("count", message["count"], 1, MAX_COUNT)
             self._pause()
-            self._single_steps = whole("count", message["count"], 1, MAX_COUNT)
+            self._single_steps = count
         elif action == "speed":
             self.speed = finite("speed", message["value"], *SPEEDS, "times")
-        elif action == "reset":
-            self._rebuild(self.values)
-        elif action == "scene":
-            self._choose(message["name"])
+        elif action == "until_contact":
+            self.scene.until_contact()
             self.running = True
         elif action == "record":
             self.recorder.begin(self.scene)
@@ -330,16 +429,32 @@ class Session:
             if not self.recorder.is_recording:
                 raise ParameterError("message", action, "sent while a recording goes on")
             self.recorder.finish(self)
-        self._changed = True
+        # The place of the hand is in each frame.
+        self._changed |= action != "drag"
+
+    def _rebuilds(self, message: dict[str, Any]) -> bool:
+        """Note the wish for a new scene, and return whether a message is one."""
+        source, values = self._wanted or (self.source, self.values)
+        if self.scene.play.step is None and message["do"] in ("scene", "reset"):
+            raise ParameterError("message", message["do"], "another one: this program builds its space itself")
+        if message["do"] == "scene":
+            name = message["name"]
+            self._wanted = (self._own if name == self._own.name else ready(name)), {}
+            self.running = True
+        elif message["do"] == "reset":
+            self._wanted = source, values
+        elif message["do"] == "set" and self._wanted is None and self._replay.ended.is_set():
+            slider = self._slider(message["name"])
+            if not slider.rebuilds:
+                return False
+            self._wanted = source, self.scene.values | {slider.name: slider.checked(message["value"])}
+        else:
+            return False
+        return True
 
     def _input(self, message: dict[str, Any]) -> None:
-        if not self._replay.has_ended:
+        if not self._replay.ended.is_set():
             raise ParameterError("message", message["do"], "sent after the replay has ended")
-        if message["do"] == "set":
-            parameter = self._parameter(message["name"])
-            if parameter.rebuilds:
-                self._rebuild(self.scene.values | {parameter.name: parameter.checked(message["value"])})
-                return
         if len(self.inputs) >= MAX_INPUTS:
             raise ParameterError("message", message["do"], f"one of at most {MAX_INPUTS} inputs: reset")
         self._apply(message)
@@ -351,55 +466,71 @@ class Session:
         if action is None:
             raise ParameterError("message", message["do"], "an action that this scene has")
         if message["do"] == "set":
-            parameter = self._parameter(message["name"])
-            if parameter.rebuilds:
-                raise ParameterError("name", parameter.name, "a parameter with which the scene does not begin anew")
-            arguments["value"] = parameter.checked(message["value"])
+            slider = self._slider(message["name"])
+            if slider.rebuilds:
+                raise ParameterError("name", slider.name, "a slider with which the scene does not begin anew")
+            arguments["value"] = slider.checked(message["value"])
         action(**arguments)
         self.inputs.append(self.scene.steps, message)
 
-    def _parameter(self, name: str) -> Parameter:
-        known = {each.name: each for each in self.scene.parameters}
+    def _slider(self, name: str) -> Slider:
+        known = self.scene.parameters
         return known[word("name", name, list(known))]
 
-    def _choose(self, name: str) -> None:
-        """Show another scene: a ready one, or the session's own."""
-        before = self.source
-        self.source = self._own if name == self._own.name else ready(name)
-        try:
-            self._rebuild({})
-        except DragonError:
-            self.source = before
-            raise
+    def _build_wanted(self) -> None:
+        if self._wanted is not None:
+            (source, values), self._wanted = self._wanted, None
+            self.tell({"kind": "building"})
+            try:
+                self._build(source, values)
+            finally:
+                self.tell(self._description)
+                self._changed = True
 
-    def _rebuild(self, values: Mapping[str, float]) -> None:
+    def _build(self, source: Ready, values: Mapping[str, float]) -> None:
         """Begin anew; the old scene stays if the new one cannot be built."""
-        scene = self.source.build(values)
-        self.scene, self.values = scene, dict(values)
+        scene = source.build(values)
+        self.source, self.scene, self.values = source, scene, dict(values)
         self.generation += 1
         self.inputs = InputLog()
         self._replay.end()
-        self._single_steps = 0
-        self._description = {
-            "kind": "scene",
-            "generation": self.generation,
-            "name": self.source.name,
-            "title": self.source.title,
-            "text": self.source.text,
-            "lesson": self.source.lesson,
-            "scenes": self._choices(),
-            **scene.to_dict(),
-        }
+        self._single_steps, self._rate, self._measured = 0, 0.0, 0.0
+        self._describe()
         self.recorder.rebuilt(scene)
         self._keep_frame()
         self._changed = True
-        self.tell(self._description)
 
-    def _choices(self) -> list[dict[str, str]]:
-        choices = {self._own.name: self._own} | SCENES
-        return [{"name": name, "title": each.title} for name, each in choices.items()]
+    def _describe(self) -> None:
+        source = self.source
+        self._description = without_nan(
+            {
+                "kind": "scene",
+                "generation": self.generation,
+                "name": source.name,
+                "title": source.title,
+                "text": source.text,
+                "lesson": source.lesson,
+                "scenes": [{"name": name, "title": each.title} for name, each in self._choices().items()],
+                **self.scene.to_dict(),
+            }
+        )
+
+    def _choices(self) -> dict[str, Ready]:
+        return {self._own.name: self._own} | SCENES
 
     def _keep_frame(self) -> None:
         for text in self.recorder.keep(self):
-            self._tell_error(text)
+            self.tell({"kind": "error", "text": text})
             self._changed = True
+
+
+def _described(error: Exception) -> dict[str, Any]:
+    """Return an exception as a message: of one in the user's functions also the end of the traceback, and the line."""
+    if isinstance(error, DragonError):
+        return {"kind": "error", "text": str(error)}
+    frames = traceback.extract_tb(error.__traceback__)
+    own = [frame for frame in frames if not frame.filename.startswith(LIBRARIES)] or frames
+    lines = "".join(traceback.format_list(own)).splitlines()
+    place = f"{Path(own[-1].filename).name}, line {own[-1].lineno}: {own[-1].line}"
+    text = f"{type(error).__name__}: {error}"
+    return {"kind": "error", "text": text, "place": place, "trace": "\n".join(lines[-TRACE_LINES:])}

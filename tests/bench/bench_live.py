@@ -7,6 +7,7 @@ python tests/bench/bench_live.py browser delay           # with Chromium
 from __future__ import annotations
 
 import asyncio
+import json
 import re
 import struct
 import subprocess
@@ -48,6 +49,13 @@ def program(*more: str) -> Iterator[tuple[subprocess.Popen[str], str]]:
             process.terminate()
 
 
+def time_of(frame: bytes) -> float:
+    """Simulated time in the header of a frame, s."""
+    [length] = struct.unpack_from("<I", frame)
+    found: float = json.loads(frame[4 : 4 + length])["time"]
+    return found
+
+
 def start() -> None:
     """Time from the start of the process to the first frame."""
     times = []
@@ -83,7 +91,7 @@ async def _watch(address: str, number: int) -> tuple[float, float]:
         async with ClientSession() as web, web.ws_connect(address.replace("/?", "/socket?"), max_msg_size=0) as socket:
             async for message in socket:
                 if isinstance(message.data, bytes):
-                    seen.append((time.perf_counter(), struct.unpack_from("<d", message.data, 32)[0]))
+                    seen.append((time.perf_counter(), time_of(message.data)))
                 if len(seen) == 2 * FRAMES:
                     break
         (begin, first), (end, last) = seen[FRAMES - 1], seen[-1]
@@ -106,10 +114,10 @@ async def _play(address: str, pid: int, drags: bool) -> str:
     inputs, simulated, begin = 0, 0.0, time.perf_counter()
     async with ClientSession() as web, web.ws_connect(address.replace("/?", "/socket?"), max_msg_size=0) as socket:
         await socket.send_json({"do": "speed", "value": 20})
-        await socket.send_json({"do": "grab", "body": 1, "x": 1.5, "y": 0})
+        await socket.send_json({"do": "grab", "x": 1.5, "y": 0, "slip": 5})
         async for message in socket:
             if isinstance(message.data, bytes):
-                simulated = struct.unpack_from("<d", message.data, 32)[0]
+                simulated = time_of(message.data)
             passed = time.perf_counter() - begin
             for _ in range(DRAGS if drags else 0):
                 inputs += 1
@@ -143,7 +151,7 @@ def delay() -> None:
     ):
         page = found.page
         wait_until(page, "live.drawn && live.frame.time > 2.5")
-        x, y = page.evaluate("live.pixel(...live.frame.poses.slice(3 * 35, 3 * 35 + 2))")
+        x, y = page.evaluate(f"live.pixel(...{TOP})")
         box = page.locator("#field").bounding_box()
         assert box is not None
         left, top = box["x"] + x, box["y"] + y
@@ -158,13 +166,16 @@ def delay() -> None:
         print(f"from the mouse to the moved body: {median(times):.0f} ms ({min(times):.0f} to {max(times):.0f})")
 
 
+# Where the uppermost box is.
+TOP = """live.frame.calls.filter((call) => call.moves).map(({ points }) => [0, 1].map((axis) =>
+  points.reduce((sum, point) => sum + point[axis] / points.length, 0))).sort((a, b) => b[1] - a[1])[0]"""
 # The time of an event, and of the first picture afterwards in which the held body has moved by a millimetre.
 WATCH = """() => {
   window.delays = [];
   document.querySelector("#field").addEventListener("pointermove", (event) => {
-    const begin = performance.now(), from = live.frame.poses[3 * live.frame.held.body], drawn = live.drawn;
+    const begin = performance.now(), from = live.frame.held[0], drawn = live.drawn;
     const look = () => {
-      const now = live.frame.poses[3 * live.frame.held.body];
+      const now = live.frame.held[0];
       if (Math.abs(now - from) > 1e-3 && live.drawn > drawn) delays.push(performance.now() - begin);
       else requestAnimationFrame(look);
     };

@@ -1,4 +1,4 @@
-// Camera: the visible part of the plane, x to the right and y up in m; screen pixels to the right and down.
+// Camera: the visible part of the plane, x to the right and y up (down where `up` is -1) in m; screen pixels to the right and down.
 
 // Pixels: largest width of a bench. A near miss of the reference scenario is then some 60 pixels wide.
 const WIDEST_BENCH = 20000;
@@ -12,19 +12,21 @@ class View {
     this.x = this.y = 0;
     this.scale = 1; // pixels per m
     this.width = this.height = 1; // pixels
+    this.top = this.bottom = 0; // pixels that the fitted view leaves free
     this.setSubject(subject);
   }
 
   // What is seen: the area of the field {centre, size}, and the widths of the benches, all in m.
-  setSubject({ field, widths, narrowest }) {
+  setSubject({ field, widths, narrowest, up = 1 }) {
     this.field = field;
     this.headSpan = 20 * widths[0]; // m: the head and three turns around it
     this.maxScale = WIDEST_BENCH / narrowest;
+    this.up = up;
   }
 
   get fittingScale() {
     const [width, height] = this.field.size;
-    return (1 - 2 * BORDER) * Math.min(this.width / width, this.height / height);
+    return (1 - 2 * BORDER) * Math.min(this.width / width, (this.height - this.top - this.bottom) / height);
   }
 
   // Metres across the shorter side: links hold it, so that they show the same area on every screen.
@@ -43,14 +45,15 @@ class View {
   fit() {
     [this.x, this.y] = this.field.centre;
     this.scale = Math.min(this.fittingScale, this.maxScale);
+    this.y += this.up * (this.top - this.bottom) / 2 / this.scale;
   }
 
   toScreen(x, y) {
-    return [(x - this.x) * this.scale + this.width / 2, (this.y - y) * this.scale + this.height / 2];
+    return [(x - this.x) * this.scale + this.width / 2, (this.y - y) * this.up * this.scale + this.height / 2];
   }
 
   toWorld(px, py) {
-    return [this.x + (px - this.width / 2) / this.scale, this.y - (py - this.height / 2) / this.scale];
+    return [this.x + (px - this.width / 2) / this.scale, this.y - this.up * (py - this.height / 2) / this.scale];
   }
 
   // Zoom around a pixel.
@@ -67,7 +70,7 @@ class View {
     const { centre, size } = this.field;
     const within = (value, axis) => Math.min(Math.max(value, centre[axis] - size[axis]), centre[axis] + size[axis]);
     this.x = within(this.x - dx / this.scale, 0);
-    this.y = within(this.y + dy / this.scale, 1);
+    this.y = within(this.y + this.up * dy / this.scale, 1);
   }
 
   // Whether any point within `reach` m of a point is visible.

@@ -2,7 +2,7 @@
 
 const CHART_SECONDS = 20;
 const LONGEST_GAP = 250; // ms: a longer pause between two frames counts as this
-const CHART_LEFT = 40; // pixels: room for numbers at the left
+const CHART_LEFT = 48; // pixels: room for numbers at the left
 const CHART_EDGE = 6; // pixels: room at the other sides
 const CHART_EVERY = 100; // ms between two drawings of the charts
 

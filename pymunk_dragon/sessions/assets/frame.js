@@ -1,33 +1,40 @@
-// Decodes the server's binary frames: little endian, a header, and arrays of 32-bit numbers.
+// Decodes the server's binary frames: the length of a JSON header, the header, and arrays of 32-bit numbers.
 
-const COUNTS = 6; // numbers of 32 bits at the beginning
-const CLOCKS = 5; // numbers of 64 bits after them
-const HELD = 1; // flag: a body is held
-const CONTACT_SIZE = 7; // numbers of a contact
+const CONTACT_SIZE = 5; // numbers of a contact: point, normal, impulse; less than 0 without an arrow
+const JOINT_SIZE = 5; // numbers of a joint: two ends and the force
+const CALL_HEAD = 7; // numbers of a call before its points
 
 function decodeFrame(buffer) {
-  const header = new DataView(buffer);
-  const counts = Array.from({ length: COUNTS }, (_, i) => header.getUint32(4 * i, true));
-  const clocks = Array.from({ length: CLOCKS }, (_, i) => header.getFloat64(4 * COUNTS + 8 * i, true));
-  const [generation, bodies, joints, contacts, exact, flags] = counts;
-  const [step, time, marchTime, rate, stepTime] = clocks;
-  let offset = 4 * COUNTS + 8 * CLOCKS;
-  const take = (count) => {
-    const numbers = new Float32Array(buffer, offset, count);
-    offset += numbers.byteLength;
-    return numbers;
-  };
-  const [body, u, v, x, y] = take(5);
-  return {
-    generation, step, time, marchTime, rate, stepTime,
-    held: flags & HELD ? { body, anchor: [u, v], target: [x, y] } : null,
-    poses: take(3 * bodies),
-    forces: take(joints),
-    exact: take(3 * exact),
-    errors: take(exact),
-    contacts: take(CONTACT_SIZE * contacts),
-  };
+  const length = new DataView(buffer).getUint32(0, true);
+  const header = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length)));
+  const frame = { ...header, poses: [], exact: [], errors: [], forces: [], contacts: [], joints: [], calls: [] };
+  let offset = 4 + length;
+  for (const [name, size] of Object.entries(header.sizes)) {
+    frame[name] = new Float32Array(buffer, offset, size);
+    offset += frame[name].byteLength;
+  }
+  frame.calls = callsOf(frame);
+  return frame;
 }
+
+// What Pymunk draws, as objects: kind, points, radius, angle, colours, and whether the body is dynamic.
+function callsOf({ calls, colours = [] }) {
+  const texts = colours.map(([r, g, b, a]) => `rgba(${r}, ${g}, ${b}, ${a / 255})`);
+  const found = [];
+  for (let k = 0; k < calls.length;) {
+    const count = calls[k + 1], points = [];
+    for (let p = k + CALL_HEAD; p < k + CALL_HEAD + 2 * count; p += 2) points.push([calls[p], calls[p + 1]]);
+    found.push({
+      kind: KINDS[calls[k]], points, radius: calls[k + 2], angle: calls[k + 3],
+      fill: texts[calls[k + 4]], outline: texts[calls[k + 5]], moves: calls[k + 6] === 1,
+      opaque: colours[calls[k + 4]][3] >= 255,
+    });
+    k += CALL_HEAD + 2 * count;
+  }
+  return found;
+}
+
+const KINDS = ["circle", "segment", "polygon", "line", "dot"];
 
 // Poses as columns, with cosines and sines.
 function posesOf(packed) {
@@ -43,17 +50,7 @@ function posesOf(packed) {
   return poses;
 }
 
-// A point of body `i` in the world, m; body -1 is the world itself.
-function placed(poses, i, [u, v]) {
-  if (i < 0) return [u, v];
-  const { x, y, cos, sin } = poses;
-  return [x[i] + u * cos[i] - v * sin[i], y[i] + u * sin[i] + v * cos[i]];
-}
-
-// The contacts of a frame as objects, one at a time.
-function* contactsOf({ contacts }) {
-  for (let k = 0; k < contacts.length; k += CONTACT_SIZE) {
-    const [a, b, x, y, nx, ny, impulse] = contacts.subarray(k, k + CONTACT_SIZE);
-    yield { bodies: [a, b], point: [x, y], normal: [nx, ny], impulse };
-  }
+// Rows of an array of numbers, as arrays.
+function* rowsOf(numbers, size) {
+  for (let k = 0; k < numbers.length; k += size) yield numbers.subarray(k, k + size);
 }

@@ -32,7 +32,7 @@ function drawLegend(painter) {
   context.font = `11px ${painter.font}`;
   context.textBaseline = "alphabetic";
   context.textAlign = "left";
-  painter.drawText(localized("Force in the joint (N)"), LEGEND_LEFT, top - 6);
+  painter.drawText(localized("Force in the joint ({unit})", { unit: painter.model.forceUnit }), LEGEND_LEFT, top - 6);
   for (let k = 0; k <= DECADES; k++) {
     context.textAlign = k === 0 ? "left" : k === DECADES ? "right" : "center";
     painter.drawText(powerText(forceScale.bottom + k), LEGEND_LEFT + k * LEGEND_WIDTH / DECADES, top + LEGEND_HEIGHT + 13);
@@ -55,5 +55,6 @@ function drawScaleBar(painter, above) {
   context.font = `11px ${painter.font}`;
   context.textAlign = "left";
   context.textBaseline = "alphabetic";
-  painter.drawText(length < 1 ? `${Number((1000 * length).toPrecision(1))} mm` : `${length} m`, right + 6, y);
+  const short = painter.model.units === "m" && length < 1;
+  painter.drawText(short ? `${Number((1000 * length).toPrecision(1))} mm` : `${length} ${painter.model.units}`, right + 6, y);
 }

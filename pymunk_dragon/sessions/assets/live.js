@@ -3,6 +3,9 @@
 const PAN_STEP = 1 / 8; // fraction of its size by which the view moves
 const ERROR_SHOWN = 6000; // ms: an error of the server is shown for so long
 const EVENTS_LISTED = 30;
+const TOOLBOX_EDGE = 14; // pixels above the tools
+const SCALE_BAR_ROOM = 24; // pixels at the lower border that the fitted view leaves free
+const BUILDING_AFTER = 100; // ms
 const ANNOUNCE_EVERY = 1500; // ms: events in between are not announced to screen readers
 const SLOW = 0.9; // less than this fraction of the chosen speed is marked as slow
 const SWITCHES = ["curve", "handles", "labels", "ghost", "forces", "contacts", "centres"];
@@ -50,21 +53,20 @@ class Live {
       scene: () => this.setScene(message),
       state: () => this.setState(message),
       event: () => this.addEvent(message),
-      error: () => this.showError(message.text),
+      error: () => this.showError(message),
+      building: () => this.showBuilding(true),
     };
     readers[message.kind]?.();
   }
 
   receiveFrame(buffer) {
-    const frame = decodeFrame(buffer);
-    if (frame.generation !== this.scene?.generation || !this.fits(frame)) return;
-    this.frame = frame;
-    this.framePoses = null;
-    this.charts.add(frame, performance.now());
+    // Only frames that are drawn are decoded.
+    this.newest = buffer;
     this.requestDraw();
   }
 
   setScene(scene) {
+    this.showBuilding(false);
     const same = this.scene?.name === scene.name;
     this.scene = scene;
     this.frame = this.framePoses = null;
@@ -104,13 +106,28 @@ class Live {
     element("no-events").hidden = this.events.length > 0;
   }
 
-  // After an error the controls show what the server has.
-  showError(text) {
+  // After an error the controls show what the server has. One in a user's function stays with its line and traceback.
+  showError({ text, place = "", trace = "" }) {
     if (this.state) setTimeout(() => this.setState(this.state), SETTLE);
-    setText("error", text);
+    setText("error-text", text);
+    setText("error-place", place);
+    setText("error-trace", trace);
+    element("error-trace").hidden = trace === "";
     element("error").hidden = false;
     clearTimeout(this.errorTimer);
-    this.errorTimer = setTimeout(() => { element("error").hidden = true; }, ERROR_SHOWN);
+    if (!trace) this.errorTimer = setTimeout(() => this.hideError(), ERROR_SHOWN);
+  }
+
+  hideError() {
+    element("error").hidden = true;
+  }
+
+  // A scene that takes long to build says so, but one that is built at once does not flicker.
+  showBuilding(begins) {
+    clearTimeout(this.buildingTimer);
+    element("building").hidden = true;
+    if (begins) this.buildingTimer = setTimeout(() => { element("building").hidden = false; }, BUILDING_AFTER);
+    else this.hideError();
   }
 
   showConnection(open) {
@@ -126,12 +143,25 @@ class Live {
     this.frameRequest ??= requestAnimationFrame((now) => this.draw(now));
   }
 
+  decode() {
+    if (!this.newest) return;
+    const frame = decodeFrame(this.newest);
+    this.newest = null;
+    if (frame.generation !== this.scene?.generation) return;
+    this.frame = frame;
+    this.framePoses = null;
+    this.charts.add(frame);
+  }
+
   draw(now) {
     this.frameRequest = null;
+    this.decode();
     const { frame, state, view, painter, tools } = this;
     painter.resize();
     if (!frame || !state) return;
     const { poses } = this;
+    view.top = element("toolbox").offsetHeight + TOOLBOX_EDGE;
+    view.bottom = SCALE_BAR_ROOM;
     if (this.follow === "field") view.fit();
     if (this.follow === "head") [view.x, view.y] = [poses.x[0], poses.y[0]];
     this.aims = tools.pixel === null && element("field").matches(":focus-visible");
@@ -142,11 +172,6 @@ class Live {
     this.drawn += 1;
   }
 
-  // Whether a frame has as many bodies and joints as the scene.
-  fits({ poses, forces }) {
-    return poses.length === 3 * this.scene.bodies.length && forces.length === this.scene.joints.length;
-  }
-
   // The switches that are on and make sense for the scene.
   get switches() {
     return Object.fromEntries(SWITCHES.map((name) => [name, this.shown[name] && this.hasSwitch(name)]));
@@ -155,8 +180,7 @@ class Live {
   hasSwitch(name) {
     const { model } = this;
     if (name === "ghost") return model.can("ghost");
-    if (name === "forces") return model.joints.length > 0;
-    return name === "contacts" || name === "centres" || model.benches > 0;
+    return name === "contacts" || name === "forces" || model.benches > 0;
   }
 
   show(name, shown) {

@@ -14,16 +14,29 @@ class LiveCharts {
     this.model = model;
     this.history = new History();
     element("charts-error").hidden = !model.can("ghost");
-    element("charts-force").hidden = model.joints.length === 0;
+    this.quantities = model.scene.plots.map((name) => new Quantity(name, model.unitOf(name)));
+    element("charts-own").replaceChildren(...this.quantities.map(({ figure }) => figure));
+    element("save-charts").hidden = !this.quantities.length;
     this.setTexts();
   }
 
   setTexts() {
-    setText("force-name", this.model.benches ? localized("Tension along the chain (N)") : localized("Force by joint (N)"));
+    setText("force-name", this.model.benches ? localized("Tension along the chain (N)")
+      : localized("Force by joint ({unit})", { unit: this.model.forceUnit }));
   }
 
-  add(frame, now) {
-    this.history.add({ error: frame.errors.length ? 1000 * largestOf(frame.errors) : NaN, step: frame.stepTime }, now);
+  add(frame) {
+    const now = performance.now();
+    this.history.add({ error: frame.errors.length ? 1000 * largestOf(frame.errors) : NaN, step: 1000 * frame.step_time }, now);
+    if (frame.plots) this.quantities.forEach((quantity, k) => quantity.add(frame.time, frame.plots[k], now));
+  }
+
+  // The quantities as a table, one row for each time.
+  get table() {
+    const [first] = this.quantities;
+    const names = ["time (s)", ...this.quantities.map(({ name }) => name)].map((name) => `"${name.replaceAll('"', '""')}"`);
+    const rows = first.rows.map(([time], row) => [time, ...this.quantities.map(({ rows }) => rows[row][1])]);
+    return [names, ...rows].map((row) => row.join(",")).join("\n") + "\n";
   }
 
   // Draw at most ten times a second, and only what is visible.
@@ -33,7 +46,9 @@ class LiveCharts {
     const { error, force, step } = this.charts;
     if (error.shown) this.drawErrors(error, frame);
     if (force.shown) this.drawForces(force, frame, new Set(state.cuts));
-    if (step.shown) this.drawSteps(step, frame, 1000 * this.model.scene.step / state.speed);
+    for (const quantity of this.quantities) quantity.draw(this.painter);
+    const step_length = (state.values.step ?? 1000 * this.model.scene.step);
+    if (step.shown) this.drawSteps(step, frame, step_length / state.speed);
   }
 
   drawErrors(chart, { errors }) {
@@ -46,7 +61,9 @@ class LiveCharts {
     setText("value-error", worst < 0 ? "–" : localized("{error}, bench {i}", { error: formatError(errors[worst], ERROR_KNOWN), i: worst }));
   }
 
-  drawForces(chart, { forces }, cuts) {
+  drawForces(chart, frame, cuts) {
+    const forces = this.model.benches ? frame.forces : Array.from(rowsOf(frame.joints, JOINT_SIZE), (row) => row[4]);
+    element("charts-force").hidden = forces.length === 0;
     const { colours, font, forceScale } = this.painter;
     const last = Math.max(1, forces.length - 1);
     const valid = (j) => forces[j] > 0 && !cuts.has(j);
@@ -61,10 +78,11 @@ class LiveCharts {
     }
     for (const j of cuts) chart.line([[j / last, 0], [j / last, 1]], colours.contact, 1);
     const worst = forces.reduce((one, value, j) => (valid(j) && value > (forces[one] ?? 0) ? j : one), -1);
-    setText("value-force", worst < 0 ? "–" : localized("{force}, joint {i}", { force: formatForce(forces[worst]), i: worst }));
+    setText("value-force", worst < 0 ? "–" : localized("{force}, joint {i}", { force: this.model.forceText(forces[worst]), i: worst }));
   }
 
-  drawSteps(chart, { stepTime }, budget) {
+  drawSteps(chart, { step_time }, budget) {
+    const stepTime = 1000 * step_time;
     const { colours, font } = this.painter;
     const track = this.history.track("step");
     const top = roundUp(track.reduce((one, [, value]) => Math.max(one, value || 0), 1.05 * budget));
@@ -75,5 +93,39 @@ class LiveCharts {
   }
 }
 
-const formatForce = (force) => (!(force >= 0) ? "–" : force >= 1000 ? `${(force / 1000).toFixed(1)} kN` : `${Number(force.toPrecision(2))} N`);
 const formatTime = (milliseconds) => (Number.isFinite(milliseconds) ? `${Number(milliseconds.toPrecision(2))} ms` : "–");
+
+// A chart of a quantity of the scene, with a linear scale.
+class Quantity {
+  constructor(name, unit) {
+    this.name = unit ? `${name} (${unit})` : name;
+    this.rows = []; // [time, value] since the scene began, for the table
+    this.history = new History();
+    this.value = created("span", {}, "–");
+    const canvas = created("canvas", { ariaHidden: "true" });
+    this.figure = created("figure", {}, created("figcaption", {}, created("span", {}, unit ? `${translated(name)} (${unit})` : name), " ", this.value), canvas);
+    this.chart = new Chart(canvas);
+  }
+
+  add(time, value, now) {
+    this.rows.push([time, value]);
+    if (this.rows.length > MOST_ROWS) this.rows.shift();
+    this.history.add({ value: value ?? NaN }, now);
+  }
+
+  draw({ colours, font }) {
+    if (!this.chart.shown) return;
+    const track = this.history.track("value");
+    const values = track.map(([, value]) => value).filter(Number.isFinite);
+    if (!values.length) return;
+    let [low, high] = [Math.min(...values), Math.max(...values)];
+    // A constant quantity has a line in the middle; noise in its last digits does not fill the chart.
+    const least = Math.max(Math.abs(low), Math.abs(high)) * 1e-6 || 1;
+    if (high - low < least) [low, high] = [(low + high - least) / 2, (low + high + least) / 2];
+    this.chart.begin([0, 0.5, 1].map((share) => [share, numberText(low + share * (high - low), 2)]), colours, font);
+    this.chart.line(track.map(([across, value]) => [across, (value - low) / (high - low)]), colours.any);
+    this.value.textContent = numberText(values.at(-1));
+  }
+}
+
+const MOST_ROWS = 100000; // rows of a table: three hours

@@ -19,6 +19,7 @@ function connectPointers(live) {
     moved: (how) => live.viewMoved(how),
     hovered(pixel) {
       tools.pixel = pixel;
+      if (pixel) tools.point(pixel);
       live.requestDraw();
     },
     tapped: (pixel, kind) => live.frame && tools.tap(pixel, kind),
@@ -32,6 +33,9 @@ function connectPointers(live) {
 const actionsOf = (live) => ({
   play: () => live.send({ do: live.state.running ? "pause" : "play" }),
   step: () => live.send({ do: "step", count: 1 }),
+  "until-contact": () => live.send({ do: "until_contact" }),
+  "error-close": () => live.hideError(),
+  "save-charts": () => saveText("live.csv", live.charts.table),
   reset: () => live.send({ do: "reset" }),
   release: () => live.send({ do: "release", bench: 1 }),
   hold: () => live.send({ do: "hold" }),
@@ -49,6 +53,12 @@ const actionsOf = (live) => ({
 function connectButtons(live) {
   for (const [id, action] of Object.entries(actionsOf(live))) element(id).addEventListener("click", action);
   element("save").href = `inputs${location.search}`;
+}
+
+function saveText(name, text) {
+  const link = created("a", { href: URL.createObjectURL(new Blob([text], { type: "text/csv" })), download: name });
+  link.click();
+  URL.revokeObjectURL(link.href);
 }
 
 function connectFields(live) {
@@ -79,6 +89,7 @@ function keysOf(live) {
     " ": click("play"),
     arrowright: click("step"),
     r: click("reset"),
+    n: click("until-contact"),
     l: click("release"),
     b: click("hold"),
     "[": () => live.controls && changeSpeed(live, -1),
@@ -114,6 +125,7 @@ function connectKeys(live) {
   document.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey || element("about").open || !live.state) return;
     const key = event.key.toLowerCase();
+    if (!keepsKey(event.target, key) && pressOwn(live, event, true)) return;
     const action = keys[key];
     // Holding a key repeats steps, zooming and panning only.
     const repeats = !event.repeat || /^(arrowright|[-+=wasd])$/.test(key);
@@ -121,4 +133,14 @@ function connectKeys(live) {
     event.preventDefault();
     if (repeats) action();
   });
+  document.addEventListener("keyup", (event) => pressOwn(live, event, false));
+}
+
+// A key of the scene's own; it does nothing else.
+function pressOwn(live, event, down) {
+  const keys = live.scene?.keys ?? [];
+  if (!(keys.includes(event.key) || keys.includes("*")) || !live.controls) return false;
+  event.preventDefault();
+  if (!event.repeat) live.send({ do: "press", name: event.key, down });
+  return true;
 }

@@ -27,22 +27,22 @@ class LivePainter extends Painter {
   // Draw a frame: `state` is the server's, `show` the switches, `held` and `target` belong to the pointer.
   draw({ frame, poses, state, show, held, target, aims }) {
     const { model } = this;
-    const cuts = new Set(state.cuts);
+    const joints = model.joints(frame, poses, state.cuts);
     const now = performance.now();
-    this.forceScale.include(largestOf(frame.forces), now);
+    this.forceScale.include(largestOf(joints.map(({ force }) => force)), now);
     this.impulseScale.include(largestOf(frame.contacts.filter((_, k) => k % CONTACT_SIZE === CONTACT_SIZE - 1)), now);
     this.clear();
     if (show.curve && model.benches) this.drawCurve();
-    drawObstacles(this, state.obstacles);
-    drawBodies(this, poses);
-    if (model.benches) this.drawDragon({ frame, poses, state, show, target });
-    else if (model.joints.length) drawJoints(this, poses, cuts);
-    if (show.forces) drawForces(this, frame, poses, cuts);
+    if (model.benches) {
+      drawCalls(this, state.obstacles.map(obstacleCall));
+      this.drawDragon({ frame, poses, state, show, target });
+    } else drawCalls(this, frame.calls);
+    if (show.forces) drawForces(this, joints);
     if (show.centres) drawCentres(this, poses);
-    if (model.benches) drawCuts(this, poses, cuts);
+    if (model.benches) drawCuts(this, poses, state.cuts);
     if (show.contacts) drawImpulses(this, frame);
-    if (held) drawHeld(this, held, poses);
-    if (target) drawTarget(this, target, poses);
+    if (held) drawHeld(this, held);
+    if (target) drawTarget(this, target);
     if (aims) drawAim(this);
     if (show.forces) drawLegend(this);
     drawScaleBar(this, show.forces ? LEGEND_ROOM : 0);
@@ -51,7 +51,7 @@ class LivePainter extends Painter {
   drawDragon({ frame, poses, state, show, target }) {
     const benches = new Benches(this.model, poses);
     const visible = this.visible(benches);
-    const inContact = new Set([...contactsOf(frame)].flatMap(({ bodies }) => bodies).filter((i) => i >= 0));
+    const inContact = new Set(frame.touching);
     const free = (i) => state.free_from !== null && i >= state.free_from;
     this.pale = true;
     this.drawBenches(benches, visible.filter(free), inContact);

@@ -24,18 +24,20 @@ function showScene(live) {
   list.value = scene.name;
   element("field").setAttribute("aria-label", model.benches
     ? localized("{title}: {count} benches seen from above", { title, count: model.benches })
-    : localized("{title}: {count} bodies", { title, count: scene.bodies.length }));
+    : title);
   showAbilities(live);
 }
 
 function showAbilities(live) {
   const { model } = live;
   for (const name of SWITCHES) element(`show-${name}`).closest("label").hidden = !live.hasSwitch(name);
-  for (const [id, ability] of [["dancers", "dancers"], ["contacts-row", "contacts"], ["speed-row", "speed"]]) {
+  for (const [id, ability] of [["dancers", "dancers"], ["contacts-row", "contacts"], ["until-contact", "until_contact"]]) {
     element(id).hidden = !model.can(ability);
   }
   element("follow").hidden = model.benches === 0;
   element("parameters-part").hidden = live.scene.parameters.length === 0;
+  element("actions").replaceChildren(...live.scene.buttons.map((name) =>
+    created("button", { type: "button", className: "plain sends", onclick: () => live.send({ do: "press", name, down: true }) }, name)));
   live.afterView();
 }
 
@@ -71,10 +73,19 @@ function showAccess(live) {
 
 function showFrame({ frame, state, connection }) {
   setText("clock", frame.time.toFixed(2));
-  setText("march", Number.isFinite(frame.marchTime) ? localized("March: {time} s", { time: frame.marchTime.toFixed(2) }) : "");
-  const slow = state.running && frame.rate < SLOW * state.speed;
-  const rate = `${frame.rate.toFixed(2)}×`;
+  setText("march", marchText(frame));
+  const known = frame.rate !== null;
+  const slow = state.running && known && frame.rate < SLOW * state.speed;
+  const rate = known ? `${frame.rate.toFixed(2)}×` : "–";
   setText("achieved", !state.running ? localized("Paused") : slow ? localized("Slow: {rate}", { rate }) : localized("{rate} real time", { rate }));
   element("achieved").classList.toggle("slow", slow);
   setText("latency", connection.latency === null ? "" : localized("{time} ms away", { time: Math.max(1, Math.round(connection.latency)) }));
+}
+
+// Time of the exact model, or why it stands.
+function marchText({ march_time: time, waits, errors }) {
+  if (!Number.isFinite(time)) return "";
+  if (!waits) return localized("March: {time} s", { time: time.toFixed(2) });
+  const worst = errors.reduce((one, value, i) => (value > errors[one] ? i : one), 0);
+  return localized("The march waits: bench {i} is {error} from its place", { i: worst, error: formatLength(errors[worst], 0) });
 }

@@ -1,61 +1,75 @@
-// The scene as the view and the painter need it: benches and their sizes, or any other bodies.
-
-const SMALLEST_SIZE = 1e-3; // m: least size of a shape, for the largest zoom
+// The scene as the view and the painter need it: benches and their sizes, or what Pymunk draws of any space.
 
 class Model {
   constructor(scene) {
-    const { dragon, bodies, field } = scene;
+    const { dragon, field } = scene;
     this.scene = scene;
     this.field = field;
     this.benches = dragon ? dragon.lengths.length : 0;
     this.lengths = dragon?.lengths ?? [];
     this.spacings = dragon?.spacings ?? [];
-    const shapes = bodies.flatMap((body) => body.shapes);
-    this.widths = dragon?.widths ?? [Math.min(...field.size) / 20];
-    this.narrowest = Math.max(SMALLEST_SIZE, Math.min(...this.widths, ...shapes.map(thicknessOf)));
-    this.joints = scene.joints.map((joint, number) => ({ ...joint, number }));
+    const side = Math.min(...field.size);
+    this.widths = dragon?.widths ?? [side / 20];
+    this.narrowest = dragon ? Math.min(...this.widths) : Math.max(side, Math.max(...field.size) / 10) / 50;
+    this.up = scene.y_down ? -1 : 1;
+    this.units = scene.units;
+    const si = this.units === "m";
+    this.forceUnit = si ? "N" : `kg ${this.units}/s²`;
+    this.impulseUnit = si ? "N s" : `kg ${this.units}/s`;
+    this.energyUnit = si ? "J" : `kg ${this.units}²/s²`;
   }
 
   can(ability) {
     return this.scene.abilities.includes(ability);
   }
 
-  // Ends of a joint in the world: its anchors on both bodies.
-  ends({ a, b, anchor_a, anchor_b }, poses) {
-    return [placed(poses, a, anchor_a), placed(poses, b, anchor_b)];
+  // Unit of a quantity that every space has; those of the user's have it in their names.
+  unitOf(name) {
+    return name === "Momentum" ? this.impulseUnit : /^Kinetic .*energy$/.test(name) ? this.energyUnit : "";
   }
 
-  // A bench as one shape in its own coordinates.
-  benchShape(i) {
-    const along = this.lengths[i] / 2, across = this.widths[i] / 2;
-    return { polygon: [-along, -across, along, -across, along, across, -along, across], radius: 0 };
+  // A length as text.
+  lengthText(value) {
+    return this.units === "m" ? formatLength(value, 0) : `${Number(value.toPrecision(3))} ${this.units}`;
   }
 
-  shapesOf(i) {
-    return i < this.benches ? [this.benchShape(i)] : this.scene.bodies[i].shapes;
+  forceText(force) {
+    if (!(force >= 0)) return "–";
+    if (this.units === "m" && force >= 1000) return `${(force / 1000).toFixed(1)} kN`;
+    return `${numberText(force)} ${this.forceUnit}`;
   }
 
-  // The dynamic body within `slip` m of a point, and its point closest to that point; null if there is none.
-  bodyAt(point, slip, poses) {
+  // The movable body within `slip` of a point: a bench or a drawn shape, and its point closest to that point; or null.
+  bodyAt(point, slip, { calls }, poses) {
+    if (this.benches) {
+      const benches = new Benches(this, poses), bench = benches.at(point, slip);
+      return bench === null ? null : { bench, ...benches.nearestPoint(bench, point) };
+    }
     let found = null;
-    this.scene.bodies.forEach(({ type }, body) => {
-      if (type !== "dynamic" || found?.distance === 0) return;
-      for (const shape of this.shapesOf(body)) {
-        const near = nearestOnShape(shape, localPoint(poses, body, point));
-        if (near.distance > slip || near.distance >= (found?.distance ?? Infinity)) continue;
-        found = { body, distance: near.distance, point: placed(poses, body, near.point) };
-      }
-    });
+    for (const call of calls) {
+      if (!call.moves || found?.distance === 0) continue;
+      const near = nearestOnShape(call, point);
+      if (near.distance <= slip && near.distance < (found?.distance ?? Infinity)) found = { call, ...near };
+    }
     return found;
   }
 
-  // The joint with an end within `slip` m of a point, or whose line passes so close; null if there is none.
-  jointAt(point, slip, poses, cuts) {
+  // The joints of a frame: number, two ends and force. Those of a dragon are the holes that two benches share.
+  joints({ joints, forces }, poses, cuts) {
+    if (!this.benches) {
+      return Array.from(rowsOf(joints, JOINT_SIZE), ([ax, ay, bx, by, force], number) =>
+        ({ number, ends: [[ax, ay], [bx, by]], force }));
+    }
+    const { handles } = new Benches(this, poses);
+    return Array.from(forces, (force, number) => ({ number, ends: [handles[number + 1], handles[number + 1]], force }))
+      .filter(({ number }) => !cuts.includes(number));
+  }
+
+  // The joint whose line passes within `slip` of a point; null if there is none.
+  jointAt(point, slip, joints) {
     let found = null, nearest = slip;
-    for (const joint of this.joints) {
-      if (cuts.has(joint.number)) continue;
-      const [one, two] = this.ends(joint, poses);
-      const { distance } = nearestOnSegment(one, two, point);
+    for (const joint of joints) {
+      const { distance } = nearestOnSegment(...joint.ends, point);
       if (distance <= nearest) [found, nearest] = [joint, distance];
     }
     return found;

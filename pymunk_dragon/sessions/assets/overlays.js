@@ -8,6 +8,7 @@ const SHORTEST_IMPULSE = 8; // pixels: arrow of a small impulse
 const LONGEST_IMPULSE = 52; // pixels: arrow of a large one
 const LONGEST_OF_MANY = 14; // the same where there are many contacts
 const MANY_CONTACTS = 24; // more contacts have dots in place of rings
+const MOST_ARROWS = 800; // more contacts have no arrows
 const CUT_MARK = 5; // pixels: half the size of the cross at a cut joint
 
 // Outlines of exact benches that differ visibly from those of the engine.
@@ -33,14 +34,11 @@ function drawError(painter, ghosts, { poses }, i, error) {
 }
 
 // A disc at each joint: colour and size show the force.
-function drawForces({ context, view, model, colours, forceScale }, { forces }, poses, cuts) {
+function drawForces({ context, view, colours, forceScale }, joints) {
   const paths = new Map();
-  for (const joint of model.joints) {
-    const force = forces[joint.number];
-    if (cuts.has(joint.number) || !(force >= 0)) continue;
-    const [one, two] = model.ends(joint, poses);
+  for (const { ends: [one, two], force } of joints) {
     const x = (one[0] + two[0]) / 2, y = (one[1] + two[1]) / 2;
-    if (!view.isVisible(x, y, 0)) continue;
+    if (!(force >= 0) || !view.isVisible(x, y, 0)) continue;
     const share = forceScale.share(force);
     const shade = Math.round(share * (SHADES - 1));
     if (!paths.has(shade)) paths.set(shade, new Path2D());
@@ -58,27 +56,27 @@ function drawForces({ context, view, model, colours, forceScale }, { forces }, p
   }
 }
 
-// A ring or dot at each contact, and an arrow along its normal.
+// A ring or dot at each contact point, and an arrow along the normal of each pair.
 function drawImpulses(painter, frame) {
-  const { context, colours, view, impulseScale } = painter;
-  const many = frame.contacts.length / CONTACT_SIZE > MANY_CONTACTS;
+  const { context, colours, view, model, impulseScale } = painter;
+  const count = frame.contacts.length / CONTACT_SIZE, many = count > MANY_CONTACTS;
   const path = new Path2D();
   let largest = null;
-  for (const contact of contactsOf(frame)) {
-    if (!view.isVisible(...contact.point, 0)) continue;
-    const [px, py] = view.toScreen(...contact.point);
-    const [nx, ny] = contact.normal;
-    const longest = many ? LONGEST_OF_MANY : LONGEST_IMPULSE;
-    const length = SHORTEST_IMPULSE + (longest - SHORTEST_IMPULSE) * impulseScale.share(contact.impulse);
+  for (const [x, y, nx, ny, impulse] of rowsOf(frame.contacts, CONTACT_SIZE)) {
+    if (!view.isVisible(x, y, 0)) continue;
+    const [px, py] = view.toScreen(x, y);
     if (many) {
       path.moveTo(px + 2, py);
       path.arc(px, py, 2, 0, TURN);
     } else drawRing(painter, [px, py]);
-    addArrow(path, px, py, nx, -ny, length);
-    if (contact.impulse > (largest?.impulse ?? 0)) largest = { ...contact, px, py };
+    if (impulse < 0 || count > MOST_ARROWS) continue;
+    const longest = many ? LONGEST_OF_MANY : LONGEST_IMPULSE;
+    const length = SHORTEST_IMPULSE + (longest - SHORTEST_IMPULSE) * impulseScale.share(impulse);
+    addArrow(path, px, py, nx, -ny * view.up, length);
+    if (impulse > (largest?.impulse ?? 0)) largest = { impulse, px, py };
   }
   strokeTwice(context, path, colours.background, COLLISION_COLOUR, 2);
-  if (largest && !many) drawLabel(painter, `${formatImpulse(largest.impulse)} N s`, largest.px, largest.py);
+  if (largest && !many) drawLabel(painter, `${formatImpulse(largest.impulse)} ${model.impulseUnit}`, largest.px, largest.py);
 }
 
 const formatImpulse = (impulse) => (impulse >= 0.001 ? String(Number(impulse.toPrecision(2))) : "< 0.001");
@@ -93,13 +91,13 @@ function addArrow(path, px, py, ux, uy, length) {
   path.lineTo(qx - head * ux + half * uy, qy - head * uy - half * ux);
 }
 
-// A cross at both ends of each cut joint.
+// A cross at both holes of each cut joint.
 function drawCuts({ context, view, model, colours }, poses, cuts) {
   const path = new Path2D();
-  for (const joint of model.joints) {
-    if (!cuts.has(joint.number)) continue;
-    for (const end of model.ends(joint, poses)) {
-      const [px, py] = view.toScreen(...end);
+  for (const joint of cuts) {
+    for (const [bench, side] of [[joint, -1], [joint + 1, 1]]) {
+      const half = side * model.spacings[bench] / 2;
+      const [px, py] = view.toScreen(poses.x[bench] + half * poses.cos[bench], poses.y[bench] + half * poses.sin[bench]);
       path.moveTo(px - CUT_MARK, py - CUT_MARK);
       path.lineTo(px + CUT_MARK, py + CUT_MARK);
       path.moveTo(px - CUT_MARK, py + CUT_MARK);
@@ -110,8 +108,8 @@ function drawCuts({ context, view, model, colours }, poses, cuts) {
 }
 
 // A line from the anchor on the held body to the pointer.
-function drawHeld({ context, view, colours }, { body, anchor, target }, poses) {
-  const from = view.toScreen(...placed(poses, body, anchor)), to = view.toScreen(...target);
+function drawHeld({ context, view, colours }, { anchor, target }) {
+  const from = view.toScreen(...anchor), to = view.toScreen(...target);
   const path = new Path2D();
   path.moveTo(...from);
   path.lineTo(...to);
@@ -134,20 +132,18 @@ function drawAim({ context, view, colours }) {
 }
 
 // What a click would change, and its name. A bench is highlighted where it is drawn.
-function drawTarget(painter, target, poses) {
-  const { context, colours, view, model } = painter;
+function drawTarget(painter, target) {
+  const { context, colours, view } = painter;
   if (target.label) drawLabel(painter, target.label, ...target.pixel);
   if (target.joint) {
-    const middle = model.ends(target.joint, poses).map((end) => view.toScreen(...end));
+    const middle = target.joint.ends.map((end) => view.toScreen(...end));
     drawRing(painter, [0, 1].map((axis) => (middle[0][axis] + middle[1][axis]) / 2));
-  } else if (target.body !== undefined) {
-    for (const shape of model.shapesOf(target.body)) {
-      strokeTwice(context, shapePath(view, shape, poses, target.body), colours.background, colours.type, 2);
-    }
+  } else if (target.call) {
+    strokeTwice(context, shapePath(view, target.call), colours.background, colours.type, 2);
   } else if (target.obstacle) {
-    const path = shapePath(view, obstacleShape(target.obstacle), null, -1);
     context.setLineDash([5, 4]);
-    strokeTwice(context, path, colours.background, target.removes ? colours.contact : colours.type, 2);
+    const colour = target.removes ? colours.contact : colours.type;
+    strokeTwice(context, shapePath(view, obstacleCall(target.obstacle)), colours.background, colour, 2);
     context.setLineDash([]);
   }
 }

@@ -51,7 +51,7 @@ class Slider {
     const id = `parameter-${parameter.name}`;
     this.output = created("output", { htmlFor: id });
     this.input = created("input", { id, type: "range", min: 0, max: 1, step: this.scale.step, className: "sends" });
-    const label = created("label", { htmlFor: id }, translated(parameter.label));
+    const label = created("label", { htmlFor: id }, translated(parameter.label || parameter.name));
     if (parameter.rebuilds) label.append(" ", created("span", { className: "note" }, localized("starts again")));
     this.element = created("div", { className: "slider" }, label, this.output, this.input);
     this.listen(send);
@@ -89,14 +89,14 @@ class Slider {
   }
 }
 
-// A number with three significant digits; large and small ones in exponents.
-function numberText(value) {
+// A number with three significant digits, or others; large and small ones in exponents.
+function numberText(value, digitsShown = 3) {
   const size = Math.abs(value);
-  if (size >= 1e6 || (size > 0 && size < 1e-4)) {
-    const [digits, power] = value.toExponential(2).split("e");
+  if (size >= 10 ** (digitsShown + 3) || (size > 0 && size < 1e-4)) {
+    const [digits, power] = value.toExponential(digitsShown - 1).split("e");
     return `${Number(digits)}·10${power.startsWith("-") ? "⁻" : ""}${superscript(Math.abs(Number(power)))}`;
   }
-  return String(size >= 100 ? Math.round(value) : Number(value.toPrecision(3))).replace("-", "−");
+  return String(size >= 100 ? Math.round(value) : Number(value.toPrecision(digitsShown))).replace("-", "−");
 }
 
 class Sliders {

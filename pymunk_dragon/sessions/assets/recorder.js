@@ -41,7 +41,8 @@ class Recorder {
     this.film?.stop();
     this.film = null;
     element("run").href = `run${location.search}`;
-    setText("recorded-text", localized("{time} s recorded:", { time: recorded.toFixed(1) }));
+    element("run").hidden = recorded === null;
+    setText("recorded-text", recorded === null ? localized("Recorded:") : localized("{time} s recorded:", { time: recorded.toFixed(1) }));
     element("recorded").hidden = false;
   }
 

@@ -1,8 +1,8 @@
 // Colours of bodies, forces and charts.
 
-// Pymunk's debug colours.
-const TYPE_COLOURS = { dynamic: "#3498db", kinematic: "#27ae60", static: "#95a5a6" };
-const CONSTRAINT_COLOUR = "#8e44ad";
+// Pymunk's debug colours: of static shapes, of outlines and of collision points.
+const STATIC_COLOUR = "#95a5a6";
+const OUTLINE_COLOUR = "#2c3e50";
 const COLLISION_COLOUR = "#e74c3c";
 // Forces from small to large.
 const RAMP = ["#ffffcc", "#fed976", "#fd8d3c", "#e31a1c", "#800026"];
@@ -24,9 +24,3 @@ function rampColour(share) {
 }
 
 const SHADE_COLOURS = Array.from({ length: SHADES }, (_, k) => rampColour(k / (SHADES - 1)));
-
-function shapeColour(shape, type) {
-  if (!shape.color) return TYPE_COLOURS[type];
-  const [r, g, b, a = 255] = shape.color;
-  return `rgba(${r}, ${g}, ${b}, ${a / 255})`;
-}

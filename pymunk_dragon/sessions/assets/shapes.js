@@ -1,94 +1,97 @@
-// Draws bodies as filled shapes.
+// Draws what Pymunk's debug drawing draws. Neighbours of one colour share a path, because drawing a path costs more
+// than extending it.
 
 const SHAPE_OUTLINE = 1; // pixels
-const OUTLINE_SHADE = 0.45; // weight of the text's colour in outlines
-const CROSS = 5; // pixels: half the size of the cross at a centre of mass
+const JOINT_WIDTH = 1.5; // pixels
+const DOT_SIZE = 0.6; // radius of a dot over Pymunk's
 
-// The path of a shape at the pose of body `i`; -1 for the world.
-function shapePath(view, shape, poses, i) {
-  const path = new Path2D();
-  const at = (u, v) => view.toScreen(...placed(poses, i, [u, v]));
-  if (shape.circle) {
-    const [u, v, radius] = shape.circle;
-    path.arc(...at(u, v), radius * view.scale, 0, TURN);
-  } else if (shape.segment) {
-    const [au, av, bu, bv] = shape.segment;
-    path.moveTo(...at(au, av));
-    path.lineTo(...at(bu, bv));
-  } else {
-    for (const corner of cornersOf(shape)) path.lineTo(...at(...corner));
-    path.closePath();
+// Add the outline of a convex polygon, a line or a point on the screen, at a distance around it.
+function addOutline(path, corners, distance) {
+  if (corners.length === 1) {
+    path.moveTo(corners[0][0] + distance, corners[0][1]);
+    path.arc(...corners[0], distance, 0, TURN);
+    return;
   }
+  const area = corners.reduce((sum, [x, y], i) => {
+    const [nextX, nextY] = corners[(i + 1) % corners.length];
+    return sum + x * nextY - y * nextX;
+  }, 0);
+  const points = area < 0 ? [...corners].reverse() : corners;
+  const headings = points.map(([x, y], i) => {
+    const [nextX, nextY] = points[(i + 1) % points.length];
+    return Math.atan2(nextY - y, nextX - x);
+  });
+  points.forEach(([x, y], i) => {
+    if (distance <= 0) path[i ? "lineTo" : "moveTo"](x, y);
+    else {
+      const begin = headings.at(i - 1) - TURN / 4, end = headings[i] - TURN / 4;
+      if (!i) path.moveTo(x + distance * Math.cos(begin), y + distance * Math.sin(begin));
+      // At a straight corner, rounding can give an angle just below a full circle.
+      if ((((end - begin) % TURN) + TURN) % TURN < 0.75 * TURN) path.arc(x, y, distance, begin, end);
+    }
+  });
+  path.closePath();
+}
+
+function shapePath(view, { points, radius }) {
+  const path = new Path2D();
+  addOutline(path, points.map((point) => view.toScreen(...point)), radius * view.scale);
   return path;
 }
 
-function drawShape({ context, view, colours }, shape, type, poses, i) {
-  const path = shapePath(view, shape, poses, i);
-  const colour = shapeColour(shape, type);
-  const rim = mixed(TYPE_COLOURS[type], colours.type, OUTLINE_SHADE);
-  // The rounding of a polygon and the body of a segment are thick lines.
-  const radius = shape.circle ? 0 : shape.segment ? shape.segment[4] : shape.radius ?? 0;
-  const width = Math.max(2 * radius * view.scale, shape.segment ? 2 : 0);
-  for (const [stroke, wide] of [[rim, width + 2 * SHAPE_OUTLINE], [colour, width]]) {
-    context.strokeStyle = stroke;
-    context.lineWidth = wide;
-    if (wide > 0) context.stroke(path);
-  }
-  if (shape.segment) return;
-  context.fillStyle = colour;
-  context.fill(path);
-  if (shape.circle && i >= 0) drawRadius(context, view, shape.circle, poses, i, rim);
+// Whether any of a call may be visible.
+function isCallVisible(view, { kind, points, radius }) {
+  const reach = kind === "dot" ? 0 : radius;
+  const [xs, ys] = [0, 1].map((axis) => points.map((point) => point[axis]));
+  const [x, y] = [xs, ys].map((values) => (Math.min(...values) + Math.max(...values)) / 2);
+  return view.isVisible(x, y, reach + Math.max(Math.max(...xs) - x, Math.max(...ys) - y));
 }
 
-// A line from the centre of a circle shows how it turns.
-function drawRadius(context, view, [u, v, radius], poses, i, colour) {
-  context.beginPath();
-  context.moveTo(...view.toScreen(...placed(poses, i, [u, v])));
-  context.lineTo(...view.toScreen(...placed(poses, i, [u + radius, v])));
-  context.strokeStyle = colour;
-  context.lineWidth = SHAPE_OUTLINE;
-  context.stroke();
-}
-
-// Static shapes first, then the bodies after the benches.
-function drawBodies(painter, poses) {
-  const { model, view } = painter;
-  for (const shape of model.scene.static) drawShape(painter, shape, "static", poses, -1);
-  model.scene.bodies.slice(model.benches).forEach(({ type, shapes }, k) => {
-    for (const shape of shapes) drawShape(painter, shape, type, poses, model.benches + k);
-  });
-}
-
-function obstacleShape({ shape, x, y, size }) {
-  const half = size / 2;
-  if (shape === "round") return { circle: [x, y, half] };
-  return { polygon: [x - half, y - half, x + half, y - half, x + half, y + half, x - half, y + half], radius: 0 };
-}
-
-function drawObstacles(painter, obstacles) {
-  for (const obstacle of obstacles) drawShape(painter, obstacleShape(obstacle), "static", null, -1);
-}
-
-// Lines between the anchors of joints; a dragon's joints are the holes of its benches.
-function drawJoints({ context, view, model }, poses, cuts) {
-  const lines = new Path2D(), dots = new Path2D();
-  for (const joint of model.joints) {
-    if (cuts.has(joint.number)) continue;
-    const [one, two] = model.ends(joint, poses).map((end) => view.toScreen(...end));
-    lines.moveTo(...one);
-    lines.lineTo(...two);
-    for (const [px, py] of [one, two]) {
-      dots.moveTo(px + 3, py);
-      dots.arc(px, py, 3, 0, TURN);
+function drawCalls({ context, view }, calls) {
+  let run = null;
+  const finish = () => {
+    if (!run) return;
+    context.fillStyle = run.fill;
+    context.strokeStyle = run.outline ?? run.fill;
+    context.lineWidth = run.outline ? SHAPE_OUTLINE : JOINT_WIDTH;
+    if (run.fills) context.fill(run.path);
+    if (run.outline || !run.fills) context.stroke(run.path);
+  };
+  for (const call of calls) {
+    if (!isCallVisible(view, call)) continue;
+    const fills = call.kind !== "line";
+    if (!run || !call.opaque || run.fill !== call.fill || run.outline !== call.outline || run.fills !== fills) {
+      finish();
+      run = { fill: call.fill, outline: call.outline, fills, path: new Path2D() };
     }
+    addCall(run.path, view, call);
   }
-  context.strokeStyle = context.fillStyle = CONSTRAINT_COLOUR;
-  context.lineWidth = 1.5;
-  context.stroke(lines);
-  context.fill(dots);
+  finish();
 }
 
-// Centres of mass: the origins of the bodies.
+function addCall(path, view, { kind, points, radius, angle }) {
+  const corners = points.map((point) => view.toScreen(...point));
+  if (kind === "line") {
+    path.moveTo(...corners[0]);
+    path.lineTo(...corners[1]);
+    return;
+  }
+  addOutline(path, corners, kind === "dot" ? DOT_SIZE * radius : Math.max(radius * view.scale, kind === "segment" ? 0.5 : 0));
+  if (kind !== "circle") return;
+  // A line from the centre shows how a circle turns.
+  const [[x, y]] = points;
+  path.moveTo(...corners[0]);
+  path.lineTo(...view.toScreen(x + radius * Math.cos(angle), y + radius * Math.sin(angle)));
+}
+
+function obstacleCall({ shape, x, y, size }) {
+  const half = size / 2, round = shape === "round";
+  const square = [[x - half, y - half], [x + half, y - half], [x + half, y + half], [x - half, y + half]];
+  return { kind: round ? "circle" : "polygon", points: round ? [[x, y]] : square, radius: round ? half : 0, angle: 0,
+    fill: STATIC_COLOUR, outline: OUTLINE_COLOUR, opaque: true };
+}
+
+// Centres of mass: the positions of the benches.
 function drawCentres({ context, view, colours }, { x, y }) {
   const path = new Path2D();
   for (let i = 0; i < x.length; i++) {
@@ -101,3 +104,5 @@ function drawCentres({ context, view, colours }, { x, y }) {
   }
   strokeTwice(context, path, colours.background, colours.type, 1.5);
 }
+
+const CROSS = 5; // pixels: half the size of the cross at a centre of mass

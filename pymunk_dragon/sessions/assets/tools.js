@@ -3,9 +3,10 @@
 const JOINT_SLIP = 15; // pixels: largest distance of a click from the joint that it cuts
 const BODY_SLIP = 12; // pixels: largest distance of a touch from the body that it takes
 const MOUSE_SLIP = 3; // pixels: the same for a mouse
+const GRAB_SLIP = 10; // pixels: the same for the server, where the body may have moved on
 const DRAG_DIGITS = 6; // significant digits of where the hand is: inputs are kept in little memory
-const TOOLS = ["drag", "cut", "round", "square", "release"];
-const ABILITY_OF_TOOL = { cut: "cut", round: "obstacles", square: "obstacles", release: "dancers" };
+const TOOLS = ["drag", "cut", "round", "square", "release", "program"];
+const ABILITY_OF_TOOL = { program: "pointer", cut: "cut", round: "obstacles", square: "obstacles", release: "dancers" };
 // Obstacle sizes as parts of the field's shorter side.
 const SMALLEST_OBSTACLE = 0.005;
 const LARGEST_OBSTACLE = 0.25;
@@ -25,6 +26,7 @@ class Tools {
     for (const tool of TOOLS) element(`tool-${tool}`).closest("label").hidden = !this.offers(tool, model);
     if (!this.offers(this.chosen, model)) this.choose("drag");
     if (rebuilt) return;
+    if (model.can("pointer")) this.choose("program");
     const side = Math.min(...model.field.size);
     this.sizes = scaleOf({ low: SMALLEST_OBSTACLE * side, high: LARGEST_OBSTACLE * side, logarithmic: true });
     element("obstacle-size").value = this.sizes.positionOf(USUAL_OBSTACLE * side);
@@ -56,7 +58,7 @@ class Tools {
   }
 
   showSize() {
-    const text = formatLength(this.size, 0);
+    const text = this.live.model.lengthText(this.size);
     setText("obstacle-value", text);
     element("obstacle-size").setAttribute("aria-valuetext", text);
     this.live.requestDraw();
@@ -67,56 +69,76 @@ class Tools {
   // Take hold of the body at a pixel; tells whether there is one.
   take(pixel, kind) {
     const { live } = this;
+    if (this.chosen === "program" && live.controls) {
+      this.carried = pixel;
+      this.sendPointer(pixel, "down");
+      return true;
+    }
     if (this.chosen !== "drag" || !live.controls) return false;
     const slip = kind === "mouse" ? MOUSE_SLIP : BODY_SLIP;
-    const found = live.model.bodyAt(live.view.toWorld(...pixel), slip / live.view.scale, live.poses);
+    const found = live.model.bodyAt(live.view.toWorld(...pixel), slip / live.view.scale, live.frame, live.poses);
     if (!found) return false;
     const [x, y] = found.point;
-    live.send({ do: "grab", body: found.body, x, y });
+    // The body has moved on since the picture was made.
+    live.send({ do: "grab", x, y, slip: Math.max(slip, GRAB_SLIP) / live.view.scale });
     this.carried = pixel;
-    this.body = found.body;
-    this.anchor = localPoint(live.poses, found.body, found.point);
     this.sent = null;
     live.requestDraw();
     return true;
   }
 
+  // The program gets where the pointer is; once in each picture.
+  point(pixel) {
+    if (this.chosen === "program" && this.live.controls) this.pointed = pixel;
+  }
+
+  sendPointer(pixel, kind) {
+    const [x, y] = this.live.view.toWorld(...pixel).map((value) => Number(value.toPrecision(DRAG_DIGITS)));
+    this.live.send({ do: "pointer", x, y, kind });
+  }
+
   carry(pixel) {
     this.carried = pixel;
+    this.point(pixel);
     this.live.requestDraw();
   }
 
   drop() {
     if (!this.carried) return;
+    if (this.chosen === "program") this.sendPointer(this.carried, "up");
+    else this.live.send({ do: "drop" });
     this.carried = null;
-    this.live.send({ do: "drop" });
     this.live.requestDraw();
   }
 
   // Send where the held body is to go; once in each picture.
   flush() {
-    if (!this.carried) return;
+    if (this.pointed) this.sendPointer(this.pointed, "move");
+    this.pointed = null;
+    if (!this.carried || this.chosen === "program") return;
     const [x, y] = this.live.view.toWorld(...this.carried).map((value) => Number(value.toPrecision(DRAG_DIGITS)));
     if (this.sent && this.sent[0] === x && this.sent[1] === y) return;
     this.sent = [x, y];
     this.live.send({ do: "drag", x, y });
   }
 
+  // What the line of the hand joins: the server says where it holds the body.
   get held() {
-    if (!this.carried) return this.live.frame.held;
-    return { body: this.body, anchor: this.anchor, target: this.live.view.toWorld(...this.carried) };
+    if (!this.live.frame.held) return null;
+    const [x, y, ...target] = this.live.frame.held;
+    return { anchor: [x, y], target: this.carried ? this.live.view.toWorld(...this.carried) : target };
   }
 
   // ---- clicks
 
   // What a click at a pixel would change, with the tool that is chosen; null if nothing.
   targetAt(pixel, slip = 0) {
-    const { model, view, poses, state, controls } = this.live;
+    const { model, view, poses, frame, state, controls } = this.live;
     if (!controls) return null;
     const point = view.toWorld(...pixel);
     if (this.chosen === "cut") {
-      const joint = model.jointAt(point, JOINT_SLIP / view.scale, poses, new Set(state.cuts));
-      return joint && { joint };
+      const joint = model.jointAt(point, JOINT_SLIP / view.scale, model.joints(frame, poses, state.cuts));
+      return joint && { joint, point };
     }
     if (this.chosen === "release") {
       const bench = new Benches(model, poses).at(point, slip / view.scale);
@@ -128,7 +150,7 @@ class Tools {
   obstacleAt(point, slip) {
     const { state, view } = this.live;
     const standing = state.obstacles.find(
-      (obstacle) => nearestOnShape(obstacleShape(obstacle), point).distance <= slip / view.scale);
+      (obstacle) => nearestOnShape(obstacleCall(obstacle), point).distance <= slip / view.scale);
     if (standing) return { obstacle: standing, removes: true };
     return { obstacle: { shape: this.chosen, x: point[0], y: point[1], size: this.size } };
   }
@@ -139,8 +161,8 @@ class Tools {
     if (message) this.live.send(message);
   }
 
-  messageFor({ joint, bench, obstacle, removes }) {
-    if (joint) return { do: "cut", joint: joint.number };
+  messageFor({ joint, point, bench, obstacle, removes }) {
+    if (joint) return { do: "cut", x: point[0], y: point[1], slip: JOINT_SLIP / this.live.view.scale };
     // The head has no dancer of its own that could let go.
     if (bench !== undefined) return { do: "release", bench: Math.max(1, bench) };
     return removes ? { do: "remove", obstacle: obstacle.id } : { do: "obstacle", ...obstacle };
@@ -168,16 +190,14 @@ class Tools {
 
   // The body that would be dragged: a bench or another one.
   bodyAtAim() {
-    const { model, view, poses } = this.live;
+    const { model, view, frame, poses } = this.live;
     const slip = this.pixel ? MOUSE_SLIP : BODY_SLIP;
-    const body = model.bodyAt(view.toWorld(...this.aim), slip / view.scale, poses)?.body;
-    if (body === undefined) return null;
-    return body < model.benches ? { bench: body } : { body };
+    return model.bodyAt(view.toWorld(...this.aim), slip / view.scale, frame, poses);
   }
 
   labelOf({ joint, bench }) {
-    const { forces, errors } = this.live.frame;
-    if (joint) return localized("joint {i}: {force}", { i: joint.number, force: formatForce(forces[joint.number]) });
+    const { errors } = this.live.frame;
+    if (joint) return localized("joint {i}: {force}", { i: joint.number, force: this.live.model.forceText(joint.force) });
     if (bench === undefined) return "";
     if (!(errors[bench] > 0)) return localized("bench {i}", { i: bench });
     return localized("bench {i}: error {error}", { i: bench, error: formatError(errors[bench], ERROR_KNOWN) });

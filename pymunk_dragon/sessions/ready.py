@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from inspect import Parameter, signature
 from typing import Any
 
 import numpy as np
@@ -16,29 +17,18 @@ from pymunk_dragon.model.curves import Line, Spiral
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.scenario import Scenario
-from pymunk_dragon.sessions.scenes.base import Scene
-from pymunk_dragon.sessions.scenes.dragon import DragonScene
+from pymunk_dragon.sessions.controls import Button, Key, PygameEvents, Slider
+from pymunk_dragon.sessions.dragon import DragonScene
+from pymunk_dragon.sessions.scene import Play, Scene
 
 Values = Mapping[str, float]
+# Properties of a space that a slider without an action may have.
+PROPERTIES = ("gravity", "damping", "iterations")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Ready:
-    """How a scene is made.
-
-    Attributes
-    ----------
-    name : str
-        Name by which it is chosen.
-    title, text : str
-        Title, and one sentence on what to do.
-    lesson : str or None
-        Name of the lesson on it.
-    build : callable
-        Function of values of parameters that makes the scene.
-    plan : mapping or None
-        JSON values from which `planned` makes it again; None for a space that only its owner can make.
-    """
+    """How a scene is made."""
 
     name: str
     title: str
@@ -49,13 +39,7 @@ class Ready:
 
 
 def ready(name: str) -> Ready:
-    """The ready scene of a name.
-
-    Raises
-    ------
-    ParameterError
-        If there is none.
-    """
+    """The ready scene of a name."""
     return SCENES[word("scene", name, list(SCENES))]
 
 
@@ -84,6 +68,45 @@ def planned(plan: Mapping[str, Any]) -> Ready:
     return dragon(Scenario.from_dict(plan["scenario"], files=False).march(), **options)
 
 
+def program(build: Callable[..., pymunk.Space], play: Play) -> Ready:
+    """Return the scene of a function that builds a space; sliders that rebuild are its arguments."""
+    play = replace(play, controls=[_known(each, build) for each in play.controls])
+    sliders = {each.name: each for each in play.controls if isinstance(each, Slider)}
+    first = {name: float(each.value) for name, each in sliders.items() if each.value is not None}
+    arguments = [name for name in sliders if name in signature(build).parameters]
+
+    def make(values: Values) -> Scene:
+        values = first | dict(values)
+        space = build(**{name: sliders[name].checked(values[name]) for name in arguments})
+        if not isinstance(space, pymunk.Space):
+            raise ParameterError("build", space, "a function that returns a pymunk.Space")
+        return Scene(space, play, {name: value for name, value in values.items() if name in sliders})
+
+    return Ready(name="space", title="A space", text="Pull a body, cut a joint.", build=make)
+
+
+def _known(control: object, build: Callable[..., object]) -> Slider | Button | Key | PygameEvents:
+    """Return a control with the value that it has at the start."""
+    if not isinstance(control, Slider):
+        if not isinstance(control, Button | Key | PygameEvents):
+            raise ParameterError("controls", control, "Slider, Button, Key and PygameEvents")
+        return control
+    parameter = signature(build).parameters.get(control.name)
+    if parameter is None and (control.rebuilds or not (control.action or control.name in PROPERTIES)):
+        known = ", ".join(signature(build).parameters) or "none"
+        raise ParameterError("controls", control.name, f"an argument of the function that builds the space ({known})")
+    value = control.value
+    if value is None and parameter is not None and parameter.default is not Parameter.empty:
+        value = parameter.default
+    if value is None and control.name not in PROPERTIES:
+        raise ParameterError("controls", control.name, "a slider with a value at the start")
+    is_whole = control.whole or (isinstance(value, int) and parameter is not None)
+    known_control = replace(control, value=value, whole=is_whole)
+    if value is not None:
+        known_control.checked(value)
+    return known_control
+
+
 def _space(gravity: float = -9.81) -> pymunk.Space:
     space = pymunk.Space()
     space.gravity = 0, gravity
@@ -91,8 +114,8 @@ def _space(gravity: float = -9.81) -> pymunk.Space:
     return space
 
 
-def _pendulum(values: Values) -> Scene:
-    """Three rods below a hook."""
+def _pendulum() -> pymunk.Space:
+    """Return three rods below a hook."""
     space = _space()
     before, anchor = space.static_body, (0.0, 0.0)
     for link in range(3):
@@ -102,11 +125,11 @@ def _pendulum(values: Values) -> Scene:
         shape.filter = pymunk.ShapeFilter(group=1)
         space.add(rod, shape, pymunk.PivotJoint(before, rod, anchor, (-0.5, 0.0)))
         before, anchor = rod, (0.5, 0.0)
-    return Scene(space, 1 / 240, field=(0.0, -1.0, 7.0, 5.0))
+    return space
 
 
-def _cradle(values: Values) -> Scene:
-    """Five balls on strings."""
+def _cradle() -> pymunk.Space:
+    """Return five balls on strings."""
     space = _space()
     for ball in range(5):
         body = pymunk.Body(1.0, pymunk.moment_for_circle(1.0, 0.0, 0.2))
@@ -117,23 +140,23 @@ def _cradle(values: Values) -> Scene:
         shape = pymunk.Circle(body, 0.2)
         shape.elasticity = 1.0
         space.add(body, shape, pymunk.PinJoint(space.static_body, body, hook, (0.0, 0.0)))
-    return Scene(space, 1 / 600, field=(0.0, 0.9, 5.0, 3.0))
+    return space
 
 
-def _boxes(values: Values) -> Scene:
-    """A wall of boxes on the ground."""
+def _boxes(rows: int = 8) -> pymunk.Space:
+    """Return a wall of boxes on the ground."""
     space = _space()
-    ground = pymunk.Segment(space.static_body, (-6.0, 0.0), (6.0, 0.0), 0.05)
+    ground = pymunk.Segment(space.static_body, (-0.3 * rows - 3.6, 0.0), (0.3 * rows + 3.6, 0.0), 0.05)
     ground.friction = 0.8
     space.add(ground)
-    for row in range(8):
-        for column in range(8 - row):
+    for row in range(rows):
+        for column in range(rows - row):
             box = pymunk.Body(1.0, pymunk.moment_for_box(1.0, (0.5, 0.5)))
-            box.position = 0.55 * (column - (7 - row) / 2), 0.3 + 0.5 * row
+            box.position = 0.55 * (column - (rows - 1 - row) / 2), 0.3 + 0.5 * row
             shape = pymunk.Poly.create_box(box, (0.5, 0.5))
             shape.friction = 0.6
             space.add(box, shape)
-    return Scene(space, 1 / 120)
+    return space
 
 
 def _arm(values: Values) -> Scene:
@@ -204,21 +227,21 @@ _READY = (
         title="A pendulum of three rods",
         text="Pull it up and drop it. Then cut a joint.",
         lesson="tension",
-        build=_pendulum,
+        build=program(_pendulum, Play(step=1 / 240, field=(0.0, -1.0, 7.0, 5.0))).build,
     ),
     Ready(
         name="cradle",
         title="Newton's cradle",
         text="One ball hits the others. How many fly off? Then take longer steps.",
         lesson="engine",
-        build=_cradle,
+        build=program(_cradle, Play(step=1 / 600, field=(0.0, 0.9, 5.0, 3.0))).build,
     ),
     Ready(
         name="boxes",
         title="A stack of boxes",
         text="Pull a box out of the stack. Fewer iterations make it soft.",
         lesson="engine",
-        build=_boxes,
+        build=program(_boxes, Play(step=1 / 120, controls=[Slider("rows", 2, 25, label="Rows", rebuilds=True)])).build,
     ),
 )
 SCENES: dict[str, Ready] = {each.name: replace(each, plan={"scene": each.name}) for each in _READY}

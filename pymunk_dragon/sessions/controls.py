@@ -1,0 +1,189 @@
+"""Sliders, buttons and keys by which a page changes a space."""
+
+from __future__ import annotations
+
+import math
+from collections import defaultdict
+from collections.abc import Callable
+from dataclasses import KW_ONLY, dataclass
+
+import pymunk
+
+from pymunk_dragon._checks import finite, whole
+from pymunk_dragon._extras import library
+from pymunk_dragon.errors import ParameterError
+
+Action = Callable[[pymunk.Space], object]
+
+
+@dataclass(frozen=True)
+class Slider:
+    """A number that the page changes.
+
+    A slider with an `action` calls ``action(space, value)``. A slider that `rebuilds` calls the function that builds
+    the space again, with its value as the argument `name`. Without both, `name` is a property of the space: "gravity"
+    (its amount; the direction stays), "damping" or "iterations".
+
+    Parameters
+    ----------
+    name : str
+        Name, which the page shows if there is no `label`.
+    low, high : float
+        Range.
+    value : float, optional
+        Value at the start. By default that of the argument `name` of the function that builds the space, or of the
+        property.
+    rebuilds : bool
+        Whether each change builds the space again.
+    action : callable, optional
+        Function of the space and the value.
+    label, unit : str
+        Name and unit on the page.
+    logarithmic, whole : bool
+        Whether the scale is logarithmic, and whether values are whole numbers.
+
+    Raises
+    ------
+    ParameterError
+        If `low` is not below `high`.
+
+    Examples
+    --------
+    >>> from pymunk_dragon import Slider
+    >>> Slider("links", 2, 40, 12, rebuilds=True, whole=True).checked(7.0)
+    7
+    """
+
+    name: str
+    low: float
+    high: float
+    value: float | None = None
+    _: KW_ONLY
+    rebuilds: bool = False
+    action: Callable[[pymunk.Space, float], object] | None = None
+    label: str = ""
+    unit: str = ""
+    logarithmic: bool = False
+    whole: bool = False
+
+    def __post_init__(self) -> None:
+        finite("low", self.low, -math.inf, math.inf, self.unit)
+        if not finite("high", self.high, -math.inf, math.inf, self.unit) > self.low:
+            raise ParameterError("high", self.high, f"a number above {self.low:g}")
+
+    def checked(self, value: float) -> float:
+        """Return the value, if it is in the range, and whole if it has to be."""
+        if self.whole:
+            return whole(self.name, int(value) if float(value).is_integer() else value, int(self.low), int(self.high))
+        return finite(self.name, value, self.low, self.high, self.unit)
+
+
+@dataclass(frozen=True)
+class Button:
+    """A button with a text that calls ``action(space)``.
+
+    Examples
+    --------
+    >>> from pymunk_dragon import Button
+    >>> Button("Stop all", lambda space: [setattr(body, "velocity", (0, 0)) for body in space.bodies]).name
+    'Stop all'
+    """
+
+    name: str
+    action: Action
+
+
+@dataclass(frozen=True)
+class Key:
+    """A key, as "ArrowLeft", " " or "x", that calls ``action(space)``, and ``up(space)`` when it is released.
+
+    Names are those of `KeyboardEvent.key` in browsers; the key does nothing else on the page.
+
+    Examples
+    --------
+    >>> from pymunk_dragon import Key
+    >>> Key("ArrowUp", lambda space: setattr(space, "gravity", (0, 900))).name
+    'ArrowUp'
+    """
+
+    name: str
+    action: Action
+    up: Action | None = None
+
+
+class PygameEvents:
+    """Keys and the pointer of the page as pygame's events, for a pygame program that steps its space by `Live.step`.
+
+    The page has a tool for the pointer, and shows the area of pygame's window. pygame's functions that tell the state
+    of keys and mouse tell that of the page: ``pygame.key.get_pressed``, ``pygame.key.get_mods``,
+    ``pygame.mouse.get_pos`` and ``pygame.mouse.get_pressed``. The program needs no screen: set the environment
+    variable ``SDL_VIDEODRIVER=dummy``.
+
+    Raises
+    ------
+    MissingExtraError
+        If pygame is not installed.
+
+    Examples
+    --------
+    ```python
+    session = live(space, step=None, y_down=True, units="px", controls=[PygameEvents()])
+    while running:
+        for event in pygame.event.get():
+            ...
+        session.step(1 / 60)
+    ```
+    """
+
+    def __init__(self) -> None:
+        self._pygame = library("pygame")
+        self._keys: defaultdict[int, bool] = defaultdict(bool)
+        self._place, self._button = (0, 0), False
+        self._pygame.key.get_pressed = lambda: self._keys
+        self._pygame.key.get_mods = self._modifiers
+        self._pygame.mouse.get_pos = lambda: self._place
+        self._pygame.mouse.get_pressed = lambda num_buttons=3: (self._button, False, False)
+
+    @property
+    def field(self) -> tuple[float, float, float, float] | None:
+        """Centre, width and height of pygame's window, if it has one."""
+        surface = self._pygame.display.get_surface()
+        if surface is None:
+            return None
+        width, height = surface.get_size()
+        return width / 2, height / 2, width, height
+
+    def key(self, name: str, down: bool) -> None:
+        """Post the event of a key with a name of the browser's."""
+        try:
+            code = self._pygame.key.key_code(KEY_NAMES.get(name, name.removeprefix("Arrow")))
+        except ValueError:  # A key that pygame does not have.
+            return
+        self._keys[code] = down
+        kind = self._pygame.KEYDOWN if down else self._pygame.KEYUP
+        character = name if down and len(name) == 1 else ""
+        self._post(kind, key=code, mod=self._modifiers(), unicode=character, scancode=0)
+
+    def pointer(self, x: float, y: float, kind: str) -> None:
+        """Post the event of the pointer at a pixel of pygame's window: "down", "up" or "move"."""
+        before, self._place = self._place, (round(x), round(y))
+        if kind == "move":
+            relative = (self._place[0] - before[0], self._place[1] - before[1])
+            self._post(self._pygame.MOUSEMOTION, pos=self._place, rel=relative, buttons=(int(self._button), 0, 0))
+            return
+        self._button = kind == "down"
+        event = self._pygame.MOUSEBUTTONDOWN if self._button else self._pygame.MOUSEBUTTONUP
+        self._post(event, pos=self._place, button=1)
+
+    def _modifiers(self) -> int:
+        pygame = self._pygame
+        return (pygame.KMOD_SHIFT if self._keys[pygame.K_LSHIFT] else 0) | (
+            pygame.KMOD_CTRL if self._keys[pygame.K_LCTRL] else 0
+        )
+
+    def _post(self, kind: int, **values: object) -> None:
+        self._pygame.event.post(self._pygame.event.Event(kind, **values))
+
+
+# Names of keys in browsers that pygame names otherwise.
+KEY_NAMES = {"Enter": "return", "Shift": "left shift", "Control": "left ctrl", "Alt": "left alt", " ": "space"}

@@ -1,0 +1,481 @@
+"""A Pymunk space that is shown and touched: what is drawn, and what a hand may do."""
+
+from __future__ import annotations
+
+import json
+import math
+import struct
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import pymunk
+from pymunk import batch
+from pymunk.batch import ArbiterFields
+from pymunk.space_debug_draw_options import SpaceDebugColor
+
+from pymunk_dragon._arrays import Array
+from pymunk_dragon._checks import finite, positive, word
+from pymunk_dragon.drawing.debug_draw import DrawCall, DrawRecorder
+from pymunk_dragon.errors import DragonError, ParameterError
+from pymunk_dragon.sessions.controls import Button, Key, PygameEvents, Slider
+
+# Largest acceleration by a hand, in m/s^2, as in Box2D's testbed: for scenes of this size; in larger ones, more.
+HAND_ACCELERATION, HAND_SIZE = 1000.0, 10.0
+# Share of the distance to the pointer that is left after a second, as in Pymunk's examples.
+HAND_BIAS = (1 - 0.15) ** 60
+# Coordinates from outside are not larger, so that products stay finite.
+MAX_COORDINATE = 1e6
+MAX_OBSTACLES = 100
+# s: the step that is shown before a program makes its first one.
+DEFAULT_STEP = 1 / 60
+POINTER_KINDS = ("down", "move", "up")
+OBSTACLE_FRICTION = 0.4
+# Least width and height of the area that is shown.
+SMALLEST_FIELD = 1e-3
+# Steps between two checks whether bodies flew apart.
+CHECKED = 10
+# Numbers of the kinds of drawn calls in a frame.
+KINDS = {"circle": 0, "segment": 1, "polygon": 2, "line": 3, "dot": 4}
+# Numbers of a call before its points.
+HEAD = 7
+# What the page gets of each pair in contact.
+CONTACT_FIELDS = ArbiterFields.TOTAL_IMPULSE | ArbiterFields.NORMAL | ArbiterFields.POINT_A_1 | ArbiterFields.POINT_A_2
+CONTACT_FIELDS |= ArbiterFields.BODY_A_ID | ArbiterFields.BODY_B_ID
+CONTACT_FIELDS |= ArbiterFields.IS_FIRST_CONTACT | ArbiterFields.CONTACT_COUNT
+# Impulse in the row of a contact that has no arrow: that of its pair is in another row.
+NO_ARROW = -1.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Play:
+    """How a space is played: the keywords of `live`."""
+
+    # s; None where a program makes the steps itself.
+    step: float | None = 1 / 60
+    on_step: Callable[[pymunk.Space, float], object] | None = None
+    controls: Sequence[Slider | Button | Key | PygameEvents] = ()
+    plots: Mapping[str, Callable[[pymunk.Space], float]] = field(default_factory=dict)
+    y_down: bool = False
+    units: str = "m"
+    # Centre, width and height of the area to show at first; by default that of all shapes and joints.
+    field: tuple[float, float, float, float] | None = None
+
+
+class Scene:
+    """Any Pymunk space, drawn as Pymunk's debug drawing draws it."""
+
+    abilities: tuple[str, ...] = ("cut", "obstacles", "until_contact")
+
+    def __init__(self, space: pymunk.Space, play: Play = Play(), values: Mapping[str, float] | None = None) -> None:
+        self.space, self.play = space, play
+        self.step_length = play.step or DEFAULT_STEP
+        self.steps = 0
+        self.events: list[str] = []
+        self.stops = self.waits_for_contact = False
+        self.obstacles: dict[int, dict[str, Any]] = {}
+        self._obstacle_shapes: dict[int, pymunk.Shape] = {}
+        self._hand = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
+        self._held: pymunk.PivotJoint | None = None
+        self._recorder = DrawRecorder()
+        self._recorder.flags &= ~DrawRecorder.DRAW_COLLISION_POINTS
+        self._arbiters = batch.Buffer()
+        self.pygame = next((each for each in play.controls if isinstance(each, PygameEvents)), None)
+        self._sliders = {each.name: each for each in play.controls if isinstance(each, Slider)}
+        self._values = dict(values or {})
+        self._gravity = space.gravity
+        self.field: dict[str, list[float]] = {}
+        self.fit()
+
+    def fit(self) -> None:
+        """Choose the area to show at first: that of `Play.field`, of pygame's window, or of what is drawn."""
+        x, y, width, height = self.play.field or (self.pygame and self.pygame.field) or self._extent()
+        self.field = {"centre": [x, y], "size": [width, height]}
+
+    # ---- time
+
+    @property
+    def time(self) -> float:
+        """Simulated time, s."""
+        return self.steps * self.step_length
+
+    def advance(self) -> None:
+        """Make a step."""
+        if self.play.on_step is not None:
+            self.play.on_step(self.space, self.time)
+        self.space.step(self.step_length)
+        self.steps += 1
+        if self.waits_for_contact and self._has_new_contact():
+            self.stops, self.waits_for_contact = True, False
+        self.check()
+
+    def check(self) -> None:
+        """Raise an error now and then if a body has no finite position any more."""
+        if self.steps % CHECKED == 0:
+            buffer = batch.Buffer()
+            batch.get_space_bodies(self.space, batch.BodyFields.POSITION, buffer)
+            if not np.isfinite(np.frombuffer(buffer.float_buf())).all():
+                raise DragonError("the bodies flew apart: reset, and take shorter steps")
+
+    # ---- what controls change
+
+    @property
+    def parameters(self) -> dict[str, Slider]:
+        """Sliders: those of the user's, and those that any space has."""
+        step = 1e3 * (self.play.step or DEFAULT_STEP)
+        return self._sliders | {
+            each.name: each
+            for each in (
+                Slider("step", step / 10, step * 10, label="Time step", unit="ms", logarithmic=True),
+                Slider("iterations", 1, 200, label="Iterations", logarithmic=True, whole=True),
+                Slider("damping", 0, 1, label="Velocity kept in 1 s"),
+                Slider("gravity", 0, 3 * self._gravity.length, label="Gravity", unit=f"{self.play.units}/s²")
+                if self._gravity.length > 0
+                else None,
+            )
+            if each is not None and each.name not in self._sliders and (each.name != "step" or self.play.step)
+        }
+
+    @property
+    def values(self) -> dict[str, float]:
+        """Values of the sliders."""
+        space = self.space
+        found: dict[str, float] = {
+            "step": 1e3 * self.step_length,
+            "iterations": space.iterations,
+            "damping": space.damping,
+            "gravity": space.gravity.length,
+        }
+        return {name: self._values.get(name, found.get(name, each.low)) for name, each in self.parameters.items()}
+
+    def set(self, name: str, value: float) -> None:
+        """Change a value of a slider that does not rebuild."""
+        slider = self._sliders.get(name)
+        if slider is not None:
+            self._values[name] = value
+        if slider is not None and slider.action is not None:
+            slider.action(self.space, value)
+        elif name == "step":
+            self.step_length = value / 1e3
+        elif name == "iterations":
+            self.space.iterations = int(value)
+        elif name == "damping":
+            self.space.damping = value
+        elif name == "gravity":
+            direction = self._gravity.normalized() if self._gravity.length > 0 else pymunk.Vec2d(0, -1)
+            self.space.gravity = value * direction
+
+    def press(self, name: str, down: bool) -> None:
+        """Call the action of a button or a key that is pressed, or that of a key that is released."""
+        if self.pygame is not None:
+            self.pygame.key(name, down)
+        for control in self.play.controls:
+            if isinstance(control, Button | Key) and control.name == name:
+                action = control.action if down else getattr(control, "up", None)
+                if action is not None:
+                    action(self.space)
+                return
+        if self.pygame is None:
+            raise ParameterError("name", name, "a button or a key of this scene")
+
+    def pointer(self, x: float, y: float, kind: str) -> None:
+        """Hand the pointer on to a pygame program, whose window has its origin at the upper left."""
+        if self.pygame is None:
+            raise ParameterError("pointer", kind, "sent to a program with PygameEvents")
+        x, y = _point(x, y)
+        self.pygame.pointer(x, y if self.play.y_down else self.field["size"][1] - y, word("kind", kind, POINTER_KINDS))
+
+    # ---- what a hand does
+
+    def grab(self, x: float, y: float, slip: float) -> None:
+        """Hold the nearest body that can move and has a point within `slip` of a point of the world."""
+        self.drop()
+        point = _point(x, y)
+        slip = finite("slip", slip, 0, MAX_COORDINATE, self.play.units)
+        found = self.space.point_query(point, slip, pymunk.ShapeFilter())
+        near = [each for each in found if each.shape.body and each.shape.body.body_type == pymunk.Body.DYNAMIC]
+        nearest = min(near, key=lambda each: each.distance, default=None)
+        if nearest is None or nearest.shape.body is None:
+            raise ParameterError("x, y", point, "a point of a body that can be moved")
+        body = nearest.shape.body
+        self._hand.position = point
+        anchor = body.world_to_local(nearest.point if nearest.distance > 0 else point)
+        self._held = pymunk.PivotJoint(self._hand, body, (0, 0), anchor)
+        size = max(self.field["size"]) / HAND_SIZE
+        self._held.max_force = HAND_ACCELERATION * max(1.0, size) * body.mass
+        self._held.error_bias = HAND_BIAS
+        self.space.add(self._held)
+
+    def drag(self, x: float, y: float) -> None:
+        """Move the hand."""
+        self._hand.position = _point(x, y)
+
+    def drop(self) -> None:
+        """Let go of the body that is held."""
+        if self._held is not None and self._held in self.space.constraints:
+            self.space.remove(self._held)
+        self._held = None
+
+    def cut(self, x: float, y: float, slip: float) -> None:
+        """Remove the joint whose line passes within `slip` of a point of the world."""
+        joint = self._joint_at(x, y, slip)
+        self.space.remove(joint)
+        if not joint.collide_bodies:
+            # Bodies that the joint kept from colliding may overlap, and would be thrown apart.
+            keeper = pymunk.RotaryLimitJoint(joint.a, joint.b, -math.inf, math.inf)
+            keeper.collide_bodies, keeper.max_force = False, 0.0
+            self.space.add(keeper)
+
+    def obstacle(self, shape: str, x: float, y: float, size: float) -> None:
+        """Put a round or square obstacle, `size` in diameter or side, on the ground."""
+        if len(self.obstacles) >= MAX_OBSTACLES:
+            raise ParameterError("obstacle", shape, f"one of at most {MAX_OBSTACLES}")
+        x, y = _point(x, y)
+        half = positive("size", size, MAX_COORDINATE, self.play.units) / 2
+        ground = self.space.static_body
+        found: pymunk.Shape
+        if shape == "round":
+            found = pymunk.Circle(ground, half, (x, y))
+        elif shape == "square":
+            corners = [(x - half, y - half), (x + half, y - half), (x + half, y + half), (x - half, y + half)]
+            found = pymunk.Poly(ground, corners)
+        else:
+            raise ParameterError("shape", shape, "round or square")
+        found.friction = OBSTACLE_FRICTION
+        number = max(self.obstacles, default=0) + 1
+        self.obstacles[number] = {"id": number, "shape": shape, "x": x, "y": y, "size": 2 * half}
+        self._obstacle_shapes[number] = found
+        self.space.add(found)
+
+    def remove(self, obstacle: int) -> None:
+        """Remove an obstacle."""
+        if obstacle not in self.obstacles:
+            raise ParameterError("obstacle", obstacle, "the number of an obstacle")
+        del self.obstacles[obstacle]
+        self.space.remove(self._obstacle_shapes.pop(obstacle))
+
+    def until_contact(self) -> None:
+        """Pause after the step in which the next pair of shapes touches."""
+        self.waits_for_contact = True
+
+    # ---- what is shown
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return what the page gets once."""
+        values = self.values
+        return {
+            "step": self.step_length,
+            "dragon": None,
+            "field": self.field,
+            "y_down": self.play.y_down,
+            "units": self.play.units,
+            "parameters": [
+                {name: part for name, part in vars(each).items() if name != "action"} | {"value": values[each.name]}
+                for each in self.parameters.values()
+            ],
+            "buttons": [each.name for each in self.play.controls if isinstance(each, Button)],
+            "keys": [each.name for each in self.play.controls if isinstance(each, Key)] + ["*"] * bool(self.pygame),
+            "plots": list(self.plots()),
+            "abilities": [*self.abilities, *["pointer"] * bool(self.pygame)],
+        }
+
+    def state(self) -> dict[str, Any]:
+        """Return what changes now and then."""
+        return {
+            "contacts": None,
+            "free_from": None,
+            "cuts": [],
+            "obstacles": list(self.obstacles.values()),
+            "values": self.values,
+            "waits_for_contact": self.waits_for_contact,
+        }
+
+    def poses(self) -> Array:
+        """Return the poses (B, 3) of the bodies in the space now."""
+        return np.array([(*body.position, body.angle) for body in self.space.bodies]).reshape(-1, 3)
+
+    def calls(self) -> list[DrawCall]:
+        """Return what Pymunk draws now, without contacts."""
+        self.space.debug_draw(self._recorder)
+        return self._recorder.calls
+
+    def plots(self) -> dict[str, float]:
+        """Return quantities for charts: energy, momentum, and those of the user's."""
+        kinetic = potential = 0.0
+        momentum = pymunk.Vec2d.zero()
+        for body in self.space.bodies:
+            if body.body_type == pymunk.Body.DYNAMIC:
+                kinetic += (body.mass * body.velocity.dot(body.velocity) + _spin_energy(body)) / 2
+                potential -= body.mass * self.space.gravity.dot(body.position)
+                momentum += body.mass * body.velocity
+        found = {"Kinetic energy": kinetic, "Kinetic and potential energy": kinetic + potential}
+        found |= {"Momentum": momentum.length}
+        return found | {name: float(quantity(self.space)) for name, quantity in self.play.plots.items()}
+
+    def frame(self, header: Mapping[str, Any]) -> bytes:
+        """Return the present state in binary: a JSON header with sizes, and arrays of 32-bit numbers."""
+        held = None
+        if self._held is not None:
+            held = [*self._held.b.local_to_world(self._held.anchor_b), *self._hand.position]
+        more, arrays = self._parts()
+        return in_binary({**header, "step": self.steps, "time": self.time, "held": held, **more}, arrays, "<f4")
+
+    def snapshot(self) -> bytes:
+        """Return the present state for a recording, as `calls_of` takes it."""
+        numbers, colours = packed(self.calls())
+        return in_binary({"colours": colours}, {"calls": numbers}, "<f4")
+
+    def calls_of(self, snapshot: bytes) -> list[DrawCall]:
+        """Return what is drawn of a snapshot."""
+        header, arrays = from_binary(snapshot, "<f4")
+        return unpacked(arrays["calls"], header["colours"])
+
+    # ---- parts of a frame
+
+    def _parts(self) -> tuple[dict[str, Any], dict[str, Array]]:
+        calls, colours = packed(self.calls())
+        return {"colours": colours}, {"calls": calls, "joints": self._joints(), "contacts": self._contacts()}
+
+    def _joints(self) -> Array:
+        """Return two ends and the force of each joint that a user made."""
+        rows = [(*_end(joint, "a"), *_end(joint, "b"), joint.impulse / self.step_length) for joint in self.joints()]
+        return np.array(rows).reshape(-1, 5)
+
+    def joints(self) -> list[pymunk.Constraint]:
+        """Return the joints of the space, without that of the hand."""
+        return [joint for joint in self.space.constraints if joint is not self._held]
+
+    def _joint_at(self, x: float, y: float, slip: float) -> pymunk.Constraint:
+        """Return the joint whose line passes within `slip` of a point."""
+        point = pymunk.Vec2d(*_point(x, y))
+        slip = finite("slip", slip, 0, MAX_COORDINATE, self.play.units)
+        distances = [
+            (point.get_distance(pymunk.Vec2d(*_nearest(_end(joint, "a"), _end(joint, "b"), point))), number, joint)
+            for number, joint in enumerate(self.joints())
+        ]
+        distance, _, joint = min(distances, default=(math.inf, 0, None))
+        if joint is None or distance > slip:
+            raise ParameterError("x, y", tuple(point), "a point of a joint")
+        return joint
+
+    def _contacts(self) -> Array:
+        """Return rows of point, normal and impulse of all contact points; the first of each pair has its impulse."""
+        rows, flags = self._pairs()
+        impulses, normals = np.hypot(rows[:, 0], rows[:, 1])[:, None], rows[:, 2:4]
+        first = np.hstack([rows[:, 4:6], normals, impulses])[flags[:, 3] > 0]
+        second = np.hstack([rows[:, 6:8], normals, np.full_like(impulses, NO_ARROW)])[flags[:, 3] > 1]
+        return np.vstack([first, second])
+
+    def _pairs(self) -> tuple[Array, Any]:
+        """Return impulse, normal and two points of each pair in contact; and bodies, newness and number of points."""
+        buffer = self._arbiters
+        buffer.clear()
+        batch.get_space_arbiters(self.space, CONTACT_FIELDS, buffer)
+        flags = np.frombuffer(buffer.int_buf(), np.uint64).reshape(-1, 4)
+        rows = np.frombuffer(buffer.float_buf()).reshape(-1, 8)
+        if len(rows) and math.isfinite(self.space.sleep_time_threshold):
+            # Pymunk may list a pair that sleeps, and does not draw it.
+            asleep = [body.id for body in self.space.bodies if body.is_sleeping]
+            awake = ~np.isin(flags[:, :2], np.array(asleep, np.uint64)).any(axis=1)
+            rows, flags = rows[awake], flags[awake]
+        return rows, flags
+
+    def _has_new_contact(self) -> bool:
+        return bool(self._pairs()[1][:, 2].any())
+
+    def _extent(self) -> tuple[float, float, float, float]:
+        """Return centre, width and height of what is drawn."""
+        points = [point for call in self.calls() for point in _corners(call)] or [(-1.0, -1.0), (1.0, 1.0)]
+        found = np.array(points)
+        found = found[np.isfinite(found).all(axis=1)]
+        low, high = found.min(axis=0), found.max(axis=0)
+        width, height = np.maximum(high - low, SMALLEST_FIELD)
+        x, y = (low + high) / 2
+        return float(x), float(y), float(width), float(height)
+
+
+def in_binary(header: Mapping[str, Any], arrays: Mapping[str, Array], kind: str) -> bytes:
+    """Return a JSON header with sizes, preceded by its length, and arrays of numbers of a kind: "<f4" or "<f8"."""
+    sizes = {name: array.size for name, array in arrays.items()}
+    text = json.dumps(without_nan({**header, "sizes": sizes}), allow_nan=False).encode()
+    # The arrays begin at a multiple of eight bytes.
+    text += b" " * (-(4 + len(text)) % 8)
+    with np.errstate(over="ignore"):
+        return struct.pack("<I", len(text)) + text + b"".join(array.astype(kind).tobytes() for array in arrays.values())
+
+
+def from_binary(content: bytes, kind: str) -> tuple[dict[str, Any], dict[str, Array]]:
+    """Return header and arrays of what `in_binary` made."""
+    [length] = struct.unpack_from("<I", content)
+    header = json.loads(content[4 : 4 + length])
+    sizes = header["sizes"]
+    parts = np.split(np.frombuffer(content, kind, offset=4 + length), np.cumsum(list(sizes.values()))[:-1])
+    return header, dict(zip(sizes, parts, strict=True))
+
+
+def packed(calls: Sequence[DrawCall]) -> tuple[Array, list[list[float]]]:
+    """Return calls as numbers, and their colours: kind, points, radius, angle, fill, outline, moves, and the points."""
+    colours: dict[Any, int] = {}
+    numbers: list[float] = []
+    for call in calls:
+        fill = colours.setdefault(call.fill, len(colours))
+        outline = -1 if call.outline is None else colours.setdefault(call.outline, len(colours))
+        numbers += [KINDS[call.name], len(call.points), call.radius, call.angle, fill, outline, call.moves]
+        for point in call.points:
+            numbers.extend(point)
+    return np.array(numbers, dtype=float), [[*map(float, colour)] for colour in colours]
+
+
+def unpacked(numbers: Array, colours: Sequence[Sequence[float]]) -> list[DrawCall]:
+    """Return the calls that `packed` took, at the precision of the numbers."""
+    kinds, table, calls, begin = list(KINDS), [SpaceDebugColor(*colour) for colour in colours], [], 0
+    while begin < len(numbers):
+        kind, count, radius, angle, fill, outline, moves = (float(each) for each in numbers[begin : begin + HEAD])
+        end = begin + HEAD + 2 * int(count)
+        points = tuple((x, y) for x, y in np.reshape(numbers[begin + HEAD : end], (-1, 2)).tolist())
+        rim = None if outline < 0 else table[int(outline)]
+        calls.append(DrawCall(kinds[int(kind)], points, radius, table[int(fill)], rim, angle, bool(moves)))
+        begin = end
+    return calls
+
+
+def without_nan(value: Any) -> Any:
+    """Return JSON values with None in place of numbers that JSON does not have."""
+    if isinstance(value, Mapping):
+        return {name: without_nan(each) for name, each in value.items()}
+    if isinstance(value, list | tuple):
+        return [without_nan(each) for each in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _corners(call: DrawCall) -> Iterator[tuple[float, float]]:
+    """Yield corners of the bounding box of a call."""
+    reach = 0.0 if call.name == "dot" else call.radius
+    for x, y in call.points:
+        yield x - reach, y - reach
+        yield x + reach, y + reach
+
+
+def _spin_energy(body: pymunk.Body) -> float:
+    """Return twice the energy of rotation; 0 of a body that cannot turn, whose moment is infinite."""
+    return body.moment * body.angular_velocity**2 if body.angular_velocity else 0.0
+
+
+def _end(joint: pymunk.Constraint, side: str) -> pymunk.Vec2d:
+    """Return the end of a joint on body "a" or "b" in the world: an anchor, or the position of the body."""
+    body: pymunk.Body = getattr(joint, side)
+    return body.local_to_world(getattr(joint, f"anchor_{side}", getattr(joint, f"groove_{side}", (0.0, 0.0))))
+
+
+def _nearest(a: pymunk.Vec2d, b: pymunk.Vec2d, point: pymunk.Vec2d) -> pymunk.Vec2d:
+    """Return the point of a line that is nearest to a point."""
+    along = b - a
+    length = along.dot(along)
+    share = min(max((point - a).dot(along) / length, 0.0), 1.0) if length > 0 else 0.0
+    return a + share * along
+
+
+def _point(x: object, y: object) -> tuple[float, float]:
+    bound = -MAX_COORDINATE, MAX_COORDINATE
+    return finite("x", x, *bound, ""), finite("y", y, *bound, "")

@@ -1,0 +1,225 @@
+"""Spaces of Pymunk's own examples, which `live` draws as Pymunk's debug drawing draws them."""
+
+from __future__ import annotations
+
+import json
+import re
+import runpy
+import struct
+import sys
+from pathlib import Path
+
+import numpy as np
+import pymunk
+import pytest
+
+from pymunk_dragon import sessions
+from pymunk_dragon.sessions import Live
+from pymunk_dragon.sessions.scene import Play, Scene
+
+EXAMPLES = Path(pymunk.__file__).parent / "examples"
+KINDS = ("circle", "segment", "polygon", "line", "dot")
+
+
+class ReachedStepError(BaseException):
+    """The example makes its first step: it has built its space."""
+
+
+class Drawn(pymunk.SpaceDebugDrawOptions):
+    """What Pymunk draws: kind, points, radius, angle and colours of each call; contacts apart."""
+
+    def __init__(self):
+        super().__init__()
+        self.found, self.contacts = [], 0
+
+    def draw_circle(self, pos, angle, radius, outline_color, fill_color):
+        self.found.append(("circle", [pos], radius, angle, fill_color, outline_color))
+
+    def draw_fat_segment(self, a, b, radius, outline_color, fill_color):
+        self.found.append(("segment", [a, b], radius, 0.0, fill_color, outline_color))
+
+    def draw_polygon(self, verts, radius, outline_color, fill_color):
+        self.found.append(("polygon", verts, radius, 0.0, fill_color, outline_color))
+
+    def draw_segment(self, a, b, color):
+        if color == self.collision_point_color:
+            self.contacts += 1
+        else:
+            self.found.append(("line", [a, b], 0.0, 0.0, color, None))
+
+    def draw_dot(self, size, pos, color):
+        self.found.append(("dot", [pos], size, 0.0, color, None))
+
+
+@pytest.fixture
+def spaces(monkeypatch):
+    """Space and length of a step of each example that draws with pygame or not at all, as it makes its first step."""
+    pytest.importorskip("pygame", reason="pygame-ce is in the extra test")
+    for name in ("SDL_VIDEODRIVER", "SDL_AUDIODRIVER"):
+        monkeypatch.setenv(name, "dummy")
+
+    def step(space, dt):
+        raise ReachedStepError(space, dt)
+
+    found = {}
+    with monkeypatch.context() as patched:
+        patched.setattr(pymunk.Space, "step", step)
+        patched.syspath_prepend(EXAMPLES)
+        patched.chdir(EXAMPLES)
+        for path in sorted(EXAMPLES.glob("[!_]*.py")):
+            patched.setattr(sys, "argv", [str(path)])
+            try:
+                runpy.run_path(str(path), run_name="__main__")
+            except ReachedStepError as reached:
+                found[path.stem] = reached.args
+            except (Exception, SystemExit):
+                # It needs pyglet, or is imported by others.
+                continue
+    return found
+
+
+def received(scene):
+    """What the page gets of a scene, as `Drawn` has it, and the number of contact points."""
+    frame = scene.frame({})
+    [length] = struct.unpack_from("<I", frame)
+    header = json.loads(frame[4 : 4 + length])
+    numbers = np.frombuffer(frame, "<f4", offset=4 + length)[: header["sizes"]["calls"]].tolist()
+    calls = []
+    while numbers:
+        kind, count, radius, angle, fill, outline, _ = numbers[:7]
+        points = np.reshape(numbers[7 : 7 + 2 * int(count)], (-1, 2))
+        rim = header["colours"][int(outline)] if outline >= 0 else None
+        calls.append((KINDS[int(kind)], points, radius, angle, header["colours"][int(fill)], rim))
+        del numbers[: 7 + 2 * int(count)]
+    return calls, header["sizes"]["contacts"] / 5
+
+
+def assert_drawn_alike(scene, name):
+    reference = Drawn()
+    scene.space.debug_draw(reference)
+    calls, contacts = received(scene)
+    assert len(calls) == len(reference.found), name
+    for call, expected in zip(calls, reference.found, strict=True):
+        assert call[0] == expected[0], name
+        np.testing.assert_allclose(call[1], expected[1], rtol=1e-6, atol=1e-6, err_msg=name)
+        np.testing.assert_allclose(call[2:4], expected[2:4], rtol=1e-6, err_msg=name)
+        assert [call[4], call[5]] == [None if each is None else list(each) for each in expected[4:]], name
+    assert contacts == reference.contacts, name
+    return len(calls), contacts
+
+
+def test_page_gets_what_pymunk_draws_of_its_examples_at_the_start_and_after_2_s(spaces):
+    assert len(spaces) >= 26
+    drawn, contacts = 0, 0
+    for name, (space, dt) in spaces.items():
+        scene = Scene(space, Play(step=dt))
+        assert_drawn_alike(scene, name)
+        for _ in range(round(min(2.0, 500 * dt) / dt)):
+            scene.advance()
+        more, touching = assert_drawn_alike(scene, name)
+        drawn, contacts = drawn + more, contacts + touching
+    assert drawn > 1000
+    assert contacts > 100
+
+
+OPENS = "session = live({space}, step=None, {down}units='px', controls=[PygameEvents()])"
+STEPS = 40
+CHANGED = re.findall(r"^\| (\w+) \| `(.+)` \| `(.+)` \| (up|down) \|$", sessions.__doc__, re.MULTILINE)
+
+
+class Clock:
+    """pygame's clock, which does not wait."""
+
+    def tick(self, rate=0):
+        return 16
+
+    def get_fps(self):
+        return 60.0
+
+
+def changed(source, space_line, step_line, direction):
+    """The source of an example with the lines of the table in the documentation, and how many lines changed."""
+    lines = ["from __future__ import annotations", "from pymunk_dragon import PygameEvents, live"]
+    owner = "self." if space_line.startswith("self.") else ""
+    count = 1
+    for line in source.splitlines():
+        indent = line[: len(line) - len(line.lstrip())]
+        if line.strip() == space_line and count < 2:
+            opening = OPENS.format(space=space_line.partition(" ")[0], down="y_down=True, " * (direction == "down"))
+            lines += [line, indent + owner + opening]
+            count += 1
+        elif line.strip() == step_line:
+            lines.append(f"{indent}{owner}session.step{step_line[step_line.index('(') :]}")
+            count += 1
+        elif not line.startswith("from __future__"):
+            lines.append(line)
+    return "\n".join(lines), count
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize(("name", "space_line", "step_line", "direction"), CHANGED)
+def test_example_of_pymunk_plays_with_keys_and_mouse_after_five_changed_lines_at_most(
+    name, space_line, step_line, direction, monkeypatch
+):
+    pygame = pytest.importorskip("pygame", reason="pygame-ce is in the extra test")
+    for variable in ("SDL_VIDEODRIVER", "SDL_AUDIODRIVER"):
+        monkeypatch.setenv(variable, "dummy")
+    monkeypatch.setattr("webbrowser.open", lambda address: True)
+    monkeypatch.setattr(pygame.time, "Clock", Clock)
+    for module, queries in ((pygame.key, ("get_pressed", "get_mods")), (pygame.mouse, ("get_pos", "get_pressed"))):
+        for query in queries:
+            # `PygameEvents` replaces them.
+            monkeypatch.setattr(module, query, getattr(module, query))
+    get, seen = pygame.event.get, []
+
+    def noted(*args, **keywords):
+        found = get(*args, **keywords)
+        seen.extend(found)
+        return found
+
+    monkeypatch.setattr(pygame.event, "get", noted)
+    step, sessions_open = Live.step, []
+
+    def stepped(live, dt):
+        session = live._session
+        if not sessions_open:
+            sessions_open.append(live)
+            session.speed = 20.0
+        if session.scene.steps == 10:
+            for message in (
+                {"do": "press", "name": "ArrowLeft", "down": True},
+                {"do": "pointer", "x": 120.0, "y": 130.0, "kind": "move"},
+                {"do": "pointer", "x": 120.0, "y": 130.0, "kind": "down"},
+                {"do": "pointer", "x": 125.0, "y": 130.0, "kind": "up"},
+            ):
+                session.post(message)
+        step(live, dt)
+        if session.scene.steps >= STEPS:
+            raise ReachedStepError
+
+    monkeypatch.setattr(Live, "step", stepped)
+    monkeypatch.chdir(EXAMPLES)
+    monkeypatch.syspath_prepend(EXAMPLES)
+    monkeypatch.setattr(sys, "argv", [name, "/i"])
+    source, count = changed((EXAMPLES / f"{name}.py").read_text(), space_line, step_line, direction)
+    assert count <= 5
+    try:
+        with pytest.raises(ReachedStepError):
+            exec(compile(source, name, "exec"), {"__name__": "__main__", "__file__": str(EXAMPLES / f"{name}.py")})
+        [live] = sessions_open
+        scene = live._session.scene
+        calls, _ = assert_drawn_alike(scene, name)
+        assert calls == len(scene.calls())
+        kinds = {event.type for event in seen}
+        assert {pygame.KEYDOWN, pygame.MOUSEBUTTONDOWN, pygame.MOUSEBUTTONUP, pygame.MOUSEMOTION} <= kinds
+        [down] = [event for event in seen if event.type == pygame.MOUSEBUTTONDOWN]
+        height = scene.field["size"][1]
+        assert down.pos == (120, 130 if direction == "down" else height - 130)
+        assert scene.steps == STEPS
+    finally:
+        for live in sessions_open:
+            live.stop()
+
+
+def test_twenty_examples_of_pymunk_are_in_the_documentation():
+    assert len(CHANGED) >= 20

@@ -1,0 +1,186 @@
+"""Programs of the user's that play live: functions that build spaces, controls, charts, and what goes wrong in them."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pymunk
+import pytest
+from conftest import assert_says
+from live_sessions import played
+
+from pymunk_dragon import Button, DragonError, Key, ParameterError, Slider, live
+from pymunk_dragon.sessions.ready import program
+from pymunk_dragon.sessions.scene import Play
+
+
+def build(gravity=900.0, links=3):
+    """A chain of links below a hook, and a ball above a floor."""
+    space = pymunk.Space()
+    space.gravity = 0, gravity
+    before, anchor = space.static_body, (100.0, 0.0)
+    for link in range(links):
+        body = pymunk.Body(1.0, 100.0)
+        body.position = 110.0 + 20 * link, 0.0
+        shape = pymunk.Segment(body, (-10, 0), (10, 0), 2)
+        shape.filter = pymunk.ShapeFilter(group=1)
+        space.add(body, shape, pymunk.PivotJoint(before, body, anchor, (-10, 0)))
+        before, anchor = body, (10.0, 0.0)
+    ball = pymunk.Body(2.0, 50.0)
+    ball.position = 0.0, 0.0
+    space.add(ball, pymunk.Circle(ball, 10.0), pymunk.Segment(space.static_body, (-50, 60), (50, 60), 5.0))
+    return space
+
+
+def balls(space):
+    return [shape.body for shape in space.shapes if isinstance(shape, pymunk.Circle)]
+
+
+def rain(space, time):
+    """A new ball at each tenth step; each lives for 20 steps."""
+    step = round(60 * time)
+    if step % 10 == 0:
+        body = pymunk.Body(1.0, 10.0)
+        body.position = -30.0 + step % 7, -50.0
+        body.born = step
+        space.add(body, pymunk.Circle(body, 4.0))
+    for body in balls(space):
+        if getattr(body, "born", step) < step - 20:
+            space.remove(body, *body.shapes)
+
+
+def test_reset_of_a_function_that_builds_the_space_repeats_the_run_to_the_bit_while_bodies_come_and_go():
+    with played(program(build, Play(on_step=rain))) as on:
+        counts, ends = set(), []
+        for _ in range(2):
+            for _ in range(12):
+                on.step(10)
+                counts.add(len(on.scene.poses()))
+            on.do("grab", x=0.0, y=float(balls(on.scene.space)[0].position.y), slip=5.0)
+            on.do("drag", x=40.0, y=0.0)
+            on.step(30)
+            ends.append(on.session.poses())
+            assert on.do("reset") is None
+            assert on.scene.steps == 0
+        assert ends[0] == ends[1]
+        assert len(counts) > 1
+
+
+def test_controls_reach_the_space_and_values_outlast_a_reset():
+    pressed = []
+    controls = [
+        Slider("gravity", 0, 2000),
+        Slider("links", 1, 9, rebuilds=True),
+        Slider("mass", 1, 50, 2, action=lambda space, value: setattr(balls(space)[0], "mass", value)),
+        Button("Kick", lambda space: balls(space)[0].apply_impulse_at_local_point((0, -500))),
+        Key("ArrowLeft", lambda space: pressed.append("down"), lambda space: pressed.append("up")),
+        Key("x", lambda space: pressed.append("x")),
+    ]
+    with played(program(build, Play(controls=controls))) as on:
+        assert {name: on.session.state()["values"][name] for name in ("gravity", "links", "mass")} == {
+            "gravity": 900, "links": 3, "mass": 2,
+        }  # fmt: skip
+        for name, value in (("gravity", 450.0), ("mass", 7.0)):
+            assert on.do("set", name=name, value=value) is None
+        assert on.scene.space.gravity == (0, 450)
+        assert balls(on.scene.space)[0].mass == 7
+        on.do("press", name="Kick", down=True)
+        assert balls(on.scene.space)[0].velocity == pytest.approx((0, -500 / 7))
+        for name in ("ArrowLeft", "x"):
+            for down in (True, False):
+                assert on.do("press", name=name, down=down) is None
+        assert pressed == ["down", "up", "x"]
+        assert on.do("set", name="links", value=5.0) is None
+        assert (len(on.scene.joints()), on.scene.space.gravity) == (5, (0, 450))
+        assert on.do("reset") is None
+        assert (len(on.scene.joints()), on.session.state()["values"]["gravity"]) == (5, 450)
+        assert_says(ValueError(on.do("set", name="links", value=2.5)), "links")
+
+
+def test_controls_and_functions_that_cannot_work_are_refused():
+    for what, keywords in (
+        (build, {"controls": [3]}),
+        (build, {"controls": [Slider("colour", 0, 1)]}),
+        (build, {"controls": [Slider("colour", 0, 1, rebuilds=True)]}),
+        (build, {"controls": [Slider("links", 4, 9, rebuilds=True)]}),
+        (build, {"step": math.nan}),
+        (lambda: 3, {}),
+        (3, {}),
+    ):
+        with pytest.raises(DragonError) as raised:
+            live(what, browser=False, **keywords)
+        assert_says(raised.value)
+    with pytest.raises(ParameterError):
+        Slider("links", 2, 2)
+
+
+def fail(*_):
+    return 1 / 0
+
+
+def paint(space, time):
+    balls(space)[0].shapes.copy().pop().color = "red"
+
+
+def touch(space):
+    space.on_collision(begin=fail)
+
+
+@pytest.mark.parametrize("kind", ["on_step", "callback", "chart", "colour", "button"])
+def test_exception_in_a_users_function_pauses_once_shows_its_line_and_the_session_goes_on(kind, capfd):
+    def made():
+        space = build()
+        if kind == "callback":
+            touch(space)
+        return space
+
+    play = {
+        "on_step": Play(on_step=fail),
+        "callback": Play(),
+        "chart": Play(plots={"q": lambda space: 1.0 if balls(space)[0].velocity == (0, 0) else fail()}),
+        "colour": Play(on_step=paint),
+        "button": Play(controls=[Button("Fail", fail)]),
+    }[kind]
+    with played(program(made, play)) as on:
+        on.session.clients = 1
+        on.do("play")
+        if kind == "button":
+            on.do("press", name="Fail", down=True)
+        while on.session.running or not [message for message in on.told if message["kind"] == "error"]:
+            on.settle()
+        for _ in range(20):
+            on.settle()
+        [error] = [message for message in on.told if message["kind"] == "error"]
+        if kind != "colour":
+            assert error["text"] == "ZeroDivisionError: division by zero"
+            assert error["place"].endswith("return 1 / 0")
+            assert "in fail" in error["trace"]
+        assert on.do("reset") is None
+        assert on.session.description()["generation"] == on.session.generation
+    assert capfd.readouterr().err == ""
+
+
+def test_charts_have_energy_and_momentum_and_the_quantities_of_the_user():
+    with played(program(build, Play(units="px", plots={"Height": lambda space: balls(space)[0].position.y}))) as on:
+        on.step(10)
+        kinetic, total, momentum, height = on.scene.plots().values()
+        ball = balls(on.scene.space)[0]
+        bodies = on.scene.space.bodies
+        assert kinetic == pytest.approx(
+            sum((body.mass * body.velocity.length**2 + body.moment * body.angular_velocity**2) / 2 for body in bodies)
+        )
+        assert total - kinetic == pytest.approx(-900 * sum(body.mass * body.position.y for body in bodies))
+        assert momentum == pytest.approx(np.hypot(*sum(body.mass * np.array(body.velocity) for body in bodies)))
+        assert height == ball.position.y
+
+
+def test_session_pauses_after_the_step_in_which_the_next_pair_touches():
+    with played(program(build, Play(step=1 / 600))) as on:
+        on.session.clients = 1
+        assert on.do("until_contact") is None
+        while on.session.running:
+            on.settle()
+        # The ball falls 45 px to the floor.
+        assert on.scene.time == pytest.approx(math.sqrt(2 * 45 / 900), abs=2 / 600)
+        assert len(on.frame().contacts) == 1
