@@ -14,7 +14,7 @@ from pymunk_dragon.lessons import LESSONS, Recording, record
 @cache
 def played(name: str) -> Recording:
     """The recording of a lesson."""
-    file = shared(f"{name}.pickle", lambda path: path.write_bytes(pickle.dumps(record(LESSONS[name]))))
+    file = shared(f"lesson {name}.pickle", lambda path: path.write_bytes(pickle.dumps(record(LESSONS[name]))))
     found: Recording = pickle.loads(file.read_bytes())
     return found
 

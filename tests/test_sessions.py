@@ -36,7 +36,7 @@ from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 from pymunk_dragon.sessions import live
-from pymunk_dragon.sessions.log import Log, as_text
+from pymunk_dragon.sessions.log import Log
 from pymunk_dragon.sessions.messages import ACTIONS
 from pymunk_dragon.sessions.ready import dragon, ready
 from pymunk_dragon.sessions.recording import record
@@ -278,7 +278,6 @@ def test_values_out_of_range_and_things_that_do_not_exist_are_refused_and_change
         "speed": [{"value": 0.0}, {"value": 1e9}, {"value": math.nan}],
         "scene": [{"name": "../etc"}],
         "set": [{"name": "shoe size", "value": 1.0}],
-        "finish": [{}],
     }
     for source in (dragon(SHORT), ready("boxes")):
         with played(source) as on:
@@ -378,7 +377,7 @@ def test_requests_without_the_token_of_other_hosts_and_of_other_pages_are_refuse
         headers = {name: value for name, value in {"Host": host, "Origin": origin}.items() if value is not None}
         query = "" if token is None else f"?token={token}"
         found = set()
-        for path in ("", "inputs", "run"):
+        for path in ("", "inputs"):
             async with http.get(f"{page}{path}{query}", headers=headers) as answer:
                 found.add(answer.status)
         try:
@@ -393,9 +392,7 @@ def test_requests_without_the_token_of_other_hosts_and_of_other_pages_are_refuse
             for host, origin, token, status in rows:
                 assert await ask(http, page, host, origin, token) == {status}, (host, origin, token)
 
-    with served("jam", allow_hosts=["Hub.example"]) as session:
-        session._session.post({"do": "record"})
-        session._session.post({"do": "finish"})
+    with served(allow_hosts=["Hub.example"]) as session:
         page, token = session.address.split("?token=")
         watch = session.watch_address.partition("token=")[2]
         own = urlsplit(page).netloc
@@ -631,7 +628,7 @@ def test_ctrl_c_ends_the_program_with_130_and_writes_a_recording_whose_replay_is
     # Poses that differ are not: the program says how far, and writes those of the replay.
     _, session = replayed(log)
     poses = session.scene.poses() + np.array([0.125, 0.0, -0.25])
-    (tmp_path / "other.json").write_text(replace(log, poses=as_text(poses)).to_json())
+    (tmp_path / "other.json").write_text(replace(log, poses=poses.tolist()).to_json())
     code, out, err = call("live", "--exit", "--replay", tmp_path / "other.json", "-o", tmp_path / "written.json")
     assert (code, err) == (0, "")
     assert out == f"replay:  {log.steps} steps, poses within 2.5e-01 m and rad of the recording\n"
@@ -659,7 +656,7 @@ def test_recording_that_is_tampered_with_or_none_is_refused_in_one_line(call, tm
     small = {"scenario": {"dragon": {"benches": 4}}}
     enormous = [0, {"do": "set", "name": "iterations", "value": 1e300}]
     for expected, changes in (
-        (1, {"poses": "0" * 64}),
+        (1, {"poses": [[0, 0, 0]]}),
         (1, {"inputs": [*log["inputs"], [3, {"do": "remove", "obstacle": 99}]]}),
         (1, {"inputs": [enormous, *log["inputs"]]}),
         (2, {"inputs": [[0, {"do": "drag", "x": math.nan, "y": 0.0}]]}),
@@ -702,34 +699,10 @@ def test_recorded_session_becomes_a_run_and_a_film(tmp_path):
             assert found.drift.max() < 1e-5
 
 
-def test_client_records_a_span_as_a_run_until_it_is_full(tmp_path, monkeypatch):
-    with played(dragon(SHORT)) as on:
-        on.run(0.5)
-        assert on.do("record") is None
-        assert on.session.state()["recording"]
-        on.run(1.0)
-        on.do("cut", **(where := joint_at(on, 3)))
-        assert on.do("finish") is None
-        state, recorded = on.session.state(), on.session.recorder.recorded
-        assert (state["recording"], state["recorded"]) == (False, pytest.approx(1.0))
-        recorded.run().save(tmp_path / "run.npz")
-        assert recorded.log.inputs == [(recorded.log.steps, {"do": "cut", **where})]
-        monkeypatch.setattr("pymunk_dragon.sessions.recording.MAX_RECORDED", 5_000)
-        on.do("record")
-        on.run(1.0)
-        assert not on.session.state()["recording"]
-        assert len(on.errors) == 1
-        assert sum(map(len, on.session.recorder.recorded.snapshots)) < 10_000
-    found = Run.load(tmp_path / "run.npz")
-    assert (found.times[0], found.times[-1]) == pytest.approx((0.5, 1.5))
-    assert len(found.times) == pytest.approx(33, abs=3)
-    assert replayed(recorded.log)[0] == recorded.log.poses
-
-
 def test_full_disk_ends_the_frames_and_not_the_session(monkeypatch):
     with played("pendulum", record=True) as on:
         on.run(0.1)
-        monkeypatch.setattr(on.session.recorder.frames, "append", Mock(side_effect=OSError(errno.ENOSPC, "No space")))
+        monkeypatch.setattr(on.session.frames, "keep", Mock(side_effect=OSError(errno.ENOSPC, "No space")))
         on.run(0.2)
     assert ["No space" in error for error in on.errors] == [True]
     assert on.scene.time == pytest.approx(0.3)

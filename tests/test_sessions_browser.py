@@ -17,7 +17,6 @@ from live_sessions import PATIENCE, replayed, served
 from pymunk_dragon._language import in_language, texts
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
-from pymunk_dragon.model.run import Run
 from pymunk_dragon.sessions.log import Log
 from pymunk_dragon.sessions.ready import SCENES, dragon
 
@@ -136,35 +135,21 @@ def test_page_shows_the_largest_error_and_the_tail_stays_when_its_joint_is_cut_w
         assert_replays(session)
 
 
-def test_button_records_a_film_and_a_run(browser, tmp_path):
+def test_button_films_the_canvas(browser, tmp_path):
     with served(dragon(March(Dragon(benches=30)))) as session, visit(browser, session.address) as found:
         page = found.page
-        scene = session._session.scene
-        begin = scene.time
         page.click("#record")
-        wait_until(page, "live.state.recording")
-        least = scene.time
-        wait_until(page, f"live.frame.time > {least + 2.0}")
-        least = scene.time - least
+        wait_simulated(page, 2.0)
         page.click("#record")
-        wait_until(page, "!live.state.recording")
-        most = scene.time - begin
-        saved = {}
-        for name in ("film", "run"):
-            page.wait_for_selector(f"#{name}")
-            with page.expect_download() as download:
-                page.click(f"#{name}")
-            saved[name] = tmp_path / download.value.suggested_filename
-            download.value.save_as(saved[name])
+        page.wait_for_selector("#film")
+        with page.expect_download() as download:
+            page.click("#film")
+        film = tmp_path / download.value.suggested_filename
+        download.value.save_as(film)
         page.click("#recorded-close")
         assert page.is_hidden("#recorded")
-    run = Run.load(saved["run"])
-    # Frames are kept at intervals.
-    assert least - 0.1 < np.ptp(run.times) < most + 0.1
-    assert run.drift.max() < 1e-4
-    # The film is of the canvas, and the dragon moves in it.
-    # FFmpeg itself: imageio's reader leaves its pipes open.
-    command = [imageio_ffmpeg.get_ffmpeg_exe(), "-i", saved["film"], "-fps_mode", "passthrough", "-f", "rawvideo"]
+    # The dragon moves in it. FFmpeg itself: imageio's reader leaves its pipes open.
+    command = [imageio_ffmpeg.get_ffmpeg_exe(), "-i", film, "-fps_mode", "passthrough", "-f", "rawvideo"]
     done = subprocess.run([*command, "-pix_fmt", "gray", "-"], capture_output=True, check=True)
     width, height = map(int, re.search(r"Video: .* (\d{2,})x(\d{2,})", done.stderr.decode()).groups())
     first, *_, last = np.frombuffer(done.stdout, np.uint8).reshape(-1, height, width).astype(float)

@@ -14,12 +14,12 @@ computed points plus 18 u: 8 u for each point, and 2 u for the distance.
 
 The exact coordinates are reached if F goes to 0 in proportion to 1 - tau, with tau from 0 to 1. While each coordinate
 stays within E of its computed value, cos alpha and cos beta stay within (2 / L + kappa) E of theirs; half as much again
-covers the rounded length of the bench. Where this is at most `SLACK`, the rates of the front and rear handle satisfy
+covers the rounded length of the bench. Where this is at most `_SLACK`, the rates of the front and rear handle satisfy
 
-    |dr/dtau| <= ((|cos alpha| + SLACK) |ds/dtau| + h) / (|cos beta| - SLACK).
+    |dr/dtau| <= ((|cos alpha| + _SLACK) |ds/dtau| + h) / (|cos beta| - _SLACK).
 
 E is the largest bound that this recursion gives along the chain, beginning with h for the head. So the coordinates
-never leave their range of E. Where E is too large for `SLACK`, the error is unknown. A corner at the distance q from
+never leave their range of E. Where E is too large for `_SLACK`, the error is unknown. A corner at the distance q from
 its front handle has an error of at most (1 + 2 q / L) E. A gap depends on two benches, and each bound on the
 displacement of a bench on two coordinates with an error of 2 E: the sum is 6 (1 + 2 q / L) E.
 """
@@ -39,17 +39,17 @@ from pymunk_dragon.model.chain import ChainMotion, RateBounds
 from pymunk_dragon.model.march import March
 
 # Error of a bench's equation in last digits of the largest coordinate: 8 for each point, 2 for the distance.
-ROUNDED = 18
+_ROUNDED = 18
 # Change of the cosines of a bench's angles that rounding may cause; checked against the bound on rounding.
-SLACK = 1e-5
+_SLACK = 1e-5
 # m. Rounding error of gaps where the proof does not hold.
 UNPROVEN_ROUNDING = 1e-4
 # Largest sine of the angle from a bench to its path up to which the simpler bounds hold tightly.
-SHALLOW = 0.7
+_SHALLOW = 0.7
 # Benches up to which all pairs of circles are compared: the grid takes longer.
-FEW_BENCHES = 150
+_FEW_BENCHES = 150
 # Corners of a square of side 2, counter-clockwise.
-SQUARE = np.array([-1 - 1j, 1 - 1j, 1 + 1j, -1 + 1j])
+_SQUARE = np.array([-1 - 1j, 1 - 1j, 1 + 1j, -1 + 1j])
 
 
 class Intervals(NamedTuple):
@@ -115,7 +115,7 @@ class MotionBounds:
         largest = max(float(np.abs(part).max()) for part in coordinates)
         squares = np.abs(self._points[:, :-1] - self._points[:, 1:]) ** 2
         residual = float(np.max(np.abs(squares - self._spacings**2) / (2 * self._spacings)))
-        errors = self._errors(residual + ROUNDED * float(np.spacing(largest)))
+        errors = self._errors(residual + _ROUNDED * float(np.spacing(largest)))
         # Distances (N, 4) of the corners from the front handles.
         self._arms = np.abs(self._corner_points[0] - self._points[0, :-1, None])
         self._lows, highs = march.continuation.ranges(intervals.first_s, intervals.last_s)
@@ -126,15 +126,15 @@ class MotionBounds:
         change = 1.5 * (2 / self._spacings.min() + self._curvature.max(axis=1)) * worst
         # m of a corner's displacement for each m of the displacement of both handles.
         self._leverage = 1 + 2 * float(np.max(self._arms / self._spacings[:, None]))
-        self.proven = change <= SLACK
+        self.proven = change <= _SLACK
         self.rounding = np.where(self.proven, 6 * self._leverage * worst, UNPROVEN_ROUNDING)
         self._known, self._rates = self._bounds(middle.handles_s, self.travel[:, :-1] + 2 * errors[:, :-1])
 
     def _errors(self, residual: float) -> Array:
         """Bounds (T, H) on the errors of the coordinates, m, if the benches' equations have this residual, m."""
         with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
-            cosines = np.maximum(np.abs(self._rear_angles.real) - SLACK, 0.0)
-            ratios = chain.velocity_ratios(np.abs(self._front_angles.real) + SLACK, cosines)
+            cosines = np.maximum(np.abs(self._rear_angles.real) - _SLACK, 0.0)
+            ratios = chain.velocity_ratios(np.abs(self._front_angles.real) + _SLACK, cosines)
             errors = np.zeros(ratios.shape)
             np.cumsum(residual / cosines / ratios[:, 1:], axis=1, out=errors[:, 1:])
             errors *= ratios
@@ -150,7 +150,7 @@ class MotionBounds:
         """
         curvature, spacing = self._curvature, self._spacings
         sine = curvature * spacing / 2
-        shallow = (sine < SHALLOW) & (middle_s[:, :-1] - middle_s[:, 1:] < np.pi / 2 * spacing)
+        shallow = (sine < _SHALLOW) & (middle_s[:, :-1] - middle_s[:, 1:] < np.pi / 2 * spacing)
         sine = np.where(shallow, sine, 0.0)
         cosine = np.sqrt(1 - sine**2)
         rates = chain.rate_bounds((sine, sine), 1 / cosine, cosine, curvature, spacing)
@@ -316,12 +316,12 @@ def handles_in_reach(march: March, first: float, last: float, near: float) -> in
 
 def near_pairs(centres: Complex, radii: Array) -> Indices:
     """Pairs (P, 2) of benches whose circles intersect, without neighbours."""
-    if len(centres) <= FEW_BENCHES:
+    if len(centres) <= _FEW_BENCHES:
         first, second = np.triu_indices(len(centres), 2)
     else:
         # No bench is further away than the chain's length, even if its bound is infinite.
         half = np.minimum(radii, np.ptp(as_vectors(centres), axis=0).sum() + 1)
-        squares = (centres - centres.mean())[:, None] + half[:, None] * SQUARE
+        squares = (centres - centres.mean())[:, None] + half[:, None] * _SQUARE
         cell = float(np.clip(2 * half.max(), MIN_CELL, MAX_CELL))
         first, second = Grid(cell=cell, origin=(0.0, 0.0)).pairs(as_vectors(squares)).T
     meeting = np.abs(centres[first] - centres[second]) <= radii[first] + radii[second]

@@ -20,63 +20,66 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from pymunk_dragon._arrays import Array, Flags, Indices, as_complex, as_vectors
 from pymunk_dragon.collision.bounds import UNPROVEN_ROUNDING, Intervals, MotionBounds, handles_in_reach, near_pairs
-from pymunk_dragon.collision.result import FirstContact, NearMiss, Status, result_at
+from pymunk_dragon.collision.result import FirstContact, NearMiss, Status
 from pymunk_dragon.collision.sat import deepest_overlap, separation
 from pymunk_dragon.model.dragon import bench_poses
 from pymunk_dragon.model.march import March, checked_times
 
 __all__ = ["first_contact"]
 
-Progress = Callable[[float, float], None]
-
 # The three tolerances. An interval no longer than this, in m of the head's distance or in last digits of it, is decided
 # by the state at its midpoint: coordinates are no more exact.
-RESOLUTION, LAST_DIGITS = 1e-12, 4
+_RESOLUTION, _LAST_DIGITS = 1e-12, 4
 # m. A gap that may be this far below zero, besides rounding, counts as open: coordinates are hardly more exact.
-GAP_TOLERANCE = 8e-12
+_GAP_TOLERANCE = 8e-12
 # m. The same where the work exceeds its budget; it grows with the square of the excess.
-LIMITED_TOLERANCE = 2.5e-7
+_LIMITED_TOLERANCE = 2.5e-7
 
 # The budget of work, in bench poses computed for all intervals of one length, of which a pair test costs 20: it takes a
 # few seconds, and division exceeds it where a gap stays near zero for long.
-WORK_LIMIT, PAIR_WORK = 2_000_000, 20
+_WORK_LIMIT, _PAIR_WORK = 2_000_000, 20
 # A batch has a share of the budget by its duration, but at least this share, because the last batch before a contact
 # may be short, and at least so many times its first work in short intervals.
-MIN_SHARE, WORK_GROWTH = 0.05, 8
+_MIN_SHARE, _WORK_GROWTH = 0.05, 8
 
 # Lengths of the first intervals, in shortest spacings; shorter while all pairs are tested, because each pair is tested
 # again in all parts. Other values only change the number of divisions.
-INTERVAL, ALL_PAIRS_INTERVAL = 1.2, 0.3
+_INTERVAL, _ALL_PAIRS_INTERVAL = 1.2, 0.3
 # Fewest and most intervals evaluated together, otherwise half of those that are left: many at first, and few where a
 # march ends, because an inward one ends soon after its contact.
-FEWEST_INTERVALS, MOST_INTERVALS = 16, 128
+_FEWEST_INTERVALS, _MOST_INTERVALS = 16, 128
 # Intervals that are not cleared are divided into so many parts that there are about as many pairs to test as this, for
 # NumPy's overhead per call dominates with fewer; and bounds on the number of parts.
-PAIRS, FEWEST_PARTS, MOST_PARTS = 300, 2, 256
+_PAIRS, _FEWEST_PARTS, _MOST_PARTS = 300, 2, 256
 # Points per pass in the search for the last time at which the chain has a state.
-LAST_POINTS = 33
+_LAST_POINTS = 33
 
 # A local minimum of a gap below this share of the narrowest bench's width is a near miss: 1 cm at the paper's 0.3 m.
-NEAR_MISS = 1 / 30
+_NEAR_MISS = 1 / 30
 # Length of intervals in which near misses are sampled, in widths: a local minimum lasts about one width.
-NEAR_MISS_INTERVAL = 0.4
+_NEAR_MISS_INTERVAL = 0.4
 # Points per bracket in the search for a local minimum, and passes: each pass narrows the bracket eightfold.
-MINIMUM_POINTS, MINIMUM_PASSES = 17, 7
+_MINIMUM_POINTS, _MINIMUM_PASSES = 17, 7
 # Handles placed together in that search: 20 MB of corners.
-MINIMUM_HANDLES = 300_000
+_MINIMUM_HANDLES = 300_000
 # m of the head's distance, and share of the bracket: so close to its end, the minimum lies outside the bracket.
-BRACKET_END, BRACKET_END_SHARE = 1e-9, 1e-6
+_BRACKET_END, _BRACKET_END_SHARE = 1e-9, 1e-6
 # Share of the sum of their lengths: centres of adjacent intervals are half of it apart, but for rounding.
-ADJACENT = 0.51
+_ADJACENT = 0.51
 
 
 def first_contact(
-    march: March, *, start: float = 0.0, until: float | None = None, progress: Progress | None = None
+    march: March,
+    *,
+    start: float = 0.0,
+    until: float | None = None,
+    progress: Callable[[float, float], None] | None = None,
 ) -> FirstContact:
     """First contact of benches that are not neighbours, certified: there is no earlier one, however short.
 
@@ -98,8 +101,6 @@ def first_contact(
 
     Raises
     ------
-    ParameterError
-        If one of the times is not a number, or `until` is not later than `start`.
     UnreachableError
         If the dragon has no state at `start`.
 
@@ -135,8 +136,8 @@ class _Search:
 
     def __init__(self, march: March, start: float, until: float) -> None:
         self._march, self._start, self._until, self._end = march, start, until, min(until, march.end)
-        self._near = NEAR_MISS * float(march.dragon.widths.min())
-        self._near_miss_interval = NEAR_MISS_INTERVAL * float(march.dragon.widths.min())
+        self._near = _NEAR_MISS * float(march.dragon.widths.min())
+        self._near_miss_interval = _NEAR_MISS_INTERVAL * float(march.dragon.widths.min())
         self._hit, self._pair = np.inf, (0, 0)
         self._samples = self._tests = 0
         self._resolution = 0.0
@@ -189,11 +190,11 @@ class _Search:
     def _batches(self) -> Iterator[Array]:
         """Bounds of consecutive intervals, one array for each batch; shorter intervals during the warm-up."""
         ends, shortest = (self._start, self._warm_up_end, self._end), self._march.dragon.spacings.min()
-        for begin, last, length in zip(ends, ends[1:], (ALL_PAIRS_INTERVAL, INTERVAL), strict=False):
+        for begin, last, length in zip(ends, ends[1:], (_ALL_PAIRS_INTERVAL, _INTERVAL), strict=False):
             count = int(np.ceil((last - begin) / (length * shortest)))
             done = 0
             while done < count:
-                batch = min(max((count - done) // 2, FEWEST_INTERVALS), MOST_INTERVALS, count - done)
+                batch = min(max((count - done) // 2, _FEWEST_INTERVALS), _MOST_INTERVALS, count - done)
                 shares = np.arange(done, done + batch + 1) / count
                 done += batch
                 # Exact at both ends.
@@ -213,8 +214,8 @@ class _Search:
         rows, pairs = bounds.candidates(self._near, np.where(self._alike, self._start_s, np.inf))
         # Intervals that are cleared without a proof for rounding count in the resolution.
         self._resolution = max(self._resolution, UNPROVEN_ROUNDING * (not bounds.proven.all()))
-        share = max(float(times[-1] - times[0]) / (self._end - self._start), MIN_SHARE)
-        self._divide(intervals, bounds, rows, pairs, share * WORK_LIMIT)
+        share = max(float(times[-1] - times[0]) / (self._end - self._start), _MIN_SHARE)
+        self._divide(intervals, bounds, rows, pairs, share * _WORK_LIMIT)
         return last
 
     def _divide(self, intervals: Intervals, bounds: MotionBounds, rows: Indices, pairs: Indices, budget: float) -> None:
@@ -247,9 +248,9 @@ class _Search:
                 small = np.column_stack([pairs, middles, lengths, found.distance, bounds.rounding[rows]])
                 self._small_gaps.append(small[fresh])
                 # The tolerance grows once the work exceeds its budget.
-                work = samples * (int(pairs.max()) + 2) + PAIR_WORK * rows.size
-                limit = limit or max(budget, WORK_GROWTH * work)
-                tolerance = GAP_TOLERANCE if work <= limit else LIMITED_TOLERANCE * (work / limit) ** 2
+                work = samples * (int(pairs.max()) + 2) + _PAIR_WORK * rows.size
+                limit = limit or max(budget, _WORK_GROWTH * work)
+                tolerance = _GAP_TOLERANCE if work <= limit else _LIMITED_TOLERANCE * (work / limit) ** 2
                 # Gaps above zero are open, and those that may be below by the tolerance, except in the interval just
                 # before the earliest contact found. That one is divided to the resolution, where its midpoint decides.
                 within = (gaps > -(bounds.rounding[rows] + tolerance)) & (intervals.ends[rows] + length < self._hit)
@@ -260,7 +261,7 @@ class _Search:
             rows, pairs, sampled = rows[left], pairs[left], sampled[left]
             if rows.size:
                 # Intervals with pairs that are left are divided, and each of these pairs is tested in all parts.
-                parts = min(max(PAIRS // rows.size, FEWEST_PARTS), MOST_PARTS)
+                parts = min(max(_PAIRS // rows.size, _FEWEST_PARTS), _MOST_PARTS)
                 chosen, rows = np.unique(rows, return_inverse=True)
                 intervals = intervals.divided(self._march, chosen, parts, int(pairs.max()) + 2)
                 rows = (parts * rows[:, None] + np.arange(parts)).ravel()
@@ -278,9 +279,20 @@ class _Search:
             self._pair = int(pairs[earliest, 0]), int(pairs[earliest, 1])
 
 
+def result_at(march: March, status: Status, time: float, pair: tuple[int, int] | None, **rest: Any) -> FirstContact:
+    """Result at `time`, with the contact point and the normal of the benches `pair` if there is one."""
+    point = normal = None
+    if pair is not None:
+        poses = march.at(time, handles=pair[1] + 2).poses[0]
+        found = separation(*march.dragon.outlines(poses)[list(pair)])
+        (x, y), (nx, ny) = found.point.tolist(), found.normal.tolist()
+        point, normal = (x, y), (nx, ny)
+    return FirstContact(status=status, time=time, benches=pair, point=point, normal=normal, **rest)
+
+
 def _resolution(time: float) -> float:
     """Length of the shortest intervals about a time, m of the head's distance."""
-    return max(RESOLUTION, LAST_DIGITS * float(np.spacing(abs(time))))
+    return max(_RESOLUTION, _LAST_DIGITS * float(np.spacing(abs(time))))
 
 
 def _last_reachable(march: March, begin: float, later: float) -> float:
@@ -290,8 +302,8 @@ def _last_reachable(march: March, begin: float, later: float) -> float:
     the processor and on the number of times that are computed together.
     """
     reachable = begin
-    while later - reachable > RESOLUTION and reachable < (reachable + later) / 2 < later:
-        times = np.linspace(reachable, later, LAST_POINTS)
+    while later - reachable > _RESOLUTION and reachable < (reachable + later) / 2 < later:
+        times = np.linspace(reachable, later, _LAST_POINTS)
         # If a handle has no coordinate, the last one has none.
         lost: Flags = np.isnan(march.handles_s_or_nan(times)[:, -1])
         lost[-1] = True
@@ -308,7 +320,7 @@ def near_misses(march: March, samples: Array, start: float, end: float, near: fl
         return ()
     pairs, (low, high, rounding) = brackets[:, :2].astype(np.intp), brackets[:, 2:].T
     low, high = np.maximum(low, start), np.minimum(high, end)
-    some = max(1, MINIMUM_HANDLES // (MINIMUM_POINTS * (int(pairs.max()) + 2)))
+    some = max(1, _MINIMUM_HANDLES // (_MINIMUM_POINTS * (int(pairs.max()) + 2)))
     parts = (slice(at, at + some) for at in range(0, len(pairs), some))
     found = np.concatenate([_local_minima(march, pairs[part], low[part], high[part], rounding[part]) for part in parts])
     found = found[(found[:, 3] > 0) & (found[:, 3] < near)]
@@ -324,7 +336,7 @@ def _brackets(samples: list[list[float]]) -> Iterator[tuple[float, float, float,
     falls, low, lowest, highest = False, 0.0, 0.0, 0.0
     for sample in [*samples, before]:
         first, second, time, length, gap, rounding = sample
-        if (first, second) != tuple(before[:2]) or time - before[2] > ADJACENT * (length + before[3]):
+        if (first, second) != tuple(before[:2]) or time - before[2] > _ADJACENT * (length + before[3]):
             # Another pair begins, or other intervals: a gap that fell to the end of the last ones has a minimum.
             if falls:
                 yield before[0], before[1], low, before[2] + before[3] / 2, before[5]
@@ -350,15 +362,15 @@ def _local_minima(march: March, pairs: Indices, low: Array, high: Array, roundin
     ends, but for `rounding` (K,), has none.
     """
     # No time is outside a bracket that is shorter than both margins: the chain may have no state there.
-    margin = np.clip(BRACKET_END_SHARE * (high - low), BRACKET_END, (high - low) / 2)
-    times = np.column_stack([low, np.linspace(low + margin, high - margin, MINIMUM_POINTS, axis=-1), high])
+    margin = np.clip(_BRACKET_END_SHARE * (high - low), _BRACKET_END, (high - low) / 2)
+    times = np.column_stack([low, np.linspace(low + margin, high - margin, _MINIMUM_POINTS, axis=-1), high])
     gaps = _gaps(march, pairs, times)
     inside = (gaps[:, [0, -1]].min(axis=1) > gaps.min(axis=1) + rounding) & (high - low > 2 * margin)
     pairs, times, gaps = pairs[inside], times[inside], gaps[inside]
     rows = np.arange(len(pairs))
-    for _ in range(MINIMUM_PASSES if rows.size else 0):
+    for _ in range(_MINIMUM_PASSES if rows.size else 0):
         best = np.clip(gaps.argmin(axis=1), 1, times.shape[1] - 2)
-        times = np.linspace(times[rows, best - 1], times[rows, best + 1], MINIMUM_POINTS, axis=-1)
+        times = np.linspace(times[rows, best - 1], times[rows, best + 1], _MINIMUM_POINTS, axis=-1)
         gaps = _gaps(march, pairs, times)
     best = gaps.argmin(axis=1)
     return np.stack([times[rows, best], *pairs.T, gaps[rows, best]], axis=1)

@@ -27,20 +27,20 @@ from pymunk_dragon.model.march import March, check_march
 
 __all__ = ["Grid"]
 
-Cells = NDArray[np.int64]
+_Cells = NDArray[np.int64]
 
 # m. Least and largest pitch of a spiral, to which the paper ties the cell.
 MIN_CELL, MAX_CELL = 0.001, 1000.0
 # Cells from the origin, in either direction. At the paper's pitch that is 550 km.
-MAX_INDEX = 1_000_000
+_MAX_INDEX = 1_000_000
 # Cells by which an edge is taken to be closer to a grid line than it is, so that rounding never makes the walk miss a
-# cell that the edge touches: at MAX_INDEX a crossing is wrong by less than 3e-9. It adds cells that the edge passes at
+# cell that the edge touches: at _MAX_INDEX a crossing is wrong by less than 3e-9. It adds cells that the edge passes at
 # less than twice the slack, which is 20 nm where a cell is a metre.
-SLACK = 1e-8
+_SLACK = 1e-8
 # Cells. An edge that is steeper than this per column crosses none; below it, dividing by the rise would overflow.
-UPRIGHT = 1e-30
+_UPRIGHT = 1e-30
 # Entries or pairs, 8 bytes each in several arrays: beyond it the memory of a laptop ends.
-MAX_ENTRIES = 20_000_000
+_MAX_ENTRIES = 20_000_000
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,13 +56,6 @@ class Grid:
         Side of a cell, from 0.001 to 1000 m.
     origin : tuple of float
         Upper left corner of cell (0, 0), m.
-
-    Raises
-    ------
-    ParameterError
-        If one of them is not such a number, or a coordinate of the origin is beyond 1e9 m. The methods raise it if
-        corners or points have another shape, are not finite or more than a million cells from the origin, or if there
-        would be more than 20 million entries or pairs.
 
     Examples
     --------
@@ -91,7 +84,7 @@ class Grid:
             return cls(cell=float(march.dragon.lengths.max()), origin=(0.0, 0.0))
         return cls(cell=width, origin=(-turns * width, turns * width))
 
-    def walk(self, start: ArrayLike, end: ArrayLike) -> Cells:
+    def walk(self, start: ArrayLike, end: ArrayLike) -> _Cells:
         """Cells (K, 2) as (i, j) that the edge from `start` (2,) to `end` (2,) in m touches, from its start on."""
         u0, v0 = self._in_cells("start", coordinates("start", start, (2,), 0))
         u1, v1 = self._in_cells("end", coordinates("end", end, (2,), 0))
@@ -105,7 +98,7 @@ class Grid:
         order = np.lexsort((rows if v1 >= v0 else -rows, owner if u1 >= u0 else -owner))
         return cells[order]
 
-    def file(self, outlines: ArrayLike) -> tuple[Cells, Cells]:
+    def file(self, outlines: ArrayLike) -> tuple[_Cells, _Cells]:
         """File N benches under the cells that they touch or cover.
 
         Parameters
@@ -135,7 +128,7 @@ class Grid:
         owner, rows = _runs(top, counts)
         return np.stack([rows, columns[owner]], axis=-1), bench[owner]
 
-    def pairs(self, outlines: ArrayLike) -> Cells:
+    def pairs(self, outlines: ArrayLike) -> _Cells:
         """Pairs (P, 2) of benches that share a cell, without neighbours, the smaller number first, in order.
 
         No two that overlap or touch are missing; most of those that are there neither overlap nor touch. `outlines`
@@ -165,41 +158,41 @@ class Grid:
     def _in_cells(self, name: str, points: Array) -> tuple[Array, Array]:
         """Distances (...) of `points` (..., 2) from the origin in cells: to the right, and downward."""
         offset = points - self.origin
-        inside = np.abs(offset) <= MAX_INDEX * self.cell
+        inside = np.abs(offset) <= _MAX_INDEX * self.cell
         if not inside.all():
-            bound = f"at most {MAX_INDEX:,} cells of {self.cell:g} m from the grid's origin"
+            bound = f"at most {_MAX_INDEX:,} cells of {self.cell:g} m from the grid's origin"
             raise ParameterError(name, points[~inside][0].item(), bound)
         return offset[..., 0] / self.cell, offset[..., 1] / -self.cell
 
-    def _check_entries(self, counts: Cells, size: str) -> None:
+    def _check_entries(self, counts: _Cells, size: str) -> None:
         total = int(counts.sum())
-        if total > MAX_ENTRIES:
-            raise ParameterError("cell", self.cell, f"{size} enough for {MAX_ENTRIES:,} entries, not {total:,}")
+        if total > _MAX_ENTRIES:
+            raise ParameterError("cell", self.cell, f"{size} enough for {_MAX_ENTRIES:,} entries, not {total:,}")
 
 
-def _range(low: Array, high: Array) -> tuple[Cells, Cells]:
+def _range(low: Array, high: Array) -> tuple[_Cells, _Cells]:
     """First and last cell, in one direction, that a segment from `low` to `high` touches."""
-    return np.floor(low - SLACK).astype(np.int64), np.floor(high + SLACK).astype(np.int64)
+    return np.floor(low - _SLACK).astype(np.int64), np.floor(high + _SLACK).astype(np.int64)
 
 
-def _runs(starts: Cells, counts: Cells) -> tuple[Cells, Cells]:
+def _runs(starts: _Cells, counts: _Cells) -> tuple[_Cells, _Cells]:
     """Concatenated ranges of `counts[k]` integers from `starts[k]` on: the k of each integer, and the integers."""
     owner = np.repeat(np.arange(counts.size), counts)
     before = np.cumsum(counts) - counts
     return owner, np.arange(owner.size) + (starts - before)[owner]
 
 
-def _rows(u0: Array, v0: Array, u1: Array, v1: Array, columns: Cells) -> tuple[Array, Array]:
+def _rows(u0: Array, v0: Array, u1: Array, v1: Array, columns: _Cells) -> tuple[Array, Array]:
     """The DDA's step: where edges are highest and lowest within a column, as distances downward in cells.
 
     Edges run from (u0, v0) to (u1, v1), distances from the origin in cells to the right and downward. One that misses
     its column gives an empty range, inf to -inf.
     """
     across, down = u1 - u0, v1 - v0
-    across = np.where(np.abs(across) < UPRIGHT, UPRIGHT, across)
+    across = np.where(np.abs(across) < _UPRIGHT, _UPRIGHT, across)
     # Shares of the edge at which it crosses the column's two sides. They are moved out by twice the slack, so that no
     # edge misses a column in which `_range` has put it.
-    left, right = (columns - 2 * SLACK - u0) / across, (columns + 1 + 2 * SLACK - u0) / across
+    left, right = (columns - 2 * _SLACK - u0) / across, (columns + 1 + 2 * _SLACK - u0) / across
     enter, leave = np.maximum(np.minimum(left, right), 0.0), np.minimum(np.maximum(left, right), 1.0)
     one, two = v0 + enter * down, v0 + leave * down
     missed = enter > leave

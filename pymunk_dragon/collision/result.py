@@ -7,18 +7,16 @@ from typing import Any, Literal
 
 from pymunk_dragon._display import Printed
 from pymunk_dragon._language import text
-from pymunk_dragon.collision.sat import separation
 from pymunk_dragon.model.contact import Contact, contact_text
-from pymunk_dragon.model.march import March
 
 __all__ = ["FirstContact", "NearMiss"]
 
 Status = Literal["contact", "clear", "overlapping", "unreachable"]
 
 # m. Resolution above which the text of a result names it.
-COARSE = 1e-8
+_COARSE = 1e-8
 # Decimals of a contact's time in the text of a result that is certified, and of one from samples.
-CERTIFIED_DECIMALS, SAMPLED_DECIMALS = 9, 6
+_CERTIFIED_DECIMALS, _SAMPLED_DECIMALS = 9, 6
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -99,10 +97,10 @@ class FirstContact(Printed):
         return asdict(self) | {"time": None if self.benches is None else self.time, "until": self.time}
 
     def __str__(self) -> str:
-        decimals = SAMPLED_DECIMALS if self.resolution is None else CERTIFIED_DECIMALS
+        decimals = _SAMPLED_DECIMALS if self.resolution is None else _CERTIFIED_DECIMALS
         first = contact_text(self.status, self.benches, self.point, self.time, decimals)
         lines = [first, *map(str, self.near_misses or ())]
-        if self.resolution is not None and self.resolution > COARSE:
+        if self.resolution is not None and self.resolution > _COARSE:
             least = text("benches that overlap by less than {amount:.2g} micrometres count as apart")
             lines.append(least.format(amount=1e6 * self.resolution))
         return "\n".join(lines)
@@ -114,14 +112,3 @@ class FirstContact(Printed):
             return None
         when: dict[str, float] = {"time": self.time, "raw_time": self.time, "depth": 0.0}
         return Contact(benches=self.benches, point=self.point, normal=self.normal, **when)
-
-
-def result_at(march: March, status: Status, time: float, pair: tuple[int, int] | None, **rest: Any) -> FirstContact:
-    """Result at `time`, with the contact point and the normal of the benches `pair` if there is one."""
-    point = normal = None
-    if pair is not None:
-        poses = march.at(time, handles=pair[1] + 2).poses[0]
-        found = separation(*march.dragon.outlines(poses)[list(pair)])
-        (x, y), (nx, ny) = found.point.tolist(), found.normal.tolist()
-        point, normal = (x, y), (nx, ny)
-    return FirstContact(status=status, time=time, benches=pair, point=point, normal=normal, **rest)

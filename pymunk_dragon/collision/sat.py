@@ -28,7 +28,7 @@ from pymunk_dragon.errors import ParameterError
 __all__ = ["Separation", "separation"]
 
 # Pairs worked on at once: their temporaries, about 0.7 kB a pair, stay in a processor's second cache.
-CHUNK = 2048
+_CHUNK = 2048
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -78,12 +78,6 @@ def separation(first: ArrayLike, second: ArrayLike) -> Separation:
         Read-only arrays of the broadcast leading shape, right to a few last digits of the largest coordinate. If two
         translations are equally short, or two pairs of points equally close, the result is one of them.
 
-    Raises
-    ------
-    ParameterError
-        If an outline has another shape, a coordinate is not finite or beyond 1e9 m, a rectangle has no area or its
-        corners run clockwise, or the shapes do not broadcast.
-
     Examples
     --------
     >>> from pymunk_dragon.model.dragon import outlines
@@ -103,8 +97,8 @@ def separation(first: ArrayLike, second: ArrayLike) -> Separation:
     corners = corners.reshape(2, 4, -1)
     pairs = corners.shape[-1]
     distance, normal, point = np.empty(pairs), np.empty(pairs, complex), np.empty(pairs, complex)
-    for begin in range(0, pairs, CHUNK):
-        part = slice(begin, begin + CHUNK)
+    for begin in range(0, pairs, _CHUNK):
+        part = slice(begin, begin + _CHUNK)
         distance[part], normal[part], point[part] = _separate(corners[..., part])
     vectors = (read_only(found.view(float).reshape(*shape, 2)) for found in (normal, point))
     return Separation(read_only(distance.reshape(shape)), *vectors)

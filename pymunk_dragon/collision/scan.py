@@ -11,8 +11,9 @@ import numpy as np
 
 from pymunk_dragon._arrays import Array
 from pymunk_dragon._checks import positive
+from pymunk_dragon.collision.first_contact import result_at
 from pymunk_dragon.collision.grid import Grid
-from pymunk_dragon.collision.result import FirstContact, Status, result_at
+from pymunk_dragon.collision.result import FirstContact, Status
 from pymunk_dragon.collision.sat import deepest_overlap
 from pymunk_dragon.errors import ParameterError, UnreachableError
 from pymunk_dragon.model.march import March, checked_times
@@ -20,9 +21,9 @@ from pymunk_dragon.model.march import March, checked_times
 __all__ = ["scan"]
 
 # Samples computed together.
-BATCH = 64
+_BATCH = 64
 # About a day of computing.
-MAX_SAMPLES = 10_000_000
+_MAX_SAMPLES = 10_000_000
 
 
 def scan(
@@ -57,9 +58,6 @@ def scan(
 
     Raises
     ------
-    ParameterError
-        If a time is not a number, `until` is not later than `start`, `step` or `tolerance` is not above 0, or the
-        number of samples is above ten million.
     UnreachableError
         If the dragon has no state at `start`.
 
@@ -72,8 +70,8 @@ def scan(
     start, until = checked_times(march, start, until)
     step, tolerance = (positive(*given, np.inf, "s") for given in (("step", step), ("tolerance", tolerance)))
     end = min(until, march.end)
-    if (end - start) / step > MAX_SAMPLES:
-        raise ParameterError("step", step, f"long enough for at most {MAX_SAMPLES:,} samples until {end:g} s")
+    if (end - start) / step > _MAX_SAMPLES:
+        raise ParameterError("step", step, f"long enough for at most {_MAX_SAMPLES:,} samples until {end:g} s")
     grid, counts = Grid.of(march), {"samples": 0, "tests": 0}
 
     def overlapping(poses: Array) -> tuple[int, int] | None:
@@ -105,12 +103,12 @@ def scan(
 
 def _samples(march: March, times: Array) -> Iterator[tuple[float, Array]]:
     """Each of `times` with the poses (N, 3) then, until the chain has no state."""
-    for first in range(0, times.size, BATCH):
-        batch = times[first : first + BATCH]
+    for first in range(0, times.size, _BATCH):
+        batch = times[first : first + _BATCH]
         try:
-            poses = march.at(batch).poses
+            states = march.at(batch)
         except UnreachableError as error:
-            batch = batch[batch < error.time]
-            yield from zip(batch.tolist(), march.at(batch).poses, strict=True)
+            states = march.at(batch[batch < error.time])
+        yield from zip(states.times.tolist(), states.poses, strict=True)
+        if len(states.times) < len(batch):
             return
-        yield from zip(batch.tolist(), poses, strict=True)

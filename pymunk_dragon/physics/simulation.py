@@ -72,6 +72,13 @@ def simulate(
     Run
         With `drift` against the exact model, and every collision callback in `events`.
 
+    Raises
+    ------
+    UnreachableError
+        If the dragon has no state at `start`.
+    DragonError
+        If the engine's chain flew apart.
+
     Examples
     --------
     >>> from pymunk_dragon import Dragon, March, simulate
@@ -80,9 +87,9 @@ def simulate(
     >>> run.first_contact.benches, round(run.first_contact.time, 3)
     ((0, 8), 412.474)
     """
-    check_callable("progress", progress)
     until = last_time(march, start) if until is None else until
     world = World(march, guide, settings, start=start, until=until, **changes)
+    check_callable("progress", progress)
     start, until = world.start, float(until)
     loop = _Loop(world, Recorder(world, on_event))
     loop.play(until, progress)

@@ -225,6 +225,11 @@ class World:
         """Lay NumPy arrays over the memory that `pymunk.batch` reads and writes."""
         # Pymunk adds its static body when it is first used, as for an obstacle; a row is written for each body.
         moved = list(dict.fromkeys([*self.bodies, self._control, self.space.static_body]))
+        for space, bodies in ((self.space, moved), (self._anchor_space, self.guide.anchors)):
+            ids = batch.Buffer()
+            batch.get_space_bodies(space, BodyFields.BODY_ID, ids)
+            if list(memoryview(ids.int_buf()).cast("P")) != [body.id for body in bodies]:
+                raise RuntimeError("pymunk.batch lists the bodies in another order than they were added")
         self._inbox, self._outbox, self._anchor_outbox = (batch.Buffer() for _ in range(3))
         out = np.zeros((len(moved), 6))
         self._outbox.set_float_buf(out)

@@ -85,8 +85,8 @@ whose y points up have no `y_down`:
 
 ## Recordings
 
-**Record** in the page films the picture and keeps a run, which can be saved afterwards. `--record FILE` writes .npz,
-or a film, at the end. Every input is logged with the number of the step before which it took effect, so
+**Film** in the page films the picture. `--record FILE` writes the inputs (.json), the run of a dragon (.npz) or a film
+at the end. Every input is logged with the number of the step before which it took effect, so
 `--replay FILE` repeats a session: to the bit on the same machine and versions; elsewhere processors and libraries may
 round differently, and the program says by how much the last poses differ. The film above is
 

@@ -126,13 +126,11 @@ class PygameEvents:
 
     Examples
     --------
-    ```python
-    session = live(space, step=None, y_down=True, units="px", controls=[PygameEvents()])
-    while running:
-        for event in pygame.event.get():
-            ...
-        session.step(1 / 60)
-    ```
+    >>> session = live(space, step=None, y_down=True, controls=[PygameEvents()])  # doctest: +SKIP
+    >>> while running:  # doctest: +SKIP
+    ...     for event in pygame.event.get():
+    ...         print(event)
+    ...     session.step(1 / 60)
     """
 
     def __init__(self) -> None:

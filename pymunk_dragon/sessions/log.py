@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import math
 import zlib
-from base64 import b64decode, b64encode
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -13,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pymunk_dragon._arrays import Array
 from pymunk_dragon._checks import finite, whole
 from pymunk_dragon._files import read_text
 from pymunk_dragon.errors import DragonError, FileFormatError
@@ -63,16 +61,6 @@ class InputLog:
             yield step, message
 
 
-def as_text(numbers: Array) -> str:
-    """Numbers to the last bit, in base64, which has room for those that JSON has not, as NaN."""
-    return b64encode(np.ascontiguousarray(numbers, "<f8").tobytes()).decode()
-
-
-def _numbers(text: str) -> Array:
-    """What `as_text` wrote."""
-    return np.frombuffer(b64decode(text, validate=True), "<f8")
-
-
 def _line(step: int, message: dict[str, Any]) -> bytes:
     return json.dumps([step, message]).encode() + b"\n"
 
@@ -85,7 +73,8 @@ class Log:
     values: Mapping[str, float]
     steps: int
     inputs: list[tuple[int, dict[str, Any]]]
-    poses: str
+    # Of the bodies after the last step. JSON of Python has numbers to the last bit, and NaN.
+    poses: list[list[float]]
 
     @classmethod
     def of(cls, session: Session) -> Log:
@@ -123,16 +112,15 @@ class Log:
             values={str(name): finite(name, value, -math.inf, math.inf, "") for name, value in notes["values"].items()},
             steps=whole("steps", notes["steps"], 0, MAX_STEPS),
             inputs=inputs,
-            poses=as_text(_numbers(notes["poses"])),
+            poses=np.asarray(notes["poses"], dtype=float).reshape(-1, 3).tolist(),
         )
 
-    def difference(self, poses: str) -> float:
+    def difference(self, poses: list[list[float]]) -> float:
         """Largest difference of coordinates, m, and angles, rad, of a replay's last poses from the recording's."""
-        recorded, replayed = _numbers(self.poses), _numbers(poses)
-        if len(recorded) != len(replayed):
+        if len(poses) != len(self.poses):
             raise DragonError("the recording ends with another number of bodies than its replay")
-        return float(np.abs(recorded - replayed).max(initial=0.0))
+        return float(np.abs(np.subtract(poses, self.poses)).max(initial=0.0))
 
     def to_json(self) -> str:
         """The log as JSON, which `load` reads."""
-        return json.dumps(asdict(self), allow_nan=False)
+        return json.dumps(asdict(self))

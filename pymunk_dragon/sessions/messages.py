@@ -22,8 +22,6 @@ ACTIONS: Mapping[str, Mapping[str, type]] = {
     "speed": {"value": float},
     "reset": {},
     "scene": {"name": str},
-    "record": {},
-    "finish": {},
     "set": {"name": str, "value": float},
     "contacts": {"value": str},
     "grab": {"x": float, "y": float, "slip": float},

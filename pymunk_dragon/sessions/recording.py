@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import io
 import struct
 import tempfile
 import weakref
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import IO, TYPE_CHECKING
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pymunk
@@ -31,8 +30,6 @@ if TYPE_CHECKING:
 RECORDING_ENDINGS = (".json", ".npz", *formats.WRITERS)
 # Simulated s between frames.
 INTERVAL = 1 / 30
-# Bytes of frames after which a recording that a client began ends: ten minutes of 223 benches.
-MAX_RECORDED = 100_000_000
 # Frames a second of a film, and pixels of one by Pymunk's debug drawing.
 FPS, SIZE = 20, (640, 480)
 # Inputs whose effects a run does not show.
@@ -47,25 +44,24 @@ Progress = Callable[[int, int], None]
 
 
 class Frames:
-    """Times and snapshots of a scene, in a file of the session's own."""
+    """Times and snapshots of a scene, in a file without a name, which is gone with the session."""
 
-    def __init__(self, file: IO[bytes], limit: float = np.inf) -> None:
-        self._file, self._limit = file, limit
+    def __init__(self) -> None:
+        self._file = tempfile.TemporaryFile()  # noqa: SIM115 (it is closed with the frames)
+        weakref.finalize(self, self._file.close)
+        self._steps_of_frame = 1
 
-    def clear(self) -> None:
-        """Forget all frames."""
+    def begin(self, scene: Scene) -> None:
+        """Forget all frames, and keep those of a new scene."""
         self._file.seek(0)
         self._file.truncate()
+        self._steps_of_frame = max(1, round(INTERVAL / scene.step_length))
 
-    def append(self, scene: Scene) -> None:
-        """Add the present state of the scene."""
-        snapshot = scene.snapshot()
-        self._file.write(FRAME.pack(scene.time, len(snapshot)) + snapshot)
-
-    @property
-    def is_full(self) -> bool:
-        """Whether there is no room for another frame."""
-        return self._file.tell() >= self._limit
+    def keep(self, scene: Scene) -> None:
+        """Add the present state of the scene if a frame is due."""
+        if scene.steps % self._steps_of_frame == 0:
+            snapshot = scene.snapshot()
+            self._file.write(FRAME.pack(scene.time, len(snapshot)) + snapshot)
 
     def __iter__(self) -> Iterator[tuple[float, bytes]]:
         end = self._file.tell()
@@ -73,67 +69,6 @@ class Frames:
         while self._file.tell() < end:
             time, length = FRAME.unpack(self._file.read(FRAME.size))
             yield time, self._file.read(length)
-
-
-class Recorder:
-    """Frames of a session, and the recording of a client."""
-
-    def __init__(self, *, always: bool) -> None:
-        self.frames = self._in_a_file() if always else None
-        self.recorded: Recorded | None = None
-        self._recording: Frames | None = None
-        self._steps_of_frame = 1
-
-    @property
-    def is_recording(self) -> bool:
-        """Whether a client records at the moment."""
-        return self._recording is not None
-
-    @property
-    def seconds(self) -> float | None:
-        """Length of the last recording, s, if it is a run that can be saved."""
-        if self.recorded is None or not isinstance(self.recorded.scene, DragonScene):
-            return None
-        return self.recorded.times[-1] - self.recorded.times[0]
-
-    def rebuilt(self, scene: Scene) -> None:
-        """Begin anew with the session's new scene: remove all frames."""
-        self._steps_of_frame = max(1, round(INTERVAL / scene.step_length))
-        for frames in self._kept():
-            frames.clear()
-
-    def keep(self, session: Session) -> Iterator[str]:
-        """Keep a frame of the present state if one is due, and yield a text for each error."""
-        if session.scene.steps % self._steps_of_frame:
-            return
-        try:
-            for frames in self._kept():
-                frames.append(session.scene)
-        except OSError as error:
-            self.frames = None
-            yield f"frames are no longer kept: {error.strerror}"
-        if self._recording is not None and self._recording.is_full:
-            self.finish(session)
-            yield "the recording is full, and has ended"
-
-    def begin(self, scene: Scene) -> None:
-        """Begin the recording of a client."""
-        self._recording = Frames(io.BytesIO(), MAX_RECORDED)
-        self._recording.append(scene)
-
-    def finish(self, session: Session) -> None:
-        """End the recording of a client, if one goes on."""
-        if self._recording is not None:
-            self.recorded, self._recording = Recorded.of(session, self._recording), None
-
-    def _kept(self) -> list[Frames]:
-        return [frames for frames in (self.frames, self._recording) if frames is not None]
-
-    def _in_a_file(self) -> Frames:
-        """Return frames in a file without a name, which is gone with the recorder."""
-        file = tempfile.TemporaryFile()  # noqa: SIM115 (it is closed with the recorder)
-        weakref.finalize(self, file.close)
-        return Frames(file)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -146,9 +81,9 @@ class Recorded:
     snapshots: list[bytes]
 
     @classmethod
-    def of(cls, session: Session, frames: Frames | None) -> Recorded:
+    def of(cls, session: Session) -> Recorded:
         """Return the frames of a session that does not step at the moment; the last is the present one."""
-        scene, found = session.scene, list(frames or ())
+        scene, found = session.scene, list(session.frames or ())
         if not found or found[-1][0] < scene.time:
             found.append((scene.time, scene.snapshot()))
         times, snapshots = map(list, zip(*found, strict=True))
@@ -186,7 +121,7 @@ def record(session: Session, path: str | Path, progress: Progress | None = None)
         with written_in_place(destination) as draft:
             draft.write_text(Log.of(session).to_json())
         return
-    recorded = Recorded.of(session, session.recorder.frames)
+    recorded = Recorded.of(session)
     if ending == ".npz":
         recorded.run().save(destination)
     elif len(recorded.times) < 2:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import asyncio
 import errno
-import io
 import ipaddress
 import json
 import secrets
@@ -201,7 +200,6 @@ class Server:
         application.router.add_get("/", self._page)
         application.router.add_get("/socket", self._socket)
         application.router.add_get("/inputs", self._inputs)
-        application.router.add_get("/run", self._run_file)
         runner = web.AppRunner(application, access_log=None, shutdown_timeout=STOP_TIME)
         await runner.setup()
         try:
@@ -248,15 +246,6 @@ class Server:
         page, rules = live_page(self.session.source.title, self._language)
         headers = {**HEADERS, "Content-Security-Policy": rules}
         return web.Response(text=page, content_type="text/html", headers=headers)
-
-    async def _run_file(self, request: web.Request) -> web.Response:
-        """What a client recorded last, as .npz."""
-        recorded = self.session.recorder.recorded
-        if recorded is None or self.session.recorder.seconds is None:
-            return web.Response(status=404, text="Nothing was recorded.\n", headers=HEADERS)
-        file = io.BytesIO()
-        await asyncio.to_thread(lambda: recorded.run().save(file))
-        return _download(file.getvalue(), "live.npz", "application/octet-stream")
 
     async def _inputs(self, request: web.Request) -> web.Response:
         """What was done so far, as JSON from which the session is played again."""

@@ -17,10 +17,10 @@ import pymunk
 from pymunk_dragon._checks import finite, whole, word
 from pymunk_dragon.errors import DragonError, ParameterError
 from pymunk_dragon.sessions.controls import Slider
-from pymunk_dragon.sessions.log import MAX_INPUTS, InputLog, as_text
+from pymunk_dragon.sessions.log import MAX_INPUTS, InputLog
 from pymunk_dragon.sessions.messages import INPUTS
 from pymunk_dragon.sessions.ready import SCENES, Ready, ready
-from pymunk_dragon.sessions.recording import Recorder
+from pymunk_dragon.sessions.recording import Frames
 from pymunk_dragon.sessions.scene import without_nan
 
 # Simulated over real time.
@@ -63,10 +63,10 @@ class _Replay:
     def __init__(self, inputs: Sequence[tuple[int, dict[str, Any]]], steps: int) -> None:
         self.inputs, self.steps = deque(inputs), steps
         self.ended = threading.Event()
-        self.poses: str | None = None
+        self.poses: list[list[float]] | None = None
         self.error: str | None = None
 
-    def end(self, *, poses: str | None = None, error: str | None = None) -> None:
+    def end(self, *, poses: list[list[float]] | None = None, error: str | None = None) -> None:
         """End with the last poses, with an error, or with neither if the replay is cancelled; only once."""
         if not self.ended.is_set():
             self.poses, self.error = poses, error
@@ -83,7 +83,7 @@ class Session:
         self.clients = 0
         self.running, self.speed = running, 1.0
         self.generation = 0
-        self.recorder = Recorder(always=record)
+        self.frames = Frames() if record else None
         self._replay = _Replay((), 0)
         self._replay.end()
         self._waiting: deque[tuple[dict[str, Any], Callable[[str], None]]] = deque()
@@ -178,8 +178,6 @@ class Session:
                 "generation": self.generation,
                 "running": self.running,
                 "speed": self.speed,
-                "recording": self.recorder.is_recording,
-                "recorded": self.recorder.seconds,
                 "replaying": not self._replay.ended.is_set(),
                 "clients": self.clients,
                 **self.scene.state(),
@@ -192,7 +190,7 @@ class Session:
         while not self._ended.wait(PATIENCE):
             pass
 
-    def wait_for_replay(self) -> str | None:
+    def wait_for_replay(self) -> list[list[float]] | None:
         """Wait for the end of a replay, and return its last poses, or None if it was cancelled."""
         while not self._replay.ended.wait(PATIENCE):
             pass
@@ -213,9 +211,10 @@ class Session:
         """Send the state again after the next step."""
         self._changed = True
 
-    def poses(self) -> str:
-        """Return the bodies' poses to the last bit, as text."""
-        return as_text(self.scene.poses())
+    def poses(self) -> list[list[float]]:
+        """Return the poses of the bodies."""
+        poses: list[list[float]] = self.scene.poses().tolist()
+        return poses
 
     # ---- the thread
 
@@ -423,12 +422,6 @@ class Session:
         elif action == "until_contact":
             self.scene.until_contact()
             self.running = True
-        elif action == "record":
-            self.recorder.begin(self.scene)
-        elif action == "finish":
-            if not self.recorder.is_recording:
-                raise ParameterError("message", action, "sent while a recording goes on")
-            self.recorder.finish(self)
         # The place of the hand is in each frame.
         self._changed |= action != "drag"
 
@@ -496,7 +489,8 @@ class Session:
         self._replay.end()
         self._single_steps, self._rate, self._measured = 0, 0.0, 0.0
         self._describe()
-        self.recorder.rebuilt(scene)
+        if self.frames is not None:
+            self.frames.begin(scene)
         self._keep_frame()
         self._changed = True
 
@@ -519,9 +513,12 @@ class Session:
         return {self._own.name: self._own} | SCENES
 
     def _keep_frame(self) -> None:
-        for text in self.recorder.keep(self):
-            self.tell({"kind": "error", "text": text})
-            self._changed = True
+        try:
+            if self.frames is not None:
+                self.frames.keep(self.scene)
+        except OSError as error:
+            self.frames = None
+            self.tell({"kind": "error", "text": f"frames are no longer kept: {error.strerror}"})
 
 
 def _described(error: Exception) -> dict[str, Any]:

@@ -1,6 +1,6 @@
 """Writers of film files: Pillow's for WebP and APNG, Pillow's compression of frames for GIF, and FFmpeg for MP4.
 
-The GIFs of the gallery have 12 MB by `write_gif`, and 17 MB by Pillow's own writer, which makes every unchanged pixel
+The GIFs of the gallery have 12 MB by `_write_gif`, and 17 MB by Pillow's own writer, which makes every unchanged pixel
 transparent. imageio's writer of MP4 does not check whether FFmpeg succeeded.
 """
 

@@ -48,7 +48,7 @@ function showState(live) {
   showSpeed(state.speed);
   element("scene").value = live.scene.name;
   element("contacts").value = state.contacts;
-  live.recorder.update(state);
+  live.recorder.show();
   setText("clients", state.clients === 1 ? localized("1 viewer") : localized("{count} viewers", { count: state.clients }));
   showAccess(live);
 }
