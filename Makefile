@@ -28,7 +28,7 @@ install_extras = $(BIN)/python -c "import tomllib; extras = tomllib.load(open('p
 	&& $(BIN)/pip install --quiet --requirement $@.txt && mv $@.txt $@
 
 $(VENV)/extras: $(VENV)/core
-	@$(call install_extras,chinese cluster curves figures live mp4 report studies demos)
+	@$(call install_extras,chinese cluster curves figures live mp4 notebook report studies demos)
 
 $(VENV)/documentation: $(VENV)/extras
 	@$(call install_extras,docs)
@@ -49,7 +49,6 @@ first_contact.gif := render renders/first_contact.npz --from 405.4 --camera head
 guides.gif := render renders/march.npz renders/unguided.npz --until 12.5 --size 330 --title "Dancers keep the dragon on its path"
 exact.gif := render renders/first_contact.npz --exact --from 409 --camera head --span 5 --size 330 --title "The engine and the exact model"
 marks.png := render renders/first_contact.npz --camera head --size 660 --velocities --grid --impulses --contacts --normals --title "First contact: benches 0 and 8" --caption "Arrows end where the handles would be in half a second; discs are impulses in the joints; cells are darker where a bench is filed."
-live.gif := live --replay renders/live.json --exit
 u-turn.gif := render renders/u-turn.npz --from -6 --until 36 --span 15
 march.html := render renders/march.npz
 report.html := report renders/report.npz
@@ -68,7 +67,7 @@ $(foreach name,$(STUDIES),$(eval figures/$(name).png := study $(name)))
 MAP := figures/contact-map.png
 $(MAP) := sweep --axis pitch=0.50:0.60:0.002 --axis width=0.25:0.35:0.0025 --resume
 
-PICTURES := march.gif first_contact.gif guides.gif exact.gif marks.png u-turn.gif live.gif
+PICTURES := march.gif first_contact.gif guides.gif exact.gif marks.png u-turn.gif
 FIGURES := $(patsubst %,figures/%.png,$(STILLS) $(CHARTS) $(CHARTS_OF_RUN) $(STUDIES))
 RUNS := march.npz first_contact.npz unguided.npz u-turn.npz report.npz
 PAGES := march.html report.html lessons.html
@@ -93,7 +92,6 @@ renders/first_contact.gif renders/exact.gif renders/marks.png: renders/first_con
 renders/guides.gif: renders/unguided.npz
 renders/u-turn.gif: renders/u-turn.npz
 renders/report.html: renders/report.npz
-renders/live.gif: renders/live.json
 renders/lessons.html: $(wildcard pymunk_dragon/lessons/*.py)
 $(FIGURES:%=renders/%) renders/$(MAP) renders/report.html renders/lessons.html: | $(VENV)/extras
 -include $(FILES:%=$(COMMANDS)/%.d)
@@ -113,9 +111,10 @@ report: renders/report.html ## simulate past the first contact and report on it:
 demos: renders/lessons.html ## run all lessons, and put them on one page: renders/lessons.html
 	@echo "open renders/lessons.html in a browser, or play a lesson here: $(DRAGON) demo spiral"
 
-screenshot: renders/march.html renders/lessons.html $(VENV)/tools ## pictures of the player and of the lessons, in Chromium: renders/player.png, lessons.png
+screenshot: renders/march.html renders/lessons.html $(VENV)/tools ## pictures of the pages, in Chromium: renders/player.png, lessons.png, live.gif
 	$(BIN)/python tests/bench/screenshot.py renders/march.html "#t=409.8&follow=head" renders/player.png
 	$(BIN)/python tests/bench/screenshot.py renders/lessons.html "#spiral" renders/lessons.png
+	$(BIN)/python tests/bench/film_live.py renders/live.gif
 
 # The pages, and the arguments that make each picture and its run, for the gallery.
 docs: $(PAGES:%=renders/%) $(VENV)/documentation ## build the documentation: renders/docs/

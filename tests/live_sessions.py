@@ -23,13 +23,18 @@ from pymunk_dragon.sessions.session import Session
 PATIENCE = 60.0
 
 
+def audience(told: list[object]):
+    """Clients of a session; `told` gets their texts."""
+    return SimpleNamespace(tell=told.append, show=lambda frame: None)
+
+
 class Played:
     """A paused session without a server: `do` sends a message, `step` makes steps as fast as they go."""
 
     def __init__(self, source, **options):
         self.session = Session(source if hasattr(source, "build") else source_of(source), running=False, **options)
         self.told = []
-        self.session.tell = self.told.append
+        self.session.audience.append(audience(self.told))
         self.session.start()
 
     @property
@@ -93,7 +98,8 @@ def played(source: object, **options: object):
 def replay_session(log: Log, before: Callable[[Session], object] = lambda session: None):
     """A session that has begun a replay, as fast as it goes, and what it tells; `before` is called with it first."""
     session, told = Session(planned(log.plan)), []
-    session.tell, session.speed = told.append, 20.0
+    session.audience.append(audience(told))
+    session.speed = 20.0
     session.play_again(log.inputs, log.values, log.steps)
     before(session)
     session.start()

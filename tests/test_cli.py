@@ -319,7 +319,7 @@ def test_pdf_has_the_same_bytes_in_each_process(tmp_path):
 # Command lines, and words that the message has: the value or name, and what is allowed.
 BAD_INPUT = {
     "positions --pitch 0.25": "pitch 0.25 width",
-    "positions --ratio 1": "--ratio pitch",
+    "positions --ratio 1": "--ratio u-turn",
     "positions --curve u-turn --turns 3": "--turns Spiral",
     "positions --curve circle": "--curve 'circle' spiral u-turn .csv",
     "positions --speed nowhere.csv": "--speed 'nowhere.csv'",

@@ -9,6 +9,7 @@ from urllib.parse import urlsplit
 
 import imageio_ffmpeg
 import numpy as np
+import pymunk
 import pytest
 from browser import english_words, needs_browser, opened
 from browser import wait_until as wait_until_in_time
@@ -17,8 +18,11 @@ from live_sessions import PATIENCE, replayed, served
 from pymunk_dragon._language import in_language, texts
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
+from pymunk_dragon.sessions.controls import Button
+from pymunk_dragon.sessions.handle import source_of
 from pymunk_dragon.sessions.log import Log
 from pymunk_dragon.sessions.ready import SCENES, dragon
+from pymunk_dragon.sessions.scene import Play
 
 pytestmark = [pytest.mark.thorough, needs_browser]
 
@@ -28,6 +32,17 @@ PLACE = """([x, y]) => {
   const { left, top } = document.getElementById("field").getBoundingClientRect();
   const [px, py] = live.pixel(x, y);
   return [left + px, top + py];
+}"""
+
+# Whether the area of the scene is on the canvas, and neither behind the tools nor behind the buttons of the view.
+IN_SIGHT = """() => {
+  const { centre: [x, y], size: [width, height] } = live.scene.field;
+  const corners = [[-1, -1], [1, 1]].map(([a, b]) => live.pixel(x + a * width / 2, y + b * height / 2));
+  const [left, right] = corners.map(([px]) => px), [top, bottom] = corners.map(([, py]) => py).sort((a, b) => a - b);
+  const box = (id) => document.getElementById(id).getBoundingClientRect();
+  const field = box("field"), tools = box("toolbox"), zoom = box("zoom");
+  return left >= 0 && right <= field.width && bottom <= field.height && top >= tools.bottom - field.top
+    && (right <= zoom.left - field.left || bottom <= zoom.top - field.top);
 }"""
 
 
@@ -179,6 +194,38 @@ def test_finger_drags_a_box_on_a_phone(browser):
         assert np.hypot(*(later[:2] - (x + 0.8, y + 0.8))) < 0.2
         point("touchEnd", None)
         wait_until(page, "live.frame.held === null")
+
+
+@pytest.mark.parametrize(("width", "height"), [(1280, 800), (390, 844), (844, 390), (640, 400)])
+def test_scene_is_in_sight_and_so_is_the_error_of_a_function(browser, width, height):
+    def crash(space):
+        raise ValueError("a reason")
+
+    ready = source_of(pymunk.Space, Play(controls=[Button("Crash", crash)]))
+    with served("robot-arm") as session, visit(browser, session.address, width=width, height=height) as found:
+        assert found.page.evaluate(IN_SIGHT)
+    with served(ready) as session, visit(browser, session.address, width=width, height=height) as found:
+        page = found.page
+        page.evaluate("document.getElementById('parameters-part').open = true")
+        page.click("#actions button")
+        page.wait_for_selector("#error:has-text('a reason'):has-text('in crash')")
+        assert "test_sessions_browser.py" in page.inner_text("#error-place")
+        box = page.locator("#error").bounding_box()
+        assert 0 <= box["x"] <= width - box["width"]
+        page.click("#error-close")
+        assert page.is_hidden("#error")
+
+
+def test_space_bar_pauses_after_a_click_on_a_switch_and_works_one_that_a_key_has_reached(browser):
+    with served("pendulum") as session, visit(browser, session.address) as found:
+        page = found.page
+        page.click("label:has(#show-forces)")
+        pause(page, session)
+        assert page.is_checked("#show-forces")
+        page.keyboard.press("Shift+Tab")
+        page.keyboard.press("Space")
+        assert not page.is_checked("#show-contacts")
+        assert not page.evaluate("live.state.running")
 
 
 def test_watching_page_has_no_controls(browser):

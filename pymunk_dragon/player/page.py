@@ -22,8 +22,8 @@ from pymunk_dragon.reports.summary import Summary, summarize
 PLAYER_ENDINGS = (".html",)
 # Parts of the script; each uses only those before it.
 SCRIPTS = (
-    *("common", "texts", "decode", "motion", "exact", "geometry", "view", "format", "grid", "marks", "paint", "ghost"),
-    *("picture", "timeline", "slow_motion", "link", "table", "player", "pointer", "controls", "main"),
+    *("common", "texts", "decode", "geometry", "motion", "exact", "view", "format", "grid", "marks", "paint", "ghost"),
+    *("picture", "timeline", "slow_motion", "link", "table", "pointer", "stage", "player", "controls", "main"),
 )
 # Steps of `write_player`: the page, and the file.
 STEPS = 2
@@ -134,7 +134,7 @@ def player_page(run: Run, *, title: str | None = None) -> str:
     style = colour_variables() + asset(__package__, "assets/player.css") + asset(__package__, "assets/layout.css")
     script = "".join(asset(__package__, f"assets/{name}.js") for name in SCRIPTS)
     return substituted(
-        asset(__package__, "assets/player.html"),
+        asset(__package__, "assets/head.html") + asset(__package__, "assets/player.html"),
         policy=policy(style, script),
         language=language(),
         title=escape(heading),

@@ -12,7 +12,7 @@ dancers go and have them come back, add obstacles, and move the sliders: time st
 width, number of benches. The exact dragon is drawn beside the engine's, with the position error, the tension and the
 time of a step as charts.
 
-![Dancers let go of bench 30 and all behind it, bench 80 is pulled aside, and they return](renders/live.gif)
+![A pointer pulls a bench aside, which the dancers carry back, and moves a slider](renders/live.gif)
 
 ## Any Pymunk space
 
@@ -51,6 +51,9 @@ with live(build, controls=controls, y_down=True, units="px", browser=False) as s
 `on_step` is called before each step, `plots` are shown as charts beside energy and momentum, and an exception in a
 function of yours pauses the session and shows its line on the page.
 
+In a notebook such a session is shown where a cell ends with it. With `pip install 'pymunk-dragon[notebook]'` it is a
+widget: no port is opened until `session.address` is read, and a picture remains when the notebook is opened later.
+
 ## A program with a loop of its own
 
 A pygame program plays on the page with its keys and its mouse when three of its lines change: it imports
@@ -88,10 +91,10 @@ whose y points up have no `y_down`:
 **Film** in the page films the picture. `--record FILE` writes the inputs (.json), the run of a dragon (.npz) or a film
 at the end. Every input is logged with the number of the step before which it took effect, so
 `--replay FILE` repeats a session: to the bit on the same machine and versions; elsewhere processors and libraries may
-round differently, and the program says by how much the last poses differ. The film above is
+round differently, and the program says by how much the last poses differ. A film of a recording is made by
 
 ```sh
-pymunk-dragon live --replay renders/live.json --exit -o renders/live.gif
+pymunk-dragon live --replay renders/live.json --exit -o replay.gif
 ```
 
 ## A class

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import os
+import sys
 import webbrowser
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from functools import cached_property
 from html import escape
+from importlib.util import find_spec
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pymunk
 
@@ -52,8 +55,18 @@ class Live:
     True
     """
 
-    def __init__(self, session: Session, server: Server, path: Path | None) -> None:
-        self._session, self._server, self._path = session, server, path
+    def __init__(self, session: Session, path: Path | None, **address: Any) -> None:
+        self._session, self._path, self._address = session, path, address
+
+    @cached_property
+    def _server(self) -> Server:
+        """The server; where there are widgets, it starts when its address is read."""
+        library("aiohttp")
+        from pymunk_dragon.sessions.server import Server
+
+        server = Server(self._session, **self._address)
+        server.start()
+        return server
 
     @property
     def address(self) -> str:
@@ -74,7 +87,9 @@ class Live:
 
     def stop(self) -> None:
         """End the session and its server, and write the recording if there is to be one."""
-        self._server.stop()
+        self._session.stop()
+        for each in self._session.audience:
+            each.stop()
         if self._path is not None:
             record(self._session, self._path)
 
@@ -93,17 +108,19 @@ class Live:
         self.stop()
 
     def __repr__(self) -> str:
-        return f"Live({self.address})"
+        return f"Live({self.address if '_server' in vars(self) else self._session.source.title})"
 
-    def _repr_html_(self) -> str:
-        """A frame with the page: from this machine or, on a JupyterHub, through its jupyter-server-proxy."""
+    def _repr_mimebundle_(self, include: object = None, exclude: object = None) -> Any:
+        """Return the page: a widget or, without anywidget, a frame; a JupyterHub needs its jupyter-server-proxy."""
+        if _has_widgets():
+            from pymunk_dragon.sessions.widget import LiveWidget
+
+            return LiveWidget(self._session).shown()
         hub = os.environ.get("JUPYTERHUB_SERVICE_PREFIX")
         server = self._server
         address = self.address if hub is None else f"{hub}proxy/{server.port}/?token={server.token}"
-        return (
-            f'<iframe src="{escape(address)}" title="A live session" width="100%" height="{FRAME_HEIGHT}" '
-            'style="border: 0"></iframe>'
-        )
+        shape = f'width="100%" height="{FRAME_HEIGHT}" style="border: 0"'
+        return {"text/html": f'<iframe src="{escape(address)}" title="A live session" {shape}></iframe>'}
 
 
 def live(
@@ -148,7 +165,7 @@ def live(
     paused : bool
         Whether to begin paused.
     browser : bool
-        Whether to open a browser.
+        Whether to open a browser; a notebook with anywidget shows the page itself.
     host : str
         Address to listen on. With the default, only programs on this machine can connect.
     port : int
@@ -188,7 +205,6 @@ def live(
     >>> session = live(build, controls=controls, y_down=True, units="px", browser=False)
     >>> session.stop()
     """
-    library("aiohttp")
     path = None if record is None else check_destination(record, RECORDING_ENDINGS)
     play = Play(
         step=None if step is None else finite("step", step, 1e-6, MAX_STEP, "s"),
@@ -250,10 +266,16 @@ def serve(
 ) -> Live:
     """Start a session and its server."""
     whole("port", port, 0, 65535)
-    from pymunk_dragon.sessions.server import Server
+    found = Live(session, path, host=host, port=port, allowed=allow_hosts)
+    if not _has_widgets():
+        address = found.address
+        if browser:
+            webbrowser.open(address)
+    session.start()
+    return found
 
-    server = Server(session, host=host, port=port, allowed=allow_hosts)
-    server.start()
-    if browser:
-        webbrowser.open(server.address)
-    return Live(session, server, path)
+
+def _has_widgets() -> bool:
+    """Whether this runs in a notebook, for which anywidget is installed."""
+    python = sys.modules.get("IPython")
+    return getattr(python and python.get_ipython(), "kernel", None) is not None and find_spec("anywidget") is not None

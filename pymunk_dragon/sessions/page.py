@@ -10,7 +10,7 @@ from pymunk_dragon._html import asset, embedded_json, policy, substituted
 from pymunk_dragon.player.page import catalogue, colour_variables, parts
 
 # Parts of the script: those of the player, and those of this page; each uses only those before it.
-PLAYER_SCRIPTS = ("common", "texts", "geometry", "view", "format", "marks", "paint", "ghost", "pointer")
+PLAYER_SCRIPTS = ("common", "texts", "geometry", "view", "format", "marks", "paint", "ghost", "pointer", "stage")
 SCRIPTS = (
     *("frame", "connection", "nearest", "model", "shades", "force_scale", "shapes", "overlays", "legend", "live_paint"),
     *("charts", "parameters", "live_charts", "tools", "recorder", "live_show", "live", "live_controls", "live_main"),
@@ -25,7 +25,7 @@ def live_page(title: str, language: str) -> tuple[str, str]:
     script += "".join(asset(__package__, f"assets/{name}.js") for name in SCRIPTS)
     rules = policy(style, script) + "; connect-src 'self'"
     page = substituted(
-        asset(__package__, "assets/live.html"),
+        asset(player.__name__, "assets/head.html") + asset(__package__, "assets/live.html"),
         policy=escape(rules),
         language=language,
         title=escape(title),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import struct
 import tempfile
 import weakref
@@ -130,6 +131,15 @@ def record(session: Session, path: str | Path, progress: Progress | None = None)
         render(recorded.run(), destination, progress=progress, speedup=1, fps=FPS)
     else:
         _film(recorded, destination, progress)
+
+
+def still(session: Session) -> bytes:
+    """Return a picture of the present state as the bytes of a PNG."""
+    with session.held():
+        picture = _picture(session.scene, session.scene.snapshot())
+    file = io.BytesIO()
+    picture.save(file, "png")
+    return file.getvalue()
 
 
 def _film(recorded: Recorded, destination: Path, progress: Progress | None) -> None:

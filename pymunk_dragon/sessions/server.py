@@ -120,7 +120,7 @@ class Server:
         self._begun = threading.Event()
         self._failure: BaseException | None = None
         self._thread = threading.Thread(target=self._run, name="pymunk-dragon live server", daemon=True)
-        session.tell, session.show = self._tell, self._show
+        session.audience.append(self)
 
     # ---- from other threads
 
@@ -135,7 +135,7 @@ class Server:
         return self._address(self.watch_token)
 
     def start(self) -> None:
-        """Begin to serve, and to step."""
+        """Begin to serve."""
         self._thread.start()
         if not self._begun.wait(START_TIME):
             raise ParameterError("host", self.host, f"an address that is found within {START_TIME:g} s")
@@ -145,11 +145,9 @@ class Server:
                 bound = f"one that is free on {self.host} ({reason})"
                 raise ParameterError("port", self.port, bound) from self._failure
             raise ParameterError("host", self.host, f"an address of this machine ({reason})") from self._failure
-        self.session.start()
 
     def stop(self) -> None:
-        """End the session and the server; both threads are gone afterwards."""
-        self.session.stop()
+        """End the server; its thread is gone afterwards."""
         if self._loop is not None and self._end is not None:
             with suppress(RuntimeError):  # It has ended.
                 self._loop.call_soon_threadsafe(self._end.set)
@@ -160,19 +158,20 @@ class Server:
         host = "127.0.0.1" if self.host in ("0.0.0.0", "::") else self.host
         return f"http://{f'[{host}]' if ':' in host else host}:{self.port}/?token={token}"
 
-    def _tell(self, message: dict[str, Any]) -> None:
-        def tell() -> None:
+    def tell(self, message: dict[str, Any]) -> None:
+        """Send a text to all clients."""
+        self._each(lambda client: client.tell(self._for(client, message)))
+
+    def show(self, frame: bytes) -> None:
+        """Send a frame to all clients."""
+        self._each(lambda client: client.show(frame))
+
+    def _each(self, action: Callable[[_Client], object]) -> None:
+        def act() -> None:
             for client in self._clients:
-                client.tell(self._for(client, message))
+                action(client)
 
-        self._call(tell)
-
-    def _show(self, frame: bytes) -> None:
-        def show() -> None:
-            for client in self._clients:
-                client.show(frame)
-
-        self._call(show)
+        self._call(act)
 
     def _call(self, action: Callable[[], object]) -> None:
         """Have something done in the server's thread."""
@@ -271,7 +270,7 @@ class Server:
         client = _Client(connection, controls, transport.abort)
         client.tell(self._for(client, self.session.description()))
         self._clients.add(client)
-        self._count()
+        self._count(1)
         sending = asyncio.create_task(client.send())
         try:
             async for message in connection:
@@ -285,11 +284,11 @@ class Server:
             sending.cancel()
             if self._holder is client:
                 self.session.post({"do": "drop"}, always=True)
-            self._count()
+            self._count(-1)
         return connection
 
-    def _count(self) -> None:
-        self.session.clients = len(self._clients)
+    def _count(self, more: int) -> None:
+        self.session.clients += more
         self.session.touch()
 
     def _receive(self, client: _Client, text: str) -> None:

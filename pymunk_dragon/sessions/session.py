@@ -78,8 +78,8 @@ class Session:
 
     def __init__(self, source: Ready, *, record: bool = False, running: bool = True) -> None:
         self.source = self._own = source
-        self.tell: Callable[[dict[str, Any]], None] = lambda message: None
-        self.show: Callable[[bytes], None] = lambda frame: None
+        # A server and widgets: `tell` sends a text to their clients, `show` a frame.
+        self.audience: list[Any] = []
         self.clients = 0
         self.running, self.speed = running, 1.0
         self.generation = 0
@@ -94,12 +94,17 @@ class Session:
         self._due = self._frame_due = self._stepped = perf_counter()
         self._raised: list[Exception] = []
         self._failed: tuple[int, int, str] | None = None
-        self._stepping = threading.Lock()
+        self._stepping = threading.RLock()
         self._changed, self._ended = False, threading.Event()
         self._single_steps = 0
         self._description: dict[str, Any] = {}
         self._build(source, {})
         self._thread = threading.Thread(target=self._run, name="pymunk-dragon live", daemon=True)
+
+    def tell(self, message: dict[str, Any]) -> None:
+        """Send a text to all clients."""
+        for each in self.audience:
+            each.tell(message)
 
     # ---- from other threads
 
@@ -305,7 +310,9 @@ class Session:
             if now >= self._plotted + PLOT_TIME and self.running:
                 self._plotted = now
                 header["plots"] = list(self.scene.plots().values())
-            self.show(self.scene.frame(header))
+            frame = self.scene.frame(header)
+            for each in self.audience:
+                each.show(frame)
 
     @contextmanager
     def _watched(self) -> Iterator[None]:

@@ -357,7 +357,9 @@ def _check_names(kind: str, given: Mapping[str, Any], where: str) -> None:
     known = parameters_of(Curve.kinds[kind])
     for name in given:
         if name not in known:
-            raise ParameterError(f"{where}.{name}", given[name], f"absent: a {kind} curve has {', '.join(known)}")
+            owners = sorted(other for other, cls in Curve.kinds.items() if name in parameters_of(cls))
+            hint = f"kinds with it: {', '.join(owners)}" if owners else f"it has {', '.join(known)}"
+            raise ParameterError(f"{where}.{name}", given[name], f"absent on a {kind} curve; {hint}")
     for name, required in known.items():
         if required and name not in given:
             raise ParameterError(f"{where}.{name}", None, f"given: the kind {kind} has no default for it")

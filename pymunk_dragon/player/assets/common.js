@@ -1,4 +1,4 @@
-// What all parts use: elements of the page, and angles.
+// What all parts use: elements of the page, angles and round numbers.
 
 const TURN = 2 * Math.PI;
 
@@ -7,4 +7,25 @@ const element = (id) => document.getElementById(id);
 // Set a text only if it changes: a change costs the browser more than drawing does.
 function setText(id, text) {
   if (element(id).textContent !== text) element(id).textContent = text;
+}
+
+function created(tag, properties = {}, ...children) {
+  const made = Object.assign(document.createElement(tag), properties);
+  made.append(...children);
+  return made;
+}
+
+function download(blob, name) {
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(blob);
+  link.download = name;
+  link.click();
+  // The address must remain valid until the browser has begun to read.
+  setTimeout(() => URL.revokeObjectURL(link.href), 60_000);
+}
+
+// The smallest of 1, 2 or 5 times a power of ten that is not below a value.
+function roundUp(value) {
+  const power = 10 ** Math.floor(Math.log10(value));
+  return [1, 2, 5, 10].find((digit) => digit * power >= value) * power;
 }

@@ -40,24 +40,15 @@ class Exact {
     if (!offsets) return null;
     const handles = benches.handles.map(([x, y], i) =>
       [x + magnification * offsets[2 * i], y + magnification * offsets[2 * i + 1]]);
-    const poses = Object.fromEntries(
-      ["x", "y", "angle", "cos", "sin"].map((name) => [name, new Float64Array(this.motion.benches)]));
-    for (let i = 0; i < this.motion.benches; i++) {
+    return posesFrom(this.motion.benches, (i) => {
       const [front, rear] = [handles[i], handles[i + 1]];
-      poses.x[i] = (front[0] + rear[0]) / 2;
-      poses.y[i] = (front[1] + rear[1]) / 2;
-      poses.angle[i] = Math.atan2(front[1] - rear[1], front[0] - rear[0]);
-      poses.cos[i] = Math.cos(poses.angle[i]);
-      poses.sin[i] = Math.sin(poses.angle[i]);
-    }
-    return poses;
+      return [(front[0] + rear[0]) / 2, (front[1] + rear[1]) / 2, Math.atan2(front[1] - rear[1], front[0] - rear[0])];
+    });
   }
 }
 
 // The factor 1, 2 or 5 times a power of ten by which an error is magnified, in a view with benches of this width; pixels.
 function magnificationOf(error, width) {
   if (error >= MAGNIFIED_BELOW || error === 0) return 1;
-  const least = Math.max(MAGNIFIED_TO, MAGNIFIED_SHARE * width) / error;
-  const power = 10 ** Math.floor(Math.log10(least));
-  return [1, 2, 5, 10].find((digit) => digit * power >= least) * power;
+  return roundUp(Math.max(MAGNIFIED_TO, MAGNIFIED_SHARE * width) / error);
 }

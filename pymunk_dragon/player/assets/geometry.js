@@ -13,6 +13,17 @@ function handlesOf(spacings, poses) {
   });
 }
 
+// Poses as columns, with cosines and sines; `poseOf` tells x, y and angle of a body.
+function posesFrom(count, poseOf) {
+  const poses = Object.fromEntries(["x", "y", "angle", "cos", "sin"].map((name) => [name, new Float64Array(count)]));
+  for (let i = 0; i < count; i++) {
+    [poses.x[i], poses.y[i], poses.angle[i]] = poseOf(i);
+    poses.cos[i] = Math.cos(poses.angle[i]);
+    poses.sin[i] = Math.sin(poses.angle[i]);
+  }
+  return poses;
+}
+
 // Benches at their poses; `motion` has their number `benches` and their `lengths`, `widths` and `spacings`.
 class Benches {
   constructor(motion, poses) {

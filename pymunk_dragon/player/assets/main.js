@@ -3,23 +3,16 @@
 const PACKED = ["handles", "velocities", "exact", "curve"];
 
 async function start() {
-  try {
-    const payload = JSON.parse(block("payload"));
-    const packed = await Promise.all(PACKED.map((name) => payload[name] && unpack(payload[name], block(`${name}-packed`))));
-    const player = new Player(payload, Object.fromEntries(PACKED.map((name, i) => [name, packed[i]])));
-    if (!payload.grid) element("show-grid").closest("label").hidden = true;
-    for (const part of document.querySelectorAll(".exact-only")) part.hidden = !player.exact;
-    setLanguage(chosenLanguage());
-    connect(player);
-    player.readLink();
-    player.draw();
-    return publicPlayer(player);
-  } catch (error) {
-    element("failure").hidden = false;
-    const { message } = error;
-    element("failure").textContent = localized("The dragon cannot be shown: {message}. A newer browser may help.", { message });
-    throw error;
-  }
+  const payload = JSON.parse(block("payload"));
+  const packed = await Promise.all(PACKED.map((name) => payload[name] && unpack(payload[name], block(`${name}-packed`))));
+  const player = new Player(payload, Object.fromEntries(PACKED.map((name, i) => [name, packed[i]])));
+  if (!payload.grid) element("show-grid").closest("label").hidden = true;
+  for (const part of document.querySelectorAll(".exact-only")) part.hidden = !player.exact;
+  setLanguage(chosenLanguage());
+  connect(player);
+  player.readLink();
+  player.draw();
+  return publicPlayer(player);
 }
 
 // For pages that hold this one in a frame: `frame.contentWindow.dragon.then((player) => player.seek(409.8))`.
@@ -49,10 +42,10 @@ function publicPlayer(player) {
     },
     get rate() { return player.currentRate; },
     get timeline() { return [player.timeline.from, player.timeline.to]; },
-    // Numbers of a bench at the current time, and the grid cells [row, column] that it covers.
+    // Numbers of a bench at the current time.
     numbers: (bench) => benchNumbers(new Benches(motion, motion.posesAt(player.time)), bench, player.time),
-    cells: (bench) => new Benches(motion, motion.posesAt(player.time)).cells(bench, player.painter.payload.grid),
   });
 }
 
 globalThis.dragon = start();
+dragon.catch(showFailure);

@@ -58,7 +58,8 @@ function drawVelocities(painter, benches, visible) {
   context.fill(heads);
 }
 
-function drawNumbers(painter, benches, visible, inContact) {
+// Numbers in the benches, `aside` of their centres in pixels.
+function drawNumbers(painter, benches, visible, inContact, aside = 0) {
   const { context, colours, motion, view } = painter;
   const { x, y, angle } = benches.poses;
   const thickness = motion.narrowest * view.scale;
@@ -85,7 +86,7 @@ function drawNumbers(painter, benches, visible, inContact) {
     context.translate(px, py);
     context.rotate(turn);
     context.fillStyle = inContact.has(i) || i === motion.benches - 1 ? colours.background : colours.ink;
-    context.fillText(String(i), 0, 0.04 * thickness);
+    context.fillText(String(i), aside && aside + context.measureText(i).width / 2, 0.04 * thickness);
     context.setTransform(painter.ratio, 0, 0, painter.ratio, 0, 0);
   }
 }
@@ -120,11 +121,7 @@ function drawLabel(painter, text, px, py) {
 }
 
 function drawRing({ context, colours }, [px, py], inner = 0) {
-  for (const [stroke, width] of [[colours.background, 5], [colours.force, 2]]) {
-    context.beginPath();
-    context.arc(px, py, Math.max(RING, 1.6 * inner), 0, TURN);
-    context.strokeStyle = stroke;
-    context.lineWidth = width;
-    context.stroke();
-  }
+  const path = new Path2D();
+  path.arc(px, py, Math.max(RING, 1.6 * inner), 0, TURN);
+  strokeTwice(context, path, colours.background, colours.force, 2, 1.5);
 }

@@ -148,11 +148,7 @@ class Painter {
     const { context, colours } = this;
     const path = new Path2D();
     this.outline(path, benches, i);
-    for (const [colour, width] of [[colours.background, 9], [colours.type, 5]]) {
-      context.strokeStyle = colour;
-      context.lineWidth = width;
-      context.stroke(path);
-    }
+    strokeTwice(context, path, colours.background, colours.type, 5, 2);
     context.fillStyle = this.colourOf(i, inContact);
     context.fill(path);
     this.drawHoles(benches, [i], this.payload.dragon.hole / 2 * this.view.scale, colours.ink);
@@ -176,8 +172,8 @@ class Painter {
 }
 
 // A line with a rim of the background's colour.
-function strokeTwice(context, path, rim, colour, width) {
-  strokeOnce(context, path, rim, width + 2);
+function strokeTwice(context, path, rim, colour, width, rimWidth = 1) {
+  strokeOnce(context, path, rim, width + 2 * rimWidth);
   strokeOnce(context, path, colour, width);
 }
 

@@ -5,19 +5,18 @@ const RATES = [0.1, 0.25, 0.5, 1, 2, 5, 10, 20, 50]; // simulated over real time
 const LONGEST = 60;
 // s: a button plays so much of the end of the run.
 const LAST_PART = 10;
-// Fraction of its size by which the view moves.
-const PAN_STEP = 1 / 8;
 // s: largest time step between two pictures, so that the run does not jump after the computer was suspended.
 const LONGEST_TICK = 0.25;
 // ms: interval of changes to the address. Browsers refuse more than some 200 of them in half a minute.
 const LINK_EVERY = 500;
 const ANNOUNCE_AFTER = 700; // ms: delay after the last input before the state is announced to screen readers
 
-class Player {
+class Player extends Stage {
   constructor(payload, { handles, velocities, exact, curve }) {
-    this.motion = new Motion(payload, handles, velocities);
+    const motion = new Motion(payload, handles, velocities);
+    super(new View(motion), SWITCHES, SHOWN_BY_DEFAULT);
+    this.motion = motion;
     this.exact = exact && new Exact(this.motion, exact);
-    this.view = new View(this.motion);
     this.painter = new RunPainter(element("field"), this.motion, this.view, payload, vectorsOf(curve));
     this.events = eventsOf(payload);
     this.timeline = new Timeline(element("strip"), element("time"), this.motion, this.events);
@@ -28,22 +27,14 @@ class Player {
     this.slow = true; // near events
     this.slowTimes = slowTimes(this.events);
     this.playing = false;
-    this.follow = "field"; // or "head", or null for a fixed view
-    this.shown = Object.fromEntries(SWITCHES.map((name) => [name, SHOWN_BY_DEFAULT.includes(name)]));
     this.selected = null; // a bench
-    this.pixel = null; // position of the mouse
     this.linkTimer = null;
     this.written = -LINK_EVERY; // time of the last change of the address, ms
   }
 
   // ---- drawing
 
-  requestDraw() {
-    this.frameRequest ??= requestAnimationFrame((now) => this.tick(now));
-  }
-
   tick(now) {
-    this.frameRequest = null;
     if (this.playing) {
       const passed = this.last === null ? 0 : Math.min((now - this.last) / 1000, LONGEST_TICK);
       this.last = now;
@@ -65,8 +56,7 @@ class Player {
     painter.resize();
     this.timeline.reveal(time);
     this.timeline.draw(painter);
-    if (this.follow === "field") view.fit();
-    if (this.follow === "head") [view.x, view.y] = [benches.poses.x[0], benches.poses.y[0]];
+    this.followSubject(benches.poses);
     const hovered = this.pixel && benches.at(view.toWorld(...this.pixel), 0);
     const pointed = hovered ?? this.selected;
     const errors = this.exact && this.exact.errorsAt(time);
@@ -99,11 +89,6 @@ class Player {
     return magnificationOf(worst * scale, this.motion.narrowest * scale);
   }
 
-  recolour() {
-    this.painter.readColours();
-    this.requestDraw();
-  }
-
   // ---- time
 
   // Simulated over real time at present.
@@ -132,8 +117,7 @@ class Player {
 
   setPlaying(playing) {
     this.playing = playing;
-    document.body.classList.toggle("playing", playing);
-    showPlayButton(playing);
+    showPlaying(playing);
   }
 
   // Go to a time and pause.
@@ -190,43 +174,8 @@ class Player {
     this.requestDraw();
   }
 
-  // ---- view
-
-  setFollow(subject) {
-    this.follow = subject;
-    // A closer view stays as it is.
-    if (subject === "head") this.view.span = Math.min(this.view.span, this.view.headSpan);
-    this.afterChange();
-  }
-
-  toggleHead() {
-    this.setFollow(this.follow === "head" ? "field" : "head");
-  }
-
-  zoom(factor) {
-    this.view.zoom(factor);
-    if (this.follow === "field") this.follow = null;
-    this.afterChange();
-  }
-
-  pan(right, down) {
-    this.view.pan(-right * PAN_STEP * this.view.width, -down * PAN_STEP * this.view.height);
-    this.viewMoved("pan");
-  }
-
-  // The user has moved the view, which no longer follows anything, except that zooming while playing keeps the head centred.
-  viewMoved(how) {
-    if (!(how === "zoom" && this.playing && this.follow === "head")) this.follow = null;
-    this.afterChange();
-  }
-
   select(bench) {
     this.selected = bench;
-    this.afterChange();
-  }
-
-  show(name, shown) {
-    this.shown[name] = shown;
     this.afterChange();
   }
 
@@ -234,19 +183,17 @@ class Player {
 
   setLanguage(name) {
     setLanguage(name);
-    showPlayButton(this.playing);
+    showPlaying(this.playing);
     writeLists(this);
     this.afterChange();
   }
 
-  // ---- after a change: update picture and controls at once, address and announcement later
+  // ---- after any change: update picture and controls at once, address and announcement later
 
   afterChange() {
-    element("fit").setAttribute("aria-pressed", this.follow === "field");
-    element("follow").setAttribute("aria-pressed", this.follow === "head");
+    this.showView();
     element("rate").value = this.rate;
     element("slow").checked = this.slow;
-    for (const name of SWITCHES) element(`show-${name}`).checked = this.shown[name];
     element("legend-exact").hidden = !(this.exact && this.shown.exact);
     this.requestDraw();
     this.writeLinkSoon();

@@ -18,12 +18,3 @@ function tableOf(motion, times) {
   }
   return new Blob(parts, { type: "text/csv" });
 }
-
-function download(blob, name) {
-  const link = document.createElement("a");
-  link.href = URL.createObjectURL(blob);
-  link.download = name;
-  link.click();
-  // The address must remain valid until the browser has begun to read.
-  setTimeout(() => URL.revokeObjectURL(link.href), 60_000);
-}

@@ -60,7 +60,8 @@ function otherLanguage() {
   return Object.keys(CATALOGUES).find((each) => each !== language);
 }
 
-function showPlayButton(playing) {
+function showPlaying(playing) {
+  document.body.classList.toggle("playing", playing);
   element("play").setAttribute("aria-label", playing ? localized("Pause") : localized("Play"));
   element("play").title = playing ? localized("Pause (space)") : localized("Play (space)");
 }

@@ -139,9 +139,7 @@ class Timeline {
 
   // Times at the upper side, at multiples of 1, 2 or 5 times a power of ten s.
   drawLabels(context, { colours, font }) {
-    const least = Math.max(LABEL_EVERY * this.length / this.inner, Number.EPSILON);
-    const power = 10 ** Math.floor(Math.log10(least));
-    const step = [1, 2, 5, 10].find((digit) => digit * power >= least) * power;
+    const step = roundUp(Math.max(LABEL_EVERY * this.length / this.inner, Number.EPSILON));
     const digits = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
     context.font = `${LABEL_SIZE}px ${font}`;
     context.textBaseline = "top";

@@ -12,7 +12,7 @@ class View {
     this.x = this.y = 0;
     this.scale = 1; // pixels per m
     this.width = this.height = 1; // pixels
-    this.top = this.bottom = 0; // pixels that the fitted view leaves free
+    this.top = this.right = this.bottom = 0; // pixels that the fitted view leaves free
     this.setSubject(subject);
   }
 
@@ -26,7 +26,7 @@ class View {
 
   get fittingScale() {
     const [width, height] = this.field.size;
-    return (1 - 2 * BORDER) * Math.min(this.width / width, (this.height - this.top - this.bottom) / height);
+    return (1 - 2 * BORDER) * Math.min((this.width - this.right) / width, (this.height - this.top - this.bottom) / height);
   }
 
   // Metres across the shorter side: links hold it, so that they show the same area on every screen.
@@ -45,6 +45,7 @@ class View {
   fit() {
     [this.x, this.y] = this.field.centre;
     this.scale = Math.min(this.fittingScale, this.maxScale);
+    this.x += this.right / 2 / this.scale;
     this.y += this.up * (this.top - this.bottom) / 2 / this.scale;
   }
 

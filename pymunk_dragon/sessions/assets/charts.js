@@ -2,7 +2,7 @@
 
 const CHART_SECONDS = 20;
 const LONGEST_GAP = 250; // ms: a longer pause between two frames counts as this
-const CHART_LEFT = 48; // pixels: room for numbers at the left
+const CHART_LEFT = 56; // pixels: room for numbers at the left
 const CHART_EDGE = 6; // pixels: room at the other sides
 const CHART_EVERY = 100; // ms between two drawings of the charts
 
@@ -104,10 +104,4 @@ function decadeTicks([low, high]) {
   const stride = Math.ceil((high - low) / 4);
   const powers = Array.from({ length: high - low + 1 }, (_, k) => low + k).filter((power) => (power - low) % stride === 0);
   return powers.map((power) => [(power - low) / (high - low), powerText(power)]);
-}
-
-// The smallest of 1, 2 or 5 times a power of ten that is not below a value.
-function roundUp(value) {
-  const power = 10 ** Math.floor(Math.log10(value));
-  return [1, 2, 5, 10].find((digit) => digit * power >= value) * power;
 }

@@ -36,19 +36,7 @@ function callsOf({ calls, colours = [] }) {
 
 const KINDS = ["circle", "segment", "polygon", "line", "dot"];
 
-// Poses as columns, with cosines and sines.
-function posesOf(packed) {
-  const count = packed.length / 3;
-  const poses = Object.fromEntries(["x", "y", "angle", "cos", "sin"].map((name) => [name, new Float64Array(count)]));
-  for (let i = 0; i < count; i++) {
-    poses.x[i] = packed[3 * i];
-    poses.y[i] = packed[3 * i + 1];
-    poses.angle[i] = packed[3 * i + 2];
-    poses.cos[i] = Math.cos(poses.angle[i]);
-    poses.sin[i] = Math.sin(poses.angle[i]);
-  }
-  return poses;
-}
+const posesOf = (packed) => posesFrom(packed.length / 3, (i) => packed.subarray(3 * i, 3 * i + 3));
 
 // Rows of an array of numbers, as arrays.
 function* rowsOf(numbers, size) {

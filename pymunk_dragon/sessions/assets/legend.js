@@ -33,10 +33,11 @@ function drawLegend(painter) {
   context.textBaseline = "alphabetic";
   context.textAlign = "left";
   painter.drawText(localized("Force in the joint ({unit})", { unit: painter.model.forceUnit }), LEGEND_LEFT, top - 6);
-  for (let k = 0; k <= DECADES; k++) {
-    context.textAlign = k === 0 ? "left" : k === DECADES ? "right" : "center";
-    painter.drawText(powerText(forceScale.bottom + k), LEGEND_LEFT + k * LEGEND_WIDTH / DECADES, top + LEGEND_HEIGHT + 13);
-  }
+  ["left", "center", "right"].forEach((align, k) => {
+    context.textAlign = align;
+    const text = powerText(forceScale.bottom + k * DECADES / 2);
+    painter.drawText(text, LEGEND_LEFT + k * LEGEND_WIDTH / 2, top + LEGEND_HEIGHT + 13);
+  });
 }
 
 // A length of 1, 2 or 5 times a power of ten m, and a line of that length.

@@ -1,9 +1,8 @@
 // The page: scene, state and newest frame of the server, the view and the pictures.
 
-const PAN_STEP = 1 / 8; // fraction of its size by which the view moves
 const ERROR_SHOWN = 6000; // ms: an error of the server is shown for so long
 const EVENTS_LISTED = 30;
-const TOOLBOX_EDGE = 14; // pixels above the tools
+const EDGE = 14; // pixels between tools or buttons and the edge of the canvas
 const SCALE_BAR_ROOM = 24; // pixels at the lower border that the fitted view leaves free
 const BUILDING_AFTER = 100; // ms
 const ANNOUNCE_EVERY = 1500; // ms: events in between are not announced to screen readers
@@ -11,18 +10,16 @@ const SLOW = 0.9; // less than this fraction of the chosen speed is marked as sl
 const SWITCHES = ["curve", "handles", "labels", "ghost", "forces", "contacts", "centres"];
 const SHOWN_BY_DEFAULT = ["curve", "ghost", "contacts"];
 
-class Live {
+class Live extends Stage {
   constructor() {
+    super(new View({ field: { centre: [0, 0], size: [1, 1] }, widths: [1], narrowest: 1 }), SWITCHES, SHOWN_BY_DEFAULT);
     this.scene = this.state = this.frame = this.model = null;
     this.events = []; // the newest first
-    this.view = new View({ field: { centre: [0, 0], size: [1, 1] }, widths: [1], narrowest: 1 });
     this.painter = new LivePainter(element("field"), this.view);
     this.charts = new LiveCharts(this.painter);
     this.sliders = new Sliders(element("parameters"), (message) => this.send(message));
     this.tools = new Tools(this);
     this.recorder = new Recorder(this);
-    this.follow = "field"; // or "head", or null for a fixed view
-    this.shown = Object.fromEntries(SWITCHES.map((name) => [name, SHOWN_BY_DEFAULT.includes(name)]));
     this.drawn = 0;
     this.announce = throttled((text) => setText("announcement", text), ANNOUNCE_EVERY);
     this.connection = new Connection({
@@ -35,6 +32,10 @@ class Live {
   // Whether this page may change anything.
   get controls() {
     return this.connection.connected && this.scene?.role === "control";
+  }
+
+  get playing() {
+    return this.state?.running ?? false;
   }
 
   // Poses of the newest frame.
@@ -139,10 +140,6 @@ class Live {
 
   // ---- drawing
 
-  requestDraw() {
-    this.frameRequest ??= requestAnimationFrame((now) => this.draw(now));
-  }
-
   decode() {
     if (!this.newest) return;
     const frame = decodeFrame(this.newest);
@@ -153,23 +150,28 @@ class Live {
     this.charts.add(frame);
   }
 
-  draw(now) {
-    this.frameRequest = null;
+  tick(now) {
     this.decode();
     const { frame, state, view, painter, tools } = this;
     painter.resize();
     if (!frame || !state) return;
     const { poses } = this;
-    view.top = element("toolbox").offsetHeight + TOOLBOX_EDGE;
-    view.bottom = SCALE_BAR_ROOM;
-    if (this.follow === "field") view.fit();
-    if (this.follow === "head") [view.x, view.y] = [poses.x[0], poses.y[0]];
-    this.aims = tools.pixel === null && element("field").matches(":focus-visible");
+    this.leaveRoom();
+    this.followSubject(poses);
+    this.aims = this.pixel === null && element("field").matches(":focus-visible");
     tools.flush();
     painter.draw({ frame, poses, state, show: this.switches, held: tools.held, target: tools.target, aims: this.aims });
     this.charts.draw(frame, state, now);
     showFrame(this);
     this.drawn += 1;
+  }
+
+  // The fitted view has nothing behind tools, buttons and scale bar.
+  leaveRoom() {
+    const { offsetWidth: width, offsetHeight: height } = element("zoom");
+    this.view.top = element("toolbox").offsetHeight + EDGE;
+    this.view.right = height > width ? width + EDGE : 0;
+    this.view.bottom = height > width ? SCALE_BAR_ROOM : height + EDGE;
   }
 
   // The switches that are on and make sense for the scene.
@@ -183,60 +185,20 @@ class Live {
     return name === "contacts" || name === "forces" || model.benches > 0;
   }
 
-  show(name, shown) {
-    this.shown[name] = shown;
-    this.requestDraw();
-  }
-
-  // ---- view
-
-  setFollow(subject) {
-    this.follow = subject;
-    // A closer view stays as it is.
-    if (subject === "head") this.view.span = Math.min(this.view.span, this.view.headSpan);
-    this.afterView();
-  }
-
-  toggleHead() {
-    if (this.model?.benches) this.setFollow(this.follow === "head" ? "field" : "head");
-  }
-
-  zoom(factor) {
-    this.view.zoom(factor);
-    this.viewMoved("zoom");
-  }
-
-  pan(right, down) {
-    this.view.pan(-right * PAN_STEP * this.view.width, -down * PAN_STEP * this.view.height);
-    this.viewMoved("pan");
-  }
-
-  // The user has moved the view, which no longer follows anything, except that zooming keeps the head centred.
-  viewMoved(how) {
-    if (!(how === "zoom" && this.follow === "head")) this.follow = null;
-    this.afterView();
-  }
-
-  afterView() {
-    element("fit").setAttribute("aria-pressed", this.follow === "field");
-    element("follow").setAttribute("aria-pressed", this.follow === "head");
+  afterChange() {
+    this.showView();
     this.requestDraw();
   }
 
   // Controls and charts follow with the next state and picture.
   setLanguage(name) {
     setLanguage(name);
-    history.replaceState(null, "", name === DEFAULT_LANGUAGE ? location.pathname + location.search : `#lang=${name}`);
+    if (!IN_WIDGET) history.replaceState(null, "", name === DEFAULT_LANGUAGE ? location.pathname + location.search : `#lang=${name}`);
     if (!this.scene) return;
     this.showEvents();
     this.charts.setTexts();
     this.sliders.rebuild(this.scene.parameters);
     showScene(this);
     if (this.state) this.setState(this.state);
-  }
-
-  recolour() {
-    this.painter.readColours();
-    this.requestDraw();
   }
 }

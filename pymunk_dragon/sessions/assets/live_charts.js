@@ -120,9 +120,11 @@ class Quantity {
     if (!values.length) return;
     let [low, high] = [Math.min(...values), Math.max(...values)];
     // A constant quantity has a line in the middle; noise in its last digits does not fill the chart.
-    const least = Math.max(Math.abs(low), Math.abs(high)) * 1e-6 || 1;
+    const least = Math.max(Math.abs(low), Math.abs(high)) * 1e-4 || 1;
     if (high - low < least) [low, high] = [(low + high - least) / 2, (low + high + least) / 2];
-    this.chart.begin([0, 0.5, 1].map((share) => [share, numberText(low + share * (high - low), 2)]), colours, font);
+    // Enough digits to tell the ticks apart.
+    const digits = Math.max(2, Math.ceil(Math.log10(2 * Math.max(Math.abs(low), Math.abs(high)) / (high - low))));
+    this.chart.begin([0, 0.5, 1].map((share) => [share, numberText(low + share * (high - low), digits)]), colours, font);
     this.chart.line(track.map(([across, value]) => [across, (value - low) / (high - low)]), colours.any);
     this.value.textContent = numberText(values.at(-1));
   }

@@ -1,17 +1,10 @@
 // Starts the page and publishes what tests read.
 
 function start() {
-  try {
-    const live = new Live();
-    connect(live);
-    setLanguage(chosenLanguage());
-    return publicLive(live);
-  } catch (error) {
-    element("failure").hidden = false;
-    const { message } = error;
-    element("failure").textContent = localized("The page cannot start: {message}. A newer browser may help.", { message });
-    throw error;
-  }
+  const live = new Live();
+  connect(live);
+  setLanguage(chosenLanguage());
+  return publicLive(live);
 }
 
 function publicLive(live) {
@@ -19,7 +12,6 @@ function publicLive(live) {
     get scene() { return live.scene; },
     get state() { return live.state; },
     get frame() { return live.frame; },
-    get connected() { return live.connection.connected; },
     get drawn() { return live.drawn; },
     // Pixel of the canvas at a point in m.
     pixel: (x, y) => live.view.toScreen(x, y),
@@ -27,4 +19,9 @@ function publicLive(live) {
   });
 }
 
-globalThis.live = start();
+try {
+  globalThis.live = start();
+} catch (error) {
+  showFailure(error);
+  throw error;
+}

@@ -28,6 +28,7 @@ class LivePainter extends Painter {
   draw({ frame, poses, state, show, held, target, aims }) {
     const { model } = this;
     const joints = model.joints(frame, poses, state.cuts);
+    const benches = new Benches(model, poses), visible = this.visible(benches), inContact = new Set(frame.touching);
     const now = performance.now();
     this.forceScale.include(largestOf(joints.map(({ force }) => force)), now);
     this.impulseScale.include(largestOf(frame.contacts.filter((_, k) => k % CONTACT_SIZE === CONTACT_SIZE - 1)), now);
@@ -35,11 +36,12 @@ class LivePainter extends Painter {
     if (show.curve && model.benches) this.drawCurve();
     if (model.benches) {
       drawCalls(this, state.obstacles.map(obstacleCall));
-      this.drawDragon({ frame, poses, state, show, target });
+      this.drawDragon({ frame, benches, visible, inContact, state, show, target });
     } else drawCalls(this, frame.calls);
     if (show.forces) drawForces(this, joints);
     if (show.centres) drawCentres(this, poses);
-    if (model.benches) drawCuts(this, poses, state.cuts);
+    if (show.labels) drawNumbers(this, benches, visible, inContact, show.centres ? CROSS + 3 : 0);
+    drawCuts(this, poses, state.cuts);
     if (show.contacts) drawImpulses(this, frame);
     if (held) drawHeld(this, held);
     if (target) drawTarget(this, target);
@@ -48,10 +50,7 @@ class LivePainter extends Painter {
     drawScaleBar(this, show.forces ? LEGEND_ROOM : 0);
   }
 
-  drawDragon({ frame, poses, state, show, target }) {
-    const benches = new Benches(this.model, poses);
-    const visible = this.visible(benches);
-    const inContact = new Set(frame.touching);
+  drawDragon({ frame, benches, visible, inContact, state, show, target }) {
     const free = (i) => state.free_from !== null && i >= state.free_from;
     this.pale = true;
     this.drawBenches(benches, visible.filter(free), inContact);
@@ -60,6 +59,5 @@ class LivePainter extends Painter {
     if (target?.bench !== undefined) this.drawPointed(benches, target.bench, inContact);
     if (show.ghost) drawErrors(this, frame, benches);
     if (show.handles) drawHandles(this, benches, visible);
-    if (show.labels) drawNumbers(this, benches, visible, inContact);
   }
 }

@@ -16,9 +16,9 @@ function showScene(live) {
   const title = translated(scene.title);
   document.title = title;
   setText("title", title);
-  const option = language === "en" ? "" : ` --lang ${language}`;
-  const lesson = scene.lesson ? ` ${localized("Lesson:")} pymunk-dragon demo ${scene.lesson}${option}` : "";
-  setText("text", translated(scene.text) + lesson);
+  setText("text", translated(scene.text));
+  setText("lesson", scene.lesson ? localized("Lesson: {name}", { name: scene.lesson }) : "");
+  element("lesson").title = `pymunk-dragon demo ${scene.lesson}${language === "en" ? "" : ` --lang ${language}`}`;
   const list = element("scene");
   list.replaceChildren(...scene.scenes.map((each) => new Option(translated(each.title), each.name)));
   list.value = scene.name;
@@ -38,13 +38,12 @@ function showAbilities(live) {
   element("parameters-part").hidden = live.scene.parameters.length === 0;
   element("actions").replaceChildren(...live.scene.buttons.map((name) =>
     created("button", { type: "button", className: "plain sends", onclick: () => live.send({ do: "press", name, down: true }) }, name)));
-  live.afterView();
+  live.afterChange();
 }
 
 function showState(live) {
   const { state } = live;
-  document.body.classList.toggle("playing", state.running);
-  showPlayButton(state.running);
+  showPlaying(state.running);
   showSpeed(state.speed);
   element("scene").value = live.scene.name;
   element("contacts").value = state.contacts;

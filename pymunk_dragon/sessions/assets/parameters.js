@@ -37,12 +37,6 @@ function throttled(action, interval) {
   };
 }
 
-function created(tag, properties = {}, ...children) {
-  const made = Object.assign(document.createElement(tag), properties);
-  made.append(...children);
-  return made;
-}
-
 class Slider {
   constructor(parameter, send) {
     this.parameter = parameter;
@@ -94,9 +88,9 @@ function numberText(value, digitsShown = 3) {
   const size = Math.abs(value);
   if (size >= 10 ** (digitsShown + 3) || (size > 0 && size < 1e-4)) {
     const [digits, power] = value.toExponential(digitsShown - 1).split("e");
-    return `${Number(digits)}·10${power.startsWith("-") ? "⁻" : ""}${superscript(Math.abs(Number(power)))}`;
+    return `${Number(digits)}·10${power.startsWith("-") ? "⁻" : ""}${superscript(Math.abs(Number(power)))}`.replace("-", "−");
   }
-  return String(size >= 100 ? Math.round(value) : Number(value.toPrecision(digitsShown))).replace("-", "−");
+  return String(size >= 10 ** digitsShown ? Math.round(value) : Number(value.toPrecision(digitsShown))).replace("-", "−");
 }
 
 class Sliders {

@@ -8,14 +8,8 @@ const COLLISION_COLOUR = "#e74c3c";
 const RAMP = ["#ffffcc", "#fed976", "#fd8d3c", "#e31a1c", "#800026"];
 const SHADES = 32; // colours of discs: those of one shade share a path
 
-const channels = (hex) => [1, 3, 5].map((at) => parseInt(hex.slice(at, at + 2), 16));
-const hexOf = (numbers) => `#${numbers.map((number) => Math.round(number).toString(16).padStart(2, "0")).join("")}`;
-
 // A mixture of two colours: the second has the weight `share`.
-function mixed(one, two, share) {
-  const from = channels(one), to = channels(two);
-  return hexOf(from.map((value, k) => value + share * (to[k] - value)));
-}
+const mixed = (one, two, share) => `color-mix(in srgb, ${one}, ${two} ${100 * share}%)`;
 
 function rampColour(share) {
   const place = Math.min(Math.max(share, 0), 1) * (RAMP.length - 1);

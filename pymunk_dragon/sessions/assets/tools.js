@@ -16,7 +16,6 @@ class Tools {
   constructor(live) {
     this.live = live;
     this.chosen = "drag";
-    this.pixel = null; // position of the mouse
     this.carried = null; // position of the pointer that holds a body
   }
 
@@ -171,7 +170,7 @@ class Tools {
   // Keys apply the tool where the mouse is, or in the middle of the view.
   get aim() {
     const { view } = this.live;
-    return this.pixel ?? [view.width / 2, view.height / 2];
+    return this.live.pixel ?? [view.width / 2, view.height / 2];
   }
 
   // Apply the tool, for use with keys: a body is taken, and dropped by the next call.
@@ -183,15 +182,15 @@ class Tools {
 
   // What the mouse or the cross of the keys points at, with its name.
   get target() {
-    if (this.carried || !(this.pixel || this.live.aims)) return null;
-    const target = this.chosen === "drag" ? this.bodyAtAim() : this.targetAt(this.aim, this.pixel ? 0 : BODY_SLIP);
+    if (this.carried || !(this.live.pixel || this.live.aims)) return null;
+    const target = this.chosen === "drag" ? this.bodyAtAim() : this.targetAt(this.aim, this.live.pixel ? 0 : BODY_SLIP);
     return target && { ...target, pixel: this.aim, label: this.labelOf(target) };
   }
 
   // The body that would be dragged: a bench or another one.
   bodyAtAim() {
     const { model, view, frame, poses } = this.live;
-    const slip = this.pixel ? MOUSE_SLIP : BODY_SLIP;
+    const slip = this.live.pixel ? MOUSE_SLIP : BODY_SLIP;
     return model.bodyAt(view.toWorld(...this.aim), slip / view.scale, frame, poses);
   }
 

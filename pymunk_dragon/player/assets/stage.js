@@ -1,0 +1,147 @@
+// The canvas of the player and of the live page: what is in view, what is shown on it, and the controls that both have.
+
+const PAN_STEP = 1 / 8; // fraction of its size by which the view moves
+const ZOOM_STEP = 1.4; // times
+const REPEATED = /^(arrow.*|[-+=wasd])$/; // keys that act again while they are held
+
+// Pages add `tick`, which draws, `afterChange`, which is called after a change, and `playing`.
+class Stage {
+  constructor(view, switches, shown) {
+    this.view = view;
+    this.follow = "field"; // or "head", or null for a fixed view
+    this.shown = Object.fromEntries(switches.map((name) => [name, shown.includes(name)]));
+    this.pixel = null; // position of the mouse
+  }
+
+  requestDraw() {
+    this.frameRequest ??= requestAnimationFrame((now) => {
+      this.frameRequest = null;
+      this.tick(now);
+    });
+  }
+
+  // Before drawing: what the view follows.
+  followSubject({ x, y }) {
+    if (this.follow === "field") this.view.fit();
+    if (this.follow === "head") [this.view.x, this.view.y] = [x[0], y[0]];
+  }
+
+  setFollow(subject) {
+    this.follow = subject;
+    // A closer view stays as it is.
+    if (subject === "head") this.view.span = Math.min(this.view.span, this.view.headSpan);
+    this.afterChange();
+  }
+
+  toggleHead() {
+    if (!element("follow").hidden) this.setFollow(this.follow === "head" ? "field" : "head");
+  }
+
+  zoom(factor) {
+    this.view.zoom(factor);
+    if (this.follow === "field") this.follow = null;
+    this.afterChange();
+  }
+
+  pan(right, down) {
+    this.view.pan(-right * PAN_STEP * this.view.width, -down * PAN_STEP * this.view.height);
+    this.viewMoved("pan");
+  }
+
+  // The user has moved the view, which no longer follows anything, except that zooming while playing keeps the head centred.
+  viewMoved(how) {
+    if (!(how === "zoom" && this.playing && this.follow === "head")) this.follow = null;
+    this.afterChange();
+  }
+
+  show(name, shown) {
+    this.shown[name] = shown;
+    this.afterChange();
+  }
+
+  showView() {
+    element("fit").setAttribute("aria-pressed", this.follow === "field");
+    element("follow").setAttribute("aria-pressed", this.follow === "head");
+    for (const [name, shown] of Object.entries(this.shown)) element(`show-${name}`).checked = shown;
+  }
+
+  recolour() {
+    this.painter.readColours();
+    this.requestDraw();
+  }
+}
+
+// Connect the controls that both pages have. A page adds buttons and keys with their actions, and `takes`, which tells of
+// an event of the keyboard whether it needs no more.
+function connectStage(stage, { buttons, keys, pointers, takes }) {
+  const actions = {
+    "zoom-in": () => stage.zoom(ZOOM_STEP),
+    "zoom-out": () => stage.zoom(1 / ZOOM_STEP),
+    fit: () => stage.setFollow("field"),
+    follow: () => stage.toggleHead(),
+    language: () => stage.setLanguage(otherLanguage()),
+    help: () => element("about").showModal(),
+    close: () => element("about").close(),
+    ...buttons,
+  };
+  for (const [id, action] of Object.entries(actions)) element(id).addEventListener("click", action);
+  for (const name of Object.keys(stage.shown)) {
+    element(`show-${name}`).addEventListener("change", ({ target }) => stage.show(name, target.checked));
+  }
+  listenToKeys({
+    "+": actions["zoom-in"],
+    "=": actions["zoom-in"], // the key of "+" without shift
+    "-": actions["zoom-out"],
+    0: actions.fit,
+    h: actions.follow,
+    w: () => stage.pan(0, -1),
+    a: () => stage.pan(-1, 0),
+    s: () => stage.pan(0, 1),
+    d: () => stage.pan(1, 0),
+    "?": actions.help,
+    ...keys,
+  }, takes);
+  listenToPointers(element("field"), stage.view, {
+    moved: (how) => stage.viewMoved(how),
+    hovered(pixel) {
+      stage.pixel = pixel;
+      stage.requestDraw();
+    },
+    ...pointers,
+  });
+  new ResizeObserver(() => stage.requestDraw()).observe(element("field"));
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => stage.recolour());
+}
+
+function listenToKeys(actions, takes = () => false) {
+  let tabbed = false; // Whether a key has moved the focus, and not the pointer.
+  document.addEventListener("pointerdown", () => { tabbed = false; }, true);
+  document.addEventListener("keydown", (event) => {
+    if (event.key === "Tab") tabbed = true;
+    if (event.ctrlKey || event.metaKey || event.altKey || element("about").open || takes(event)) return;
+    const key = event.key.toLowerCase();
+    if (!actions[key] || keepsKey(event.target, key, tabbed)) return;
+    event.preventDefault();
+    if (!event.repeat || REPEATED.test(key)) actions[key](event);
+  });
+  document.addEventListener("keyup", (event) => {
+    const kept = element("about").open || event.key !== " " || keepsKey(event.target, " ", tabbed);
+    // Otherwise Firefox would click the button.
+    if (takes(event) || !kept) event.preventDefault();
+  });
+}
+
+// Keys that an element uses itself. The space bar is that of an element which a key has reached, not of one that was clicked.
+function keepsKey(target, key, tabbed) {
+  if (target.closest("input[type=number]")) return true;
+  if (key === " ") return tabbed && target.closest("button, select, summary, input:not([type=range], [type=radio])") !== null;
+  if (key === "enter") return target !== element("field");
+  if (target.closest("input[type=range]")) return target.id !== "time" && /^(arrow|page|home|end)/.test(key);
+  return target.closest("select") !== null || (target.closest("input[type=radio]") !== null && key.startsWith("arrow"));
+}
+
+// Tell why a page does not work.
+function showFailure({ message }) {
+  element("failure").hidden = false;
+  setText("failure", localized("The page cannot start: {message}. A newer browser may help.", { message }));
+}

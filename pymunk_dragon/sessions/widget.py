@@ -1,0 +1,110 @@
+"""A live session as a widget of a notebook: frames and messages go over the kernel's own channel, without a port."""
+
+from __future__ import annotations
+
+import json
+from threading import RLock
+from time import perf_counter
+from typing import Any
+
+from anywidget import AnyWidget
+from IPython.display import display
+from traitlets import Unicode
+
+from pymunk_dragon._html import asset, data_address
+from pymunk_dragon._language import language
+from pymunk_dragon.errors import ParameterError
+from pymunk_dragon.sessions.messages import parsed
+from pymunk_dragon.sessions.page import live_page
+from pymunk_dragon.sessions.recording import still
+from pymunk_dragon.sessions.session import Session
+
+# Frames on the way to the page, at most; the page tells of every third that it has drawn it.
+MOST_FRAMES = 6
+# s without a message after which nobody looks: the page sends one every 5 s. The server of a notebook keeps what its
+# pages do not take, without a bound.
+SILENCE = 15.0
+
+
+class LiveWidget(AnyWidget):
+    """The page of a session, in a frame; a text from it is a message, a number that of a frame that it has drawn."""
+
+    _esm = asset(__package__, "assets/widget.js")
+    page = Unicode().tag(sync=True)
+    # Class of the picture that the page replaces.
+    still = Unicode().tag(sync=True)
+
+    def __init__(self, session: Session) -> None:
+        page, _ = live_page(session.source.title, language())
+        super().__init__(page=page)
+        self.still = f"live-{self.model_id}"
+        self._session, self._lock = session, RLock()
+        self._sent = self._drawn = 0
+        self._newest: bytes | None = None
+        self._looks, self._heard = False, 0.0
+        self.on_msg(self._receive)
+        session.audience.append(self)
+
+    def shown(self) -> Any:
+        """Display a picture of the present state, which remains in the notebook, and return the page as a bundle."""
+        address = data_address(still(self._session), "image/png")
+        picture = f'<img class="{self.still}" alt="A live session" src="{address}">'
+        # In an output of its own: JupyterLab shows no other part of one whose widget is gone.
+        display({"text/html": picture, "text/plain": self._session.source.title}, raw=True)
+        return self._repr_mimebundle_()
+
+    def stop(self) -> None:
+        """Take no more messages, and have the page say so."""
+        self.on_msg(self._receive, remove=True)
+        self.send({"closed": True})
+
+    def tell(self, message: dict[str, Any]) -> None:
+        """Send a text, if anybody looks."""
+        if self._looks:
+            role = {"role": "control"} if message["kind"] == "scene" else {}
+            self.send({"text": json.dumps(message | role, allow_nan=False)})
+
+    def show(self, frame: bytes) -> None:
+        """Send a frame, unless a newer one comes before the page has drawn those before it."""
+        with self._lock:
+            if self._looks and perf_counter() - self._heard > SILENCE:
+                self._looks = False
+                self._session.clients -= 1
+            self._newest = frame if self._looks else None
+            self._send_newest()
+
+    def _send_newest(self) -> None:
+        if self._newest is not None and self._sent - self._drawn < MOST_FRAMES:
+            self._sent += 1
+            self.send({"frame": self._sent}, [self._newest])
+            self._newest = None
+
+    def _receive(self, widget: object, content: object, buffers: object) -> None:
+        with self._lock:
+            self._heard = perf_counter()
+            if not self._looks or content == 0:
+                self._welcome()
+            if isinstance(content, str):
+                self._take(content)
+            elif isinstance(content, int):
+                self._drawn = max(self._drawn, content)
+                self._send_newest()
+
+    def _welcome(self) -> None:
+        """Begin anew with a page, which has none of the frames that were sent before, and holds no body."""
+        self._session.clients += not self._looks
+        self._looks, self._drawn = True, self._sent
+        self._session.post({"do": "drop"}, always=True)
+        self.tell(self._session.description())
+        self._session.touch()
+
+    def _take(self, text: str) -> None:
+        try:
+            message = parsed(text)
+        except ParameterError as error:
+            self.tell({"kind": "error", "text": str(error)})
+            return
+        if message["do"] == "ping":
+            self.tell({"kind": "pong", "id": message["id"]})
+        else:
+            self._session.post(message, lambda reason: self.tell({"kind": "error", "text": reason}))

@@ -1,0 +1,233 @@
+"""Live sessions in notebooks: the page as a widget, without a port."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import time
+from contextlib import contextmanager
+from importlib.util import find_spec
+from types import SimpleNamespace
+
+import nbformat
+import pytest
+from browser import needs_browser, opened, wait_until
+from live_sessions import PATIENCE, decoded, played
+
+from pymunk_dragon.sessions import handle
+
+if find_spec("anywidget") is None:
+    pytest.skip("no anywidget: pip install 'pymunk-dragon[notebook]'", allow_module_level=True)
+
+from pymunk_dragon.sessions import widget as widgets
+
+PORTS = "{each.laddr for each in psutil.Process().net_connections('tcp') if each.status == 'LISTEN'}"
+CELLS = f"""
+import psutil, pymunk
+from pymunk_dragon import live
+
+def build():
+    space = pymunk.Space()
+    space.damping = 0.1
+    body = pymunk.Body(1, 1)
+    space.add(body, pymunk.Circle(body, 0.5), pymunk.Segment(space.static_body, (-2, -2), (4, -2), 0.1))
+    spaces.append(space)
+    return space
+
+spaces, before = [], {PORTS}
+session = live(build)
+session
+---
+assert {PORTS} == before, "a port was opened"
+x, y = next(iter(spaces[-1].bodies)).position
+print(f"<{{x:.3f}} {{y:.3f}}>")
+""".split("---")
+CIRCLE = "live.frame.calls.find(({ kind }) => kind === 'circle').points[0]"
+
+
+# ---- without a browser
+
+
+@contextmanager
+def watched(source="pendulum"):
+    """A session that is stepped by hand, its widget, and what that has sent: texts, and headers of frames."""
+    with played(source) as on:
+        widget = widgets.LiveWidget(on.session)
+        widget.texts, widget.frames = [], []
+
+        def send(content, buffers=()):
+            widget.texts += [json.loads(content["text"])] if "text" in content else []
+            widget.frames += [(content["frame"], decoded(bytes(each))) for each in buffers]
+
+        widget.send = send
+        yield on, widget
+
+
+def receive(widget, content):
+    """Have the widget get what its page posts: messages, or the number of frames drawn."""
+    widget._handle_custom_msg(content if isinstance(content, int) else json.dumps(content), [])
+
+
+def wait(condition):
+    end = time.monotonic() + PATIENCE
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.002)
+
+
+def kinds(widget):
+    return [each["kind"] for each in widget.texts]
+
+
+def test_page_gets_scene_state_and_frames_and_its_messages_reach_the_engine():
+    with watched() as (on, widget):
+        receive(widget, 0)
+        wait(lambda: "state" in kinds(widget) and widget.frames)
+        assert (widget.texts[0]["kind"], widget.texts[0]["role"]) == ("scene", "control")
+        receive(widget, {"do": "step", "count": 7})
+        receive(widget, {"do": "ping", "id": 3})
+        on.settle()
+        receive(widget, len(widget.frames))
+        wait(lambda: widget.frames[-1][1].step == 7 or receive(widget, widget.frames[-1][0]))
+        assert {"kind": "pong", "id": 3} in widget.texts
+        before = kinds(widget).count("error")
+        for bad in ({"do": "dance"}, {"do": "scene", "name": "nowhere"}, "no object"):
+            receive(widget, bad)
+        on.settle()
+        assert kinds(widget).count("error") == before + 3
+
+
+def test_frames_wait_for_the_page_to_draw_those_before():
+    with watched() as (on, widget):
+        receive(widget, 0)
+        on.session.running = True
+        wait(lambda: on.scene.time > 0.5)
+        numbers = [number for number, _ in widget.frames]
+        assert numbers == list(range(1, widgets.MOST_FRAMES + 1))
+        receive(widget, 1)
+        wait(lambda: len(widget.frames) == widgets.MOST_FRAMES + 1)
+        # What was lost with an earlier page is not waited for.
+        receive(widget, 0)
+        wait(lambda: len(widget.frames) > widgets.MOST_FRAMES + 1)
+
+
+def test_nothing_is_sent_while_the_page_is_silent_and_it_goes_on_afterwards(monkeypatch):
+    with watched() as (on, widget):
+        on.settle()
+        assert not widget.frames
+        receive(widget, 0)
+        assert on.session.clients == 1
+        monkeypatch.setattr(widgets, "SILENCE", -1.0)
+        wait(lambda: on.session.clients == 0)
+        sent = len(widget.frames), len(widget.texts)
+        on.step(10)
+        assert (len(widget.frames), len(widget.texts)) == sent
+        monkeypatch.undo()
+        receive(widget, {"do": "ping", "id": 1})
+        assert kinds(widget)[-2:] == ["scene", "pong"]
+        assert on.session.clients == 1
+
+
+def test_body_is_dropped_when_its_page_begins_anew():
+    with watched() as (on, widget):
+        receive(widget, 0)
+        x, y, _ = on.scene.poses()[-1]
+        receive(widget, {"do": "grab", "x": float(x), "y": float(y), "slip": 1.0})
+        on.settle()
+        assert on.frame().held is not None
+        receive(widget, 0)
+        on.settle()
+        assert on.frame().held is None
+
+
+def test_notebook_opens_a_port_only_for_the_address(monkeypatch, capsys):
+    python = SimpleNamespace(get_ipython=lambda: SimpleNamespace(kernel=object()))
+    with monkeypatch.context() as patch:
+        patch.setitem(sys.modules, "IPython", python)
+        patch.setattr(widgets, "display", lambda data, raw: shown.append(data))
+        patch.setattr(handle.webbrowser, "open", lambda address: pytest.fail("a browser was opened"))
+        shown = []
+        with handle.live("pendulum") as session:
+            data, _ = session._repr_mimebundle_()
+            assert "application/vnd.jupyter.widget-view+json" in data
+            [still] = shown
+            assert "data:image/png;base64,iVBOR" in still["text/html"]
+            assert "127.0.0.1" not in repr(session)
+            assert session.address in repr(session)
+        patch.setattr(handle, "find_spec", lambda name: None)
+        with handle.live("pendulum", browser=False) as session:
+            assert session.address in session._repr_mimebundle_()["text/html"]
+
+
+# ---- in JupyterLab
+
+
+@contextmanager
+def lab(folder):
+    """The address of a notebook in JupyterLab, which has its files in a folder."""
+    own = {name: str(folder / name) for name in ("JUPYTER_CONFIG_DIR", "JUPYTER_DATA_DIR", "IPYTHONDIR")}
+    runtime = folder / "runtime"
+    flags = ["--no-browser", "--allow-root", "--ip=127.0.0.1", "--port=0", f"--ServerApp.root_dir={folder}"]
+    flags += ["--LabApp.extension_manager=readonly", "--LabApp.check_for_updates_class=jupyterlab.NeverCheckForUpdate"]
+    process = subprocess.Popen(
+        [sys.executable, "-m", "jupyterlab", *flags],
+        env=os.environ | own | {"JUPYTER_RUNTIME_DIR": str(runtime)},
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
+    try:
+        about = runtime / f"jpserver-{process.pid}.json"
+        wait(lambda: process.poll() is not None or (about.exists() and about.read_text().rstrip().endswith("}")))
+        found = json.loads(about.read_text())
+        yield f"{found['url']}lab/tree/live.ipynb?token={found['token']}"
+    finally:
+        process.terminate()
+        try:
+            process.wait(10)
+        except subprocess.TimeoutExpired:  # As while a kernel starts; kernels end by themselves without a server.
+            process.kill()
+            process.wait()
+
+
+def run_cell(page, number):
+    page.click(f".jp-CodeCell >> nth={number} >> .cm-content")
+    page.keyboard.press("Shift+Enter")
+
+
+@pytest.mark.thorough
+@needs_browser
+@pytest.mark.skipif(find_spec("jupyterlab") is None, reason="no JupyterLab: pip install jupyterlab")
+def test_body_that_is_dragged_in_jupyterlab_moves_in_python_and_a_picture_remains(browser, tmp_path):
+    notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(cell.strip()) for cell in CELLS])
+    notebook.metadata.kernelspec = {"name": "python3", "display_name": "Python 3", "language": "python"}
+    nbformat.write(notebook, tmp_path / "live.ipynb")
+    with lab(tmp_path) as address, opened(browser, address, height=1600) as found:
+        page = found.page
+        run_cell(page, 0)
+        frame = page.wait_for_selector("iframe[srcdoc]").content_frame()
+        wait_until(frame, "globalThis.live?.drawn > 0")
+        assert not page.is_visible("img[alt='A live session']")
+
+        def place(x, y):
+            box = frame.locator("#field").bounding_box()
+            px, py = frame.evaluate("([x, y]) => live.pixel(x, y)", [x, y])
+            return box["x"] + px, box["y"] + py
+
+        page.mouse.move(*place(0, 0))
+        page.mouse.down()
+        wait_until(frame, "live.frame.held !== null")
+        page.mouse.move(*place(1.5, 1), steps=8)
+        wait_until(frame, f"{CIRCLE}.every((value, k) => Math.abs(value - [1.5, 1][k]) < 0.05)")
+        page.mouse.up()
+        wait_until(frame, "live.frame.held === null")
+        run_cell(page, 1)
+        text = page.wait_for_selector(".jp-CodeCell >> nth=1 >> .jp-OutputArea-output").inner_text()
+        x, y = map(float, text.strip("<>\n ").split())
+        assert (x, y) == pytest.approx((1.5, 1), abs=0.2)
+        page.keyboard.press("Control+s")
+        wait(lambda: "<img" in (tmp_path / "live.ipynb").read_text())
+        assert not [text for text in found.complaints if "Policy" in text or "Error" in text]
+    with lab(tmp_path) as address, opened(browser, address, height=1600) as found:
+        assert found.page.wait_for_selector("img[alt='A live session']").is_visible()
