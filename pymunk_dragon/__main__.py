@@ -12,10 +12,10 @@ from types import FrameType
 from pymunk_dragon._signals import ENDING
 
 # s after a signal in which others are ignored, as a SIGHUP after SIGTERM, while files are removed.
-GRACE = 2.0
+_GRACE = 2.0
 
 
-class Interruption(KeyboardInterrupt):
+class _Interruption(KeyboardInterrupt):
     """A signal ends the program. Python ends itself with SIGINT where the class is exactly KeyboardInterrupt."""
 
 
@@ -24,9 +24,9 @@ def main() -> None:
     received: list[tuple[int, float]] = []
 
     def stop(number: int, frame: FrameType | None) -> None:
-        if not received or monotonic() - received[-1][1] >= GRACE:
+        if not received or monotonic() - received[-1][1] >= _GRACE:
             received.append((number, monotonic()))
-            raise Interruption
+            raise _Interruption
 
     # Signals that nohup, or a shell that starts it in the background, has the program ignore stay ignored.
     handled = [number for number in ENDING if signal.getsignal(number) != signal.SIG_IGN]

@@ -16,7 +16,7 @@ from pymunk_dragon.errors import ParameterError
 # the ends of a double.
 MAX_COORDINATE = 1e9
 # Characters of a word of which similar ones are sought: the search takes time that grows with its square.
-MAX_WORD = 40
+_MAX_WORD = 40
 
 
 def finite(name: str, value: object, low: float, high: float, unit: str) -> float:
@@ -55,7 +55,7 @@ def did_you_mean(value: object, words: Iterable[str]) -> str:
     """End of a message about a word that is none of `words`: the most similar one, if one is similar."""
     from difflib import get_close_matches
 
-    similar = get_close_matches(value[:MAX_WORD], words, n=1) if isinstance(value, str) else []
+    similar = get_close_matches(value[:_MAX_WORD], words, n=1) if isinstance(value, str) else []
     return f": did you mean {similar[0]}?" if similar else ""
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from pymunk_dragon.errors import FileFormatError, OutputError, ParameterError
 
 # Bytes of a text file: 50,000 points with all their digits have 2.2 MB.
-MAX_TEXT = 4_000_000
+_MAX_TEXT = 4_000_000
 
 
 def check_destination(path: str | Path, endings: Iterable[str]) -> Path:
@@ -55,7 +55,7 @@ def written_in_place(path: str | Path) -> Iterator[Path]:
         raise OutputError(destination, _reason(error)) from error
 
 
-def read_text(path: str | Path, name: str, limit: int = MAX_TEXT) -> str:
+def read_text(path: str | Path, name: str, limit: int = _MAX_TEXT) -> str:
     """Text of the UTF-8 file of at most `limit` bytes that the parameter `name` gives, without a byte order mark."""
     try:
         with Path(path).open("rb") as file:

@@ -17,14 +17,14 @@ from pymunk_dragon.player import player_page
 
 # Handle positions over all frames up to which a run is played in the notebook, which keeps the page in its file: some
 # 400 kB. That is the last two minutes of the paper's 223 benches, or twenty minutes of 16.
-MAX_POSITIONS = 250_000
+_MAX_POSITIONS = 250_000
 # Pixels: height of a player, and the side of a picture, shown at half of it on screens with two pixels to the point.
 SIZE = 640
 
 
 def as_html(shown: Run | March) -> str | None:
     """A frame, which keeps its script from the notebook's, with the player of a small run; None for anything else."""
-    if isinstance(shown, March) or len(shown.times) * shown.march.dragon.handles > MAX_POSITIONS:
+    if isinstance(shown, March) or len(shown.times) * shown.march.dragon.handles > _MAX_POSITIONS:
         return None
     return (
         f'<iframe srcdoc="{escape(player_page(shown))}" title="A run of the bench dragon" width="100%" '

@@ -61,7 +61,7 @@ EXAMPLES = ("demo spiral", "contact", "simulate --from 400 -o run.npz", "render 
 # Exit codes.
 DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 # Errors of the user's input, or of the installation; others of the package are failures.
-INPUT_ERRORS = (errors.ParameterError, errors.UnreachableError, errors.FileFormatError, errors.MissingExtraError)
+_INPUT_ERRORS = (errors.ParameterError, errors.UnreachableError, errors.FileFormatError, errors.MissingExtraError)
 
 
 def command(name: str) -> click.Command:
@@ -70,7 +70,7 @@ def command(name: str) -> click.Command:
     return found
 
 
-class Program(click.Group):
+class _Program(click.Group):
     """The program; its commands are imported when they are run, and in lists have their names and summaries only."""
 
     def resolve_command(
@@ -86,7 +86,7 @@ class Program(click.Group):
 
 
 @click.group(
-    cls=Program,
+    cls=_Program,
     commands={name: click.Command(name, short_help=summary) for name, summary in COMMANDS.items()},
     context_settings={"help_option_names": ["-h", "--help"]},
     epilog=epilog_of(EXAMPLES),
@@ -109,7 +109,7 @@ def status(arguments: list[str] | None = None) -> int:
     except click.ClickException as error:
         return _complain(error.format_message(), BAD_INPUT)
     except errors.DragonError as error:
-        return _complain(str(error), BAD_INPUT if isinstance(error, INPUT_ERRORS) else FAILED, error)
+        return _complain(str(error), BAD_INPUT if isinstance(error, _INPUT_ERRORS) else FAILED, error)
     except KeyboardInterrupt as end:
         return _complain("interrupted", INTERRUPTED, end)
     except BrokenPipeError:

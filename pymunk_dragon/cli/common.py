@@ -24,12 +24,12 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 PROGRAM = "pymunk-dragon"
 # Numbers in one list: more would come from a typing error.
-MAX_LIST = 100_000
+_MAX_LIST = 100_000
 # Steps of a progress bar, and its columns: with the longest label, that of a sweep, its line fits in 80.
-STEPS, BAR = 1000, 14
+STEPS, _BAR = 1000, 14
 
 
-def speed_or_file(value: str) -> float | str:
+def _speed_or_file(value: str) -> float | str:
     """A number, or the name of a file, which the scenario reads."""
     try:
         return float(value)
@@ -45,7 +45,7 @@ SCENARIO_OPTIONS: dict[str, tuple[Any, str, str]] = {
     "overhang": (float, "M", "From a hole to the end of the bench, m.  [0.275]"),
     "width": (float, "M", "Width of the benches, m.  [0.3]"),
     "turns": (float, "X", "Turn of the spiral on which the head starts.  [16]"),
-    "speed": (speed_or_file, "M/S|FILE.csv", "Speed of the head, m/s, or a file with times and speeds t,v.  [1]"),
+    "speed": (_speed_or_file, "M/S|FILE.csv", "Speed of the head, m/s, or a file with times and speeds t,v.  [1]"),
 }
 
 
@@ -59,7 +59,7 @@ class DragonCommand(click.Command):
         super().__init__(*arguments, **others)
         self.epilog = epilog_of([f"{self.name} {example}" for example in examples])
         # The values of the options of a scenario are not arguments of the function.
-        self.params = sorted([*self.params, LANGUAGE], key=lambda option: not option.expose_value)
+        self.params = sorted([*self.params, _LANGUAGE], key=lambda option: not option.expose_value)
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run the command; it does not get the values of --json and --scenario, which `wants_json` and others use."""
@@ -84,7 +84,7 @@ def flags_given(*names: str) -> list[str]:
     return [option.opts[0] for option in options if context.get_parameter_source(str(option.name)) is given]
 
 
-LANGUAGE = click.Option(
+_LANGUAGE = click.Option(
     ["--lang", "language"],
     metavar="LANG",
     default="en",
@@ -186,11 +186,11 @@ def number_list(name: str, given: str) -> list[float]:
             first, *others = map(Decimal, part.split(":"))
             last, step = others or (first, Decimal(1))
             steps = (last - first) / step
-            if not (step > 0 and 0 <= steps < MAX_LIST):
+            if not (step > 0 and 0 <= steps < _MAX_LIST):
                 raise ValueError
             numbers += [float(first + step * i) for i in range(int(steps) + 1)]
     except (ValueError, ArithmeticError):
-        bound = f"numbers such as 0,60,120 or first:last:step such as 0:300:1, of which there are at most {MAX_LIST}"
+        bound = f"numbers such as 0,60,120 or first:last:step such as 0:300:1, of which there are at most {_MAX_LIST}"
         raise ParameterError(name, given, bound) from None
     return numbers
 
@@ -203,7 +203,7 @@ def progress(label: str, now: str = "", begin: float = 0.0) -> Iterator[Callable
     {done} and {total}.
     """
     hidden = not sys.stderr.isatty()
-    with click.progressbar(length=STEPS, width=BAR, label=label, file=sys.stderr, hidden=hidden) as bar:
+    with click.progressbar(length=STEPS, width=_BAR, label=label, file=sys.stderr, hidden=hidden) as bar:
 
         def show(done: float, total: float, label: str = "") -> None:
             bar.label = label or text(now).format(done=done, total=total)

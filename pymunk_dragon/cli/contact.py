@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from pymunk_dragon.model.march import March
 
 # The method that each setting belongs to.
-SETTINGS_OF = {"step": "grid", "tolerance": "grid", "fine": "engine"}
+_SETTINGS_OF = {"step": "grid", "tolerance": "grid", "fine": "engine"}
 
 
 @click.command(cls=common.DragonCommand, examples=("", "--pitch 0.5 --json", "--from 400 --method engine"))
@@ -48,8 +48,8 @@ def contact(method: str, output: str | None, **choices: Any) -> None:
 
 def _check_settings(method: str, settings: dict[str, Any]) -> None:
     for name in settings:
-        if SETTINGS_OF.get(name, method) != method:
-            raise click.UsageError(f"--{name} is of the {SETTINGS_OF[name]}: add --method {SETTINGS_OF[name]}")
+        if _SETTINGS_OF.get(name, method) != method:
+            raise click.UsageError(f"--{name} is of the {_SETTINGS_OF[name]}: add --method {_SETTINGS_OF[name]}")
 
 
 def _found(march: March, method: str, *, start: float, **settings: Any) -> tuple[dict[str, Any], str]:

@@ -19,7 +19,7 @@ ALL = "all"
 NUMBERS = {str(number): name for number, name in enumerate(LESSONS, start=1)}
 
 
-class LessonName(click.Choice[str]):
+class _LessonName(click.Choice[str]):
     """The name of a lesson, also by its number, or `ALL`."""
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
@@ -28,7 +28,7 @@ class LessonName(click.Choice[str]):
 
 
 @click.command(cls=common.DragonCommand, examples=("", "spiral", "3 --lang zh", "all -o lessons.html"))
-@click.argument("name", metavar="[LESSON]", required=False, type=LessonName([*LESSONS, ALL]))
+@click.argument("name", metavar="[LESSON]", required=False, type=_LessonName([*LESSONS, ALL]))
 @click.option("--save", metavar="DIR", type=click.Path(), help="Folder for the picture.  [a temporary one]")
 @click.option("--pause", is_flag=True, help="Wait for Enter once the class has made its guess.")
 @common.output_option(".html, a page of the lesson, or of all; .ipynb, its notebook; .py, its program")

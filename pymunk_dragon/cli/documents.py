@@ -22,12 +22,12 @@ from pymunk_dragon.reports import REPORT_ENDINGS
 from pymunk_dragon.reports import report as write_report
 
 # s: default length of a film of a march without contact.
-MARCH_FILM = 60.0
+_MARCH_FILM = 60.0
 # m: distance that the head travels between the frames of a march in a player.
-PLAYER_STRIDE = 0.1
+_PLAYER_STRIDE = 0.1
 # Options that only films have, and those that only films and pictures have.
-OF_FILMS = ("speedup", "fps", "hold")
-OF_PICTURES = ("exact", "size", "follow", "span", "caption", "legend", *OVERLAYS)
+_OF_FILMS = ("speedup", "fps", "hold")
+_OF_PICTURES = ("exact", "size", "follow", "span", "caption", "legend", *OVERLAYS)
 EXAMPLES = ("run.npz", "run.npz --exact --camera head -o both.mp4", "--until 60 -o march.gif")
 FORMATS = f"a film, {', '.join(FILM_ENDINGS)}; .png, a picture at --until; or .html, a page that plays the run"
 
@@ -41,7 +41,7 @@ def pixels(given: str) -> int | tuple[int, ...]:
     return (width, *height) if height else width
 
 
-def overlay_options(function: common.F) -> common.F:
+def _overlay_options(function: common.F) -> common.F:
     """Add a flag for each overlay to a command."""
     for name, overlay in reversed(list(OVERLAYS.items())):
         click.option(f"--{name}", is_flag=True, help=overlay.shows)(function)
@@ -62,7 +62,7 @@ def overlay_options(function: common.F) -> common.F:
 )
 @click.option("--span", type=float, metavar="M", help="Width of the ground in view, m.")
 @click.option("--hold", type=float, metavar="T", help="How long the last frame stays, s.  [2.5]")
-@overlay_options
+@_overlay_options
 @click.option("--title", metavar="TEXT", help="A line above the picture.")
 @click.option("--caption", metavar="TEXT", help="Lines below the picture.")
 @click.option("--legend/--no-legend", default=None, help="Legend and scale bar below the picture.  [shown]")
@@ -87,11 +87,11 @@ def render(run_files: tuple[str, ...], output: str | None, **choices: Any) -> No
 def _write(sources: list[Run | March], path: Path, film: Film, choices: dict[str, Any]) -> list[str]:
     """Write a page, a picture or a film, and return how long a film is."""
     if path.suffix.lower() in PLAYER_ENDINGS:
-        _refuse("a page", *OF_FILMS, *OF_PICTURES)
+        _refuse("a page", *_OF_FILMS, *_OF_PICTURES)
         _write_player(sources, path, choices)
         return []
     if path.suffix.lower() in STILL_ENDINGS:
-        _refuse("a picture", "start", *OF_FILMS)
+        _refuse("a picture", "start", *_OF_FILMS)
         render_film(sources, path, film)
         return []
     with common.progress("frame", "frame {done}") as show:
@@ -110,7 +110,7 @@ def _write_player(sources: list[Run | March], path: Path, choices: dict[str, Any
         run = source
     else:
         start, until = choices["start"] or 0.0, choices["until"]
-        times = np.arange(start, until, PLAYER_STRIDE / source.speed_profile.fastest(start, until))
+        times = np.arange(start, until, _PLAYER_STRIDE / source.speed_profile.fastest(start, until))
         run = Run.exact(source, np.append(times, until))
     with common.progress("page", "page") as show:
         write_player(run, path, title=choices["title"], progress=show)
@@ -134,7 +134,7 @@ def _end(march: March, start: float, *, film: bool) -> float:
         found = first_contact(march, start=start)
         if found.status == "contact":
             return found.time
-    return min(start + MARCH_FILM, march.end)
+    return min(start + _MARCH_FILM, march.end)
 
 
 def _refuse(what: str, *names: str) -> None:

@@ -21,7 +21,7 @@ OWN = ("start", "contacts", "free_from")
 # Hosts at which only this machine reaches the page.
 LOCAL = ("127.0.0.1", "localhost", "::1")
 CONTACTS = click.Choice(["stop", "report", "resolve"])
-OUTPUT_HELP = "File to write at the end: inputs, .json, the run of a dragon, .npz, or a film, as .gif."
+_OUTPUT_HELP = "File to write at the end: inputs, .json, the run of a dragon, .npz, or a film, as .gif."
 FILE: dict[str, Any] = {"metavar": "FILE", "type": click.Path()}
 EXAMPLES = ("", "near-miss", "--benches 60 --from 300 -o live.npz", "--replay live.npz")
 
@@ -39,7 +39,7 @@ EXAMPLES = ("", "near-miss", "--benches 60 --from 300 -o live.npz", "--replay li
     "--record",
     "output",
     **FILE,
-    help=OUTPUT_HELP,
+    help=_OUTPUT_HELP,
 )
 @click.option("--port", type=int, default=0, metavar="N", help="Port.  [a free one]")
 @click.option("--host", default=LOCAL[0], metavar="ADDRESS", help="Address to listen on.  [this machine only]")

@@ -21,7 +21,7 @@ TABLE_TIMES = "0:300:60"
 # Heads of the columns of a table in a file.
 COLUMNS = ("time_s", "handle", "x_m", "y_m", "speed_m_s")
 # Positions in one table: more fill the memory, and are probably a typing error.
-MAX_TABLE = 20_000_000
+_MAX_TABLE = 20_000_000
 
 EXAMPLES = ("", "--times 0,60,120 --handles 0,1,223", "--times 0:300:1 -o result1.xlsx")
 
@@ -47,8 +47,8 @@ def _answer(march: March, times: str, handles: str | None, output: str | None) -
     """Print or write states of handles."""
     selected = march.dragon.representatives if handles is None else _handles(handles, march.dragon.handles - 1)
     at = common.number_list("times", times)
-    if len(at) * march.dragon.handles > MAX_TABLE:
-        raise ParameterError("times", times, f"at most {MAX_TABLE // march.dragon.handles} for this dragon")
+    if len(at) * march.dragon.handles > _MAX_TABLE:
+        raise ParameterError("times", times, f"at most {_MAX_TABLE // march.dragon.handles} for this dragon")
     path, ending = common.destination_of(output, (".csv", ".json", ".xlsx"))
     if handles is not None and ending == ".xlsx":
         raise click.UsageError("the contest's sheets have all handles: leave out --handles, or write .csv or .json")

@@ -15,7 +15,7 @@ from pymunk_dragon.studies import STUDIES
 from pymunk_dragon.studies import study as run_study
 
 
-def study_options(function: common.F) -> common.F:
+def _study_options(function: common.F) -> common.F:
     """Add the options of single studies to a command."""
     known = [(study.name, name, option) for study in STUDIES.values() for name, option in study.options.items()]
     for of, name, option in reversed(known):
@@ -29,7 +29,7 @@ def study_options(function: common.F) -> common.F:
 @click.command(cls=common.DragonCommand, examples=("", "min-pitch", "u-turn -o turn.png", "max-speed --limit 1.5"))
 @click.argument("name", metavar="[STUDY]", required=False, type=click.Choice(list(STUDIES)))
 @common.scenario_options
-@study_options
+@_study_options
 @common.output_option(".json, .png, .svg or .pdf for a picture of the answer, or .xlsx for sheets of the contest")
 def study(name: str | None, output: str | None, **options: float | bool | None) -> None:
     """Run a study of many marches.

@@ -18,20 +18,20 @@ from pymunk_dragon.sweeps import QUANTITIES
 from pymunk_dragon.sweeps import sweep as run_sweep
 
 EXAMPLES = ("--axis pitch=0.42:0.46:0.01 --benches 60", "--axis pitch=0.5:0.6:0.005 -o pitch.csv -o pitch.png")
-AXIS = "NAME=VALUES, such as pitch=0.4:0.8:0.01 or benches=50,100"
-QUANTITY = f"{', '.join(QUANTITIES)}, or module:function, a function of a march.  [contact-time]"
-OUTPUT = "File to write: .csv, or .png, .svg or .pdf for a picture. May be repeated."
+_AXIS = "NAME=VALUES, such as pitch=0.4:0.8:0.01 or benches=50,100"
+_QUANTITY = f"{', '.join(QUANTITIES)}, or module:function, a function of a march.  [contact-time]"
+_OUTPUT = "File to write: .csv, or .png, .svg or .pdf for a picture. May be repeated."
 
 
 @click.command(cls=common.DragonCommand, examples=EXAMPLES)
 @common.scenario_options
-@click.option("--axis", multiple=True, metavar="NAME=VALUES", help=AXIS)
-@click.option("--quantity", metavar="NAME", default="contact-time", help=QUANTITY)
+@click.option("--axis", multiple=True, metavar="NAME=VALUES", help=_AXIS)
+@click.option("--quantity", metavar="NAME", default="contact-time", help=_QUANTITY)
 @click.option("--resume", is_flag=True, help="Go on from the partial table of an interrupted sweep, if there is one.")
 @click.option("--scheduler", metavar="ADDRESS", help="Run on a Dask scheduler, tcp://HOST:PORT.")
 @click.option("--workers", type=int, metavar="N", help="Number of processes.  [one for each core]")
 @common.json_option
-@click.option("-o", "--output", multiple=True, metavar="FILE", type=click.Path(), help=OUTPUT)
+@click.option("-o", "--output", multiple=True, metavar="FILE", type=click.Path(), help=_OUTPUT)
 def sweep(axis: tuple[str, ...], output: tuple[str, ...], **settings: Any) -> None:
     """Compute a quantity at many values of parameters, in parallel.
 
@@ -65,5 +65,5 @@ def _axes(given: tuple[str, ...]) -> dict[str, list[float]]:
         try:
             axes[name] = common.number_list("axis", values)
         except ParameterError as error:
-            raise ParameterError("axis", each, AXIS) from error
+            raise ParameterError("axis", each, _AXIS) from error
     return axes

@@ -15,7 +15,7 @@ Subject = Literal["field", "head"]
 
 # m: bounds of the width of a view, which detect lengths in another unit. The least shows less than two holes of a
 # bench, the largest more ground than the longest dragon covers.
-SPANS = 0.1, 1e5
+_SPANS = 0.1, 1e5
 # Widths of the head bench: 6 m for the paper's 0.3 m, which shows the head's turn of the spiral and both adjacent
 # turns, where near misses occur.
 HEAD_SPAN = 20.0
@@ -46,7 +46,7 @@ class Camera:
     def __post_init__(self) -> None:
         word("follow", self.follow, get_args(Subject))
         if self.span is not None:
-            finite("span", self.span, *SPANS, "m")
+            finite("span", self.span, *_SPANS, "m")
 
 
 @dataclass(frozen=True)

@@ -65,17 +65,17 @@ __all__ = ["DrawCall", "DrawRecorder", "PillowDrawOptions"]
 Point = tuple[float, float]
 
 # Pixels: Pillow draws a line of one drawn pixel step by step, however long the line is; a wider one hides the picture.
-LINE_WIDTH_RANGE = (1.0, 100.0)
+_LINE_WIDTH_RANGE = (1.0, 100.0)
 # Line widths: half the length of a collision mark. Chipmunk's is two units of the space, which may be two metres.
-COLLISION_MARK = 5.0
+_COLLISION_MARK = 5.0
 # Drawn pixels per pixel along each axis.
 SAMPLES = 2
 # Drawn pixels: ImageDraw also fills the pixels on a polygon's edge, so every radius is smaller by this.
-EDGE_INSET = 0.4
+_EDGE_INSET = 0.4
 # Most chords per radian of an arc. The number grows with the root of the radius: they are within 0.13 drawn pixels.
-MAX_CHORDS = 1000.0
+_MAX_CHORDS = 1000.0
 # Drawn pixels: what reaches farther is not drawn, because ImageDraw has integers of 32 bits.
-MAX_REACH = 1e9
+_MAX_REACH = 1e9
 
 
 @dataclass(slots=True)
@@ -199,7 +199,7 @@ class PillowDrawOptions(DrawRecorder):
         super().__init__()
         self.image = image
         self.positive_y_is_up = positive_y_is_up
-        self.line_width = finite("line_width", line_width, *LINE_WIDTH_RANGE, "pixels")
+        self.line_width = finite("line_width", line_width, *_LINE_WIDTH_RANGE, "pixels")
 
     @property
     def image(self) -> Image.Image:
@@ -262,10 +262,10 @@ def _paint(draw: ImageDraw.ImageDraw, view: pymunk.Transform, line: float, call:
     """Paint a call with lines of a width in drawn pixels, to which `view` transforms the space."""
     points = [view @ point for point in call.points]
     radius = call.radius * (line if call.name == "dot" else math.sqrt(abs(view.a * view.d - view.b * view.c)))
-    if not all(abs(number) < MAX_REACH for point in points for number in (*point, radius)):
+    if not all(abs(number) < _MAX_REACH for point in points for number in (*point, radius)):
         return
     if call.name == "contact":
-        middle, reach = (points[0] + points[1]) / 2, COLLISION_MARK * line * (points[1] - points[0]).normalized()
+        middle, reach = (points[0] + points[1]) / 2, _COLLISION_MARK * line * (points[1] - points[0]).normalized()
         points = [middle - reach, middle + reach]
     if call.name in ("contact", "line"):
         draw.line(_pixels(points), _rounded(call.fill), round(line))
@@ -284,7 +284,7 @@ def _fill(draw: ImageDraw.ImageDraw, points: list[pymunk.Vec2d], radius: float, 
     across = [[y * math.cos(heading) - x * math.sin(heading) for x, y in corners] for heading in headings]
     thickness = 2 * radius + min(max(row) - min(row) for row in across)
     outline = _rounded(call.outline) if call.outline and thickness > 4 * line else None
-    polygon = _around(corners, headings, max(radius - EDGE_INSET, 0.0))
+    polygon = _around(corners, headings, max(radius - _EDGE_INSET, 0.0))
     draw.polygon(_pixels(polygon), _rounded(call.fill), outline, round(line))
     return outline is not None
 
@@ -305,7 +305,7 @@ def _around(corners: Sequence[Point], headings: Sequence[float], distance: float
         turn = (headings[i] - headings[i - 1]) % math.tau
         # At a straight corner, rounding can give an angle just below a full circle. A point has one.
         turn = math.tau if len(corners) == 1 else turn if turn < 1.5 * math.pi else 0.0
-        chords = 1 + int(turn * min(1 + math.sqrt(distance), MAX_CHORDS))
+        chords = 1 + int(turn * min(1 + math.sqrt(distance), _MAX_CHORDS))
         # The outer normal of a side is a quarter turn clockwise from its heading.
         angles = [headings[i - 1] - math.pi / 2 + turn * k / chords for k in range(chords + 1)]
         polygon += [(x + distance * math.cos(angle), y + distance * math.sin(angle)) for angle in angles]

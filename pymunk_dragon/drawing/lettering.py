@@ -12,15 +12,15 @@ from pymunk_dragon.drawing.palette import Palette
 from pymunk_dragon.errors import ParameterError
 
 # Text height as a fraction of the picture's shorter side: readable, and small beside the dragon.
-RELATIVE_HEIGHT = 0.036
+_RELATIVE_HEIGHT = 0.036
 # Pixels: digits of a smaller text are not readable.
-MIN_HEIGHT = 15
+_MIN_HEIGHT = 15
 # Margins beside and above a line, as fractions of the text height.
-SIDE_MARGIN, TOP_MARGIN = 0.6, 0.3
+_SIDE_MARGIN, _TOP_MARGIN = 0.6, 0.3
 # A Unicode code point that will never be assigned.
-UNASSIGNED_CHARACTER = "\U0010ffff"
+_UNASSIGNED_CHARACTER = "\U0010ffff"
 
-Font = ImageFont.FreeTypeFont | ImageFont.ImageFont
+_Font = ImageFont.FreeTypeFont | ImageFont.ImageFont
 
 
 class Lettering:
@@ -32,14 +32,14 @@ class Lettering:
     def __init__(
         self, size: tuple[int, int], palette: Palette, scale: float = 1.0, *, font: str | Path | None = None
     ) -> None:
-        self.height = round(scale * max(MIN_HEIGHT, round(RELATIVE_HEIGHT * min(size))))
-        self.margin = round(SIDE_MARGIN * self.height)
+        self.height = round(scale * max(_MIN_HEIGHT, round(_RELATIVE_HEIGHT * min(size))))
+        self.margin = round(_SIDE_MARGIN * self.height)
         self._style = self.height, font, palette
 
     def check(self, name: str, text: str) -> None:
         """Raise a `ParameterError` if the font lacks a character of the parameter `name`, or cannot be read."""
         font = _font(*self._style[:2])
-        missing = font.getmask(UNASSIGNED_CHARACTER)
+        missing = font.getmask(_UNASSIGNED_CHARACTER)
         for character in "".join(text.split()):
             drawn = font.getmask(character)
             if drawn.size == missing.size and bytes(drawn) == bytes(missing):
@@ -79,13 +79,13 @@ class Lettering:
         return parts
 
 
-def pillow_font(size: float) -> Font:
-    """Font of Pillow, `size` pixels high, with the characters of the present language."""
+def pillow_font(size: float) -> _Font:
+    """_Font of Pillow, `size` pixels high, with the characters of the present language."""
     return _font(size, language_font())
 
 
 @lru_cache(maxsize=8)
-def _font(size: float, file: str | Path | None) -> Font:
+def _font(size: float, file: str | Path | None) -> _Font:
     try:
         return ImageFont.load_default(size) if file is None else ImageFont.truetype(file, size)
     except OSError as error:
@@ -94,9 +94,9 @@ def _font(size: float, file: str | Path | None) -> Font:
 
 @lru_cache(maxsize=32)
 def _line_image(text: str, size: int, file: str | Path | None, palette: Palette) -> Image.Image:
-    font, margin = _font(size, file), round(SIDE_MARGIN * size)
+    font, margin = _font(size, file), round(_SIDE_MARGIN * size)
     # No digit or Latin letter extends below these characters.
     height = round(font.getbbox("gjpqy,()[]|")[3])
     image = Image.new("RGB", (round(font.getbbox(text)[2]) + 2 * margin, height + margin), palette.rgb("background"))
-    ImageDraw.Draw(image).text((margin, round(TOP_MARGIN * size)), text, fill=palette.rgb("ink"), font=font)
+    ImageDraw.Draw(image).text((margin, round(_TOP_MARGIN * size)), text, fill=palette.rgb("ink"), font=font)
     return image

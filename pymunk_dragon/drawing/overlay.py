@@ -19,18 +19,18 @@ from pymunk_dragon.drawing.snapshots import Snapshot
 from pymunk_dragon.model.march import March
 
 # s: an arrow ends where its handle would be after this time, so its length is proportional to the speed.
-ARROW_TIME = 0.5
+_ARROW_TIME = 0.5
 # Drawn pixels: width of an arrow's shaft; length and half the width of its head. A shorter arrow has no direction.
-SHAFT_WIDTH, ARROWHEAD_LENGTH, ARROWHEAD_HALF_WIDTH, MIN_ARROW_LENGTH = 4, 13.0, 5.0, 2.0
+_SHAFT_WIDTH, _ARROWHEAD_LENGTH, _ARROWHEAD_HALF_WIDTH, _MIN_ARROW_LENGTH = 4, 13.0, 5.0, 2.0
 # Drawn pixels: width and length of a normal.
-NORMAL_WIDTH, NORMAL_LENGTH = 6, 72.0
+_NORMAL_WIDTH, _NORMAL_LENGTH = 6, 72.0
 # Drawn pixels: width of the outline of a displaced bench, and of benches that are not covered by such outlines.
-OUTLINE_WIDTH, MIN_OUTLINE_WIDTH = 3, 20.0
+_OUTLINE_WIDTH, _MIN_OUTLINE_WIDTH = 3, 20.0
 # Drawn pixels: largest radius of the disc of the largest impulse; and the same as a fraction of a bench's width, so
 # that the disc does not hide small benches.
-MAX_DISC_RADIUS, MAX_DISC_FRACTION = 36.0, 0.7
+_MAX_DISC_RADIUS, _MAX_DISC_FRACTION = 36.0, 0.7
 # Drawn pixels: radius of a contact point; and size of a cell, of which smaller ones would cover the ground.
-CONTACT_RADIUS, MIN_CELL_SIZE = 8.0, 8.0
+_CONTACT_RADIUS, _MIN_CELL_SIZE = 8.0, 8.0
 
 
 @dataclass(frozen=True)
@@ -48,16 +48,16 @@ class Layer:
         """Draw a disc of force; lengths in drawn pixels."""
         ImageDraw.Draw(self.image).circle(centre, radius, fill=self.palette.rgb("force"))
 
-    def arrow(self, begin: list[float], end: list[float], colour: Colour, width: int = SHAFT_WIDTH) -> None:
+    def arrow(self, begin: list[float], end: list[float], colour: Colour, width: int = _SHAFT_WIDTH) -> None:
         """Draw an arrow from a drawn pixel to another one."""
         (x0, y0), (x1, y1) = begin, end
         length = math.hypot(x1 - x0, y1 - y0)
-        if length < MIN_ARROW_LENGTH:
+        if length < _MIN_ARROW_LENGTH:
             return
         along_x, along_y = (x1 - x0) / length, (y1 - y0) / length
-        head = min(ARROWHEAD_LENGTH, length)
+        head = min(_ARROWHEAD_LENGTH, length)
         neck_x, neck_y = x1 - head * along_x, y1 - head * along_y
-        across_x, across_y = -ARROWHEAD_HALF_WIDTH * along_y, ARROWHEAD_HALF_WIDTH * along_x
+        across_x, across_y = -_ARROWHEAD_HALF_WIDTH * along_y, _ARROWHEAD_HALF_WIDTH * along_x
         draw = ImageDraw.Draw(self.image)
         draw.line((x0, y0, neck_x, neck_y), fill=colour, width=width)
         corners = [(x1, y1), (neck_x + across_x, neck_y + across_y), (neck_x - across_x, neck_y - across_y)]
@@ -89,14 +89,14 @@ def draw_errors(layer: Layer) -> None:
     snapshot, dragon, colour = layer.snapshot, layer.march.dragon, layer.palette.rgb("motion")
     if snapshot.displaced is None:
         return
-    if layer.view.scale * float(dragon.widths.min()) < MIN_OUTLINE_WIDTH:
+    if layer.view.scale * float(dragon.widths.min()) < _MIN_OUTLINE_WIDTH:
         begins, ends = (layer.view.pixels(poses[:, :2]).tolist() for poses in (snapshot.poses, snapshot.displaced))
         for begin, end in zip(begins, ends, strict=True):
             layer.arrow(begin, end, colour)
         return
     draw = ImageDraw.Draw(layer.image)
     for corners in layer.view.pixels(dragon.outlines(snapshot.displaced)).reshape(-1, 8).tolist():
-        draw.line([*corners, *corners[:2]], fill=colour, width=OUTLINE_WIDTH)
+        draw.line([*corners, *corners[:2]], fill=colour, width=_OUTLINE_WIDTH)
 
 
 def _draw_velocities(layer: Layer) -> None:
@@ -104,9 +104,9 @@ def _draw_velocities(layer: Layer) -> None:
     assert velocities is not None  # Filled where velocities are shown.
     front, rear = layer.march.dragon.holes(layer.snapshot.poses)
     handles = np.concatenate([front, rear[-1:]])
-    seen = layer.view.holds(handles, float(ARROW_TIME * np.linalg.norm(velocities, axis=-1).max()))
+    seen = layer.view.holds(handles, float(_ARROW_TIME * np.linalg.norm(velocities, axis=-1).max()))
     begins = layer.view.pixels(handles[seen])
-    ends = layer.view.pixels(handles[seen] + ARROW_TIME * velocities[seen])
+    ends = layer.view.pixels(handles[seen] + _ARROW_TIME * velocities[seen])
     for begin, end in zip(begins.tolist(), ends.tolist(), strict=True):
         layer.arrow(begin, end, layer.palette.rgb("motion"))
 
@@ -115,7 +115,7 @@ def _draw_impulses(layer: Layer) -> None:
     impulses, dragon = layer.snapshot.impulses, layer.march.dragon
     if impulses is None or not layer.largest_impulse > 0:
         return
-    largest = min(MAX_DISC_RADIUS, MAX_DISC_FRACTION * float(dragon.widths.min()) * layer.view.scale)
+    largest = min(_MAX_DISC_RADIUS, _MAX_DISC_FRACTION * float(dragon.widths.min()) * layer.view.scale)
     # The disc's area is proportional to the impulse.
     radii = largest * np.sqrt(impulses / layer.largest_impulse)
     _, rear = dragon.holes(layer.snapshot.poses)
@@ -126,21 +126,21 @@ def _draw_impulses(layer: Layer) -> None:
 def _draw_contacts(layer: Layer) -> None:
     for touch in layer.snapshot.touches:
         for centre in layer.view.pixels(touch.points).tolist():
-            layer.disc(centre, CONTACT_RADIUS)
+            layer.disc(centre, _CONTACT_RADIUS)
 
 
 def _draw_normals(layer: Layer) -> None:
     for touch in layer.snapshot.touches:
         begin = layer.view.pixels(touch.points).mean(axis=0)
         # y points downwards in a picture.
-        end = begin + NORMAL_LENGTH * np.array(touch.normal) * (1, -1)
-        layer.arrow(begin.tolist(), end.tolist(), layer.palette.rgb("force"), NORMAL_WIDTH)
+        end = begin + _NORMAL_LENGTH * np.array(touch.normal) * (1, -1)
+        layer.arrow(begin.tolist(), end.tolist(), layer.palette.rgb("force"), _NORMAL_WIDTH)
 
 
 def _draw_grid(layer: Layer) -> None:
     """Tint the cells that contain a bench, and draw the lines between cells, a pixel wide."""
     grid, cell = Grid.of(layer.march), Grid.of(layer.march).cell * layer.view.scale
-    if cell < MIN_CELL_SIZE:
+    if cell < _MIN_CELL_SIZE:
         return
     # Column and row of every pixel, computed from the grid's origin so that rounding errors do not accumulate.
     columns, rows = (

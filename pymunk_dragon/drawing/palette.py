@@ -19,15 +19,15 @@ from pymunk_dragon.errors import ParameterError
 # Drawn pixels per pixel of the picture along each axis: blocks of four give sufficiently smooth edges.
 BLOCK = 2
 # Colours that occur on benches only, and hence next to ink.
-BENCH_COLOURS = {"body", "head", "tail", "contact"}
+_BENCH_COLOURS = {"body", "head", "tail", "contact"}
 # Colours that overlays may cover.
-COVERED = ("background", "curve", "ink", *sorted(BENCH_COLOURS))
+_COVERED = ("background", "curve", "ink", *sorted(_BENCH_COLOURS))
 # Opacities of the grid, which only tints the ground, of 255: of a cell with a bench, and of a line.
 CELL_TINT, LINE_TINT = 26, 71
 # Shades of text between background and ink: more than 16 make no visible difference at this size.
-TEXT_SHADES = 16
+_TEXT_SHADES = 16
 # Format of a colour: "#rrggbb".
-COLOUR_FORMAT = re.compile(r"#[0-9a-fA-F]{6}")
+_COLOUR_FORMAT = re.compile(r"#[0-9a-fA-F]{6}")
 
 Colour = tuple[int, int, int]
 
@@ -68,7 +68,7 @@ class Palette:
     def __post_init__(self) -> None:
         for name in (f.name for f in fields(self)):
             value = getattr(self, name)
-            if not (isinstance(value, str) and COLOUR_FORMAT.fullmatch(value)):
+            if not (isinstance(value, str) and _COLOUR_FORMAT.fullmatch(value)):
                 raise ParameterError(name, value, "a colour as #rrggbb")
 
     def rgb(self, name: str) -> Colour:
@@ -79,12 +79,12 @@ class Palette:
     @cached_property
     def table(self) -> NDArray[np.uint8]:
         """Red, green and blue (C, 3) of the colours of films; C is at most 255."""
-        mixtures = filter(_occurs, combinations_with_replacement(COVERED, BLOCK**2))
+        mixtures = filter(_occurs, combinations_with_replacement(_COVERED, BLOCK**2))
         colours = [np.mean([self.rgb(name) for name in mixture], axis=0) for mixture in mixtures]
         # Colours, colours above them, and the opacities of the latter.
         blends = [
-            *product(["background"], ["ink"], np.arange(TEXT_SHADES) / TEXT_SHADES),
-            *product(COVERED, ["motion", "force"], [0.25, 0.5, 0.75, 1.0]),
+            *product(["background"], ["ink"], np.arange(_TEXT_SHADES) / _TEXT_SHADES),
+            *product(_COVERED, ["motion", "force"], [0.25, 0.5, 0.75, 1.0]),
             *product(["background", "curve"], ["grid"], [CELL_TINT / 255, LINE_TINT / 255]),
         ]
         for below, above, opacity in blends:
@@ -94,5 +94,5 @@ class Palette:
 
 def _occurs(mixture: tuple[str, ...]) -> bool:
     """Return whether a mixture occurs in pictures: ink separates bench colours from all others."""
-    benches = BENCH_COLOURS & set(mixture)
+    benches = _BENCH_COLOURS & set(mixture)
     return len(set(mixture)) == 1 or not benches or ("ink" in mixture and len(benches) <= 2)

@@ -25,27 +25,27 @@ from pymunk_dragon.model.dragon import Dragon, outlines
 from pymunk_dragon.model.march import March
 
 # m: diameter of a hole in the paper. Only pictures depend on it.
-HOLE_DIAMETER = 0.055
+_HOLE_DIAMETER = 0.055
 # Largest diameter of a hole as a fraction of a bench's width and twice its overhang, so that the holes of a small bench
 # stay inside its outline.
-MAX_HOLE_FRACTION = 0.4
+_MAX_HOLE_FRACTION = 0.4
 # Drawn pixels: a smaller hole is not recognisable. Films of the reference scenario's whole field show holes from 850
 # pixels on.
-MIN_HOLE_DIAMETER = 4.0
+_MIN_HOLE_DIAMETER = 4.0
 # Drawn pixels between points of the curve: long enough to be smooth in whole pixels, short enough to appear round.
-CURVE_STEP = 6.0
+_CURVE_STEP = 6.0
 # Points of the curve: limits memory if the curve is much longer than the view.
 MAX_CURVE_POINTS = 200_000
 # Width of the curve as a fraction of a bench's width; it is at least one drawn pixel.
-CURVE_WIDTH = 0.04
+_CURVE_WIDTH = 0.04
 # Pixels: radius of the ring around a contact, and width of a bench from which it is drawn: it would hide smaller ones.
-RING_RADIUS, RING_BENCH_WIDTH = 9, 3
+_RING_RADIUS, _RING_BENCH_WIDTH = 9, 3
 # Pixels: width of the border of a head in contact; a head narrower than four of them has none, to keep its colour.
-HEAD_BORDER, HEAD_BORDERS = 3, 4
+_HEAD_BORDER, _HEAD_BORDERS = 3, 4
 # Pixels: length of the dashes of a circle, and of the gaps between them.
 CIRCLE_DASH = 4
 # m: smaller gaps are near misses, displayed with tenths of a millimetre and a ring; larger ones are displayed in m.
-SMALL_GAP, LARGE_GAP = 0.01, 1.0
+_SMALL_GAP, _LARGE_GAP = 0.01, 1.0
 
 
 class Nearest(NamedTuple):
@@ -102,7 +102,7 @@ class Scene:
         nearest = None if contact else self._nearest(snapshot.poses)
         draw_overlays(layer, self.show, below=True)
         _draw_benches(layer, contact.benches if contact else ())
-        if event := contact or (nearest if nearest and nearest.distance < SMALL_GAP else None):
+        if event := contact or (nearest if nearest and nearest.distance < _SMALL_GAP else None):
             _draw_ring(layer, event.point)
         draw_errors(layer)
         draw_overlays(layer, self.show)
@@ -120,7 +120,7 @@ class Scene:
     def _curve(self) -> Array:
         """Points (P, 2), m, of the curve. The interval always includes the dragon's position at 0 s."""
         first, last = self.march.span(min(self.times[0], 0.0), max(self.times[1], 0.0))
-        points = min(int((last - first) * self.scale * BLOCK / CURVE_STEP) + 2, MAX_CURVE_POINTS)
+        points = min(int((last - first) * self.scale * BLOCK / _CURVE_STEP) + 2, MAX_CURVE_POINTS)
         return self.march.curve.point(np.linspace(first, last, points))
 
     @cached_property
@@ -131,8 +131,8 @@ class Scene:
         """Draw the curve and its circles."""
         image = Image.new("RGB", view.size, self.palette.rgb("background"))
         draw = ImageDraw.Draw(image)
-        seen = view.holds(self._curve, 2 * CURVE_STEP / view.scale)
-        width = max(1, round(CURVE_WIDTH * self.march.dragon.widths.min() * view.scale))
+        seen = view.holds(self._curve, 2 * _CURVE_STEP / view.scale)
+        width = max(1, round(_CURVE_WIDTH * self.march.dragon.widths.min() * view.scale))
         # One polyline for every visible part of the curve.
         borders = np.flatnonzero(np.diff(np.concatenate([[False], seen, [False]]).astype(np.int8)))
         for first, last in borders.reshape(-1, 2).tolist():
@@ -150,7 +150,7 @@ class Scene:
         """Return the bench closest to the head bench if its gap is displayed."""
         nearest = None if self.gap is False else smallest_gap(self.march.dragon, poses)
         always = self.gap or self.camera.follow == "head"
-        return nearest if nearest and (always or nearest.distance < SMALL_GAP) else None
+        return nearest if nearest and (always or nearest.distance < _SMALL_GAP) else None
 
     def _lower_texts(self, snapshot: Snapshot, contact: Contact | None, nearest: Nearest | None) -> tuple[str, str]:
         """Return the texts in the lower left and right corners."""
@@ -169,7 +169,7 @@ class Scene:
 
 def hole_diameter(dragon: Dragon) -> float:
     """Return the diameter of a dragon's holes in pictures, m."""
-    return min(HOLE_DIAMETER, MAX_HOLE_FRACTION * float(np.minimum(dragon.widths, 2 * dragon.overhangs).min()))
+    return min(_HOLE_DIAMETER, _MAX_HOLE_FRACTION * float(np.minimum(dragon.widths, 2 * dragon.overhangs).min()))
 
 
 def smallest_gap(dragon: Dragon, poses: Array) -> Nearest | None:
@@ -204,11 +204,11 @@ def _draw_benches(layer: Layer, touching: tuple[int, ...]) -> None:
         draw.polygon(polygon, fill=colours.get(bench, body), outline=ink)
     if 0 in touching:
         # In its own colour, inside a border in the contact colour if the head is wide enough.
-        border = 2 * HEAD_BORDER * BLOCK / layer.view.scale
-        wide = dragon.widths[0] * layer.view.scale >= HEAD_BORDERS * HEAD_BORDER * BLOCK
+        border = 2 * _HEAD_BORDER * BLOCK / layer.view.scale
+        wide = dragon.widths[0] * layer.view.scale >= _HEAD_BORDERS * _HEAD_BORDER * BLOCK
         draw.polygon(_polygons(layer, np.array([0]), border * wide)[0], fill=rgb("head"), outline=ink)
     diameter = hole_diameter(dragon) * layer.view.scale
-    if diameter >= MIN_HOLE_DIAMETER:
+    if diameter >= _MIN_HOLE_DIAMETER:
         holes = np.concatenate([hole[seen] for hole in dragon.holes(poses)])
         corner = np.rint(layer.view.pixels(holes) - diameter / 2)
         for box in np.concatenate([corner, corner + round(diameter) - 1], axis=1).tolist():
@@ -225,15 +225,15 @@ def _polygons(layer: Layer, benches: NDArray[np.intp], border: float = 0.0) -> l
 
 
 def _draw_ring(layer: Layer, point: tuple[float, float]) -> None:
-    if layer.march.dragon.widths.min() * layer.view.scale >= RING_BENCH_WIDTH * BLOCK:
+    if layer.march.dragon.widths.min() * layer.view.scale >= _RING_BENCH_WIDTH * BLOCK:
         centre = layer.view.pixels(point).tolist()
-        ImageDraw.Draw(layer.image).circle(centre, RING_RADIUS * BLOCK, outline=layer.palette.rgb("ink"), width=BLOCK)
+        ImageDraw.Draw(layer.image).circle(centre, _RING_RADIUS * BLOCK, outline=layer.palette.rgb("ink"), width=BLOCK)
 
 
 def _length(gap: float) -> str:
-    if gap >= LARGE_GAP:
+    if gap >= _LARGE_GAP:
         return f"{gap:.2f} m"
-    return f"{1000 * gap:.{1 if gap < SMALL_GAP else 0}f} mm"
+    return f"{1000 * gap:.{1 if gap < _SMALL_GAP else 0}f} mm"
 
 
 def _impulse(size: float) -> str:

@@ -16,7 +16,7 @@ from pymunk_dragon.errors import ParameterError
 Phase = Literal["begin", "pre_solve", "post_solve", "separate"]
 PHASES: tuple[Phase, ...] = get_args(Phase)
 
-Vector = tuple[float, float]
+_Vector = tuple[float, float]
 
 _Kind = TypeVar("_Kind")
 
@@ -45,8 +45,8 @@ class Contact:
     time: float
     raw_time: float
     benches: tuple[int, int]
-    point: Vector
-    normal: Vector
+    point: _Vector
+    normal: _Vector
     depth: float
 
 
@@ -82,11 +82,11 @@ class ContactEvent:
     time: float
     phase: Phase
     benches: tuple[int, int]
-    points: tuple[Vector, ...] = ()
-    normal: Vector | None = None
+    points: tuple[_Vector, ...] = ()
+    normal: _Vector | None = None
     depth: float | None = None
-    relative_velocity: Vector | None = None
-    impulse: Vector | None = None
+    relative_velocity: _Vector | None = None
+    impulse: _Vector | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -146,7 +146,7 @@ class ContactLog(tuple[ContactEvent, ...]):
 
 
 def contact_text(
-    status: str, benches: tuple[int, int] | None, point: Vector | None, time: float, decimals: int = 6
+    status: str, benches: tuple[int, int] | None, point: _Vector | None, time: float, decimals: int = 6
 ) -> str:
     """When and where two benches first touch, with so many `decimals` of the time, or until which time none do."""
     if benches is None or point is None:

@@ -269,7 +269,7 @@ class Run(ArrayRecord, Displayed):
             "provenance": dict(self.provenance),
         }
         arrays = {name: getattr(self, name) for name in _KINDS}
-        write_archive(path, notes, {name: array for name, array in arrays.items() if array is not None})
+        _write_archive(path, notes, {name: array for name, array in arrays.items() if array is not None})
 
     @classmethod
     def load(cls, path: str | Path) -> Run:
@@ -303,7 +303,7 @@ def check_saveable(march: March) -> None:
     Scenario.of(march)
 
 
-def write_archive(path: str | Path | IO[bytes], notes: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> None:
+def _write_archive(path: str | Path | IO[bytes], notes: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> None:
     """Write arrays and notes, to a path or an open file; an interrupted write leaves the old file or none."""
     whole = {"format": _FORMAT, "format_version": _FORMAT_VERSION, **notes}
     contents: dict[str, Any] = {"notes": np.frombuffer(json.dumps(whole).encode(), dtype=np.uint8), **arrays}
@@ -318,7 +318,7 @@ def write_archive(path: str | Path | IO[bytes], notes: Mapping[str, Any], arrays
 
 @contextmanager
 def opened_archive(path: str | Path, name: str = "run") -> Iterator[tuple[dict[str, Any], Mapping[str, NDArray[Any]]]]:
-    """Notes and arrays in a file of `write_archive`; what is raised inside is the fault of its contents."""
+    """Notes and arrays in a file of `_write_archive`; what is raised inside is the fault of its contents."""
     try:
         file = Path(path).open("rb")  # noqa: SIM115 (closed below, where what is wrong is the content)
     except (OSError, ValueError, TypeError) as error:

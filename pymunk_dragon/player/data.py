@@ -29,11 +29,11 @@ from pymunk_dragon.reports.summary import Summary
 STEP = 1 / 1_500_000
 # Step of velocities times the frame interval, in steps of positions. The rounding of velocities then changes
 # interpolated positions by no more than the rounding of positions does.
-VELOCITY_STEP = 4
+_VELOCITY_STEP = 4
 # Step of the exact model's offsets as a fraction of a bench's width, 0.5 micrometres at the contest's 0.3 m, or as a
 # fraction of the largest offset if that is larger.
-EXACT_STEP = 1 / 600_000
-EXACT_SHARE = 1e-5
+_EXACT_STEP = 1 / 600_000
+_EXACT_SHARE = 1e-5
 # Differences between the offsets' lengths and the position errors of a run, m, that come from rounding.
 ROUNDING = 1e-9
 # Order of the differences. The paper's run in steps of 0.2 micrometres takes 2.7 MB at order 2, 1.8 MB at order 3
@@ -44,7 +44,7 @@ MAX_COUNT = 2**31 - 2
 # Largest distance of the drawn curve from the true one as a fraction of a bench's width: 0.1 mm at the contest's 0.3 m.
 CURVE_ERROR = 1 / 3000
 # Samples of the curvature.
-CURVE_SAMPLES = 4000
+_CURVE_SAMPLES = 4000
 # Largest number of points of the curve in a page.
 MAX_CURVE_POINTS = 20_000
 
@@ -163,7 +163,7 @@ def curve_points(march: March, start: float, end: float) -> Array:
     """
     curve = march.curve
     first, last = march.span(min(start, 0.0), max(end, 0.0))
-    s = np.linspace(first, last, CURVE_SAMPLES)
+    s = np.linspace(first, last, _CURVE_SAMPLES)
     # A chord c of a curve with the curvature k has an error of k c^2 / 8; this is the number of chords between samples.
     # On straight parts chords are three times as long as the shortest: the page leaves out points in a distant view,
     # and a chord across a joint must not be much further off than others.
@@ -182,7 +182,7 @@ def _pack_velocities(run: Run, step: float) -> tuple[Packed, float]:
     """Velocities of the handles for positions that are packed in steps of `step` m, and their error in m/s."""
     intervals = np.diff(run.times)
     apart = intervals[intervals > 0]
-    step *= VELOCITY_STEP / (float(np.median(apart)) if apart.size else 1.0)
+    step *= _VELOCITY_STEP / (float(np.median(apart)) if apart.size else 1.0)
     return _pack_handles(run.march.dragon.hole_velocities(run.poses, run.pose_velocities), step)
 
 
@@ -212,7 +212,7 @@ def _pack_exact(run: Run, narrowest: float) -> Packed | None:
     offsets = exact_offsets(run)
     if offsets is None:
         return None
-    return pack(offsets, max(EXACT_STEP * narrowest, EXACT_SHARE * float(np.abs(offsets).max())), from_zero=True)
+    return pack(offsets, max(_EXACT_STEP * narrowest, _EXACT_SHARE * float(np.abs(offsets).max())), from_zero=True)
 
 
 def _pack_handles(holes: tuple[Array, Array], step: float) -> tuple[Packed, float]:

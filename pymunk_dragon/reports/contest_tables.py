@@ -21,18 +21,18 @@ from pymunk_dragon.model.march import March
 from pymunk_dragon.reports.summary import TABLE_TIMES
 
 # Digits after the decimal point, as the contest requires.
-DECIMALS = 6
+_DECIMALS = 6
 # Columns of a worksheet: limit of the format.
 MAX_COLUMNS = 16_384
 # Creation date in the file's properties: constant, in the year of the contest, so that equal contents give equal bytes.
-CREATED = datetime(2024, 9, 5)
+_CREATED = datetime(2024, 9, 5)
 # Names of handles in the templates: head, n-th body bench, tail, rear of the tail.
-HEAD, BODY, TAIL = "龙头", "第{}节龙身", "龙尾"
+HEAD, _BODY, _TAIL = "龙头", "第{}节龙身", "龙尾"
 LAST = "龙尾（后）"  # noqa: RUF001  # The template's own brackets.
 # Characters: widths of the columns of names and values, enough for the longest.
-NAME_WIDTH, VALUE_WIDTH = 18, 11
+_NAME_WIDTH, _VALUE_WIDTH = 18, 11
 # m or m/s: added to magnitudes before truncation, so that 8.8 m or 1 m/s with a rounding error keep their digits.
-ROUNDING_TOLERANCE = 1e-11
+_ROUNDING_TOLERANCE = 1e-11
 
 
 def write_tables(march: March, times: ArrayLike, path: str | Path) -> None:
@@ -64,7 +64,7 @@ def write_tables(march: March, times: ArrayLike, path: str | Path) -> None:
     if not 1 <= t.size < MAX_COLUMNS:
         raise ParameterError("times", t.size, f"1 to {MAX_COLUMNS - 1} of them, as many as a sheet has columns")
     states = march.at(t)
-    names = handle_names(march.dragon.handles)
+    names = _handle_names(march.dragon.handles)
     labels = [f"{time + 0.0:.12g} s" for time in t.tolist()]
     # In the templates two spaces precede the unit of all speeds but the first and the last.
     speed_names = [f"{HEAD} (m/s)", *(f"{name}  (m/s)" for name in names[1:-1]), f"{LAST} (m/s)"]
@@ -95,7 +95,7 @@ def write_contact_table(march: March, impact_time: float, path: str | Path) -> N
     states = march.at([impact_time])
     values = np.column_stack([states.positions[0], states.speeds[0]])
     labels = ("横坐标x (m)", "纵坐标y (m)", "速度 (m/s)")
-    _write_sheets(destination, {"Sheet1": (labels, handle_names(march.dragon.handles), values)})
+    _write_sheets(destination, {"Sheet1": (labels, _handle_names(march.dragon.handles), values)})
 
 
 def paper_tables(march: March, impact_time: float | None) -> str:
@@ -135,9 +135,9 @@ def paper_tables(march: March, impact_time: float | None) -> str:
     return "\n".join(lines[:-1])
 
 
-def handle_names(handles: int) -> list[str]:
+def _handle_names(handles: int) -> list[str]:
     """Names of the handles in the contest's templates."""
-    return [HEAD, *(BODY.format(i) for i in range(1, handles - 2)), TAIL, LAST]
+    return [HEAD, *(_BODY.format(i) for i in range(1, handles - 2)), _TAIL, LAST]
 
 
 def _write_sheets(destination: Path, sheets: Mapping[str, tuple[Sequence[str], Sequence[str], Array]]) -> None:
@@ -148,15 +148,15 @@ def _write_sheets(destination: Path, sheets: Mapping[str, tuple[Sequence[str], S
         options = {"constant_memory": True, "tmpdir": folder}
         try:
             with xlsxwriter.Workbook(str(draft), options) as book:
-                book.set_properties({"created": CREATED, "author": "pymunk_dragon"})
+                book.set_properties({"created": _CREATED, "author": "pymunk_dragon"})
                 for title, (labels, names, values) in sheets.items():
-                    sheet, number = book.add_worksheet(title), book.add_format({"num_format": f"{0:.{DECIMALS}f}"})
-                    sheet.set_column(0, 0, NAME_WIDTH)
-                    sheet.set_column(1, len(labels), VALUE_WIDTH)
+                    sheet, number = book.add_worksheet(title), book.add_format({"num_format": f"{0:.{_DECIMALS}f}"})
+                    sheet.set_column(0, 0, _NAME_WIDTH)
+                    sheet.set_column(1, len(labels), _VALUE_WIDTH)
                     sheet.freeze_panes(1, 1)
                     sheet.write_row(0, 1, labels)
                     # Adding 0 turns the -0.0 of a rounded tiny number into 0.0.
-                    for row, cells in enumerate(np.round(values, DECIMALS) + 0.0, start=1):
+                    for row, cells in enumerate(np.round(values, _DECIMALS) + 0.0, start=1):
                         sheet.write_string(row, 0, names[row - 1])
                         sheet.write_row(row, 1, cells.tolist(), number)
         except xlsxwriter.exceptions.FileCreateError as error:
@@ -165,7 +165,7 @@ def _write_sheets(destination: Path, sheets: Mapping[str, tuple[Sequence[str], S
 
 def _truncated(value: float) -> str:
     """`value` truncated to three decimals."""
-    return f"{math.trunc(1000 * (value + math.copysign(ROUNDING_TOLERANCE, value))) / 1000:.3f}"
+    return f"{math.trunc(1000 * (value + math.copysign(_ROUNDING_TOLERANCE, value))) / 1000:.3f}"
 
 
 def _text_table(title: str, labels: Sequence[str], names: Sequence[object], rows: Array) -> list[str]:

@@ -28,18 +28,18 @@ from pymunk_dragon.reports.summary import Summary, summarize
 
 # Characters with a meaning in Markdown, embedded HTML or GitHub's dialect.
 MARKUP = re.compile(r"[\\`*_{}\[\]<>|&~$#@!]")
-CSV_COLUMNS = ["time_s", "what", "bench_i", "bench_j", "point1_x_m", "point1_y_m", "point2_x_m", "point2_y_m"]
-CSV_COLUMNS += ["normal_x", "normal_y", "depth_m", "relative_velocity_x_m_s", "relative_velocity_y_m_s"]
-CSV_COLUMNS += ["impulse_x_N_s", "impulse_y_N_s", "gap_m"]
+_CSV_COLUMNS = ["time_s", "what", "bench_i", "bench_j", "point1_x_m", "point1_y_m", "point2_x_m", "point2_y_m"]
+_CSV_COLUMNS += ["normal_x", "normal_y", "depth_m", "relative_velocity_x_m_s", "relative_velocity_y_m_s"]
+_CSV_COLUMNS += ["impulse_x_N_s", "impulse_y_N_s", "gap_m"]
 # Pixels: width and height of a still, twice the displayed size for screens with a pixel ratio of two.
-STILL_SIZE = 880
+_STILL_SIZE = 880
 # m: least width of the close-up around the head, and its ratio to the distance of the contact from the head: that of an
 # unguided run may be far away.
-CLOSE_SPAN, CLOSE_MARGIN = 6.0, 3.0
+_CLOSE_SPAN, _CLOSE_MARGIN = 6.0, 3.0
 # Bars in the chart of contacts: more are hard to read. The table and the other formats have more.
-MAX_BARS = 40
+_MAX_BARS = 40
 # SVG without a date, for the same bytes each time, and without the rest of the description.
-NO_METADATA = dict.fromkeys(("Date", "Creator", "Format", "Type"))
+_NO_METADATA = dict.fromkeys(("Date", "Creator", "Format", "Type"))
 
 
 def report(run: Run, path: str | Path) -> None:
@@ -72,12 +72,12 @@ def report(run: Run, path: str | Path) -> None:
         draft.write_bytes(content.encode("utf-8"))
 
 
-def json_text(summary: Summary) -> str:
+def _json_text(summary: Summary) -> str:
     """Report as JSON on one line."""
     return json.dumps(summary.to_dict(), allow_nan=False) + "\n"
 
 
-def csv_text(summary: Summary) -> str:
+def _csv_text(summary: Summary) -> str:
     """Near misses, first contacts and callbacks by time as CSV (RFC 4180): SI units, a column for each coordinate."""
     values = summary.to_dict()
     kinds = {
@@ -90,7 +90,7 @@ def csv_text(summary: Summary) -> str:
     found.sort(key=lambda entry: entry[1]["time"])
     content = io.StringIO(newline="")
     writer = csv.writer(content)
-    writer.writerow(CSV_COLUMNS)
+    writer.writerow(_CSV_COLUMNS)
     writer.writerows(_csv_row(what, entry) for what, entry in found)
     return content.getvalue()
 
@@ -114,7 +114,7 @@ def html(summary: Summary) -> str:
 
 
 # Registry of the formats by file ending.
-FORMATS: dict[str, Callable[[Summary], str]] = {".json": json_text, ".csv": csv_text, ".md": markdown, ".html": html}
+FORMATS: dict[str, Callable[[Summary], str]] = {".json": _json_text, ".csv": _csv_text, ".md": markdown, ".html": html}
 REPORT_ENDINGS = tuple(FORMATS)
 
 
@@ -145,16 +145,16 @@ def _escaped(text: str) -> str:
 
 def _stills(run: Run) -> list[tuple[str, bytes]]:
     """Captions and PNG data of the head and of the whole dragon, at the first contact or at the end."""
-    first, (begin, time), span = run.first_contact, run.times[[0, -1]].tolist(), CLOSE_SPAN
+    first, (begin, time), span = run.first_contact, run.times[[0, -1]].tolist(), _CLOSE_SPAN
     if first is not None:
         time = min(max(first.time, begin), time)
-        span = max(span, CLOSE_MARGIN * float(np.abs(first.point - run.poses_at(time)[0, 0, :2]).max()))
+        span = max(span, _CLOSE_MARGIN * float(np.abs(first.point - run.poses_at(time)[0, 0, :2]).max()))
     cameras = {
         text("The head at {time} s"): Camera(follow="head", span=span),
         text("The whole dragon at {time} s"): Camera(),
     }
     return [
-        (caption.format(time=f"{time:.2f}"), still_png(run, time, Film(size=STILL_SIZE, camera=camera, gap=False)))
+        (caption.format(time=f"{time:.2f}"), still_png(run, time, Film(size=_STILL_SIZE, camera=camera, gap=False)))
         for caption, camera in cameras.items()
     ]
 
@@ -169,7 +169,7 @@ def _charts(run: Run) -> dict[str, tuple[str, str]]:
     for key, (caption, draw) in drawn.items():
         with suppress(MissingExtraError, ParameterError, UnreachableError), styled():
             svg = io.StringIO()
-            draw(run).savefig(svg, format="svg", metadata=NO_METADATA)
+            draw(run).savefig(svg, format="svg", metadata=_NO_METADATA)
             found[key] = (caption, _inlined(svg.getvalue(), key))
     return found
 
@@ -184,7 +184,7 @@ def _inlined(svg: str, key: str) -> str:
 
 def _contacts(run: Run) -> Any:
     """Contact windows over time as a matplotlib figure with a row for each pair."""
-    windows, end = run.events.windows()[:MAX_BARS], float(run.times[-1])
+    windows, end = run.events.windows()[:_MAX_BARS], float(run.times[-1])
     if not windows or windows[0].begin >= end:
         raise ParameterError("run", "one without contact windows", "one that went on after its first contact")
     pairs = ["{} \u00b7 {}".format(*window.benches) for window in windows]

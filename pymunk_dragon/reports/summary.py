@@ -22,13 +22,13 @@ from pymunk_dragon.model.run import HEAD_BENCHES, Run
 from pymunk_dragon.model.speed import SpeedTable
 
 # Name and version of the JSON format, as in `schema.json`.
-SCHEMA, VERSION = "pymunk_dragon report", 1
+_SCHEMA, VERSION = "pymunk_dragon report", 1
 # s: times of the paper's tables 1 and 2.
 TABLE_TIMES = (0.0, 60.0, 120.0, 180.0, 240.0, 300.0)
 # Times in the tables of curves other than the spiral: the contest's problem 4 has five, from -100 s to 100 s.
-OTHER_TIMES = 5
+_OTHER_TIMES = 5
 # Fields of a `FirstContact` under the key `exact`; near misses have a key of their own.
-EXACT_FIELDS = ("status", "time", "benches", "point", "normal")
+_EXACT_FIELDS = ("status", "time", "benches", "point", "normal")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -91,7 +91,7 @@ class Summary:
         run, march = self.run, self.run.march
         numbers, times = march.dragon.representatives, np.array(TABLE_TIMES)
         if march.curve.default_turns is None:
-            times = np.unique(np.linspace(run.times[0], run.times[-1], OTHER_TIMES))
+            times = np.unique(np.linspace(run.times[0], run.times[-1], _OTHER_TIMES))
         contact = self.exact_contact or run.first_contact
         last = [] if contact is None else _reached(march, [contact.time])
         states = _reached(march, times.tolist()) + last
@@ -133,7 +133,7 @@ class Summary:
         """
         run, exact = self.run, self.exact
         values = {
-            "schema": SCHEMA,
+            "schema": _SCHEMA,
             "version": VERSION,
             "scenario": self.scenario,
             "player": run.player,
@@ -142,7 +142,7 @@ class Summary:
             "outcome": {"status": run.outcome, "start": run.times[0], "until": run.times[-1]}
             | {"frames": len(run.times), "events": len(run.events)},
             "first_contact": run.first_contact,
-            "exact": exact and {name: getattr(exact, name) for name in EXACT_FIELDS},
+            "exact": exact and {name: getattr(exact, name) for name in _EXACT_FIELDS},
             "near_misses": self.near_misses,
             "events": list(run.events),
             "windows": run.events.windows(),

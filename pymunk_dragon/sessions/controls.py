@@ -13,7 +13,7 @@ from pymunk_dragon._checks import finite, whole
 from pymunk_dragon._extras import library
 from pymunk_dragon.errors import ParameterError
 
-Action = Callable[[pymunk.Space], object]
+_Action = Callable[[pymunk.Space], object]
 
 
 @dataclass(frozen=True)
@@ -90,7 +90,7 @@ class Button:
     """
 
     name: str
-    action: Action
+    action: _Action
 
 
 @dataclass(frozen=True)
@@ -107,8 +107,8 @@ class Key:
     """
 
     name: str
-    action: Action
-    up: Action | None = None
+    action: _Action
+    up: _Action | None = None
 
 
 class PygameEvents:
@@ -154,7 +154,7 @@ class PygameEvents:
     def key(self, name: str, down: bool) -> None:
         """Post the event of a key with a name of the browser's."""
         try:
-            code = self._pygame.key.key_code(KEY_NAMES.get(name, name.removeprefix("Arrow")))
+            code = self._pygame.key.key_code(_KEY_NAMES.get(name, name.removeprefix("Arrow")))
         except ValueError:  # A key that pygame does not have.
             return
         self._keys[code] = down
@@ -184,4 +184,4 @@ class PygameEvents:
 
 
 # Names of keys in browsers that pygame names otherwise.
-KEY_NAMES = {"Enter": "return", "Shift": "left shift", "Control": "left ctrl", "Alt": "left alt", " ": "space"}
+_KEY_NAMES = {"Enter": "return", "Shift": "left shift", "Control": "left ctrl", "Alt": "left alt", " ": "space"}

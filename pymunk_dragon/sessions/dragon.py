@@ -22,13 +22,13 @@ from pymunk_dragon.sessions.controls import Slider
 from pymunk_dragon.sessions.scene import NO_ARROW, Play, Scene, from_binary, in_binary
 
 # Distance from its exact pose, in widths, at which the head counts as blocked.
-HEAD_LAG = 1 / 50
+_HEAD_LAG = 1 / 50
 # Share of its full speed that the march then loses in a metre at full speed, and that it regains afterwards. The motor
 # of the head has to follow without reaching that distance.
-BRAKING = 10.0
-RESUMING = 1.0
+_BRAKING = 10.0
+_RESUMING = 1.0
 # 1/s: rate at which the time of a march that stands goes to where the head is, so that it goes on from there.
-RECOVERING = 5.0
+_RECOVERING = 5.0
 # What contacts do.
 CONTACTS = ("stop", "report", "resolve")
 # Metres that the head travels in a step, twice as many as in `simulate` where contacts are resolved, and half its
@@ -66,7 +66,7 @@ class DragonScene(Scene):
         self._march_time, self._share = start, 1.0
         self._speed = values.get("speed", self.world.top_speed)
         self._time = start
-        self._lag = HEAD_LAG * float(self.march.dragon.widths.min())
+        self._lag = _HEAD_LAG * float(self.march.dragon.widths.min())
         # Contacts of the last step, each with points, normal, and impulse in N s; and the pairs that touched before.
         self._touching: dict[tuple[pymunk.Shape, pymunk.Shape], tuple[Any, Any, float]] = {}
         self._touched: set[tuple[int, int]] = set()
@@ -90,7 +90,7 @@ class DragonScene(Scene):
     def advance(self) -> None:
         """Make a step; the march waits while the head cannot follow."""
         world = self.world
-        change = -BRAKING if world.head_lag > self._lag else RESUMING
+        change = -_BRAKING if world.head_lag > self._lag else _RESUMING
         self._share = min(max(self._share + change * world.top_speed * world.substep, 0.0), 1.0)
         share = self._share * self._speed / world.top_speed
         try:
@@ -105,7 +105,7 @@ class DragonScene(Scene):
             # A motor alone would push a long chain back along its path for minutes.
             pose = states.poses[0, 0].tolist()
             ahead = (world.bodies[0].position - pymunk.Vec2d(*pose[:2])).dot(pymunk.Vec2d.from_polar(1, pose[2]))
-            shift = RECOVERING * world.substep * ahead / world.top_speed
+            shift = _RECOVERING * world.substep * ahead / world.top_speed
             self._march_time = max(self._march_time + shift, world.start)
         if world.returning:
             world.carry(self.march.at(self._march_time), share)

@@ -31,9 +31,9 @@ if TYPE_CHECKING:
     from pymunk_dragon.sessions.server import Server
 
 # Pixels: height of the page in a notebook, which is as wide as the notebook.
-FRAME_HEIGHT = 720
+_FRAME_HEIGHT = 720
 # s. Longest step of a space.
-MAX_STEP = 10.0
+_MAX_STEP = 10.0
 DEFAULT = Play()
 
 
@@ -119,7 +119,7 @@ class Live:
         hub = os.environ.get("JUPYTERHUB_SERVICE_PREFIX")
         server = self._server
         address = self.address if hub is None else f"{hub}proxy/{server.port}/?token={server.token}"
-        shape = f'width="100%" height="{FRAME_HEIGHT}" style="border: 0"'
+        shape = f'width="100%" height="{_FRAME_HEIGHT}" style="border: 0"'
         return {"text/html": f'<iframe src="{escape(address)}" title="A live session" {shape}></iframe>'}
 
 
@@ -207,7 +207,7 @@ def live(
     """
     path = None if record is None else check_destination(record, RECORDING_ENDINGS)
     play = Play(
-        step=None if step is None else finite("step", step, 1e-6, MAX_STEP, "s"),
+        step=None if step is None else finite("step", step, 1e-6, _MAX_STEP, "s"),
         on_step=on_step,
         controls=tuple(controls),
         plots=dict(plots or {}),

@@ -10,7 +10,7 @@ from pymunk_dragon._html import asset, embedded_json, policy, substituted
 from pymunk_dragon.player.page import catalogue, colour_variables, parts
 
 # Parts of the script: those of the player, and those of this page; each uses only those before it.
-PLAYER_SCRIPTS = ("common", "texts", "geometry", "view", "format", "marks", "paint", "ghost", "pointer", "stage")
+_PLAYER_SCRIPTS = ("common", "texts", "geometry", "view", "format", "marks", "paint", "ghost", "pointer", "stage")
 SCRIPTS = (
     *("frame", "connection", "nearest", "model", "shades", "force_scale", "shapes", "overlays", "legend", "live_paint"),
     *("charts", "parameters", "live_charts", "tools", "recorder", "live_show", "live", "live_controls", "live_main"),
@@ -21,7 +21,7 @@ SCRIPTS = (
 def live_page(title: str, language: str) -> tuple[str, str]:
     """The page, which opens in a language, and its content security policy."""
     style = colour_variables() + asset(player.__name__, "assets/player.css") + asset(__package__, "assets/live.css")
-    script = "".join(asset(player.__name__, f"assets/{name}.js") for name in PLAYER_SCRIPTS)
+    script = "".join(asset(player.__name__, f"assets/{name}.js") for name in _PLAYER_SCRIPTS)
     script += "".join(asset(__package__, f"assets/{name}.js") for name in SCRIPTS)
     rules = policy(style, script) + "; connect-src 'self'"
     page = substituted(

@@ -23,7 +23,7 @@ from pymunk_dragon.sessions.scene import Play, Scene
 
 Values = Mapping[str, float]
 # Properties of a space that a slider without an action may have.
-PROPERTIES = ("gravity", "damping", "iterations")
+_PROPERTIES = ("gravity", "damping", "iterations")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -92,13 +92,13 @@ def _known(control: object, build: Callable[..., object]) -> Slider | Button | K
             raise ParameterError("controls", control, "Slider, Button, Key and PygameEvents")
         return control
     parameter = signature(build).parameters.get(control.name)
-    if parameter is None and (control.rebuilds or not (control.action or control.name in PROPERTIES)):
+    if parameter is None and (control.rebuilds or not (control.action or control.name in _PROPERTIES)):
         known = ", ".join(signature(build).parameters) or "none"
         raise ParameterError("controls", control.name, f"an argument of the function that builds the space ({known})")
     value = control.value
     if value is None and parameter is not None and parameter.default is not Parameter.empty:
         value = parameter.default
-    if value is None and control.name not in PROPERTIES:
+    if value is None and control.name not in _PROPERTIES:
         raise ParameterError("controls", control.name, "a slider with a value at the start")
     is_whole = control.whole or (isinstance(value, int) and parameter is not None)
     known_control = replace(control, value=value, whole=is_whole)

@@ -34,12 +34,12 @@ INTERVAL = 1 / 30
 # Frames a second of a film, and pixels of one by Pymunk's debug drawing.
 FPS, SIZE = 20, (640, 480)
 # Inputs whose effects a run does not show.
-NOT_IN_RUNS = {"cut", "obstacle"}
+_NOT_IN_RUNS = {"cut", "obstacle"}
 # Colours of such a film: one index means transparent. Pictures from which they are chosen.
 COLOURS, SAMPLES = 255, 8
 
 # Before each snapshot: its time, s, and its length, bytes.
-FRAME = struct.Struct("<dI")
+_FRAME = struct.Struct("<dI")
 
 Progress = Callable[[int, int], None]
 
@@ -62,13 +62,13 @@ class Frames:
         """Add the present state of the scene if a frame is due."""
         if scene.steps % self._steps_of_frame == 0:
             snapshot = scene.snapshot()
-            self._file.write(FRAME.pack(scene.time, len(snapshot)) + snapshot)
+            self._file.write(_FRAME.pack(scene.time, len(snapshot)) + snapshot)
 
     def __iter__(self) -> Iterator[tuple[float, bytes]]:
         end = self._file.tell()
         self._file.seek(0)
         while self._file.tell() < end:
-            time, length = FRAME.unpack(self._file.read(FRAME.size))
+            time, length = _FRAME.unpack(self._file.read(_FRAME.size))
             yield time, self._file.read(length)
 
 
@@ -94,7 +94,7 @@ class Recorded:
     def is_run(self) -> bool:
         """Whether the film of a run shows all there was: it has neither obstacles nor joints that were cut."""
         done = {message["do"] for _, message in self.log.inputs}
-        return isinstance(self.scene, DragonScene) and not self.scene.obstacles and NOT_IN_RUNS.isdisjoint(done)
+        return isinstance(self.scene, DragonScene) and not self.scene.obstacles and _NOT_IN_RUNS.isdisjoint(done)
 
     def run(self) -> Run:
         """Return the frames of a dragon as a run, with errors against the exact model at the times of the march."""

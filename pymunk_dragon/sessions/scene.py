@@ -22,28 +22,28 @@ from pymunk_dragon.errors import DragonError, ParameterError
 from pymunk_dragon.sessions.controls import Button, Key, PygameEvents, Slider
 
 # Largest acceleration by a hand, in m/s^2, as in Box2D's testbed: for scenes of this size; in larger ones, more.
-HAND_ACCELERATION, HAND_SIZE = 1000.0, 10.0
+_HAND_ACCELERATION, _HAND_SIZE = 1000.0, 10.0
 # Share of the distance to the pointer that is left after a second, as in Pymunk's examples.
-HAND_BIAS = (1 - 0.15) ** 60
+_HAND_BIAS = (1 - 0.15) ** 60
 # Coordinates from outside are not larger, so that products stay finite.
 MAX_COORDINATE = 1e6
-MAX_OBSTACLES = 100
+_MAX_OBSTACLES = 100
 # s: the step that is shown before a program makes its first one.
-DEFAULT_STEP = 1 / 60
-POINTER_KINDS = ("down", "move", "up")
-OBSTACLE_FRICTION = 0.4
+_DEFAULT_STEP = 1 / 60
+_POINTER_KINDS = ("down", "move", "up")
+_OBSTACLE_FRICTION = 0.4
 # Least width and height of the area that is shown.
-SMALLEST_FIELD = 1e-3
+_SMALLEST_FIELD = 1e-3
 # Steps between two checks whether bodies flew apart.
-CHECKED = 10
+_CHECKED = 10
 # Numbers of the kinds of drawn calls in a frame.
 KINDS = {"circle": 0, "segment": 1, "polygon": 2, "line": 3, "dot": 4}
 # Numbers of a call before its points.
 HEAD = 7
 # What the page gets of each pair in contact.
-CONTACT_FIELDS = ArbiterFields.TOTAL_IMPULSE | ArbiterFields.NORMAL | ArbiterFields.POINT_A_1 | ArbiterFields.POINT_A_2
-CONTACT_FIELDS |= ArbiterFields.BODY_A_ID | ArbiterFields.BODY_B_ID
-CONTACT_FIELDS |= ArbiterFields.IS_FIRST_CONTACT | ArbiterFields.CONTACT_COUNT
+_CONTACT_FIELDS = ArbiterFields.TOTAL_IMPULSE | ArbiterFields.NORMAL | ArbiterFields.POINT_A_1 | ArbiterFields.POINT_A_2
+_CONTACT_FIELDS |= ArbiterFields.BODY_A_ID | ArbiterFields.BODY_B_ID
+_CONTACT_FIELDS |= ArbiterFields.IS_FIRST_CONTACT | ArbiterFields.CONTACT_COUNT
 # Impulse in the row of a contact that has no arrow: that of its pair is in another row.
 NO_ARROW = -1.0
 
@@ -70,7 +70,7 @@ class Scene:
 
     def __init__(self, space: pymunk.Space, play: Play = Play(), values: Mapping[str, float] | None = None) -> None:
         self.space, self.play = space, play
-        self.step_length = play.step or DEFAULT_STEP
+        self.step_length = play.step or _DEFAULT_STEP
         self.steps = 0
         self.events: list[str] = []
         self.stops = self.waits_for_contact = False
@@ -112,7 +112,7 @@ class Scene:
 
     def check(self) -> None:
         """Raise an error now and then if a body has no finite position any more."""
-        if self.steps % CHECKED == 0:
+        if self.steps % _CHECKED == 0:
             buffer = batch.Buffer()
             batch.get_space_bodies(self.space, batch.BodyFields.POSITION, buffer)
             if not np.isfinite(np.frombuffer(buffer.float_buf())).all():
@@ -123,7 +123,7 @@ class Scene:
     @property
     def parameters(self) -> dict[str, Slider]:
         """Sliders: those of the user's, and those that any space has."""
-        step = 1e3 * (self.play.step or DEFAULT_STEP)
+        step = 1e3 * (self.play.step or _DEFAULT_STEP)
         return self._sliders | {
             each.name: each
             for each in (
@@ -184,7 +184,7 @@ class Scene:
         if self.pygame is None:
             raise ParameterError("pointer", kind, "sent to a program with PygameEvents")
         x, y = _point(x, y)
-        self.pygame.pointer(x, y if self.play.y_down else self.field["size"][1] - y, word("kind", kind, POINTER_KINDS))
+        self.pygame.pointer(x, y if self.play.y_down else self.field["size"][1] - y, word("kind", kind, _POINTER_KINDS))
 
     # ---- what a hand does
 
@@ -202,9 +202,9 @@ class Scene:
         self._hand.position = point
         anchor = body.world_to_local(nearest.point if nearest.distance > 0 else point)
         self._held = pymunk.PivotJoint(self._hand, body, (0, 0), anchor)
-        size = max(self.field["size"]) / HAND_SIZE
-        self._held.max_force = HAND_ACCELERATION * max(1.0, size) * body.mass
-        self._held.error_bias = HAND_BIAS
+        size = max(self.field["size"]) / _HAND_SIZE
+        self._held.max_force = _HAND_ACCELERATION * max(1.0, size) * body.mass
+        self._held.error_bias = _HAND_BIAS
         self.space.add(self._held)
 
     def drag(self, x: float, y: float) -> None:
@@ -229,8 +229,8 @@ class Scene:
 
     def obstacle(self, shape: str, x: float, y: float, size: float) -> None:
         """Put a round or square obstacle, `size` in diameter or side, on the ground."""
-        if len(self.obstacles) >= MAX_OBSTACLES:
-            raise ParameterError("obstacle", shape, f"one of at most {MAX_OBSTACLES}")
+        if len(self.obstacles) >= _MAX_OBSTACLES:
+            raise ParameterError("obstacle", shape, f"one of at most {_MAX_OBSTACLES}")
         x, y = _point(x, y)
         half = positive("size", size, MAX_COORDINATE, self.play.units) / 2
         ground = self.space.static_body
@@ -242,7 +242,7 @@ class Scene:
             found = pymunk.Poly(ground, corners)
         else:
             raise ParameterError("shape", shape, "round or square")
-        found.friction = OBSTACLE_FRICTION
+        found.friction = _OBSTACLE_FRICTION
         number = max(self.obstacles, default=0) + 1
         self.obstacles[number] = {"id": number, "shape": shape, "x": x, "y": y, "size": 2 * half}
         self._obstacle_shapes[number] = found
@@ -371,7 +371,7 @@ class Scene:
         """Return impulse, normal and two points of each pair in contact; and bodies, newness and number of points."""
         buffer = self._arbiters
         buffer.clear()
-        batch.get_space_arbiters(self.space, CONTACT_FIELDS, buffer)
+        batch.get_space_arbiters(self.space, _CONTACT_FIELDS, buffer)
         flags = np.frombuffer(buffer.int_buf(), np.uint64).reshape(-1, 4)
         rows = np.frombuffer(buffer.float_buf()).reshape(-1, 8)
         if len(rows) and math.isfinite(self.space.sleep_time_threshold):
@@ -390,7 +390,7 @@ class Scene:
         found = np.array(points)
         found = found[np.isfinite(found).all(axis=1)]
         low, high = found.min(axis=0), found.max(axis=0)
-        width, height = np.maximum(high - low, SMALLEST_FIELD)
+        width, height = np.maximum(high - low, _SMALLEST_FIELD)
         x, y = (low + high) / 2
         return float(x), float(y), float(width), float(height)
 

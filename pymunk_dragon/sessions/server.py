@@ -29,24 +29,24 @@ from pymunk_dragon.sessions.page import live_page
 from pymunk_dragon.sessions.session import Session
 
 # Bytes of a message: a character takes up to four.
-MAX_BYTES = 4 * MAX_MESSAGE
+_MAX_BYTES = 4 * MAX_MESSAGE
 # Messages of a client in a second: the others wait, and a client that sends more for so many seconds is disconnected.
-MOST_MESSAGES, FLOOD_TIME = 500, 10
+_MOST_MESSAGES, _FLOOD_TIME = 500, 10
 # Texts that wait for a client; one that does not take them is disconnected.
-MAX_TEXTS = 1000
+_MAX_TEXTS = 1000
 # Clients at once, and those of them who only watch: places are kept for those who control.
-MAX_CLIENTS, MAX_WATCHERS = 220, 200
+_MAX_CLIENTS, _MAX_WATCHERS = 220, 200
 # s after which a client that does not answer is disconnected.
-HEARTBEAT = 20.0
+_HEARTBEAT = 20.0
 # s in which the server has to begin, and clients to take the last bytes.
-START_TIME = 10.0
-STOP_TIME = 0.5
+_START_TIME = 10.0
+_STOP_TIME = 0.5
 # Errors for which a port is to blame.
-PORT_ERRORS = (errno.EADDRINUSE, errno.EACCES)
+_PORT_ERRORS = (errno.EADDRINUSE, errno.EACCES)
 # Bytes of randomness in a token.
-TOKEN_BYTES = 16
-LOOPBACK = ("localhost", "127.0.0.1", "::1")
-HEADERS = {"Cache-Control": "no-store", "Referrer-Policy": "no-referrer", "X-Content-Type-Options": "nosniff"}
+_TOKEN_BYTES = 16
+_LOOPBACK = ("localhost", "127.0.0.1", "::1")
+_HEADERS = {"Cache-Control": "no-store", "Referrer-Policy": "no-referrer", "X-Content-Type-Options": "nosniff"}
 
 
 class _Client:
@@ -62,7 +62,7 @@ class _Client:
 
     def tell(self, message: dict[str, Any]) -> None:
         """Send a text; a client that does not take them is disconnected."""
-        if len(self._texts) >= MAX_TEXTS:
+        if len(self._texts) >= _MAX_TEXTS:
             self._drop()
             return
         self._texts.append(json.dumps(message, allow_nan=False))
@@ -79,9 +79,9 @@ class _Client:
         if now - self._second >= 1:
             self._second, self._messages = now, 0
         self._messages += 1
-        if self._messages > MOST_MESSAGES:
+        if self._messages > _MOST_MESSAGES:
             self._floods += 1
-            if self._floods >= FLOOD_TIME:
+            if self._floods >= _FLOOD_TIME:
                 self._drop()
             await asyncio.sleep(self._second + 1 - now)
 
@@ -105,10 +105,10 @@ class Server:
         self, session: Session, *, host: str = "127.0.0.1", port: int = 0, allowed: Sequence[str] = ()
     ) -> None:
         self.session, self.host, self.port = session, host, port
-        self.token, self.watch_token = secrets.token_urlsafe(TOKEN_BYTES), secrets.token_urlsafe(TOKEN_BYTES)
+        self.token, self.watch_token = secrets.token_urlsafe(_TOKEN_BYTES), secrets.token_urlsafe(_TOKEN_BYTES)
         self._proxies = {name.lower() for name in allowed}
-        self._allowed = {*LOOPBACK, host.lower(), *self._proxies}
-        self._any_address = host not in LOOPBACK
+        self._allowed = {*_LOOPBACK, host.lower(), *self._proxies}
+        self._any_address = host not in _LOOPBACK
         if self._any_address:
             self._allowed.add(socket.gethostname().lower())
         # Now, because the thread of the server does not have it.
@@ -137,11 +137,11 @@ class Server:
     def start(self) -> None:
         """Begin to serve."""
         self._thread.start()
-        if not self._begun.wait(START_TIME):
-            raise ParameterError("host", self.host, f"an address that is found within {START_TIME:g} s")
+        if not self._begun.wait(_START_TIME):
+            raise ParameterError("host", self.host, f"an address that is found within {_START_TIME:g} s")
         if self._failure is not None:
             reason = (isinstance(self._failure, OSError) and self._failure.strerror) or self._failure
-            if isinstance(self._failure, OSError) and self._failure.errno in PORT_ERRORS:
+            if isinstance(self._failure, OSError) and self._failure.errno in _PORT_ERRORS:
                 bound = f"one that is free on {self.host} ({reason})"
                 raise ParameterError("port", self.port, bound) from self._failure
             raise ParameterError("host", self.host, f"an address of this machine ({reason})") from self._failure
@@ -199,7 +199,7 @@ class Server:
         application.router.add_get("/", self._page)
         application.router.add_get("/socket", self._socket)
         application.router.add_get("/inputs", self._inputs)
-        runner = web.AppRunner(application, access_log=None, shutdown_timeout=STOP_TIME)
+        runner = web.AppRunner(application, access_log=None, shutdown_timeout=_STOP_TIME)
         await runner.setup()
         try:
             site = web.TCPSite(runner, self.host, self.port)
@@ -209,7 +209,7 @@ class Server:
             self._begun.set()
             await self._end.wait()
             # All at once: a client that does not read would have the next one wait.
-            closing = [asyncio.wait_for(client.connection.close(), STOP_TIME) for client in self._clients]
+            closing = [asyncio.wait_for(client.connection.close(), _STOP_TIME) for client in self._clients]
             await asyncio.gather(*closing, return_exceptions=True)
         finally:
             await runner.cleanup()
@@ -219,16 +219,16 @@ class Server:
         """Refuse requests that come under another name or from another page, or have no token."""
         host, origin = request.headers.get("Host", ""), request.headers.get("Origin")
         if not self._is_known(_parts(f"//{host}")[0]):
-            return web.Response(status=403, text="This host is not known. See --allow-host.\n", headers=HEADERS)
+            return web.Response(status=403, text="This host is not known. See --allow-host.\n", headers=_HEADERS)
         # A proxy with an allowed name may replace the host, but not the origin.
         if origin is not None and _parts(origin)[1] != host and _parts(origin)[0] not in self._proxies:
-            return web.Response(status=403, text="Requests of other pages are refused.\n", headers=HEADERS)
+            return web.Response(status=403, text="Requests of other pages are refused.\n", headers=_HEADERS)
         if not (_has_token(request, self.token) or _has_token(request, self.watch_token)):
-            return web.Response(status=403, text="The address needs the token that was printed.\n", headers=HEADERS)
+            return web.Response(status=403, text="The address needs the token that was printed.\n", headers=_HEADERS)
         try:
             response: web.StreamResponse = await handler(request)
         except web.HTTPException as error:  # Such as of an address that does not exist.
-            return web.Response(status=error.status, text=f"{error.reason}\n", headers=HEADERS)
+            return web.Response(status=error.status, text=f"{error.reason}\n", headers=_HEADERS)
         return response
 
     def _is_known(self, name: str | None) -> bool:
@@ -243,7 +243,7 @@ class Server:
 
     async def _page(self, request: web.Request) -> web.Response:
         page, rules = live_page(self.session.source.title, self._language)
-        headers = {**HEADERS, "Content-Security-Policy": rules}
+        headers = {**_HEADERS, "Content-Security-Policy": rules}
         return web.Response(text=page, content_type="text/html", headers=headers)
 
     async def _inputs(self, request: web.Request) -> web.Response:
@@ -255,15 +255,15 @@ class Server:
             self._call(lambda: None if found.done() else found.set_result(log))
 
         self.session.call(take)
-        text = (await asyncio.wait_for(found, START_TIME)).to_json()
+        text = (await asyncio.wait_for(found, _START_TIME)).to_json()
         return _download(text.encode(), "live.json", "application/json")
 
     async def _socket(self, request: web.Request) -> web.StreamResponse:
         controls = _has_token(request, self.token)
         watchers = sum(not client.controls for client in self._clients)
-        if len(self._clients) >= MAX_CLIENTS or (watchers >= MAX_WATCHERS and not controls):
-            return web.Response(status=503, text="There are too many clients.\n", headers=HEADERS)
-        connection = web.WebSocketResponse(compress=False, heartbeat=HEARTBEAT, max_msg_size=MAX_BYTES)
+        if len(self._clients) >= _MAX_CLIENTS or (watchers >= _MAX_WATCHERS and not controls):
+            return web.Response(status=503, text="There are too many clients.\n", headers=_HEADERS)
+        connection = web.WebSocketResponse(compress=False, heartbeat=_HEARTBEAT, max_msg_size=_MAX_BYTES)
         await connection.prepare(request)
         transport = request.transport
         assert transport is not None  # The request is being answered.
@@ -311,7 +311,7 @@ class Server:
 
 
 def _download(content: bytes, name: str, kind: str) -> web.Response:
-    headers = {**HEADERS, "Content-Disposition": f'attachment; filename="{name}"'}
+    headers = {**_HEADERS, "Content-Disposition": f'attachment; filename="{name}"'}
     return web.Response(body=content, content_type=kind, headers=headers)
 
 

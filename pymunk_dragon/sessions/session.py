@@ -26,31 +26,31 @@ from pymunk_dragon.sessions.scene import without_nan
 # Simulated over real time.
 SPEEDS = 0.1, 20.0
 # Frames a second that are made, at most.
-FRAME_RATE = 60.0
+_FRAME_RATE = 60.0
 # s of real time: a computer that is slower than real time does not try to catch up with more than this.
-LARGEST_DEBT = 0.1
+_LARGEST_DEBT = 0.1
 # s of real time after which the thread takes messages, even if further steps are due.
-LONGEST_TURN = 1 / FRAME_RATE
+_LONGEST_TURN = 1 / _FRAME_RATE
 # s between two checks for messages while the thread waits; and for Ctrl-C while another thread waits for it.
-TICK, PATIENCE = 0.002, 0.2
+_TICK, PATIENCE = 0.002, 0.2
 # s that `stop` waits for the thread, which a function of the user's may hold.
-LONGEST_STOP = 0.5
+_LONGEST_STOP = 0.5
 # s. Longest step of a program that makes the steps itself.
-MAX_LENGTH = 10.0
+_MAX_LENGTH = 10.0
 # Steps at once.
 MAX_COUNT = 100_000
 # s over which the rate is averaged, and between two values of the charts.
-RATE_TIME, PLOT_TIME = 1.0, 0.1
+_RATE_TIME, _PLOT_TIME = 1.0, 0.1
 # Share of a new value in the mean time of a step that is shown.
-SMOOTHING = 0.1
+_SMOOTHING = 0.1
 # Messages that wait for the thread; a client that floods loses the others.
-MAX_WAITING = 1000
+_MAX_WAITING = 1000
 # Events of a second that clients get; the others are counted.
-MAX_EVENTS = 20
+_MAX_EVENTS = 20
 # Lines of a traceback that the page shows.
-TRACE_LINES = 8
+_TRACE_LINES = 8
 # Files that are not the user's.
-LIBRARIES = str(Path(__file__).parents[1]), str(Path(pymunk.__file__).parent)
+_LIBRARIES = str(Path(__file__).parents[1]), str(Path(pymunk.__file__).parent)
 
 
 class _StoppedError(Exception):
@@ -117,7 +117,7 @@ class Session:
         """Make a step of a program that makes the steps itself, when it is due: messages and frames go on meanwhile."""
         if self.scene.play.step is not None:
             raise ParameterError("step", self.scene.play.step, "None for a program that makes the steps itself")
-        self.scene.step_length = finite("dt", length, 0, MAX_LENGTH, "s")
+        self.scene.step_length = finite("dt", length, 0, _MAX_LENGTH, "s")
         if not self.scene.steps:
             # Now the program has opened its window and filled its space.
             self.scene.fit()
@@ -129,11 +129,11 @@ class Session:
             now = perf_counter()
             if not self.running:
                 self._due = now
-            self._due = max(self._due, now - LARGEST_DEBT)
+            self._due = max(self._due, now - _LARGEST_DEBT)
             if self._single_steps or (self.running and now >= self._due):
                 break
             self._refresh(now)
-            sleep(TICK)
+            sleep(_TICK)
         begin = self.scene.time
         self._single_steps = max(self._single_steps - 1, 0)
         self._step()
@@ -147,7 +147,7 @@ class Session:
         """End the thread; one that is held by a function of the user's ends after it."""
         self._ended.set()
         if self._thread.is_alive():
-            self._thread.join(LONGEST_STOP)
+            self._thread.join(_LONGEST_STOP)
 
     def post(
         self, message: dict[str, Any], answer: Callable[[str], None] = lambda error: None, *, always: bool = False
@@ -156,7 +156,7 @@ class Session:
 
         `always` is for a message that has to be taken even if too many wait.
         """
-        if len(self._waiting) >= MAX_WAITING and not always:
+        if len(self._waiting) >= _MAX_WAITING and not always:
             answer("too many messages at once")
         else:
             self._waiting.append((message, answer))
@@ -263,14 +263,14 @@ class Session:
             now = perf_counter()
             passed, last = (0.0 if generation != self.generation else now - last), now
             # A step may be longer than the largest debt.
-            most = max(LARGEST_DEBT * self.speed, self.scene.step_length)
+            most = max(_LARGEST_DEBT * self.speed, self.scene.step_length)
             debt = min(debt + passed * self.speed, most) if self.running else 0.0
             before = self.scene.time
             debt, stepped = self._turn(debt)
             self._measure(self.scene.time - before, passed)
             self._refresh(perf_counter())
             if not stepped:
-                sleep(TICK)
+                sleep(_TICK)
 
     def _refresh(self, now: float) -> None:
         """Send the state if it changed, and a frame if one is due."""
@@ -279,7 +279,7 @@ class Session:
             self.tell(self.state())
         if self.clients and now >= self._frame_due:
             # At even intervals, but none is made up for.
-            self._frame_due = max(self._frame_due, now - 1 / FRAME_RATE) + 1 / FRAME_RATE
+            self._frame_due = max(self._frame_due, now - 1 / _FRAME_RATE) + 1 / _FRAME_RATE
             self._show(now)
 
     def _turn(self, debt: float) -> tuple[float, bool]:
@@ -291,7 +291,7 @@ class Session:
             stepped = True
             with self._unheld():
                 self._step()
-            if perf_counter() - begin > LONGEST_TURN or self._waiting:
+            if perf_counter() - begin > _LONGEST_TURN or self._waiting:
                 break
         return debt, stepped
 
@@ -300,14 +300,14 @@ class Session:
         if not self.running:
             self._measured = 0.0
         elif passed > 0:
-            self._measured = min(self._measured + passed, RATE_TIME)
+            self._measured = min(self._measured + passed, _RATE_TIME)
             self._rate += passed / max(self._measured, passed) * (simulated / passed - self._rate)
 
     def _show(self, now: float) -> None:
-        rate = self._rate if self._measured >= RATE_TIME / 2 else None
+        rate = self._rate if self._measured >= _RATE_TIME / 2 else None
         header: dict[str, Any] = {"generation": self.generation, "rate": rate, "step_time": self._step_seconds}
         with self._watched():
-            if now >= self._plotted + PLOT_TIME and self.running:
+            if now >= self._plotted + _PLOT_TIME and self.running:
                 self._plotted = now
                 header["plots"] = list(self.scene.plots().values())
             frame = self.scene.frame(header)
@@ -335,7 +335,7 @@ class Session:
         scene, begin = self.scene, perf_counter()
         with self._watched():
             scene.advance()
-            self._step_seconds += SMOOTHING * (perf_counter() - begin - self._step_seconds)
+            self._step_seconds += _SMOOTHING * (perf_counter() - begin - self._step_seconds)
             self._keep_frame()
             self._tell_events()
             if scene.stops:
@@ -349,13 +349,13 @@ class Session:
         """Tell what happened, but not more than clients can show; the rest is counted."""
         now = perf_counter()
         if now - self._second >= 1:
-            if self._events > MAX_EVENTS:
-                i = self._events - MAX_EVENTS
+            if self._events > _MAX_EVENTS:
+                i = self._events - _MAX_EVENTS
                 self.tell({"kind": "event", "time": self.scene.time, "text": f"{i} further events in a second"})
             self._second, self._events = now, 0
         for text in self.scene.events:
             self._events += 1
-            if self._events <= MAX_EVENTS:
+            if self._events <= _MAX_EVENTS:
                 self.tell({"kind": "event", "time": self.scene.time, "text": text})
         self.scene.events.clear()
 
@@ -533,8 +533,8 @@ def _described(error: Exception) -> dict[str, Any]:
     if isinstance(error, DragonError):
         return {"kind": "error", "text": str(error)}
     frames = traceback.extract_tb(error.__traceback__)
-    own = [frame for frame in frames if not frame.filename.startswith(LIBRARIES)] or frames
+    own = [frame for frame in frames if not frame.filename.startswith(_LIBRARIES)] or frames
     lines = "".join(traceback.format_list(own)).splitlines()
     place = f"{Path(own[-1].filename).name}, line {own[-1].lineno}: {own[-1].line}"
     text = f"{type(error).__name__}: {error}"
-    return {"kind": "error", "text": text, "place": place, "trace": "\n".join(lines[-TRACE_LINES:])}
+    return {"kind": "error", "text": text, "place": place, "trace": "\n".join(lines[-_TRACE_LINES:])}

@@ -20,14 +20,14 @@ from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 
 # Samples per shortest spacing travelled by the head. A local minimum of a gap hardly changes between two samples.
-SAMPLES_PER_SPACING = 6
+_SAMPLES_PER_SPACING = 6
 # Positions of the head evaluated at once: 30 MB with a hundred handles.
-BATCH = 4000
+_BATCH = 4000
 # Turns behind the head that contain all benches that it passes. Benches further back are further away.
-TURNS_BACK = 1.25
+_TURNS_BACK = 1.25
 # Points per bracket of a local minimum in each refinement pass, which narrows the bracket by 32, and passes: half a
 # metre becomes 5e-13 m.
-POINTS, PASSES = 33, 8
+POINTS, _PASSES = 33, 8
 
 
 class Gap(NamedTuple):
@@ -67,11 +67,11 @@ class InwardMarch:
     def smallest_gap(self) -> Gap:
         """The smallest gap before the circle, refined about a sample; infinite if the head passes no bench."""
         spacing, spiral = float(self.dragon.spacings.min()), Spiral(pitch=self.pitch)
-        passed = spiral.at_turn(self.turns) - spiral.at_turn(self.turns + TURNS_BACK)
+        passed = spiral.at_turn(self.turns) - spiral.at_turn(self.turns + _TURNS_BACK)
         handles = min(self.dragon.handles, int(passed / spacing) + 3)
-        step = spacing / SAMPLES_PER_SPACING
+        step = spacing / _SAMPLES_PER_SPACING
         travelled = np.linspace(0.0, self.length, math.ceil(self.length / step) + 1)
-        parts = (travelled[at : at + BATCH] for at in range(0, travelled.size, BATCH))
+        parts = (travelled[at : at + _BATCH] for at in range(0, travelled.size, _BATCH))
         size, at, benches = min(self._smallest_sample(part, handles) for part in parts)
         return Gap(size, at, benches, (0.0, 0.0)) if math.isinf(size) else self.gap_about(at, step, benches)
 
@@ -93,7 +93,7 @@ class InwardMarch:
     def gap_about(self, travelled: float, step: float, benches: tuple[int, int]) -> Gap:
         """The smallest gap of two benches within `step` m of the head's distance `travelled`, m."""
         low, high = max(0.0, travelled - step), min(self.length, travelled + step)
-        for _ in range(PASSES):
+        for _ in range(_PASSES):
             at = np.linspace(low, high, POINTS)
             falling = self._gaps(at, benches)[1] < 0
             # First point at which the gap does not decrease.

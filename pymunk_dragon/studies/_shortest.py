@@ -30,23 +30,23 @@ from pymunk_dragon.studies._study import Progress
 START = (0.95, -0.1, 0.4, -0.2, -0.5, 0.2, -2.5)
 # Start of a second search where the first one fails, the contest's turn: fractions of its arcs at which the four
 # inner joints are.
-JOINTS = np.array([0.4, 1.0, 1.3, 1.7])
+_JOINTS = np.array([0.4, 1.0, 1.3, 1.7])
 # m. Least radius and length of an arc: smaller radii save centimetres, and slow down the certificate of first contact.
-MIN_RADIUS, MIN_ARC = 0.5, 0.02
+MIN_RADIUS, _MIN_ARC = 0.5, 0.02
 # m travelled by the head between chains, and beyond the turn; m behind the circle up to which handles are included; and
 # samples of the speeds from one kink to the next.
-SAMPLING, HEAD_MARGIN, CHAIN_MARGIN, SAMPLES = 0.02, 9.0, 3.0, 8
+_SAMPLING, _HEAD_MARGIN, _CHAIN_MARGIN, SAMPLES = 0.02, 9.0, 3.0, 8
 # Steps at most; and first, largest and least size of the trust region, in units of the unknowns, of which the last one
 # may change by more; and factors on the size after a better turn and after any other.
-STEPS, FIRST_SIZE, MAX_SIZE, MIN_SIZE, GROWTH, SHRINKAGE = 80, 0.1, 0.2, 1e-5, 1.6, 1 / 3
-SCALES = np.array([1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 5.0])
+STEPS, _FIRST_SIZE, MAX_SIZE, _MIN_SIZE, _GROWTH, _SHRINKAGE = 80, 0.1, 0.2, 1e-5, 1.6, 1 / 3
+_SCALES = np.array([1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 5.0])
 # m per unit of a violated constraint: several times the Lagrange multiplier of the speed. Violation by a bench that is
 # pushed back or has no position.
-PENALTY, STUCK = 4.0, 10.0
+_PENALTY, STUCK = 4.0, 10.0
 # Constraints closer to their limits than this are linearised, and a turn that violates one by more is not repaired.
-NEAR, MAX_VIOLATION = 0.4, 0.05
+_NEAR, _MAX_VIOLATION = 0.4, 0.05
 # First distance kept from the limits; step of the differences; and searches, at most, each with a wider distance.
-MARGIN, DIFFERENCE, REPAIRS = 1e-4, 1e-7, 4
+MARGIN, _DIFFERENCE, _REPAIRS = 1e-4, 1e-7, 4
 
 
 def shortest_turn(base: UTurn, dragon: Dragon, limit: float, progress: Progress) -> tuple[Composite, SpeedRatio]:
@@ -55,12 +55,12 @@ def shortest_turn(base: UTurn, dragon: Dragon, limit: float, progress: Progress)
     Raises `MissingExtraError` without SciPy, and `ParameterError` if no such turn is found.
     """
     search = _Search(base, dragon, limit)
-    for done in range(REPAIRS):
+    for done in range(_REPAIRS):
         progress(done, done + 1)
         x = search.run(np.array(START))
-        if search.violations(x).max() > MAX_VIOLATION:
+        if search.violations(x).max() > _MAX_VIOLATION:
             x = search.run(search.contests_turn())
-        if search.violations(x).max() > MAX_VIOLATION:
+        if search.violations(x).max() > _MAX_VIOLATION:
             break
         path = search.arcs(x).path(base)
         ratio = largest_ratio(dragon, path)
@@ -107,7 +107,7 @@ class _Arcs(NamedTuple):
         turned = (np.angle(1j * centres * curvatures) - self.headings[:-1]) * np.sign(curvatures) % (2 * np.pi)
         summits = np.where(turned < np.abs(curvatures) * self.lengths, np.abs(centres) + 1 / np.abs(curvatures), 0.0)
         outside = np.concatenate([np.abs(self.joints[1:-1]), summits]) / radius - 1
-        return np.concatenate([outside, np.abs(curvatures) * MIN_RADIUS - 1, MIN_ARC - self.lengths])
+        return np.concatenate([outside, np.abs(curvatures) * MIN_RADIUS - 1, _MIN_ARC - self.lengths])
 
 
 class _Search:
@@ -115,7 +115,7 @@ class _Search:
 
     def __init__(self, base: UTurn, dragon: Dragon, limit: float) -> None:
         self._base, self._limit, self.margin = base, limit, MARGIN
-        reach = int(np.searchsorted(np.cumsum(dragon.spacings), base.length + CHAIN_MARGIN))
+        reach = int(np.searchsorted(np.cumsum(dragon.spacings), base.length + _CHAIN_MARGIN))
         self._spacings = dragon.spacings[: reach + 1]
         entry, tangent = (part.view(complex)[0] for part in base.frame(0.0))
         self._entry, self._heading = complex(entry), float(np.angle(tangent))
@@ -123,7 +123,7 @@ class _Search:
 
     def contests_turn(self) -> Array:
         """Unknowns of the contest's turn with its arcs divided."""
-        joints = np.interp(JOINTS, [0, 1, 2], self._base.joints)
+        joints = np.interp(_JOINTS, [0, 1, 2], self._base.joints)
         points = self._base.point(joints).view(complex)[:, 0] / self._entry
         ratio = abs((-1 - points[3]) / (points[3] - points[2]))
         return np.append(points[:3].view(float), np.log(ratio))
@@ -149,7 +149,7 @@ class _Search:
         """Violations of all limits, with the margin: 0 at the limit. That of speed is in units of `limit - 1`."""
         arcs = self.arcs(x)
         path = arcs.path(self._base)
-        heads = np.arange(0.0, self._base.length + HEAD_MARGIN, SAMPLING)
+        heads = np.arange(0.0, self._base.length + _HEAD_MARGIN, _SAMPLING)
         chains = path.chain(heads, self._spacings).T
         kinks = np.sort(np.concatenate([np.interp(path.joints, handle, heads) for handle in chains]))
         sampled = np.interp(np.arange(SAMPLES * (kinks.size - 1)) / SAMPLES, np.arange(kinks.size), kinks)
@@ -161,31 +161,31 @@ class _Search:
     def cost(self, x: Array) -> float:
         """Length with a penalty for violated constraints, m; inf where an arc vanishes or is straight."""
         try:
-            return self.length(x) + PENALTY * max(0.0, float(self.violations(x).max()))
+            return self.length(x) + _PENALTY * max(0.0, float(self.violations(x).max()))
         except DragonError:
             return np.inf
 
     def run(self, x: Array) -> Array:
         """The best unknowns found from a start."""
-        size, cost, better = FIRST_SIZE, self.cost(x), True
+        size, cost, better = _FIRST_SIZE, self.cost(x), True
         for _ in range(STEPS):
             if better:
                 values, derivatives = self.violations(x), self._optimize.approx_fprime
-                near = values > -NEAR
-                slopes = derivatives(x, lambda x: self.violations(x)[near], DIFFERENCE)  # noqa: B023  # Called at once.
-                gradient = derivatives(x, self.length, DIFFERENCE)
+                near = values > -_NEAR
+                slopes = derivatives(x, lambda x: self.violations(x)[near], _DIFFERENCE)  # noqa: B023  # Called at once.
+                gradient = derivatives(x, self.length, _DIFFERENCE)
             # The last unknown is the largest violation.
             step = self._optimize.linprog(
-                np.append(gradient, PENALTY),
+                np.append(gradient, _PENALTY),
                 A_ub=np.column_stack([slopes, np.full(len(slopes), -1.0)]),
                 b_ub=-values[near],
-                bounds=[*(size * np.outer(SCALES, [-1, 1])), (0, None)],
+                bounds=[*(size * np.outer(_SCALES, [-1, 1])), (0, None)],
             )
             other = x + step.x[:-1]
             better = (found := self.cost(other)) < cost
             if better:
                 x, cost = other, found
-            size = min(size * GROWTH, MAX_SIZE) if better else size * SHRINKAGE
-            if size < MIN_SIZE:
+            size = min(size * _GROWTH, MAX_SIZE) if better else size * _SHRINKAGE
+            if size < _MIN_SIZE:
                 break
         return x

@@ -34,17 +34,17 @@ from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 
 # Length of the initial intervals in spacings, and m of the head's distance below which they are not halved: rounding.
-INTERVAL, MIN_INTERVAL = 1 / 16, 1e-12
+INTERVAL, _MIN_INTERVAL = 1 / 16, 1e-12
 # Initial intervals times benches up to which a whole dragon is followed through the turn: some seconds of work.
-WORK = 100_000
+_WORK = 100_000
 # Relative width of the enclosure: the search takes longer below it. Relative difference up to which the speeds of two
 # handles count as equal, several of these widths; and relative bound on the rounding error of a ratio.
-RELATIVE_TOLERANCE, EQUAL, ROUNDING = 1e-11, 1e-10, 1e-13
-RIGHT_ANGLE = np.pi / 2
+_RELATIVE_TOLERANCE, _EQUAL, ROUNDING = 1e-11, 1e-10, 1e-13
+_RIGHT_ANGLE = np.pi / 2
 # Least cosine in a quotient: a smaller one belongs to an angle that may reach a right angle.
-MIN_COSINE = 1e-12
+_MIN_COSINE = 1e-12
 # Condition on the curve in the message about a bench that is perpendicular to it.
-FORWARD = "one on which every hole moves forward at all times"
+_FORWARD = "one on which every hole moves forward at all times"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -106,7 +106,7 @@ def largest_ratio(dragon: Dragon, path: Composite) -> SpeedRatio:
         search.evaluations += followers.evaluations
         if not followers.found:
             return search.result(gain)
-        if whole / (INTERVAL * body) * dragon.benches > WORK:
+        if whole / (INTERVAL * body) * dragon.benches > _WORK:
             # A period of the followers behind one bench on the outward spiral; behind more they gain little.
             search.run(first, search.exit_distance(2, head + body))
             return search.result(followers.ratio * gain)
@@ -141,7 +141,7 @@ class _Search:
             if s >= exit_s:
                 return travelled
             if s <= before:
-                raise ParameterError("curve", self.curve, FORWARD)
+                raise ParameterError("curve", self.curve, _FORWARD)
             travelled += step / 8
 
     def run(self, begin: float, end: float) -> None:
@@ -161,8 +161,8 @@ class _Search:
             if largest[best] > self.ratio:
                 self.ratio, self.found, self.travelled = float(largest[best]), True, float(middles[best])
                 self.handles = ratios.shape[1] + 1
-            left = np.flatnonzero((most > self.ratio * (1 + RELATIVE_TOLERANCE)).any(axis=1))
-            if not left.size or 2 * halves.max() < MIN_INTERVAL:
+            left = np.flatnonzero((most > self.ratio * (1 + _RELATIVE_TOLERANCE)).any(axis=1))
+            if not left.size or 2 * halves.max() < _MIN_INTERVAL:
                 break
             handles = int(np.flatnonzero((most[left] > self.ratio).any(axis=0))[-1]) + 2
             first, middle, last = (part[left, :handles] for part in parts)
@@ -179,8 +179,8 @@ class _Search:
         """
         spacings = self.spacings[: first.shape[1] - 1]
         angles = np.angle(chain.angles(*self.curve.frame(middle), spacings))
-        if np.any(np.abs(angles[0]) >= RIGHT_ANGLE):
-            raise ParameterError("curve", self.curve, FORWARD)
+        if np.any(np.abs(angles[0]) >= _RIGHT_ANGLE):
+            raise ParameterError("curve", self.curve, _FORWARD)
         # While both holes move forward, they remain between their coordinates at the ends of the interval. No bench
         # rotates by more than the sum of the two distances, over its spacing.
         moved = np.maximum(middle - first, last - middle)
@@ -199,7 +199,7 @@ class _Search:
             most = ratios * np.exp(slope * moved[:, :1]) * (1 + ROUNDING)
         # Where an angle may reach a right angle, there is no bound for this handle and the handles behind it.
         largest = np.maximum(-lows, highs).max(axis=0)
-        known = np.logical_and.accumulate(largest < RIGHT_ANGLE, axis=1)
+        known = np.logical_and.accumulate(largest < _RIGHT_ANGLE, axis=1)
         return ratios, np.where(known & np.isfinite(most), most, np.inf)
 
     def _curvatures(self, first: Array, last: Array) -> Array:
@@ -209,7 +209,7 @@ class _Search:
         """
         found = np.sort([self.curve.curvature(first), self.curve.curvature(last)], axis=0)
         for joint, before, after in zip(self.curve.joints, self.curve.pieces[:-1], self.curve.pieces[1:], strict=True):
-            here = (first <= joint + MIN_INTERVAL) & (last >= joint - MIN_INTERVAL)
+            here = (first <= joint + _MIN_INTERVAL) & (last >= joint - _MIN_INTERVAL)
             for end in (float(before.curvature(before.end_s)), float(after.curvature(after.begin_s))):
                 found[0, here], found[1, here] = np.minimum(found[0, here], end), np.maximum(found[1, here], end)
         return found
@@ -219,8 +219,8 @@ class _Search:
         speeds = self.march.at(self.travelled, self.handles).speeds[0]
         return SpeedRatio(
             ratio=self.ratio,
-            excess=max(RELATIVE_TOLERANCE, bound / self.ratio - 1),
-            handles=tuple(np.flatnonzero(speeds > self.ratio * (1 - EQUAL)).tolist()),
+            excess=max(_RELATIVE_TOLERANCE, bound / self.ratio - 1),
+            handles=tuple(np.flatnonzero(speeds > self.ratio * (1 - _EQUAL)).tolist()),
             distance=self.travelled,
             evaluations=self.evaluations,
         )
@@ -245,7 +245,7 @@ def _velocity_ratio(
 def _cosine(angles: Array) -> Array:
     """Cosines of angles up to a right angle, above 0."""
     # At a right angle the cosine is zero. Results for such angles are discarded.
-    low, high = np.maximum(np.sort(np.cos(angles), axis=0), MIN_COSINE)
+    low, high = np.maximum(np.sort(np.cos(angles), axis=0), _MIN_COSINE)
     return np.stack([low, np.where(angles[0] * angles[1] <= 0, 1.0, high)])
 
 

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 # Of the figure: m of head travel before and after the time of the limit, and samples in between.
 DISTANCES, SAMPLES = (-9.0, 12.0), 1600
 # Of the figure: foremost handles whose speeds are drawn, and those whose largest speed is, all that are in the turn.
-DRAWN_HANDLES, EVALUATED_HANDLES = 12, 28
+_DRAWN_HANDLES, _EVALUATED_HANDLES = 12, 28
 # Of the figure: half the width of the plan view, in radii of the circle.
 BORDER = 1.16
 
@@ -182,10 +182,10 @@ def _draw_speeds(axes: Axes, found: MaxSpeed) -> None:
 
     heading(axes, text("speeds of handles, m/s; blue: the fastest"))
     distances = found.distance + np.unique([*np.linspace(*DISTANCES, SAMPLES), 0.0])
-    handles = min(EVALUATED_HANDLES, found.dragon.handles)
+    handles = min(_EVALUATED_HANDLES, found.dragon.handles)
     speeds = found.speed * March(found.dragon, found.curve).at(distances, handles).speeds
     times = distances / found.speed
-    axes.plot(times, speeds[:, 1:DRAWN_HANDLES], color=PALE, lw=0.9)
+    axes.plot(times, speeds[:, 1:_DRAWN_HANDLES], color=PALE, lw=0.9)
     axes.plot(times, speeds.max(axis=1), color=BLUE, lw=2.2, gid="fastest")
     axes.axhline(found.limit, color=COLOURS.contact, lw=1.2, ls=(0, (4, 3)))
     note = text("{:g} m/s at {:.3f} s").format(found.limit, found.time)

@@ -29,25 +29,25 @@ from pymunk_dragon.studies._study import Progress, Result, Study, labelled, sile
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-Limit = Literal["passing", "arrival", "start", "circle"]
+_Limit = Literal["passing", "arrival", "start", "circle"]
 
 # m. Radius of the contest's turning circle, and the largest one: with a wider circle the inward spiral is kilometres
 # long, and the search takes minutes.
-RADIUS, MAX_RADIUS = 4.5, 100.0
+RADIUS, _MAX_RADIUS = 4.5, 100.0
 # Largest turn of the start: a spiral has at most a thousand turns.
 MAX_TURNS = 900.0
 # m. Distance from the limit at which pitches are certified: a thousand times the error of the limit.
-CERTIFIED = 1e-9
+_CERTIFIED = 1e-9
 # m. Distance of the result from the zero of the smallest gap: rounding, of a few 1e-15 m, shows no overlap there.
-TANGENCY_MARGIN = 1e-13
+_TANGENCY_MARGIN = 1e-13
 # Steps to the zero, at most (some eight suffice), and the gap in m below which only rounding is left.
-MAX_STEPS, GAP_ROUNDING = 60, 1e-14
+MAX_STEPS, _GAP_ROUNDING = 60, 1e-14
 # Share of the distance to the circle within which the smallest gap lies at an end of the march.
-AT_END = 1e-9
+_AT_END = 1e-9
 # Least pitch of the map over the width, which no march's pitch may equal, and ratio of successive pitches.
-MIN_PITCH_RATIO, PITCH_RATIO = 1 + 1e-6, 1.04
+_MIN_PITCH_RATIO, _PITCH_RATIO = 1 + 1e-6, 1.04
 # Text of each cause of a smallest pitch.
-LIMITS = {"passing": "as the head passes", "arrival": "as the head arrives", "start": "as the dragon starts"}
+_LIMITS = {"passing": "as the head passes", "arrival": "as the head arrives", "start": "as the dragon starts"}
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -77,7 +77,7 @@ class MinPitch(Result):
     turns: float
     radius: float
     march: March
-    limit: Limit = "circle"
+    limit: _Limit = "circle"
     benches: tuple[int, int] | None = None
     point: tuple[float, float] | None = None
     distance: float
@@ -106,7 +106,7 @@ class MinPitch(Result):
             (i, j), (x, y), time = self.benches, self.point, self.march.time(self.distance)
             limit = text(
                 "benches {i} and {j} touch without overlapping {cause},\nt = {time:.6f} s at ({x:.6f}, {y:.6f}) m"
-            ).format(i=i, j=j, cause=text(LIMITS[self.limit]), time=time, x=x, y=y)
+            ).format(i=i, j=j, cause=text(_LIMITS[self.limit]), time=time, x=x, y=y)
             certified = text("no contact at {clear:.12f} m, but one at {contact:.12f} m")
         known = text("{count} pitches from {first:.4g} to {last:.4g} m;")
         known = known.format(count=len(self.pitches), first=self.pitches[0], last=self.pitches[-1])
@@ -189,18 +189,18 @@ def min_pitch(
     dragon = dragon or Dragon()
     turns = positive("turns", turns, MAX_TURNS, "")
     # Inside the longest spacing a handle may have no position, and beyond the largest start there is no spiral.
-    radius = finite("radius", radius, float(dragon.spacings.max()), min(MAX_RADIUS, MAX_PITCH * turns), "m")
+    radius = finite("radius", radius, float(dragon.spacings.max()), min(_MAX_RADIUS, MAX_PITCH * turns), "m")
     # Turns are not closer than the width, and the start is not inside the circle.
-    narrowest = max(float(dragon.widths.max()) * MIN_PITCH_RATIO, radius / turns)
+    narrowest = max(float(dragon.widths.max()) * _MIN_PITCH_RATIO, radius / turns)
     least = InwardMarch(dragon, narrowest, turns, radius)
     pitches, gaps = _map(least, progress)
     inward, contact = least, None
     blocked = [row for row, gap in enumerate(gaps) if gap <= 0]
     if blocked:
         around = slice(blocked[-1], blocked[-1] + 2)
-        inward = replace(least, pitch=_zero(least, pitches[around], gaps[around]) + TANGENCY_MARGIN)
+        inward = replace(least, pitch=_zero(least, pitches[around], gaps[around]) + _TANGENCY_MARGIN)
         contact = inward.smallest_gap()
-    above, below = (replace(inward, pitch=inward.pitch + side) for side in (CERTIFIED, -CERTIFIED))
+    above, below = (replace(inward, pitch=inward.pitch + side) for side in (_CERTIFIED, -_CERTIFIED))
     # Two benches that overlap are a contact, whatever else the march contains.
     if above.first_contact.status != "clear" or (contact is not None and below.smallest_gap().size >= 0):
         inward, contact = _bisected(least, pitches)
@@ -210,8 +210,8 @@ def min_pitch(
     touching: dict[str, Any] = {}
     if contact is not None:
         share = contact.travelled / inward.length
-        at_end: Limit = "arrival" if share >= 1 - AT_END else "passing"
-        touching = {"limit": "start" if share <= AT_END else at_end, "contact_pitch": inward.pitch - CERTIFIED}
+        at_end: _Limit = "arrival" if share >= 1 - _AT_END else "passing"
+        touching = {"limit": "start" if share <= _AT_END else at_end, "contact_pitch": inward.pitch - _CERTIFIED}
         touching |= {"gap": contact.size, "benches": contact.benches, "point": contact.point}
     return MinPitch(
         pitch=inward.pitch,
@@ -220,7 +220,7 @@ def min_pitch(
         march=replace(inward.march, speed=speed),
         distance=contact.travelled if contact else 0.0,
         arrival_distance=inward.length,
-        clear_pitch=inward.pitch + CERTIFIED,
+        clear_pitch=inward.pitch + _CERTIFIED,
         pitches=pitches,
         gaps=gaps,
         **touching,
@@ -234,9 +234,9 @@ def _map(least: InwardMarch, progress: Progress) -> tuple[tuple[float, ...], tup
     middle = np.sqrt(least.radius**2 - half**2)
     beyond = np.hypot(half + dragon.overhangs, middle + dragon.widths / 2) - least.radius
     into = least.radius - middle + dragon.widths / 2
-    ratio = max(PITCH_RATIO, float(beyond.max() + into.max()) / least.pitch)
-    count = math.ceil(math.log(ratio) / math.log(PITCH_RATIO)) + 1
-    pitches = tuple(least.pitch * PITCH_RATIO**row for row in range(count))
+    ratio = max(_PITCH_RATIO, float(beyond.max() + into.max()) / least.pitch)
+    count = math.ceil(math.log(ratio) / math.log(_PITCH_RATIO)) + 1
+    pitches = tuple(least.pitch * _PITCH_RATIO**row for row in range(count))
     gaps = []
     for row, pitch in enumerate(pitches):
         gaps.append(replace(least, pitch=pitch).smallest_gap().size)
@@ -253,7 +253,7 @@ def _zero(least: InwardMarch, pitches: tuple[float, ...], gaps: tuple[float, ...
     for _ in range(MAX_STEPS):
         pitch = blocked - overlap * (free - blocked) / (gap - overlap)
         before, size = size, replace(least, pitch=pitch).smallest_gap().size
-        if abs(size) <= GAP_ROUNDING:
+        if abs(size) <= _GAP_ROUNDING:
             return pitch
         # An end that stays for a second time counts half, so that the bracket shrinks from both sides.
         again = 0.5 if (size > 0) == (before > 0) else 1.0
@@ -266,12 +266,12 @@ def _zero(least: InwardMarch, pitches: tuple[float, ...], gaps: tuple[float, ...
 
 def _bisected(least: InwardMarch, pitches: tuple[float, ...]) -> tuple[InwardMarch, Gap]:
     """The march at the limit, below the largest of the pitches, by bisection of certificates alone, and its contact."""
-    marches = [replace(least, pitch=pitch) for pitch in (pitches[0] + CERTIFIED, *pitches[1:])]
+    marches = [replace(least, pitch=pitch) for pitch in (pitches[0] + _CERTIFIED, *pitches[1:])]
     row = next((row for row in reversed(range(len(marches))) if marches[row].first_contact.status != "clear"), -1)
     if row in (-1, len(marches) - 1):
         raise DragonError(f"no limit of the pitch can be certified from {pitches[0]:.9g} to {pitches[-1]:.9g} m")
     blocked, free = marches[row : row + 2]
-    while free.pitch - blocked.pitch > CERTIFIED:
+    while free.pitch - blocked.pitch > _CERTIFIED:
         middle = replace(least, pitch=(free.pitch + blocked.pitch) / 2)
         free, blocked = (middle, blocked) if middle.first_contact.status == "clear" else (free, middle)
     hit = blocked.first_contact

@@ -26,11 +26,11 @@ from pymunk_dragon.studies.min_pitch import RADIUS, MinPitch, min_pitch
 SIZES = ("width", "overhang", "head_spacing", "body_spacing")
 # m. Step of the differences: the rounding of the answers over the step, and the step's square times a third derivative,
 # are below the last digit printed. And the change of a size of which the answer is reported as well.
-STEP, MILLIMETRE = 1e-5, 1e-3
+STEP, _MILLIMETRE = 1e-5, 1e-3
 
 # Time of a first contact, s, or smallest pitch, m, and the two benches that touch; None without a contact.
-Known = tuple[float, tuple[int, int]]
-Answer = Known | None
+_Known = tuple[float, tuple[int, int]]
+Answer = _Known | None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -121,7 +121,7 @@ def sensitivity(
     """
     dragon = dragon or Dragon()
 
-    def contact(name: str, change: float) -> Known:
+    def contact(name: str, change: float) -> _Known:
         spiral = Spiral(pitch=pitch + change * (name == "pitch"))
         hit = first_contact(March(_changed(dragon, name, change), spiral, turns=turns, speed=speed))
         if hit.status != "contact" or hit.benches is None:
@@ -164,10 +164,10 @@ def _slope(name: str, value: float, benches: tuple[int, int], answer: Callable[[
     less, more, slope = changed(-STEP), changed(STEP), None
     if less is not None and more is not None and less[1] == more[1] == benches:
         slope = (more[0] - less[0]) / (2 * STEP)
-    return Slope(size=name, value=value, slope=slope, less=changed(-MILLIMETRE), more=changed(MILLIMETRE))
+    return Slope(size=name, value=value, slope=slope, less=changed(-_MILLIMETRE), more=changed(_MILLIMETRE))
 
 
-def _table(unit: str, per: float, slopes: Sequence[Slope], base: Known) -> list[str]:
+def _table(unit: str, per: float, slopes: Sequence[Slope], base: _Known) -> list[str]:
     """Lines of a table of derivatives per mm, with their unit, and of changes; `per` converts them from SI units."""
 
     def change(answer: Answer) -> str | None:
@@ -184,5 +184,5 @@ def _table(unit: str, per: float, slopes: Sequence[Slope], base: Known) -> list[
     return table(heads, ("<13", "8.2f", "+10.7f", "<20", ""), rows)
 
 
-SUMMARY = "effect of each size of the benches on first contact and that pitch"
-STUDY = Study(name="sensitivity", summary=SUMMARY, run=sensitivity, formats=(".json",))
+_SUMMARY = "effect of each size of the benches on first contact and that pitch"
+STUDY = Study(name="sensitivity", summary=_SUMMARY, run=sensitivity, formats=(".json",))

@@ -38,13 +38,13 @@ if TYPE_CHECKING:
 # m travelled by the head after it enters the circle: at 1 m/s, the times in s that the contest's table requires.
 DISTANCES = tuple(float(distance) for distance in range(-100, 101))
 # Ratios of the first arc's radius to the second's for which the length is reported.
-RATIOS = (0.25, 0.5, 1.0, 2.0, 4.0)
+_RATIOS = (0.25, 0.5, 1.0, 2.0, 4.0)
 # Limits of the speed ratio: with a smaller one no chain can follow a curve, and next to configurations in which the
 # dragon gets stuck, the search takes long.
-MIN_FASTEST, MAX_FASTEST = 1.01, 5.0
+_MIN_FASTEST, _MAX_FASTEST = 1.01, 5.0
 # Of the figure: m of ground around the circle, of the head's way from the turn to its position, and of its way before
 # and after it enters the circle for which speeds are drawn.
-BORDER, EXIT_DISTANCE, SPEEDS = 1.5, 3.0, (-5.0, 20.0)
+BORDER, _EXIT_DISTANCE, SPEEDS = 1.5, 3.0, (-5.0, 20.0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -264,7 +264,7 @@ def u_turn(
     """
     dragon = dragon or Dragon()
     if fastest is not None:
-        fastest = finite("fastest", fastest, MIN_FASTEST, MAX_FASTEST, "times the head's speed")
+        fastest = finite("fastest", fastest, _MIN_FASTEST, _MAX_FASTEST, "times the head's speed")
     if not isinstance(search, bool):
         raise ParameterError("search", search, "True or False")
     if search:
@@ -281,7 +281,7 @@ def u_turn(
         contact = first_contact(march, start=times[0], until=times[-1])
         return MarchedTurn(path=path, march=march, contact=contact, ratio=found)
 
-    turns = [replace(turn, ratio=each) for each in RATIOS]
+    turns = [replace(turn, ratio=each) for each in _RATIOS]
     limit = peak.ratio if fastest is None else fastest
     return TurnResult(
         turn=turn,
@@ -303,7 +303,7 @@ def _draw_turn(axes: Axes, turn: MarchedTurn, colour: str, radius: float) -> Non
     from pymunk_dragon.studies._figures import POINTS, plan_view
 
     end = turn.path.joints[-1]
-    plan_view(axes, turn.march, float(turn.march.time(end + EXIT_DISTANCE)), radius, radius + BORDER)
+    plan_view(axes, turn.march, float(turn.march.time(end + _EXIT_DISTANCE)), radius, radius + BORDER)
     for since, until, line in ((-60.0, 0.0, PALE), (end, end + 60.0, PALE), (0.0, end, colour)):
         path = turn.path.point(np.linspace(since, until, POINTS))
         axes.plot(*path.T, color=line, lw=2.4 if line == colour else 1.2, zorder=4 if line == colour else 1)

@@ -35,10 +35,10 @@ from pymunk_dragon.sweeps.table import Axes, Partial, Sweep, check_format
 # Futures under way, at most: enough for so many workers, and few in memory.
 UNDER_WAY = 256
 # Processors for this process, of which each gets a worker process, and such processes at most.
-CORES = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-MAX_WORKERS = 1000
+_CORES = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+_MAX_WORKERS = 1000
 # s until a Dask scheduler must answer.
-CONNECT_TIMEOUT = 10
+_CONNECT_TIMEOUT = 10
 
 
 def sweep(
@@ -200,7 +200,7 @@ def _finished(running: dict[Future[Outcome], int]) -> dict[int, Outcome]:
 
 def _pool(executor: Executor | None, scheduler: str | None, workers: int | None) -> AbstractContextManager[Executor]:
     """A context with the executor that these arguments of `sweep` mean."""
-    count = whole("workers", CORES if workers is None else workers, 1, MAX_WORKERS)
+    count = whole("workers", _CORES if workers is None else workers, 1, _MAX_WORKERS)
     if not isinstance(executor, Executor | None):
         raise ParameterError("executor", executor, "a concurrent.futures.Executor")
     if scheduler is not None:
@@ -271,7 +271,7 @@ def _cluster(distributed: Any, scheduler: str) -> Iterator[Executor]:
     try:
         # A client with an address of another form waits for itself when it is closed.
         distributed.comm.get_address_host_port(scheduler)
-        client = distributed.Client(scheduler, timeout=CONNECT_TIMEOUT, set_as_default=False)
+        client = distributed.Client(scheduler, timeout=_CONNECT_TIMEOUT, set_as_default=False)
     except (OSError, ValueError, TypeError) as error:
         bound = "the address of a Dask scheduler that answers, such as tcp://HOST:8786"
         raise ParameterError("scheduler", scheduler, bound) from error

@@ -27,7 +27,7 @@ VALUES = ("#fde18b", "#aacd90", "#63ad99", "#2a879d", "#355b92")
 UNITS = dict.fromkeys(("pitch", "width", "overhang", "spacing", "radius", "gap", "drift"), "m")
 UNITS |= {"speed": "m/s", "time": "s", "error": "s", "start": "s", "until": "s", "substep": "s"}
 # Share of the points above which the benches that touch there are named.
-NAMED = 0.03
+_NAMED = 0.03
 
 
 def draw(found: Sweep) -> Figure:
@@ -81,7 +81,7 @@ def _draw_line(axes: Axes, x: Array, values: Array, labels: Sequence[str]) -> No
     for label, run in groupby(np.argsort(x, kind="stable").tolist(), key=lambda number: labels[number]):
         part = list(run)
         if np.isfinite(values[part]).any():
-            name = label if len(part) > NAMED * len(x) else None
+            name = label if len(part) > _NAMED * len(x) else None
             axes.plot(x[part], values[part], marker="o", ms=3, label=name, gid="line")
 
 
@@ -101,7 +101,7 @@ def _draw_map(axes: Axes, x: Array, y: Array, values: Array, labels: Sequence[st
     axes.hlines(heights[i + 1], sides[j], sides[j + 1], color=COLOURS.ink, lw=0.9, gid="jumps")
     for name in dict.fromkeys(labels):
         inside = np.array([label == name for label in labels])
-        if inside.mean() > NAMED:
+        if inside.mean() > _NAMED:
             middle = x[inside].mean(), y[inside].mean()
             axes.text(*middle, name, ha="center", va="center", path_effects=halo(), gid="name")
     return mesh

@@ -114,12 +114,12 @@ def contact_time(march: March, *, start: float = 0.0, until: float | None = None
     return {"contact_time": time, **_benches(hit.benches), "status": hit.status}
 
 
-def nearest_gap(march: March, *, start: float = 0.0, until: float | None = None) -> Values:
+def _nearest_gap(march: March, *, start: float = 0.0, until: float | None = None) -> Values:
     """Gap of the nearest miss before the first contact."""
     hit = first_contact(march, start=start, until=until)
     miss = min(hit.near_misses or (), key=lambda each: each.gap, default=None)
     gap, time, benches = (miss.gap, miss.time, miss.benches) if miss else (None, None, None)
-    return {"nearest_gap": gap, "time": time, **_benches(benches), "status": hit.status}
+    return {"_nearest_gap": gap, "time": time, **_benches(benches), "status": hit.status}
 
 
 def min_pitch(march: March, *, turns: float = 16.0, speed: float = 1.0, radius: float = 4.5) -> Values:
@@ -139,7 +139,7 @@ def max_speed(
 # All quantities with a name of their own. Their values are in SI units.
 QUANTITIES = {
     "contact-time": Quantity("contact-time", contact_time),
-    "nearest-gap": Quantity("nearest-gap", nearest_gap),
+    "nearest-gap": Quantity("nearest-gap", _nearest_gap),
     "min-pitch": Quantity("min-pitch", min_pitch),
     "max-speed": Quantity("max-speed", max_speed),
 }

@@ -45,8 +45,8 @@ if TYPE_CHECKING:
 __all__ = ["FIGURES", "FIGURE_ENDINGS", "figure", "styled_figure", "write_figure", "write_styled"]
 
 # File endings of figures with axes, and metadata that leave out the date, for the same bytes each time.
-METADATA: dict[str, dict[str, Any]] = {".png": {}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
-FIGURE_ENDINGS = tuple(METADATA)
+_METADATA: dict[str, dict[str, Any]] = {".png": {}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
+FIGURE_ENDINGS = tuple(_METADATA)
 
 
 @dataclass(frozen=True)
@@ -143,7 +143,7 @@ def write_styled(draw: Callable[[], Figure], path: str | Path) -> None:
     ending, content = destination.suffix.lower(), io.BytesIO()
     with styled():
         drawn = _laid_out(draw())
-        drawn.savefig(content, format=ending[1:], metadata=METADATA[ending])
+        drawn.savefig(content, format=ending[1:], metadata=_METADATA[ending])
     # With 256 colours no pixel changes by more than two levels, and the file is a third as large. Gradients, which are
     # rasterized in the other formats, would have visible bands.
     if ending == ".png" and not any(part.get_rasterized() for part in drawn.findobj()):

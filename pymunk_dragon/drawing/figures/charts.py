@@ -20,13 +20,13 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 # Millimetres per metre.
-MM = 1e3
+_MM = 1e3
 # mm: lower end of the scale of gaps.
-MIN_GAP = 0.15
+_MIN_GAP = 0.15
 # Ratio of an end of the scale of gaps to the largest or smallest gap; and of the ends of that of position errors.
-BORDER, DRIFT_RANGE = 1.5, 1e4
+BORDER, _DRIFT_RANGE = 1.5, 1e4
 # Colour of the first of several lines; the colours of later lines change gradually to ink.
-FIRST_COLOUR = "#6391bb"
+_FIRST_COLOUR = "#6391bb"
 
 
 def gap(subject: style.Subject) -> Figure:
@@ -48,7 +48,7 @@ def gap(subject: style.Subject) -> Figure:
         axes.set(xlim=(left, hit.time), xlabel=text("time (s)"))
         axes.locator_params(axis="x", nbins=5)
     low, high = whole.dataLim.intervaly
-    style.logarithmic(whole, MIN_GAP if hit.contact else max(MIN_GAP, low / BORDER), BORDER * high)
+    style.logarithmic(whole, _MIN_GAP if hit.contact else max(_MIN_GAP, low / BORDER), BORDER * high)
     _mark_events(close, [miss for miss in misses if miss.time > since], hit)
     return figure
 
@@ -57,14 +57,14 @@ def _gap_title(misses: Sequence[NearMiss], hit: FirstContact) -> str:
     if not hit.contact or not misses:
         return text("How near the head comes to other benches than its neighbour")
     title = text("The head slips past bench {} by {:.1f} mm, and then hits bench {}")
-    return title.format(misses[0].benches[1], MM * misses[0].gap, hit.contact.benches[1])
+    return title.format(misses[0].benches[1], _MM * misses[0].gap, hit.contact.benches[1])
 
 
 def _gap_lines(axes: Axes, march: March, times: Array, gid: str) -> None:
     """Draw the head's smallest gap, mm; `last-gap` adds the gap to each closest bench."""
     # In parts, to limit memory.
     corners = (march.dragon.outlines(march.at(part).poses) for part in np.array_split(times, 10))
-    gaps = MM * np.concatenate([separation(part[:, :1], part[:, 2:]).distance for part in corners])
+    gaps = _MM * np.concatenate([separation(part[:, :1], part[:, 2:]).distance for part in corners])
     if gid == "last-gap":
         for row in np.unique(gaps.argmin(axis=1)).tolist():
             axes.plot(times, gaps[:, row], color=style.QUIET, lw=0.8, ls=(0, (4, 2)), gid=f"gap-{row + 2}")
@@ -74,11 +74,11 @@ def _gap_lines(axes: Axes, march: March, times: Array, gid: str) -> None:
 def _mark_events(axes: Axes, misses: Sequence[NearMiss], hit: FirstContact) -> None:
     """Mark near misses and the contact, with a legend."""
     for miss, marker in zip(misses, "osD^v", strict=False):
-        note = text("bench {}: {:.3f} mm\nat {:.3f} s").format(miss.benches[1], MM * miss.gap, miss.time)
-        axes.plot(miss.time, MM * miss.gap, marker, color=style.COLOURS.ink, ms=6, label=note)
+        note = text("bench {}: {:.3f} mm\nat {:.3f} s").format(miss.benches[1], _MM * miss.gap, miss.time)
+        axes.plot(miss.time, _MM * miss.gap, marker, color=style.COLOURS.ink, ms=6, label=note)
     if hit.contact:
         note = text("bench {}: contact\nat {:.4f} s").format(hit.contact.benches[1], hit.time)
-        axes.plot(hit.time, MIN_GAP, "X", color=style.COLOURS.contact, ms=8, label=note, clip_on=False)
+        axes.plot(hit.time, _MIN_GAP, "X", color=style.COLOURS.contact, ms=8, label=note, clip_on=False)
     if axes.get_legend_handles_labels()[0]:
         axes.legend(loc="upper left", bbox_to_anchor=(1, 1), frameon=False, labelspacing=1.0, handletextpad=0.2)
 
@@ -117,7 +117,7 @@ def drift(subject: style.Subject) -> Figure:
     ):
         worst = np.fmax.reduce(run.drift[frames, :count], axis=1)
         over_time.plot(run.times[frames], worst, lw=2.2, gid=gid, label=note, **line)
-    low, high = 10.0 ** np.ceil(np.log10(run.max_drift)) * np.array([1 / DRIFT_RANGE, 1.0])
+    low, high = 10.0 ** np.ceil(np.log10(run.max_drift)) * np.array([1 / _DRIFT_RANGE, 1.0])
     gaps = [miss.gap for miss in subject.hit.near_misses or () if run.times[0] <= miss.time <= run.times[-1]]
     for axes in (over_time, along) if gaps else ():
         note = text("smallest gap: {}").format(metres(min(gaps)))
@@ -172,7 +172,7 @@ def _bundle(axes: Axes, values: Array, times: Array, gid: str, along: str, end: 
     from matplotlib.colors import LinearSegmentedColormap
 
     ages, names = np.linspace(0, 1, len(values)), [f"{time:.5g} s" for time in times]
-    colours = LinearSegmentedColormap.from_list("ages", [FIRST_COLOUR, style.COLOURS.ink])(ages)
+    colours = LinearSegmentedColormap.from_list("ages", [_FIRST_COLOUR, style.COLOURS.ink])(ages)
     for rank, (line, age) in enumerate(zip(values, ages.tolist(), strict=True)):
         axes.plot(line, color=colours[rank], lw=1.2 + 1.2 * age, gid=f"{gid}-{rank}", label=names[rank])
     last = values.shape[1] - 1

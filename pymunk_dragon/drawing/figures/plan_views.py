@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 # Ratio of a view to what it shows, and to a path with arrows; and of width to height of a view with names at its sides.
-BORDER, ARROW_BORDER, WIDE = 1.08, 1.25, 2.2
+BORDER, _ARROW_BORDER, WIDE = 1.08, 1.25, 2.2
 
 
 def spiral(subject: style.Subject) -> Figure:
@@ -85,8 +85,8 @@ def velocities(subject: style.Subject) -> Figure:
     path = subject.path(states.handles_s[0, -1], states.handles_s[0, 0])
     axes.plot(*path.T, color=style.PALE, lw=0.8)
     axes.plot(*dots.T, "o", color=style.COLOURS.ink, ms=6, zorder=4, gid="handles")
-    half = _view(axes, path, ARROW_BORDER, WIDE)
-    arrows = half * (1 - 1 / ARROW_BORDER) / speeds.max() * states.velocities[0, handles]
+    half = _view(axes, path, _ARROW_BORDER, WIDE)
+    arrows = half * (1 - 1 / _ARROW_BORDER) / speeds.max() * states.velocities[0, handles]
     drawn: dict[str, Any] = {"color": style.COLOURS.motion, "width": 0.005, "zorder": 3, "gid": "velocities"}
     axes.quiver(*dots.T, *arrows.T, angles="xy", scale_units="xy", scale=1.0, **drawn)
     names = [text("handle {}: {:.3f} m/s").format(*each) for each in zip(handles, speeds, strict=True)]

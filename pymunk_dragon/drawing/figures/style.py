@@ -38,24 +38,24 @@ RULE, FAINT = "#d9cfb9", "#efe9db"
 # Cells that only neighbours share, and those with candidates for a contact: distinguishable in greyscale.
 SHARED, CANDIDATE = "#d3dfe8", "#efb037"
 # Pixels per inch: a page of 8 inches has 1600 pixels, twice the 800 at which it is displayed.
-DPI = 200
+_DPI = 200
 # Inches: sides of a figure that fills a slide, and the distance from its edges to its text.
-SLIDE_WIDTH, SLIDE_HEIGHT, MARGIN = 8.0, 4.5, 0.3
+_SLIDE_WIDTH, _SLIDE_HEIGHT, MARGIN = 8.0, 4.5, 0.3
 # Inches from a slide's top to its title, and to its subtitle; height of a line of a title; spacing in font sizes.
-TITLE_TOP, SUBTITLE_TOP, TITLE_LINE, LINE_SPACING = 0.24, 0.56, 0.28, 1.25
+_TITLE_TOP, _SUBTITLE_TOP, _TITLE_LINE, LINE_SPACING = 0.24, 0.56, 0.28, 1.25
 # Points: size of a title, smallest size of text, and width of the halo of text over a line.
-TITLE_SIZE, SMALL, HALO = 16, 10.5, 3.0
+_TITLE_SIZE, SMALL, _HALO = 16, 10.5, 3.0
 # Options of a legend in the lower left corner of a slide.
-KEY: dict[str, Any] = {"loc": (MARGIN / SLIDE_WIDTH, MARGIN / SLIDE_HEIGHT), "frameon": False, "borderpad": 0.0}
+KEY: dict[str, Any] = {"loc": (MARGIN / _SLIDE_WIDTH, MARGIN / _SLIDE_HEIGHT), "frameon": False, "borderpad": 0.0}
 # Areas of a slide, as left, bottom, width and height in fractions of the page; and inches between panels.
 BELOW_TITLE, BESIDE_TITLE, PADDING = (0.02, 0.01, 0.96, 0.8), (0.47, 0.01, 0.51, 0.98), 0.1
 # Fraction of a march without contact before its end that shows no speeds, which are unbounded where a spiral ends.
-IRREGULAR_FRACTION = 0.05
+_IRREGULAR_FRACTION = 0.05
 # Fraction of the axes' height: least distance between labels in a column.
-LABEL_STEP = 0.075
+_LABEL_STEP = 0.075
 
 # matplotlib settings. Text has at least 10.5 points: a thirtieth of the height of a slide.
-RC_PARAMS: dict[str, Any] = {
+_RC_PARAMS: dict[str, Any] = {
     "font.size": 11.5,
     "text.color": COLOURS.ink,
     "axes.facecolor": "none",
@@ -77,7 +77,7 @@ def styled() -> Iterator[None]:
     family = {"font.family": [_register_font(language()), "DejaVu Sans"]}
     with matplotlib.rc_context():
         matplotlib.rcdefaults()
-        matplotlib.rcParams.update(RC_PARAMS | family)
+        matplotlib.rcParams.update(_RC_PARAMS | family)
         yield
 
 
@@ -87,13 +87,13 @@ def _register_font(name: str) -> str:
     file = font()
     if file is None:
         # The font of Pillow and the films. matplotlib reads it from a file only, perhaps until the program ends.
-        default: Any = ImageFont.load_default(TITLE_SIZE)
+        default: Any = ImageFont.load_default(_TITLE_SIZE)
         folder = tempfile.TemporaryDirectory(prefix="pymunk-dragon-")
         atexit.register(folder.cleanup)
         file = Path(folder.name) / "face.ttf"
         file.write_bytes(default.font_bytes)
     library("matplotlib.font_manager").fontManager.addfont(file)
-    return str(ImageFont.truetype(file, TITLE_SIZE).getname()[0])
+    return str(ImageFont.truetype(file, _TITLE_SIZE).getname()[0])
 
 
 @cache
@@ -104,7 +104,7 @@ def _figure_type() -> type[Figure]:
     class NotebookFigure(Figure):
         def _repr_png_(self) -> bytes:
             file = BytesIO()
-            self.savefig(file, format="png", dpi=DPI // 2)
+            self.savefig(file, format="png", dpi=_DPI // 2)
             return file.getvalue()
 
     return NotebookFigure
@@ -112,16 +112,16 @@ def _figure_type() -> type[Figure]:
 
 def chart(width: float, height: float) -> Figure:
     """Create an empty figure with matplotlib's constrained layout; sides in inches."""
-    return _figure_type()(figsize=(width, height), dpi=DPI, layout="constrained")
+    return _figure_type()(figsize=(width, height), dpi=_DPI, layout="constrained")
 
 
 def slide(title: str, subtitle: str) -> Figure:
     """Create a figure that fills a slide, with a title and a subtitle, of any number of lines, in its upper left."""
-    figure = _figure_type()(figsize=(SLIDE_WIDTH, SLIDE_HEIGHT), dpi=DPI)
-    down = SUBTITLE_TOP + TITLE_LINE * title.count("\n")
-    aligned: dict[str, Any] = {"x": MARGIN / SLIDE_WIDTH, "va": "top", "linespacing": LINE_SPACING}
-    figure.text(y=1 - TITLE_TOP / SLIDE_HEIGHT, s=title, size=TITLE_SIZE, **aligned)
-    figure.text(y=1 - down / SLIDE_HEIGHT, s=subtitle, color=QUIET, **aligned)
+    figure = _figure_type()(figsize=(_SLIDE_WIDTH, _SLIDE_HEIGHT), dpi=_DPI)
+    down = _SUBTITLE_TOP + _TITLE_LINE * title.count("\n")
+    aligned: dict[str, Any] = {"x": MARGIN / _SLIDE_WIDTH, "va": "top", "linespacing": LINE_SPACING}
+    figure.text(y=1 - _TITLE_TOP / _SLIDE_HEIGHT, s=title, size=_TITLE_SIZE, **aligned)
+    figure.text(y=1 - down / _SLIDE_HEIGHT, s=subtitle, color=QUIET, **aligned)
     return figure
 
 
@@ -135,7 +135,7 @@ def halo() -> list[Any]:
     """Return path effects that keep text readable on lines: a border in the background colour."""
     from matplotlib.patheffects import withStroke
 
-    return [withStroke(linewidth=HALO, foreground=COLOURS.background)]
+    return [withStroke(linewidth=_HALO, foreground=COLOURS.background)]
 
 
 def logarithmic(axes: Axes, low: float, high: float) -> None:
@@ -157,7 +157,7 @@ def lead(axes: Axes, points: Array, names: Sequence[str], across: float, colours
     """
     places = (axes.transScale + axes.transLimits).transform(points)
     order = np.argsort(places[:, 1], kind="stable")
-    steps = LABEL_STEP * np.arange(len(points))
+    steps = _LABEL_STEP * np.arange(len(points))
     heights = np.maximum.accumulate(np.clip(places[order, 1], 0, 1) - steps) + steps
     for row, height in zip(order.tolist(), np.minimum(heights, 1 - steps[::-1]).tolist(), strict=True):
         right = across > places[row, 0]
@@ -195,7 +195,7 @@ class Subject:
     @property
     def last_regular_time(self) -> float:
         """Time of the contact, or shortly before an end without contact, s."""
-        return self.hit.time - (0 if self.hit.contact else IRREGULAR_FRACTION * (self.hit.time - self.begin))
+        return self.hit.time - (0 if self.hit.contact else _IRREGULAR_FRACTION * (self.hit.time - self.begin))
 
     def path(self, first: float, last: float, points: int = 2400) -> Array:
         """Points (P, 2), m, of the curve between two coordinates, m: by default about 150 on a turn of the paper's."""
