@@ -149,7 +149,7 @@ def test_notebook_opens_a_port_only_for_the_address(monkeypatch, capsys):
         patch.setattr(widgets, "display", lambda data, raw: shown.append(data))
         patch.setattr(handle.webbrowser, "open", lambda address: pytest.fail("a browser was opened"))
         shown = []
-        with handle.live("pendulum") as session:
+        with handle.live("pendulum") as session, session.paused():
             data, _ = session._repr_mimebundle_()
             assert "application/vnd.jupyter.widget-view+json" in data
             [still] = shown
