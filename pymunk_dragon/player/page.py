@@ -28,7 +28,7 @@ SCRIPTS = (
 # Steps of `write_player`: the page, and the file.
 STEPS = 2
 # Parts of the page that the page of a live session has too.
-PARTS = ("zoom", "view_keys", "help_tools")
+PARTS = ("zoom", "view_keys", "help_tools", "help")
 # The films' colours.
 LIGHT = Palette()
 # Their counterparts on a dark ground: bright benches with dark outlines have the same contrast there.
@@ -134,7 +134,7 @@ def player_page(run: Run, *, title: str | None = None) -> str:
     style = colour_variables() + asset(__package__, "assets/player.css") + asset(__package__, "assets/layout.css")
     script = "".join(asset(__package__, f"assets/{name}.js") for name in SCRIPTS)
     return substituted(
-        asset(__package__, "assets/head.html") + asset(__package__, "assets/player.html"),
+        "".join(asset(__package__, f"assets/{name}.html") for name in ("head", "player", "tail")),
         policy=policy(style, script),
         language=language(),
         title=escape(heading),

@@ -12,7 +12,7 @@ dancers go and have them come back, add obstacles, and move the sliders: time st
 width, number of benches. The exact dragon is drawn beside the engine's, with the position error, the tension and the
 time of a step as charts.
 
-![A pointer pulls a bench aside, which the dancers carry back, and moves a slider](renders/live.gif)
+![A pointer pulls a bench aside, the dancers carry it back, and a slider makes the head faster](renders/live.gif)
 
 ## Any Pymunk space
 

@@ -24,8 +24,9 @@ def live_page(title: str, language: str) -> tuple[str, str]:
     script = "".join(asset(player.__name__, f"assets/{name}.js") for name in _PLAYER_SCRIPTS)
     script += "".join(asset(__package__, f"assets/{name}.js") for name in SCRIPTS)
     rules = policy(style, script) + "; connect-src 'self'"
+    head, tail = (asset(player.__name__, f"assets/{name}.html") for name in ("head", "tail"))
     page = substituted(
-        asset(player.__name__, "assets/head.html") + asset(__package__, "assets/live.html"),
+        head + asset(__package__, "assets/live.html") + tail,
         policy=escape(rules),
         language=language,
         title=escape(title),

@@ -32,17 +32,16 @@ class History {
 
 // A small canvas with horizontal lines at `ticks` [share of the height, text].
 class Chart {
-  constructor(canvas) {
-    this.canvas = canvas;
-    this.context = canvas.getContext("2d");
+  constructor(canvas, painter) {
+    Object.assign(this, { canvas, painter, context: canvas.getContext("2d") });
   }
 
   get shown() {
     return this.canvas.getClientRects().length > 0;
   }
 
-  begin(ticks, colours, font) {
-    const { canvas, context } = this;
+  begin(ticks) {
+    const { canvas, context, painter: { colours, font } } = this;
     const { width, height } = canvas.getBoundingClientRect();
     const ratio = window.devicePixelRatio || 1;
     Object.assign(this, { width, height });
@@ -74,7 +73,7 @@ class Chart {
   }
 
   // A line through points [share of the width, share of the height]; numbers that are not finite interrupt it.
-  line(points, colour, width = 1.5) {
+  line(points, colour = this.painter.colours.any, width = 1.5) {
     const { context } = this;
     context.beginPath();
     let drawing = false;

@@ -48,10 +48,7 @@ function drawScaleBar(painter, above) {
   const length = [5, 2, 1].find((digit) => digit * power <= longest) * power;
   const y = view.height - LEGEND_BOTTOM - above, right = LEGEND_LEFT + length * view.scale;
   const path = new Path2D();
-  path.moveTo(LEGEND_LEFT, y - 5);
-  path.lineTo(LEGEND_LEFT, y);
-  path.lineTo(right, y);
-  path.lineTo(right, y - 5);
+  for (const corner of [[LEGEND_LEFT, y - 5], [LEGEND_LEFT, y], [right, y], [right, y - 5]]) path.lineTo(...corner);
   strokeTwice(context, path, colours.background, colours.type, 1.5);
   context.font = `11px ${painter.font}`;
   context.textAlign = "left";

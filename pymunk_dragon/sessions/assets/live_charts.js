@@ -6,7 +6,7 @@ class LiveCharts {
   constructor(painter) {
     this.painter = painter;
     this.history = new History();
-    this.charts = Object.fromEntries(["error", "force", "step"].map((name) => [name, new Chart(element(`chart-${name}`))]));
+    this.charts = Object.fromEntries(["error", "force", "step"].map((name) => [name, new Chart(element(`chart-${name}`), painter)]));
     this.drawn = 0;
   }
 
@@ -14,7 +14,7 @@ class LiveCharts {
     this.model = model;
     this.history = new History();
     element("charts-error").hidden = !model.can("ghost");
-    this.quantities = model.scene.plots.map((name) => new Quantity(name, model.unitOf(name)));
+    this.quantities = model.scene.plots.map((name) => new Quantity(name, model.unitOf(name), this.painter));
     element("charts-own").replaceChildren(...this.quantities.map(({ figure }) => figure));
     element("save-charts").hidden = !this.quantities.length;
     this.setTexts();
@@ -46,17 +46,16 @@ class LiveCharts {
     const { error, force, step } = this.charts;
     if (error.shown) this.drawErrors(error, frame);
     if (force.shown) this.drawForces(force, frame, new Set(state.cuts));
-    for (const quantity of this.quantities) quantity.draw(this.painter);
+    for (const quantity of this.quantities) quantity.draw();
     const step_length = (state.values.step ?? 1000 * this.model.scene.step);
     if (step.shown) this.drawSteps(step, frame, step_length / state.speed);
   }
 
   drawErrors(chart, { errors }) {
-    const { colours, font } = this.painter;
     const track = this.history.track("error");
     const [low, high] = decadesAround(track.map(([, value]) => value));
-    chart.begin(decadeTicks([low, high]), colours, font);
-    chart.line(track.map(([across, value]) => [across, value > 0 ? (Math.log10(value) - low) / (high - low) : NaN]), colours.any);
+    chart.begin(decadeTicks([low, high]));
+    chart.line(track.map(([across, value]) => [across, value > 0 ? (Math.log10(value) - low) / (high - low) : NaN]));
     const worst = errors.reduce((one, value, i) => (value > (errors[one] ?? -1) ? i : one), -1);
     setText("value-error", worst < 0 ? "–" : localized("{error}, bench {i}", { error: formatError(errors[worst], ERROR_KNOWN), i: worst }));
   }
@@ -64,12 +63,12 @@ class LiveCharts {
   drawForces(chart, frame, cuts) {
     const forces = this.model.benches ? frame.forces : Array.from(rowsOf(frame.joints, JOINT_SIZE), (row) => row[4]);
     element("charts-force").hidden = forces.length === 0;
-    const { colours, font, forceScale } = this.painter;
+    const { colours, forceScale } = this.painter;
     const last = Math.max(1, forces.length - 1);
     const valid = (j) => forces[j] > 0 && !cuts.has(j);
-    chart.begin(decadeTicks([forceScale.bottom, forceScale.top]), colours, font);
+    chart.begin(decadeTicks([forceScale.bottom, forceScale.top]));
     if (this.model.benches) {
-      chart.line(Array.from(forces, (force, j) => [j / last, valid(j) ? forceScale.share(force) : NaN]), colours.any);
+      chart.line(Array.from(forces, (force, j) => [j / last, valid(j) ? forceScale.share(force) : NaN]));
     } else {
       forces.forEach((force, j) => {
         const across = (j + 0.5) / forces.length;
@@ -83,12 +82,11 @@ class LiveCharts {
 
   drawSteps(chart, { step_time }, budget) {
     const stepTime = 1000 * step_time;
-    const { colours, font } = this.painter;
     const track = this.history.track("step");
     const top = roundUp(track.reduce((one, [, value]) => Math.max(one, value || 0), 1.05 * budget));
-    chart.begin([0, 0.5, 1].map((share) => [share, String(Number((share * top).toPrecision(2)))]), colours, font);
-    chart.horizontal(budget / top, colours.contact, 1.25);
-    chart.line(track.map(([across, value]) => [across, value / top]), colours.any);
+    chart.begin([0, 0.5, 1].map((share) => [share, String(Number((share * top).toPrecision(2)))]));
+    chart.horizontal(budget / top, this.painter.colours.contact, 1.25);
+    chart.line(track.map(([across, value]) => [across, value / top]));
     setText("value-step", localized("{time} of {limit}", { time: formatTime(stepTime), limit: formatTime(budget) }));
   }
 }
@@ -97,14 +95,14 @@ const formatTime = (milliseconds) => (Number.isFinite(milliseconds) ? `${Number(
 
 // A chart of a quantity of the scene, with a linear scale.
 class Quantity {
-  constructor(name, unit) {
+  constructor(name, unit, painter) {
     this.name = unit ? `${name} (${unit})` : name;
     this.rows = []; // [time, value] since the scene began, for the table
     this.history = new History();
     this.value = created("span", {}, "–");
     const canvas = created("canvas", { ariaHidden: "true" });
     this.figure = created("figure", {}, created("figcaption", {}, created("span", {}, unit ? `${translated(name)} (${unit})` : name), " ", this.value), canvas);
-    this.chart = new Chart(canvas);
+    this.chart = new Chart(canvas, painter);
   }
 
   add(time, value, now) {
@@ -113,7 +111,7 @@ class Quantity {
     this.history.add({ value: value ?? NaN }, now);
   }
 
-  draw({ colours, font }) {
+  draw() {
     if (!this.chart.shown) return;
     const track = this.history.track("value");
     const values = track.map(([, value]) => value).filter(Number.isFinite);
@@ -124,8 +122,8 @@ class Quantity {
     if (high - low < least) [low, high] = [(low + high - least) / 2, (low + high + least) / 2];
     // Enough digits to tell the ticks apart.
     const digits = Math.max(2, Math.ceil(Math.log10(2 * Math.max(Math.abs(low), Math.abs(high)) / (high - low))));
-    this.chart.begin([0, 0.5, 1].map((share) => [share, numberText(low + share * (high - low), digits)]), colours, font);
-    this.chart.line(track.map(([across, value]) => [across, (value - low) / (high - low)]), colours.any);
+    this.chart.begin([0, 0.5, 1].map((share) => [share, numberText(low + share * (high - low), digits)]));
+    this.chart.line(track.map(([across, value]) => [across, (value - low) / (high - low)]));
     this.value.textContent = numberText(values.at(-1));
   }
 }

@@ -11,10 +11,7 @@ const SHADES = 32; // colours of discs: those of one shade share a path
 // A mixture of two colours: the second has the weight `share`.
 const mixed = (one, two, share) => `color-mix(in srgb, ${one}, ${two} ${100 * share}%)`;
 
-function rampColour(share) {
-  const place = Math.min(Math.max(share, 0), 1) * (RAMP.length - 1);
-  const k = Math.min(Math.floor(place), RAMP.length - 2);
+const SHADE_COLOURS = Array.from({ length: SHADES }, (_, shade) => {
+  const place = shade / (SHADES - 1) * (RAMP.length - 1), k = Math.min(Math.floor(place), RAMP.length - 2);
   return mixed(RAMP[k], RAMP[k + 1], place - k);
-}
-
-const SHADE_COLOURS = Array.from({ length: SHADES }, (_, k) => rampColour(k / (SHADES - 1)));
+});
