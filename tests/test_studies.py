@@ -263,6 +263,7 @@ def test_picture_shows_the_zero_and_the_two_that_touch(answer):
     np.testing.assert_allclose(artists["gap-over-pitch"].get_xydata(), expected)
     corners = [artists[f"bench-{bench}"].get_xy()[:4] for bench in (0, 19)]
     assert shapely.distance(*map(shapely.Polygon, corners)) < 1e-12
+    assert tuple(artists["contact"].get_xydata()[0]) == answer.point
 
 
 def test_the_command_writes_what_the_ending_says(call, known, answer, tmp_path):

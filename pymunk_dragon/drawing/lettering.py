@@ -80,7 +80,7 @@ class Lettering:
 
 
 def pillow_font(size: float) -> _Font:
-    """_Font of Pillow, `size` pixels high, with the characters of the present language."""
+    """Font of Pillow, `size` pixels high, with the characters of the present language."""
     return _font(size, language_font())
 
 

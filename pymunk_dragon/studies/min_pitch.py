@@ -139,8 +139,12 @@ class MinPitch(Result):
         axes["pitches"].set_xlabel(text("pitch (m)"))
         axes["pitches"].legend(loc="upper left", frameon=False, borderpad=0.0)
         heading(axes["contact"], text("dashed: the circle"))
-        time, half = float(self.march.time(self.distance)), 0.7 * float(self.march.dragon.lengths[0])
-        plan_view(axes["contact"], self.march, time, self.radius, half, touching=self.benches or (0,))
+        time = float(self.march.time(self.distance))
+        plan_view(axes["contact"], self.march, time, self.radius, self.radius + 5 * self.pitch)
+        x, y = self.point or self.march.at(time).positions[0, 0].tolist()
+        axes["contact"].plot(x, y, "o", mec=COLOURS.contact, mfc="none", mew=2.0, ms=16, zorder=4, gid="contact")
+        half = 0.7 * float(self.march.dragon.lengths[0])
+        axes["contact"].set(xlim=(x - half, x + half), ylim=(y - half, y + half))
         return figure
 
 

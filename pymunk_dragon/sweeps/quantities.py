@@ -119,7 +119,7 @@ def _nearest_gap(march: March, *, start: float = 0.0, until: float | None = None
     hit = first_contact(march, start=start, until=until)
     miss = min(hit.near_misses or (), key=lambda each: each.gap, default=None)
     gap, time, benches = (miss.gap, miss.time, miss.benches) if miss else (None, None, None)
-    return {"_nearest_gap": gap, "time": time, **_benches(benches), "status": hit.status}
+    return {"nearest_gap": gap, "time": time, **_benches(benches), "status": hit.status}
 
 
 def min_pitch(march: March, *, turns: float = 16.0, speed: float = 1.0, radius: float = 4.5) -> Values:
