@@ -138,7 +138,7 @@ class MinPitch(Result):
         axes["pitches"].plot(self.pitch, gap, "o", color=COLOURS.contact, ms=7, gid="answer", label=answer)
         axes["pitches"].set_xlabel(text("pitch (m)"))
         axes["pitches"].legend(loc="upper left", frameon=False, borderpad=0.0)
-        heading(axes["contact"], text("dashed: the circle"))
+        heading(axes["contact"], text("ring: the contact"))
         time = float(self.march.time(self.distance))
         plan_view(axes["contact"], self.march, time, self.radius, self.radius + 5 * self.pitch)
         x, y = self.point or self.march.at(time).positions[0, 0].tolist()
