@@ -40,6 +40,9 @@ _CHECKED = 10
 KINDS = {"circle": 0, "segment": 1, "polygon": 2, "line": 3, "dot": 4}
 # Numbers of a call before its points.
 HEAD = 7
+MOTION_FIELDS = (
+    batch.BodyFields.BODY_ID | batch.BodyFields.POSITION | batch.BodyFields.VELOCITY | batch.BodyFields.ANGULAR_VELOCITY
+)
 # What the page gets of each pair in contact.
 _CONTACT_FIELDS = ArbiterFields.TOTAL_IMPULSE | ArbiterFields.NORMAL | ArbiterFields.POINT_A_1 | ArbiterFields.POINT_A_2
 _CONTACT_FIELDS |= ArbiterFields.BODY_A_ID | ArbiterFields.BODY_B_ID
@@ -302,15 +305,18 @@ class Scene:
 
     def plots(self) -> dict[str, float]:
         """Return quantities for charts: energy, momentum, and those of the user's."""
-        kinetic = potential = 0.0
-        momentum = pymunk.Vec2d.zero()
-        for body in self.space.bodies:
-            if body.body_type == pymunk.Body.DYNAMIC:
-                kinetic += (body.mass * body.velocity.dot(body.velocity) + _spin_energy(body)) / 2
-                potential -= body.mass * self.space.gravity.dot(body.position)
-                momentum += body.mass * body.velocity
-        found = {"Kinetic energy": kinetic, "Kinetic and potential energy": kinetic + potential}
-        found |= {"Momentum": momentum.length}
+        moving = [body for body in self.space.bodies if body.body_type == pymunk.Body.DYNAMIC]
+        mass, moment = np.array([(body.mass, body.moment) for body in moving]).reshape(-1, 2).T
+        buffer = batch.Buffer()
+        batch.get_space_bodies(self.space, MOTION_FIELDS, buffer)
+        rows = {number: row for row, number in enumerate(np.frombuffer(buffer.int_buf(), np.uint64).tolist())}
+        motion = np.frombuffer(buffer.float_buf()).reshape(-1, 5)[[rows[body.id] for body in moving]]
+        position, velocity, spin = motion[:, :2], motion[:, 2:4], motion[:, 4]
+        # The moment of a body that cannot turn is infinite.
+        kinetic = mass @ (velocity**2).sum(axis=1) / 2 + moment[spin != 0] @ spin[spin != 0] ** 2 / 2
+        potential = -mass @ (position @ np.array(self.space.gravity))
+        found = {"Kinetic energy": float(kinetic), "Kinetic and potential energy": float(kinetic + potential)}
+        found |= {"Momentum": float(np.hypot(*(mass @ velocity)))}
         return found | {name: float(quantity(self.space)) for name, quantity in self.play.plots.items()}
 
     def frame(self, header: Mapping[str, Any]) -> bytes:
@@ -455,11 +461,6 @@ def _corners(call: DrawCall) -> Iterator[tuple[float, float]]:
     for x, y in call.points:
         yield x - reach, y - reach
         yield x + reach, y + reach
-
-
-def _spin_energy(body: pymunk.Body) -> float:
-    """Return twice the energy of rotation; 0 of a body that cannot turn, whose moment is infinite."""
-    return body.moment * body.angular_velocity**2 if body.angular_velocity else 0.0
 
 
 def _end(joint: pymunk.Constraint, side: str) -> pymunk.Vec2d:

@@ -1,7 +1,8 @@
 """Live sessions: start, pictures a second, delay from the mouse to the body, many clients, and memory.
 
-python tests/bench/bench_live.py start clients memory    # a quarter of an hour
+python tests/bench/bench_live.py start
 python tests/bench/bench_live.py browser delay           # with Chromium
+python tests/bench/bench_live.py soak --minutes 10       # many clients, obstacles and resets, and one that drags
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from pathlib import Path
 from statistics import median
 
 import psutil
-from aiohttp import ClientSession
+from aiohttp import ClientSession, ClientWebSocketResponse
 from measure import arguments, sized, spread
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
@@ -29,11 +30,9 @@ from pymunk_dragon.sessions import live
 
 COMMAND = [sys.executable, "-m", "pymunk_dragon", "live", "--no-browser"]
 CLIENTS = sized(20, 2)
-# Frames that are awaited before a measurement, and measured.
+OBSTACLES, RESETS = 30, 20
+# Frames before a measurement, and measured.
 FRAMES = sized(600, 30)
-# s of real time, at 20 times: an hour of play; and drags for each frame, so that an hour's at 60 a second are sent.
-PLAYED = sized(450.0, 1.0)
-DRAGS = 8
 
 
 @contextmanager
@@ -49,13 +48,6 @@ def program(*more: str) -> Iterator[tuple[subprocess.Popen[str], str]]:
             process.terminate()
 
 
-def time_of(frame: bytes) -> float:
-    """Simulated time in the header of a frame, s."""
-    [length] = struct.unpack_from("<I", frame)
-    found: float = json.loads(frame[4 : 4 + length])["time"]
-    return found
-
-
 def start() -> None:
     """Time from the start of the process to the first frame."""
     times = []
@@ -67,6 +59,12 @@ def start() -> None:
     print(f"first frame of 223 benches: {spread(times, 2)} s after the start of the process")
 
 
+def _time(frame: bytes) -> float:
+    """Simulated time in the header of a frame."""
+    [length] = struct.unpack_from("<I", frame)
+    return float(json.loads(frame[4 : 4 + length])["time"])
+
+
 async def _frames(address: str, count: int) -> None:
     async with ClientSession() as web, web.ws_connect(address.replace("/?", "/socket?")) as socket:
         while count:
@@ -74,60 +72,55 @@ async def _frames(address: str, count: int) -> None:
             count -= isinstance(message.data, bytes)
 
 
-def clients() -> None:
-    """Rate of the physics with one client and with many."""
-    for number in sized((1, CLIENTS), (CLIENTS,)):
-        with program() as (process, address):
-            frames, rates = asyncio.run(_watch(address, number))
-            used = psutil.Process(process.pid).cpu_percent(1.0)
-        print(f"{number} clients: {frames:.0f} frames/s each, {rates:.3f} times real time, {used:.0f} % of a core")
+def soak(minutes: float) -> None:
+    """Frames, rate, memory and dropped clients, with obstacles, resets, and a client that drags."""
+    with program() as (process, address):
+        asyncio.run(_soak(address, psutil.Process(process.pid), 60 * minutes))
 
 
-async def _watch(address: str, number: int) -> tuple[float, float]:
-    """Frames a second of each client, and simulated over real time, from the second `FRAMES` frames."""
+async def _soak(address: str, process: psutil.Process, seconds: float) -> None:
+    counts, simulated, dropped = [0] * CLIENTS, [0.0, 0.0], []
+    begin = time.perf_counter()
 
-    async def watch() -> tuple[float, float]:
-        seen: list[tuple[float, float]] = []
+    async def watch(number: int) -> None:
         async with ClientSession() as web, web.ws_connect(address.replace("/?", "/socket?"), max_msg_size=0) as socket:
+            acting = asyncio.create_task(_act(socket, seconds)) if number == 0 else None
             async for message in socket:
                 if isinstance(message.data, bytes):
-                    seen.append((time.perf_counter(), time_of(message.data)))
-                if len(seen) == 2 * FRAMES:
+                    counts[number] += 1
+                    if number == 0:
+                        now = _time(message.data)
+                        simulated[:] = now, simulated[1] + (now - simulated[0] if now >= simulated[0] else now)
+                if time.perf_counter() - begin > seconds:
                     break
-        (begin, first), (end, last) = seen[FRAMES - 1], seen[-1]
-        return FRAMES / (end - begin), (last - first) / (end - begin)
+            else:
+                dropped.append(number)
+            if acting is not None:
+                acting.cancel()
 
-    found = await asyncio.gather(*(watch() for _ in range(number)))
-    return sum(frames for frames, _ in found) / number, found[0][1]
+    sizes, used = [process.memory_info().rss / 1e6], sum(process.cpu_times()[:2])
+    await asyncio.gather(*(watch(number) for number in range(CLIENTS)))
+    passed = time.perf_counter() - begin
+    sizes.append(process.memory_info().rss / 1e6)
+    print(
+        f"{CLIENTS} clients, {passed:.0f} s: {min(counts) / passed:.1f} frames/s (least), "
+        f"{median(counts) / passed:.1f} (median), {simulated[1] / passed:.3f} times real time, "
+        f"{100 * (sum(process.cpu_times()[:2]) - used) / passed:.0f} % of a core, "
+        f"{sizes[0]:.1f} MB at the start and {sizes[1]:.1f} at the end, {len(dropped)} dropped"
+    )
 
 
-def memory() -> None:
-    """Memory of the process while a client watches, and while it drags all the time; nothing is reset."""
-    for drags in sized((False, True), (True,)):
-        with program("pendulum") as (process, address):
-            print(f"a client {'drags' if drags else 'watches'}: {asyncio.run(_play(address, process.pid, drags))}")
-
-
-async def _play(address: str, pid: int, drags: bool) -> str:
-    """Simulated time, number of inputs, and memory at both ends, after a quarter of the time to begin."""
-    sizes: list[float] = []
-    inputs, simulated, begin = 0, 0.0, time.perf_counter()
-    async with ClientSession() as web, web.ws_connect(address.replace("/?", "/socket?"), max_msg_size=0) as socket:
-        await socket.send_json({"do": "speed", "value": 20})
-        await socket.send_json({"do": "grab", "x": 1.5, "y": 0, "slip": 5})
-        async for message in socket:
-            if isinstance(message.data, bytes):
-                simulated = time_of(message.data)
-            passed = time.perf_counter() - begin
-            for _ in range(DRAGS if drags else 0):
-                inputs += 1
-                x, y = (float(f"{(time.perf_counter() - begin) % size:.6g}") for size in (3, 2))
-                await socket.send_json({"do": "drag", "x": x, "y": y})
-            if passed > PLAYED * (0.25, 1.0)[len(sizes)]:
-                sizes.append(psutil.Process(pid).memory_info().rss / 1e6)
-            if len(sizes) == 2:
-                break
-    return f"{simulated:.0f} s simulated, {inputs} inputs, {sizes[0]:.1f} and {sizes[1]:.1f} MB"
+async def _act(socket: ClientWebSocketResponse, seconds: float) -> None:
+    """Put obstacles, drag all the time, and reset again and again."""
+    for k in range(OBSTACLES):
+        await socket.send_json({"do": "obstacle", "shape": "round", "x": 2.0 * k, "y": -20.0, "size": 0.5})
+    for _ in range(RESETS):
+        await socket.send_json({"do": "grab", "x": 0.0, "y": 0.0, "slip": 1000.0})
+        end = time.perf_counter() + seconds / (RESETS + 1)
+        while time.perf_counter() < end:
+            await socket.send_json({"do": "drag", "x": time.perf_counter() % 3, "y": time.perf_counter() % 2})
+            await asyncio.sleep(1 / 60)
+        await socket.send_json({"do": "reset"})
 
 
 def browser() -> None:
@@ -151,7 +144,7 @@ def delay() -> None:
     ):
         page = found.page
         wait_until(page, "live.drawn && live.frame.time > 2.5")
-        x, y = page.evaluate(f"live.pixel(...{TOP})")
+        x, y = page.evaluate(BOX)
         box = page.locator("#field").bounding_box()
         assert box is not None
         left, top = box["x"] + x, box["y"] + y
@@ -166,9 +159,11 @@ def delay() -> None:
         print(f"from the mouse to the moved body: {median(times):.0f} ms ({min(times):.0f} to {max(times):.0f})")
 
 
-# Where the uppermost box is.
-TOP = """live.frame.calls.filter((call) => call.moves).map(({ points }) => [0, 1].map((axis) =>
-  points.reduce((sum, point) => sum + point[axis] / points.length, 0))).sort((a, b) => b[1] - a[1])[0]"""
+# Pixel of the centre of a box.
+BOX = """() => {
+  const { points } = live.frame.calls.filter(({ moves }) => moves).at(-1);
+  return live.pixel(...[0, 1].map((k) => points.reduce((sum, point) => sum + point[k] / points.length, 0)));
+}"""
 # The time of an event, and of the first picture afterwards in which the held body has moved by a millimetre.
 WATCH = """() => {
   window.delays = [];
@@ -184,8 +179,12 @@ WATCH = """() => {
 }"""
 
 
-PARTS = {"start": start, "clients": clients, "memory": memory, "browser": browser, "delay": delay}
+PARTS = {"start": start, "browser": browser, "delay": delay}
 
 if __name__ == "__main__":
-    for name in arguments() or PARTS:
-        PARTS[name]()
+    names = arguments()
+    if names[:1] == ["soak"]:
+        soak(float(names[2]) if names[1:2] == ["--minutes"] else sized(10.0, 0.1))
+    else:
+        for name in names or PARTS:
+            PARTS[name]()
