@@ -13,7 +13,13 @@ certified: no contact at 0.450337394027 m, but one at 0.450337392027 m
 map:       20 pitches from 0.3 to 0.6321 m; the smallest gap grows from each to the next
 $ pymunk-dragon study u-turn --no-search
 the turn:  13.621245 m on arcs of 3.005418 and 1.502709 m,
-...
+           each of 173.118444 degrees, about (-0.760009, -1.305726), (1.735932, 2.448402) m,
+           which touch at (-2.711856, -3.591078), (0.903952, 1.197026), (2.711856, 3.591078) m
+contact:   none from -100 to 100 s, nor a gap below a thirtieth of the width: certified
+fastest:   handle 3, 1.604793 times as fast as the head, as that is 14.480 m in: certified to 1e-11
+two arcs:  always as long: 13.621244906821 to 13.621244906821 m where the radii are
+           as 0.25 to 1 up to 4 to 1. Both turn by the same angle, and their chords
+           make up the circle's diameter
 $ pymunk-dragon study max-speed
 largest speed of the head 1.2462663582 m/s: no handle exceeds 2 m/s
 limit:     handles 3 to 7 go 1.6047933790 times as fast as the head 11.6187 s after it entered

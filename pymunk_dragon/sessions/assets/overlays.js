@@ -62,13 +62,12 @@ function drawImpulses(painter, frame) {
   const count = frame.contacts.length / CONTACT_SIZE, many = count > MANY_CONTACTS;
   const path = new Path2D();
   let largest = null;
+  context.fillStyle = COLLISION_COLOUR;
   for (const [x, y, nx, ny, impulse] of rowsOf(frame.contacts, CONTACT_SIZE)) {
     if (!view.isVisible(x, y, 0)) continue;
     const [px, py] = view.toScreen(x, y);
-    if (many) {
-      path.moveTo(px + 2, py);
-      path.arc(px, py, 2, 0, TURN);
-    } else drawRing(painter, [px, py]);
+    if (many) context.fillRect(px - 2, py - 2, 4, 4);
+    else drawRing(painter, [px, py]);
     if (impulse < 0 || count > MOST_ARROWS) continue;
     const longest = many ? LONGEST_OF_MANY : LONGEST_IMPULSE;
     const length = SHORTEST_IMPULSE + (longest - SHORTEST_IMPULSE) * impulseScale.share(impulse);

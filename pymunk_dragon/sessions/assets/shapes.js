@@ -12,6 +12,11 @@ function addOutline(path, corners, distance) {
     path.arc(...corners[0], distance, 0, TURN);
     return;
   }
+  if (distance <= 0) {
+    corners.forEach(([x, y], i) => path[i ? "lineTo" : "moveTo"](x, y));
+    path.closePath();
+    return;
+  }
   const area = corners.reduce((sum, [x, y], i) => {
     const [nextX, nextY] = corners[(i + 1) % corners.length];
     return sum + x * nextY - y * nextX;
@@ -22,13 +27,10 @@ function addOutline(path, corners, distance) {
     return Math.atan2(nextY - y, nextX - x);
   });
   points.forEach(([x, y], i) => {
-    if (distance <= 0) path[i ? "lineTo" : "moveTo"](x, y);
-    else {
-      const begin = headings.at(i - 1) - TURN / 4, end = headings[i] - TURN / 4;
-      if (!i) path.moveTo(x + distance * Math.cos(begin), y + distance * Math.sin(begin));
-      // At a straight corner, rounding can give an angle just below a full circle.
-      if ((((end - begin) % TURN) + TURN) % TURN < 0.75 * TURN) path.arc(x, y, distance, begin, end);
-    }
+    const begin = headings.at(i - 1) - TURN / 4, end = headings[i] - TURN / 4;
+    if (!i) path.moveTo(x + distance * Math.cos(begin), y + distance * Math.sin(begin));
+    // At a straight corner, rounding can give an angle just below a full circle.
+    if ((((end - begin) % TURN) + TURN) % TURN < 0.75 * TURN) path.arc(x, y, distance, begin, end);
   });
   path.closePath();
 }
@@ -42,9 +44,10 @@ function shapePath(view, { points, radius }) {
 // Whether any of a call may be visible.
 function isCallVisible(view, { kind, points, radius }) {
   const reach = kind === "dot" ? 0 : radius;
-  const [xs, ys] = [0, 1].map((axis) => points.map((point) => point[axis]));
-  const [x, y] = [xs, ys].map((values) => (Math.min(...values) + Math.max(...values)) / 2);
-  return view.isVisible(x, y, reach + Math.max(Math.max(...xs) - x, Math.max(...ys) - y));
+  const [[x, y]] = points;
+  let size = 0;
+  for (const [px, py] of points) size = Math.max(size, Math.abs(px - x), Math.abs(py - y));
+  return view.isVisible(x, y, reach + size);
 }
 
 function drawCalls({ context, view }, calls) {
