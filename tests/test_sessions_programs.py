@@ -156,8 +156,10 @@ def test_exception_in_a_users_function_pauses_once_shows_its_line_and_the_sessio
             assert error["text"] == "ZeroDivisionError: division by zero"
             assert error["place"].endswith("return 1 / 0")
             assert "in fail" in error["trace"]
+        # Who connects later sees it too, until the scene begins anew.
+        assert on.session.greeting()[1:] == [error]
         assert on.do("reset") is None
-        assert on.session.description()["generation"] == on.session.generation
+        assert [message["generation"] for message in on.session.greeting()] == [on.session.generation]
     assert capfd.readouterr().err == ""
 
 

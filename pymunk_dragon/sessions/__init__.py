@@ -118,7 +118,7 @@ On two cores, `python tests/bench/bench_live.py` measures:
 
 ## How it works
 
-`live` starts a session. A `Scene` (`scenes/`) is a space with the actions that a user may take on it; a `Session`
+`live` starts a session. A `Scene` is a space with the actions that a user may take on it; a `Session`
 steps it in a thread, logs every input with the number of the step before which it took effect, and makes frames; a
 `Server` sends them to browsers. Physics never waits for a browser: a client that takes frames slowly gets fewer of
 them.

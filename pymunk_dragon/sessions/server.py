@@ -268,7 +268,8 @@ class Server:
         transport = request.transport
         assert transport is not None  # The request is being answered.
         client = _Client(connection, controls, transport.abort)
-        client.tell(self._for(client, self.session.description()))
+        for text in self.session.greeting():
+            client.tell(self._for(client, text))
         self._clients.add(client)
         self._count(1)
         sending = asyncio.create_task(client.send())

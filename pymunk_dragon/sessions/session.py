@@ -94,6 +94,7 @@ class Session:
         self._due = self._frame_due = self._stepped = perf_counter()
         self._raised: list[Exception] = []
         self._failed: tuple[int, int, str] | None = None
+        self._failure: list[dict[str, Any]] = []
         self._stepping = threading.RLock()
         self._changed, self._ended = False, threading.Event()
         self._single_steps = 0
@@ -170,6 +171,10 @@ class Session:
     def call(self, action: Callable[[], None]) -> None:
         """Have something done in the session's thread, between two steps."""
         self._calls.append(action)
+
+    def greeting(self) -> list[dict[str, Any]]:
+        """Return the messages for a client that connects: the scene, and the error by which it is paused."""
+        return [self._description, *self._failure]
 
     def description(self) -> dict[str, Any]:
         """Return what a client gets when it connects, and after each rebuild."""
@@ -384,8 +389,8 @@ class Session:
         """Tell of an exception, but not again in each frame of a session that is paused by it."""
         now = self.generation, self.scene.steps, str(error)
         if now != self._failed:
-            self._failed = now
-            self.tell(_described(error))
+            self._failed, self._failure = now, [_described(error)]
+            self.tell(self._failure[0])
 
     def _pause(self) -> None:
         self.running, self._single_steps = False, 0
@@ -417,7 +422,7 @@ class Session:
         if action in INPUTS:
             self._input(message)
         elif action == "play":
-            self.running = True
+            self.running, self._failure = True, []
         elif action == "pause":
             self._pause()
         elif action == "step":
@@ -494,7 +499,7 @@ class Session:
         self.generation += 1
         self.inputs = InputLog()
         self._replay.end()
-        self._single_steps, self._rate, self._measured = 0, 0.0, 0.0
+        self._single_steps, self._rate, self._measured, self._failure = 0, 0.0, 0.0, []
         self._describe()
         if self.frames is not None:
             self.frames.begin(scene)

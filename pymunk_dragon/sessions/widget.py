@@ -95,7 +95,8 @@ class LiveWidget(AnyWidget):
         self._session.clients += not self._looks
         self._looks, self._drawn = True, self._sent
         self._session.post({"do": "drop"}, always=True)
-        self.tell(self._session.description())
+        for message in self._session.greeting():
+            self.tell(message)
         self._session.touch()
 
     def _take(self, text: str) -> None:
