@@ -264,3 +264,15 @@ def test_program_tells_the_limit(call, limit):
     told = json.loads(call("study", "max-speed", "--json")[1])
     assert (told["speed"], told["handle"], told["time"]) == (limit.speed, limit.handle, limit.time)
     assert "3 m/s" in call("study", "max-speed", "--limit", "3")[1]
+
+
+def test_contests_turn_is_the_best_where_the_search_finds_none_below_its_limit(monkeypatch):
+    def fails(*_):
+        raise ParameterError("fastest", 1.2, "higher")
+
+    monkeypatch.setattr(sys.modules["pymunk_dragon.studies.u_turn"], "shortest_turn", fails)
+    found = u_turn(Dragon(benches=4), ratio=1.0)
+    assert found.shortest.path == found.turn
+    assert found.shortest.ratio.ratio == found.max_ratio
+    with pytest.raises(ParameterError):
+        u_turn(Dragon(benches=4), fastest=1.1)

@@ -283,13 +283,20 @@ def u_turn(
 
     turns = [replace(turn, ratio=each) for each in _RATIOS]
     limit = peak.ratio if fastest is None else fastest
+    try:
+        found = shortest_turn(turn, dragon, limit, progress) if search else None
+    except ParameterError:
+        if limit < peak.ratio:
+            raise
+        # The contest's turn keeps to the limit.
+        found = turn, peak
     return TurnResult(
         turn=turn,
         times=times,
         contests=marched(turn, peak),
         lengths=tuple((each.ratio, each.joints[-1] - each.joints[0]) for each in turns),
         max_ratio=limit,
-        shortest=marched(*shortest_turn(turn, dragon, limit, progress)) if search else None,
+        shortest=None if found is None else marched(*found),
     )
 
 
