@@ -180,6 +180,9 @@ def delay() -> None:
         for k in range(sized(20, 2)):
             page.mouse.move(left + (15 if k % 2 == 0 else -15), top - 40)
             wait_until(page, f"delays.length > {k}")
+            # Where the pointer is, the body comes to rest.
+            wait_until(page, RESTS)
+            page.wait_for_timeout(300)
         times = page.evaluate("delays")
         print(f"from the mouse to the moved body: {median(times):.0f} ms ({min(times):.0f} to {max(times):.0f})")
 
@@ -189,14 +192,15 @@ BOX = """() => {
   const { points } = live.frame.calls.filter(({ moves }) => moves).at(-1);
   return live.pixel(...[0, 1].map((k) => points.reduce((sum, point) => sum + point[k] / points.length, 0)));
 }"""
-# The time of an event, and of the first picture afterwards in which the held body has moved by a millimetre.
+RESTS = "(([x, y, u, v]) => Math.hypot(x - u, y - v) < 0.01)(live.frame.held)"
+# The time of an event, and of the first picture afterwards in which the held body has moved by 5 mm.
 WATCH = """() => {
   window.delays = [];
   document.querySelector("#field").addEventListener("pointermove", (event) => {
     const begin = performance.now(), from = live.frame.held[0], drawn = live.drawn;
     const look = () => {
       const now = live.frame.held[0];
-      if (Math.abs(now - from) > 1e-3 && live.drawn > drawn) delays.push(performance.now() - begin);
+      if (Math.abs(now - from) > 5e-3 && live.drawn > drawn) delays.push(performance.now() - begin);
       else requestAnimationFrame(look);
     };
     requestAnimationFrame(look);
