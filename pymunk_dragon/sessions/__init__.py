@@ -111,7 +111,7 @@ On two cores, `python tests/bench/bench_live.py start browser delay` and `... so
 | --- | --- |
 | first frame of 223 benches, after the start of the process | 0.47 s |
 | pictures in Chromium: 223 benches, a pyramid of 325 boxes, 3,000 circles | 60, 58 and 21 a second, at real time |
-| 20 clients, one of which drags, 30 obstacles and 20 resets in 5 minutes | 59 frames a second each, 0.99 times real time |
+| 20 clients, one of which drags, 30 obstacles and 20 resets in 5 minutes | 59 frames a second, 0.99 times real time |
 | memory meanwhile | 98 MB after 2 minutes, 104 MB after 5 |
 | from a movement of the mouse to the moved body | 50 ms |
 
