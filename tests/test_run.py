@@ -18,7 +18,7 @@ from conftest import assert_says, examples, refusal
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pymunk_dragon.errors import DragonError, FileFormatError
+from pymunk_dragon.errors import DragonError, FileFormatError, ParameterError
 from pymunk_dragon.model.contact import PHASES, Contact, ContactEvent, ContactLog, ContactWindow
 from pymunk_dragon.model.curves import Spiral
 from pymunk_dragon.model.dragon import Dragon
@@ -376,3 +376,11 @@ def test_text_and_values_of_a_run_leave_out_what_is_unknown(seed_march):
     assert json.loads(json.dumps(exact.to_dict(), allow_nan=False))["until"] == 2.0
     for result in (run, MARCH.at([0.5, 2]), MARCH.at([]), Run.exact(seed_march, [0, 412.4738376])):
         assert len(repr(result)) < 80
+
+
+def test_drift_is_a_distance_or_unknown():
+    run = Run.exact(March(Dragon(benches=4)), [0.0, 1.0])
+    assert np.isnan(replace(run, drift=np.full((2, 4), np.nan)).drift).all()
+    for drift in (np.inf, -np.inf, 1e30):
+        with pytest.raises(ParameterError, match="drift"):
+            replace(run, drift=np.full((2, 4), drift))

@@ -131,8 +131,9 @@ class Run(ArrayRecord, Displayed):
                 array = np.array(numbers(name, getattr(self, name)), dtype=kind)
                 if array.shape != shape:
                     raise ParameterError(f"the shape of a run's {name}", array.shape, f"{shape}, as its march wants")
-                limit = MAX_COORDINATE if name == "poses" else np.finfo(kind).max
-                if name != "drift" and not (np.abs(array) <= limit).all():
+                # The drift is a distance of two poses, or nan where the model has none.
+                limit = {"poses": MAX_COORDINATE, "drift": 3 * MAX_COORDINATE}.get(name, np.finfo(kind).max)
+                if not ((np.abs(array) <= limit) | (np.isnan(array) & (name == "drift"))).all():
                     raise ParameterError(name, array, f"finite and within {limit:g}")
                 object.__setattr__(self, name, read_only(array))
         word("outcome", self.outcome, get_args(Outcome))
