@@ -20,7 +20,7 @@ from pymunk_dragon._extras import library
 from pymunk_dragon._language import font, language, text
 from pymunk_dragon.collision import FirstContact, first_contact
 from pymunk_dragon.drawing.palette import Palette
-from pymunk_dragon.errors import ParameterError
+from pymunk_dragon.errors import OutputError, ParameterError
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 
@@ -91,7 +91,10 @@ def _register_font(name: str) -> str:
         folder = tempfile.TemporaryDirectory(prefix="pymunk-dragon-")
         atexit.register(folder.cleanup)
         file = Path(folder.name) / "face.ttf"
-        file.write_bytes(default.font_bytes)
+        try:
+            file.write_bytes(default.font_bytes)
+        except OSError as error:
+            raise OutputError(file, error.strerror or str(error)) from error
     library("matplotlib.font_manager").fontManager.addfont(file)
     return str(ImageFont.truetype(file, _TITLE_SIZE).getname()[0])
 
