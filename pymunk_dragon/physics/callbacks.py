@@ -182,8 +182,8 @@ def _manifold(contact: pymunk.ContactPointSet, swapped: bool) -> tuple[tuple[_Ve
 
 def _apart(shapes: Iterable[pymunk.Shape]) -> bool:
     """Whether two rectangles of a space are apart."""
-    # Pymunk types a shape's body as optional, and corners as those of a polygon, which all shapes here are.
     first, second = (
+        # Pymunk types the body as optional, and corners as those of a polygon, which all shapes here are.
         [shape.body.local_to_world(corner) for corner in shape.get_vertices()]  # type: ignore[union-attr]
         for shape in shapes
     )
