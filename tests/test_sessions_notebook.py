@@ -7,7 +7,7 @@ import os
 import subprocess
 import sys
 import time
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from importlib.util import find_spec
 from types import SimpleNamespace
 
@@ -70,12 +70,12 @@ def receive(widget, content):
     widget._handle_custom_msg(content if isinstance(content, int) else json.dumps(content), [])
 
 
-def wait(on, condition):
-    """Wait until a condition holds, which the session's thread brings about."""
+def wait(go_on, condition):
+    """Call `go_on`, which waits for the other side, until a condition holds."""
     end = time.monotonic() + PATIENCE
     while not condition():
         assert time.monotonic() < end
-        on.settle()
+        go_on()
 
 
 def kinds(widget):
@@ -85,13 +85,13 @@ def kinds(widget):
 def test_page_gets_scene_state_and_frames_and_its_messages_reach_the_engine():
     with watched() as (on, widget):
         receive(widget, 0)
-        wait(on, lambda: "state" in kinds(widget) and widget.frames)
+        wait(on.settle, lambda: "state" in kinds(widget) and widget.frames)
         assert (widget.texts[0]["kind"], widget.texts[0]["role"]) == ("scene", "control")
         receive(widget, {"do": "step", "count": 7})
         receive(widget, {"do": "ping", "id": 3})
         on.settle()
         receive(widget, len(widget.frames))
-        wait(on, lambda: widget.frames[-1][1].step == 7 or receive(widget, widget.frames[-1][0]))
+        wait(on.settle, lambda: widget.frames[-1][1].step == 7 or receive(widget, widget.frames[-1][0]))
         assert {"kind": "pong", "id": 3} in widget.texts
         before = kinds(widget).count("error")
         for bad in ({"do": "dance"}, {"do": "scene", "name": "nowhere"}, "no object"):
@@ -104,14 +104,14 @@ def test_frames_wait_for_the_page_to_draw_those_before():
     with watched() as (on, widget):
         receive(widget, 0)
         on.session.running = True
-        wait(on, lambda: on.scene.time > 0.5)
+        wait(on.settle, lambda: on.scene.time > 0.5)
         numbers = [number for number, _ in widget.frames]
         assert numbers == list(range(1, widgets.MOST_FRAMES + 1))
         receive(widget, 1)
-        wait(on, lambda: len(widget.frames) == widgets.MOST_FRAMES + 1)
+        wait(on.settle, lambda: len(widget.frames) == widgets.MOST_FRAMES + 1)
         # What was lost with an earlier page is not waited for.
         receive(widget, 0)
-        wait(on, lambda: len(widget.frames) > widgets.MOST_FRAMES + 1)
+        wait(on.settle, lambda: len(widget.frames) > widgets.MOST_FRAMES + 1)
 
 
 def test_nothing_is_sent_while_the_page_is_silent_and_it_goes_on_afterwards(monkeypatch):
@@ -121,7 +121,7 @@ def test_nothing_is_sent_while_the_page_is_silent_and_it_goes_on_afterwards(monk
         receive(widget, 0)
         assert on.session.clients == 1
         monkeypatch.setattr(widgets, "SILENCE", -1.0)
-        wait(on, lambda: on.session.clients == 0)
+        wait(on.settle, lambda: on.session.clients == 0)
         sent = len(widget.frames), len(widget.texts)
         on.step(10)
         assert (len(widget.frames), len(widget.texts)) == sent
@@ -179,8 +179,13 @@ def lab(folder):
         stderr=subprocess.DEVNULL,
     )
     try:
+
+        def ended():
+            with suppress(subprocess.TimeoutExpired):
+                process.wait(0.05)
+
         about = runtime / f"jpserver-{process.pid}.json"
-        wait(on, lambda: process.poll() is not None or (about.exists() and about.read_text().rstrip().endswith("}")))
+        wait(ended, lambda: process.poll() is not None or (about.exists() and about.read_text().rstrip().endswith("}")))
         found = json.loads(about.read_text())
         yield f"{found['url']}lab/tree/live.ipynb?token={found['token']}"
     finally:
@@ -228,7 +233,7 @@ def test_body_that_is_dragged_in_jupyterlab_moves_in_python_and_a_picture_remain
         x, y = map(float, text.strip("<>\n ").split())
         assert (x, y) == pytest.approx((1.5, 1), abs=0.2)
         page.keyboard.press("Control+s")
-        wait(on, lambda: "<img" in (tmp_path / "live.ipynb").read_text())
+        wait(lambda: page.wait_for_timeout(20), lambda: "<img" in (tmp_path / "live.ipynb").read_text())
         assert not [text for text in found.complaints if "Policy" in text or "Error" in text]
     with lab(tmp_path) as address, opened(browser, address, height=1600) as found:
         assert found.page.wait_for_selector("img[alt='A live session']").is_visible()
