@@ -198,6 +198,8 @@ def lab(folder):
 
 
 def run_cell(page, number):
+    # A cell that is run before the kernel is there is not run.
+    page.wait_for_selector(".jp-Notebook-ExecutionIndicator[data-status=idle]", state="attached")
     page.click(f".jp-CodeCell >> nth={number} >> .cm-content")
     page.keyboard.press("Shift+Enter")
 
