@@ -254,7 +254,7 @@ def test_sliders_that_rebuild_begin_anew_with_their_value():
             assert on.do("set", name=name, value=value) is None
             assert (on.session.generation, on.scene.steps) == (generation + 1, 0)
             assert on.session.state()["values"][name] == value
-        described = on.session.description()
+        [described] = on.session.greeting()
         assert len(described["dragon"]["lengths"]) == 12
         assert set(described["dragon"]["widths"]) == {0.25}
         on.run(0.5)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pymunk
@@ -13,6 +14,7 @@ from live_sessions import played
 from pymunk_dragon import Button, DragonError, Key, ParameterError, Slider, live
 from pymunk_dragon.sessions.ready import program
 from pymunk_dragon.sessions.scene import Play
+from pymunk_dragon.sessions.session import Session
 
 
 def build(gravity=900.0, links=3):
@@ -186,3 +188,39 @@ def test_session_pauses_after_the_step_in_which_the_next_pair_touches():
         # The ball falls 45 px to the floor.
         assert on.scene.time == pytest.approx(math.sqrt(2 * 45 / 900), abs=2 / 600)
         assert len(on.frame().contacts) == 1
+
+
+def test_sliders_that_rebuild_are_all_taken_when_they_wait_together():
+    controls = [Slider("links", 1, 9, rebuilds=True), Slider("gravity", 0, 2000, rebuilds=True)]
+    with played(program(build, Play(controls=controls))) as on:
+        errors = []
+        with on.session.held():
+            for name, value in (("links", 4.0), ("gravity", 100.0), ("links", 6.0)):
+                on.session.post({"do": "set", "name": name, "value": value}, errors.append)
+        on.settle()
+        assert errors == []
+        assert (len(on.scene.joints()), on.scene.space.gravity) == (6, (0, 100))
+
+
+def test_time_goes_on_when_the_step_changes():
+    with played(program(build, Play(step=0.01))) as on:
+        on.step(10)
+        assert on.do("set", name="step", value=50.0) is None
+        assert on.scene.time == pytest.approx(0.1)
+        on.step(2)
+        assert on.scene.time == pytest.approx(0.2)
+
+
+def test_exception_in_a_callback_of_a_program_with_a_loop_of_its_own_pauses_it(capfd):
+    space = build()
+    touch(space)
+    session = Session(program(lambda: space, Play(step=None)))
+    told = []
+    session.audience.append(SimpleNamespace(tell=told.append))
+    # The page goes on after each error.
+    for _ in range(60):
+        session.post({"do": "play"})
+        session.step(1 / 60)
+    [error] = {message["place"] for message in told if message["kind"] == "error"}
+    assert error.endswith("return 1 / 0")
+    assert capfd.readouterr().err == ""

@@ -65,7 +65,7 @@ class DragonScene(Scene):
         self._numbers = {body: number for number, body in enumerate(self.world.bodies)}
         self._march_time, self._share = start, 1.0
         self._speed = values.get("speed", self.world.top_speed)
-        self._time = start
+        self.time = start
         self._lag = _HEAD_LAG * float(self.march.dragon.widths.min())
         # Contacts of the last step, each with points, normal, and impulse in N s; and the pairs that touched before.
         self._touching: dict[tuple[pymunk.Shape, pymunk.Shape], tuple[Any, Any, float]] = {}
@@ -76,16 +76,6 @@ class DragonScene(Scene):
         self.contacts(contacts)
         if free_from is not None:
             self.release(free_from)
-
-    @property
-    def time(self) -> float:
-        """Simulated time, s."""
-        return self._time
-
-    @property
-    def march_time(self) -> float:
-        """Time of the exact model, s: it stops where the head is blocked."""
-        return self._march_time
 
     def advance(self) -> None:
         """Make a step; the march waits while the head cannot follow."""
@@ -114,7 +104,7 @@ class DragonScene(Scene):
         world.space.step(world.substep)
         world.read()
         self.steps += 1
-        self._time += world.substep
+        self.time += world.substep
         self._note_contacts()
         self.check()
 

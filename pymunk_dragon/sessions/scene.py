@@ -74,7 +74,7 @@ class Scene:
     def __init__(self, space: pymunk.Space, play: Play = Play(), values: Mapping[str, float] | None = None) -> None:
         self.space, self.play = space, play
         self.step_length = play.step or _DEFAULT_STEP
-        self.steps = 0
+        self.steps, self.time = 0, 0.0
         self.events: list[str] = []
         self.stops = self.waits_for_contact = False
         self.obstacles: dict[int, dict[str, Any]] = {}
@@ -98,17 +98,13 @@ class Scene:
 
     # ---- time
 
-    @property
-    def time(self) -> float:
-        """Simulated time, s."""
-        return self.steps * self.step_length
-
     def advance(self) -> None:
         """Make a step."""
         if self.play.on_step is not None:
             self.play.on_step(self.space, self.time)
         self.space.step(self.step_length)
         self.steps += 1
+        self.time += self.step_length
         if self.waits_for_contact and self._has_new_contact():
             self.stops, self.waits_for_contact = True, False
         self.check()

@@ -57,6 +57,34 @@ class _StoppedError(Exception):
     """The session was stopped while a program held it."""
 
 
+# Exceptions in callbacks of the present thread, while they are collected; and the hook that was there before.
+_CAUGHT, _BEFORE = threading.local(), [sys.__unraisablehook__]
+
+
+def _unraisable(raised: Any) -> None:
+    """Collect an exception in a callback, which C calls, so that Python would only print it."""
+    errors = getattr(_CAUGHT, "errors", None)
+    if errors is not None and isinstance(raised.exc_value, Exception):
+        errors.append(raised.exc_value)
+    else:
+        _BEFORE[0](raised)
+
+
+@contextmanager
+def _callbacks() -> Iterator[None]:
+    """Context that raises the first exception of a callback in this thread at its end."""
+    if sys.unraisablehook is not _unraisable:
+        # It stays, as other threads may be in this context too.
+        _BEFORE[0], sys.unraisablehook = sys.unraisablehook, _unraisable
+    _CAUGHT.errors = []
+    try:
+        yield
+        if _CAUGHT.errors:
+            raise _CAUGHT.errors[0]
+    finally:
+        _CAUGHT.errors = None
+
+
 class _Replay:
     """Inputs of a recording that are carried out again, each before a certain step, until the step `steps`."""
 
@@ -92,7 +120,6 @@ class Session:
         self._rate = self._measured = self._step_seconds = self._plotted = 0.0
         self._second, self._events = 0.0, 0
         self._due = self._frame_due = self._stepped = perf_counter()
-        self._raised: list[Exception] = []
         self._failed: tuple[int, int, str] | None = None
         self._failure: list[dict[str, Any]] = []
         self._stepping = threading.RLock()
@@ -176,10 +203,6 @@ class Session:
         """Return the messages for a client that connects: the scene, and the error by which it is paused."""
         return [self._description, *self._failure]
 
-    def description(self) -> dict[str, Any]:
-        """Return what a client gets when it connects, and after each rebuild."""
-        return self._description
-
     def state(self) -> dict[str, Any]:
         """Return what changes now and then."""
         state: dict[str, Any] = without_nan(
@@ -229,22 +252,8 @@ class Session:
     # ---- the thread
 
     def _run(self) -> None:
-        # Exceptions in callbacks, which C calls, reach this hook only.
-        before = sys.unraisablehook
-
-        def hook(raised: Any) -> None:
-            if threading.current_thread() is self._thread and isinstance(raised.exc_value, Exception):
-                self._raised.append(raised.exc_value)
-            else:
-                before(raised)
-
-        sys.unraisablehook = hook
-        try:
-            with suppress(_StoppedError):
-                self._play()
-        finally:
-            if sys.unraisablehook is hook:
-                sys.unraisablehook = before
+        with suppress(_StoppedError):
+            self._play()
 
     @contextmanager
     def _unheld(self) -> Iterator[None]:
@@ -323,17 +332,14 @@ class Session:
     def _watched(self) -> Iterator[None]:
         """Context in which an exception of the user's functions pauses the session, and is shown."""
         try:
-            yield
-            if self._raised:
-                raise self._raised[0]
+            with _callbacks():
+                yield
         except Exception as error:
             if self._replay.ended.is_set():
                 self._pause()
                 self._tell_error(error)
             else:
                 self._fail_replay(f"the replay ends at step {self.scene.steps}: {error}")
-        finally:
-            self._raised.clear()
 
     def _step(self) -> None:
         """Make one step."""
@@ -448,11 +454,15 @@ class Session:
             self.running = True
         elif message["do"] == "reset":
             self._wanted = source, values
-        elif message["do"] == "set" and self._wanted is None and self._replay.ended.is_set():
+        elif message["do"] == "set" and self._replay.ended.is_set():
+            if source is not self.source:
+                self._build_wanted()
+                source, values = self.source, self.values
             slider = self._slider(message["name"])
             if not slider.rebuilds:
                 return False
-            self._wanted = source, self.scene.values | {slider.name: slider.checked(message["value"])}
+            values = self.scene.values if self._wanted is None else values
+            self._wanted = source, {**values, slider.name: slider.checked(message["value"])}
         else:
             return False
         return True
