@@ -19,7 +19,8 @@ from pymunk_dragon.model.settings import MAX_STRIDE, EngineSettings
 from pymunk_dragon.physics.world import World, top_speed
 from pymunk_dragon.player.data import CURVE_ERROR, curve_points
 from pymunk_dragon.sessions.controls import Slider
-from pymunk_dragon.sessions.scene import NO_ARROW, Play, Scene, from_binary, in_binary
+from pymunk_dragon.sessions.messages import from_binary, in_binary
+from pymunk_dragon.sessions.scene import NO_ARROW, Play, Scene
 
 # Distance from its exact pose, in widths, at which the head counts as blocked.
 _HEAD_LAG = 1 / 50

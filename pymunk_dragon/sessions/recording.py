@@ -23,7 +23,8 @@ from pymunk_dragon.model.run import Run
 from pymunk_dragon.model.settings import engine_provenance
 from pymunk_dragon.sessions.dragon import DragonScene
 from pymunk_dragon.sessions.log import Log
-from pymunk_dragon.sessions.scene import Scene, from_binary
+from pymunk_dragon.sessions.messages import from_binary
+from pymunk_dragon.sessions.scene import Scene
 
 if TYPE_CHECKING:
     from pymunk_dragon.sessions.session import Session

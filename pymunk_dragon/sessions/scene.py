@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import json
 import math
-import struct
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -13,13 +11,13 @@ import numpy as np
 import pymunk
 from pymunk import batch
 from pymunk.batch import ArbiterFields
-from pymunk.space_debug_draw_options import SpaceDebugColor
 
 from pymunk_dragon._arrays import Array
 from pymunk_dragon._checks import finite, positive, word
 from pymunk_dragon.drawing.debug_draw import DrawCall, DrawRecorder
 from pymunk_dragon.errors import DragonError, ParameterError
 from pymunk_dragon.sessions.controls import Button, Key, PygameEvents, Slider
+from pymunk_dragon.sessions.messages import from_binary, in_binary, packed, unpacked
 
 # Largest acceleration by a hand, in m/s^2, as in Box2D's testbed: for scenes of this size; in larger ones, more.
 _HAND_ACCELERATION, _HAND_SIZE = 1000.0, 10.0
@@ -36,11 +34,7 @@ _OBSTACLE_FRICTION = 0.4
 _SMALLEST_FIELD = 1e-3
 # Steps between two checks whether bodies flew apart.
 _CHECKED = 10
-# Numbers of the kinds of drawn calls in a frame.
-KINDS = {"circle": 0, "segment": 1, "polygon": 2, "line": 3, "dot": 4}
-# Numbers of a call before its points.
-HEAD = 7
-MOTION_FIELDS = (
+_MOTION_FIELDS = (
     batch.BodyFields.BODY_ID | batch.BodyFields.POSITION | batch.BodyFields.VELOCITY | batch.BodyFields.ANGULAR_VELOCITY
 )
 # What the page gets of each pair in contact.
@@ -304,7 +298,7 @@ class Scene:
         moving = [body for body in self.space.bodies if body.body_type == pymunk.Body.DYNAMIC]
         mass, moment = np.array([(body.mass, body.moment) for body in moving]).reshape(-1, 2).T
         buffer = batch.Buffer()
-        batch.get_space_bodies(self.space, MOTION_FIELDS, buffer)
+        batch.get_space_bodies(self.space, _MOTION_FIELDS, buffer)
         rows = {number: row for row, number in enumerate(np.frombuffer(buffer.int_buf(), np.uint64).tolist())}
         motion = np.frombuffer(buffer.float_buf()).reshape(-1, 5)[[rows[body.id] for body in moving]]
         position, velocity, spin = motion[:, :2], motion[:, 2:4], motion[:, 4]
@@ -395,60 +389,6 @@ class Scene:
         width, height = np.maximum(high - low, _SMALLEST_FIELD)
         x, y = (low + high) / 2
         return float(x), float(y), float(width), float(height)
-
-
-def in_binary(header: Mapping[str, Any], arrays: Mapping[str, Array], kind: str) -> bytes:
-    """Return a JSON header with sizes, preceded by its length, and arrays of numbers of a kind: "<f4" or "<f8"."""
-    sizes = {name: array.size for name, array in arrays.items()}
-    text = json.dumps(without_nan({**header, "sizes": sizes}), allow_nan=False).encode()
-    # The arrays begin at a multiple of eight bytes.
-    text += b" " * (-(4 + len(text)) % 8)
-    with np.errstate(over="ignore"):
-        return struct.pack("<I", len(text)) + text + b"".join(array.astype(kind).tobytes() for array in arrays.values())
-
-
-def from_binary(content: bytes, kind: str) -> tuple[dict[str, Any], dict[str, Array]]:
-    """Return header and arrays of what `in_binary` made."""
-    [length] = struct.unpack_from("<I", content)
-    header = json.loads(content[4 : 4 + length])
-    sizes = header["sizes"]
-    parts = np.split(np.frombuffer(content, kind, offset=4 + length), np.cumsum(list(sizes.values()))[:-1])
-    return header, dict(zip(sizes, parts, strict=True))
-
-
-def packed(calls: Sequence[DrawCall]) -> tuple[Array, list[list[float]]]:
-    """Return calls as numbers, and their colours: kind, points, radius, angle, fill, outline, moves, and the points."""
-    colours: dict[Any, int] = {}
-    numbers: list[float] = []
-    for call in calls:
-        fill = colours.setdefault(call.fill, len(colours))
-        outline = -1 if call.outline is None else colours.setdefault(call.outline, len(colours))
-        numbers += [KINDS[call.name], len(call.points), call.radius, call.angle, fill, outline, call.moves]
-        for point in call.points:
-            numbers.extend(point)
-    return np.array(numbers, dtype=float), [[*map(float, colour)] for colour in colours]
-
-
-def unpacked(numbers: Array, colours: Sequence[Sequence[float]]) -> list[DrawCall]:
-    """Return the calls that `packed` took, at the precision of the numbers."""
-    kinds, table, calls, begin = list(KINDS), [SpaceDebugColor(*colour) for colour in colours], [], 0
-    while begin < len(numbers):
-        kind, count, radius, angle, fill, outline, moves = (float(each) for each in numbers[begin : begin + HEAD])
-        end = begin + HEAD + 2 * int(count)
-        points = tuple((x, y) for x, y in np.reshape(numbers[begin + HEAD : end], (-1, 2)).tolist())
-        rim = None if outline < 0 else table[int(outline)]
-        calls.append(DrawCall(kinds[int(kind)], points, radius, table[int(fill)], rim, angle, bool(moves)))
-        begin = end
-    return calls
-
-
-def without_nan(value: Any) -> Any:
-    """Return JSON values with None in place of numbers that JSON does not have."""
-    if isinstance(value, Mapping):
-        return {name: without_nan(each) for name, each in value.items()}
-    if isinstance(value, list | tuple):
-        return [without_nan(each) for each in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def _corners(call: DrawCall) -> Iterator[tuple[float, float]]:

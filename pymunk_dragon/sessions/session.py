@@ -18,10 +18,9 @@ from pymunk_dragon._checks import finite, whole, word
 from pymunk_dragon.errors import DragonError, ParameterError
 from pymunk_dragon.sessions.controls import Slider
 from pymunk_dragon.sessions.log import MAX_INPUTS, InputLog
-from pymunk_dragon.sessions.messages import INPUTS
+from pymunk_dragon.sessions.messages import INPUTS, without_nan
 from pymunk_dragon.sessions.ready import SCENES, Ready, ready
 from pymunk_dragon.sessions.recording import Frames
-from pymunk_dragon.sessions.scene import without_nan
 
 # Simulated over real time.
 SPEEDS = 0.1, 20.0
