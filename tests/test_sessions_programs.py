@@ -224,3 +224,11 @@ def test_exception_in_a_callback_of_a_program_with_a_loop_of_its_own_pauses_it(c
     [error] = {message["place"] for message in told if message["kind"] == "error"}
     assert error.endswith("return 1 / 0")
     assert capfd.readouterr().err == ""
+
+
+def test_steps_and_charts_make_no_buffers_as_pymunk_never_frees_them(monkeypatch):
+    with played(program(build, Play())) as on:
+        monkeypatch.setattr("pymunk.batch.Buffer", None)
+        assert on.step(50) == 50
+        assert on.scene.plots()
+        assert on.frame().step == 50

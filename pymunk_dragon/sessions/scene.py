@@ -77,7 +77,8 @@ class Scene:
         self._held: pymunk.PivotJoint | None = None
         self._recorder = DrawRecorder()
         self._recorder.flags &= ~DrawRecorder.DRAW_COLLISION_POINTS
-        self._arbiters = batch.Buffer()
+        # Kept, as Pymunk never frees the memory of a buffer.
+        self._arbiters, self._bodies = batch.Buffer(), batch.Buffer()
         self.pygame = next((each for each in play.controls if isinstance(each, PygameEvents)), None)
         self._sliders = {each.name: each for each in play.controls if isinstance(each, Slider)}
         self._values = dict(values or {})
@@ -106,9 +107,9 @@ class Scene:
     def check(self) -> None:
         """Raise an error now and then if a body has no finite position any more."""
         if self.steps % _CHECKED == 0:
-            buffer = batch.Buffer()
-            batch.get_space_bodies(self.space, batch.BodyFields.POSITION, buffer)
-            if not np.isfinite(np.frombuffer(buffer.float_buf())).all():
+            self._bodies.clear()
+            batch.get_space_bodies(self.space, batch.BodyFields.POSITION, self._bodies)
+            if not np.isfinite(np.frombuffer(self._bodies.float_buf())).all():
                 raise DragonError("the bodies flew apart: reset, and take shorter steps")
 
     # ---- what controls change
@@ -297,7 +298,8 @@ class Scene:
         """Return quantities for charts: energy, momentum, and those of the user's."""
         moving = [body for body in self.space.bodies if body.body_type == pymunk.Body.DYNAMIC]
         mass, moment = np.array([(body.mass, body.moment) for body in moving]).reshape(-1, 2).T
-        buffer = batch.Buffer()
+        buffer = self._bodies
+        buffer.clear()
         batch.get_space_bodies(self.space, _MOTION_FIELDS, buffer)
         rows = {number: row for row, number in enumerate(np.frombuffer(buffer.int_buf(), np.uint64).tolist())}
         motion = np.frombuffer(buffer.float_buf()).reshape(-1, 5)[[rows[body.id] for body in moving]]
