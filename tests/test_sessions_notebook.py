@@ -172,6 +172,7 @@ def lab(folder):
     runtime = folder / "runtime"
     flags = ["--no-browser", "--allow-root", "--ip=127.0.0.1", "--port=0", f"--ServerApp.root_dir={folder}"]
     flags += ["--LabApp.extension_manager=readonly", "--LabApp.check_for_updates_class=jupyterlab.NeverCheckForUpdate"]
+    flags += ["--expose-app-in-browser"]
     process = subprocess.Popen(
         [sys.executable, "-m", "jupyterlab", *flags],
         env=os.environ | own | {"JUPYTER_RUNTIME_DIR": str(runtime)},
@@ -197,11 +198,18 @@ def lab(folder):
             process.wait()
 
 
+NOTEBOOK = "globalThis.jupyterapp?.shell.currentWidget"
+RUN = """async (number) => {
+  await jupyterapp.shell.currentWidget.sessionContext.ready;
+  jupyterapp.shell.currentWidget.content.activeCellIndex = number;
+  await jupyterapp.commands.execute("notebook:run-cell");
+}"""
+
+
 def run_cell(page, number):
-    # A cell that is run before the kernel is there is not run.
-    page.wait_for_selector(".jp-Notebook-ExecutionIndicator[data-status=idle]", state="attached")
-    page.click(f".jp-CodeCell >> nth={number} >> .cm-content")
-    page.keyboard.press("Shift+Enter")
+    """Run a cell by JupyterLab's own command: it ignores keys that come while it starts."""
+    wait_until(page, f"{NOTEBOOK}?.content?.widgets?.length > {number}")
+    page.evaluate(RUN, number)
 
 
 @pytest.mark.thorough
