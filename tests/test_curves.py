@@ -80,8 +80,8 @@ def test_place_behind_is_the_first_intersection_and_none_lies_past_the_first_top
     top = first_top(distances)
     chord = share * distances[top]
     back = behind(theta, chord)
-    # The scan knows the height of the top to a few parts in 1e8.
-    if share > 1 + 1e-7:
+    # The scan knows the height of the top to a few parts in 1e8. Next to the centre it grows over more than a turn.
+    if share > 1 + 1e-7 and top < SCAN.size - 1:
         assert np.isnan(back)
     if share < 1 - 1e-7:
         assert 0 < back <= 2 * np.pi + 1e-12
@@ -95,7 +95,7 @@ def test_place_behind_is_the_first_intersection_and_none_lies_past_the_first_top
 
 
 def test_a_chain_without_a_place_for_one_handle_has_none_for_those_behind():
-    places = SPIRAL.chain([place(50.0), np.nan, place(0.5), 1.0], [1.65, 1.65])
+    places = SPIRAL.chain([place(50.0), np.nan, place(2.0), 1.0], [1.65, 1.65])
     assert np.isnan(places).tolist() == [[False] * 3, [True] * 3, [False, True, True], [True] * 3]
     assert SPIRAL.chain(np.empty(0), [1.65]).shape == (0, 2)
 

@@ -229,7 +229,7 @@ def test_benches_stay_within_their_bounds(march, share, exponent):
     begin = share * (march.end - length)
     assume(begin >= 0)
     times = np.linspace(begin, begin + length, 101)
-    gone = march.handles_s_or_nan(times)
+    gone = march.motion_or_nan(times).handles_s
     assume(not np.isnan(gone).any())
     motion = MotionBounds(march, Intervals.between(march, times[[0, -1]]))
     assert np.all(np.abs(gone - gone[50]) <= motion.travel[0] + 1e-12)
@@ -308,5 +308,5 @@ def test_no_overlap_is_seen_before_the_first_contact_on_random_paths(seeds):
         if found.status == "contact":
             assert apart[-1, (pairs == found.benches).all(axis=1)] < 1e-9, seed
         elif found.status == "unreachable":
-            assert not np.isnan(march.handles_s_or_nan(found.time)).any()
-            assert np.isnan(march.handles_s_or_nan(found.time + 1e-9)).any()
+            assert not np.isnan(march.motion_or_nan(found.time).handles_s).any()
+            assert np.isnan(march.motion_or_nan(found.time + 1e-9).handles_s).any()

@@ -96,12 +96,12 @@ def test_the_foot_of_a_point_beside_the_path_is_where_it_was_set_off(curve):
 
 def test_a_dragon_starts_with_its_tail_at_the_begin_of_the_curve_or_its_head_at_its_zero():
     march = March(SMALL, HAIRPIN)
-    assert march.handles_s_or_nan(0.0)[0, -1] == pytest.approx(0, abs=2e-9)
-    assert not np.isnan(march.handles_s_or_nan(0.0)).any()
+    assert march.motion_or_nan(0.0).handles_s[0, -1] == pytest.approx(0, abs=2e-9)
+    assert not np.isnan(march.motion_or_nan(0.0).handles_s).any()
     error = refusal(march.at, -1e-3, error=UnreachableError)
     assert (error.time, error.handle) == (-1e-3, 12)
     assert TURN.head_start == 0
-    assert March(curve=Spiral(), start_s=-100.0).handles_s_or_nan(0.0)[0, 0] == -100
+    assert March(curve=Spiral(), start_s=-100.0).motion_or_nan(0.0).handles_s[0, 0] == -100
 
 
 def test_a_march_or_a_search_that_cannot_start_is_refused_by_name():
@@ -189,7 +189,7 @@ def test_search_for_a_contact_ends_where_motion_does(benches):
     march = March(dragon, bent(3, 0.45, np.pi, 12))
     hit = first_contact(march)
     times = np.linspace(0, march.end, 20_001)
-    lost = np.isnan(march.handles_s_or_nan(times)).any(axis=1)
+    lost = np.isnan(march.motion_or_nan(times).handles_s).any(axis=1)
     assert lost[np.argmax(lost) :].all()
     if hit.status == "unreachable":
         assert times[np.argmax(lost) - 1] <= hit.time < times[np.argmax(lost)]

@@ -35,6 +35,11 @@ def polygons(march, pair, poses):
     return [shapely.Polygon(march.dragon.outlines(poses)[bench]) for bench in pair]
 
 
+def of_phase(run, phase):
+    """The events of one phase."""
+    return [event for event in run.events if event.phase == phase]
+
+
 def shapely_gap(march, time, pair, poses=None):
     """Distance of two benches with given poses, or those of the exact march, by Shapely, m."""
     first, second = polygons(march, pair, march.at(time).poses[0] if poses is None else poses)
@@ -279,7 +284,7 @@ def test_report_plays_on_without_pushing_and_shows_when_the_benches_part(reporte
 
 
 def test_reported_depths_are_the_overlaps_of_the_outlines(reported, seed_march):
-    events = reported.events.of("pre_solve")
+    events = of_phase(reported, "pre_solve")
     deepest = max(events, key=lambda event: event.depth)
     frame = np.argmin(np.abs(reported.times - deepest.time))
     near = min(events, key=lambda event: abs(event.time - reported.times[frame]))
@@ -299,7 +304,7 @@ def assert_piles_up(run, march):
     front, rear = march.dragon.holes(run.poses[after])
     assert np.linalg.norm(front[:, 1:] - rear[:, :-1], axis=-1).max() <= PILE_UP
     touched = {event.benches for event in run.events}
-    assert max(event.depth for event in run.events.of("pre_solve")) <= PILE_UP
+    assert max(event.depth for event in of_phase(run, "pre_solve")) <= PILE_UP
     for poses in run.poses[after][::50]:
         outlines = [shapely.Polygon(corners) for corners in march.dragon.outlines(poses)]
         pairs = shapely.STRtree(outlines).query(outlines, predicate="intersects").T
@@ -318,9 +323,9 @@ def test_head_is_stopped_by_what_it_runs_into(reported):
     assert speeds[0].min() > 0.7
     assert speeds[-1].max() < 0.05
     # The engine pushes the benches apart.
-    deepest = [max(event.depth for event in each.events.of("pre_solve")) for each in (run, reported)]
+    deepest = [max(event.depth for event in of_phase(each, "pre_solve")) for each in (run, reported)]
     assert deepest[0] < 0.5 * deepest[1]
-    assert max(np.dot(event.impulse, event.normal) for event in run.events.of("post_solve")) > 0
+    assert max(np.dot(event.impulse, event.normal) for event in of_phase(run, "post_solve")) > 0
 
 
 @pytest.mark.thorough

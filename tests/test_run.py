@@ -19,7 +19,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pymunk_dragon.errors import DragonError, FileFormatError, ParameterError
-from pymunk_dragon.model.contact import PHASES, Contact, ContactEvent, ContactLog, ContactWindow
+from pymunk_dragon.model.contact import Contact, ContactEvent, ContactLog, ContactWindow
 from pymunk_dragon.model.curves import Spiral
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
@@ -114,11 +114,10 @@ def archive_of(**contents):
     return out.getvalue()
 
 
-def test_log_of_contacts_has_events_by_phase_and_windows_of_each_pair():
+def test_log_of_contacts_has_windows_of_each_pair():
     rows = ((1.0, "begin", 0), (1.5, "begin", 1), (1.6, "pre_solve", 0), (2.0, "separate", 0), (3.0, "begin", 0))
     rows += ((3.0, "separate", 0), (4.0, "separate", 5))
     log = ContactLog(ContactEvent(time=time, phase=phase, benches=(i, i + 8)) for time, phase, i in rows)
-    assert [[one.time for one in log.of(phase)] for phase in PHASES] == [[1, 1.5, 3], [1.6], [], [2, 3, 4]]
     assert log.windows() == [
         ContactWindow(benches=(0, 8), begin=1.0, end=2.0),
         ContactWindow(benches=(1, 9), begin=1.5, end=None),

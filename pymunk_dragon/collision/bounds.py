@@ -298,7 +298,7 @@ def handles_in_reach(march: March, first: float, last: float, near: float) -> in
     dragon, curve = march.dragon, march.curve
     if not (curve.inward and dragon.alike):
         return dragon.handles
-    ends = march.handles_s_or_nan([first, last], 3)
+    ends = march.motion_or_nan([first, last], 3).handles_s
     if np.isnan(ends).any():
         return dragon.handles
     lows, _ = march.continuation.ranges(ends[:1], ends[1:])

@@ -113,8 +113,7 @@ def first_contact(
     """
     start, until = checked_times(march, start, until)
     march.handles_s(start)  # An error names the time of this march.
-    steady = March(march.dragon, march.curve, start_s=march.head_start)
-    steady.share_states(march)
+    steady = march.steady()
     begin, end = march.distance([start, until]).tolist()
     if until == march.end:
         # Not beyond it by rounding.
@@ -182,7 +181,7 @@ class _Search:
         # 5 % more than a spacing, and 5 % more until the condition holds.
         wait = 1.05 * float(self._march.dragon.spacings[-1])
         while self._start + wait < self._end:
-            if np.all(self._march.handles_s_or_nan(self._start + wait)[0, 2:-1] >= self._start_s[1:-2]):
+            if np.all(self._march.motion_or_nan(self._start + wait).handles_s[0, 2:-1] >= self._start_s[1:-2]):
                 return self._start + wait
             wait *= 1.05
         return self._end
@@ -305,7 +304,7 @@ def _last_reachable(march: March, begin: float, later: float) -> float:
     while later - reachable > _RESOLUTION and reachable < (reachable + later) / 2 < later:
         times = np.linspace(reachable, later, _LAST_POINTS)
         # If a handle has no coordinate, the last one has none.
-        lost: Flags = np.isnan(march.handles_s_or_nan(times)[:, -1])
+        lost: Flags = np.isnan(march.motion_or_nan(times).handles_s[:, -1])
         lost[-1] = True
         first = max(1, int(lost.argmax()))
         reachable, later = float(times[first - 1]), float(times[first])

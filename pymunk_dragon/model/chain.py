@@ -60,7 +60,6 @@ class Path(Protocol):
     def _parameter(self, s: Array) -> Array: ...
     def _estimate(self, heads: Array, parameters: Array, spacings: Array) -> Array: ...
     def _motion(self, parameter: Array) -> tuple[Complex, Complex]: ...
-    def _nearest(self, parameters: Array, handles_s: Array, spacings: Array) -> Flags: ...
 
 
 class RateBounds(NamedTuple):
@@ -198,10 +197,7 @@ def _solve_block(path: Path, heads: Array, parameters: Array, spacings: Array, i
     largest = np.maximum(np.abs(into.handles_s[[0, -1]]).max(axis=0), np.abs(points[0]) + spacings.sum())
     # Written so that nan fails.
     settled &= error <= _WHOLE_RESIDUAL * np.spacing(largest)
-    if settled.all():
-        settled = path._nearest(parameters, into.handles_s, spacings)
-    else:
-        settled[settled] = path._nearest(parameters[:, settled], into.handles_s[:, settled], spacings)
+    settled[settled] = _nearest(path, into.handles_s if settled.all() else into.handles_s[:, settled], spacings)
     ratios, _ = _ratios(benches, derivatives)
     speeds = np.abs(derivatives)
     into.points[:] = points
@@ -231,7 +227,7 @@ def rear_handle(path: Path, s: Array, chord: float) -> Array:
     return rear_between(path, s, chord, shortest, longest)
 
 
-def nearest(path: Path, handles_s: Array, spacings: Array) -> Flags:
+def _nearest(path: Path, handles_s: Array, spacings: Array) -> Flags:
     """Whether each rear handle of chains (H, T) at these distances is the one that `rear_handle` finds; (T,)."""
     fronts, rears, reach = handles_s[:-1], handles_s[1:], np.pi / 2 * spacings[:, None]
     # Where the path is gentle as in `gentle_offsets`, it is the only one within reach: with one bound on the curvature

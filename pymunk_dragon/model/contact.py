@@ -62,16 +62,11 @@ class ContactEvent:
         Kind of callback. `post_solve` comes only where the engine solves the contact.
     benches : tuple of int
         The smaller number first.
-    points : tuple of tuple of float
-        One or two contact points, m.
-    normal : tuple of float or None
-        Unit vector from the first bench towards the second.
-    depth : float or None
-        Deepest overlap of the two, m, positive where they overlap.
-    relative_velocity : tuple of float or None
-        Velocity of the second bench relative to the first, at the middle of the points, m/s.
-    impulse : tuple of float or None
-        Impulse on the second bench, N s; only in `post_solve`.
+    points, normal, depth
+        One or two contact points, m, and as in `Contact`.
+    relative_velocity, impulse : tuple of float or None
+        Velocity of the second bench relative to the first, at the middle of the points, m/s, and impulse on the second
+        bench, N s; the impulse only in `post_solve`.
 
     Examples
     --------
@@ -107,8 +102,8 @@ class ContactLog(tuple[ContactEvent, ...]):
     ...     ContactEvent(time=1.0, phase="begin", benches=(0, 8)),
     ...     ContactEvent(time=2.5, phase="separate", benches=(0, 8)),
     ... ))
-    >>> log, len(log.of("begin"))
-    (ContactLog(2 events), 1)
+    >>> log
+    ContactLog(2 events)
     >>> print(log)
     benches  touch from (s)  to (s)
       0   8           1.000  2.500
@@ -126,10 +121,6 @@ class ContactLog(tuple[ContactEvent, ...]):
         )
         heads = (text("benches"), text("touch from (s)"), text("to (s)"))
         return "\n".join(table(heads, ("<7", "14.3f", ""), rows))
-
-    def of(self, phase: Phase) -> ContactLog:
-        """The events of one phase."""
-        return ContactLog(tuple(event for event in self if event.phase == phase))
 
     def windows(self) -> list[ContactWindow]:
         """Time intervals in which each pair touched, ordered by the beginning."""
@@ -165,12 +156,12 @@ def read_contact(kind: type[_Kind], values: Mapping[str, Any], benches: int) -> 
     """The record of a contact among `benches`, from JSON of its `dataclasses.asdict`; an error if it is none."""
     first, second = values["benches"]
     pair = whole("benches", first, 0, benches - 2), whole("benches", second, first + 1, benches - 1)
-    read: dict[str, Any] = {}
+    read = {}
     for name, value in values.items():
         # What may be absent has None as its default.
         absent = value is None and getattr(kind, name, 0) is None
-        read[name] = None if absent else pair if name == "benches" else _read(name, value)
-    return kind(**read)
+        read[name] = None if absent else _read(name, value)
+    return kind(**read | {"benches": pair})
 
 
 def _read(name: str, value: Any) -> Any:

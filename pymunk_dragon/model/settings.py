@@ -95,20 +95,13 @@ class EngineSettings:
         `top_speed` is the highest one of the head, m/s, and `pulled_mass` that of the benches on which the head has to
         balance the ground drag, kg. In a substep the head may travel from 0.01 mm to 0.1 m.
         """
-        positive("top_speed", top_speed, math.inf, "m/s")
         resolves, force = self.contacts == "resolve", self.head_force
         stride, iterations = (_RESOLVE_STRIDE, _RESOLVE_ITERATIONS) if resolves else (STRIDE, ITERATIONS)
         substep = stride / top_speed if self.substep is None else self.substep
         if force is None and resolves:
-            force = _HEAD_FORCE * self.drag * top_speed**2 * finite("pulled_mass", pulled_mass, 0, math.inf, "kg")
+            force = _HEAD_FORCE * self.drag * top_speed**2 * pulled_mass
         finite("substep", substep, _MIN_STRIDE / top_speed, MAX_STRIDE / top_speed, "s")
         return replace(self, substep=substep, iterations=self.iterations or iterations, head_force=force)
-
-
-def check_settings(value: object) -> None:
-    """Raise a ParameterError if `value` is no `EngineSettings`."""
-    if not isinstance(value, EngineSettings):
-        raise ParameterError("settings", value, "an EngineSettings")
 
 
 def versions() -> dict[str, str]:
@@ -121,11 +114,10 @@ def engine_provenance(
     settings: EngineSettings, *, guide: str, start: float, until: float, substeps: int
 ) -> dict[str, Any]:
     """The `provenance` of a run of the engine from `start` to at most `until`, s."""
-    values = {"player": "pymunk", "guide": guide, "contacts": settings.contacts, "start": start, "until": until}
-    values |= {"substep": settings.substep, "iterations": settings.iterations, "substeps": substeps}
     # Other settings only where they are not their defaults.
     changed = {name: value for name, value in asdict(settings).items() if value != getattr(EngineSettings, name)}
-    return {**values, "versions": versions(), **changed}
+    values = {"player": "pymunk", "guide": guide, "contacts": settings.contacts, "start": start, "until": until}
+    return {**values, **changed, "substeps": substeps, "versions": versions()}
 
 
 def attributes_of(provenance: Mapping[str, Any], start: float) -> dict[str, Any]:

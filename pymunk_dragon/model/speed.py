@@ -65,17 +65,10 @@ class SpeedTable:
 
     @classmethod
     def of(cls, function: Callable[[float], float], start: float, until: float, step: float = 0.01) -> SpeedTable:
-        """Table of a function of time.
+        """Table of a function from a time in s to a speed in m/s, with an entry every `step` s from `start` to `until`.
 
         Choose a step in which the speed changes little: the march goes at the speed of the table exactly, which
         differs from the function by step**2 / 8 times the function's second derivative.
-
-        Parameters
-        ----------
-        function : callable
-            From a time in s to a speed in m/s. It may have kinks.
-        start, until, step : float
-            First and last time, and time between entries, s. Before and after, the speed is constant.
 
         Examples
         --------

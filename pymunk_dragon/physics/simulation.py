@@ -13,8 +13,8 @@ from pymunk_dragon._arrays import Array, as_vectors
 from pymunk_dragon._signals import signals_held
 from pymunk_dragon.errors import DragonError, UnreachableError
 from pymunk_dragon.model.contact import Contact, ContactEvent, ContactLog
-from pymunk_dragon.model.dragon import interpolated
-from pymunk_dragon.model.march import March, States, last_time
+from pymunk_dragon.model.dragon import pose_step
+from pymunk_dragon.model.march import March, States, checked_times
 from pymunk_dragon.model.run import Outcome, Run
 from pymunk_dragon.model.settings import FRAME_STRIDE, EngineSettings, engine_provenance
 from pymunk_dragon.physics.callbacks import Motion, Recorder, check_callable, refined_contact
@@ -87,10 +87,9 @@ def simulate(
     >>> run.first_contact.benches, round(run.first_contact.time, 3)
     ((0, 8), 412.474)
     """
-    until = last_time(march, start) if until is None else until
+    start, until = checked_times(march, start, until)
     world = World(march, guide, settings, start=start, until=until, **changes)
     check_callable("progress", progress)
-    start, until = world.start, float(until)
     loop = _Loop(world, Recorder(world, on_event))
     loop.play(until, progress)
     times, poses, velocities, impulses = (np.array(values) for values in zip(*loop.frames, strict=True))
@@ -174,7 +173,7 @@ class _Loop:
         impact has no effect yet.
         """
         world, substep = self._world, times[1] - times[0]
-        moved = interpolated(before, world.collided_poses, 1.0) - before
+        moved = pose_step(before, world.collided_poses)
         motion = Motion(before, substep * velocities, moved - substep * velocities)
         begun = [refined_contact(world.march.dragon, contact, motion, times[0]) for contact in self.recorder.begun]
         self.first_contact = min(begun, key=lambda contact: contact.time)

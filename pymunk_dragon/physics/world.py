@@ -17,7 +17,7 @@ from pymunk_dragon._arrays import Array
 from pymunk_dragon._checks import finite, whole
 from pymunk_dragon.errors import ParameterError, UnreachableError
 from pymunk_dragon.model.march import March, States, check_march
-from pymunk_dragon.model.settings import EngineSettings, check_settings
+from pymunk_dragon.model.settings import EngineSettings
 from pymunk_dragon.physics.guides import PathGuide, check_parts, guide_of
 from pymunk_dragon.physics.warm_start import balanced_impulses, set_impulses
 
@@ -113,7 +113,8 @@ class World:
     ) -> None:
         check_march(march)
         settings = EngineSettings() if settings is None else settings
-        check_settings(settings)
+        if not isinstance(settings, EngineSettings):
+            raise ParameterError("settings", settings, "an EngineSettings")
         start = finite("start", start, -_MAX_TIME, _MAX_TIME, "s")
         if until is not None and finite("until", until, -_MAX_TIME, _MAX_TIME, "s") <= start:
             raise ParameterError("until", until, f"later than the start, {start:g} s")

@@ -13,16 +13,15 @@ $ pymunk-dragon render u-turn.npz -o u-turn.gif
 ```
 
 `pymunk_dragon.model.scenario` describes files of curves. A class derived from `Curve` is a curve of your own; check it
-with `check_curve`. With ``class Name(Curve, kind="name")`` scenario files and saved runs can contain it; a run on a
-curve without a ``kind`` cannot be saved, which `check_saveable(march)` checks before the run.
+with `check_curve`. With ``class Name(Curve, kind="name")`` scenario files and saved runs can contain it: a run on a
+curve without a ``kind`` cannot be saved.
 """
 
 from pymunk_dragon.model.curves.base import Curve
 from pymunk_dragon.model.curves.check import check_curve
-from pymunk_dragon.model.curves.composite import Composite, Reversed, Section
+from pymunk_dragon.model.curves.composite import Composite, Reversed, Section, UTurn
 from pymunk_dragon.model.curves.line_and_arc import Arc, Line
 from pymunk_dragon.model.curves.sampled import Sampled
 from pymunk_dragon.model.curves.spiral import Spiral
-from pymunk_dragon.model.curves.u_turn import UTurn
 
 __all__ = ["Arc", "Composite", "Curve", "Line", "Reversed", "Sampled", "Section", "Spiral", "UTurn", "check_curve"]

@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pymunk_dragon._arrays import Array, Complex, Flags, as_complex
+from pymunk_dragon._arrays import Array, Complex, as_complex
 from pymunk_dragon._checks import numbers, word
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model import chain
@@ -221,12 +221,8 @@ class Curve(ABC):
         handles_s[:, 0] = self._inside(heads)
         for i, spacing in enumerate(spacings.tolist()):
             on = ~np.isnan(handles_s[:, i])
-            handles_s[on, i + 1] = self._behind(handles_s[on, i], spacing)
+            handles_s[on, i + 1] = chain.rear_handle(self, handles_s[on, i], spacing)
         return handles_s
-
-    def _behind(self, s: Array, chord: float) -> Array:
-        """Coordinates (T,) of the nearest points back from `s` (T,) at the straight distance `chord`; nan if none."""
-        return chain.rear_handle(self, s, chord)
 
     def _inside(self, s: Array) -> Array:
         """Coordinates, with nan for those off the curve."""
@@ -255,10 +251,6 @@ class Curve(ABC):
         sine = np.clip(np.sqrt((square[1:] + square[:-1]) / 2) * (spacings / 2), _LEAST_SINE, 1.0)
         s[1:] = heads - np.cumsum(np.arcsin(sine) / sine * spacings, axis=0)
         return self._parameter(np.maximum(s, self.begin_s))
-
-    def _nearest(self, parameters: Array, handles_s: Array, spacings: Array) -> Flags:
-        """Whether each handle of chains (T,), with parameters and coordinates (H, T), is the one that `chain` means."""
-        return chain.nearest(self, handles_s, spacings)
 
 
 class PackageCurve(Curve):

@@ -43,7 +43,7 @@ def check_curve(curve: Curve, low: float | None = None, high: float | None = Non
     curve : Curve
         An object of the class.
     low, high : float, optional
-        First and last coordinate that are sampled, m. By default the ends; 200 m of a curve without end.
+        Coordinates between which it is sampled, m: by default the ends, or 200 m of a curve without end.
 
     Examples
     --------

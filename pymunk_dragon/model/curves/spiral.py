@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pymunk_dragon._arrays import Array, Complex, Flags, as_complex, as_vectors
+from pymunk_dragon._arrays import Array, Complex, as_complex, as_vectors
 from pymunk_dragon._checks import finite, numbers, positive
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.curves.base import PackageCurve
@@ -199,18 +199,6 @@ class Spiral(PackageCurve, kind="spiral"):
         points = parameter * derivatives
         derivatives += self._sign * 1j * points
         return self._placed(points), self._placed(derivatives)
-
-    def _nearest(self, parameters: Array, handles_s: Array, spacings: Array) -> Flags:
-        """As on any curve. On an inward spiral the distance grows over half a turn back: so does each term of it."""
-        if self.outward:
-            return super()._nearest(parameters, handles_s, spacings)
-        back = parameters[:-1] - parameters[1:]
-        return np.asarray(((back > 0) & (back < np.pi)).all(axis=0))
-
-    def _behind(self, s: Array, chord: float) -> Array:
-        """As on any curve, but nan past a turn on an inward spiral: no motion of the chain leads further."""
-        found = super()._behind(s, chord)
-        return np.where(self.angle(found) - self.angle(s) > _TURN, np.nan, found)
 
     def _placed(self, vectors: Complex) -> Complex:
         """Vectors (...) of the plane, from those of a spiral that is neither mirrored nor turned."""
