@@ -33,6 +33,8 @@ _SAME_DERIVATIVES = 1e-3
 _WHOLE_RESIDUAL = 64
 # m by which two computed coordinates of one handle may differ.
 _SAME_HANDLE = 1e-9
+# Benches that are computed one by one before the chain behind them is computed as a whole again.
+_BLOCK = 16
 # Handles of whole chains that are computed together: their temporaries stay in a processor's second cache.
 _WHOLE_HANDLES = 14_000
 # Doubles from which on NumPy takes large pages, which come up to a hundred times as fast.
@@ -130,7 +132,36 @@ def chain_motion(path: Path, handles_s: Array, spacings: Array) -> ChainMotion:
     return ChainMotion(handles_s, as_complex(points), as_complex(tangents), ratios)
 
 
-def whole_chains(path: Path, heads: Array, spacings: Array) -> tuple[ChainMotion, Flags]:
+def chains(path: Path, heads: Array, spacings: Array) -> ChainMotion:
+    """Chains with the heads at the coordinates (T,), as `Curve.chain` describes them.
+
+    Each chain is computed as a whole. Where this does not succeed, as its front is where the path bends sharply, a
+    block of benches is computed one by one, and then the chain behind them.
+    """
+    found, settled = _whole_chains(path, heads, spacings)
+    if not settled.all():
+        rest = ~settled
+        handles_s = np.full((int(rest.sum()), spacings.size + 1), np.nan)
+        handles_s[:, : _BLOCK + 1] = _bench_by_bench(path, heads[rest], spacings[:_BLOCK])
+        behind = ~np.isnan(handles_s[:, min(_BLOCK, spacings.size)])
+        if spacings.size > _BLOCK and behind.any():
+            handles_s[behind, _BLOCK:] = chains(path, handles_s[behind, _BLOCK], spacings[_BLOCK:]).handles_s
+        for into, part in zip(found, chain_motion(path, handles_s, spacings), strict=True):
+            into[rest] = part
+    return found
+
+
+def _bench_by_bench(path: Path, heads: Array, spacings: Array) -> Array:
+    """Coordinates (T, H) of chains, from each handle to the next."""
+    handles_s = np.full((heads.size, spacings.size + 1), np.nan)
+    handles_s[:, 0] = np.where(np.isnan(path._parameter(heads)), np.nan, heads)
+    for i, spacing in enumerate(spacings.tolist()):
+        on = ~np.isnan(handles_s[:, i])
+        handles_s[on, i + 1] = rear_handle(path, handles_s[on, i], spacing)
+    return handles_s
+
+
+def _whole_chains(path: Path, heads: Array, spacings: Array) -> tuple[ChainMotion, Flags]:
     """Chains with the heads at the coordinates (T,), each computed as a whole; and for which (T,) this succeeded.
 
     The equation of bench i, F_i = (|P_i - P_{i+1}|^2 - d_i^2) / 2 = 0, depends on the parameters of handles i and i + 1

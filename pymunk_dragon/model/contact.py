@@ -31,10 +31,8 @@ class Contact:
         Time of the contact, and end of the substep in which the engine noticed, s.
     benches : tuple of int
         Their numbers, the smaller one first.
-    point, normal : tuple of float
-        Point of the contact, m, and unit vector from the first bench towards the second.
-    depth : float
-        How deep they overlap at `raw_time`, m.
+    point, normal, depth : tuple of float and float
+        Point of the contact, m, unit vector from the first bench towards the second, and overlap at `raw_time`, m.
 
     Examples
     --------

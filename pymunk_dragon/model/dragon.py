@@ -21,8 +21,7 @@ Sizes = float | Sequence[float]
 _BENCHES = 223
 # A head and a tail; 16 km of dragon, which still fit into memory: more is taken for a typing error.
 _MIN_BENCHES, MAX_BENCHES = 2, 10_000
-# m. Far above the resolution of a double at the rim of the largest spiral; centimetres and millimetres given as metres
-# are longer than the longest bench.
+# m. Centimetres and millimetres given as metres are longer than the longest bench.
 _LENGTHS = 0.001, 100.0
 # Those in the paper's tables, beside the last one.
 _TABLE_HANDLES = (0, 1, 51, 101, 151, 201)

@@ -113,11 +113,9 @@ class March(Displayed):
         The chain of benches. All of it must fit on the curve at t = 0.
     curve : Curve
         The path of the handles. A spiral's pitch must be larger than the benches' width.
-    turns : float, optional
-        Turn of a spiral on which handle 0 is at t = 0; 16, at (8.8, 0) m on the paper's, if `start_s` is not given.
-    start_s : float, optional
-        Coordinate of handle 0 at t = 0, m. By default 0 on a curve other than a spiral that comes from infinity, and
-        the first coordinate at which the whole dragon is on the curve if the curve has a begin.
+    turns, start_s : float, optional
+        Turn of a spiral, or coordinate in m, at which handle 0 is at t = 0. By default turn 16; on another curve the
+        first coordinate at which the whole dragon is on the curve, or 0 if the curve comes from infinity.
     speed : float or SpeedTable
         Speed of handle 0, m/s, from 1e-6 to 20. `SpeedTable.of` makes a table of a function.
 

@@ -44,8 +44,7 @@ _KINDS: dict[str, Any] = {
 }
 # Name and version of the format of files, the only one that is read.
 _FORMAT, _FORMAT_VERSION = "pymunk_dragon run", 2
-# Bytes that a file may unpack to, or this many times its size: positions of moving benches hardly get smaller by
-# packing, callbacks to a tenth.
+# Bytes that a file may unpack to, or this many times its size: packing makes callbacks ten times smaller.
 _MAX_UNPACKED, _MAX_RATIO = 512_000_000, 10
 
 
@@ -75,12 +74,10 @@ class Run(ArrayRecord, Displayed):
     outcome : {"contact", "clear", "unreachable"}
         Whether a contact came, none came until the end, or the curve ended first.
     provenance : mapping
-        JSON values, of which the attributes below are read: `player` ("pymunk" or "exact"), `guide`, `settings` (an
-        `EngineSettings` with the numbers that were used), `start` in s, number of `substeps`, `versions` of Python and
-        libraries. What is unknown is None.
+        JSON values, of which these attributes are read, None if unknown: `player` ("pymunk" or "exact"), `guide`,
+        `settings` (an `EngineSettings`), `start` in s, number of `substeps`, `versions` of Python and libraries.
     wall_seconds, step_seconds : float, optional
-        Duration of the stepping loop, and of the engine's steps in it, s. Not saved, so that the same scenario gives
-        the same file.
+        Duration of the stepping loop, and of the engine's steps in it, s. They are not saved.
 
     Examples
     --------
@@ -164,8 +161,7 @@ class Run(ArrayRecord, Displayed):
     def to_dict(self) -> dict[str, Any]:
         """Result of the run as JSON values in SI units, as `simulate --json` prints it; None for what is unknown.
 
-        `realtime_factor` is the simulated time over the wall time, and `driver_overhead` the time of the stepping loop
-        outside the engine over that inside.
+        `driver_overhead` is the time of the stepping loop outside the engine over that inside.
         """
         wall, stepping = self.wall_seconds, self.step_seconds
         drift = {"head": self.head_drift, "max": self.max_drift}
@@ -225,8 +221,8 @@ class Run(ArrayRecord, Displayed):
     def poses_at(self, times: ArrayLike) -> Array:
         """Poses (T, N, 3) at any times, s: m, m, rad. Before and after the run, those of its first and last frame.
 
-        Between two frames, they are cubic Hermite polynomials of time, with an error of at most the interval to the
-        fourth times the fourth derivative over 384, but for an impact between them: 0.02 um on a turn of 2.3 m radius.
+        Between two frames, they are cubic Hermite polynomials of time. But for an impact between them, their error is
+        at most the interval to the fourth times the fourth derivative over 384: 0.02 um on a turn of 2.3 m radius.
         """
         return self._motion_at(times)[0]
 
@@ -284,8 +280,7 @@ class Run(ArrayRecord, Displayed):
         with opened_archive(path) as (notes, stored):
             march = Scenario.from_dict(notes["scenario"], files=False).march()
             first, benches = notes["first_contact"], march.dragon.benches
-            names = [name for name in _KINDS if name != "joint_impulses" or name in stored]
-            arrays: dict[str, Any] = {name: stored[name] for name in names}
+            arrays: Any = {name: stored[name] for name in _KINDS if name != "joint_impulses" or name in stored}
             for name in arrays:
                 if arrays[name].dtype != _KINDS[name]:
                     raise DragonError(f"its {name} are not of the type {_KINDS[name].__name__}")

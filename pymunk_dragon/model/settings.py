@@ -16,11 +16,9 @@ from pymunk_dragon.errors import ParameterError
 # Response to contacts: end the run, go on and record them, or let the engine push the benches apart.
 Contacts = Literal["stop", "report", "resolve"]
 
-# Metres that the head travels in one substep, and solver iterations in it. The docstring of `physics` has the drift and
-# time error of other values.
+# Metres that the head travels in one substep, and solver iterations in it; `physics` has the drift of other values.
 STRIDE, ITERATIONS = 1 / 50, 10
-# The same where contacts are resolved: contact forces load the joints, and with 10 iterations gaps are five times as
-# wide.
+# The same where contacts are resolved: with 10 iterations gaps in the loaded joints are five times as wide.
 _RESOLVE_STRIDE, _RESOLVE_ITERATIONS = 1 / 200, 60
 # The same for a drift below a micrometre on the reference march.
 FINE_STRIDE, FINE_ITERATIONS = 1 / 400, 60
@@ -28,17 +26,14 @@ FINE_STRIDE, FINE_ITERATIONS = 1 / 400, 60
 MAX_STRIDE, _MIN_STRIDE = 0.1, 1e-5
 # Metres that the head travels between recorded frames; between them poses are interpolated to a micrometre.
 FRAME_STRIDE = 0.1
-# Ground drag, per metre marched (per second at 1 m/s). Pymunk corrects joint errors at a rate of 6.3 per second
-# (its error_bias, 0.9 ** 60), as ordinary velocity; a chain whose solver has not converged turns that into growing
-# oscillations unless the drag is faster than the correction. Where dancers balance it, the drift changes by a
-# third with any drag from 5 to 20 (tests/bench/bench_drift.py).
+# Ground drag, per metre marched (per second at 1 m/s). It has to be faster than Pymunk's correction of joint errors,
+# 6.3 per second (its error_bias, 0.9 ** 60): the docstring of `physics` says why.
 DRAG = 11.5
 # Largest force of the head's motor, in units of the ground drag on what the head has to pull.
 _HEAD_FORCE = 2.0
 # More sweeps per substep than any chain needs to converge.
 _MAX_ITERATIONS = 100_000
-# Largest values, and units. With the largest drag a body keeps nothing of its velocity in a substep of 10 mm; the
-# largest force is the weight of a hundred thousand tonnes.
+# Largest values, and units. With the largest drag a body keeps nothing of its velocity in a substep of 10 mm.
 _LIMITS = {"substep": (1e9, "s"), "drag": (1e4, "per metre"), "frame_interval": (1e9, "s"), "head_force": (1e9, "N")}
 
 
@@ -52,10 +47,9 @@ class EngineSettings:
         At the first contact of benches that are not neighbours: end the run, go on and only record contacts, or go on
         and let the engine push the benches apart. Resolved, the head is pulled along the march by a motor of finite
         force, and the dancers stop where the head cannot go on.
-    substep : float, optional
-        Length of a step, s; by default the time in which the head travels 20 mm, or 5 mm where contacts are resolved.
-    iterations : int, optional
-        Solver iterations per substep; by default 10, or 60 where contacts are resolved.
+    substep, iterations : float and int, optional
+        Length of a step, s, and solver iterations in it. By default the time in which the head travels 20 mm, and 10;
+        5 mm and 60 where contacts are resolved.
     drag : float
         Ground drag on the benches, per metre marched: velocities decay at this rate times the head's top speed.
     frame_interval : float, optional

@@ -12,9 +12,8 @@ $ pymunk-dragon simulate --curve u-turn --from 10 --until 16 -o u-turn.npz
 $ pymunk-dragon render u-turn.npz -o u-turn.gif
 ```
 
-`pymunk_dragon.model.scenario` describes files of curves. A class derived from `Curve` is a curve of your own; check it
-with `check_curve`. With ``class Name(Curve, kind="name")`` scenario files and saved runs can contain it: a run on a
-curve without a ``kind`` cannot be saved.
+`pymunk_dragon.model.scenario` describes files of curves. Check a curve of your own, a class derived from `Curve`, with
+`check_curve`; scenario files and saved runs can contain it if it has a ``kind``.
 """
 
 from pymunk_dragon.model.curves.base import Curve

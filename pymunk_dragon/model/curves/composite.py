@@ -23,8 +23,7 @@ _MAX_GAP = _MAX_KINK = 1e-9
 _ROUNDING = 1e-10
 # m. Smaller circles are too narrow for benches; on larger ones, coordinates on the spiral lose digits.
 _MIN_RADIUS, _MAX_RADIUS = 0.1, 100.0
-# A turn on arcs more different than this is one on a single arc.
-_MAX_RATIO = 50.0
+_MAX_RATIO = 50.0  # Beyond it the turn is one on a single arc.
 
 
 class _Link(NamedTuple):

@@ -13,10 +13,8 @@ from pymunk_dragon._checks import finite, numbers, positive
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.curves.base import PackageCurve
 
-# m. No bench fits into a narrower turn.
-_MIN_PITCH = 0.001
-# m. No dance floor has a wider turn. Both bounds also keep squares of lengths far from the ends of a double.
-MAX_PITCH = 1000.0
+# m. No bench fits into a narrower turn, and no dance floor has a wider one.
+_MIN_PITCH, MAX_PITCH = 0.001, 1000.0
 # rad.
 _TURN = 2 * np.pi
 # A thousand turns of the contest's pitch are a dance floor of a kilometre; more is taken for a typing error.
@@ -86,14 +84,12 @@ class Spiral(PackageCurve, kind="spiral"):
 
     def at_turn(self, turns: float) -> float:
         """Coordinate `turns` turns from the centre, m; `turns` is above 0 and at most 1000."""
-        return self._at_angle(_TURN * positive("turns", turns, MAX_TURNS, ""))
+        theta = _TURN * positive("turns", turns, MAX_TURNS, "")
+        return float(self._coordinate(np.array(self._sign * theta)))
 
     def at_radius(self, radius: float) -> float:
         """Coordinate at the distance `radius` m from the centre, m; `radius` is at most 1000 pitches."""
-        return self._at_angle(positive("radius", radius, MAX_TURNS * self.pitch, "m") / self.k)
-
-    def _at_angle(self, theta: float) -> float:
-        return float(self._coordinate(np.array(self._sign * theta)))
+        return self.at_turn(min(positive("radius", radius, MAX_TURNS * self.pitch, "m") / self.pitch, MAX_TURNS))
 
     def angle(self, s: ArrayLike) -> Array:
         """Polar angle theta in rad, counted from the centre along the winding (eq. 6); nan beyond the centre."""
