@@ -394,7 +394,7 @@ def test_signals_and_errors_during_a_step_are_raised_after_it(monkeypatch):
         os.kill(os.getpid(), signal.SIGINT)
         seen.append("the end of the callback")
 
-    for log, raised in ((interrupted, KeyboardInterrupt), (Recorder, ParameterError)):
+    for log, raised in ((interrupted, KeyboardInterrupt), (Dragon, TypeError)):
         with monkeypatch.context() as patch:
             patch.setattr(Recorder, "_log", log)
             with pytest.raises(raised):
