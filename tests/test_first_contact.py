@@ -13,6 +13,7 @@ from chain_follower import random_path
 from conftest import NO_NUMBERS, examples, refusal
 from hypothesis import assume, given, reject
 from hypothesis import strategies as st
+from test_march_curves import bent
 
 from pymunk_dragon.collision import first_contact, scan
 from pymunk_dragon.collision.bounds import UNPROVEN_ROUNDING, Intervals, MotionBounds
@@ -151,13 +152,17 @@ STUCK = [
     March(Dragon(benches=benches), Spiral(pitch=pitch), turns=turns, speed=speed)
     for benches, pitch, turns, speed in ((3, 0.55, 8, 1.0), (8, 0.9, 5, 0.7))
 ]
+# The hairpin is too tight for a bench of a metre: its rear handle is pushed back, and in the end off the path.
+JACKKNIFED = Dragon(benches=2, head_spacing=1.0, body_spacing=0.5, overhang=0.05, width=0.05)
+STUCK.append(March(JACKKNIFED, bent(3, 0.45, np.pi, 12)))
 
 
 def test_march_past_the_last_place_is_unreachable_there(seed_impact):
     assert seed_impact.resolution < 1e-9
     for march in STUCK:
         found = first_contact(march)
-        assert (found.status, found.benches, found.resolution) == ("unreachable", None, UNPROVEN_ROUNDING)
+        assert (found.status, found.benches) == ("unreachable", None)
+        assert found.resolution == UNPROVEN_ROUNDING * (march.dragon.benches > 2)
         # NumPy rounds in other ways for other numbers of times, and on other processors.
         for count in (1, 2, 7, 64):
             march.at(np.full(count, found.time + 5e-13 / march.speed))
