@@ -138,12 +138,10 @@ def test_run_comes_back_exactly_and_its_file_is_the_same_again(load):
     assert load(notes(lambda values: None)).events == EVENTS
 
 
-def test_runs_without_contact_and_of_other_kinds_of_numbers_come_back(load):
-    back = load(saved(Run.exact(MARCH, [0, 1, 2])))
-    assert (back.events, back.first_contact, back.joint_impulses) == (ContactLog(), None, None)
-    assert (back.outcome, back.provenance) == ("clear", {"player": "exact", "versions": versions()})
+def test_runs_of_other_kinds_of_numbers_come_back(load):
     narrow = replace(a_run(), poses=np.ones((7, 4, 3), dtype=np.float32))
     assert load(saved(narrow)) == narrow
+    assert Run.exact(MARCH, [0, 1]).provenance == {"player": "exact", "versions": versions()}
 
 
 @given(st.integers(0, len(WHOLE) - 1), st.binary(max_size=2000))
