@@ -17,7 +17,7 @@ from test_march_curves import bent
 
 from pymunk_dragon.collision import first_contact, scan
 from pymunk_dragon.collision.bounds import UNPROVEN_ROUNDING, Intervals, MotionBounds
-from pymunk_dragon.collision.first_contact import near_misses
+from pymunk_dragon.collision.first_contact import _near_misses
 from pymunk_dragon.errors import DragonError, ParameterError, UnreachableError
 from pymunk_dragon.model.curves import Spiral
 from pymunk_dragon.model.dragon import Dragon, outlines
@@ -186,7 +186,7 @@ def test_march_past_the_last_place_is_unreachable_there(seed_impact):
     last = first_contact(STUCK[0], until=1e6).time
     assert last == first_contact(STUCK[0]).time
     # No near miss is searched where the chain has no state.
-    assert near_misses(STUCK[0], np.array([[0, 2, last - 1e-10, 2e-10, 0.001, 0]]), 0, last, 0.01) == ()
+    assert _near_misses(STUCK[0], np.array([[0, 2, last - 1e-10, 2e-10, 0.001, 0]]), 0, last, 0.01) == ()
     assert first_contact(March(Dragon(benches=2), turns=4)).status == "unreachable"
 
 

@@ -170,7 +170,7 @@ class _Search:
 
     def _result(self, status: Status, time: float, pair: tuple[int, int] | None) -> FirstContact:
         """Result with the figures of the search so far."""
-        misses = near_misses(self._march, np.concatenate(self._small_gaps), self._start, time, self._near)
+        misses = _near_misses(self._march, np.concatenate(self._small_gaps), self._start, time, self._near)
         figures = {"samples": self._samples, "tests": self._tests, "resolution": self._resolution}
         return result_at(self._march, status, time, pair, near_misses=misses, **figures)
 
@@ -311,7 +311,7 @@ def _last_reachable(march: March, begin: float, later: float) -> float:
     return max(begin, reachable - _resolution(reachable))
 
 
-def near_misses(march: March, samples: Array, start: float, end: float, near: float) -> tuple[NearMiss, ...]:
+def _near_misses(march: March, samples: Array, start: float, end: float, near: float) -> tuple[NearMiss, ...]:
     """Local minima of gaps between `start` and `end` below `near` m, from the samples (K, 6) that `_Search` keeps."""
     samples = samples[samples[:, 2] <= end]
     brackets = np.array(list(_brackets(samples[np.lexsort(samples.T[2::-1])].tolist()))).reshape(-1, 5)

@@ -14,7 +14,6 @@ from pymunk_dragon._language import text
 from pymunk_dragon.errors import ParameterError
 
 Phase = Literal["begin", "pre_solve", "post_solve", "separate"]
-PHASES: tuple[Phase, ...] = get_args(Phase)
 
 _Vector = tuple[float, float]
 
@@ -165,7 +164,7 @@ def read_contact(kind: type[_Kind], values: Mapping[str, Any], benches: int) -> 
 def _read(name: str, value: Any) -> Any:
     """An entry of a record, checked; JSON has lists for tuples."""
     if name == "phase":
-        return word(name, value, PHASES)
+        return word(name, value, get_args(Phase))
     if name in ("time", "raw_time", "depth"):
         return finite(name, value, -np.inf, np.inf, "")
     vectors = numbers(name, value or np.empty((0, 2)), 2)

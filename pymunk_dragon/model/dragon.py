@@ -20,7 +20,7 @@ Sizes = float | Sequence[float]
 # Benches of the contest's dragon.
 _BENCHES = 223
 # A head and a tail; 16 km of dragon, which still fit into memory: more is taken for a typing error.
-_MIN_BENCHES, MAX_BENCHES = 2, 10_000
+_MIN_BENCHES, _MAX_BENCHES = 2, 10_000
 # m. Centimetres and millimetres given as metres are longer than the longest bench.
 _LENGTHS = 0.001, 100.0
 # Those in the paper's tables, beside the last one.
@@ -69,7 +69,7 @@ class Dragon:
             counts = {each: len(getattr(self, each)) + more[each] for each in more if _is_sequence(getattr(self, each))}
             name, benches = next(iter(counts.items()), (name, _BENCHES))
             name = name if name == "benches" else f"number of benches by {name}"
-        object.__setattr__(self, "benches", whole(name, benches, _MIN_BENCHES, MAX_BENCHES))
+        object.__setattr__(self, "benches", whole(name, benches, _MIN_BENCHES, _MAX_BENCHES))
         object.__setattr__(self, "head_spacing", finite("head_spacing", self.head_spacing, *_LENGTHS, "m"))
         for name, extra in more.items():
             object.__setattr__(self, name, _sizes(name, getattr(self, name), self.benches - extra))

@@ -14,10 +14,10 @@ from pymunk_dragon._checks import finite, positive, whole, word
 from pymunk_dragon.errors import ParameterError
 
 # Response to contacts: end the run, go on and record them, or let the engine push the benches apart.
-Contacts = Literal["stop", "report", "resolve"]
+_Contacts = Literal["stop", "report", "resolve"]
 
 # Metres that the head travels in one substep, and solver iterations in it; `physics` has the drift of other values.
-STRIDE, ITERATIONS = 1 / 50, 10
+_STRIDE, _ITERATIONS = 1 / 50, 10
 # The same where contacts are resolved: with 10 iterations gaps in the loaded joints are five times as wide.
 _RESOLVE_STRIDE, _RESOLVE_ITERATIONS = 1 / 200, 60
 # The same for a drift below a micrometre on the reference march.
@@ -28,7 +28,7 @@ MAX_STRIDE, _MIN_STRIDE = 0.1, 1e-5
 FRAME_STRIDE = 0.1
 # Ground drag, per metre marched (per second at 1 m/s). It has to be faster than Pymunk's correction of joint errors,
 # 6.3 per second (its error_bias, 0.9 ** 60): the docstring of `physics` says why.
-DRAG = 11.5
+_DRAG = 11.5
 # Largest force of the head's motor, in units of the ground drag on what the head has to pull.
 _HEAD_FORCE = 2.0
 # More sweeps per substep than any chain needs to converge.
@@ -66,15 +66,15 @@ class EngineSettings:
     5
     """
 
-    contacts: Contacts = "stop"
+    contacts: _Contacts = "stop"
     substep: float | None = None
     iterations: int | None = None
-    drag: float = DRAG
+    drag: float = _DRAG
     frame_interval: float | None = None
     head_force: float | None = None
 
     def __post_init__(self) -> None:
-        word("contacts", self.contacts, get_args(Contacts))
+        word("contacts", self.contacts, get_args(_Contacts))
         if self.head_force is not None and self.contacts != "resolve":
             raise ParameterError("head_force", self.head_force, "absent unless contacts are resolved")
         for name, (high, unit) in _LIMITS.items():
@@ -90,7 +90,7 @@ class EngineSettings:
         balance the ground drag, kg. In a substep the head may travel from 0.01 mm to 0.1 m.
         """
         resolves, force = self.contacts == "resolve", self.head_force
-        stride, iterations = (_RESOLVE_STRIDE, _RESOLVE_ITERATIONS) if resolves else (STRIDE, ITERATIONS)
+        stride, iterations = (_RESOLVE_STRIDE, _RESOLVE_ITERATIONS) if resolves else (_STRIDE, _ITERATIONS)
         substep = stride / top_speed if self.substep is None else self.substep
         if force is None and resolves:
             force = _HEAD_FORCE * self.drag * top_speed**2 * pulled_mass

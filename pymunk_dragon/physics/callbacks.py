@@ -6,13 +6,13 @@ from collections.abc import Callable, Iterable
 from dataclasses import replace
 from functools import partial
 from time import perf_counter
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, get_args
 
 import pymunk
 
 from pymunk_dragon._arrays import Array
 from pymunk_dragon.collision.sat import Separation, separation
-from pymunk_dragon.model.contact import PHASES, Contact, ContactEvent, Phase
+from pymunk_dragon.model.contact import Contact, ContactEvent, Phase
 from pymunk_dragon.model.dragon import Dragon, outlines
 from pymunk_dragon.physics.world import World
 
@@ -54,7 +54,7 @@ class Recorder:
         # Pairs whose contact has begun and not ended.
         self._touching: set[tuple[int, int]] = set()
         self._failures: list[BaseException] = []
-        callbacks: dict[str, Any] = {phase: partial(self._call, phase) for phase in PHASES}
+        callbacks: dict[str, Any] = {phase: partial(self._call, phase) for phase in get_args(Phase)}
         world.space.on_collision(**callbacks)
 
     def step(self, time: float) -> float:

@@ -18,7 +18,7 @@ _MIN_PITCH, MAX_PITCH = 0.001, 1000.0
 # rad.
 _TURN = 2 * np.pi
 # A thousand turns of the contest's pitch are a dance floor of a kilometre; more is taken for a typing error.
-MAX_TURNS = 1000.0
+_MAX_TURNS = 1000.0
 # Passes of Halley's method: it needs 2.
 _MAX_PASSES = 20
 # Share of an angle: after such a step of Halley's method, which trebles the digits, the next is below the last one.
@@ -84,12 +84,12 @@ class Spiral(PackageCurve, kind="spiral"):
 
     def at_turn(self, turns: float) -> float:
         """Coordinate `turns` turns from the centre, m; `turns` is above 0 and at most 1000."""
-        theta = _TURN * positive("turns", turns, MAX_TURNS, "")
+        theta = _TURN * positive("turns", turns, _MAX_TURNS, "")
         return float(self._coordinate(np.array(self._sign * theta)))
 
     def at_radius(self, radius: float) -> float:
         """Coordinate at the distance `radius` m from the centre, m; `radius` is at most 1000 pitches."""
-        return self.at_turn(min(positive("radius", radius, MAX_TURNS * self.pitch, "m") / self.pitch, MAX_TURNS))
+        return self.at_turn(min(positive("radius", radius, _MAX_TURNS * self.pitch, "m") / self.pitch, _MAX_TURNS))
 
     def angle(self, s: ArrayLike) -> Array:
         """Polar angle theta in rad, counted from the centre along the winding (eq. 6); nan beyond the centre."""
