@@ -28,7 +28,6 @@ from pymunk_dragon._arrays import Array, Flags, Indices, as_complex, as_vectors
 from pymunk_dragon.collision.bounds import UNPROVEN_ROUNDING, Intervals, MotionBounds, handles_in_reach, near_pairs
 from pymunk_dragon.collision.result import FirstContact, NearMiss, Status
 from pymunk_dragon.collision.sat import deepest_overlap, separation
-from pymunk_dragon.model.dragon import bench_poses
 from pymunk_dragon.model.march import March, checked_times
 
 __all__ = ["first_contact"]
@@ -146,8 +145,8 @@ class _Search:
     def run(self, report: Callable[[float], None]) -> FirstContact:
         """Result of the search; `report` is called with each time up to which the march is cleared."""
         march, last = self._march, self._start
-        dragon, self._start_s = march.dragon, march.handles_s(last)[0]
-        poses = bench_poses(march.curve.point(self._start_s))
+        dragon, state = march.dragon, march.at(last)
+        self._start_s, poses = state.handles_s[0], state.poses[0]
         near = near_pairs(as_complex(poses[:, :2]), np.hypot(dragon.lengths, dragon.widths) / 2)
         if (pair := deepest_overlap(dragon.outlines(poses), near)) is not None:
             return self._result("overlapping", last, pair)
