@@ -181,6 +181,8 @@ def _whole_chains(path: Path, heads: Array, spacings: Array) -> tuple[ChainMotio
             block = slice(begin, begin + rows)
             into = found.each(lambda part: part[block].T)  # noqa: B023  # Called at once.
             settled[block] = _solve_block(path, heads[block], parameters[block], spacings, into)
+        chosen = found.handles_s if settled.all() else found.handles_s[settled]
+        settled[settled] = _nearest(path, chosen.T, spacings)
     return found, settled
 
 
@@ -228,7 +230,6 @@ def _solve_block(path: Path, heads: Array, parameters: Array, spacings: Array, i
     largest = np.maximum(np.abs(into.handles_s[[0, -1]]).max(axis=0), np.abs(points[0]) + spacings.sum())
     # Written so that nan fails.
     settled &= error <= _WHOLE_RESIDUAL * np.spacing(largest)
-    settled[settled] = _nearest(path, into.handles_s if settled.all() else into.handles_s[:, settled], spacings)
     ratios, _ = _ratios(benches, derivatives)
     speeds = np.abs(derivatives)
     into.points[:] = points
@@ -263,16 +264,17 @@ def _nearest(path: Path, handles_s: Array, spacings: Array) -> Flags:
     fronts, rears, reach = handles_s[:-1], handles_s[1:], np.pi / 2 * spacings[:, None]
     # Where the path is gentle as in `gentle_offsets`, it is the only one within reach: with one bound on the curvature
     # for the whole chain, or with one for each bench.
-    found = (fronts > rears) & (fronts - rears <= reach)
-    curvature = path.max_curvature((fronts - reach).min(axis=0, initial=np.inf), handles_s[0])
-    chains = np.flatnonzero(~(curvature * spacings.max(initial=0) < 2))
-    sharp = np.zeros(fronts.shape, dtype=bool)
-    if chains.size:
-        some = fronts[:, chains]
-        sharp[:, chains] = ~(path.max_curvature(some - reach, some) * spacings[:, None] < 2)
-    for spacing in np.unique(spacings).tolist() if sharp.any() else []:
-        chosen = np.nonzero(sharp & (spacings[:, None] == spacing))
-        found[chosen] = np.abs(rear_handle(path, fronts[chosen], spacing) - rears[chosen]) <= _SAME_HANDLE
+    back = fronts - rears
+    found = (back > 0) & (back <= reach)
+    curvature = path.max_curvature(handles_s[-1] - reach.max(initial=0), handles_s[0])
+    rest = np.flatnonzero(~(curvature * spacings.max(initial=0) < 2))
+    if rest.size:
+        sharp = np.zeros(fronts.shape, dtype=bool)
+        some = fronts[:, rest]
+        sharp[:, rest] = ~(path.max_curvature(some - reach, some) * spacings[:, None] < 2)
+        for spacing in np.unique(spacings).tolist():
+            chosen = np.nonzero(sharp & (spacings[:, None] == spacing))
+            found[chosen] = np.abs(rear_handle(path, fronts[chosen], spacing) - rears[chosen]) <= _SAME_HANDLE
     return np.asarray(found.all(axis=0))
 
 
