@@ -58,7 +58,7 @@ def test_the_next_handle_is_the_nearest_along_the_path_that_a_scan_sees():
     cases = [(HAIRPIN, s, 1.5) for s in (9.0, 10.0, 11.0, 11.7, 12.0, 13.0, 14.5)]
     cases += [(DRAWN, s, 1.1) for s in np.linspace(12, DRAWN.end_s, 8)]
     # Near the centre, from where the distance grows over more than a turn, and where it has its top within the first.
-    cases += [(Spiral(), -s, 0.55 * share) for s in (0.0, 0.05, 0.0599, 0.0601, 0.3, 40) for share in (0.4, 0.99, 1.01)]
+    cases += [(Spiral(), -s, 0.55 * share) for s in (0, 0.05, 0.095, 0.103, 0.3, 40) for share in (0.4, 0.99, 1.01)]
     for curve, s, spacing in cases:
         place = curve.chain([s], [spacing])[0, 1]
         ways = np.linspace(0, 5, 60_001)
