@@ -34,7 +34,7 @@ __all__ = [
     "NearMiss", "OutputError", "Palette", "ParameterError", "PathGuide", "PillowDrawOptions", "PygameEvents",
     "Reversed", "Run",
     "Sampled", "Scenario", "Section", "Separation", "Slider", "SpeedTable", "Spiral", "States", "Sweep", "UTurn",
-    "UnreachableError", "World", "check_curve", "check_saveable", "first_contact", "live", "max_speed",
+    "UnreachableError", "World", "check_curve", "first_contact", "live", "max_speed",
     "min_pitch", "outlines", "player_page", "render", "report", "scan", "sensitivity", "separation", "simulate",
     "sweep", "u_turn", "write_player",
 ]  # fmt: skip
@@ -50,7 +50,7 @@ _MODULES = {
     "model.curves": "Arc Composite Curve Line Reversed Sampled Section Spiral UTurn check_curve",
     "model.dragon": "Dragon outlines",
     "model.march": "March States",
-    "model.run": "Run check_saveable",
+    "model.run": "Run",
     "model.scenario": "Scenario",
     "model.speed": "SpeedTable",
     "physics": "EngineSettings PathGuide World simulate",

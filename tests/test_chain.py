@@ -61,9 +61,9 @@ def test_bounds_hold_for_the_rates_and_their_changes(curve, head):
 @on_every_curve
 def test_whole_chains_are_those_laid_out_bench_by_bench(curve, head):
     heads, spacings = head + np.linspace(-0.9, 0.9, 41), np.tile(SPACINGS, 2)
-    motion, succeeded = chain.whole_chains(curve, heads, spacings)
+    motion, succeeded = chain._whole_chains(curve, heads, spacings)
     assert succeeded.all()
-    expected = curve._bench_by_bench(heads, spacings)
+    expected = chain._bench_by_bench(curve, heads, spacings)
     np.testing.assert_allclose(motion.handles_s, expected, rtol=0, atol=1e-11)
     for part, other in zip(motion, chain.chain_motion(curve, expected, spacings), strict=True):
         np.testing.assert_allclose(part, other, rtol=0, atol=1e-11)
@@ -74,13 +74,13 @@ def test_whole_chains_never_end_on_another_turn(monkeypatch):
     spiral = Spiral(pitch=0.3)
     heads, spacings = np.array([spiral.at_turn(turns) for turns in (3, 5, 9)]), np.array([1.65, 1.65])
     expected, near = (
-        spiral._bench_by_bench(heads, spacings),
+        chain._bench_by_bench(spiral, heads, spacings),
         spiral._estimate(heads, spiral._parameter(heads), spacings[:, None]),
     )
     for back in (0.3, 0.5, 0.99, 1.0, 1.01, 2.0):
         estimate = near - back * 2 * np.pi * np.array([[0], [1], [1]])
         monkeypatch.setattr(Spiral, "_estimate", lambda self, *arguments, estimate=estimate: estimate.copy())
-        found, succeeded = chain.whole_chains(spiral, heads, spacings)
+        found, succeeded = chain._whole_chains(spiral, heads, spacings)
         np.testing.assert_allclose(found.handles_s[succeeded], expected[succeeded], rtol=0, atol=1e-11)
         np.testing.assert_allclose(spiral.chain(heads, spacings), expected, rtol=0, atol=1e-11)
 
@@ -89,8 +89,8 @@ def test_chains_that_cannot_be_computed_as_a_whole_are_computed_bench_by_bench()
     """A bench across a hairpin is nearly perpendicular to the path, and one before the path's begin has no handle."""
     hairpin = Composite([Line(stop=(10, 0)), Arc(centre=(10, 0.6), radius=0.6, begin_angle=-np.pi / 2, sweep=np.pi)])
     heads, spacings = np.linspace(1.0, hairpin.end_s, 60), np.array([1.1, 0.9])
-    _, succeeded = chain.whole_chains(hairpin, heads, spacings)
+    _, succeeded = chain._whole_chains(hairpin, heads, spacings)
     assert 0 < succeeded.sum() < heads.size
-    expected = hairpin._bench_by_bench(heads, spacings)
+    expected = chain._bench_by_bench(hairpin, heads, spacings)
     np.testing.assert_allclose(hairpin.chain(heads, spacings), expected, rtol=0, atol=1e-11)
     assert np.isnan(expected).any()

@@ -13,7 +13,7 @@ from hypothesis import assume, example, given
 from hypothesis import strategies as st
 from test_curve_kinds import CORNERS, WAVE
 
-from pymunk_dragon.errors import FileFormatError, MissingExtraError, ParameterError
+from pymunk_dragon.errors import MissingExtraError, ParameterError
 from pymunk_dragon.model.curves import Line, Sampled
 
 
@@ -34,24 +34,7 @@ def test_path_is_the_spline_to_the_last_digits(points, places):
     assert max(worst_errors(path, truth, np.linspace(0, path.end_s, places)[:-1])) < 1e-12
 
 
-def test_path_goes_through_its_points_in_their_order():
-    path = Sampled(CORNERS)
-    places = np.linspace(0, path.end_s, 200_001)
-    passed = path.point(places)
-    found = [int(np.argmin(np.hypot(*(passed - point).T))) for point in CORNERS]
-    assert found == sorted(found)
-    assert np.hypot(*(passed[found] - CORNERS).T).max() < 2e-4
-    assert path.point([0, path.end_s]) == pytest.approx(np.array([CORNERS[0], CORNERS[-1]]), abs=1e-13)
-
-
-def test_path_through_points_of_a_circle_or_a_line_is_nearly_that():
-    angles = np.linspace(0, 5, 2001)
-    path = Sampled(7 * np.stack([np.cos(angles), np.sin(angles)], axis=-1))
-    # The error of a cubic spline falls with the fourth power of the distance between points, that of its curvature
-    # with the second.
-    assert path.end_s == pytest.approx(35, abs=1e-10)
-    assert np.hypot(*path.point(np.linspace(0, 35 - 1e-9, 999)).T) == pytest.approx(np.full(999, 7.0), abs=1e-10)
-    assert path.curvature(np.linspace(0, 34, 999)) == pytest.approx(np.full(999, 1 / 7), abs=1e-6)
+def test_path_through_points_of_a_line_is_the_line():
     line = Line(start=(3, 4), stop=(-50, 60))
     path = Sampled(line.point(line.end_s * np.array([0, 0.1, 0.15, 0.5, 0.8, 1])))
     s = np.linspace(0, 70, 50)
@@ -80,17 +63,6 @@ def test_bound_on_the_bends_is_above_all_of_them_and_not_far_above(steps, first,
     assert path.max_curvature(low, high) >= bends.max()
     everywhere = np.abs(path.curvature(np.linspace(0, path.end_s, 60_001))).max()
     assert path.max_curvature(0, path.end_s) <= 1.03 * everywhere + 1e-12
-
-
-def test_points_are_read_from_a_file(tmp_path):
-    file = tmp_path / "path.csv"
-    file.write_text("x,y\n" + "".join(f"{x!r}, {y!r}\n" for x, y in WAVE.tolist()))
-    assert Sampled.read(file).points.tolist() == WAVE.tolist()
-    for content, words in (("0,0\n1,1\n2\n3,3\n", "line 3"), ("x,y\n0,0\n1,1\n2,2\n2,2\n", "line 5")):
-        file.write_text(content)
-        assert_says(refusal(Sampled.read, file, error=FileFormatError), "path.csv", words)
-    for path in (tmp_path / "none.csv", tmp_path, "\0"):
-        refusal(Sampled.read, path)
 
 
 def test_without_scipy_the_extra_is_named(monkeypatch):

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from pymunk_dragon import Arc, Composite, Dragon, Line, March, Sampled, first_contact, simulate
-from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.contact import Contact
-from pymunk_dragon.model.curves import Curve, sampled
+from pymunk_dragon.model.curves import sampled
 from pymunk_dragon.physics.callbacks import Motion, refined_contact
 from pymunk_dragon.studies import max_speed
 
@@ -82,33 +81,6 @@ def test_sharp_bends_and_unequal_benches_need_few_evaluations_of_the_curve(monke
     spacings = [1.65 * (1 + 0.05 * math.sin(1.7 * i)) for i in range(9)]
     assert first_contact(March(Dragon(benches=10, body_spacing=spacings), Sampled(points))).status == "clear"
     assert len(calls) < 20_000
-
-
-class Endless(Curve):
-    """The x axis, without ends."""
-
-    begin_s, end_s = -math.inf, math.inf
-
-    def point(self, s):
-        return np.stack([np.asarray(s, float), np.zeros(np.shape(s))], axis=-1)
-
-    def tangent(self, s):
-        return np.broadcast_to([1.0, 0.0], (*np.shape(s), 2))
-
-    def curvature(self, s):
-        return np.zeros(np.shape(s))
-
-    def max_curvature(self, s, other):
-        return np.zeros(np.broadcast_shapes(np.shape(s), np.shape(other)))
-
-
-def test_curve_of_the_user_may_be_endless():
-    assert Endless().max_curvature([-math.inf, 0.0], [math.inf, math.nan]).tolist() == [0.0, 0.0]
-
-
-def test_point_of_a_list_and_a_number_is_refused():
-    with pytest.raises(ParameterError, match="start"):
-        Line(start=[[], 0], stop=(40, 0))
 
 
 @pytest.mark.parametrize("radius", [4.5, 2.5])

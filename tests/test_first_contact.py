@@ -13,10 +13,11 @@ from chain_follower import random_path
 from conftest import NO_NUMBERS, examples, refusal
 from hypothesis import assume, given, reject
 from hypothesis import strategies as st
+from test_march_curves import bent
 
 from pymunk_dragon.collision import first_contact, scan
 from pymunk_dragon.collision.bounds import UNPROVEN_ROUNDING, Intervals, MotionBounds
-from pymunk_dragon.collision.first_contact import near_misses
+from pymunk_dragon.collision.first_contact import _near_misses
 from pymunk_dragon.errors import DragonError, ParameterError, UnreachableError
 from pymunk_dragon.model.curves import Spiral
 from pymunk_dragon.model.dragon import Dragon, outlines
@@ -44,6 +45,21 @@ def gaps(march, times):
     benches = polygons(march, times)
     first, second = np.triu_indices(march.dragon.benches, 2)
     return shapely.distance(benches[:, first], benches[:, second]), np.stack([first, second], axis=-1)
+
+
+def assert_first(march, found, samples, tolerance):
+    """Nothing touches before what was found, which is there; the times seen, and gaps of pairs at them."""
+    times = np.linspace(0, found.time, samples)
+    apart, pairs = gaps(march, times)
+    assert apart[:-1].min() > 0
+    if found.status == "contact":
+        assert apart[-1, (pairs == found.benches).all(axis=1)] < tolerance
+    elif found.status == "clear":
+        assert found.time == march.end
+        assert apart[-1].min() > 0
+    else:
+        assert np.isnan(march.motion_or_nan(found.time + 1e-9).handles_s).any()
+    return times, apart, pairs
 
 
 def exact_gap(march, time, pair):
@@ -151,13 +167,17 @@ STUCK = [
     March(Dragon(benches=benches), Spiral(pitch=pitch), turns=turns, speed=speed)
     for benches, pitch, turns, speed in ((3, 0.55, 8, 1.0), (8, 0.9, 5, 0.7))
 ]
+# The hairpin is too tight for a bench of a metre: its rear handle is pushed back, and in the end off the path.
+JACKKNIFED = Dragon(benches=2, head_spacing=1.0, body_spacing=0.5, overhang=0.05, width=0.05)
+STUCK.append(March(JACKKNIFED, bent(3, 0.45, np.pi, 12)))
 
 
 def test_march_past_the_last_place_is_unreachable_there(seed_impact):
     assert seed_impact.resolution < 1e-9
     for march in STUCK:
         found = first_contact(march)
-        assert (found.status, found.benches, found.resolution) == ("unreachable", None, UNPROVEN_ROUNDING)
+        assert (found.status, found.benches) == ("unreachable", None)
+        assert found.resolution == UNPROVEN_ROUNDING * (march.dragon.benches > 2)
         # NumPy rounds in other ways for other numbers of times, and on other processors.
         for count in (1, 2, 7, 64):
             march.at(np.full(count, found.time + 5e-13 / march.speed))
@@ -166,7 +186,7 @@ def test_march_past_the_last_place_is_unreachable_there(seed_impact):
     last = first_contact(STUCK[0], until=1e6).time
     assert last == first_contact(STUCK[0]).time
     # No near miss is searched where the chain has no state.
-    assert near_misses(STUCK[0], np.array([[0, 2, last - 1e-10, 2e-10, 0.001, 0]]), 0, last, 0.01) == ()
+    assert _near_misses(STUCK[0], np.array([[0, 2, last - 1e-10, 2e-10, 0.001, 0]]), 0, last, 0.01) == ()
     assert first_contact(March(Dragon(benches=2), turns=4)).status == "unreachable"
 
 
@@ -197,17 +217,7 @@ def test_nothing_touches_before_the_answer_and_every_near_miss_is_told(march):
     if found.status == "overlapping":
         assert gaps(march, [0])[0].min() == 0
         return
-    times = np.linspace(0, found.time, 800)
-    apart, pairs = gaps(march, times)
-    assert apart[:-1].min() > 0
-    if found.status == "contact":
-        assert apart[-1, (pairs == found.benches).all(axis=1)] < 1e-11
-    elif found.status == "clear":
-        assert found.time == march.end
-        assert apart[-1].min() > 0
-    else:
-        with pytest.raises(UnreachableError):
-            march.at(found.time + 1e-10)
+    times, apart, pairs = assert_first(march, found, 800, 1e-11)
     # All smallest gaps below a thirtieth of the width are near misses; other benches repeat what bench 1 did.
     near = march.dragon.width / 30
     told = {(*miss.benches, k) for miss in found.near_misses for k in [np.searchsorted(times, miss.time)]}
@@ -229,7 +239,7 @@ def test_benches_stay_within_their_bounds(march, share, exponent):
     begin = share * (march.end - length)
     assume(begin >= 0)
     times = np.linspace(begin, begin + length, 101)
-    gone = march.handles_s_or_nan(times)
+    gone = march.motion_or_nan(times).handles_s
     assume(not np.isnan(gone).any())
     motion = MotionBounds(march, Intervals.between(march, times[[0, -1]]))
     assert np.all(np.abs(gone - gone[50]) <= motion.travel[0] + 1e-12)
@@ -303,10 +313,4 @@ def test_no_overlap_is_seen_before_the_first_contact_on_random_paths(seeds):
                 march = None
         if found.status == "overlapping":
             continue
-        apart, pairs = gaps(march, np.linspace(0, found.time, 400))
-        assert apart[:-1].min() > 0, seed
-        if found.status == "contact":
-            assert apart[-1, (pairs == found.benches).all(axis=1)] < 1e-9, seed
-        elif found.status == "unreachable":
-            assert not np.isnan(march.handles_s_or_nan(found.time)).any()
-            assert np.isnan(march.handles_s_or_nan(found.time + 1e-9)).any()
+        assert_first(march, found, 400, 1e-9)

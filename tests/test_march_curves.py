@@ -35,7 +35,6 @@ DRAWN = Sampled(
     [(-12, 0), (-8, 0.3), (-4, -0.2), (0, 0), (3, 1), (4, 4), (1.5, 6), (-1, 4), (-1.5, 1), (-1, -3), (1, -7)]
 )
 TABLE = SpeedTable([0, 4, 9], [0.5, 2, 1])
-LONG = Dragon(benches=21, head_spacing=0.9, body_spacing=0.8, overhang=0.1, width=0.3)
 
 
 @pytest.mark.parametrize("time", [14.1, *(pytest.param(t, marks=pytest.mark.thorough) for t in (-0.5, 7.5, 16.0))])
@@ -58,6 +57,8 @@ def test_handles_in_the_u_turn_are_where_many_digits_have_them(time):
 def test_the_next_handle_is_the_nearest_along_the_path_that_a_scan_sees():
     cases = [(HAIRPIN, s, 1.5) for s in (9.0, 10.0, 11.0, 11.7, 12.0, 13.0, 14.5)]
     cases += [(DRAWN, s, 1.1) for s in np.linspace(12, DRAWN.end_s, 8)]
+    # Near the centre, from where the distance grows over more than a turn, and where it has its top within the first.
+    cases += [(Spiral(), -s, 0.55 * share) for s in (0, 0.05, 0.095, 0.103, 0.3, 40) for share in (0.4, 0.99, 1.01)]
     for curve, s, spacing in cases:
         place = curve.chain([s], [spacing])[0, 1]
         ways = np.linspace(0, 5, 60_001)
@@ -74,9 +75,10 @@ def test_the_next_handle_is_the_nearest_along_the_path_that_a_scan_sees():
 
 def test_places_before_the_begin_are_none_and_the_begin_itself_is_one():
     line = Line(stop=(10, 0))
-    found = np.isnan(line.chain([1.0, 1.5, 10.5], [1.5, 1.5])).tolist()
-    assert found == [[False, True, True], [False, False, True], [True] * 3]
+    found = np.isnan(line.chain([1.0, 1.5, np.nan, 10.5], [1.5, 1.5])).tolist()
+    assert found == [[False, True, True], [False, False, True], [True] * 3, [True] * 3]
     assert line.chain([1.5, 3.0], [1.5, 1.5])[1].tolist() == pytest.approx([3, 1.5, 0], abs=1e-15)
+    assert line.chain(np.empty(0), [1.65]).shape == (0, 2)
 
 
 @pytest.mark.parametrize("curve", [UTurn(), HAIRPIN, Section(Spiral(), -300, -10), LogarithmicSpiral()], ids=repr)
@@ -96,12 +98,12 @@ def test_the_foot_of_a_point_beside_the_path_is_where_it_was_set_off(curve):
 
 def test_a_dragon_starts_with_its_tail_at_the_begin_of_the_curve_or_its_head_at_its_zero():
     march = March(SMALL, HAIRPIN)
-    assert march.handles_s_or_nan(0.0)[0, -1] == pytest.approx(0, abs=2e-9)
-    assert not np.isnan(march.handles_s_or_nan(0.0)).any()
+    assert march.motion_or_nan(0.0).handles_s[0, -1] == pytest.approx(0, abs=2e-9)
+    assert not np.isnan(march.motion_or_nan(0.0).handles_s).any()
     error = refusal(march.at, -1e-3, error=UnreachableError)
     assert (error.time, error.handle) == (-1e-3, 12)
     assert TURN.head_start == 0
-    assert March(curve=Spiral(), start_s=-100.0).handles_s_or_nan(0.0)[0, 0] == -100
+    assert March(curve=Spiral(), start_s=-100.0).motion_or_nan(0.0).handles_s[0, 0] == -100
 
 
 def test_a_march_or_a_search_that_cannot_start_is_refused_by_name():
@@ -154,48 +156,6 @@ def test_the_first_contact_is_at_the_same_place_however_fast_the_head_goes(seed_
     assert hit.time == pytest.approx(float(march.time(plain.time)), abs=1e-10)
     assert hit.point == pytest.approx(plain.point, abs=1e-11)
     assert [miss.gap for miss in hit.near_misses] == pytest.approx([miss.gap for miss in plain.near_misses], abs=1e-12)
-
-
-# First contact and the engine on any curve
-
-
-@pytest.mark.parametrize(
-    ("march", "until"),
-    [
-        (March(Dragon(benches=9, head_spacing=1.4, body_spacing=1), DRAWN, speed=TABLE), 9.0),
-        (March(Dragon(benches=12, head_spacing=0.9, body_spacing=0.8, overhang=0.1, width=0.3), HAIRPIN), 9.0),
-        pytest.param(March(Dragon(benches=60), UTurn(), start_s=-4.0), 30.0, marks=pytest.mark.thorough),
-    ],
-    ids=["drawn by hand", "hairpin", "u-turn"],
-)
-def test_rails_keep_the_dragon_on_any_curve(march, until):
-    run = simulate(march, until=until)
-    assert run.first_contact is None
-    assert run.head_drift < 5e-4
-    assert run.max_drift < 2e-3
-
-
-def test_engine_and_certificate_agree_on_the_first_contact_where_the_path_crosses_itself():
-    march = March(LONG, bent(20, 2.2, 1.5 * np.pi, 8))
-    exact, run = first_contact(march), simulate(march)
-    assert run.first_contact.benches == exact.benches
-    assert run.first_contact.time == pytest.approx(exact.time, abs=2e-3)
-
-
-@pytest.mark.parametrize("benches", [2, 4])
-def test_search_for_a_contact_ends_where_motion_does(benches):
-    """The hairpin is too tight for a bench of a metre: its rear handle is pushed back, and in the end off the path."""
-    dragon = Dragon(benches=benches, head_spacing=1.0, body_spacing=0.5, overhang=0.05, width=0.05)
-    march = March(dragon, bent(3, 0.45, np.pi, 12))
-    hit = first_contact(march)
-    times = np.linspace(0, march.end, 20_001)
-    lost = np.isnan(march.handles_s_or_nan(times)).any(axis=1)
-    assert lost[np.argmax(lost) :].all()
-    if hit.status == "unreachable":
-        assert times[np.argmax(lost) - 1] <= hit.time < times[np.argmax(lost)]
-    else:
-        assert (hit.status, hit.benches[0]) == ("contact", 0)
-        assert hit.time < times[np.argmax(lost)]
 
 
 def test_the_end_of_a_curve_is_reached_whatever_rounding_does():

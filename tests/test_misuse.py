@@ -100,10 +100,9 @@ NONSENSE += [[None], np.zeros((2, 5)), np.zeros((0, 3)), [10**400], np.array("x"
 MARCH, POSES = March(SMALL), np.zeros((4, 3))
 CALLS = [
     (MARCH.at, {"times": [0.0], "handles": 2}),
-    (MARCH.handles_s_or_nan, {"times": [0.0], "handles": 2}),
+    (MARCH.motion_or_nan, {"times": [0.0], "handles": 2}),
     (MARCH.speeds_by_difference, {"times": [0.0], "step": 0.1}),
     (MARCH.span, {"start": 0.0, "until": 1.0}),
-    (MARCH.share_states, {"other": MARCH}),
     (MARCH.distance, {"times": 0.0}),
     (MARCH.time, {"distances": 0.0}),
     (MARCH.at([0, 1]).to_dict, {"handles": [1]}),

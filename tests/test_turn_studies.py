@@ -47,7 +47,10 @@ def walked(curve, since, until):
 def fastest(march, ways):
     """Highest speed of any handle over that of the head at each of the head's ways, from places a moment later."""
     moment = 1e-6
-    now, later = march.handles_s_or_nan(march.time(ways)), march.handles_s_or_nan(march.time(ways + moment))
+    now, later = (
+        march.motion_or_nan(march.time(ways)).handles_s,
+        march.motion_or_nan(march.time(ways + moment)).handles_s,
+    )
     return np.max(np.abs(later - now), axis=1) / moment
 
 

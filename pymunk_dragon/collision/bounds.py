@@ -32,7 +32,7 @@ from typing import NamedTuple
 import numpy as np
 
 from pymunk_dragon._arrays import Array, Complex, Flags, Indices, as_complex, as_vectors
-from pymunk_dragon.collision.grid import MAX_CELL, MIN_CELL, Grid
+from pymunk_dragon.collision.grid import CELLS, Grid
 from pymunk_dragon.collision.sat import Separation, separation
 from pymunk_dragon.model import chain
 from pymunk_dragon.model.chain import ChainMotion, RateBounds
@@ -298,7 +298,7 @@ def handles_in_reach(march: March, first: float, last: float, near: float) -> in
     dragon, curve = march.dragon, march.curve
     if not (curve.inward and dragon.alike):
         return dragon.handles
-    ends = march.handles_s_or_nan([first, last], 3)
+    ends = march.motion_or_nan([first, last], 3).handles_s
     if np.isnan(ends).any():
         return dragon.handles
     lows, _ = march.continuation.ranges(ends[:1], ends[1:])
@@ -322,7 +322,7 @@ def near_pairs(centres: Complex, radii: Array) -> Indices:
         # No bench is further away than the chain's length, even if its bound is infinite.
         half = np.minimum(radii, np.ptp(as_vectors(centres), axis=0).sum() + 1)
         squares = (centres - centres.mean())[:, None] + half[:, None] * _SQUARE
-        cell = float(np.clip(2 * half.max(), MIN_CELL, MAX_CELL))
+        cell = float(np.clip(2 * half.max(), *CELLS))
         first, second = Grid(cell=cell, origin=(0.0, 0.0)).pairs(as_vectors(squares)).T
     meeting = np.abs(centres[first] - centres[second]) <= radii[first] + radii[second]
     return np.stack([first, second], axis=-1)[meeting]

@@ -28,7 +28,6 @@ from pymunk_dragon._arrays import Array, Flags, Indices, as_complex, as_vectors
 from pymunk_dragon.collision.bounds import UNPROVEN_ROUNDING, Intervals, MotionBounds, handles_in_reach, near_pairs
 from pymunk_dragon.collision.result import FirstContact, NearMiss, Status
 from pymunk_dragon.collision.sat import deepest_overlap, separation
-from pymunk_dragon.model.dragon import bench_poses
 from pymunk_dragon.model.march import March, checked_times
 
 __all__ = ["first_contact"]
@@ -113,8 +112,7 @@ def first_contact(
     """
     start, until = checked_times(march, start, until)
     march.handles_s(start)  # An error names the time of this march.
-    steady = March(march.dragon, march.curve, start_s=march.head_start)
-    steady.share_states(march)
+    steady = march.steady()
     begin, end = march.distance([start, until]).tolist()
     if until == march.end:
         # Not beyond it by rounding.
@@ -147,8 +145,8 @@ class _Search:
     def run(self, report: Callable[[float], None]) -> FirstContact:
         """Result of the search; `report` is called with each time up to which the march is cleared."""
         march, last = self._march, self._start
-        dragon, self._start_s = march.dragon, march.handles_s(last)[0]
-        poses = bench_poses(march.curve.point(self._start_s))
+        dragon, state = march.dragon, march.at(last)
+        self._start_s, poses = state.handles_s[0], state.poses[0]
         near = near_pairs(as_complex(poses[:, :2]), np.hypot(dragon.lengths, dragon.widths) / 2)
         if (pair := deepest_overlap(dragon.outlines(poses), near)) is not None:
             return self._result("overlapping", last, pair)
@@ -171,7 +169,7 @@ class _Search:
 
     def _result(self, status: Status, time: float, pair: tuple[int, int] | None) -> FirstContact:
         """Result with the figures of the search so far."""
-        misses = near_misses(self._march, np.concatenate(self._small_gaps), self._start, time, self._near)
+        misses = _near_misses(self._march, np.concatenate(self._small_gaps), self._start, time, self._near)
         figures = {"samples": self._samples, "tests": self._tests, "resolution": self._resolution}
         return result_at(self._march, status, time, pair, near_misses=misses, **figures)
 
@@ -182,7 +180,7 @@ class _Search:
         # 5 % more than a spacing, and 5 % more until the condition holds.
         wait = 1.05 * float(self._march.dragon.spacings[-1])
         while self._start + wait < self._end:
-            if np.all(self._march.handles_s_or_nan(self._start + wait)[0, 2:-1] >= self._start_s[1:-2]):
+            if np.all(self._march.motion_or_nan(self._start + wait).handles_s[0, 2:-1] >= self._start_s[1:-2]):
                 return self._start + wait
             wait *= 1.05
         return self._end
@@ -305,14 +303,14 @@ def _last_reachable(march: March, begin: float, later: float) -> float:
     while later - reachable > _RESOLUTION and reachable < (reachable + later) / 2 < later:
         times = np.linspace(reachable, later, _LAST_POINTS)
         # If a handle has no coordinate, the last one has none.
-        lost: Flags = np.isnan(march.handles_s_or_nan(times)[:, -1])
+        lost: Flags = np.isnan(march.motion_or_nan(times).handles_s[:, -1])
         lost[-1] = True
         first = max(1, int(lost.argmax()))
         reachable, later = float(times[first - 1]), float(times[first])
     return max(begin, reachable - _resolution(reachable))
 
 
-def near_misses(march: March, samples: Array, start: float, end: float, near: float) -> tuple[NearMiss, ...]:
+def _near_misses(march: March, samples: Array, start: float, end: float, near: float) -> tuple[NearMiss, ...]:
     """Local minima of gaps between `start` and `end` below `near` m, from the samples (K, 6) that `_Search` keeps."""
     samples = samples[samples[:, 2] <= end]
     brackets = np.array(list(_brackets(samples[np.lexsort(samples.T[2::-1])].tolist()))).reshape(-1, 5)

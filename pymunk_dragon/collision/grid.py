@@ -30,7 +30,7 @@ __all__ = ["Grid"]
 _Cells = NDArray[np.int64]
 
 # m. Least and largest pitch of a spiral, to which the paper ties the cell.
-MIN_CELL, MAX_CELL = 0.001, 1000.0
+CELLS = 0.001, 1000.0
 # Cells from the origin, in either direction. At the paper's pitch that is 550 km.
 _MAX_INDEX = 1_000_000
 # Cells by which an edge is taken to be closer to a grid line than it is, so that rounding never makes the walk miss a
@@ -67,7 +67,7 @@ class Grid:
     origin: tuple[float, float] = (-8.8, 8.8)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "cell", finite("cell", self.cell, MIN_CELL, MAX_CELL, "m"))
+        object.__setattr__(self, "cell", finite("cell", self.cell, *CELLS, "m"))
         x, y = coordinates("origin", self.origin, (2,), 0).tolist()
         object.__setattr__(self, "origin", (x, y))
 

@@ -10,11 +10,6 @@ $ pymunk-dragon positions --paper
 
 The second command prints tables 1 to 3 of the paper, all 147 entries, cut after three decimals as the paper cuts them.
 
-Each handle is on the curve behind the handle before it, at the distance of the two holes of a bench. The docstring of
-`model/chain.py` has the equations, which Newton's method solves for all handles at once. Of several points at that
-distance, the right one is where continuous motion along the curve leads to, also where a long head bench pushes the
-next handle back: `model/continuation.py` has the conditions under which it is unique.
-
 Medians from one run of `python tests/bench/bench_speed.py` on two cores, where the plain recursion goes from handle to
 handle, vectorised over the times:
 

@@ -33,6 +33,8 @@ _SAME_DERIVATIVES = 1e-3
 _WHOLE_RESIDUAL = 64
 # m by which two computed coordinates of one handle may differ.
 _SAME_HANDLE = 1e-9
+# Benches that are computed one by one before the chain behind them is computed as a whole again.
+_BLOCK = 16
 # Handles of whole chains that are computed together: their temporaries stay in a processor's second cache.
 _WHOLE_HANDLES = 14_000
 # Doubles from which on NumPy takes large pages, which come up to a hundred times as fast.
@@ -60,7 +62,6 @@ class Path(Protocol):
     def _parameter(self, s: Array) -> Array: ...
     def _estimate(self, heads: Array, parameters: Array, spacings: Array) -> Array: ...
     def _motion(self, parameter: Array) -> tuple[Complex, Complex]: ...
-    def _nearest(self, parameters: Array, handles_s: Array, spacings: Array) -> Flags: ...
 
 
 class RateBounds(NamedTuple):
@@ -131,7 +132,36 @@ def chain_motion(path: Path, handles_s: Array, spacings: Array) -> ChainMotion:
     return ChainMotion(handles_s, as_complex(points), as_complex(tangents), ratios)
 
 
-def whole_chains(path: Path, heads: Array, spacings: Array) -> tuple[ChainMotion, Flags]:
+def chains(path: Path, heads: Array, spacings: Array) -> ChainMotion:
+    """Chains with the heads at the coordinates (T,), as `Curve.chain` describes them.
+
+    Each chain is computed as a whole. Where this does not succeed, as its front is where the path bends sharply, a
+    block of benches is computed one by one, and then the chain behind them.
+    """
+    found, settled = _whole_chains(path, heads, spacings)
+    if not settled.all():
+        rest = ~settled
+        handles_s = np.full((int(rest.sum()), spacings.size + 1), np.nan)
+        handles_s[:, : _BLOCK + 1] = _bench_by_bench(path, heads[rest], spacings[:_BLOCK])
+        behind = ~np.isnan(handles_s[:, min(_BLOCK, spacings.size)])
+        if spacings.size > _BLOCK and behind.any():
+            handles_s[behind, _BLOCK:] = chains(path, handles_s[behind, _BLOCK], spacings[_BLOCK:]).handles_s
+        for into, part in zip(found, chain_motion(path, handles_s, spacings), strict=True):
+            into[rest] = part
+    return found
+
+
+def _bench_by_bench(path: Path, heads: Array, spacings: Array) -> Array:
+    """Coordinates (T, H) of chains, from each handle to the next."""
+    handles_s = np.full((heads.size, spacings.size + 1), np.nan)
+    handles_s[:, 0] = np.where(np.isnan(path._parameter(heads)), np.nan, heads)
+    for i, spacing in enumerate(spacings.tolist()):
+        on = ~np.isnan(handles_s[:, i])
+        handles_s[on, i + 1] = rear_handle(path, handles_s[on, i], spacing)
+    return handles_s
+
+
+def _whole_chains(path: Path, heads: Array, spacings: Array) -> tuple[ChainMotion, Flags]:
     """Chains with the heads at the coordinates (T,), each computed as a whole; and for which (T,) this succeeded.
 
     The equation of bench i, F_i = (|P_i - P_{i+1}|^2 - d_i^2) / 2 = 0, depends on the parameters of handles i and i + 1
@@ -151,6 +181,8 @@ def whole_chains(path: Path, heads: Array, spacings: Array) -> tuple[ChainMotion
             block = slice(begin, begin + rows)
             into = found.each(lambda part: part[block].T)  # noqa: B023  # Called at once.
             settled[block] = _solve_block(path, heads[block], parameters[block], spacings, into)
+        chosen = found.handles_s if settled.all() else found.handles_s[settled]
+        settled[settled] = _nearest(path, chosen.T, spacings)
     return found, settled
 
 
@@ -198,10 +230,6 @@ def _solve_block(path: Path, heads: Array, parameters: Array, spacings: Array, i
     largest = np.maximum(np.abs(into.handles_s[[0, -1]]).max(axis=0), np.abs(points[0]) + spacings.sum())
     # Written so that nan fails.
     settled &= error <= _WHOLE_RESIDUAL * np.spacing(largest)
-    if settled.all():
-        settled = path._nearest(parameters, into.handles_s, spacings)
-    else:
-        settled[settled] = path._nearest(parameters[:, settled], into.handles_s[:, settled], spacings)
     ratios, _ = _ratios(benches, derivatives)
     speeds = np.abs(derivatives)
     into.points[:] = points
@@ -231,21 +259,22 @@ def rear_handle(path: Path, s: Array, chord: float) -> Array:
     return rear_between(path, s, chord, shortest, longest)
 
 
-def nearest(path: Path, handles_s: Array, spacings: Array) -> Flags:
+def _nearest(path: Path, handles_s: Array, spacings: Array) -> Flags:
     """Whether each rear handle of chains (H, T) at these distances is the one that `rear_handle` finds; (T,)."""
     fronts, rears, reach = handles_s[:-1], handles_s[1:], np.pi / 2 * spacings[:, None]
     # Where the path is gentle as in `gentle_offsets`, it is the only one within reach: with one bound on the curvature
     # for the whole chain, or with one for each bench.
-    found = (fronts > rears) & (fronts - rears <= reach)
-    curvature = path.max_curvature((fronts - reach).min(axis=0, initial=np.inf), handles_s[0])
-    chains = np.flatnonzero(~(curvature * spacings.max(initial=0) < 2))
-    sharp = np.zeros(fronts.shape, dtype=bool)
-    if chains.size:
-        some = fronts[:, chains]
-        sharp[:, chains] = ~(path.max_curvature(some - reach, some) * spacings[:, None] < 2)
-    for spacing in np.unique(spacings).tolist() if sharp.any() else []:
-        chosen = np.nonzero(sharp & (spacings[:, None] == spacing))
-        found[chosen] = np.abs(rear_handle(path, fronts[chosen], spacing) - rears[chosen]) <= _SAME_HANDLE
+    back = fronts - rears
+    found = (back > 0) & (back <= reach)
+    curvature = path.max_curvature(handles_s[-1] - reach.max(initial=0), handles_s[0])
+    rest = np.flatnonzero(~(curvature * spacings.max(initial=0) < 2))
+    if rest.size:
+        sharp = np.zeros(fronts.shape, dtype=bool)
+        some = fronts[:, rest]
+        sharp[:, rest] = ~(path.max_curvature(some - reach, some) * spacings[:, None] < 2)
+        for spacing in np.unique(spacings).tolist():
+            chosen = np.nonzero(sharp & (spacings[:, None] == spacing))
+            found[chosen] = np.abs(rear_handle(path, fronts[chosen], spacing) - rears[chosen]) <= _SAME_HANDLE
     return np.asarray(found.all(axis=0))
 
 

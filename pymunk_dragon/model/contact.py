@@ -14,7 +14,6 @@ from pymunk_dragon._language import text
 from pymunk_dragon.errors import ParameterError
 
 Phase = Literal["begin", "pre_solve", "post_solve", "separate"]
-PHASES: tuple[Phase, ...] = get_args(Phase)
 
 _Vector = tuple[float, float]
 
@@ -31,10 +30,8 @@ class Contact:
         Time of the contact, and end of the substep in which the engine noticed, s.
     benches : tuple of int
         Their numbers, the smaller one first.
-    point, normal : tuple of float
-        Point of the contact, m, and unit vector from the first bench towards the second.
-    depth : float
-        How deep they overlap at `raw_time`, m.
+    point, normal, depth : tuple of float and float
+        Point of the contact, m, unit vector from the first bench towards the second, and overlap at `raw_time`, m.
 
     Examples
     --------
@@ -62,16 +59,11 @@ class ContactEvent:
         Kind of callback. `post_solve` comes only where the engine solves the contact.
     benches : tuple of int
         The smaller number first.
-    points : tuple of tuple of float
-        One or two contact points, m.
-    normal : tuple of float or None
-        Unit vector from the first bench towards the second.
-    depth : float or None
-        Deepest overlap of the two, m, positive where they overlap.
-    relative_velocity : tuple of float or None
-        Velocity of the second bench relative to the first, at the middle of the points, m/s.
-    impulse : tuple of float or None
-        Impulse on the second bench, N s; only in `post_solve`.
+    points, normal, depth
+        One or two contact points, m, and as in `Contact`.
+    relative_velocity, impulse : tuple of float or None
+        Velocity of the second bench relative to the first, at the middle of the points, m/s, and impulse on the second
+        bench, N s; the impulse only in `post_solve`.
 
     Examples
     --------
@@ -107,8 +99,8 @@ class ContactLog(tuple[ContactEvent, ...]):
     ...     ContactEvent(time=1.0, phase="begin", benches=(0, 8)),
     ...     ContactEvent(time=2.5, phase="separate", benches=(0, 8)),
     ... ))
-    >>> log, len(log.of("begin"))
-    (ContactLog(2 events), 1)
+    >>> log
+    ContactLog(2 events)
     >>> print(log)
     benches  touch from (s)  to (s)
       0   8           1.000  2.500
@@ -126,10 +118,6 @@ class ContactLog(tuple[ContactEvent, ...]):
         )
         heads = (text("benches"), text("touch from (s)"), text("to (s)"))
         return "\n".join(table(heads, ("<7", "14.3f", ""), rows))
-
-    def of(self, phase: Phase) -> ContactLog:
-        """The events of one phase."""
-        return ContactLog(tuple(event for event in self if event.phase == phase))
 
     def windows(self) -> list[ContactWindow]:
         """Time intervals in which each pair touched, ordered by the beginning."""
@@ -165,18 +153,18 @@ def read_contact(kind: type[_Kind], values: Mapping[str, Any], benches: int) -> 
     """The record of a contact among `benches`, from JSON of its `dataclasses.asdict`; an error if it is none."""
     first, second = values["benches"]
     pair = whole("benches", first, 0, benches - 2), whole("benches", second, first + 1, benches - 1)
-    read: dict[str, Any] = {}
+    read = {}
     for name, value in values.items():
         # What may be absent has None as its default.
         absent = value is None and getattr(kind, name, 0) is None
-        read[name] = None if absent else pair if name == "benches" else _read(name, value)
-    return kind(**read)
+        read[name] = None if absent else _read(name, value)
+    return kind(**read | {"benches": pair})
 
 
 def _read(name: str, value: Any) -> Any:
     """An entry of a record, checked; JSON has lists for tuples."""
     if name == "phase":
-        return word(name, value, PHASES)
+        return word(name, value, get_args(Phase))
     if name in ("time", "raw_time", "depth"):
         return finite(name, value, -np.inf, np.inf, "")
     vectors = numbers(name, value or np.empty((0, 2)), 2)

@@ -31,7 +31,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pymunk_dragon._arrays import Array, Flags
-from pymunk_dragon.model.chain import ChainMotion, chain_motion, gentle_offsets, rear_between, rear_handle
+from pymunk_dragon.model.chain import ChainMotion, chain_motion, chains, gentle_offsets, rear_between, rear_handle
 from pymunk_dragon.model.curves.base import Curve
 
 # Shares of a spacing: grid on which the curvature is checked, and longest half cell in either coordinate.
@@ -72,7 +72,7 @@ class Continuation:
         spacings = self._spacings[: handles - 1]
         direct = self._gentle(np.minimum(heads, self._head), np.maximum(heads, self._head), spacings)
         if direct.all():
-            return self._curve._chain_motion(heads, spacings)
+            return chains(self._curve, heads, spacings)
         handles_s = np.empty((heads.size, handles))
         handles_s[direct] = self._curve.chain(heads[direct], spacings)
         handles_s[~direct] = self._followed(heads[~direct], handles)
@@ -243,7 +243,9 @@ class _Branch:
         while step > shortest and len(cells) < _MAX_CELLS:
             bracket = rear - half, rear + half
             following = front + direction * step
-            there = float(self._within(np.array([following]), bracket)[0])
+            fronts = np.array([following])
+            low, high = fronts - bracket[1], fronts - bracket[0]
+            there = float(rear_between(self._curve, fronts, self._chord, low, high)[0])
             if not np.isnan(there):
                 if hidden:
                     self._possible_reversals.append((min(front, following), max(front, following), hidden))
@@ -271,11 +273,6 @@ class _Branch:
         if number == 0 or front - rear > gentle_offsets(curve, np.array([front]), chord)[1][0]:
             return front
         return float(np.clip(edges[number], curve.begin_s, curve.end_s))
-
-    def _within(self, fronts: Array, bracket: tuple[float, float]) -> Array:
-        """Rear coordinates (T,), each unique within `bracket`."""
-        low, high = fronts - bracket[1], fronts - bracket[0]
-        return rear_between(self._curve, fronts, self._chord, low, high)
 
     def _growth(self, fronts: float | Array, rears: float | Array) -> Array:
         """A and B of the module's docstring, (2, ...)."""
@@ -310,7 +307,7 @@ class _Branch:
         low, high = min(front, other), max(front, other)
         for _ in range(_PASSES):
             fronts = np.linspace(low, high, _SECTIONS)
-            rears = self._within(fronts, bracket)
+            rears = rear_between(self._curve, fronts, self._chord, fronts - bracket[1], fronts - bracket[0])
             forward = self._growth(fronts, rears)[0] >= 0
             change = int(np.argmax(forward != forward[0]))
             if change == 0:

@@ -18,11 +18,10 @@ from pymunk_dragon.errors import ParameterError
 Sizes = float | Sequence[float]
 
 # Benches of the contest's dragon.
-BENCHES = 223
+_BENCHES = 223
 # A head and a tail; 16 km of dragon, which still fit into memory: more is taken for a typing error.
-_MIN_BENCHES, MAX_BENCHES = 2, 10_000
-# m. Far above the resolution of a double at the rim of the largest spiral; centimetres and millimetres given as metres
-# are longer than the longest bench.
+_MIN_BENCHES, _MAX_BENCHES = 2, 10_000
+# m. Centimetres and millimetres given as metres are longer than the longest bench.
 _LENGTHS = 0.001, 100.0
 # Those in the paper's tables, beside the last one.
 _TABLE_HANDLES = (0, 1, 51, 101, 151, 201)
@@ -68,9 +67,9 @@ class Dragon:
         name, benches = "benches", self.benches
         if benches is None:
             counts = {each: len(getattr(self, each)) + more[each] for each in more if _is_sequence(getattr(self, each))}
-            name, benches = next(iter(counts.items()), (name, BENCHES))
+            name, benches = next(iter(counts.items()), (name, _BENCHES))
             name = name if name == "benches" else f"number of benches by {name}"
-        object.__setattr__(self, "benches", whole(name, benches, _MIN_BENCHES, MAX_BENCHES))
+        object.__setattr__(self, "benches", whole(name, benches, _MIN_BENCHES, _MAX_BENCHES))
         object.__setattr__(self, "head_spacing", finite("head_spacing", self.head_spacing, *_LENGTHS, "m"))
         for name, extra in more.items():
             object.__setattr__(self, name, _sizes(name, getattr(self, name), self.benches - extra))
@@ -198,11 +197,6 @@ def outlines(poses: ArrayLike, lengths: ArrayLike, width: ArrayLike) -> Array:
     along = _headings(pose) * length / 2
     left = along * (1j * across / length)
     return as_vectors(_rectangles(as_complex(pose[..., :2]), along, left))
-
-
-def interpolated(before: Array, after: Array, share: ArrayLike) -> Array:
-    """Poses (..., 3) at a `share` of the step from `before` to `after`, rotated by the smaller angle."""
-    return before + numbers("share", share)[..., None] * pose_step(before, after)
 
 
 def pose_step(before: Array, after: Array) -> Array:

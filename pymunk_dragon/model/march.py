@@ -113,11 +113,9 @@ class March(Displayed):
         The chain of benches. All of it must fit on the curve at t = 0.
     curve : Curve
         The path of the handles. A spiral's pitch must be larger than the benches' width.
-    turns : float, optional
-        Turn of a spiral on which handle 0 is at t = 0; 16, at (8.8, 0) m on the paper's, if `start_s` is not given.
-    start_s : float, optional
-        Coordinate of handle 0 at t = 0, m. By default 0 on a curve other than a spiral that comes from infinity, and
-        the first coordinate at which the whole dragon is on the curve if the curve has a begin.
+    turns, start_s : float, optional
+        Turn of a spiral, or coordinate in m, at which handle 0 is at t = 0. By default turn 16; on another curve the
+        first coordinate at which the whole dragon is on the curve, or 0 if the curve comes from infinity.
     speed : float or SpeedTable
         Speed of handle 0, m/s, from 1e-6 to 20. `SpeedTable.of` makes a table of a function.
 
@@ -198,7 +196,7 @@ class March(Displayed):
         """
         first, last = self.curve.begin_s, self.curve.end_s
         if first == -np.inf:
-            tails = self.handles_s_or_nan([start, 0.0])[:, -1]
+            tails = self.motion_or_nan([start, 0.0]).handles_s[:, -1]
             first = float(tails[1] if np.isnan(tails[0]) else tails[0])
         if last == np.inf:
             last = self.head_start + float(self.distance(until))
@@ -214,12 +212,12 @@ class March(Displayed):
         """The states that continuous motion from t = 0 reaches."""
         return Continuation(self.curve, self.head_start, self.dragon.spacings)
 
-    def share_states(self, other: March) -> None:
-        """Use the states that `other` computes, in no other thread, if it has the same curve, start and spacings."""
-        check_march(other)
-        alike = self.curve == other.curve and self.head_start == other.head_start
-        if alike and np.array_equal(self.dragon.spacings, other.dragon.spacings):
-            vars(self)["continuation"] = other.continuation
+    def steady(self) -> March:
+        """The same march at 1 m/s: its times are the distances travelled, m. It is not for use in another thread."""
+        march = March(self.dragon, self.curve, start_s=self.head_start)
+        # Neither follows the curve again where the other one has.
+        vars(march)["continuation"] = self.continuation
+        return march
 
     def distance(self, times: ArrayLike) -> Array:
         """Distance (T,) in m that handle 0 has travelled since t = 0; negative before."""
@@ -247,10 +245,6 @@ class March(Displayed):
         """Arc-length coordinates (T, H) of the handles, m, with the arguments and errors of `at`."""
         return self.motion(times, handles).handles_s
 
-    def handles_s_or_nan(self, times: ArrayLike, handles: int | None = None) -> Array:
-        """The same, with nan for handles that have no coordinate at a time, and for all behind them."""
-        return self.motion_or_nan(times, handles).handles_s
-
     def motion(self, times: ArrayLike, handles: int | None = None) -> ChainMotion:
         """Coordinates, positions, tangents and velocity ratios of the handles; arguments and errors as for `at`."""
         motion = self.motion_or_nan(times, handles)
@@ -259,7 +253,7 @@ class March(Displayed):
         return motion
 
     def motion_or_nan(self, times: ArrayLike, handles: int | None = None) -> ChainMotion:
-        """The same, with nan as in `handles_s_or_nan`."""
+        """The same, with nan for handles that have no coordinate at a time, and for all behind them."""
         t, travelled = self._travelled(times)
         number = self.dragon.handles if handles is None else whole("handles", handles, 1, self.dragon.handles)
         heads = self.head_start + travelled
@@ -304,9 +298,7 @@ class March(Displayed):
         else:
             spacing, front = self.dragon.spacings[handle - 1], handles_s[row, handle - 1]
             reason = f"the curve bends too tightly for a spacing of {spacing:g} m"
-            # The arc of a bench is at most half a circle.
-            near = front - begin < np.pi / 2 * spacing
-            if near and np.hypot(*np.diff(self.curve.point([begin, front]), axis=0)[0]) < spacing:
+            if front - begin < spacing:
                 reason = f"the curve begins less than a spacing of {spacing:g} m behind handle {handle - 1}"
         return UnreachableError(float(times[row]), handle, reason)
 
@@ -317,21 +309,17 @@ def check_march(value: object) -> None:
         raise ParameterError("march", value, "a March")
 
 
-def last_time(march: March, start: float) -> float:
-    """Time at which handle 0 reaches the end of the curve, s, as the default end of an interval from `start` s."""
-    check_march(march)
-    if march.end == np.inf:
-        raise ParameterError("until", None, "a time, s, on a curve without end")
-    if finite("start", start, -np.inf, np.inf, "s") >= march.end:
-        raise ParameterError("start", start, f"earlier than the end of the curve, {march.end:g} s")
-    return march.end
-
-
 def checked_times(march: March, start: float, until: float | None) -> tuple[float, float]:
     """Both as floats, `until` by default the end of the curve; a `ParameterError` if `until` is not after `start`."""
     check_march(march)
     start = finite("start", start, -np.inf, np.inf, "s")
-    until = last_time(march, start) if until is None else finite("until", until, -np.inf, np.inf, "s")
+    if until is None:
+        if march.end == np.inf:
+            raise ParameterError("until", None, "a time, s, on a curve without end")
+        if start >= march.end:
+            raise ParameterError("start", start, f"earlier than the end of the curve, {march.end:g} s")
+        return start, march.end
+    until = finite("until", until, -np.inf, np.inf, "s")
     if until <= start:
         raise ParameterError("until", until, f"later than the start, {start:g} s")
     return start, until

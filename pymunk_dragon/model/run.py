@@ -44,8 +44,7 @@ _KINDS: dict[str, Any] = {
 }
 # Name and version of the format of files, the only one that is read.
 _FORMAT, _FORMAT_VERSION = "pymunk_dragon run", 2
-# Bytes that a file may unpack to, or this many times its size: positions of moving benches hardly get smaller by
-# packing, callbacks to a tenth.
+# Bytes that a file may unpack to, or this many times its size: packing makes callbacks ten times smaller.
 _MAX_UNPACKED, _MAX_RATIO = 512_000_000, 10
 
 
@@ -64,26 +63,21 @@ class Run(ArrayRecord, Displayed):
     poses : ndarray, shape (F, N, 3)
         Pose of every bench: centre in m, angle in rad.
     drift : ndarray, shape (F, N)
-        Position error of each bench's worse hole against the exact model, m; nan where the model has no state. This
-        array and the next two have single precision.
+        Position error of each bench's worse hole, m; nan where the exact model has no state. Single precision, as the
+        next two.
     pose_velocities : ndarray, shape (F, N, 3), optional
         Rates of change of `poses`: m/s, m/s, rad/s. By default differences of the poses.
     joint_impulses : ndarray, shape (F, N - 1), optional
-        Size of the impulse in the pivot of benches i and i + 1, N s, in the substep that ended at the frame, impacts
-        included. None where no engine played.
-    events : ContactLog
-        Every collision callback.
-    first_contact : Contact, optional
-        The first contact of benches that are not neighbours.
+        Size of the impulse in pivot i, of benches i and i + 1, in the substep that ended at the frame, N s.
+    events, first_contact : ContactLog and Contact, optional
+        Every collision callback, and the first contact of benches that are not neighbours.
     outcome : {"contact", "clear", "unreachable"}
         Whether a contact came, none came until the end, or the curve ended first.
     provenance : mapping
-        JSON values, of which the attributes below are read: `player` ("pymunk" or "exact"), `guide`, `settings` (an
-        `EngineSettings` with the numbers that were used), `start` in s, number of `substeps`, `versions` of Python and
-        libraries. What is unknown is None.
+        JSON values, of which these attributes are read, None if unknown: `player` ("pymunk" or "exact"), `guide`,
+        `settings` (an `EngineSettings`), `start` in s, number of `substeps`, `versions` of Python and libraries.
     wall_seconds, step_seconds : float, optional
-        Duration of the stepping loop, and of the engine's steps in it, s. Not saved, so that the same scenario gives
-        the same file.
+        Duration of the stepping loop, and of the engine's steps in it, s. They are not saved.
 
     Examples
     --------
@@ -119,7 +113,7 @@ class Run(ArrayRecord, Displayed):
     def __post_init__(self) -> None:
         check_march(self.march)
         times = numbers("times", self.times)
-        if times.ndim != 1 or not (times.size and np.isfinite(times).all() and np.all(np.diff(times) >= 0)):
+        if times.ndim != 1 or not (times.size and np.isfinite(times).all() and np.all(np.diff(times) > 0)):
             raise ParameterError("times", self.times, "finite and rising, one or more")
         if self.pose_velocities is None:
             object.__setattr__(self, "pose_velocities", _differences(times, numbers("poses", self.poses, 3)))
@@ -167,8 +161,7 @@ class Run(ArrayRecord, Displayed):
     def to_dict(self) -> dict[str, Any]:
         """Result of the run as JSON values in SI units, as `simulate --json` prints it; None for what is unknown.
 
-        `realtime_factor` is the simulated time over the wall time, and `driver_overhead` the time of the stepping loop
-        outside the engine over that inside.
+        `driver_overhead` is the time of the stepping loop outside the engine over that inside.
         """
         wall, stepping = self.wall_seconds, self.step_seconds
         drift = {"head": self.head_drift, "max": self.max_drift}
@@ -228,8 +221,8 @@ class Run(ArrayRecord, Displayed):
     def poses_at(self, times: ArrayLike) -> Array:
         """Poses (T, N, 3) at any times, s: m, m, rad. Before and after the run, those of its first and last frame.
 
-        Between two frames, they are cubic Hermite polynomials of time, with an error of at most the interval to the
-        fourth times the fourth derivative over 384, but for an impact between them: 0.02 um on a turn of 2.3 m radius.
+        Between two frames, they are cubic Hermite polynomials of time. But for an impact between them, their error is
+        at most the interval to the fourth times the fourth derivative over 384: 0.02 um on a turn of 2.3 m radius.
         """
         return self._motion_at(times)[0]
 
@@ -243,7 +236,7 @@ class Run(ArrayRecord, Displayed):
         after = np.clip(np.searchsorted(self.times, t), min(1, last), last)
         before = np.maximum(after - 1, 0)
         h = (self.times[after] - self.times[before])[:, None, None]
-        # Two frames may share a time: a contact that falls on a frame adds another.
+        # A run of one frame has no time between two.
         divisor = np.where(h > 0, h, 1.0)
         s = np.clip((t - self.times[before])[:, None, None] / divisor, 0.0, 1.0)
         start, step = self.poses[before], pose_step(self.poses[before], self.poses[after])
@@ -263,14 +256,23 @@ class Run(ArrayRecord, Displayed):
         True
         """
         notes = {
+            "format": _FORMAT,
+            "format_version": _FORMAT_VERSION,
             "scenario": Scenario.of(self.march).to_dict(),
             "outcome": self.outcome,
             "first_contact": asdict(self.first_contact) if self.first_contact else None,
             "events": [asdict(event) for event in self.events],
             "provenance": dict(self.provenance),
         }
-        arrays = {name: getattr(self, name) for name in _KINDS}
-        _write_archive(path, notes, {name: array for name, array in arrays.items() if array is not None})
+        contents: dict[str, Any] = {"notes": np.frombuffer(json.dumps(notes).encode(), dtype=np.uint8)}
+        contents |= {name: getattr(self, name) for name in _KINDS if getattr(self, name) is not None}
+        if isinstance(path, str | Path):
+            with written_in_place(check_destination(path, [".npz"])) as draft, draft.open("wb") as file:
+                np.savez_compressed(file, **contents)
+        elif hasattr(path, "write"):
+            np.savez_compressed(path, **contents)
+        else:
+            raise ParameterError("output", path, "a path or an open file")
 
     @classmethod
     def load(cls, path: str | Path) -> Run:
@@ -278,8 +280,7 @@ class Run(ArrayRecord, Displayed):
         with opened_archive(path) as (notes, stored):
             march = Scenario.from_dict(notes["scenario"], files=False).march()
             first, benches = notes["first_contact"], march.dragon.benches
-            names = [name for name in _KINDS if name != "joint_impulses" or name in stored]
-            arrays: dict[str, Any] = {name: stored[name] for name in names}
+            arrays: Any = {name: stored[name] for name in _KINDS if name != "joint_impulses" or name in stored}
             for name in arrays:
                 if arrays[name].dtype != _KINDS[name]:
                     raise DragonError(f"its {name} are not of the type {_KINDS[name].__name__}")
@@ -293,33 +294,9 @@ class Run(ArrayRecord, Displayed):
             )
 
 
-def check_saveable(march: March) -> None:
-    """Check that runs of a march can be saved: its curve is of the package, or a dataclass with a ``kind``.
-
-    Examples
-    --------
-    >>> from pymunk_dragon import March
-    >>> check_saveable(March())
-    """
-    Scenario.of(march)
-
-
-def _write_archive(path: str | Path | IO[bytes], notes: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> None:
-    """Write arrays and notes, to a path or an open file; an interrupted write leaves the old file or none."""
-    whole = {"format": _FORMAT, "format_version": _FORMAT_VERSION, **notes}
-    contents: dict[str, Any] = {"notes": np.frombuffer(json.dumps(whole).encode(), dtype=np.uint8), **arrays}
-    if isinstance(path, str | Path):
-        with written_in_place(check_destination(path, [".npz"])) as draft, draft.open("wb") as file:
-            np.savez_compressed(file, **contents)
-    elif hasattr(path, "write"):
-        np.savez_compressed(path, **contents)
-    else:
-        raise ParameterError("output", path, "a path or an open file")
-
-
 @contextmanager
 def opened_archive(path: str | Path, name: str = "run") -> Iterator[tuple[dict[str, Any], Mapping[str, NDArray[Any]]]]:
-    """Notes and arrays in a file of `_write_archive`; what is raised inside is the fault of its contents."""
+    """Notes and arrays in a file that `Run.save` wrote; what is raised inside is the fault of its contents."""
     try:
         file = Path(path).open("rb")  # noqa: SIM115 (closed below, where what is wrong is the content)
     except (OSError, ValueError, TypeError) as error:
@@ -347,10 +324,9 @@ def opened_archive(path: str | Path, name: str = "run") -> Iterator[tuple[dict[s
 
 def _differences(times: Array, poses: Array) -> Array:
     """Rates of change (F, N, 3) of `poses`, by differences of second order."""
-    known, first, frames = np.unique(times, return_index=True, return_inverse=True)
-    if known.size < 2 or len(poses) != len(times):
+    if times.size < 2 or len(poses) != len(times):
         return np.zeros_like(poses)
-    poses = poses[first]
+    poses = poses.copy()
     poses[..., 2] = np.unwrap(poses[..., 2], axis=0)
-    rates: Array = np.gradient(poses, known, axis=0, edge_order=2 if known.size > 2 else 1)[frames]
+    rates: Array = np.gradient(poses, times, axis=0, edge_order=2 if times.size > 2 else 1)
     return rates

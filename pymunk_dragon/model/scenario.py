@@ -16,11 +16,10 @@ points = [[-30, 0], [-10, 0], [6, 2], [13, 12], [8, 22], [-4, 22], [-9, 12], [-8
 
 ```console
 $ pymunk-dragon contact --scenario tractor.toml
-$ pymunk-dragon render --scenario tractor.toml -o tractor.gif --speedup 5
 ```
 
-Any curve is a table with its kind and its parameters, and the dragon may be one. This curve goes straight, round to the
-left, and back, as `Composite([Line(...), Arc(...), Line(...)])` in Python:
+Any curve is a table with its kind and its parameters, and the dragon may be one. This curve is
+`Composite([Line(...), Arc(...), Line(...)])` in Python:
 
 ```toml
 # hairpin.toml
@@ -48,7 +47,7 @@ from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
 
-from pymunk_dragon._checks import did_you_mean
+from pymunk_dragon._checks import did_you_mean, numbers
 from pymunk_dragon._files import read_text
 from pymunk_dragon.errors import FileFormatError, ParameterError
 from pymunk_dragon.model.curves import Curve, Sampled
@@ -158,11 +157,10 @@ class Scenario:
         try:
             if _LONG_KEY.search(content):
                 raise ValueError("a key has more parts than that of any parameter")
-            values = flat_values(tomllib.loads(content))
-        except ParameterError:
-            raise
+            nested = tomllib.loads(content)
         except (ValueError, RecursionError) as error:  # also of thousands of digits, or of nested brackets
             raise FileFormatError(path, f"no TOML file: {error}") from error
+        values = flat_values(nested)
         files = [name for name in ("curve", "speed") if _is_file(values.get(name))]
         return values | {name: str(Path(path).parent / values[name]) for name in files}
 
@@ -173,10 +171,7 @@ class Scenario:
         if _is_file(speed):
             speed = SpeedTable.read(speed)
         elif isinstance(speed, list | tuple):
-            if not speed or not all(isinstance(row, list | tuple) and len(row) == 2 for row in speed):
-                bound = f"a number in m/s, a table of [s, m/s], or a file of one, which ends in {_CSV}"
-                raise ParameterError("speed", speed, bound)
-            speed = SpeedTable(*zip(*speed, strict=True))
+            speed = SpeedTable(*numbers("speed", speed, len(speed), 2).T)
         return March(dragon, self._curve(), turns=self.turns, start_s=self.start_s, speed=speed)
 
     def to_dict(self) -> dict[str, Any]:

@@ -14,13 +14,11 @@ from pymunk_dragon._checks import finite, positive, whole, word
 from pymunk_dragon.errors import ParameterError
 
 # Response to contacts: end the run, go on and record them, or let the engine push the benches apart.
-Contacts = Literal["stop", "report", "resolve"]
+_Contacts = Literal["stop", "report", "resolve"]
 
-# Metres that the head travels in one substep, and solver iterations in it. The docstring of `physics` has the drift and
-# time error of other values.
-STRIDE, ITERATIONS = 1 / 50, 10
-# The same where contacts are resolved: contact forces load the joints, and with 10 iterations gaps are five times as
-# wide.
+# Metres that the head travels in one substep, and solver iterations in it; `physics` has the drift of other values.
+_STRIDE, _ITERATIONS = 1 / 50, 10
+# The same where contacts are resolved: with 10 iterations gaps in the loaded joints are five times as wide.
 _RESOLVE_STRIDE, _RESOLVE_ITERATIONS = 1 / 200, 60
 # The same for a drift below a micrometre on the reference march.
 FINE_STRIDE, FINE_ITERATIONS = 1 / 400, 60
@@ -28,17 +26,14 @@ FINE_STRIDE, FINE_ITERATIONS = 1 / 400, 60
 MAX_STRIDE, _MIN_STRIDE = 0.1, 1e-5
 # Metres that the head travels between recorded frames; between them poses are interpolated to a micrometre.
 FRAME_STRIDE = 0.1
-# Ground drag, per metre marched (per second at 1 m/s). Pymunk corrects joint errors at a rate of 6.3 per second
-# (its error_bias, 0.9 ** 60), as ordinary velocity; a chain whose solver has not converged turns that into growing
-# oscillations unless the drag is faster than the correction. Where dancers balance it, the drift changes by a
-# third with any drag from 5 to 20 (tests/bench/bench_drift.py).
-DRAG = 11.5
+# Ground drag, per metre marched (per second at 1 m/s). It has to be faster than Pymunk's correction of joint errors,
+# 6.3 per second (its error_bias, 0.9 ** 60): the docstring of `physics` says why.
+_DRAG = 11.5
 # Largest force of the head's motor, in units of the ground drag on what the head has to pull.
 _HEAD_FORCE = 2.0
 # More sweeps per substep than any chain needs to converge.
 _MAX_ITERATIONS = 100_000
-# Largest values, and units. With the largest drag a body keeps nothing of its velocity in a substep of 10 mm; the
-# largest force is the weight of a hundred thousand tonnes.
+# Largest values, and units. With the largest drag a body keeps nothing of its velocity in a substep of 10 mm.
 _LIMITS = {"substep": (1e9, "s"), "drag": (1e4, "per metre"), "frame_interval": (1e9, "s"), "head_force": (1e9, "N")}
 
 
@@ -52,10 +47,9 @@ class EngineSettings:
         At the first contact of benches that are not neighbours: end the run, go on and only record contacts, or go on
         and let the engine push the benches apart. Resolved, the head is pulled along the march by a motor of finite
         force, and the dancers stop where the head cannot go on.
-    substep : float, optional
-        Length of a step, s; by default the time in which the head travels 20 mm, or 5 mm where contacts are resolved.
-    iterations : int, optional
-        Solver iterations per substep; by default 10, or 60 where contacts are resolved.
+    substep, iterations : float and int, optional
+        Length of a step, s, and solver iterations in it. By default the time in which the head travels 20 mm, and 10;
+        5 mm and 60 where contacts are resolved.
     drag : float
         Ground drag on the benches, per metre marched: velocities decay at this rate times the head's top speed.
     frame_interval : float, optional
@@ -72,15 +66,15 @@ class EngineSettings:
     5
     """
 
-    contacts: Contacts = "stop"
+    contacts: _Contacts = "stop"
     substep: float | None = None
     iterations: int | None = None
-    drag: float = DRAG
+    drag: float = _DRAG
     frame_interval: float | None = None
     head_force: float | None = None
 
     def __post_init__(self) -> None:
-        word("contacts", self.contacts, get_args(Contacts))
+        word("contacts", self.contacts, get_args(_Contacts))
         if self.head_force is not None and self.contacts != "resolve":
             raise ParameterError("head_force", self.head_force, "absent unless contacts are resolved")
         for name, (high, unit) in _LIMITS.items():
@@ -95,20 +89,13 @@ class EngineSettings:
         `top_speed` is the highest one of the head, m/s, and `pulled_mass` that of the benches on which the head has to
         balance the ground drag, kg. In a substep the head may travel from 0.01 mm to 0.1 m.
         """
-        positive("top_speed", top_speed, math.inf, "m/s")
         resolves, force = self.contacts == "resolve", self.head_force
-        stride, iterations = (_RESOLVE_STRIDE, _RESOLVE_ITERATIONS) if resolves else (STRIDE, ITERATIONS)
+        stride, iterations = (_RESOLVE_STRIDE, _RESOLVE_ITERATIONS) if resolves else (_STRIDE, _ITERATIONS)
         substep = stride / top_speed if self.substep is None else self.substep
         if force is None and resolves:
-            force = _HEAD_FORCE * self.drag * top_speed**2 * finite("pulled_mass", pulled_mass, 0, math.inf, "kg")
+            force = _HEAD_FORCE * self.drag * top_speed**2 * pulled_mass
         finite("substep", substep, _MIN_STRIDE / top_speed, MAX_STRIDE / top_speed, "s")
         return replace(self, substep=substep, iterations=self.iterations or iterations, head_force=force)
-
-
-def check_settings(value: object) -> None:
-    """Raise a ParameterError if `value` is no `EngineSettings`."""
-    if not isinstance(value, EngineSettings):
-        raise ParameterError("settings", value, "an EngineSettings")
 
 
 def versions() -> dict[str, str]:
@@ -121,11 +108,10 @@ def engine_provenance(
     settings: EngineSettings, *, guide: str, start: float, until: float, substeps: int
 ) -> dict[str, Any]:
     """The `provenance` of a run of the engine from `start` to at most `until`, s."""
-    values = {"player": "pymunk", "guide": guide, "contacts": settings.contacts, "start": start, "until": until}
-    values |= {"substep": settings.substep, "iterations": settings.iterations, "substeps": substeps}
     # Other settings only where they are not their defaults.
     changed = {name: value for name, value in asdict(settings).items() if value != getattr(EngineSettings, name)}
-    return {**values, "versions": versions(), **changed}
+    values = {"player": "pymunk", "guide": guide, "contacts": settings.contacts, "start": start, "until": until}
+    return {**values, **changed, "substeps": substeps, "versions": versions()}
 
 
 def attributes_of(provenance: Mapping[str, Any], start: float) -> dict[str, Any]:

@@ -16,10 +16,8 @@ from pymunk_dragon._checks import finite, numbers, positive
 from pymunk_dragon._files import number_rows
 from pymunk_dragon.errors import FileFormatError, ParameterError
 
-# m/s, a thousandth of a snail's speed.
-MIN_SPEED = 1e-6
-# m/s; sprinters reach 13 m/s.
-MAX_SPEED = 20.0
+# m/s: a thousandth of a snail's speed, and more than the 13 m/s of sprinters.
+MIN_SPEED, MAX_SPEED = 1e-6, 20.0
 # s, thirty years. At this time a double still resolves microseconds.
 _MAX_TIME = 1e9
 # s. Smallest time between entries; faster changes of speed are jumps.
@@ -31,8 +29,6 @@ _MAX_ENTRIES = 1_000_000
 @dataclass(frozen=True)
 class SpeedTable:
     """The speed of handle 0 at some times: linear between them, constant before the first and after the last.
-
-    The speed is never zero, so the head reaches each distance at one time.
 
     Parameters
     ----------
@@ -65,17 +61,10 @@ class SpeedTable:
 
     @classmethod
     def of(cls, function: Callable[[float], float], start: float, until: float, step: float = 0.01) -> SpeedTable:
-        """Table of a function of time.
+        """Table of a function from a time in s to a speed in m/s, with an entry every `step` s from `start` to `until`.
 
         Choose a step in which the speed changes little: the march goes at the speed of the table exactly, which
         differs from the function by step**2 / 8 times the function's second derivative.
-
-        Parameters
-        ----------
-        function : callable
-            From a time in s to a speed in m/s. It may have kinks.
-        start, until, step : float
-            First and last time, and time between entries, s. Before and after, the speed is constant.
 
         Examples
         --------

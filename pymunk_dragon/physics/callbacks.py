@@ -6,14 +6,13 @@ from collections.abc import Callable, Iterable
 from dataclasses import replace
 from functools import partial
 from time import perf_counter
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, get_args
 
 import pymunk
 
 from pymunk_dragon._arrays import Array
 from pymunk_dragon.collision.sat import Separation, separation
-from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.model.contact import PHASES, Contact, ContactEvent, Phase
+from pymunk_dragon.model.contact import Contact, ContactEvent, Phase
 from pymunk_dragon.model.dragon import Dragon, outlines
 from pymunk_dragon.physics.world import World
 
@@ -21,12 +20,6 @@ _Vector = tuple[float, float]
 
 # Halvings of a substep: a hundredth of a second becomes 1e-11 s, far below what the engine's poses are worth.
 _BISECTIONS = 30
-
-
-def check_callable(name: str, value: object) -> None:
-    """Raise a ParameterError if `value` is neither None nor a function."""
-    if value is not None and not callable(value):
-        raise ParameterError(name, value, "a function")
 
 
 class Recorder:
@@ -39,8 +32,6 @@ class Recorder:
     So a contact is checked where it begins and where it is deeper than the narrowest bench. It is neither logged nor
     acted on while the benches are apart.
 
-    `on_event` is called with each event after the step.
-
     Attributes
     ----------
     events : list of ContactEvent
@@ -52,9 +43,6 @@ class Recorder:
     """
 
     def __init__(self, world: World, on_event: Callable[[ContactEvent], None] | None = None) -> None:
-        if not isinstance(world, World):
-            raise ParameterError("world", world, "a World")
-        check_callable("on_event", on_event)
         self.events: list[ContactEvent] = []
         self.begun: list[Contact] = []
         self.in_engine = False
@@ -66,7 +54,7 @@ class Recorder:
         # Pairs whose contact has begun and not ended.
         self._touching: set[tuple[int, int]] = set()
         self._failures: list[BaseException] = []
-        callbacks: dict[str, Any] = {phase: partial(self._call, phase) for phase in PHASES}
+        callbacks: dict[str, Any] = {phase: partial(self._call, phase) for phase in get_args(Phase)}
         world.space.on_collision(**callbacks)
 
     def step(self, time: float) -> float:

@@ -11,13 +11,13 @@ import numpy as np
 
 from pymunk_dragon._arrays import Array, as_vectors
 from pymunk_dragon._signals import signals_held
-from pymunk_dragon.errors import DragonError, UnreachableError
+from pymunk_dragon.errors import DragonError, ParameterError, UnreachableError
 from pymunk_dragon.model.contact import Contact, ContactEvent, ContactLog
-from pymunk_dragon.model.dragon import interpolated
-from pymunk_dragon.model.march import March, States, last_time
+from pymunk_dragon.model.dragon import pose_step
+from pymunk_dragon.model.march import March, States, checked_times
 from pymunk_dragon.model.run import Outcome, Run
 from pymunk_dragon.model.settings import FRAME_STRIDE, EngineSettings, engine_provenance
-from pymunk_dragon.physics.callbacks import Motion, Recorder, check_callable, refined_contact
+from pymunk_dragon.physics.callbacks import Motion, Recorder, refined_contact
 from pymunk_dragon.physics.guides import PathGuide, guide_name
 from pymunk_dragon.physics.world import World
 
@@ -54,8 +54,8 @@ def simulate(
     ----------
     march : March
         The motion to play. The engine takes the state at `start` and the head's poses from it, and nothing else.
-    settings : EngineSettings, optional
-        Settings of the engine.
+    settings, **changes : EngineSettings, optional
+        Settings of the engine, and other values of them, as in ``contacts="report"``.
     guide : {"rails", "none"} or PathGuide
         Whether dancers keep every hole on the curve, or the head only pulls; or a guide of your own.
     start, until : float
@@ -64,8 +64,6 @@ def simulate(
         Called with each `ContactEvent`; what it raises is raised from here after the substep.
     progress : callable, optional
         Called with the simulated time and the time at which the run will end at the latest, once per frame.
-    **changes
-        Other values of the settings, as in ``contacts="report"``: see `EngineSettings`.
 
     Returns
     -------
@@ -87,10 +85,11 @@ def simulate(
     >>> run.first_contact.benches, round(run.first_contact.time, 3)
     ((0, 8), 412.474)
     """
-    until = last_time(march, start) if until is None else until
+    start, until = checked_times(march, start, until)
     world = World(march, guide, settings, start=start, until=until, **changes)
-    check_callable("progress", progress)
-    start, until = world.start, float(until)
+    for name, function in (("on_event", on_event), ("progress", progress)):
+        if function is not None and not callable(function):
+            raise ParameterError(name, function, "a function")
     loop = _Loop(world, Recorder(world, on_event))
     loop.play(until, progress)
     times, poses, velocities, impulses = (np.array(values) for values in zip(*loop.frames, strict=True))
@@ -174,7 +173,7 @@ class _Loop:
         impact has no effect yet.
         """
         world, substep = self._world, times[1] - times[0]
-        moved = interpolated(before, world.collided_poses, 1.0) - before
+        moved = pose_step(before, world.collided_poses)
         motion = Motion(before, substep * velocities, moved - substep * velocities)
         begun = [refined_contact(world.march.dragon, contact, motion, times[0]) for contact in self.recorder.begun]
         self.first_contact = min(begun, key=lambda contact: contact.time)

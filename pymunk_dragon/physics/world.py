@@ -17,14 +17,12 @@ from pymunk_dragon._arrays import Array
 from pymunk_dragon._checks import finite, whole
 from pymunk_dragon.errors import ParameterError, UnreachableError
 from pymunk_dragon.model.march import March, States, check_march
-from pymunk_dragon.model.settings import EngineSettings, check_settings
+from pymunk_dragon.model.settings import EngineSettings
 from pymunk_dragon.physics.guides import PathGuide, check_parts, guide_of
 from pymunk_dragon.physics.warm_start import balanced_impulses, set_impulses
 
-# kg per cubic metre: pine and fir. All benches are of one wood, so the value scales impulses and nothing else.
-_WOOD_DENSITY = 500.0
-# m: a plank.
-_BENCH_THICKNESS = 0.04
+# kg per square metre: planks of pine, 4 cm thick. It is the same for all benches, so it only scales impulses.
+_AREA_DENSITY = 20.0
 # Friction of wood on wood; it matters only where contacts are resolved.
 _FRICTION = 0.4
 # Times further than this from any march, s, lose their milliseconds to rounding.
@@ -60,16 +58,12 @@ class World:
     ----------
     march : March
         The motion to play. Only its state at `start` is used here, later only the head's.
-    guide : str or PathGuide
-        As in `simulate`.
-    settings : EngineSettings, optional
+    guide, settings, **changes
         As in `simulate`. With contacts other than "resolve" the head is a kinematic body, which has its exact poses
         whatever it touches; otherwise a motor pulls it towards them.
     start, until : float
         Times of the first state and of the last step, s, by default at the end of the curve. The rates of drag and
         joint correction are proportional to the highest speed of the head between them.
-    **changes
-        Other values of the settings.
 
     Attributes
     ----------
@@ -77,10 +71,8 @@ class World:
         The settings with numbers where defaults depend on the march.
     substep, drag_rate, top_speed : float
         Length of a step, s, rate at which the ground drag reduces velocities, 1/s, highest speed of the head, m/s.
-    space : pymunk.Space
-        The space.
-    bodies, shapes, pivots : list of pymunk.Body, pymunk.Poly and pymunk.PivotJoint
-        Those of the benches. Pivot i joins benches i and i + 1.
+    space, bodies, shapes, pivots
+        The space, and lists of the benches' bodies, shapes and pivots. Pivot i joins benches i and i + 1.
     masses, moments : ndarray, shape (N,)
         Masses of the benches, kg, and their moments of inertia about their centres, kg m^2.
     poses, velocities, collided_poses : ndarray, shape (N, 3)
@@ -113,14 +105,15 @@ class World:
     ) -> None:
         check_march(march)
         settings = EngineSettings() if settings is None else settings
-        check_settings(settings)
+        if not isinstance(settings, EngineSettings):
+            raise ParameterError("settings", settings, "an EngineSettings")
         start = finite("start", start, -_MAX_TIME, _MAX_TIME, "s")
         if until is not None and finite("until", until, -_MAX_TIME, _MAX_TIME, "s") <= start:
             raise ParameterError("until", until, f"later than the start, {start:g} s")
         self.march, self.start, self.guide = march, start, guide_of(guide)
         self.top_speed = top_speed(march, start, until)
         dragon = march.dragon
-        self.masses = _WOOD_DENSITY * _BENCH_THICKNESS * dragon.lengths * dragon.widths
+        self.masses = _AREA_DENSITY * dragon.lengths * dragon.widths
         sizes = list(zip(dragon.lengths.tolist(), dragon.widths.tolist(), strict=True))
         moments = [pymunk.moment_for_box(mass, size) for mass, size in zip(self.masses, sizes, strict=True)]
         self.moments = np.array(moments)

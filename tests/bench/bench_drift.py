@@ -8,17 +8,18 @@ from __future__ import annotations
 from measure import sized
 
 from pymunk_dragon import March, first_contact
-from pymunk_dragon.model.settings import DRAG, ITERATIONS, STRIDE, EngineSettings
+from pymunk_dragon.model.settings import EngineSettings
 from pymunk_dragon.physics import simulate
 
 START = sized(400.0, 412.0)
-DEFAULT = (STRIDE, ITERATIONS)
+# Those of `EngineSettings` at 1 m/s.
+DEFAULT = (1 / 50, 10)
 RATES, TRIES = sized(((25, 50, 100, 400), (10, 60)), ((100,), (10,)))
 SETTINGS = [(1 / rate, iterations) for rate in RATES for iterations in TRIES]
 DRAGS = sized((5.0, 7.0, 9.0, 11.5, 15.0, 20.0), (5.0,))
 
 
-def row(march: March, exact: float, substep: float, iterations: int, drag: float = DRAG) -> str:
+def row(march: March, exact: float, substep: float, iterations: int, drag: float = EngineSettings.drag) -> str:
     """Drift of the first twelve benches and of any, µm, and the error of the contact time, ms."""
     settings = EngineSettings(substep=substep, iterations=iterations, drag=drag)
     run = simulate(march, settings=settings, start=START, until=414.0)

@@ -38,7 +38,7 @@ def main() -> None:
             assert run.settings is not None
             front, rear = march.dragon.holes(run.poses[run.times >= run.first_contact.time])
             gap = np.linalg.norm(front[:, 1:] - rear[:, :-1], axis=-1).max()
-            depth = max(event.depth or 0.0 for event in run.events.of("pre_solve"))
+            depth = max(event.depth or 0.0 for event in run.events if event.phase == "pre_solve")
             end = run.poses_at([run.times[-1] - AT_REST, run.times[-1]])[..., :2]
             moved = np.linalg.norm(end[1] - end[0], axis=-1).max()
             row = (1e3 * substep, run.settings.head_force, 1e3 * gap, 1e3 * depth, 1e3 * moved)

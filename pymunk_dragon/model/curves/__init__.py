@@ -12,17 +12,15 @@ $ pymunk-dragon simulate --curve u-turn --from 10 --until 16 -o u-turn.npz
 $ pymunk-dragon render u-turn.npz -o u-turn.gif
 ```
 
-`pymunk_dragon.model.scenario` describes files of curves. A class derived from `Curve` is a curve of your own; check it
-with `check_curve`. With ``class Name(Curve, kind="name")`` scenario files and saved runs can contain it; a run on a
-curve without a ``kind`` cannot be saved, which `check_saveable(march)` checks before the run.
+`pymunk_dragon.model.scenario` describes files of curves. Check a curve of your own, a class derived from `Curve`, with
+`check_curve`; scenario files and saved runs can contain it if it has a ``kind``.
 """
 
 from pymunk_dragon.model.curves.base import Curve
 from pymunk_dragon.model.curves.check import check_curve
-from pymunk_dragon.model.curves.composite import Composite, Reversed, Section
+from pymunk_dragon.model.curves.composite import Composite, Reversed, Section, UTurn
 from pymunk_dragon.model.curves.line_and_arc import Arc, Line
 from pymunk_dragon.model.curves.sampled import Sampled
 from pymunk_dragon.model.curves.spiral import Spiral
-from pymunk_dragon.model.curves.u_turn import UTurn
 
 __all__ = ["Arc", "Composite", "Curve", "Line", "Reversed", "Sampled", "Section", "Spiral", "UTurn", "check_curve"]

@@ -10,18 +10,15 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pymunk_dragon._arrays import Array, Complex, Flags, as_complex
+from pymunk_dragon._arrays import Array, Complex, as_complex
 from pymunk_dragon._checks import numbers, word
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model import chain
-from pymunk_dragon.model.chain import ChainMotion
 
 # m from the origin. At this distance a double still resolves 0.02 nm.
 FARTHEST = 1e5
 # Levels of curves inside curves. A level takes up to 4 of Python's 1000 nested calls in an evaluation.
 _MAX_DEPTH = 32
-# Benches that are computed one by one before the chain behind them is computed as a whole again.
-_BLOCK = 16
 # Sine of half the angle of an arc that is as long as its chord.
 _LEAST_SINE = 1e-9
 # So close to the estimate of a foot, the path differs from its tangent by a few 1e-11 of the radius of curvature.
@@ -132,7 +129,7 @@ class Curve(ABC):
         >>> Line(stop=(30, 40)).chain([10.0], [3.0, 2.0]).round(9).tolist()
         [[10.0, 7.0, 5.0]]
         """
-        return self._chain_motion(numbers("s", s).ravel(), numbers("spacings", spacings).ravel()).handles_s
+        return chain.chains(self, numbers("s", s).ravel(), numbers("spacings", spacings).ravel()).handles_s
 
     def foot(self, points: ArrayLike, near: ArrayLike) -> tuple[Array, Array, Array]:
         """Feet of the perpendiculars from `points` (..., 2), m, to the path nearest to the coordinates `near` (...), m.
@@ -183,8 +180,6 @@ class Curve(ABC):
     def from_dict(values: Mapping[str, Any]) -> Curve:
         """Curve of a registered kind with the given parameters; those that are curves are mappings as well.
 
-        The name in an error is the path to the parameter, as in ``curve.pieces[1].radius``.
-
         Examples
         --------
         >>> Curve.from_dict({"kind": "line", "stop": [3, 4]})
@@ -196,37 +191,6 @@ class Curve(ABC):
         return curve
 
     # What follows are faster or closed forms that a curve may have; `check_curve` checks that they agree with `point`.
-
-    def _chain_motion(self, heads: Array, spacings: Array) -> ChainMotion:
-        """The chains of `chain` with the positions of their handles, tangents and velocity ratios.
-
-        Each chain is computed as a whole. Where this does not succeed, as its front is where the path bends sharply, a
-        block of benches is computed one by one, and then the chain behind them.
-        """
-        found, settled = chain.whole_chains(self, heads, spacings)
-        if not settled.all():
-            rest = ~settled
-            handles_s = np.full((int(rest.sum()), spacings.size + 1), np.nan)
-            handles_s[:, : _BLOCK + 1] = self._bench_by_bench(heads[rest], spacings[:_BLOCK])
-            behind = ~np.isnan(handles_s[:, min(_BLOCK, spacings.size)])
-            if spacings.size > _BLOCK and behind.any():
-                handles_s[behind, _BLOCK:] = self.chain(handles_s[behind, _BLOCK], spacings[_BLOCK:])
-            for into, part in zip(found, chain.chain_motion(self, handles_s, spacings), strict=True):
-                into[rest] = part
-        return found
-
-    def _bench_by_bench(self, heads: Array, spacings: Array) -> Array:
-        """Coordinates (T, H) as in `chain`, from each handle to the next."""
-        handles_s = np.full((heads.size, spacings.size + 1), np.nan)
-        handles_s[:, 0] = self._inside(heads)
-        for i, spacing in enumerate(spacings.tolist()):
-            on = ~np.isnan(handles_s[:, i])
-            handles_s[on, i + 1] = self._behind(handles_s[on, i], spacing)
-        return handles_s
-
-    def _behind(self, s: Array, chord: float) -> Array:
-        """Coordinates (T,) of the nearest points back from `s` (T,) at the straight distance `chord`; nan if none."""
-        return chain.rear_handle(self, s, chord)
 
     def _inside(self, s: Array) -> Array:
         """Coordinates, with nan for those off the curve."""
@@ -255,10 +219,6 @@ class Curve(ABC):
         sine = np.clip(np.sqrt((square[1:] + square[:-1]) / 2) * (spacings / 2), _LEAST_SINE, 1.0)
         s[1:] = heads - np.cumsum(np.arcsin(sine) / sine * spacings, axis=0)
         return self._parameter(np.maximum(s, self.begin_s))
-
-    def _nearest(self, parameters: Array, handles_s: Array, spacings: Array) -> Flags:
-        """Whether each handle of chains (T,), with parameters and coordinates (H, T), is the one that `chain` means."""
-        return chain.nearest(self, handles_s, spacings)
 
 
 class PackageCurve(Curve):

@@ -16,12 +16,9 @@ from pymunk_dragon.model.curves.base import Curve, required_curve
 _SAMPLES, _REACH = 2001, 200.0
 # m. Central differences over it are off by its square, and rounding by a double's last digit over it.
 _STEP = 1e-4
-# Of a unit vector, and of a curvature times a metre, for coordinates of some 100 m and a radius of 1 m.
-_TOLERANCE = 3e-7
-# m, and of unit vectors: by which two ways to compute the same may differ.
-_SAME = 1e-9
-# Share of a unit vector, and of a curvature, that is rounding.
-_ROUNDING = 1e-12
+# Of a unit vector, and of a curvature times a metre: for derivatives by differences, where the radius is 1 m, for two
+# ways to compute the same, and for rounding.
+_TOLERANCE, _SAME, _ROUNDING = 3e-7, 1e-9, 1e-12
 # m beyond an end that are no rounding, and more.
 _BEYOND = np.array([1e-6, 1.0, 1e9])
 # Samples between the coordinates for which `max_curvature` is called.
@@ -43,7 +40,7 @@ def check_curve(curve: Curve, low: float | None = None, high: float | None = Non
     curve : Curve
         An object of the class.
     low, high : float, optional
-        First and last coordinate that are sampled, m. By default the ends; 200 m of a curve without end.
+        Coordinates between which it is sampled, m: by default the ends, or 200 m of a curve without end.
 
     Examples
     --------

@@ -12,10 +12,8 @@ from pymunk_dragon._checks import finite, numbers
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.curves.base import FARTHEST, PackageCurve
 
-# m. Two points closer than this do not define a direction.
-_SHORTEST_LINE = 1e-3
-# m. Smaller circles are too narrow even for benches of a millimetre.
-_MIN_RADIUS = 1e-3
+# m. Closer points do not define a direction, and smaller circles are too narrow even for benches of a millimetre.
+_SHORTEST_LINE = _MIN_RADIUS = 1e-3
 # rad: a thousand turns, and the angle at which they begin. More is taken for a typing error, and costs digits.
 _MAX_ANGLE = 2000 * math.pi
 # m. Less is taken for a typing error.

@@ -18,14 +18,12 @@ from pymunk_dragon.model.curves.base import FARTHEST, PackageCurve
 
 # A cubic that is the same on both sides of the second and the last but one point needs two more.
 _MIN_POINTS = 4
-# A point for every metre of a day's march, nearly; every point costs some kB and a millisecond for a hundred of them.
+# A point for every metre of a day's march, nearly; every point costs some kB.
 _MAX_POINTS = 50_000
-# m. Neighbouring points closer than this count as one point given twice, without a direction between them.
+# m. Neighbouring points closer than this count as one point given twice.
 _MIN_CHORD = 1e-3
-# Share of a cell: after so small a step of Newton's the next one would be below the last digit.
-_STEP_TOLERANCE = 1e-9
-# Newton's method doubles the digits of a guess that is right to a hundredth; 3 are enough.
-_MAX_PASSES = 8
+# Share of a cell: after so small a step of Newton's the next one is below the last digit; and passes: 3 are enough.
+_STEP_TOLERANCE, _MAX_PASSES = 1e-9, 8
 # Share of a cell's length. Halves that agree with the whole so well have 16 more bits than this, and rounding has none.
 _LENGTH_TOLERANCE = 4e-15
 # Share of the parametric speed along the chords. A slower path is close to a cusp.

@@ -8,19 +8,17 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pymunk_dragon._arrays import Array, Complex, Flags, as_complex, as_vectors
+from pymunk_dragon._arrays import Array, Complex, as_complex, as_vectors
 from pymunk_dragon._checks import finite, numbers, positive
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.curves.base import PackageCurve
 
-# m. No bench fits into a narrower turn.
-_MIN_PITCH = 0.001
-# m. No dance floor has a wider turn. Both bounds also keep squares of lengths far from the ends of a double.
-MAX_PITCH = 1000.0
+# m. No bench fits into a narrower turn, and no dance floor has a wider one.
+_MIN_PITCH, MAX_PITCH = 0.001, 1000.0
 # rad.
 _TURN = 2 * np.pi
 # A thousand turns of the contest's pitch are a dance floor of a kilometre; more is taken for a typing error.
-MAX_TURNS = 1000.0
+_MAX_TURNS = 1000.0
 # Passes of Halley's method: it needs 2.
 _MAX_PASSES = 20
 # Share of an angle: after such a step of Halley's method, which trebles the digits, the next is below the last one.
@@ -86,14 +84,12 @@ class Spiral(PackageCurve, kind="spiral"):
 
     def at_turn(self, turns: float) -> float:
         """Coordinate `turns` turns from the centre, m; `turns` is above 0 and at most 1000."""
-        return self._at_angle(_TURN * positive("turns", turns, MAX_TURNS, ""))
+        theta = _TURN * positive("turns", turns, _MAX_TURNS, "")
+        return float(self._coordinate(np.array(self._sign * theta)))
 
     def at_radius(self, radius: float) -> float:
         """Coordinate at the distance `radius` m from the centre, m; `radius` is at most 1000 pitches."""
-        return self._at_angle(positive("radius", radius, MAX_TURNS * self.pitch, "m") / self.k)
-
-    def _at_angle(self, theta: float) -> float:
-        return float(self._coordinate(np.array(self._sign * theta)))
+        return self.at_turn(min(positive("radius", radius, _MAX_TURNS * self.pitch, "m") / self.pitch, _MAX_TURNS))
 
     def angle(self, s: ArrayLike) -> Array:
         """Polar angle theta in rad, counted from the centre along the winding (eq. 6); nan beyond the centre."""
@@ -199,18 +195,6 @@ class Spiral(PackageCurve, kind="spiral"):
         points = parameter * derivatives
         derivatives += self._sign * 1j * points
         return self._placed(points), self._placed(derivatives)
-
-    def _nearest(self, parameters: Array, handles_s: Array, spacings: Array) -> Flags:
-        """As on any curve. On an inward spiral the distance grows over half a turn back: so does each term of it."""
-        if self.outward:
-            return super()._nearest(parameters, handles_s, spacings)
-        back = parameters[:-1] - parameters[1:]
-        return np.asarray(((back > 0) & (back < np.pi)).all(axis=0))
-
-    def _behind(self, s: Array, chord: float) -> Array:
-        """As on any curve, but nan past a turn on an inward spiral: no motion of the chain leads further."""
-        found = super()._behind(s, chord)
-        return np.where(self.angle(found) - self.angle(s) > _TURN, np.nan, found)
 
     def _placed(self, vectors: Complex) -> Complex:
         """Vectors (...) of the plane, from those of a spiral that is neither mirrored nor turned."""
