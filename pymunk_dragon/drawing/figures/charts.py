@@ -2,85 +2,58 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from pymunk_dragon._arrays import Array
 from pymunk_dragon._language import text
-from pymunk_dragon.collision import FirstContact, NearMiss, separation
+from pymunk_dragon.collision import separation
 from pymunk_dragon.drawing.figures import style
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import HEAD_BENCHES
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-# Millimetres per metre.
-_MM = 1e3
-# mm: lower end of the scale of gaps.
-_MIN_GAP = 0.15
-# Ratio of an end of the scale of gaps to the largest or smallest gap; and of the ends of that of position errors.
-BORDER, _DRIFT_RANGE = 1.5, 1e4
-# Colour of the first of several lines; the colours of later lines change gradually to ink.
-_FIRST_COLOUR = "#6391bb"
+# m: lower end of the scale of gaps.
+_MIN_GAP = 1.5e-4
+# Head lengths travelled: the part of a march before its end that `gap` shows.
+_GAP_LENGTHS = 4.5
 
 
 def gap(subject: style.Subject) -> Figure:
-    """Draw the gap between the head and the benches it passes, on a logarithmic scale."""
+    """Draw the gap between the head and the benches it passes at last, on a logarithmic scale."""
     march, hit = subject.march, subject.hit
     if march.dragon.benches < 3:
         raise ParameterError("benches", march.dragon.benches, "3 or more: neighbours have no gap")
-    # The close-up shows the time in which the head travels a few of its lengths.
-    since = max(subject.begin, float(march.time(march.distance(hit.time) - 4.5 * march.dragon.lengths[0])))
-    misses = sorted((miss for miss in hit.near_misses or () if miss.benches[0] == 0), key=lambda miss: miss.gap)
-    subtitle = text("gap between the head and the nearest bench but its neighbour, mm; dashed: to each bench by itself")
-    figure = style.slide(_gap_title(misses, hit), subtitle)
-    whole, close = style.panels(figure, columns=2, sharey=True, width_ratios=(1, 2))
-    whole.axvspan(since, hit.time, color=style.FAINT, lw=0)
-    for axes, left, gid in ((whole, subject.begin, "gap"), (close, since, "last-gap")):
-        # As many times as the line is pixels wide.
-        times = np.union1d(np.linspace(left, hit.time, 1000), [miss.time for miss in misses if miss.time > left])
-        _gap_lines(axes, march, times, gid)
-        axes.set(xlim=(left, hit.time), xlabel=text("time (s)"))
-        axes.locator_params(axis="x", nbins=5)
-    low, high = whole.dataLim.intervaly
-    style.logarithmic(whole, _MIN_GAP if hit.contact else max(_MIN_GAP, low / BORDER), BORDER * high)
-    _mark_events(close, [miss for miss in misses if miss.time > since], hit)
-    return figure
-
-
-def _gap_title(misses: Sequence[NearMiss], hit: FirstContact) -> str:
-    if not hit.contact or not misses:
-        return text("How near the head comes to other benches than its neighbour")
-    title = text("The head slips past bench {} by {:.1f} mm, and then hits bench {}")
-    return title.format(misses[0].benches[1], _MM * misses[0].gap, hit.contact.benches[1])
-
-
-def _gap_lines(axes: Axes, march: March, times: Array, gid: str) -> None:
-    """Draw the head's smallest gap, mm; `last-gap` adds the gap to each closest bench."""
+    since = float(march.time(march.distance(hit.time) - _GAP_LENGTHS * march.dragon.lengths[0]))
+    since = max(subject.begin, since)
+    misses = [miss for miss in hit.near_misses or () if miss.benches[0] == 0 and miss.time > since]
+    subtitle = text("gap between the head and the nearest bench but its neighbour; dashed: to each bench by itself")
+    figure = style.slide(text("How near the head comes to other benches than its neighbour"), subtitle)
+    axes = style.panels(figure)
+    times = np.union1d(np.linspace(since, hit.time, 1000), [miss.time for miss in misses])
     # In parts, to limit memory.
     corners = (march.dragon.outlines(march.at(part).poses) for part in np.array_split(times, 10))
-    gaps = _MM * np.concatenate([separation(part[:, :1], part[:, 2:]).distance for part in corners])
-    if gid == "last-gap":
-        for row in np.unique(gaps.argmin(axis=1)).tolist():
-            axes.plot(times, gaps[:, row], color=style.QUIET, lw=0.8, ls=(0, (4, 2)), gid=f"gap-{row + 2}")
-    axes.plot(times, gaps.min(axis=1), color=style.BLUE, lw=2.0 if gid == "last-gap" else 1.2, gid=gid)
-
-
-def _mark_events(axes: Axes, misses: Sequence[NearMiss], hit: FirstContact) -> None:
-    """Mark near misses and the contact, with a legend."""
+    gaps = np.concatenate([separation(part[:, :1], part[:, 2:]).distance for part in corners])
+    for row in np.unique(gaps.argmin(axis=1)).tolist():
+        axes.plot(times, gaps[:, row], color=style.QUIET, lw=0.8, ls=(0, (4, 2)), gid=f"gap-{row + 2}")
+    smallest = gaps.min(axis=1)
+    low, high = float(smallest.min()) / 3, 3 * float(smallest.max())
+    axes.plot(times, smallest, color=style.BLUE, lw=2.0, gid="gap")
+    style.logarithmic(axes, "m", _MIN_GAP if hit.contact else max(_MIN_GAP, low), high)
+    axes.set(xlim=(since, hit.time), xlabel=text("time (s)"))
     for miss, marker in zip(misses, "osD^v", strict=False):
-        note = text("bench {}: {:.3f} mm\nat {:.3f} s").format(miss.benches[1], _MM * miss.gap, miss.time)
-        axes.plot(miss.time, _MM * miss.gap, marker, color=style.COLOURS.ink, ms=6, label=note)
+        note = text("bench {}: {:.3f} mm\nat {:.3f} s").format(miss.benches[1], 1e3 * miss.gap, miss.time)
+        axes.plot(miss.time, miss.gap, marker, color=style.COLOURS.ink, ms=6, label=note)
     if hit.contact:
         note = text("bench {}: contact\nat {:.4f} s").format(hit.contact.benches[1], hit.time)
         axes.plot(hit.time, _MIN_GAP, "X", color=style.COLOURS.contact, ms=8, label=note, clip_on=False)
-    if axes.get_legend_handles_labels()[0]:
-        axes.legend(loc="upper left", bbox_to_anchor=(1, 1), frameon=False, labelspacing=1.0, handletextpad=0.2)
+    if misses or hit.contact:
+        axes.legend(**style.BESIDE)
+    return figure
 
 
 def speeds(subject: style.Subject) -> Figure:
@@ -88,17 +61,13 @@ def speeds(subject: style.Subject) -> Figure:
     times = _several_times(subject.begin, subject.last_regular_time)
     values = subject.march.at(times).speeds
     title = text("The handles go at {:.3f} to {:.3f} m/s").format(values.min(), values.max())
-    if subject.march.curve.inward:
-        title = text("The tighter the coil, the slower the body: {:.3f} m/s at {:.5g} s").format(
-            values[-1, -1], times[-1]
-        )
     figure = style.slide(title, text("speed of every handle at several times, m/s"))
     _bundle(style.panels(figure), values, times, "speed", text("handle, from the head to the tail"))
     return figure
 
 
 def drift(subject: style.Subject) -> Figure:
-    """Draw the engine's position error against the exact model: over time, and along the dragon."""
+    """Draw the engine's position error against the exact model over time."""
     from matplotlib.ticker import EngFormatter
 
     run = subject.run
@@ -107,28 +76,22 @@ def drift(subject: style.Subject) -> Figure:
     metres = EngFormatter("m", places=1)
     title = text("The engine stays within {} of the exact model").format(metres(run.max_drift))
     figure = style.slide(title, text("position errors of the benches, at the worse of their two holes"))
-    over_time, along = style.panels(figure, columns=2, sharey=True, width_ratios=(2, 1))
+    axes = style.panels(figure)
     # Without the first frame, whose position error is 0.
     frames = np.unique(np.linspace(1, len(run.times) - 1, 600).astype(np.intp))
-    noted = text("largest of the first {}").format(HEAD_BENCHES)
-    for gid, note, count, line in (
-        ("any-bench", text("largest of all"), None, {"color": style.BLUE, "ls": "-"}),
-        ("first-benches", noted, HEAD_BENCHES, {"color": style.AMBER, "ls": "--"}),
-    ):
-        worst = np.fmax.reduce(run.drift[frames, :count], axis=1)
-        over_time.plot(run.times[frames], worst, lw=2.2, gid=gid, label=note, **line)
-    low, high = 10.0 ** np.ceil(np.log10(run.max_drift)) * np.array([1 / _DRIFT_RANGE, 1.0])
+    some = text("largest of the first {}").format(HEAD_BENCHES)
+    worst = np.fmax.reduce(run.drift[frames], axis=1), np.fmax.reduce(run.drift[frames, :HEAD_BENCHES], axis=1)
+    axes.plot(run.times[frames], worst[0], color=style.BLUE, lw=2.2, gid="any-bench", label=text("largest of all"))
+    axes.plot(run.times[frames], worst[1], color=style.AMBER, lw=2.2, ls="--", gid="first-benches", label=some)
+    high = 10.0 ** np.ceil(np.log10(run.max_drift))
+    # An engine with a position error as large as the smallest gap can find the wrong first contact.
     gaps = [miss.gap for miss in subject.hit.near_misses or () if run.times[0] <= miss.time <= run.times[-1]]
-    for axes in (over_time, along) if gaps else ():
+    if gaps:
         note = text("smallest gap: {}").format(metres(min(gaps)))
         axes.axhline(min(gaps), color=style.COLOURS.ink, lw=1.2, ls=":", gid="smallest-gap", label=note)
-    # An engine with a position error as large as the smallest gap can find the wrong first contact.
-    style.logarithmic(over_time, low, max(high, 2 * min(gaps, default=0.0)))
-    over_time.yaxis.set_major_formatter(EngFormatter("m"))
-    over_time.set(xlim=(run.times[0], run.times[-1]), xlabel=text("time (s)"))
-    over_time.legend(loc="lower right", frameon=False)
-    rows = np.unique(np.searchsorted(run.times, _several_times(run.times[0], run.times[-1])[1:]))
-    _bundle(along, run.drift[rows], run.times[rows], "drift", text("bench"))
+    style.logarithmic(axes, "m", 1e-4 * high, max(high, 2 * min(gaps, default=0.0)))
+    axes.set(xlim=(run.times[0], run.times[-1]), xlabel=text("time (s)"))
+    axes.legend(**style.BESIDE)
     return figure
 
 
@@ -143,18 +106,11 @@ def impulses(subject: style.Subject) -> Figure:
     if not forces.max(initial=0.0) > 0:
         raise ParameterError("run", "one whose joints carry nothing", "one that the engine has played for a while")
     rows = np.unique(np.searchsorted(times, _several_times(times[0], times[-1])))
-    times, forces = times[rows], forces[rows]
-    title = text("The joints carry up to {:.2f} N at first, and up to {:.2f} N at {:.5g} s")
-    title = title.format(forces[0].max(), forces[-1].max(), times[-1])
+    title = text("The joints carry up to {:.2f} N").format(forces[rows].max())
     subtitle = text("force in every joint, N: the mean over a substep of {:g} ms").format(1e3 * run.substep)
     figure = style.slide(title, subtitle)
-    axes = style.panels(figure)
-    # The names are at the head, where the lines are farthest apart.
-    axes.yaxis.tick_right()
-    axes.spines["left"].set_visible(False)
-    axes.grid(axis="y", color=style.RULE, lw=0.6)
     joint = text("joint, from the head to the tail; joint i is between benches i and i + 1")
-    _bundle(axes, forces, times, "impulse", joint, end=0)
+    _bundle(style.panels(figure), forces[rows], times[rows], "impulse", joint)
     return figure
 
 
@@ -167,16 +123,14 @@ def _several_times(begin: float, end: float) -> Array:
     return np.array([*(tick for tick in ticks if begin <= tick < end - (end - begin) / 50), end])
 
 
-def _bundle(axes: Axes, values: Array, times: Array, gid: str, along: str, end: int = -1) -> None:
-    """Draw lines of `values` (T, K) along the dragon, later ones darker and thicker, with their `times` at an end."""
-    from matplotlib.colors import LinearSegmentedColormap
+def _bundle(axes: Axes, values: Array, times: Array, gid: str, along: str) -> None:
+    """Draw lines of `values` (T, K) along the dragon, later ones darker, with their `times` in a legend."""
+    from matplotlib import colormaps
 
-    ages, names = np.linspace(0, 1, len(values)), [f"{time:.5g} s" for time in times]
-    colours = LinearSegmentedColormap.from_list("ages", [_FIRST_COLOUR, style.COLOURS.ink])(ages)
-    for rank, (line, age) in enumerate(zip(values, ages.tolist(), strict=True)):
-        axes.plot(line, color=colours[rank], lw=1.2 + 1.2 * age, gid=f"{gid}-{rank}", label=names[rank])
-    last = values.shape[1] - 1
-    axes.set(xlim=(0, last), xlabel=along)
+    colours = colormaps["Blues"](np.linspace(0.4, 1.0, len(times)))
+    for rank, (line, time) in enumerate(zip(values, times, strict=True)):
+        axes.plot(line, color=colours[rank], lw=1.8, gid=f"{gid}-{rank}", label=f"{time:.5g} s")
+    axes.set(xlim=(0, values.shape[1] - 1), xlabel=along)
     axes.locator_params(axis="x", integer=True)
-    points = np.column_stack([np.full(len(values), last if end else 0), values[:, end]])
-    style.lead(axes, points, names, 1.06 if end else -0.06, list(colours))
+    axes.grid(axis="y", color=style.RULE, lw=0.6)
+    axes.legend(**style.BESIDE)

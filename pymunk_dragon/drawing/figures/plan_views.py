@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pymunk_dragon._arrays import Array
 from pymunk_dragon._language import text
 from pymunk_dragon.collision import Grid
 from pymunk_dragon.drawing import Film
@@ -16,11 +15,7 @@ from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.run import Run
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-# Ratio of a view to what it shows, and to a path with arrows; and of width to height of a view with names at its sides.
-BORDER, _ARROW_BORDER, WIDE = 1.08, 1.25, 2.2
 
 
 def spiral(subject: style.Subject) -> Figure:
@@ -31,22 +26,21 @@ def spiral(subject: style.Subject) -> Figure:
     if not curve.inward or turns is None:
         raise ParameterError("curve", type(curve).__name__, "a Spiral inward, for this figure")
     gone = float(march.distance(end))
-    title = text("Handle 0 has {:.1f} m\nof spiral ahead of it,\nand gets {:.1f} m far")
-    subtitle = text("{:.4g} turns inward, {:g} m apart").format(turns, curve.turn_width)
-    figure = style.slide(title.format(curve.end_s - start, gone), subtitle)
-    axes = style.panels(figure, style.BESIDE_TITLE)
+    title = text("Handle 0 walks {:.1f} m of {:.1f} m of spiral").format(gone, curve.end_s - start)
+    figure = style.slide(title, text("{:.4g} turns inward, {:g} m apart").format(turns, curve.turn_width))
+    axes = style.panels(figure)
     # At most ten whole minutes.
     minutes = np.arange(0, end / 60, max(1, np.ceil(end / 600)))
     dots = curve.point(start + march.distance(60 * minutes))
     walked, rest = subject.path(start, start + gone), subject.path(start + gone, curve.end_s)
     axes.plot(*walked.T, color=style.BLUE, lw=1.8, gid="walked", label=text("the march of handle 0"))
-    axes.plot(*dots.T, "o", color=style.COLOURS.ink, ms=15, gid="minutes", label=text("numbers: minutes"))
+    axes.plot(*dots.T, "o", color=style.COLOURS.ink, ms=13, gid="minutes", label=text("numbers: minutes"))
     axes.plot(*walked[-1], "o", color=style.COLOURS.contact, ms=8, gid="last", label=subject.end)
     axes.plot(*rest.T, color=style.QUIET, lw=1.0, ls="--", gid="ahead", label=text("not reached"))
     for minute, (x, y) in zip(minutes, dots.tolist(), strict=True):
         axes.text(x, y, f"{minute:g}", ha="center", va="center", color=style.COLOURS.background, size=style.SMALL)
-    _view(axes, walked, BORDER)
-    figure.legend(handles=axes.get_lines(), **style.KEY)
+    style.plan(axes)
+    axes.legend(**style.BESIDE)
     return figure
 
 
@@ -60,7 +54,8 @@ def trajectories(subject: style.Subject) -> Figure:
     figure = style.slide(title, subtitle.format(subject.begin, subject.end, *np.ptp(whole, axis=0)))
     cells = list(style.panels(figure, rows=-(-(len(handles) + 1) // 4), columns=4).flat)
     for axes in cells:
-        _view(axes, whole, BORDER)
+        axes.set_aspect("equal")
+        axes.margins(0.02)
         axes.set_axis_off()
     for axes, handle in zip(cells, handles, strict=False):
         path = subject.path(first[handle], last[handle], 900)
@@ -75,24 +70,23 @@ def trajectories(subject: style.Subject) -> Figure:
 
 def velocities(subject: style.Subject) -> Figure:
     """Draw the velocities of the paper's seven handles at the first contact (its figure 8)."""
-    time, handles = subject.last_regular_time, np.asarray(subject.march.dragon.representatives)
+    time, handles = subject.last_regular_time, subject.march.dragon.representatives
     states = subject.march.at(time)
-    dots, speeds = states.positions[0, handles], states.speeds[0, handles]
-    title = text("The handles walk at {:.3f} to {:.3f} m/s").format(speeds.min(), speeds.max())
-    subtitle = text("{} handles at {:.2f} s; each one walks along the curve")
-    figure = style.slide(title, subtitle.format(len(handles), time))
+    title = text("The velocities of {} handles at {:.2f} s").format(len(handles), time)
+    figure = style.slide(title, text("each handle walks along the curve"))
     axes = style.panels(figure)
     path = subject.path(states.handles_s[0, -1], states.handles_s[0, 0])
     axes.plot(*path.T, color=style.PALE, lw=0.8)
-    axes.plot(*dots.T, "o", color=style.COLOURS.ink, ms=6, zorder=4, gid="handles")
-    half = _view(axes, path, _ARROW_BORDER, WIDE)
-    arrows = half * (1 - 1 / _ARROW_BORDER) / speeds.max() * states.velocities[0, handles]
-    drawn: dict[str, Any] = {"color": style.COLOURS.motion, "width": 0.005, "zorder": 3, "gid": "velocities"}
-    axes.quiver(*dots.T, *arrows.T, angles="xy", scale_units="xy", scale=1.0, **drawn)
-    names = [text("handle {}: {:.3f} m/s").format(*each) for each in zip(handles, speeds, strict=True)]
-    for side in (-1, 1):
-        rows = np.flatnonzero((side > 0) == (dots[:, 0] >= np.mean(axes.get_xlim())))
-        style.lead(axes, dots[rows], [names[row] for row in rows], (1 + side / WIDE) / 2, [style.QUIET] * len(rows))
+    for handle in handles:
+        place, velocity, speed = (each[0, handle] for each in (states.positions, states.velocities, states.speeds))
+        name = text("handle {}: {:.3f} m/s").format(handle, speed)
+        axes.plot(*place, "o", color=style.COLOURS.ink, ms=5, zorder=4, label=name)
+        behind: dict[str, Any] = {"xytext": -18 * velocity / speed, "textcoords": "offset points", "ha": "center"}
+        axes.annotate(str(handle), place, **behind, va="center", size=9, zorder=5, path_effects=style.halo())
+    places, arrows = states.positions[0, list(handles)], states.velocities[0, list(handles)]
+    axes.quiver(*places.T, *arrows.T, angles="xy", color=style.COLOURS.motion, width=0.006, zorder=3, gid="velocities")
+    style.plan(axes)
+    axes.legend(**style.BESIDE)
     return figure
 
 
@@ -103,12 +97,12 @@ def grid(subject: style.Subject) -> Figure:
 
     hit, dragon, cells = subject.hit, subject.march.dragon, Grid.of(subject.march)
     corners = dragon.outlines(subject.march.at(hit.time).poses[0])
-    title = text("Of {} pairs of benches\nthat share no hole,\n{} share a cell\nand are tested")
-    title = title.format((dragon.benches - 1) * (dragon.benches - 2) // 2, len(cells.pairs(corners)))
+    title = text("{} of {} pairs of benches that share no hole share a cell, and are tested")
+    title = title.format(len(cells.pairs(corners)), (dragon.benches - 1) * (dragon.benches - 2) // 2)
     origin = "({:g}, {:g})".format(*cells.origin).replace("-", "\u2212")
-    subtitle = text("{};\ncells of {:g} m,\ncounted from {} m").format(subject.end, cells.cell, origin)
+    subtitle = text("{}; cells of {:g} m, counted from {} m").format(subject.end, cells.cell, origin)
     figure = style.slide(title, subtitle)
-    axes = style.panels(figure, style.BESIDE_TITLE)
+    axes = style.panels(figure)
     # Cells around the benches. 0: empty; 1: one bench; 2: neighbours; 3: benches that are not neighbours.
     filed, benches = cells.file(corners)
     first, last = filed.min(axis=0) - 1, filed.max(axis=0) + 1
@@ -128,14 +122,12 @@ def grid(subject: style.Subject) -> Figure:
         if hits or dragon.lengths[bench] >= 0.15 * cells.cell * len(x):
             drawn |= {"ha": "center", "va": "center", "size": style.SMALL, "path_effects": style.halo()}
             axes.text(*outline.mean(axis=0), str(bench), **drawn)
-    axes.set(aspect="equal", xlabel=text("column j \u2192"), ylabel=text("\u2190 row i"))
-    axes.spines[:].set_visible(False)
+    axes.set(aspect="equal", xlabel=text("column j"), ylabel=text("row i"))
+    axes.locator_params(integer=True)
     axes.invert_yaxis()
-    axes.xaxis.set_label_position("top")
-    axes.tick_params(length=0, labelbottom=False, labeltop=True)
     names = (text("one bench"), text("neighbours only"), text("candidates"))
     patches = [Patch(fc=colours(kind), ec=style.RULE, label=name) for kind, name in enumerate(names, 1)]
-    figure.legend(handles=patches, **style.KEY)
+    axes.legend(handles=patches, **style.BESIDE)
     return figure
 
 
@@ -168,13 +160,3 @@ def _still(subject: style.Subject, time: float, title: str) -> tuple[Run, Film]:
     # Pixels: twice the width at which two or three pictures fit side by side.
     film = Film(size=880, title=title.format(subject.march.dragon.benches))
     return Run.exact(subject.march, [time]), film
-
-
-def _view(axes: Axes, points: Array, border: float, wide: float = 1.0) -> float:
-    """Show a square around `points` (P, 2) and a border, `wide` times as wide; return half its height, m."""
-    low, high = points.min(axis=0), points.max(axis=0)
-    half, (x, y) = border * float((high - low).max()) / 2, (low + high) / 2
-    across, up = (x - wide * half, x + wide * half), (y - half, y + half)
-    axes.set(aspect="equal", xlim=across, ylim=up, xlabel="x (m)", ylabel="y (m)")
-    axes.locator_params(nbins=5, steps=[1, 2, 4, 5, 10])
-    return half
