@@ -180,9 +180,9 @@ def _legend(scenes: Sequence[Scene], width: int, letters: int) -> list[Image.Ima
 
 def _entry(colour: str, width: int, height: int, name: str, letters: int) -> Image.Image:
     """Return an entry of a legend: a sample of a colour with a width and half a height, pixels, and its name."""
-    label, left = lettering.line(name, letters), letters // 2
-    entry = Image.new("RGB", (left + width + label.width, label.height), COLOURS.background)
-    entry.paste(label, (left + width, 0))
+    label, left = lettering.line(name, letters), letters // 3
+    entry = Image.new("RGB", (width + label.width, label.height), COLOURS.background)
+    entry.paste(label, (width + left // 2, 0))
     top = (label.height - height) // 2
     ImageDraw.Draw(entry).rectangle((left, top, left + width, top + height), fill=colour)
     return entry
