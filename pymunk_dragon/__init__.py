@@ -31,7 +31,7 @@ __version__ = "0.1.0"
 __all__ = [
     "Arc", "Button", "Camera", "Composite", "Contact", "ContactEvent", "ContactLog", "Curve", "Dragon", "DragonError",
     "EngineSettings", "FileFormatError", "Film", "FirstContact", "Grid", "Key", "Line", "March", "MissingExtraError",
-    "NearMiss", "OutputError", "Palette", "ParameterError", "PathGuide", "PillowDrawOptions", "PygameEvents",
+    "NearMiss", "OutputError", "ParameterError", "PathGuide", "PillowDrawOptions", "PygameEvents",
     "Reversed", "Run",
     "Sampled", "Scenario", "Section", "Separation", "Slider", "SpeedTable", "Spiral", "States", "Sweep", "UTurn",
     "UnreachableError", "World", "check_curve", "first_contact", "live", "max_speed",
@@ -43,7 +43,7 @@ __all__ = [
 # `pymunk-dragon --help` may take to answer. `drawing` does not import its `debug_draw`, which needs Pymunk.
 _MODULES = {
     "collision": "FirstContact Grid NearMiss Separation first_contact scan separation",
-    "drawing": "Camera Film Palette render",
+    "drawing": "Camera Film render",
     "drawing.debug_draw": "PillowDrawOptions",
     "errors": "DragonError FileFormatError MissingExtraError OutputError ParameterError UnreachableError",
     "model.contact": "Contact ContactEvent ContactLog",

@@ -398,6 +398,6 @@ def test_missing_extra_is_named(complaint, run_file, here, monkeypatch):
     assert "pymunk-dragon[report]" in complaint("contact", "-o", "c.xlsx")
     assert "pymunk-dragon[report]" in complaint("positions", "-o", "p.xlsx")
     assert "pymunk-dragon[report]" in complaint("report", run_file, "-o", "r.html")
-    monkeypatch.setattr("imageio_ffmpeg.get_ffmpeg_exe", lambda: str(here / "nothing"))
+    monkeypatch.setattr("imageio_ffmpeg._io.get_ffmpeg_exe", lambda: str(here / "nothing"))
     assert "pymunk-dragon[mp4]" in complaint("render", "-o", "film.mp4")
     assert os.listdir() == []

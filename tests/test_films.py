@@ -17,6 +17,7 @@ from pymunk_dragon.drawing import FILM_ENDINGS, Film, render, still
 from pymunk_dragon.drawing.film.formats import WRITERS, Frames
 from pymunk_dragon.drawing.film.layout import Canvas
 from pymunk_dragon.drawing.film.timing import events_of
+from pymunk_dragon.drawing.palette import colour_table
 from pymunk_dragon.errors import DragonError, ParameterError
 
 MARCH = March(Dragon(benches=16), turns=4)
@@ -79,34 +80,34 @@ def test_same_film_twice_is_the_same_file(run, tmp_path):
         assert (tmp_path / f"one{ending}").read_bytes() == (tmp_path / f"two{ending}").read_bytes()
 
 
-def test_equal_frames_become_one(tmp_path):
+def test_equal_frames_stay_as_long_as_they_should(tmp_path):
     first, second = (Image.new("P", (32, 32), 3) for _ in range(2))
     second.paste(5, (11, 11, 12, 12))
     for picture in (first, second):
-        picture.putpalette(Film().palette.table.tobytes())
+        picture.putpalette(colour_table().tobytes())
     for ending in LOSSLESS:
         path = tmp_path / f"film{ending}"
         pictures = iter((first, first, first, second, second))
         WRITERS[ending](path, Frames(pictures=pictures, ends=[0.1, 0.2, 0.3, 0.4, 0.5], size=first.size, fps=10))
-        for (picture, ms), (frame, expected) in zip(frames(path), ((first, 300), (second, 200)), strict=True):
-            assert ms == expected
-            np.testing.assert_array_equal(picture, np.asarray(frame.convert("RGB")))
+        for picture, expected in ((first, 300), (second, 200)):
+            pixels = np.asarray(picture.convert("RGB"))
+            assert sum(ms for frame, ms in frames(path) if np.array_equal(frame, pixels)) == expected
 
 
 def test_mp4_is_h264_and_shows_the_frames_in_their_colours(run, tmp_path):
     path = tmp_path / "film.mp4"
-    film = Film(size=(319, 239), fps=10, speedup=5, hold=0.5, camera=HEAD, gap=False, legend=False)
+    film = Film(size=(319, 239), fps=10, speedup=5, hold=0.5, camera=HEAD, legend=False)
     render(run, path, film)
     about = iio.immeta(path, plugin="FFMPEG")
     # An odd number of pixels becomes even.
-    assert (about["codec"], about["fps"], about["size"]) == ("h264", 10, (320, 240))
+    assert (about["codec"], about["fps"], about["size"]) == ("h264", 10, (318, 238))
     assert about["pix_fmt"] == "yuv420p(tv, bt709, progressive)"
     assert about["duration"] == pytest.approx(10 / 5 + 0.5, abs=0.1)
     # FFmpeg itself: imageio's reader leaves its pipes open.
     command = [imageio_ffmpeg.get_ffmpeg_exe(), "-v", "error", "-i", path, "-f", "rawvideo", "-pix_fmt", "rgb24", "-"]
     pixels = subprocess.run(command, check=True, capture_output=True).stdout
-    shown = np.frombuffer(pixels, dtype=np.uint8).reshape(-1, 240, 320, 3)[:, :239, :319]
-    expected = drawn(run, film)
+    shown = np.frombuffer(pixels, dtype=np.uint8).reshape(-1, 238, 318, 3)
+    expected = [frame[:238, :318] for frame in drawn(run, film)]
     assert len(shown) >= len(expected) == 21
     for picture, frame in zip(shown, expected, strict=False):
         # Outlines lose half of their colour's resolution; areas keep their colours.
@@ -132,7 +133,7 @@ def test_bad_parameters_are_refused(run, tmp_path):
     cases += [("speedup", value) for value in (0, float("nan"), 1e-5)]
     cases += [("size", value) for value in (63, 5000, (640, 0), (640, 640, 3), 640.5)]
     cases += [("hold", -1), ("hold", float("inf")), ("start", -1), ("start", float("nan")), ("until", 11)]
-    cases += [("title", 3), ("title", "\u9f99"), ("caption", "x" * 501), ("camera", "head"), ("palette", "red")]
+    cases += [("title", 3), ("title", "\u9f99"), ("caption", "x" * 501), ("camera", "head")]
     cases += [("headings", value) for value in (("a", None), ("one", "too many"), ("\u9f99",))]
     cases += [("show", value) for value in (("shadows",), "grid", ("impulses",))]
     calls = [(name, run, "film.gif", {name: value}) for name, value in cases]
@@ -169,8 +170,7 @@ def test_film_of_the_paper_s_march_is_short_and_slows_down_towards_near_misses_a
 def test_given_parameters_of_the_time_are_kept(reference, run):
     timing = Film(start=0).timing([reference])
     assert timing.times[0] == 0
-    assert timing.ends[-1] <= 20
-    assert 100 % timing.fps == 0  # Delays in a GIF are whole centiseconds.
+    assert np.diff(timing.times).max() <= 0.8
     assert np.diff(Film(camera=HEAD).timing([reference]).times).max() <= 0.2
     assert Film(fps=10).timing([reference]).fps == 10
     np.testing.assert_allclose(np.diff(Film(speedup=20).timing([reference]).times)[:-1], 1)
@@ -182,7 +182,7 @@ def test_films_of_short_and_long_and_changing_marches_have_a_bearable_length(run
     # Half of real time, and the last frame.
     assert Film(until=1.0).timing([MARCH]).ends[-1] == pytest.approx(2 * 1.0 + 2.5)
     long = Film(start=0).timing([Run.exact(March(Dragon(benches=3), turns=80), np.linspace(0, 8000, 101))])
-    assert (long.fps, long.ends[-1]) == (50, pytest.approx(20, abs=0.05))
+    assert long.ends[-1] == pytest.approx(62.5, abs=0.05)
     march = March(Dragon(benches=16), turns=16, speed=SpeedTable((0, 100, 200), (0.2, 2.0, 0.2)))
     changing = Film().timing([Run.exact(march, np.linspace(0, 200, 101))])
     assert np.diff(march.distance(changing.times)).max() <= 0.8

@@ -11,16 +11,15 @@ from conftest import refusal
 from marches import ARM, TRACTOR
 from PIL import Image
 
-from pymunk_dragon import Camera, Dragon, March, Palette, Run, UTurn, first_contact
+from pymunk_dragon import Camera, Dragon, March, Run, UTurn, first_contact
 from pymunk_dragon._language import in_language
-from pymunk_dragon.drawing import Film, render, still
+from pymunk_dragon.drawing import Film, lettering, render, still
 from pymunk_dragon.drawing.film.layout import Canvas
-from pymunk_dragon.drawing.lettering import Lettering
-from pymunk_dragon.drawing.palette import BLOCK
+from pymunk_dragon.drawing.overlay import impulses, touches, velocities
+from pymunk_dragon.drawing.palette import BLOCK, COLOURS, colour_table
 from pymunk_dragon.drawing.scene import smallest_gap
-from pymunk_dragon.drawing.snapshots import snapshots
+from pymunk_dragon.drawing.sources import states
 
-PALETTE = Palette()
 SMALL = March(Dragon(benches=16), turns=4)
 # The paper's first contact, as every solver of the project finds it.
 CONTACT_TIME = 412.473838
@@ -43,8 +42,8 @@ def seed():
 def texts(monkeypatch):
     """Lines that are written into pictures."""
     written = []
-    line = Lettering.line
-    monkeypatch.setattr(Lettering, "line", lambda self, text: written.append(text) or line(self, text))
+    line = lettering.line
+    monkeypatch.setattr(lettering, "line", lambda text, height: written.append(text) or line(text, height))
     return written
 
 
@@ -52,14 +51,15 @@ def displaced(run):
     """A run with position errors that grow towards the tail."""
     poses = run.poses.copy()
     poses[..., 0] += np.linspace(0, 20e-6, poses.shape[1])
-    return replace(run, poses=poses, provenance={"player": "pymunk", "guide": "rails"})
+    drift = np.abs(poses[..., 0] - run.poses[..., 0])
+    return replace(run, poses=poses, drift=drift, provenance={"player": "pymunk", "guide": "rails"})
 
 
 def shown(source, time, film):
     """A picture, and where points of the ground lie on it."""
-    [scene], [state] = Canvas([source], np.array([time]), film).scenes, snapshots(source, np.array([time]))
-    view = scene.view(state.poses)
-    return still(source, time, film), lambda points: view.pixels(points) / BLOCK
+    [scene], [state] = Canvas([source], np.array([time]), film).scenes, states(source, np.array([time]))
+    layer = scene.layer(*state)
+    return still(source, time, film), lambda points: layer.pixels(points) / BLOCK
 
 
 def colour_at(picture, xy):
@@ -69,7 +69,7 @@ def colour_at(picture, xy):
 
 def count(picture, name):
     """How many pixels of a picture have a colour of the palette."""
-    return int(np.all(picture == np.rint(PALETTE.rgb(name)), axis=-1).sum())
+    return int(np.all(picture == np.rint(COLOURS.rgb(name)), axis=-1).sum())
 
 
 def near(picture, xy, size=1):
@@ -79,12 +79,14 @@ def near(picture, xy, size=1):
 
 
 def test_table_of_films_has_every_colour_of_pictures(seed):
-    assert len(PALETTE.table) <= 255
-    table = PALETTE.table.astype(int)
+    assert len(colour_table()) <= 255
+    table = colour_table().astype(int)
     for camera in (Camera(), Camera(follow="head")):
-        picture = np.unique(still(seed, CONTACT_TIME, Film(camera=camera)).reshape(-1, 3), axis=0)
-        off = np.abs(picture[:, None] - table).max(axis=-1).min(axis=-1)
-        assert off.max() <= 12
+        pixels = still(seed, CONTACT_TIME, Film(camera=camera)).reshape(-1, 3)
+        colours, counts = np.unique(pixels, axis=0, return_counts=True)
+        off = np.abs(colours[:, None] - table).max(axis=-1).min(axis=-1)
+        # But for rare mixtures of three colours.
+        assert (off.max() <= 32, counts[off > 16].sum() < len(pixels) / 1000) == (True, True)
 
 
 def test_no_two_bench_colours_look_alike_to_anyone_or_in_grey():
@@ -94,7 +96,7 @@ def test_no_two_bench_colours_look_alike_to_anyone_or_in_grey():
         "deuteranope": np.array([[0.367, 0.861, -0.228], [0.280, 0.673, 0.047], [-0.012, 0.043, 0.969]]),
         "protanope": np.array([[0.152, 1.053, -0.205], [0.115, 0.786, 0.099], [-0.004, -0.048, 1.052]]),
     }
-    colours = np.array([PALETTE.rgb(name) for name in ("head", "body", "tail", "contact", "background")])
+    colours = np.array([COLOURS.rgb(name) for name in ("head", "body", "tail", "contact", "background")])
     for vision, matrix in visions.items():
         seen = 255 * np.clip((colours / 255) ** 2.2 @ matrix.T, 0, 1) ** (1 / 2.2)
         distances = np.linalg.norm(seen[:, None] - seen[None], axis=-1)[np.triu_indices(len(seen), 1)]
@@ -102,9 +104,8 @@ def test_no_two_bench_colours_look_alike_to_anyone_or_in_grey():
     assert np.diff(np.sort(colours @ (0.299, 0.587, 0.114))).min() > 255 / 7
 
 
-def test_bad_cameras_palettes_marks_and_times_are_refused(run, tmp_path):
+def test_bad_cameras_marks_and_times_are_refused(run, tmp_path):
     cases = [(name, Camera, {name: value}) for name, value in [("span", 0), ("span", float("inf")), ("follow", "tail")]]
-    cases += [("body", Palette, {"body": colour}) for colour in ("red", "#12345", "#12345g", "#1234567", None)]
     cases += [("time", still, {"source": run, "time": 11.0})]
     cases += [("until", render, {"source": run, "until": 11.0, "path": tmp_path / "still.png"})]
     for mark in ("contacts", "normals", "impulses"):
@@ -118,7 +119,7 @@ def test_bad_cameras_palettes_marks_and_times_are_refused(run, tmp_path):
 def test_camera_stays_above_the_head_or_shows_every_bench(run):
     for time in (0.0, 3.3, 10.0):
         picture, _ = shown(run, time, Film(size=200, camera=Camera(follow="head")))
-        assert colour_at(picture, (100, 100)) == PALETTE.head
+        assert colour_at(picture, (100, 100)) == COLOURS.head
         _, place = shown(run, time, Film(size=(300, 200)))
         corners = place(SMALL.dragon.outlines(run.poses_at([time])[0])).reshape(-1, 2)
         assert np.all((corners > 0) & (corners < (300, 200)))
@@ -137,7 +138,7 @@ def test_legend_and_scale_bar_are_below_the_picture(texts):
     assert {"head", "body", "tail", "1 m", "head 1.00 m/s"} <= set(texts)
     assert not {"in contact", "turning circle"} & set(texts)
     # The longest horizontal line of the strip, with its ends, is as long as it says.
-    strip = np.all(with_legend[480:] == np.rint(PALETTE.rgb("ink")), axis=-1)
+    strip = np.all(with_legend[480:] == np.rint(COLOURS.rgb("ink")), axis=-1)
     longest = max(len(run) for row in strip for run in "".join(" x"[int(pixel)] for pixel in row).split())
     assert longest - 1 == round(480 / 6.0)
     assert still(SMALL, 1.0, Film(size=200)).shape == (200, 200, 3)  # too narrow for a legend
@@ -156,15 +157,15 @@ def test_contact_and_near_misses_are_named(seed, texts):
 
 def test_exact_model_beside_a_run_shows_the_position_errors_of_the_run(run, texts):
     for camera, factor in ((Camera(), "80,000"), (Camera(follow="head"), "20,000")):
-        picture = still([displaced(run), SMALL], 5.0, Film(size=300, camera=camera, gap=False))
-        assert {f"position error x {factor}", "position error up to 0.0200 mm"} <= set(texts)
+        picture = still([displaced(run), SMALL], 5.0, Film(size=300, camera=camera))
+        assert f"position error x {factor}" in texts
         assert count(picture[:260, :300], "motion") == 0
         assert count(picture[:260, 302:], "motion") > 100
 
 
 def test_velocities_of_a_run_are_those_of_its_march(run):
-    [snapshot] = snapshots(run, np.array([4.321]), ("velocities",))
-    np.testing.assert_allclose(snapshot.velocities, SMALL.at([4.321]).velocities[0], atol=2e-3)
+    [state] = states(run, np.array([4.321]))
+    np.testing.assert_allclose(velocities(run, *state), SMALL.at([4.321]).velocities[0], atol=2e-3)
 
 
 def test_pictures_look_as_they_did(seed, golden):
@@ -182,24 +183,20 @@ def test_pictures_look_as_they_did(seed, golden):
 
 
 def test_contacts_are_shown_while_benches_touch(seed, small_run):
-    [first] = [snapshot.touches for snapshot in snapshots(seed, np.array([CONTACT_TIME]), ("touches",))]
-    assert [touch.points for touch in first] == [(seed.first_contact.point,)]
+    assert touches(seed, CONTACT_TIME) == [([seed.first_contact.point], seed.first_contact.normal)]
     [window] = [window for window in small_run.events.windows() if window.end is not None]
-    times = np.array([window.begin - 0.05, (window.begin + window.end) / 2])
-    before, inside = snapshots(small_run, times, ("touches",))
-    assert inside.touches
-    assert not before.touches
+    assert touches(small_run, (window.begin + window.end) / 2)
+    assert not touches(small_run, window.begin - 0.05)
 
 
 def test_area_of_a_disc_is_in_proportion_to_the_impulse_of_the_frame_before(run):
-    impulses = np.full((len(run.times), 15), 1.0)
-    impulses[:, 0] = 4.0
-    film = Film(size=1200, camera=Camera(follow="head", span=8.0), gap=False, show=("impulses",))
-    picture, place = shown(replace(run, joint_impulses=impulses), 5.0, film)
+    sizes = np.full((len(run.times), 15), 1.0)
+    sizes[:, 0] = 4.0
+    film = Film(size=1200, camera=Camera(follow="head", span=8.0), show=("impulses",))
+    picture, place = shown(replace(run, joint_impulses=sizes), 5.0, film)
     _, rear = SMALL.dragon.holes(run.poses_at([5.0])[0])
     areas = [count(near(picture, xy, 40), "force") for xy in place(rear[:2])]
     assert areas[0] / areas[1] == pytest.approx(4.0, rel=0.1)
     rising = replace(run, joint_impulses=np.repeat(np.arange(len(run.times), dtype=float)[:, None], 15, axis=1))
     for time, frame in ((0.0, 0), (0.0149, 1), (9.999, 999), (10.0, 1000)):
-        [snapshot] = snapshots(rising, np.array([time]), ("impulses",))
-        assert snapshot.impulses[0] == frame
+        assert impulses(rising, time)[0] == frame

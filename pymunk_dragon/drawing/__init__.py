@@ -16,9 +16,9 @@ $ pymunk-dragon render run.npz -o marks.png --camera head --velocities --grid --
 ![The engine, and the exact model with the engine's position error magnified](renders/exact.gif)
 
 Without options a film shows what a class should see. It slows down towards near misses and contacts, shows at most
-0.66 m of march a frame, lasts 8 to 20 s at 20 frames a second, and holds its last frame for 2.5 s. The reference march
-is shown from t = 338 s in 11 s; `--from 0` shows all of it in 20 s, at 50 frames a second. `--speedup`, `--fps`,
-`--from`, `--until` and `--hold` override this. `--lang zh` writes in Chinese (`pip install 'pymunk-dragon[chinese]'`).
+0.66 m of march a frame, lasts at least 8 s at 20 frames a second, and holds its last frame for 2.5 s. The reference
+march is shown from t = 338 s in 11 s; `--from 0` shows all of it in 37 s. `--speedup`, `--fps`, `--from`, `--until`
+and `--hold` override this. `--lang zh` writes in Chinese (`pip install 'pymunk-dragon[chinese]'`).
 
 Flags lay marks over the benches: velocities, the grid, impulses of the joints, contacts and their normals. `--title`
 and `--caption` stand above and below:
@@ -31,14 +31,13 @@ and `--caption` stand above and below:
 
 | GIF | ms a frame | MB |
 | --- | --- | --- |
-| `render` | 6.6 | 6.4 |
+| `render` | 6.6 | 7.7 |
 | imageio, a stack of RGB frames | 30.5 | 8.1 |
 | matplotlib, `FuncAnimation` and `PillowWriter` | 48.3 | 21.0 |
 """
 
-from pymunk_dragon.drawing.camera import Camera
 from pymunk_dragon.drawing.film import FILM_ENDINGS, STILL_ENDINGS, render, still, still_png
-from pymunk_dragon.drawing.film.settings import Film
+from pymunk_dragon.drawing.film.settings import Camera, Film
 from pymunk_dragon.drawing.overlay import OVERLAYS
 from pymunk_dragon.drawing.palette import Palette
 

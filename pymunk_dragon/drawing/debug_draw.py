@@ -64,15 +64,13 @@ __all__ = ["DrawCall", "DrawRecorder", "PillowDrawOptions"]
 
 Point = tuple[float, float]
 
-# Pixels: Pillow draws a line of one drawn pixel step by step, however long the line is; a wider one hides the picture.
-_LINE_WIDTH_RANGE = (1.0, 100.0)
 # Line widths: half the length of a collision mark. Chipmunk's is two units of the space, which may be two metres.
 _COLLISION_MARK = 5.0
 # Drawn pixels per pixel along each axis.
 SAMPLES = 2
 # Drawn pixels: ImageDraw also fills the pixels on a polygon's edge, so every radius is smaller by this.
 _EDGE_INSET = 0.4
-# Most chords per radian of an arc. The number grows with the root of the radius: they are within 0.13 drawn pixels.
+# Most chords per radian of an arc.
 _MAX_CHORDS = 1000.0
 # Drawn pixels: what reaches farther is not drawn, because ImageDraw has integers of 32 bits.
 _MAX_REACH = 1e9
@@ -173,7 +171,7 @@ class PillowDrawOptions(DrawRecorder):
     Parameters
     ----------
     image : PIL.Image.Image
-        Target image, in mode RGB. The attribute can be set, for example to the next frame of a film.
+        Target image, in mode RGB; an attribute that can be set, for example to the next frame of a film.
     positive_y_is_up : bool
         Whether y increases upwards from the image's lower edge. If False, y increases downwards from the upper edge as
         in `pymunk.pygame_util`.
@@ -197,21 +195,12 @@ class PillowDrawOptions(DrawRecorder):
 
     def __init__(self, image: Image.Image, *, positive_y_is_up: bool = False, line_width: float = 1.0) -> None:
         super().__init__()
+        if getattr(image, "mode", None) != "RGB":
+            raise ParameterError("image", image, "a PIL.Image.Image in mode RGB")
         self.image = image
         self.positive_y_is_up = positive_y_is_up
-        self.line_width = finite("line_width", line_width, *_LINE_WIDTH_RANGE, "pixels")
-
-    @property
-    def image(self) -> Image.Image:
-        """Target image."""
-        return self._image
-
-    @image.setter
-    def image(self, image: Image.Image) -> None:
-        mode = getattr(image, "mode", None)
-        if mode != "RGB":
-            raise ParameterError("image", mode or image, "a PIL.Image.Image in mode RGB")
-        self._image = image
+        # Pillow draws a line of one drawn pixel step by step, however long the line is; a wide one hides the picture.
+        self.line_width = finite("line_width", line_width, 1, 100, "pixels")
 
     def fit(self, area: pymunk.Space | pymunk.BB, margin: float = 10.0) -> None:
         """Set `transform` so that a space, or a part of it, fills the image but for a margin, pixels, and is centred.
@@ -250,12 +239,10 @@ def _extent(space: pymunk.Space) -> pymunk.BB:
     recorder = DrawRecorder()
     recorder.flags = recorder.DRAW_SHAPES | recorder.DRAW_CONSTRAINTS
     space.debug_draw(recorder)
-    # The radius of a dot is in pixels.
+    # The radius of a dot is in pixels. Shapes with infinite coordinates are not drawn either.
     reaches = [(point, call.radius if call.outline else 0) for call in recorder.calls for point in call.points]
-    boxes = [pymunk.BB.newForCircle(*reach) for reach in reaches]
-    # Shapes with infinite coordinates are not drawn either.
-    finite_boxes = (box for box in boxes if all(map(math.isfinite, box)))
-    return reduce(pymunk.BB.merge, finite_boxes, pymunk.BB(math.inf, math.inf, -math.inf, -math.inf))
+    boxes = [pymunk.BB.newForCircle(*reach) for reach in reaches if all(map(math.isfinite, (*reach[0], reach[1])))]
+    return reduce(pymunk.BB.merge, boxes, pymunk.BB(math.inf, math.inf, -math.inf, -math.inf))
 
 
 def _paint(draw: ImageDraw.ImageDraw, view: pymunk.Transform, line: float, call: DrawCall) -> None:
@@ -264,29 +251,25 @@ def _paint(draw: ImageDraw.ImageDraw, view: pymunk.Transform, line: float, call:
     radius = call.radius * (line if call.name == "dot" else math.sqrt(abs(view.a * view.d - view.b * view.c)))
     if not all(abs(number) < _MAX_REACH for point in points for number in (*point, radius)):
         return
+    fill, width = _rounded(call.fill), round(line)
     if call.name == "contact":
         middle, reach = (points[0] + points[1]) / 2, _COLLISION_MARK * line * (points[1] - points[0]).normalized()
         points = [middle - reach, middle + reach]
     if call.name in ("contact", "line"):
-        draw.line(_pixels(points), _rounded(call.fill), round(line))
+        draw.line(_pixels(points), fill, width)
         return
-    outlined = _fill(draw, points, radius, line, call)
-    if call.name == "circle" and outlined:
-        tip = pymunk.Vec2d(*call.points[0]) + pymunk.Vec2d.from_polar(call.radius, call.angle)
-        draw.line(_pixels([points[0], view @ tip]), _rounded(call.outline or call.fill), round(line))
-
-
-def _fill(draw: ImageDraw.ImageDraw, points: list[pymunk.Vec2d], radius: float, line: float, call: DrawCall) -> bool:
-    """Fill a convex polygon with round corners; return whether it has an outline, which would cover a thin shape."""
-    # No segment is thinner than a line.
-    radius = max(radius, line / 2) if len(points) == 2 else radius
+    if call.name == "segment":
+        # No segment is thinner than a line.
+        radius = max(radius, line / 2)
     corners, headings = _sides(points)
     across = [[y * math.cos(heading) - x * math.sin(heading) for x, y in corners] for heading in headings]
-    thickness = 2 * radius + min(max(row) - min(row) for row in across)
-    outline = _rounded(call.outline) if call.outline and thickness > 4 * line else None
-    polygon = _around(corners, headings, max(radius - _EDGE_INSET, 0.0))
-    draw.polygon(_pixels(polygon), _rounded(call.fill), outline, round(line))
-    return outline is not None
+    # An outline would cover a thin shape.
+    thin = 2 * radius + min(max(row) - min(row) for row in across) <= 4 * line
+    outline = _rounded(call.outline) if call.outline and not thin else None
+    draw.polygon(_pixels(_around(corners, headings, max(radius - _EDGE_INSET, 0.0))), fill, outline, width)
+    if call.name == "circle" and outline:
+        tip = pymunk.Vec2d(*call.points[0]) + pymunk.Vec2d.from_polar(call.radius, call.angle)
+        draw.line(_pixels([points[0], view @ tip]), outline, width)
 
 
 def _sides(points: Sequence[pymunk.Vec2d]) -> tuple[list[pymunk.Vec2d], list[float]]:
@@ -305,6 +288,7 @@ def _around(corners: Sequence[Point], headings: Sequence[float], distance: float
         turn = (headings[i] - headings[i - 1]) % math.tau
         # At a straight corner, rounding can give an angle just below a full circle. A point has one.
         turn = math.tau if len(corners) == 1 else turn if turn < 1.5 * math.pi else 0.0
+        # The chords are within 0.13 drawn pixels of the arc.
         chords = 1 + int(turn * min(1 + math.sqrt(distance), _MAX_CHORDS))
         # The outer normal of a side is a quarter turn clockwise from its heading.
         angles = [headings[i - 1] - math.pi / 2 + turn * k / chords for k in range(chords + 1)]

@@ -5,76 +5,107 @@ An overlay is a function that draws it, and an entry in `OVERLAYS`, from which f
 
 from __future__ import annotations
 
-import math
+from bisect import bisect_right
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 from PIL import Image, ImageDraw
 
+from pymunk_dragon._arrays import Array
 from pymunk_dragon.collision import Grid
-from pymunk_dragon.drawing.camera import View
-from pymunk_dragon.drawing.palette import BLOCK, CELL_TINT, LINE_TINT, Colour, Palette
-from pymunk_dragon.drawing.snapshots import Snapshot
-from pymunk_dragon.model.march import March
+from pymunk_dragon.drawing.palette import BLOCK, COLOURS
+from pymunk_dragon.drawing.sources import Source, march_of
+from pymunk_dragon.errors import ParameterError
+from pymunk_dragon.model.dragon import Dragon
+from pymunk_dragon.model.run import Run
 
 # s: an arrow ends where its handle would be after this time, so its length is proportional to the speed.
 _ARROW_TIME = 0.5
 # Drawn pixels: width of an arrow's shaft; length and half the width of its head. A shorter arrow has no direction.
 _SHAFT_WIDTH, _ARROWHEAD_LENGTH, _ARROWHEAD_HALF_WIDTH, _MIN_ARROW_LENGTH = 4, 13.0, 5.0, 2.0
-# Drawn pixels: width and length of a normal.
-_NORMAL_WIDTH, _NORMAL_LENGTH = 6, 72.0
-# Drawn pixels: width of the outline of a displaced bench, and of benches that are not covered by such outlines.
-_OUTLINE_WIDTH, _MIN_OUTLINE_WIDTH = 3, 20.0
-# Drawn pixels: largest radius of the disc of the largest impulse; and the same as a fraction of a bench's width, so
-# that the disc does not hide small benches.
-_MAX_DISC_RADIUS, _MAX_DISC_FRACTION = 36.0, 0.7
-# Drawn pixels: radius of a contact point; and size of a cell, of which smaller ones would cover the ground.
-_CONTACT_RADIUS, _MIN_CELL_SIZE = 8.0, 8.0
+# Drawn pixels: length of a normal, and radius of a contact point.
+_NORMAL_LENGTH, _CONTACT_RADIUS = 72.0, 8.0
+# Radius of the disc of the run's largest impulse, as a fraction of a bench's width: it does not hide the bench.
+_DISC_RADIUS = 0.55
+# Drawn pixels: smallest size of a cell, of which smaller ones would cover the ground. Opacities of 255 of a cell with a
+# bench, and of a line between cells: sixteenths, which are in the table of colours.
+_MIN_CELL_SIZE, _CELL_TINT, _LINE_TINT = 8.0, 32, 64
+# Substeps: a contact callback is shown if it is at most this much older than the frame. The last substep, and a margin
+# for rounding.
+_RECENT_SUBSTEPS = 1.5
 
 
 @dataclass(frozen=True)
 class Layer:
-    """What an overlay draws on, and what it shows: a picture of drawn pixels, and the film's largest impulse, N s."""
+    """Surface on which a state is drawn: `image`, with `scale` pixels per m around `centre`, m; `poses` (N, 3)."""
 
     image: Image.Image
-    view: View
-    snapshot: Snapshot
-    march: March
-    palette: Palette
-    largest_impulse: float
+    centre: tuple[float, float]
+    scale: float
+    source: Source
+    time: float
+    poses: Array
+
+    @property
+    def dragon(self) -> Dragon:
+        """Dragon that is drawn."""
+        return march_of(self.source).dragon
+
+    def pixels(self, points: ArrayLike) -> Array:
+        """Convert `points` (..., 2), m, to pixels right of and below the upper left corner."""
+        middle = np.asarray(self.image.size) / 2
+        return (np.asarray(points, dtype=float) - self.centre) * (self.scale, -self.scale) + middle
+
+    def holds(self, points: ArrayLike, margin: float) -> NDArray[np.bool_]:
+        """Return which of `points` (..., 2), m, are in view or at most `margin` m outside."""
+        half = np.asarray(self.image.size) / (2 * self.scale) + margin
+        inside: NDArray[np.bool_] = np.all(np.abs(np.asarray(points) - self.centre) <= half, axis=-1)
+        return inside
 
     def disc(self, centre: Sequence[float], radius: float) -> None:
-        """Draw a disc of force; lengths in drawn pixels."""
-        ImageDraw.Draw(self.image).circle(centre, radius, fill=self.palette.rgb("force"))
+        """Draw a disc of force; lengths in pixels."""
+        ImageDraw.Draw(self.image).circle(centre, radius, fill=COLOURS.force)
 
-    def arrow(self, begin: list[float], end: list[float], colour: Colour, width: int = _SHAFT_WIDTH) -> None:
-        """Draw an arrow from a drawn pixel to another one."""
-        (x0, y0), (x1, y1) = begin, end
-        length = math.hypot(x1 - x0, y1 - y0)
+    def arrow(self, begin: Sequence[float], end: Sequence[float], colour: str = COLOURS.motion) -> None:
+        """Draw an arrow from a pixel to another one."""
+        tip, along = complex(*end), complex(*end) - complex(*begin)
+        length = abs(along)
         if length < _MIN_ARROW_LENGTH:
             return
-        along_x, along_y = (x1 - x0) / length, (y1 - y0) / length
-        head = min(_ARROWHEAD_LENGTH, length)
-        neck_x, neck_y = x1 - head * along_x, y1 - head * along_y
-        across_x, across_y = -_ARROWHEAD_HALF_WIDTH * along_y, _ARROWHEAD_HALF_WIDTH * along_x
+        neck, across = tip - min(_ARROWHEAD_LENGTH / length, 1) * along, 1j * _ARROWHEAD_HALF_WIDTH * along / length
         draw = ImageDraw.Draw(self.image)
-        draw.line((x0, y0, neck_x, neck_y), fill=colour, width=width)
-        corners = [(x1, y1), (neck_x + across_x, neck_y + across_y), (neck_x - across_x, neck_y - across_y)]
-        draw.polygon(corners, fill=colour)
+        draw.line((*begin, neck.real, neck.imag), fill=colour, width=_SHAFT_WIDTH)
+        draw.polygon([(point.real, point.imag) for point in (tip, neck + across, neck - across)], fill=colour)
+
+    def arrows(self, points: Array, vectors: Array) -> None:
+        """Draw arrows of motion from `points` (K, 2) along `vectors` (K, 2), m, where they can be in view."""
+        seen = self.holds(points, float(np.linalg.norm(vectors, axis=-1).max()))
+        begins, ends = self.pixels(points[seen]).tolist(), self.pixels((points + vectors)[seen]).tolist()
+        for begin, end in zip(begins, ends, strict=True):
+            self.arrow(begin, end)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Overlay:
     """Kind of overlay: what it shows, for the help, a function that draws it, and whether it lies below the benches.
 
-    `needs` is the field of a `Snapshot` that it needs beside the poses: "velocities", "impulses" or "touches".
+    `needs` is an attribute of a `Run` that marches and some runs do not have.
     """
 
     shows: str
     draw: Callable[[Layer], None]
     needs: str | None = None
     below: bool = False
+
+
+def check_overlays(names: Collection[str], source: Source) -> None:
+    """Raise a ParameterError if the source has no data for one of the overlays with these names."""
+    for name in names:
+        needs = OVERLAYS[name].needs
+        if needs and getattr(source, needs, None) is None:
+            raise ParameterError("show", name, "left out: a march has no contacts, and only the engine has impulses")
 
 
 def draw_overlays(layer: Layer, names: Collection[str], *, below: bool = False) -> None:
@@ -84,88 +115,91 @@ def draw_overlays(layer: Layer, names: Collection[str], *, below: bool = False) 
             overlay.draw(layer)
 
 
-def draw_errors(layer: Layer) -> None:
-    """Draw the outlines of the displaced benches, or arrows to there if the benches are small."""
-    snapshot, dragon, colour = layer.snapshot, layer.march.dragon, layer.palette.rgb("motion")
-    if snapshot.displaced is None:
-        return
-    if layer.view.scale * float(dragon.widths.min()) < _MIN_OUTLINE_WIDTH:
-        begins, ends = (layer.view.pixels(poses[:, :2]).tolist() for poses in (snapshot.poses, snapshot.displaced))
-        for begin, end in zip(begins, ends, strict=True):
-            layer.arrow(begin, end, colour)
-        return
-    draw = ImageDraw.Draw(layer.image)
-    for corners in layer.view.pixels(dragon.outlines(snapshot.displaced)).reshape(-1, 8).tolist():
-        draw.line([*corners, *corners[:2]], fill=colour, width=_OUTLINE_WIDTH)
+def velocities(source: Source, time: float, poses: Array) -> Array:
+    """Return the velocities (N + 1, 2) of the handles of a source at a time, m/s."""
+    if not isinstance(source, Run):
+        return np.asarray(source.at([time]).velocities[0])
+    front, rear = source.march.dragon.hole_velocities(poses, source.pose_velocities_at([time])[0])
+    return np.concatenate([front, rear[-1:]])
+
+
+def impulses(run: Run, time: float) -> Array:
+    """Return the impulses (N - 1,) of the frame before a time, N s, which are not interpolated."""
+    assert run.joint_impulses is not None  # Other runs are refused.
+    return np.asarray(run.joint_impulses[np.searchsorted(run.times, time, side="right") - 1])
+
+
+def touches(run: Run, time: float) -> list[tuple[Sequence[Sequence[float]], Sequence[float]]]:
+    """Return the contact points, m, and the normal of each contact at a time.
+
+    They are those of the last callback in the last substep; before all callbacks, of the refined first contact.
+    """
+    since = time - _RECENT_SUBSTEPS * (run.substep or 0.0)
+    begin, end = (bisect_right(run.events, t, key=lambda event: event.time) for t in (since, time))
+    if end > 0:
+        last = {each.benches: (each.points, each.normal) for each in run.events[begin:end] if each.normal}
+        return [*last.values()]
+    first = run.first_contact
+    return [([first.point], first.normal)] if first and time >= first.time else []
 
 
 def _draw_velocities(layer: Layer) -> None:
-    velocities = layer.snapshot.velocities
-    assert velocities is not None  # Filled where velocities are shown.
-    front, rear = layer.march.dragon.holes(layer.snapshot.poses)
-    handles = np.concatenate([front, rear[-1:]])
-    seen = layer.view.holds(handles, float(_ARROW_TIME * np.linalg.norm(velocities, axis=-1).max()))
-    begins = layer.view.pixels(handles[seen])
-    ends = layer.view.pixels(handles[seen] + _ARROW_TIME * velocities[seen])
-    for begin, end in zip(begins.tolist(), ends.tolist(), strict=True):
-        layer.arrow(begin, end, layer.palette.rgb("motion"))
+    front, rear = layer.dragon.holes(layer.poses)
+    motion = _ARROW_TIME * velocities(layer.source, layer.time, layer.poses)
+    layer.arrows(np.concatenate([front, rear[-1:]]), motion)
 
 
 def _draw_impulses(layer: Layer) -> None:
-    impulses, dragon = layer.snapshot.impulses, layer.march.dragon
-    if impulses is None or not layer.largest_impulse > 0:
-        return
-    largest = min(_MAX_DISC_RADIUS, _MAX_DISC_FRACTION * float(dragon.widths.min()) * layer.view.scale)
+    assert isinstance(layer.source, Run)  # Marches are refused.
+    assert layer.source.joint_impulses is not None
+    largest = float(layer.source.joint_impulses.max(initial=0.0)) or 1.0
     # The disc's area is proportional to the impulse.
-    radii = largest * np.sqrt(impulses / layer.largest_impulse)
-    _, rear = dragon.holes(layer.snapshot.poses)
-    for centre, radius in zip(layer.view.pixels(rear[:-1]).tolist(), radii.tolist(), strict=True):
+    shares = np.sqrt(impulses(layer.source, layer.time) / largest)
+    radii = _DISC_RADIUS * float(layer.dragon.widths.min()) * layer.scale * shares
+    _, rear = layer.dragon.holes(layer.poses)
+    for centre, radius in zip(layer.pixels(rear[:-1]).tolist(), radii.tolist(), strict=True):
         layer.disc(centre, radius)
 
 
 def _draw_contacts(layer: Layer) -> None:
-    for touch in layer.snapshot.touches:
-        for centre in layer.view.pixels(touch.points).tolist():
+    assert isinstance(layer.source, Run)  # Marches are refused.
+    for points, _ in touches(layer.source, layer.time):
+        for centre in layer.pixels(points).tolist():
             layer.disc(centre, _CONTACT_RADIUS)
 
 
 def _draw_normals(layer: Layer) -> None:
-    for touch in layer.snapshot.touches:
-        begin = layer.view.pixels(touch.points).mean(axis=0)
+    assert isinstance(layer.source, Run)  # Marches are refused.
+    for points, normal in touches(layer.source, layer.time):
+        begin = layer.pixels(points).mean(axis=0)
         # y points downwards in a picture.
-        end = begin + _NORMAL_LENGTH * np.array(touch.normal) * (1, -1)
-        layer.arrow(begin.tolist(), end.tolist(), layer.palette.rgb("force"), _NORMAL_WIDTH)
+        layer.arrow(begin.tolist(), (begin + _NORMAL_LENGTH * np.array(normal) * (1, -1)).tolist(), COLOURS.force)
 
 
 def _draw_grid(layer: Layer) -> None:
-    """Tint the cells that contain a bench, and draw the lines between cells, a pixel wide."""
-    grid, cell = Grid.of(layer.march), Grid.of(layer.march).cell * layer.view.scale
+    """Tint the cells that contain a bench, and draw the lines between cells."""
+    grid, draw = Grid.of(march_of(layer.source)), ImageDraw.Draw(layer.image, "RGBA")
+    cell, (left, top) = grid.cell * layer.scale, layer.pixels(grid.origin).tolist()
     if cell < _MIN_CELL_SIZE:
         return
-    # Column and row of every pixel, computed from the grid's origin so that rounding errors do not accumulate.
-    columns, rows = (
-        np.floor(((np.arange(length // BLOCK) + 0.5) * BLOCK - origin) / cell).astype(int)
-        for length, origin in zip(layer.image.size, layer.view.pixels(grid.origin), strict=True)
-    )
-    cells, _ = grid.file(layer.march.dragon.outlines(layer.snapshot.poses))
-    cells -= (rows[0], columns[0])
-    tints = np.zeros((np.ptp(rows) + 1, np.ptp(columns) + 1), dtype=np.uint8)
-    i, j = cells[np.all((cells >= 0) & (cells < tints.shape), axis=1)].T
-    tints[i, j] = CELL_TINT
-    mask = tints[np.ix_(rows - rows[0], columns - columns[0])]
-    mask[np.flatnonzero(np.diff(rows)) + 1] = LINE_TINT
-    mask[:, np.flatnonzero(np.diff(columns)) + 1] = LINE_TINT
-    drawn = Image.fromarray(mask).resize(layer.image.size, Image.Resampling.NEAREST)
-    layer.image.paste(layer.palette.rgb("grid"), (0, 0), drawn)
+    filed, _ = grid.file(layer.dragon.outlines(layer.poses))
+    for i, j in np.unique(filed, axis=0).tolist():
+        x0, x1, y0, y1 = (
+            round(each * cell + edge) for each, edge in ((j, left), (j + 1, left), (i, top), (i + 1, top))
+        )
+        draw.rectangle((x0, y0, x1 - 1, y1 - 1), fill=(*COLOURS.rgb("grid"), _CELL_TINT))
+    width, height = layer.image.size
+    for x in np.arange(left % cell, width, cell).tolist():
+        draw.line((x, 0, x, height), fill=(*COLOURS.rgb("grid"), _LINE_TINT), width=BLOCK)
+    for y in np.arange(top % cell, height, cell).tolist():
+        draw.line((0, y, width, y), fill=(*COLOURS.rgb("grid"), _LINE_TINT), width=BLOCK)
 
 
 # All overlays by name, in the order in which they are drawn.
 OVERLAYS: Mapping[str, Overlay] = {
-    "velocities": Overlay(
-        shows="Arrows to where the handles would be in half a second.", needs="velocities", draw=_draw_velocities
-    ),
+    "velocities": Overlay(shows="Arrows to where the handles would be in half a second.", draw=_draw_velocities),
     "grid": Overlay(shows="The cells of the broad phase, darker where a bench is filed.", draw=_draw_grid, below=True),
-    "contacts": Overlay(shows="Contact points.", needs="touches", draw=_draw_contacts),
-    "normals": Overlay(shows="Contact normals.", needs="touches", draw=_draw_normals),
-    "impulses": Overlay(shows="Impulses in the joints, as discs.", needs="impulses", draw=_draw_impulses),
+    "contacts": Overlay(shows="Contact points.", needs="events", draw=_draw_contacts),
+    "normals": Overlay(shows="Contact normals.", needs="events", draw=_draw_normals),
+    "impulses": Overlay(shows="Impulses in the joints, as discs.", needs="joint_impulses", draw=_draw_impulses),
 }

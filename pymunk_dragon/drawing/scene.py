@@ -2,27 +2,23 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import KW_ONLY, dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
 from pymunk_dragon._arrays import Array
 from pymunk_dragon._language import text
 from pymunk_dragon.collision import separation
-from pymunk_dragon.drawing.camera import Camera, View
-from pymunk_dragon.drawing.lettering import Lettering
-from pymunk_dragon.drawing.overlay import Layer, draw_errors, draw_overlays
-from pymunk_dragon.drawing.palette import BLOCK, Palette
-from pymunk_dragon.drawing.snapshots import Snapshot
+from pymunk_dragon.drawing import lettering
+from pymunk_dragon.drawing.overlay import Layer, draw_overlays
+from pymunk_dragon.drawing.palette import BLOCK, COLOURS
+from pymunk_dragon.drawing.sources import Source, march_of
 from pymunk_dragon.model.contact import Contact
 from pymunk_dragon.model.dragon import Dragon, outlines
-from pymunk_dragon.model.march import March
+from pymunk_dragon.model.run import Run
 
 # m: diameter of a hole in the paper. Only pictures depend on it.
 _HOLE_DIAMETER = 0.055
@@ -36,16 +32,113 @@ _MIN_HOLE_DIAMETER = 4.0
 _CURVE_STEP = 6.0
 # Points of the curve: limits memory if the curve is much longer than the view.
 MAX_CURVE_POINTS = 200_000
-# Width of the curve as a fraction of a bench's width; it is at least one drawn pixel.
+# Width of the curve as a fraction of the width of the narrowest bench.
 _CURVE_WIDTH = 0.04
-# Pixels: radius of the ring around a contact, and width of a bench from which it is drawn: it would hide smaller ones.
-_RING_RADIUS, _RING_BENCH_WIDTH = 9, 3
-# Pixels: width of the border of a head in contact; a head narrower than four of them has none, to keep its colour.
-_HEAD_BORDER, _HEAD_BORDERS = 3, 4
-# Pixels: length of the dashes of a circle, and of the gaps between them.
-CIRCLE_DASH = 4
-# m: smaller gaps are near misses, displayed with tenths of a millimetre and a ring; larger ones are displayed in m.
-_SMALL_GAP, _LARGE_GAP = 0.01, 1.0
+# Pixels: radius of the ring around a contact or a near miss.
+_RING_RADIUS = 9
+# Width of the border of a head in contact, as a fraction of its width.
+_HEAD_BORDER = 0.12
+# m: smaller gaps are near misses, displayed in every film, with a ring.
+_SMALL_GAP = 0.01
+# Text height as a fraction of the picture's shorter side, readable and small beside the dragon; and its least value,
+# pixels.
+_TEXT_HEIGHT, _MIN_TEXT_HEIGHT = 0.036, 15
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scene:
+    """Renderer of the states of a run or march at a constant scale.
+
+    The camera follows the "field" around `centre`, m, or the "head"; `span` is the width of the view, m, and `size`
+    that of pictures, pixels. A curve without ends is drawn for `times`, s, of the first and last picture. From the time
+    of `contact` on, its benches have the contact colour. `show` has names of `OVERLAYS`. The position errors of a run
+    `beside` are drawn as arrows, enlarged by `factor`.
+    """
+
+    source: Source
+    follow: str
+    centre: tuple[float, float]
+    span: float
+    size: tuple[int, int]
+    show: tuple[str, ...]
+    times: tuple[float, float]
+    contact: Contact | None
+    beside: Run | None
+    factor: float | None
+
+    @property
+    def scale(self) -> float:
+        """Pixels per m."""
+        return self.size[0] / self.span
+
+    def layer(self, time: float, poses: Array) -> Layer:
+        """Return a surface for the benches at `poses` (N, 3), with the curve and its circles."""
+        if self.follow == "field":
+            return replace(self._field, image=self._field.image.copy(), time=time, poses=poses)
+        x, y = poses[0, :2].tolist()
+        return self._ground((x, y), time, poses)
+
+    def draw(self, time: float, poses: Array) -> Image.Image:
+        """Draw the benches at `poses` (N, 3) and a time, s (mode RGB)."""
+        layer, march = self.layer(time, poses), march_of(self.source)
+        contact = self.contact if self.contact and time >= self.contact.time else None
+        nearest = None if contact else smallest_gap(march.dragon, poses)
+        draw_overlays(layer, self.show, below=True)
+        _draw_benches(layer, contact.benches if contact else ())
+        below, ring = "", None
+        if contact:
+            # Short, to fit into a corner beside the spiral.
+            below, ring = text("contact: benches {} and {}").format(*contact.benches), contact.point
+        elif nearest and (self.follow == "head" or nearest.distance < _SMALL_GAP):
+            below = text("gap {gap:.1f} mm to bench {bench}").format(gap=1e3 * nearest.distance, bench=nearest.bench)
+            ring = nearest.point if nearest.distance < _SMALL_GAP else None
+        if ring:
+            centre = layer.pixels(ring).tolist()
+            ImageDraw.Draw(layer.image).circle(centre, _RING_RADIUS * BLOCK, outline=COLOURS.ink, width=BLOCK)
+        if self.beside and self.factor and self.beside.times[0] <= time <= self.beside.times[-1]:
+            errors = self.beside.poses_at([time])[0, :, :2] - poses[:, :2]
+            layer.arrows(poses[:, :2], self.factor * errors)
+        draw_overlays(layer, self.show)
+        speed = text("head {:.2f} m/s").format(float(march.speed_profile.at(time)))
+        return self._with_texts(layer.image.reduce(BLOCK), f"t = {time:.2f} s", speed, below)
+
+    def _with_texts(self, picture: Image.Image, left: str, right: str, below: str) -> Image.Image:
+        """Write texts into the upper corners and the lower left one; `right` is omitted if it would overlap `left`."""
+        first, second, third = (lettering.line(each, text_height(self.size)) for each in (left, right, below))
+        picture.paste(first, (0, 0))
+        if first.width + second.width <= picture.width:
+            picture.paste(second, (picture.width - second.width, 0))
+        if below:
+            picture.paste(third, (0, picture.height - third.height))
+        return picture
+
+    @cached_property
+    def _curve(self) -> Array:
+        """Points (P, 2), m, of the curve. The interval always includes the dragon's position at 0 s."""
+        march = march_of(self.source)
+        first, last = march.span(min(self.times[0], 0.0), max(self.times[1], 0.0))
+        points = min(int((last - first) * self.scale * BLOCK / _CURVE_STEP) + 2, MAX_CURVE_POINTS)
+        return march.curve.point(np.linspace(first, last, points))
+
+    @cached_property
+    def _field(self) -> Layer:
+        return self._ground(self.centre, 0.0, np.empty((0, 3)))
+
+    def _ground(self, centre: tuple[float, float], time: float, poses: Array) -> Layer:
+        """Return a surface with the curve and its circles."""
+        width, height = self.size
+        image = Image.new("RGB", (width * BLOCK, height * BLOCK), COLOURS.background)
+        layer = Layer(image, centre, self.scale * BLOCK, self.source, time, poses)
+        draw, seen = ImageDraw.Draw(image), layer.holds(self._curve, 2 * _CURVE_STEP / layer.scale)
+        curve_width = max(1, round(_CURVE_WIDTH * layer.dragon.widths.min() * layer.scale))
+        # One polyline for every visible part of the curve.
+        borders = np.flatnonzero(np.diff(np.concatenate([[False], seen, [False]]).astype(np.int8)))
+        for first, last in borders.reshape(-1, 2).tolist():
+            points = np.floor(layer.pixels(self._curve[first:last])).ravel().tolist()
+            draw.line(points, fill=COLOURS.curve, width=curve_width)
+        for x, y, radius in march_of(self.source).curve.circles:
+            draw.circle(layer.pixels((x, y)).tolist(), radius * layer.scale, outline=COLOURS.ink, width=BLOCK)
+        return layer
 
 
 class Nearest(NamedTuple):
@@ -56,115 +149,9 @@ class Nearest(NamedTuple):
     point: tuple[float, float]
 
 
-@dataclass(frozen=True)
-class Scene:
-    """Renderer of the states of a march at a constant scale.
-
-    `centre`, m, is that of the view of a fixed camera, `span` the width of the view, m, and `size` that of pictures,
-    pixels. A curve without ends is drawn for `times`, s, of the first and last picture. From the time of `contact` on,
-    its benches have the contact colour. `gap` is that of a `Film`, and `show` has names of `OVERLAYS`.
-    `largest_impulse`, N s, has the largest disc. `magnification` is the factor of the position errors in the snapshots'
-    `displaced` poses. Pictures without contact or gap display the film's first time, `since`, s, if it is given.
-    """
-
-    march: March
-    camera: Camera
-    _: KW_ONLY
-    centre: tuple[float, float]
-    span: float
-    size: tuple[int, int]
-    palette: Palette
-    times: tuple[float, float]
-    contact: Contact | None
-    gap: bool | None
-    show: tuple[str, ...]
-    largest_impulse: float
-    magnification: float | None
-    since: float | None
-    font: str | Path | None
-
-    @property
-    def scale(self) -> float:
-        """Pixels per m."""
-        return self.size[0] / self.span
-
-    def view(self, poses: Array) -> View:
-        """Return the view of a picture of the benches at `poses` (N, 3), in drawn pixels."""
-        x, y = self.centre if self.camera.follow == "field" else poses[0, :2].tolist()
-        return View((x, y), self.scale * BLOCK, (self.size[0] * BLOCK, self.size[1] * BLOCK))
-
-    def draw(self, snapshot: Snapshot) -> Image.Image:
-        """Draw a snapshot (mode RGB)."""
-        view = self.view(snapshot.poses)
-        image = self._fixed_ground.copy() if self.camera.follow == "field" else self._ground(view)
-        layer = Layer(image, view, snapshot, self.march, self.palette, self.largest_impulse)
-        contact = self.contact if self.contact and snapshot.time >= self.contact.time else None
-        nearest = None if contact else self._nearest(snapshot.poses)
-        draw_overlays(layer, self.show, below=True)
-        _draw_benches(layer, contact.benches if contact else ())
-        if event := contact or (nearest if nearest and nearest.distance < _SMALL_GAP else None):
-            _draw_ring(layer, event.point)
-        draw_errors(layer)
-        draw_overlays(layer, self.show)
-        picture = image.reduce(BLOCK)
-        speed = float(self.march.speed_profile.at(snapshot.time))
-        self._lettering.put(picture, f"t = {snapshot.time:.2f} s", text("head {:.2f} m/s").format(speed))
-        self._lettering.put(picture, *self._lower_texts(snapshot, contact, nearest), bottom=True)
-        return picture
-
-    @cached_property
-    def _lettering(self) -> Lettering:
-        return Lettering(self.size, self.palette, font=self.font)
-
-    @cached_property
-    def _curve(self) -> Array:
-        """Points (P, 2), m, of the curve. The interval always includes the dragon's position at 0 s."""
-        first, last = self.march.span(min(self.times[0], 0.0), max(self.times[1], 0.0))
-        points = min(int((last - first) * self.scale * BLOCK / _CURVE_STEP) + 2, MAX_CURVE_POINTS)
-        return self.march.curve.point(np.linspace(first, last, points))
-
-    @cached_property
-    def _fixed_ground(self) -> Image.Image:
-        return self._ground(self.view(np.zeros((1, 3))))
-
-    def _ground(self, view: View) -> Image.Image:
-        """Draw the curve and its circles."""
-        image = Image.new("RGB", view.size, self.palette.rgb("background"))
-        draw = ImageDraw.Draw(image)
-        seen = view.holds(self._curve, 2 * _CURVE_STEP / view.scale)
-        width = max(1, round(_CURVE_WIDTH * self.march.dragon.widths.min() * view.scale))
-        # One polyline for every visible part of the curve.
-        borders = np.flatnonzero(np.diff(np.concatenate([[False], seen, [False]]).astype(np.int8)))
-        for first, last in borders.reshape(-1, 2).tolist():
-            points = np.floor(view.pixels(self._curve[first:last])).ravel().tolist()
-            draw.line(points, fill=self.palette.rgb("curve"), width=width)
-        for x, y, radius in self.march.curve.circles:
-            dashes = max(8, round(math.pi * radius * view.scale / (CIRCLE_DASH * BLOCK)))
-            box = [*(view.pixels((x, y)) - radius * view.scale), *(view.pixels((x, y)) + radius * view.scale)]
-            for dash in range(dashes):
-                angles = 360 * dash / dashes, 360 * (dash + 0.5) / dashes
-                draw.arc(box, *angles, fill=self.palette.rgb("ink"), width=BLOCK)
-        return image
-
-    def _nearest(self, poses: Array) -> Nearest | None:
-        """Return the bench closest to the head bench if its gap is displayed."""
-        nearest = None if self.gap is False else smallest_gap(self.march.dragon, poses)
-        always = self.gap or self.camera.follow == "head"
-        return nearest if nearest and (always or nearest.distance < _SMALL_GAP) else None
-
-    def _lower_texts(self, snapshot: Snapshot, contact: Contact | None, nearest: Nearest | None) -> tuple[str, str]:
-        """Return the texts in the lower left and right corners."""
-        left = "" if self.since is None else text("from t = {:g} s").format(self.since)
-        if contact:
-            # Short, to fit into a corner beside the spiral.
-            left = text("contact: benches {} and {}").format(*contact.benches)
-        elif snapshot.error is not None:
-            left = text("position error up to {:.4f} mm").format(1e3 * snapshot.error)
-        elif nearest:
-            left = text("gap {gap} to bench {bench}").format(gap=_length(nearest.distance), bench=nearest.bench)
-        if snapshot.impulses is None:
-            return left, ""
-        return left, text("joints up to {} N s").format(_impulse(float(snapshot.impulses.max())))
+def text_height(size: tuple[int, int]) -> int:
+    """Return the height of texts in a picture of a size, pixels."""
+    return max(_MIN_TEXT_HEIGHT, round(_TEXT_HEIGHT * min(size)))
 
 
 def hole_diameter(dragon: Dragon) -> float:
@@ -196,46 +183,21 @@ def smallest_gap(dragon: Dragon, poses: Array) -> Nearest | None:
 
 def _draw_benches(layer: Layer, touching: tuple[int, ...]) -> None:
     """Draw benches and holes, from tail to head, so that the head is on top; `touching` benches are in contact."""
-    dragon, poses, rgb = layer.march.dragon, layer.snapshot.poses, layer.palette.rgb
-    colours = {0: rgb("head"), dragon.benches - 1: rgb("tail")} | dict.fromkeys(touching, rgb("contact"))
-    seen = np.flatnonzero(layer.view.holds(poses[:, :2], float(dragon.lengths.max())))[::-1]
-    draw, body, ink = ImageDraw.Draw(layer.image), rgb("body"), rgb("ink")
-    for bench, polygon in zip(seen.tolist(), _polygons(layer, seen), strict=True):
-        draw.polygon(polygon, fill=colours.get(bench, body), outline=ink)
-    if 0 in touching:
-        # In its own colour, inside a border in the contact colour if the head is wide enough.
-        border = 2 * _HEAD_BORDER * BLOCK / layer.view.scale
-        wide = dragon.widths[0] * layer.view.scale >= _HEAD_BORDERS * _HEAD_BORDER * BLOCK
-        draw.polygon(_polygons(layer, np.array([0]), border * wide)[0], fill=rgb("head"), outline=ink)
-    diameter = hole_diameter(dragon) * layer.view.scale
+    dragon, poses = layer.dragon, layer.poses
+    colours = {dragon.benches - 1: COLOURS.tail} | dict.fromkeys(touching, COLOURS.contact) | {0: COLOURS.head}
+    seen = np.flatnonzero(layer.holds(poses[:, :2], float(dragon.lengths.max())))[::-1]
+    # ImageDraw also fills the pixels on a polygon's edge, so every side is inset by half a pixel.
+    lengths, widths = dragon.lengths[seen] - 1 / layer.scale, dragon.widths[seen] - 1 / layer.scale
+    polygons = np.floor(layer.pixels(outlines(poses[seen], lengths, widths))).reshape(-1, 8)
+    draw = ImageDraw.Draw(layer.image)
+    for bench, polygon in zip(seen.tolist(), polygons.tolist(), strict=True):
+        draw.polygon(polygon, fill=colours.get(bench, COLOURS.body), outline=COLOURS.ink)
+        if bench == 0 and touching[:1] == (0,):
+            border = max(1, round(_HEAD_BORDER * dragon.widths[0] * layer.scale))
+            draw.polygon(polygon, outline=COLOURS.contact, width=border)
+    diameter = hole_diameter(dragon) * layer.scale
     if diameter >= _MIN_HOLE_DIAMETER:
         holes = np.concatenate([hole[seen] for hole in dragon.holes(poses)])
-        corner = np.rint(layer.view.pixels(holes) - diameter / 2)
+        corner = np.rint(layer.pixels(holes) - diameter / 2)
         for box in np.concatenate([corner, corner + round(diameter) - 1], axis=1).tolist():
-            draw.ellipse(box, fill=ink)
-
-
-def _polygons(layer: Layer, benches: NDArray[np.intp], border: float = 0.0) -> list[list[int]]:
-    """Return the outlines of benches in pixels, without a border, m."""
-    # ImageDraw also fills the pixels on a polygon's edge, so every side is inset by half a pixel.
-    less, dragon = 1 / layer.view.scale + border, layer.march.dragon
-    corners = outlines(layer.snapshot.poses[benches], dragon.lengths[benches] - less, dragon.widths[benches] - less)
-    polygons: list[list[int]] = np.floor(layer.view.pixels(corners)).astype(int).reshape(-1, 8).tolist()
-    return polygons
-
-
-def _draw_ring(layer: Layer, point: tuple[float, float]) -> None:
-    if layer.march.dragon.widths.min() * layer.view.scale >= _RING_BENCH_WIDTH * BLOCK:
-        centre = layer.view.pixels(point).tolist()
-        ImageDraw.Draw(layer.image).circle(centre, _RING_RADIUS * BLOCK, outline=layer.palette.rgb("ink"), width=BLOCK)
-
-
-def _length(gap: float) -> str:
-    if gap >= _LARGE_GAP:
-        return f"{gap:.2f} m"
-    return f"{1000 * gap:.{1 if gap < _SMALL_GAP else 0}f} mm"
-
-
-def _impulse(size: float) -> str:
-    """Format an impulse with two significant digits, or as a whole number from 10 on."""
-    return f"{size:.0f}" if size >= 10 else f"{size:.2g}"
+            draw.ellipse(box, fill=COLOURS.ink)

@@ -24,7 +24,7 @@ reference scenario touch at 412.473850 s, none before; the exact time is 412.473
 first twelve benches and 0.0192 mm anywhere. The run is 80 times as fast as real time, and the driver takes 0.70 of the
 time of the bare steps on top (`pymunk-dragon simulate --json` and `python tests/bench/bench_speed.py` on two cores).
 
-![Drift over time and along the dragon](renders/figures/drift.png)
+![Drift over time](renders/figures/drift.png)
 
 Drift and error of the contact time by substep and iterations, from 400 s on (`python tests/bench/bench_drift.py`);
 `--fine` takes an eighth of the default substep and 60 iterations:

@@ -154,7 +154,7 @@ def _stills(run: Run) -> list[tuple[str, bytes]]:
         text("The whole dragon at {time} s"): Camera(),
     }
     return [
-        (caption.format(time=f"{time:.2f}"), still_png(run, time, Film(size=_STILL_SIZE, camera=camera, gap=False)))
+        (caption.format(time=f"{time:.2f}"), still_png(run, time, Film(size=_STILL_SIZE, camera=camera)))
         for caption, camera in cameras.items()
     ]
 

@@ -21,7 +21,7 @@ from statistics import median
 import numpy as np
 from measure import arguments, sized
 
-from pymunk_dragon.drawing import Film, render
+from pymunk_dragon.drawing import Film, Palette, render
 from pymunk_dragon.drawing.film.layout import Canvas
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
@@ -62,7 +62,7 @@ def matplotlib_animation(run: Run, film: Film, folder: Path) -> None:
     from matplotlib.figure import Figure
 
     times = film.timing([run]).times
-    march, palette = run.march, film.palette
+    march, palette = run.march, Palette()
     figure = Figure(figsize=(SIZE / 100, SIZE / 100), dpi=100)
     axes = figure.add_subplot()
     axes.set_aspect("equal")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import atexit
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache, cached_property
@@ -40,19 +40,17 @@ SHARED, CANDIDATE = "#d3dfe8", "#efb037"
 # Pixels per inch: a page of 8 inches has 1600 pixels, twice the 800 at which it is displayed.
 _DPI = 200
 # Inches: sides of a figure that fills a slide, and the distance from its edges to its text.
-_SLIDE_WIDTH, _SLIDE_HEIGHT, MARGIN = 8.0, 4.5, 0.3
+_SLIDE_WIDTH, _SLIDE_HEIGHT, _MARGIN = 8.0, 4.5, 0.3
 # Inches from a slide's top to its title, and to its subtitle; height of a line of a title; spacing in font sizes.
 _TITLE_TOP, _SUBTITLE_TOP, _TITLE_LINE, LINE_SPACING = 0.24, 0.56, 0.28, 1.25
 # Points: size of a title, smallest size of text, and width of the halo of text over a line.
 _TITLE_SIZE, SMALL, _HALO = 16, 10.5, 3.0
-# Options of a legend in the lower left corner of a slide.
-KEY: dict[str, Any] = {"loc": (MARGIN / _SLIDE_WIDTH, MARGIN / _SLIDE_HEIGHT), "frameon": False, "borderpad": 0.0}
-# Areas of a slide, as left, bottom, width and height in fractions of the page; and inches between panels.
-BELOW_TITLE, BESIDE_TITLE, PADDING = (0.02, 0.01, 0.96, 0.8), (0.47, 0.01, 0.51, 0.98), 0.1
+# Area of a slide below its title, as left, bottom, width and height in fractions of the page; inches between panels.
+_BELOW_TITLE, _PADDING = (0.02, 0.01, 0.96, 0.8), 0.1
+# Options of a legend beside axes.
+BESIDE: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": (1, 1), "frameon": False, "labelspacing": 0.8}
 # Fraction of a march without contact before its end that shows no speeds, which are unbounded where a spiral ends.
 _IRREGULAR_FRACTION = 0.05
-# Fraction of the axes' height: least distance between labels in a column.
-_LABEL_STEP = 0.075
 
 # matplotlib settings. Text has at least 10.5 points: a thirtieth of the height of a slide.
 _RC_PARAMS: dict[str, Any] = {
@@ -122,16 +120,16 @@ def slide(title: str, subtitle: str) -> Figure:
     """Create a figure that fills a slide, with a title and a subtitle, of any number of lines, in its upper left."""
     figure = _figure_type()(figsize=(_SLIDE_WIDTH, _SLIDE_HEIGHT), dpi=_DPI)
     down = _SUBTITLE_TOP + _TITLE_LINE * title.count("\n")
-    aligned: dict[str, Any] = {"x": MARGIN / _SLIDE_WIDTH, "va": "top", "linespacing": LINE_SPACING}
+    aligned: dict[str, Any] = {"x": _MARGIN / _SLIDE_WIDTH, "va": "top", "linespacing": LINE_SPACING}
     figure.text(y=1 - _TITLE_TOP / _SLIDE_HEIGHT, s=title, size=_TITLE_SIZE, **aligned)
     figure.text(y=1 - down / _SLIDE_HEIGHT, s=subtitle, color=QUIET, **aligned)
     return figure
 
 
-def panels(figure: Figure, area: Any = BELOW_TITLE, rows: int = 1, columns: int = 1, **options: Any) -> Any:
-    """Add axes, laid out by matplotlib, to an area of a page; options as of `Figure.subplots`."""
-    figure.set_layout_engine("constrained", rect=area, w_pad=PADDING, h_pad=PADDING)
-    return figure.subplots(rows, columns, **options)
+def panels(figure: Figure, rows: int = 1, columns: int = 1) -> Any:
+    """Add axes, laid out by matplotlib, below the title of a slide."""
+    figure.set_layout_engine("constrained", rect=_BELOW_TITLE, w_pad=_PADDING, h_pad=_PADDING)
+    return figure.subplots(rows, columns)
 
 
 def halo() -> list[Any]:
@@ -141,34 +139,20 @@ def halo() -> list[Any]:
     return [withStroke(linewidth=_HALO, foreground=COLOURS.background)]
 
 
-def logarithmic(axes: Axes, low: float, high: float) -> None:
-    """Set a logarithmic scale from `low` to `high` with plain numbers and thin grid lines."""
-    from matplotlib.ticker import LogLocator, NullLocator
+def plan(axes: Axes) -> None:
+    """Give both directions one scale, with labels in m."""
+    axes.set(xlabel="x (m)", ylabel="y (m)")
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.locator_params(nbins=5, steps=[1, 2, 4, 5, 10])
+
+
+def logarithmic(axes: Axes, unit: str, low: float, high: float) -> None:
+    """Set a logarithmic scale from `low` to `high`, in a unit with SI prefixes, with thin grid lines."""
+    from matplotlib.ticker import EngFormatter, NullFormatter
 
     axes.set(yscale="log", ylim=(low, high))
-    # On a short scale also numbers between the powers of ten have ticks.
-    steps = (1.0, 2.0, 3.0, 5.0) if high < 30 * low else (1.0,)
-    axes.yaxis.set(major_locator=LogLocator(subs=steps, numticks=12), minor_locator=NullLocator())
-    axes.yaxis.set_major_formatter("{x:g}")
+    axes.yaxis.set(major_formatter=EngFormatter(unit), minor_formatter=NullFormatter())
     axes.grid(axis="y", color=RULE, lw=0.6)
-
-
-def lead(axes: Axes, points: Array, names: Sequence[str], across: float, colours: Sequence[Any]) -> None:
-    """Label points (K, 2) in a column at `across`, a fraction of the axes' width, with lines that lead to them.
-
-    The labels are as high as their points, or higher where these are too close together. The limits must be final.
-    """
-    places = (axes.transScale + axes.transLimits).transform(points)
-    order = np.argsort(places[:, 1], kind="stable")
-    steps = _LABEL_STEP * np.arange(len(points))
-    heights = np.maximum.accumulate(np.clip(places[order, 1], 0, 1) - steps) + steps
-    for row, height in zip(order.tolist(), np.minimum(heights, 1 - steps[::-1]).tolist(), strict=True):
-        right = across > places[row, 0]
-        arrow = {"arrowstyle": "-", "color": colours[row], "lw": 0.9, "shrinkA": 2, "shrinkB": 0}
-        arrow["relpos"] = (0.0 if right else 1.0, 0.5)
-        place: dict[str, Any] = {"xy": points[row], "xytext": (across, height), "textcoords": "axes fraction"}
-        place |= {"ha": "left" if right else "right", "va": "center", "annotation_clip": False}
-        axes.annotate(names[row], **place, arrowprops=arrow, zorder=2)
 
 
 @dataclass(frozen=True)

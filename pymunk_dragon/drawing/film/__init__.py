@@ -1,7 +1,7 @@
 """Films of a run or march, or of several side by side, and pictures of one time.
 
 A film passes through these modules: `settings` (parameters) with `timing` (times of the frames), `layout` (arranges the
-scenes, which draw the states of `drawing.snapshots` at these times), and `formats` (file).
+scenes, which draw the states of a source at these times), and `formats` (file).
 """
 
 from __future__ import annotations
@@ -22,7 +22,8 @@ from pymunk_dragon.drawing.film.formats import WRITERS, Frames
 from pymunk_dragon.drawing.film.layout import Canvas
 from pymunk_dragon.drawing.film.settings import Film, checked_sources, shared_window
 from pymunk_dragon.drawing.film.timing import Timing
-from pymunk_dragon.drawing.snapshots import Source
+from pymunk_dragon.drawing.palette import colour_table
+from pymunk_dragon.drawing.sources import Source
 
 # A picture in a PDF: pixels per inch, of which a page of 8 inches has 1600; a JPEG quality without visible artefacts;
 # and no properties that would give equal pictures different bytes.
@@ -52,7 +53,7 @@ def render(
         File to write: .gif, .apng, .webp, or .mp4 with the extra `mp4`; a picture is .png or .pdf. If writing is
         interrupted, an old file is kept and no incomplete file is left.
     film : Film, optional
-        Speed, size, window, camera, marks, texts and colours.
+        Speed, size, window, camera, marks and texts.
     progress : callable, optional
         Function called for each frame with the number of frames done and the number of all frames.
     **parameters
@@ -88,11 +89,8 @@ def render(
     if ending in _STILLS:
         film = replace(film, start=film.window(sources)[1])
     timing = film.timing(sources)
-    # A start that was not chosen by the user is displayed.
-    chosen = film.start is None and timing.times[0] > film.window(sources)[0]
-    canvas = Canvas(sources, timing.times, film, since=float(timing.times[0]) if chosen else None)
-    colours = Image.new("P", (1, 1))
-    colours.putpalette(film.palette.table.tobytes())
+    canvas, colours = Canvas(sources, timing.times, film), Image.new("P", (1, 1))
+    colours.putpalette(colour_table().tobytes())
 
     def pictures() -> Iterator[Image.Image]:
         for done, frame in enumerate(canvas.frames(), start=1):
@@ -117,7 +115,7 @@ def still_png(source: Source | Sequence[Source], time: float, film: Film | None 
 def still(source: Source | Sequence[Source], time: float, film: Film | None = None) -> NDArray[np.uint8]:
     """Return the picture (height, width, 3) of a run or march, or of several side by side, at one time, s.
 
-    The film has size, camera, marks, texts and colours; its time window is ignored.
+    The film has size, camera, marks and texts; its time window is ignored.
 
     Raises
     ------

@@ -5,25 +5,28 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Literal, get_args
 
 import numpy as np
 
 from pymunk_dragon._checks import finite, positive, whole, word
-from pymunk_dragon.drawing.camera import Camera
-from pymunk_dragon.drawing.film.timing import ADVANCE, STANDARD_FPS, Timing, constant, slowed
+from pymunk_dragon.drawing.film.timing import ADVANCE, Timing, constant, slowed
 from pymunk_dragon.drawing.overlay import OVERLAYS
-from pymunk_dragon.drawing.palette import Palette
-from pymunk_dragon.drawing.snapshots import Source, march_of
+from pymunk_dragon.drawing.sources import Source, march_of
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 
-# Frames per second: the refresh rate of common screens.
-_MAX_FPS = 60
+Subject = Literal["field", "head"]
+
+# m: bounds of the width of a view, which detect lengths in another unit. The least shows less than two holes of a
+# bench, the largest more ground than the longest dragon covers.
+_SPANS = 0.1, 1e5
+# Frames per second, of which whole centiseconds are delays in a GIF; at most the refresh rate of common screens.
+_FPS, _MAX_FPS = 20, 60
 # Pixels: in a smaller picture the text covers the dragon, and a film is not a suitable format for larger ones.
 _SIZES = 64, 2048
-# Frames: half an hour at 10 frames per second. A larger number is taken for a typing error.
+# Frames: a quarter of an hour. A larger number is taken for a typing error.
 _MAX_FRAMES = 20_000
 # Simulated seconds per second of film: at a higher factor any march ends within its first frame.
 _MAX_SPEEDUP = 1e6
@@ -36,13 +39,41 @@ _MAX_PANELS = 4
 
 
 @dataclass(frozen=True, kw_only=True)
+class Camera:
+    """Camera of a film: what it follows, and the width of its view.
+
+    Parameters
+    ----------
+    follow : {"field", "head"}
+        Keep the camera fixed over the whole field, or centre it on the head bench.
+    span : float, optional
+        Width of the ground in view, m, from 0.1 to 1e5. The default for "field" holds the dragon during the whole film,
+        the default for "head" is 20 times the head bench's width.
+
+    Examples
+    --------
+    >>> from pymunk_dragon import Camera
+    >>> Camera(follow="head", span=8.0)
+    Camera(follow='head', span=8.0)
+    """
+
+    follow: Subject = "field"
+    span: float | None = None
+
+    def __post_init__(self) -> None:
+        word("follow", self.follow, get_args(Subject))
+        if self.span is not None:
+            finite("span", self.span, *_SPANS, "m")
+
+
+@dataclass(frozen=True, kw_only=True)
 class Film:
     """Parameters of a film.
 
     Parameters
     ----------
-    fps : int, optional
-        Frames per second of film, at most 60, and 50 in a GIF. The default is 20, or 25 or 50 in long films.
+    fps : int
+        Frames per second of film, at most 60, and 50 in a GIF.
     speedup : float, optional
         Simulated seconds per second of film. By default the film slows down towards near misses and contacts.
     size : int or tuple of int
@@ -52,11 +83,8 @@ class Film:
         any other late enough to be 11 s long, and both end with the run. A march requires `until`.
     hold : float
         Duration of the last frame, s.
-    camera, palette : Camera, Palette
-        View and colours.
-    gap : bool, optional
-        Whether to display the smallest gap between the head and a bench that is not its neighbour. By default the gap
-        is displayed if the camera follows the head or the gap is below 1 cm.
+    camera : Camera
+        View.
     legend : bool
         Whether to display a legend and a scale bar below the picture, if it is wide enough.
     show : tuple of str
@@ -80,15 +108,13 @@ class Film:
     array([0., 2., 4., 6., 8.])
     """
 
-    fps: int | None = None
+    fps: int = _FPS
     speedup: float | None = None
     size: int | tuple[int, int] = 440
     start: float | None = None
     until: float | None = None
     hold: float = 2.5
     camera: Camera = field(default_factory=Camera)
-    palette: Palette = field(default_factory=Palette)
-    gap: bool | None = None
     legend: bool = True
     show: tuple[str, ...] = ()
     title: str = ""
@@ -96,8 +122,7 @@ class Film:
     headings: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        if self.fps is not None:
-            whole("fps", self.fps, 1, _MAX_FPS)
+        whole("fps", self.fps, 1, _MAX_FPS)
         if self.speedup is not None:
             positive("speedup", self.speedup, _MAX_SPEEDUP, "")
         if len(self.shape) != 2:
@@ -105,12 +130,9 @@ class Film:
         for length in self.shape:
             whole("size", length, *_SIZES)
         finite("hold", self.hold, 0.0, _MAX_HOLD, "s")
-        for name, kind in (("camera", Camera), ("palette", Palette), ("show", tuple), ("headings", tuple)):
+        for name, kind in (("camera", Camera), ("show", tuple), ("headings", tuple)):
             if not isinstance(getattr(self, name), kind):
                 raise ParameterError(name, getattr(self, name), f"a {kind.__name__}")
-        self._check_texts()
-
-    def _check_texts(self) -> None:
         for overlay in self.show:
             word("show", overlay, OVERLAYS)
         for name, text in self.texts(self.headings):
@@ -129,13 +151,14 @@ class Film:
     def timing(self, sources: Sequence[Source]) -> Timing:
         """Return the times of the frames; a ParameterError if the window is not in the run, or has too many frames."""
         start, until = window = self.window(sources)
-        if self.speedup is None:
-            advance, late = ADVANCE[self.camera.follow], self.start is None
-            return slowed(sources, window, advance, self.fps, self.hold, late=late)
-        fps = self.fps or STANDARD_FPS
-        if (until - start) * fps / self.speedup > _MAX_FRAMES:
-            raise ParameterError("speedup", self.speedup, f"such that the film has at most {_MAX_FRAMES} frames")
-        return constant(start, until, self.speedup, fps, self.hold)
+        if self.speedup is None and start < until:
+            times = slowed(sources, window, ADVANCE[self.camera.follow], self.fps, late=self.start is None)
+        else:
+            step = (self.speedup or 1.0) / self.fps
+            if (until - start) / step > _MAX_FRAMES:
+                raise ParameterError("speedup", self.speedup, f"such that the film has at most {_MAX_FRAMES} frames")
+            times = constant(window, step)
+        return Timing(times, self.fps, self.hold)
 
     def window(self, sources: Sequence[Source]) -> tuple[float, float]:
         """Return the first and last time that the film may show, s; errors as in `timing`."""
