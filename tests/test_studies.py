@@ -6,7 +6,6 @@ import io
 import json
 import sys
 from dataclasses import replace
-from importlib import import_module
 
 import mpmath as mp
 import numpy as np
@@ -23,8 +22,7 @@ from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.curves import Spiral
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
-from pymunk_dragon.studies import STUDIES, Result, Study, min_pitch, sensitivity, study
-from pymunk_dragon.studies._study import Option
+from pymunk_dragon.studies import STUDIES, Result, Study, min_pitch, sensitivity
 
 SEED = {"width": 0.3, "overhang": 0.275, "head_spacing": 2.86, "body_spacing": 1.65, "pitch": 0.55}
 
@@ -119,7 +117,7 @@ def test_impossible_sizes_are_refused_by_name():
         (lambda: min_pitch(Dragon(benches=3, body_spacing=0.7)), "run into itself"),
         (lambda: min_pitch(Dragon(body_spacing=0.56)), "body_spacing", "0.56"),
         (lambda: sensitivity(Dragon(benches=2)), "pitch", "runs into itself"),
-        (lambda: study("min-pitch", {"ratio": 2}), "ratio", "radius"),
+        (lambda: STUDIES["min-pitch"].answer({"ratio": 2}), "ratio", "radius"),
     ):
         with pytest.raises(ParameterError) as caught:
             make()
@@ -236,14 +234,13 @@ def test_a_study_brings_its_options_and_its_formats(call, monkeypatch):
         name="deepest",
         summary="a study of the tests",
         run=lambda dragon, *, depth=1.0, progress: Deepest(depth * dragon.width),
-        options={"depth": Option(kind=float, metavar="M", text="how deep, m.  [1]")},
+        flags={"depth": ("M", "how deep, m.  [1]")},
         formats=(".json",),
     )
     monkeypatch.setitem(STUDIES, "deepest", added)
     monkeypatch.delitem(sys.modules, "pymunk_dragon.cli.study", raising=False)  # It reads the registry once.
     assert json.loads(call("study", "deepest", "--width", "0.2", "--depth", "3", "--json")[1])["depth"] == 3 * 0.2
-    # Without a figure.
-    assert Deepest(1.0)._repr_png_() is None
+    assert Deepest(1.0)._repr_html_() == "<pre>1.0 m</pre>"
     status, _, err = call("study", "deepest", "-o", "deepest.png")
     assert (status, ".json" in err) == (2, True)
     assert "--depth M" in call("study", "--help")[1]
@@ -270,11 +267,10 @@ def test_the_command_writes_what_the_ending_says(call, known, answer, tmp_path):
 
 
 def test_a_picture_needs_matplotlib_before_anything_is_computed(call, monkeypatch, tmp_path, answer):
-    with Image.open(io.BytesIO(answer._repr_png_())) as opened:
+    with Image.open(io.BytesIO(answer.plot()._repr_png_())) as opened:
         assert opened.width == 800
     monkeypatch.setitem(sys.modules, "matplotlib", None)
-    assert answer._repr_png_() is None
-    monkeypatch.setattr(import_module("pymunk_dragon.cli.study"), "run_study", None)
+    monkeypatch.setitem(STUDIES, "min-pitch", replace(STUDIES["min-pitch"], run=None))
     status, _, err = call("study", "min-pitch", "-o", tmp_path / "answer.png")
     assert (status, "pymunk-dragon[figures]" in err) == (2, True)
     assert not list(tmp_path.iterdir())

@@ -67,18 +67,14 @@ The contest's own sheets are written by `positions --times 0:300:1 -o result1.xl
 ## A study of your own
 
 A study is a module with a function, its result, and an entry `STUDY`. The result's class has the text, the JSON
-values and, if there is one, the figure; the command line takes the options from `STUDIES`.
+values and, if there is one, the figure; the command line takes the flags from `STUDIES`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
-from pymunk_dragon._checks import word
-from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.model.dragon import Dragon
-from pymunk_dragon.studies._study import DRAGON, Progress, Result, Study, silent
+from pymunk_dragon.studies._study import Result, Study
 from pymunk_dragon.studies.max_speed import STUDY as MAX_SPEED
 from pymunk_dragon.studies.max_speed import MaxSpeed, max_speed
 from pymunk_dragon.studies.min_pitch import STUDY as MIN_PITCH
@@ -100,26 +96,8 @@ __all__ = [
     "max_speed",
     "min_pitch",
     "sensitivity",
-    "study",
     "u_turn",
 ]
 
 # All studies by name.
 STUDIES: Mapping[str, Study] = {study.name: study for study in (MIN_PITCH, MAX_SPEED, SENSITIVITY, U_TURN)}
-
-
-def study(name: str, values: Mapping[str, Any], progress: Progress = silent) -> Any:
-    """Run one of `STUDIES` with `values` of its `parameters` by name; a wrong name or value is a `ParameterError`.
-
-    Examples
-    --------
-    >>> round(study("max-speed", {"limit": 1.5}).speed, 6)
-    0.9347
-    """
-    chosen = STUDIES[word("study", name, STUDIES)]
-    for given, value in values.items():
-        if given not in chosen.parameters:
-            raise ParameterError(given, value, f"left out: {name} takes " + ", ".join(chosen.parameters))
-    sizes = {given: value for given, value in values.items() if given in DRAGON}
-    rest = {given: value for given, value in values.items() if given not in DRAGON}
-    return chosen.run(Dragon(**sizes), **rest, progress=progress)

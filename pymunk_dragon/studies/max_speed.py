@@ -36,7 +36,7 @@ from pymunk_dragon.model.curves import UTurn
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.speed import MAX_SPEED, MIN_SPEED
-from pymunk_dragon.studies._study import Option, Progress, Result, Study, labelled, silent
+from pymunk_dragon.studies._study import Progress, Result, Study, labelled, silent
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -373,5 +373,5 @@ STUDY = Study(
     name="max-speed",
     summary="largest speed of the head in the U-turn (question 5)",
     run=max_speed,
-    options={"limit": Option(kind=float, metavar="M/S", text="no handle shall be faster, m/s.  [2]")},
+    flags={"limit": ("M/S", "no handle shall be faster, m/s.  [2]")},
 )

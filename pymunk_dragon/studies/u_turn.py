@@ -35,7 +35,7 @@ from pymunk_dragon.model import chain
 from pymunk_dragon.model.curves import Arc, Composite, UTurn
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
-from pymunk_dragon.studies._study import Option, Progress, Result, Study, labelled, silent
+from pymunk_dragon.studies._study import Progress, Result, Study, labelled, silent
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -375,6 +375,6 @@ STUDY = Study(
     name="u-turn",
     summary="turn inside the circle, and the shortest one found (question 4)",
     run=u_turn,
-    options={"search": Option(kind=bool, text="search for a shorter turn on five arcs.  [search]")},
+    flags={"search": (None, "search for a shorter turn on five arcs.  [search]")},
     formats=(".json", ".png", ".svg", ".pdf", ".xlsx"),
 )
