@@ -1,7 +1,7 @@
 """Representations of runs and marches in notebooks: a picture, a figure, and a player for small runs.
 
-In a notebook a `Run` shows itself as a player, or as a picture if it is long; a `March`, a result of a study or a
-sweep, and a figure (`pymunk_dragon.drawing.figures.figure`) show themselves as pictures.
+In a notebook a `Run` shows itself as a player, or as a picture if it is long; a `March` and a figure, as `plot` of a
+result returns it, as pictures; and results as their text.
 """
 
 from __future__ import annotations

@@ -125,7 +125,7 @@ def test_shell_completes_names_flags_and_files():
         "demo al": ["all"],
         "figure col": ["collision"],
         "study m": ["min-pitch", "max-speed"],
-        "study --fast": ["--fastest"],
+        "study --lim": ["--limit"],
         "live n": ["near-miss"],
         "contact --pit": ["--pitch"],
         "contact --method e": ["exact", "engine"],

@@ -64,11 +64,10 @@ def test_turn_is_the_contests_to_the_last_digits(answer):
 
 
 def test_no_two_arcs_make_the_turn_shorter(answer):
-    assert len({ratio for ratio, _ in answer.lengths}) >= 5
-    for ratio, length in answer.lengths:
+    for ratio in (0.25, 0.5, 1.0, 4.0):
         turn = UTurn(ratio=ratio)
-        assert length == pytest.approx(answer.turn.length, rel=1e-14)
-        assert walked(turn, 0, turn.joints[-1]) == pytest.approx(length, rel=1e-7)
+        assert turn.length == pytest.approx(answer.turn.length, rel=1e-14)
+        assert walked(turn, 0, turn.joints[-1]) == pytest.approx(turn.length, rel=1e-7)
 
 
 @pytest.mark.thorough
@@ -82,21 +81,19 @@ def test_dragon_gets_round_both_turns_without_touching_itself(answer):
             assert np.abs(first - second).max() == 1
 
 
-def test_no_handle_is_faster_than_is_certified(answer):
+def test_the_ratios_are_the_largest_seen_and_the_shortest_turn_has_no_larger_one(answer):
     for turn in (answer.contests, answer.shortest):
-        most = turn.ratio
-        ways = np.union1d(np.arange(-3, 40, 0.1), most.distance + np.arange(-0.1, 0.1, 0.01))
+        ways = np.arange(-3, 40, 0.05)
         seen = fastest(turn.march, ways)
-        assert most.excess <= 1e-11
-        assert seen.max() == pytest.approx(most.ratio, abs=1e-4)
-        assert seen.max() <= most.ratio + 1e-6
-    assert answer.shortest.ratio.ratio <= answer.max_ratio == answer.contests.ratio.ratio
-    assert answer.shortest.ratio.ratio == pytest.approx(answer.max_ratio, rel=1e-4)
+        near = fastest(turn.march, ways[seen.argmax()] + np.arange(-0.06, 0.06, 1e-3))
+        assert max(seen.max(), near.max()) == pytest.approx(turn.ratio, abs=1e-3)
+    assert answer.shortest.ratio <= answer.contests.ratio
+    assert answer.shortest.ratio == pytest.approx(answer.contests.ratio, rel=1e-3)
 
 
 def test_shortest_turn_has_five_arcs_and_stays_in_the_circle(answer):
     short, path = answer.shortest, answer.shortest.path
-    assert (short.arcs, short.length <= 10.5) == (5, True)
+    assert (len(path.pieces) - 2, short.length <= 10.5) == (5, True)
     assert walked(path, 0, path.joints[-1]) == pytest.approx(short.length, rel=1e-7)
     inside = path.point(np.linspace(0, short.length, 3001))
     assert np.hypot(*inside.T).max() <= 4.5 + 1e-12
@@ -128,22 +125,17 @@ def test_search_reports_its_progress_and_claims_no_proof(answer):
 
 def test_missing_scipy_is_named_before_any_work(monkeypatch):
     monkeypatch.setitem(sys.modules, "scipy.optimize", None)
-    monkeypatch.setattr(sys.modules["pymunk_dragon.studies.u_turn"], "largest_ratio", None)
+    monkeypatch.setattr(sys.modules["pymunk_dragon.studies.u_turn"], "UTurn", None)
     with pytest.raises(MissingExtraError) as caught:
         u_turn()
     assert_says(caught.value, "pymunk-dragon[studies]")
 
 
 def test_impossible_turns_are_refused_by_name():
-    # None asks for the contest's limit.
-    for value in (*NO_NUMBERS, 1.0, 5.1):
-        if value is not None:
-            with pytest.raises(ParameterError) as caught:
-                u_turn(fastest=value)
-            assert_says(caught.value, "fastest is", "1.01 to 5")
-    with pytest.raises(ParameterError) as caught:
-        u_turn(Dragon(benches=12), radius=1.8)
-    assert_says(caught.value, "radius is 1.8")
+    for radius in (1.8, 4.0):
+        with pytest.raises(ParameterError) as caught:
+            u_turn(Dragon(benches=12), radius=radius, search=False)
+        assert_says(caught.value, f"radius is {radius}")
 
 
 def test_contests_sheet_has_all_times_from_before_the_circle_to_after_it(call, tmp_path):
@@ -196,7 +188,7 @@ def test_the_speed_is_the_limit_over_the_ratio(limit, answer):
     assert fast.max() == pytest.approx(2, abs=1e-8)
     assert fast[list(limit.handles)] == pytest.approx(np.full(len(limit.handles), 2.0), abs=1e-8)
     assert max_speed(limit=1.0).speed == pytest.approx(limit.speed / 2, rel=1e-15)
-    assert (answer.contests.ratio.ratio, answer.contests.ratio.handle) == (limit.ratio, limit.handle)
+    assert limit.ratio - 1e-6 < answer.contests.ratio <= limit.ratio * (1 + 1e-12)
 
 
 def test_nobody_is_faster_however_long_one_looks(limit):
@@ -269,13 +261,7 @@ def test_program_tells_the_limit(call, limit):
     assert "3 m/s" in call("study", "max-speed", "--limit", "3")[1]
 
 
-def test_contests_turn_is_the_best_where_the_search_finds_none_below_its_limit(monkeypatch):
-    def fails(*_):
-        raise ParameterError("fastest", 1.2, "higher")
-
-    monkeypatch.setattr(sys.modules["pymunk_dragon.studies.u_turn"], "shortest_turn", fails)
-    found = u_turn(Dragon(benches=4), ratio=1.0)
+def test_contests_turn_is_the_best_where_the_search_finds_no_shorter_one(monkeypatch):
+    monkeypatch.setattr(sys.modules["pymunk_dragon.studies.u_turn"], "STEPS", 0)
+    found = u_turn(Dragon(benches=4))
     assert found.shortest.path == found.turn
-    assert found.shortest.ratio.ratio == found.max_ratio
-    with pytest.raises(ParameterError):
-        u_turn(Dragon(benches=4), fastest=1.1)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from inspect import signature
 from pathlib import Path
 from typing import Any
 
@@ -12,17 +13,16 @@ from pymunk_dragon._language import text
 from pymunk_dragon.cli import common
 from pymunk_dragon.model.scenario import Scenario
 from pymunk_dragon.studies import STUDIES
-from pymunk_dragon.studies import study as run_study
 
 
 def _study_options(function: common.F) -> common.F:
-    """Add the options of single studies to a command."""
-    known = [(study.name, name, option) for study in STUDIES.values() for name, option in study.options.items()]
-    for of, name, option in reversed(known):
-        flag = name.replace("_", "-")
-        flags = f"--{flag}/--no-{flag}" if option.kind is bool else f"--{flag}"
-        about = f"Options of {of}: {option.text[:1].upper()}{option.text[1:]}"
-        click.option(flags, name, type=option.kind, metavar=option.metavar, default=None, help=about)(function)
+    """Add the flags of single studies to a command."""
+    known = [(study, name, *flag) for study in STUDIES.values() for name, flag in study.flags.items()]
+    for study, name, metavar, words in reversed(known):
+        kind, flag = type(signature(study.run).parameters[name].default), name.replace("_", "-")
+        flags = f"--{flag}/--no-{flag}" if kind is bool else f"--{flag}"
+        about = f"Options of {study.name}: {words[:1].upper()}{words[1:]}"
+        click.option(flags, name, type=kind, metavar=metavar, default=None, help=about)(function)
     return function
 
 
@@ -47,7 +47,7 @@ def study(name: str | None, output: str | None, **options: float | bool | None) 
         # A missing library is named before the study runs.
         library("xlsxwriter" if ending == ".xlsx" else "matplotlib")
     with common.progress(name) as show:
-        found = run_study(name, values, lambda done, total: show(done, total, name))
+        found = STUDIES[name].answer(values, lambda done, total: show(done, total, name))
     if path is not None:
         _write(found, path)
     return common.answer(found.to_dict(), found)

@@ -9,8 +9,9 @@ from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pymunk_dragon._display import width
-from pymunk_dragon.errors import DragonError
+from pymunk_dragon._display import Printed, width
+from pymunk_dragon.errors import DragonError, ParameterError
+from pymunk_dragon.model.dragon import Dragon
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -34,8 +35,8 @@ def silent(done: float, total: float) -> None:
     """Report nothing."""
 
 
-class Result(ABC):
-    """Base class of the studies' results: ``str`` is the text that the program prints, and notebooks show `plot`."""
+class Result(Printed, ABC):
+    """Base class of the studies' results: ``str`` is the text that the program prints, which notebooks show too."""
 
     @abstractmethod
     def to_dict(self) -> dict[str, Any]:
@@ -67,22 +68,6 @@ class Result(ABC):
 
         write_styled(self._draw, path)
 
-    def _repr_png_(self) -> Any:
-        try:
-            figure: Any = self.plot()
-        except DragonError:
-            return None
-        return figure._repr_png_()
-
-
-@dataclass(frozen=True, kw_only=True)
-class Option:
-    """Parameter of a single study, as an option of the program: type, placeholder of the value, and description."""
-
-    kind: type
-    metavar: str | None = None
-    text: str
-
 
 @dataclass(frozen=True, kw_only=True)
 class Study:
@@ -93,9 +78,9 @@ class Study:
     name, summary : str
         Name of the study, and what it computes in one line.
     run : callable
-        Function of a `Dragon`, of keyword-only parameters, and of `progress`. It returns a `Result`.
-    options : mapping
-        Those of its parameters that no scenario has, as options of the program.
+        Function of a `Dragon`, of keyword-only parameters with defaults, and of `progress`. It returns a `Result`.
+    flags : mapping
+        Those of its parameters that no scenario has, as flags of the program: placeholder of the value and description.
     formats : tuple of str
         Endings of the files that the result can be written to: .xlsx if it has a `march` and `times`.
 
@@ -109,10 +94,19 @@ class Study:
     name: str
     summary: str
     run: Callable[..., Any]
-    options: Mapping[str, Option] = field(default_factory=dict)
+    flags: Mapping[str, tuple[str | None, str]] = field(default_factory=dict)
     formats: tuple[str, ...] = (".json", ".png", ".svg", ".pdf")
 
     @property
     def parameters(self) -> tuple[str, ...]:
         """Names of all parameters, including the dragon's sizes."""
         return *DRAGON, *(name for name in list(signature(self.run).parameters)[1:] if name != "progress")
+
+    def answer(self, values: Mapping[str, Any], progress: Progress = silent) -> Any:
+        """Run with `values` of its `parameters` by name; a wrong name or value is a `ParameterError`."""
+        for name, value in values.items():
+            if name not in self.parameters:
+                raise ParameterError(name, value, f"left out: {self.name} takes " + ", ".join(self.parameters))
+        sizes = {name: value for name, value in values.items() if name in DRAGON}
+        rest = {name: value for name, value in values.items() if name not in DRAGON}
+        return self.run(Dragon(**sizes), **rest, progress=progress)

@@ -5,51 +5,66 @@ diameter between them. Any two arcs tangent to both and to each other turn by 2 
 lie on the diameter, one after the other, so (r1 + r2) sin a = R, and the length is 2 a (r1 + r2) = 2 a R / sin a. It
 does not depend on the ratio of the radii.
 
-More arcs allow shorter turns. The diameter, 2 R, is the only geometric limit, but the handles behind the head become
-faster as the turn becomes shorter. So the search is for the shortest turn on five arcs on which no handle exceeds a
-given multiple of the head's speed: by default the largest ratio on the contest's own turn.
+Five arcs. The diameter, 2 R, is the only geometric limit, but the handles behind the head become faster as the turn
+becomes shorter. So the search is for the shortest turn on which no handle goes faster, relative to the head, than on
+the contest's own turn. The chord of an arc is at the mean angle of the tangents at both ends. So the entry and its
+tangent, and the points at which arcs end, determine these arcs. Two more arcs lead to the exit with its tangent if the
+angle between their chords is half the angle that they turn by; the ratio of the chords is free. The unknowns are the
+points at which the first three arcs end, as complex numbers in units of the entry, and the logarithm of that ratio.
+
+The method is sequential linear programming: the constraints are linearised by differences, and `scipy.optimize.linprog`
+finds the best step inside a trust region. Speeds have kinks where a handle passes from one arc to the next; they are
+sampled at fixed fractions of the time intervals between kinks, where they depend smoothly on the unknowns. The problem
+is not convex, so the result is the best turn near the start.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from pymunk_dragon._arrays import Array
-from pymunk_dragon._checks import finite
+from pymunk_dragon._arrays import Array, Complex
 from pymunk_dragon._extras import library
 from pymunk_dragon._language import text
 from pymunk_dragon.collision import FirstContact, first_contact
-from pymunk_dragon.errors import ParameterError, UnreachableError
-from pymunk_dragon.model.curves import Composite, UTurn
+from pymunk_dragon.errors import DragonError, ParameterError
+from pymunk_dragon.model import chain
+from pymunk_dragon.model.curves import Arc, Composite, UTurn
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
-from pymunk_dragon.studies._shortest import MIN_RADIUS, shortest_turn
-from pymunk_dragon.studies._speed_ratio import SpeedRatio, largest_ratio
-from pymunk_dragon.studies._study import Option, Progress, Result, Study, labelled, silent
+from pymunk_dragon.studies._study import Progress, Result, Study, labelled, silent
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 # m travelled by the head after it enters the circle: at 1 m/s, the times in s that the contest's table requires.
 DISTANCES = tuple(float(distance) for distance in range(-100, 101))
-# Ratios of the first arc's radius to the second's for which the length is reported.
-_RATIOS = (0.25, 0.5, 1.0, 2.0, 4.0)
-# Limits of the speed ratio: with a smaller one no chain can follow a curve, and next to configurations in which the
-# dragon gets stuck, the search takes long.
-_MIN_FASTEST, _MAX_FASTEST = 1.01, 5.0
-# Of the figure: m of ground around the circle, of the head's way from the turn to its position, and of its way before
-# and after it enters the circle for which speeds are drawn.
-BORDER, _EXIT_DISTANCE, SPEEDS = 1.5, 3.0, (-5.0, 20.0)
+# Start of the search: short, sharp arcs at both ends, and long ones between.
+START = (0.95, -0.1, 0.4, -0.2, -0.5, 0.2, -2.5)
+# m. Least radius and length of an arc: smaller radii save centimetres, and slow down the certificate of first contact.
+MIN_RADIUS, _MIN_ARC = 0.5, 0.02
+# m travelled by the head between chains in the search, and between those of a result; m travelled beyond the turn; m
+# behind the circle up to which handles are included; and samples of the speeds from one kink to the next.
+_SAMPLING, _FINE, _HEAD_MARGIN, _CHAIN_MARGIN, SAMPLES = 0.02, 1e-3, 9.0, 3.0, 8
+# Steps at most; and first, largest and least size of the trust region, in units of the unknowns, of which the last one
+# may change by more; and factors on the size after a better turn and after any other.
+STEPS, _FIRST_SIZE, MAX_SIZE, _MIN_SIZE, _GROWTH, _SHRINKAGE = 80, 0.1, 0.2, 1e-5, 1.6, 1 / 3
+_SCALES = np.array([1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 5.0])
+# m per unit of a violated constraint: several times the Lagrange multiplier of the speed. Violation by a bench that is
+# pushed back or has no position.
+_PENALTY, STUCK = 4.0, 10.0
+# Constraints closer to their limits than this are linearised; and step of the differences.
+_NEAR, _DIFFERENCE = 0.4, 1e-7
+# First distance kept from the limits; and searches, at most, each with a wider distance.
+MARGIN, _REPAIRS = 1e-4, 4
 
 
 @dataclass(frozen=True, kw_only=True)
 class MarchedTurn:
-    """A turn, its first contact and its speeds.
+    """A turn, its first contact and its largest speed.
 
     Attributes
     ----------
@@ -57,43 +72,32 @@ class MarchedTurn:
         The path between both spirals, and the march on it; handle 0 enters the circle at t = 0.
     contact : FirstContact
         Certified first contact while the head travels from 100 m before the entry of the circle to 100 m after it.
-    ratio : SpeedRatio
-        Largest ratio of a handle's speed to the head's, enclosed by branch and bound.
+    ratio : float
+        Largest ratio of a handle's speed to the head's while the head is in the turn, sampled at each millimetre.
     """
 
     path: Composite
     march: March
     contact: FirstContact
-    ratio: SpeedRatio
+    ratio: float
 
     @property
     def length(self) -> float:
         """Length from the entry of the circle to its exit, m."""
         return self.path.joints[-1] - self.path.joints[0]
 
-    @property
-    def arcs(self) -> int:
-        """Number of arcs."""
-        return len(self.path.pieces) - 2
-
     def to_dict(self) -> dict[str, Any]:
-        """First contact, and largest ratio of speeds."""
-        return {"contact": self.contact.to_dict(), "peak_speed_ratio": self.ratio.to_dict()}
+        """Length, first contact, and largest ratio of speeds."""
+        return {"length": self.length, "contact": self.contact.to_dict(), "peak_speed_ratio": self.ratio}
 
-    def lines(self, start: float, end: float) -> list[str]:
-        """Lines about the contact from `start` to `end` s, and about the fastest handle."""
-        found = self.contact
-        if found.status != "clear":
-            contact = text("none, but the dragon gets stuck at t = {time:.6f} s").format(time=found.time)
-            if found.benches is not None:
-                i, j = found.benches
-                contact = text("benches {i} and {j} touch at t = {time:.6f} s").format(i=i, j=j, time=found.time)
-        elif found.near_misses == ():
-            contact = text("none from {start:g} to {end:g} s,\nnor a gap below a thirtieth of the width: certified")
-        else:
-            contact = text("none from {start:g} to {end:g} s: certified")
-        fastest = labelled(text("fastest:"), str(self.ratio))
-        return [*labelled(text("contact:"), contact.format(start=start, end=end)), *fastest]
+    def lines(self) -> list[str]:
+        """Lines about the contact and the fastest handle."""
+        fastest = text("no handle more than {ratio:.4f} times as fast as the head")
+        first = str(self.contact).partition("\n")[0]
+        return [
+            *labelled(text("certified:"), first),
+            *labelled(text("sampled:"), fastest.format(ratio=self.ratio)),
+        ]
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -109,17 +113,11 @@ class TurnResult(Result):
         speeds the head travels the same distances, from 100 m before the entry of the circle to 100 m after it.
     contests, shortest : MarchedTurn
         The contest's turn and the shortest one that was found, which is None without the search.
-    lengths : tuple of tuple of float
-        Ratios of the radii, and the length of the turn with each ratio, m.
-    max_ratio : float
-        Largest ratio of a handle's speed to the head's that the search allows.
     """
 
     turn: UTurn
     times: tuple[float, ...]
     contests: MarchedTurn
-    lengths: tuple[tuple[float, float], ...]
-    max_ratio: float
     shortest: MarchedTurn | None = None
 
     @property
@@ -131,93 +129,49 @@ class TurnResult(Result):
         """Values in SI units, as `study u-turn --json` prints them."""
         turn, shortest = self.turn, None
         if self.shortest is not None:
-            path = self.shortest.path
-            arcs = [{"curvature": float(arc.curvature(0.0)), "length": arc.end_s} for arc in path.pieces[1:-1]]
-            shortest = {
-                "length": self.shortest.length,
-                "proven": False,
-                "arcs": arcs,
-                "joints": path.point(path.joints).tolist(),
-                "max_ratio": self.max_ratio,
-                **self.shortest.to_dict(),
-            }
-        return {
-            "length": turn.length,
-            **{name: getattr(turn, name).tolist() for name in ("radii", "centres", "sweeps", "tangent_points")},
-            "lengths": [{"ratio": ratio, "length": length} for ratio, length in self.lengths],
-            **self.contests.to_dict(),
-            "shortest": shortest,
-        }
+            pieces = self.shortest.path.pieces[1:-1]
+            arcs = [{"curvature": float(arc.curvature(0.0)), "length": arc.end_s} for arc in pieces]
+            shortest = {"proven": False, "arcs": arcs, **self.shortest.to_dict()}
+        shape = {name: getattr(turn, name).tolist() for name in ("radii", "centres", "sweeps", "tangent_points")}
+        return {**self.contests.to_dict(), **shape, "shortest": shortest}
 
     def _lines(self) -> list[str]:
-        turn, span = self.turn, (self.times[0], self.times[-1])
-        first, second = turn.radii.tolist()
-        ratios, lengths = zip(*self.lengths, strict=True)
+        (first, second), (one, other) = self.turn.radii.tolist(), self.turn.centres.tolist()
         arcs = text(
             "{length:.6f} m on arcs of {first:.6f} and {second:.6f} m,\n"
-            "each of {angle:.6f} degrees,\nabout {centres} m,\nwhich touch at\n{points} m"
-        ).format(
-            length=turn.length,
-            first=first,
-            second=second,
-            angle=math.degrees(abs(turn.sweeps[0])),
-            centres=_points(turn.centres),
-            points=_points(turn.tangent_points),
+            "each of {angle:.6f} degrees,\nabout ({x:.6f}, {y:.6f}) and ({u:.6f}, {v:.6f}) m;\n"
+            "as long with any other ratio of the radii"
         )
-        always = text(
-            "always as long: {shortest:.12f} to {longest:.12f} m\n"
-            "where the radii are as {least:g} to 1 up to {most:g} to 1.\n"
-            "Both turn by the same angle, and their chords make up\nthe circle's diameter"
-        ).format(shortest=min(lengths), longest=max(lengths), least=min(ratios), most=max(ratios))
-        lines = [
-            *labelled(text("the turn:"), arcs),
-            *self.contests.lines(*span),
-            *labelled(text("two arcs:"), always),
-        ]
+        angle, (x, y), (u, v) = math.degrees(abs(self.turn.sweeps[0])), one, other
+        arcs = arcs.format(length=self.turn.length, first=first, second=second, angle=angle, x=x, y=y, u=u, v=v)
+        lines = [*labelled(text("the turn:"), arcs), *self.contests.lines()]
         if self.shortest is None:
             return lines
-        best = text("{length:.4f} m on {arcs} arcs: best found, not proven to be the shortest")
-        searched = text(
-            "turns on {arcs} circular arcs, tangent to each other and to both spirals\n"
-            "where these meet the circle, inside the circle, with radii of at least\n"
-            "{radius:g} m, on which every handle goes forward and none more than\n"
-            "{ratio:.6f} times as fast as the head"
+        best = text(
+            "{length:.4f} m on {arcs} arcs with radii of at least {radius:g} m:\n"
+            "best found, not proven to be the shortest"
         )
-        count = self.shortest.arcs
-        return [
-            *lines,
-            *labelled(text("shorter:"), best.format(length=self.shortest.length, arcs=count)),
-            *labelled(text("searched:"), searched.format(arcs=count, radius=MIN_RADIUS, ratio=self.max_ratio)),
-            *self.shortest.lines(*span),
-        ]
+        best = best.format(length=self.shortest.length, arcs=len(self.shortest.path.pieces) - 2, radius=MIN_RADIUS)
+        return [*lines, *labelled(text("shorter:"), best), *self.shortest.lines()]
 
     def _draw(self) -> Figure:
-        """Both paths with the dragon, and the speed of the fastest handle."""
-        from pymunk_dragon.drawing.figures.style import AMBER, BLUE, COLOURS
-        from pymunk_dragon.studies._figures import POINTS, heading, panels
+        """Both paths in the circle."""
+        from pymunk_dragon.drawing.figures import style
 
         title = text("The turn is {:.4f} m long on any two arcs").format(self.turn.length)
-        note = text("no handle goes more than {:.4g} times as fast as the head")
-        views = [("two", text("two arcs, {:.4f} m").format(self.turn.length), self.contests, BLUE)]
-        if (short := self.shortest) is not None:
-            views.append(("more", text("{} arcs, {:.4f} m").format(short.arcs, short.length), short, AMBER))
-            title = text("The turn is {:.4f} m long on any two arcs; {} arcs save {:.0f} %")
-            title = title.format(self.turn.length, short.arcs, 100 * (1 - short.length / self.turn.length))
-            note = text("the best found on which no handle goes more than {:.4g} times as fast as the head")
-        mosaic = [[*(view[0] for view in views), "speeds"]]
-        figure, axes = panels(title, note.format(self.max_ratio), mosaic, width_ratios=[1.0] * len(views) + [0.9])
-        heading(axes["speeds"], text("fastest handle,\ntimes the head's speed"))
-        distances = np.linspace(*SPEEDS, POINTS)
-        for key, name, turn, colour in views:
-            heading(axes[key], name, colour)
-            _draw_turn(axes[key], turn, colour, self.turn.radius)
-            speeds = turn.march.at(turn.march.time(distances)).speeds
-            fastest = (speeds / speeds[:, :1]).max(axis=1)
-            axes["speeds"].plot(distances, fastest, color=colour, lw=1.8, gid="speeds", label=name)
-        limit = f"{self.max_ratio:.4g}"
-        axes["speeds"].axhline(self.max_ratio, color=COLOURS.contact, lw=1.0, ls=(0, (5, 3)), label=limit)
-        axes["speeds"].set(xlim=SPEEDS, ylim=(0.98, 1.4 * self.max_ratio), xlabel=text("distance of the head (m)"))
-        axes["speeds"].legend(loc="upper left", frameon=False, borderpad=0.0)
+        note = text("no handle goes more than {:.4g} times as fast as the head").format(self.contests.ratio)
+        figure = style.slide(title, note)
+        axes = style.panels(figure)
+        turn = np.linspace(0, 2 * np.pi, 400)
+        axes.plot(*(self.turn.radius * np.array([np.cos(turn), np.sin(turn)])), color=style.COLOURS.motion, ls="--")
+        for marched, colour in ((self.contests, style.BLUE), (self.shortest, style.AMBER)):
+            if marched is not None:
+                path, arcs = marched.path, len(marched.path.pieces) - 2
+                name = text("{} arcs, {:.4f} m").format(arcs, marched.length)
+                axes.plot(*path.point(np.linspace(-4.0, path.joints[-1] + 4.0, 1200)).T, color=colour, label=name)
+                axes.plot(*path.point(path.joints).T, "o", color=colour, ms=5)
+        axes.set(aspect="equal", xlabel="x (m)", ylabel="y (m)")
+        axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False)
         return figure
 
 
@@ -228,7 +182,6 @@ def u_turn(
     radius: float = 4.5,
     ratio: float = 2.0,
     speed: float = 1.0,
-    fastest: float | None = None,
     search: bool = True,
     progress: Progress = silent,
 ) -> TurnResult:
@@ -240,19 +193,17 @@ def u_turn(
         The dragon; by default the contest's.
     pitch, radius, ratio, speed
         As in `UTurn` and `March`.
-    fastest : float, optional
-        Largest ratio of a handle's speed to the head's on the shortest turn, from 1.01 to 5; by default the largest
-        ratio on the contest's turn.
     search : bool
-        Whether to search for the shortest turn; this needs SciPy. No proof shows that there is no shorter one.
+        Whether to search for the shortest turn on which no handle goes faster, relative to the head, than on the
+        contest's; this needs SciPy. No proof shows that there is no shorter one. Where none is found, it is the
+        contest's.
     progress : callable, optional
         Called with the part of the search that is done and the whole.
 
     Raises
     ------
     ParameterError
-        If a value is out of range, if the dragon does not get round the contest's turn, or if no turn inside the
-        circle is found on which every handle keeps to the limit.
+        If a value is out of range, or if the dragon does not get round the contest's turn.
     MissingExtraError
         If the search needs SciPy and it is not installed.
 
@@ -263,67 +214,167 @@ def u_turn(
     13.621245 m
     """
     dragon = dragon or Dragon()
-    if fastest is not None:
-        fastest = finite("fastest", fastest, _MIN_FASTEST, _MAX_FASTEST, "times the head's speed")
     if not isinstance(search, bool):
         raise ParameterError("search", search, "True or False")
     if search:
         library("scipy.optimize")
     turn = UTurn(pitch=pitch, radius=radius, ratio=ratio)
+    spacings = _followed(turn, dragon)
+    peak = _peak_ratio(turn, spacings)
+    if not math.isfinite(peak):
+        raise ParameterError("radius", radius, "large enough for the dragon to get round the turn")
     times = tuple(March(dragon, turn, speed=speed).time(DISTANCES).tolist())
-    try:
-        peak = largest_ratio(dragon, turn)
-    except (ParameterError, UnreachableError) as error:
-        raise ParameterError("radius", radius, "large enough for the dragon to get round the turn") from error
 
-    def marched(path: Composite, found: SpeedRatio) -> MarchedTurn:
+    def marched(path: Composite) -> MarchedTurn:
         march = March(dragon, path, speed=speed)
         contact = first_contact(march, start=times[0], until=times[-1])
-        return MarchedTurn(path=path, march=march, contact=contact, ratio=found)
+        return MarchedTurn(path=path, march=march, contact=contact, ratio=_peak_ratio(path, spacings))
 
-    turns = [replace(turn, ratio=each) for each in _RATIOS]
-    limit = peak.ratio if fastest is None else fastest
-    try:
-        found = shortest_turn(turn, dragon, limit, progress) if search else None
-    except ParameterError:
-        if limit < peak.ratio:
-            raise
-        # The contest's turn keeps to the limit.
-        found = turn, peak
-    return TurnResult(
-        turn=turn,
-        times=times,
-        contests=marched(turn, peak),
-        lengths=tuple((each.ratio, each.joints[-1] - each.joints[0]) for each in turns),
-        max_ratio=limit,
-        shortest=None if found is None else marched(*found),
-    )
+    shortest = marched(_shortest_turn(turn, spacings, peak, progress)) if search else None
+    return TurnResult(turn=turn, times=times, contests=marched(turn), shortest=shortest)
 
 
-def _points(points: Array) -> str:
-    return ", ".join(f"({x:.6f}, {y:.6f})" for x, y in points.tolist())
+def _followed(turn: UTurn, dragon: Dragon) -> Array:
+    """Spacings of the foremost benches, which are in the turn with the head."""
+    return dragon.spacings[: int(np.searchsorted(np.cumsum(dragon.spacings), turn.length + _CHAIN_MARGIN)) + 1]
 
 
-def _draw_turn(axes: Axes, turn: MarchedTurn, colour: str, radius: float) -> None:
-    """Draw a turn between both spirals, and the dragon as it leaves the turn."""
-    from pymunk_dragon.drawing.figures.style import PALE
-    from pymunk_dragon.studies._figures import POINTS, plan_view
+def _peak_ratio(path: Composite, spacings: Array) -> float:
+    """Largest ratio of a handle's speed to the head's, from 1; inf if a handle is pushed back or has no position."""
+    heads = np.arange(0.0, path.joints[-1] + _HEAD_MARGIN, _FINE)
+    ratios = chain.chain_motion(path, path.chain(heads, spacings), spacings).ratios
+    return float(ratios.max()) if np.all(ratios > 0) else math.inf
 
-    end = turn.path.joints[-1]
-    plan_view(axes, turn.march, float(turn.march.time(end + _EXIT_DISTANCE)), radius, radius + BORDER)
-    for since, until, line in ((-60.0, 0.0, PALE), (end, end + 60.0, PALE), (0.0, end, colour)):
-        path = turn.path.point(np.linspace(since, until, POINTS))
-        axes.plot(*path.T, color=line, lw=2.4 if line == colour else 1.2, zorder=4 if line == colour else 1)
-    axes.plot(*turn.path.point(turn.path.joints).T, "o", color=colour, ms=5, zorder=4, gid="joints")
+
+def _shortest_turn(base: UTurn, spacings: Array, limit: float, progress: Progress) -> Composite:
+    """The shortest turn found on which no handle exceeds `limit` times the head's speed, which `base` does not."""
+    search = _Search(base, spacings, limit)
+    for _ in range(_REPAIRS):
+        arcs = search.arcs(search.run(np.array(START), progress))
+        path = arcs.path(base)
+        excess = max((_peak_ratio(path, spacings) - limit) / (limit - 1), arcs.violations(base.radius).max())
+        if excess <= 0:
+            return path
+        search.margin += min(excess, MAX_SIZE) + MARGIN
+    return base
+
+
+class _Arcs(NamedTuple):
+    """Joints (n + 1,) of arcs as complex numbers, m, directions (n + 1,) there, rad, and lengths (n,), m."""
+
+    joints: Complex
+    headings: Array
+    lengths: Array
+
+    @property
+    def curvatures(self) -> Array:
+        """Signed curvatures (n,), 1/m."""
+        return np.diff(self.headings) / self.lengths
+
+    @property
+    def centres(self) -> Complex:
+        """Centres (n,) as complex numbers, m."""
+        centres: Complex = self.joints[:-1] + 1j * np.exp(1j * self.headings[:-1]) / self.curvatures
+        return centres
+
+    def path(self, base: UTurn) -> Composite:
+        """The path with the spirals of another turn; an error if an arc vanishes or is straight."""
+        curvatures, centres = self.curvatures.tolist(), self.centres.tolist()
+        begins, sweeps = self.headings[:-1] - np.copysign(np.pi / 2, curvatures), np.diff(self.headings)
+        arcs = [
+            Arc(centre=(centre.real, centre.imag), radius=1 / abs(curvature), begin_angle=begin, sweep=sweep)
+            for centre, curvature, begin, sweep in zip(centres, curvatures, begins, sweeps, strict=True)
+        ]
+        return Composite((base.pieces[0], *arcs, base.pieces[-1]))
+
+    def violations(self, radius: float) -> Array:
+        """Violations of the limits of arcs: the circle of the radius, the least radius of an arc and its length."""
+        curvatures, centres = self.curvatures, self.centres
+        # The farthest point of a full circle is on the ray from the origin through its centre.
+        turned = (np.angle(1j * centres * curvatures) - self.headings[:-1]) * np.sign(curvatures) % (2 * np.pi)
+        summits = np.where(turned < np.abs(curvatures) * self.lengths, np.abs(centres) + 1 / np.abs(curvatures), 0.0)
+        outside = np.concatenate([np.abs(self.joints[1:-1]), summits]) / radius - 1
+        return np.concatenate([outside, np.abs(curvatures) * MIN_RADIUS - 1, _MIN_ARC - self.lengths])
+
+
+class _Search:
+    """The optimisation problem. `margin` is the distance that is kept from the limits."""
+
+    def __init__(self, base: UTurn, spacings: Array, limit: float) -> None:
+        self._base, self._spacings, self._limit, self.margin = base, spacings, limit, MARGIN
+        entry, tangent = (part.view(complex)[0] for part in base.frame(0.0))
+        self._entry, self._heading = complex(entry), float(np.angle(tangent))
+        self._optimize = library("scipy.optimize")
+
+    def arcs(self, x: Array) -> _Arcs:
+        """The arcs of unknowns (7,)."""
+        chords = list(np.diff(self._entry * np.append(1, x[:6].view(complex))))
+        headings = [self._heading]
+        for k in range(len(chords) + 2):
+            if k == len(chords):
+                rest = -2 * self._entry - sum(chords)
+                chord = rest / (1 + np.exp(x[6] + 0.5j * (self._heading - headings[-1])))
+                chords += [chord, rest - chord]
+            headings.append(headings[-1] + 2 * float(np.angle(chords[k] * np.exp(-1j * headings[-1]))))
+        lengths = np.abs(chords) / np.sinc(np.diff(headings) / (2 * np.pi))
+        return _Arcs(self._entry + np.cumsum([0, *chords]), np.array(headings), lengths)
+
+    def length(self, x: Array) -> float:
+        """Length of the turn, m."""
+        return float(self.arcs(x).lengths.sum())
+
+    def violations(self, x: Array) -> Array:
+        """Violations of all limits, with the margin: 0 at the limit. That of speed is in units of `limit - 1`."""
+        arcs = self.arcs(x)
+        path = arcs.path(self._base)
+        heads = np.arange(0.0, self._base.length + _HEAD_MARGIN, _SAMPLING)
+        chains = path.chain(heads, self._spacings).T
+        kinks = np.sort(np.concatenate([np.interp(path.joints, handle, heads) for handle in chains]))
+        sampled = np.interp(np.arange(SAMPLES * (kinks.size - 1)) / SAMPLES, np.arange(kinks.size), kinks)
+        handles_s = np.stack([np.interp(sampled, heads, handle) for handle in chains], axis=1)
+        ratios = chain.chain_motion(path, handles_s, self._spacings).ratios[:, 1:].ravel()
+        speeds = np.where(ratios > 0, (ratios - self._limit) / (self._limit - 1), STUCK)
+        return np.concatenate([speeds, arcs.violations(self._base.radius)]) + self.margin
+
+    def cost(self, x: Array) -> float:
+        """Length with a penalty for violated constraints, m; inf where an arc vanishes or is straight."""
+        try:
+            return self.length(x) + _PENALTY * max(0.0, float(self.violations(x).max()))
+        except DragonError:
+            return np.inf
+
+    def run(self, x: Array, progress: Progress) -> Array:
+        """The best unknowns found from a start."""
+        size, cost, better = _FIRST_SIZE, self.cost(x), True
+        for step_number in range(STEPS):
+            progress(step_number, STEPS)
+            if better:
+                values, derivatives = self.violations(x), self._optimize.approx_fprime
+                near = values > -_NEAR
+                slopes = derivatives(x, lambda x: self.violations(x)[near], _DIFFERENCE)  # noqa: B023  # Called at once.
+                gradient = derivatives(x, self.length, _DIFFERENCE)
+            # The last unknown is the largest violation.
+            step = self._optimize.linprog(
+                np.append(gradient, _PENALTY),
+                A_ub=np.column_stack([slopes, np.full(len(slopes), -1.0)]),
+                b_ub=-values[near],
+                bounds=[*(size * np.outer(_SCALES, [-1, 1])), (0, None)],
+            )
+            other = x + step.x[:-1]
+            better = (found := self.cost(other)) < cost
+            if better:
+                x, cost = other, found
+            size = min(size * _GROWTH, MAX_SIZE) if better else size * _SHRINKAGE
+            if size < _MIN_SIZE:
+                break
+        progress(1, 1)
+        return x
 
 
 STUDY = Study(
     name="u-turn",
     summary="turn inside the circle, and the shortest one found (question 4)",
     run=u_turn,
-    options={
-        "fastest": Option(kind=float, metavar="X", text="largest speed of a handle over that of the head."),
-        "search": Option(kind=bool, text="search for a shorter turn on five arcs.  [search]"),
-    },
+    flags={"search": (None, "search for a shorter turn on five arcs.  [search]")},
     formats=(".json", ".png", ".svg", ".pdf", ".xlsx"),
 )

@@ -125,7 +125,7 @@ def _nearest_gap(march: March, *, start: float = 0.0, until: float | None = None
 def min_pitch(march: March, *, turns: float = 16.0, speed: float = 1.0, radius: float = 4.5) -> Values:
     """Smallest pitch at which the head reaches the circle."""
     found = smallest_pitch(march.dragon, turns=turns, speed=speed, radius=radius)
-    return {"min_pitch": found.pitch, **_benches(found.benches), "limit": found.limit}
+    return {"min_pitch": found.pitch, **_benches(found.benches)}
 
 
 def max_speed(

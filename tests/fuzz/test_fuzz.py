@@ -66,7 +66,7 @@ COMMANDS = [
     "report exact.npz -o new.html",
     "figure drift run.npz -o new.png",
     *(f"figure {name} --benches 5 --turns 3 -o new.png" for name in FIGURES),
-    "study max-speed --limit 1.5 --fastest 2 --benches 5 -o new.json",
+    "study max-speed --limit 1.5 --benches 5 -o new.json",
     "study min-pitch --benches 5",
     "sweep --axis pitch=0.5,0.6 --quantity max-speed --workers 1 --benches 5 -o new.csv",
     "sweep --axis pitch=0.5:0.6:0.1 --workers 1 --benches 5 -o new.png",
