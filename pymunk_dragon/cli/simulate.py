@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 import click
@@ -16,7 +15,6 @@ from pymunk_dragon.physics import GUIDES
 from pymunk_dragon.physics import simulate as play
 from pymunk_dragon.physics.world import top_speed
 
-CONTACTS = click.Choice(["stop", "report", "resolve"])
 EXAMPLES = ("-o run.npz", "--from 400 --until 415 --fine -o run.npz", "--guide none --until 20")
 
 
@@ -25,7 +23,7 @@ EXAMPLES = ("-o run.npz", "--from 400 --until 415 --fine -o run.npz", "--guide n
 @common.start_option
 @common.until_option
 @click.option("--guide", type=click.Choice(list(GUIDES)), default="rails", help="What keeps it on the path.  [rails]")
-@click.option("--contacts", type=CONTACTS, default="stop", help="What the first contact does.  [stop]")
+@common.contacts_option("stop")
 @click.option("--head-force", type=float, metavar="F", help="Largest force at contacts, N.  [twice the ground drag]")
 @click.option("--substep", type=float, metavar="T", help="Substep, s.  [20 mm of the head, or 5 mm to resolve]")
 @click.option("--iterations", type=int, metavar="N", help="Solver iterations.  [10, or 60 if contacts are resolved]")
@@ -35,23 +33,23 @@ EXAMPLES = ("-o run.npz", "--from 400 --until 415 --fine -o run.npz", "--guide n
 def simulate(fine: bool, output: str | None, **choices: Any) -> None:
     """Play the march in Pymunk until the dragon runs into itself."""
     march = common.march()
-    path, _ = common.destination_of(output, (".npz",))
+    path = common.destination_of(output, (".npz",))
     if fine and common.flags_given("substep", "iterations"):
         raise click.UsageError("--fine chooses the substep and the iterations: leave out --substep and --iterations")
     interval = {name: choices.pop(name) for name in ("start", "until", "guide")}
-    run = played(march, EngineSettings(**choices), fine=fine, **interval)
+    if fine:
+        substep = FINE_STRIDE / top_speed(march, interval["start"], interval["until"])
+        choices |= {"substep": substep, "iterations": FINE_ITERATIONS}
+    run = played(march, settings=EngineSettings(**choices), **interval)
     if path is not None:
         run.save(path)
-        common.wrote(path, text("{count} frames").format(count=len(run.times)))
+        common.wrote(path)
     else:
         common.note(text("the run is not kept: -o RUN.npz saves it"))
     common.answer(run.to_dict(), run)
 
 
-def played(march: March, settings: EngineSettings, *, fine: bool, start: float, until: float | None, **how: Any) -> Run:
+def played(march: March, *, start: float, **how: Any) -> Run:
     """Play `march` in Pymunk, with progress."""
-    if fine:
-        substep = FINE_STRIDE / top_speed(march, start, until)
-        settings = replace(settings, substep=substep, iterations=FINE_ITERATIONS)
-    with common.progress("t", "t = {done:.1f} s, {total:.0f} s at the latest", start) as show:
-        return play(march, start=start, until=until, settings=settings, progress=show, **how)
+    with common.progress("simulate", start) as show:
+        return play(march, start=start, progress=show, **how)

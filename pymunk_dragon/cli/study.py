@@ -7,8 +7,6 @@ from typing import Any
 
 import click
 
-from pymunk_dragon._extras import library
-from pymunk_dragon._language import text
 from pymunk_dragon.cli import common
 from pymunk_dragon.model.scenario import Scenario
 from pymunk_dragon.studies import STUDIES
@@ -38,19 +36,14 @@ def study(name: str | None, output: str | None, **options: float | bool | None) 
     the others, as the pitch where it is the result. The radius is that of the circle to which the head marches.
     """
     if name is None:
-        known = {each.name: each.summary for each in STUDIES.values()}
-        listed = "\n".join(f"{name:<11}  {text(summary)}" for name, summary in known.items())
-        return common.answer({"studies": known}, listed)
+        return common.listing("studies", {each.name: each.summary for each in STUDIES.values()})
     values = _values(name, options)
-    path, ending = common.destination_of(output, STUDIES[name].formats)
-    if ending not in ("", ".json"):
-        # A missing library is named before the study runs.
-        library("xlsxwriter" if ending == ".xlsx" else "matplotlib")
-    with common.progress(name) as show:
-        found = run_study(name, values, lambda done, total: show(done, total, name))
-    if path is not None:
-        _write(found, path)
-    return common.answer(found.to_dict(), found)
+    path = common.destination_of(output, STUDIES[name].formats)
+    with common.progress("study") as show:
+        found = run_study(name, values, show)
+    result = found.to_dict()
+    common.save(path, result, lambda path: _write(found, path))
+    return common.answer(result, found)
 
 
 def _values(name: str, options: dict[str, Any]) -> dict[str, Any]:
@@ -67,13 +60,10 @@ def _values(name: str, options: dict[str, Any]) -> dict[str, Any]:
 
 
 def _write(found: Any, path: Path) -> None:
-    """Write the answer in the format of the file's ending."""
-    if path.suffix.lower() == ".json":
-        common.write_json(path, found.to_dict())
-    elif path.suffix.lower() == ".xlsx":
+    """Write sheets of the contest, or the figure."""
+    if path.suffix.lower() == ".xlsx":
         from pymunk_dragon.reports import write_tables
 
         write_tables(found.march, found.times, path)
     else:
         found.write_figure(path)
-    common.wrote(path)

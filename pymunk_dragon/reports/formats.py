@@ -38,7 +38,7 @@ _STILL_SIZE = 880
 _CLOSE_SPAN, _CLOSE_MARGIN = 6.0, 3.0
 # Bars in the chart of contacts: more are hard to read. The table and the other formats have more.
 _MAX_BARS = 40
-# SVG without a date, for the same bytes each time, and without the rest of the description.
+# SVG without a date has the same bytes each time.
 _NO_METADATA = dict.fromkeys(("Date", "Creator", "Format", "Type"))
 
 
@@ -50,9 +50,9 @@ def report(run: Run, path: str | Path) -> None:
     run : Run
         Run to report on.
     path : path
-        File to write; the ending selects the format: .json (all contents; see `json_schema`), .csv (near misses,
+        File to write; the ending selects the format: .json (all contents; see `Summary.to_dict`), .csv (near misses,
         contacts and callbacks, by time), .md or .html (one self-contained file with pictures, and with charts if
-        matplotlib is installed). An interrupted report leaves the old file or none.
+        matplotlib is installed).
 
     Raises
     ------
@@ -70,11 +70,6 @@ def report(run: Run, path: str | Path) -> None:
     with written_in_place(destination) as draft:
         # Bytes, since text mode would convert line ends, and CSV requires CR LF.
         draft.write_bytes(content.encode("utf-8"))
-
-
-def _json_text(summary: Summary) -> str:
-    """Report as JSON on one line."""
-    return json.dumps(summary.to_dict(), allow_nan=False) + "\n"
 
 
 def _csv_text(summary: Summary) -> str:
@@ -114,7 +109,12 @@ def html(summary: Summary) -> str:
 
 
 # Registry of the formats by file ending.
-FORMATS: dict[str, Callable[[Summary], str]] = {".json": _json_text, ".csv": _csv_text, ".md": markdown, ".html": html}
+FORMATS: dict[str, Callable[[Summary], str]] = {
+    ".json": lambda summary: json.dumps(summary.to_dict(), allow_nan=False) + "\n",
+    ".csv": _csv_text,
+    ".md": markdown,
+    ".html": html,
+}
 REPORT_ENDINGS = tuple(FORMATS)
 
 
@@ -160,7 +160,7 @@ def _stills(run: Run) -> list[tuple[str, bytes]]:
 
 
 def _charts(run: Run) -> dict[str, tuple[str, str]]:
-    """Captions and SVG of charts by the section that they are in; none without matplotlib or without data."""
+    """Captions and addresses of charts by the section that they are in; none without matplotlib or without data."""
     drawn: dict[str, tuple[str, Callable[[Run], Any]]] = {
         "windows": (text("The first contacts of benches over time"), _contacts),
         "drift": (text("Position error over time and along the dragon"), partial(figure, "drift")),
@@ -170,16 +170,8 @@ def _charts(run: Run) -> dict[str, tuple[str, str]]:
         with suppress(MissingExtraError, ParameterError, UnreachableError), styled():
             svg = io.StringIO()
             draw(run).savefig(svg, format="svg", metadata=_NO_METADATA)
-            found[key] = (caption, _inlined(svg.getvalue(), key))
+            found[key] = (caption, data_address(svg.getvalue().encode(), "image/svg+xml"))
     return found
-
-
-def _inlined(svg: str, key: str) -> str:
-    """`svg` as an element of a page, in thousandths of a point, with the names that it uses made its own."""
-    element = re.sub(r"(\d\.\d{3})\d+", r"\1", svg[svg.index("<svg") :])
-    used = set(re.findall(r"#(\w[^\")]*)", element))
-    named = re.sub(r' id="([^"]*)"', lambda found: f' id="{found[1]}"' if found[1] in used else "", element)
-    return re.sub(r'(\bid="|href="#|url\(#)', rf"\g<1>{key}-", named)
 
 
 def _contacts(run: Run) -> Any:
