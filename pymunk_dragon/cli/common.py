@@ -162,13 +162,7 @@ def march() -> March:
     """The march of the scenario file and the options."""
     from pymunk_dragon.model.scenario import Scenario
 
-    try:
-        return Scenario.from_dict(file_values() | chosen()).march()
-    except ParameterError as error:
-        if error.name.removeprefix("curve.") in chosen():
-            raise
-        # A key of the file, which may have the name of another option: `start` is not --from.
-        raise click.UsageError(str(error)) from error
+    return Scenario.from_dict(file_values() | chosen()).march()
 
 
 def run_of(run_file: str) -> Run:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict
+from typing import Any
 
 import click
 
@@ -18,8 +19,16 @@ ALL = "all"
 NUMBERS = {str(number): name for number, name in enumerate(LESSONS, start=1)}
 
 
+class _LessonName(click.Choice[str]):
+    """The name of a lesson, also by its number, or `ALL`."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the name."""
+        return super().convert(NUMBERS.get(value, value), param, ctx)
+
+
 @click.command(cls=common.DragonCommand, examples=("", "spiral", "3 --lang zh", "all -o lessons.html"))
-@click.argument("name", metavar="[LESSON]", required=False, type=click.Choice([*LESSONS, ALL, *NUMBERS]))
+@click.argument("name", metavar="[LESSON]", required=False, type=_LessonName([*LESSONS, ALL]))
 @click.option("--save", metavar="DIR", type=click.Path(), help="Folder for the picture.  [a temporary one]")
 @click.option("--pause", is_flag=True, help="Wait for Enter once the class has made its guess.")
 @common.output_option(".html, a page of the lesson, or of all; .ipynb, its notebook; .py, its program")
@@ -29,7 +38,7 @@ def demo(name: str | None, save: str | None, pause: bool, output: str | None) ->
     Without a name, list them. Each has a question, a prediction, a run, the answer, a number to check and something to
     try.
     """
-    lessons = list(LESSONS.values()) if name in (None, ALL) else [LESSONS[NUMBERS.get(name, name)]]
+    lessons = list(LESSONS.values()) if name in (None, ALL) else [LESSONS[str(name)]]
     if (save is not None or pause) and (name is None or output is not None):
         raise click.UsageError("--save and --pause are for a lesson that is played: give its name, and no -o")
     if output is not None:

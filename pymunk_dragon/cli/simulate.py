@@ -41,12 +41,11 @@ def simulate(fine: bool, output: str | None, **choices: Any) -> None:
         substep = FINE_STRIDE / top_speed(march, interval["start"], interval["until"])
         choices |= {"substep": substep, "iterations": FINE_ITERATIONS}
     run = played(march, settings=EngineSettings(**choices), **interval)
-    if path is not None:
-        run.save(path)
-        common.wrote(path)
-    else:
+    found = run.to_dict()
+    common.save(path, found, run.save)
+    if path is None:
         common.note(text("the run is not kept: -o RUN.npz saves it"))
-    common.answer(run.to_dict(), run)
+    common.answer(found, run)
 
 
 def played(march: March, *, start: float, **how: Any) -> Run:

@@ -177,13 +177,10 @@ def _comparison(summary: Summary) -> str:
     notes = [] if run.first_contact else [text("None in this run.")]
     if run.guide == "none":
         notes.append(text("No guide kept this dragon on its path."))
-    if exact is None:
-        missing = "No result of the exact model: the run has no time interval in which the dragon is on the curve."
-        notes.append(text(missing))
-    elif error := _time_error(summary):
+    if error := _time_error(summary):
         same = text("The same benches touch in the exact model; the contact of the run is {error}.")
         notes.append(same.format(error=error))
-    elif run.player != "exact" or not run.first_contact:
+    elif exact is not None and (run.player != "exact" or not run.first_contact):
         result = contact_text(exact.status, exact.benches, exact.point, exact.time)
         notes.append(text("The exact model: {result}.").format(result=result))
     return " ".join(notes)
