@@ -19,13 +19,15 @@ _SIZE = 640
 class Displayed:
     """Base class of runs and marches, which notebooks show as a picture, and a run that is not long as a player."""
 
+    # Packages are imported by their names, because they are above the classes of what they show.
+
     def plot(self) -> Any:
         """Paths of seven handles as a matplotlib figure, which notebooks display."""
-        return _package("drawing.figures").figure("trajectories", self)
+        return import_module("pymunk_dragon.drawing.figures").figure("trajectories", self)
 
     def _repr_png_(self: Any) -> Any:
         """A run as it ended, or a march as it begins."""
-        drawing, times = _package("drawing"), getattr(self, "times", (0.0,))
+        drawing, times = import_module("pymunk_dragon.drawing"), getattr(self, "times", (0.0,))
         return drawing.still_png(self, float(times[-1]), drawing.Film(size=_SIZE))
 
     def _repr_html_(self: Any) -> str | None:
@@ -33,16 +35,11 @@ class Displayed:
         frames = len(getattr(self, "times", ()))
         if not frames or frames * self.march.dragon.handles > _MAX_POSITIONS:
             return None
-        page = escape(_package("player").player_page(self))
+        page = escape(import_module("pymunk_dragon.player").player_page(self))
         return (
             f'<iframe srcdoc="{page}" title="A run of the bench dragon" width="100%" height="{_SIZE}" '
             'style="border: 0" sandbox="allow-scripts allow-downloads"></iframe>'
         )
-
-
-def _package(name: str) -> Any:
-    # Imported by its name, because it is above the classes of what it shows.
-    return import_module(f"pymunk_dragon.{name}")
 
 
 def table(heads: Sequence[str], formats: Sequence[str], rows: Iterable[Sequence[Any]]) -> list[str]:

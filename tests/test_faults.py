@@ -151,14 +151,8 @@ def test_full_disk_is_one_line_and_leaves_the_old_file(tmp_path, tmp_path_factor
         # FFmpeg writes all of a short film at its end.
         limit = f"ulimit -f {30 if file.endswith('mp4') else 4};"
         # Matplotlib cannot be imported with an unknown backend in the environment; the program chooses its own.
-        code, out, err = program(
-            *arguments.replace("RUN.npz", str(run)).split(),
-            "-o",
-            file,
-            before=limit,
-            folder=tmp_path,
-            MPLBACKEND="bogus",
-        )
+        words = arguments.replace("RUN.npz", str(run)).split()
+        code, out, err = program(*words, "-o", file, before=limit, folder=tmp_path, MPLBACKEND="bogus")
         assert (code, out) == (1, ""), file
         assert_one_line(err, "cannot write ")
         assert names(tmp_path) == [file]

@@ -114,7 +114,7 @@ def test_failing_point_is_a_row_with_the_reason_and_harms_no_other(tmp_path):
 
 def test_program_writes_the_table_or_prints_it_only_whatever_functions_print(tmp_path):
     def program(*arguments):
-        axes = ["--axis", "pitch=0.10:0.70:0.3", "--axis", "x=7,5:6:1", "--axis", "head-spacing=2.50"]
+        axes = ["--axis", "pitch=0.10:0.70:0.3", "--axis", "x=7", "--axis", "head-spacing=2.50", "--axis", "x=5:6:1"]
         command = [sys.executable, "-m", "pymunk_dragon", "sweep", *FLAGS, *axes, *arguments, "--workers", "1"]
         path = os.pathsep.join([str(Path(__file__).parent), os.environ.get("PYTHONPATH", ".")])
         return subprocess.run(
@@ -141,7 +141,6 @@ ONE = ["--axis", "pitch=0.5"]
 REFUSED = [
     ([], "axis is None"),
     *((["--axis", f"pitch={bad}"], f"'pitch={bad}'") for bad in ("wide", "0.6:0.5:0.1", "")),
-    ([*ONE, "--axis", "pitch=0.6"], "'pitch=0.6'"),
     (["--axis", "pitch=nan"], "'pitch=nan'"),
     (["--axis", "pitch=-2,-1"], "'pitch=-2'"),
     (["--axis", "benches=2.5"], "'benches=2.5'"),

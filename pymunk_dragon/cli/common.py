@@ -28,6 +28,8 @@ PROGRAM = "pymunk-dragon"
 _MAX_LIST = 100_000
 # Libraries of formats, of which a missing one is named before the work.
 _LIBRARIES = {".xlsx": "xlsxwriter"} | dict.fromkeys((".png", ".svg", ".pdf"), "matplotlib")
+# What a contact does to a run.
+CONTACTS = click.Choice(["stop", "report", "resolve"])
 # Steps of a progress bar.
 _STEPS = 1000
 
@@ -99,12 +101,6 @@ _LANGUAGE = click.Option(
 json_option = click.option("--json", is_flag=True, help="Print one JSON object and nothing else.")
 start_option = click.option("--from", "start", type=float, default=0.0, metavar="T", help="First time, s.  [0]")
 until_option = click.option("--until", type=float, metavar="T", help="Last time, s.  [the end of the curve]")
-
-
-def contacts_option(default: str) -> Callable[[F], F]:
-    """The option --contacts."""
-    kinds = click.Choice(["stop", "report", "resolve"])
-    return click.option("--contacts", type=kinds, default=default, help=f"What contacts do.  [{default}]")
 
 
 def output_option(endings: str, default: str | None = None) -> Callable[[F], F]:
@@ -208,18 +204,12 @@ def progress(label: str, begin: float = 0.0) -> Iterator[Callable[[float, float]
         yield lambda done, total: bar.update(max(int(_STEPS * (done - begin) / (total - begin)) - bar.pos, 0))
 
 
-def note(line: str) -> None:
-    """Print a line on stderr if that is a terminal."""
-    if sys.stderr.isatty():
-        click.echo(line, err=True)
-
-
 def wrote(path: Path) -> None:
-    """Note which file was written and its size."""
-    if path.is_file():  # Not a device or a FIFO, which has no size.
+    """Print on a terminal which file was written and its size."""
+    if sys.stderr.isatty() and path.is_file():  # Not a device or a FIFO, which has no size.
         count = path.stat().st_size
         size = f"{count / 1e6:.1f} MB" if count >= 1e6 else f"{count / 1e3:.1f} kB"
-        note(text("wrote {path}: {size}").format(path=path, size=size))
+        click.echo(text("wrote {path}: {size}").format(path=path, size=size), err=True)
 
 
 def answer_with_file(path: Path) -> None:

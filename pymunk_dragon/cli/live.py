@@ -28,7 +28,7 @@ EXAMPLES = ("", "near-miss", "--benches 60 --from 300 -o live.npz", "--replay li
 @click.argument("scene", required=False, type=click.Choice(list(SCENES)))
 @common.scenario_options
 @common.start_option
-@common.contacts_option("resolve")
+@click.option("--contacts", type=common.CONTACTS, default="resolve", help="What contacts do.  [resolve]")
 @click.option("--free-from", type=int, metavar="N", help="First bench without dancers.  [all have dancers]")
 @click.option("--replay", metavar="FILE", type=click.Path(), help="Play a recording again, .npz or .json.")
 @click.option("--exit", "ends", is_flag=True, help="Play the recording without a page, as fast as possible, and exit.")

@@ -6,7 +6,6 @@ from typing import Any
 
 import click
 
-from pymunk_dragon._language import text
 from pymunk_dragon.cli import common
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
@@ -23,13 +22,13 @@ EXAMPLES = ("-o run.npz", "--from 400 --until 415 --fine -o run.npz", "--guide n
 @common.start_option
 @common.until_option
 @click.option("--guide", type=click.Choice(list(GUIDES)), default="rails", help="What keeps it on the path.  [rails]")
-@common.contacts_option("stop")
+@click.option("--contacts", type=common.CONTACTS, default="stop", help="What contacts do.  [stop]")
 @click.option("--head-force", type=float, metavar="F", help="Largest force at contacts, N.  [twice the ground drag]")
 @click.option("--substep", type=float, metavar="T", help="Substep, s.  [20 mm of the head, or 5 mm to resolve]")
 @click.option("--iterations", type=int, metavar="N", help="Solver iterations.  [10, or 60 if contacts are resolved]")
 @click.option("--fine", is_flag=True, help="The substep in which the head goes 2.5 mm, and 60 iterations.")
 @click.option("--frame-interval", type=float, metavar="T", help="Time between frames, s.  [until the head goes 0.1 m]")
-@common.output_option(".npz")
+@common.output_option(".npz, which keeps the run")
 def simulate(fine: bool, output: str | None, **choices: Any) -> None:
     """Play the march in Pymunk until the dragon runs into itself."""
     march = common.march()
@@ -43,8 +42,6 @@ def simulate(fine: bool, output: str | None, **choices: Any) -> None:
     run = played(march, settings=EngineSettings(**choices), **interval)
     found = run.to_dict()
     common.save(path, found, run.save)
-    if path is None:
-        common.note(text("the run is not kept: -o RUN.npz saves it"))
     common.answer(found, run)
 
 

@@ -53,15 +53,12 @@ def sweep(axis: tuple[str, ...], output: tuple[str, ...], **settings: Any) -> No
 
 
 def _axes(given: tuple[str, ...]) -> dict[str, list[float]]:
-    """Values of each axis, by its name."""
+    """Values of each axis by its name, of one that is given twice all of them."""
     axes: dict[str, list[float]] = {}
     for each in given:
         name, _, values = each.partition("=")
-        name = name.strip().replace("-", "_")
-        if name in axes:
-            raise ParameterError("axis", each, f"given once for {name}")
         try:
-            axes[name] = common.number_list("axis", values)
+            axes.setdefault(name.strip().replace("-", "_"), []).extend(common.number_list("axis", values))
         except ParameterError as error:
             raise ParameterError("axis", each, _AXIS) from error
     return axes

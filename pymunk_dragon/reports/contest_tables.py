@@ -75,10 +75,6 @@ def write_contact_table(march: March, impact_time: float, path: str | Path) -> N
     """Write positions and speeds of every handle at one time as the contest's result2.xlsx.
 
     Parameters and errors are those of `write_tables`, with one time, that of the first contact, s.
-
-    Examples
-    --------
-    >>> write_contact_table(March(), 412.473838, "result2.xlsx")
     """
     destination = check_destination(path, (".xlsx",))
     states = march.at([impact_time])
@@ -92,11 +88,6 @@ def paper_tables(march: March, impact_time: float | None) -> str:
 
     Values are truncated to three decimals, not rounded, as in the paper. `UnreachableError` where a handle has no
     position at one of the times.
-
-    Examples
-    --------
-    >>> print(paper_tables(March(), None).splitlines()[0])
-    Table 1: positions, m
     """
     handles = march.dragon.representatives
     states = march.at(_TABLE_TIMES)

@@ -34,11 +34,6 @@ class Summary:
         The run. A run of the exact model includes a frame at the exact first contact.
     exact : FirstContact or None
         First contact and near misses of the exact model; None if the search is not possible.
-
-    Examples
-    --------
-    >>> summarize(Run.exact(March(), [412, 413])).run.first_contact.benches
-    (0, 8)
     """
 
     run: Run
@@ -95,11 +90,6 @@ class Summary:
         `scenario`, `settings` and `versions` describe the run, `outcome` its end, `events` the callbacks and `windows`
         the time intervals of contact; `exact` and `near_misses` come from the exact model, and `drift` has the largest
         position errors. Nothing depends on the time of day.
-
-        Examples
-        --------
-        >>> summarize(Run.exact(March(), [0, 1])).to_dict()["outcome"]
-        {'status': 'clear', 'start': 0.0, 'until': 1.0, 'frames': 2, 'events': 0}
         """
         run, exact = self.run, self.exact
         values = {

@@ -84,10 +84,9 @@ def sweep(
 
     Raises
     ------
-    ParameterError, FileFormatError
-        If an argument is out of range, or the partial table is damaged or of another sweep.
-    OutputError, DragonError
-        If a file cannot be written; if a worker or the scheduler was lost.
+    ParameterError, FileFormatError, OutputError, DragonError
+        If an argument is out of range; the partial table is damaged or of another sweep; a file cannot be written; a
+        worker or the scheduler was lost.
 
     Examples
     --------
