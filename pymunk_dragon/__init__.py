@@ -1,11 +1,36 @@
 """A bench dragon coils inward until it runs into itself: Pymunk plays it, an exact model checks it."""
 
-# ruff: noqa: F403, F405
+# ruff: noqa: F403
 
 from __future__ import annotations
 
 from importlib import import_module
 from typing import TYPE_CHECKING
+
+__version__ = "0.1.0"
+
+# Names are loaded when they are first used: NumPy, Pymunk and Pillow together take longer to import than
+# `pymunk-dragon --help` may take to answer. `drawing` does not import its `debug_draw`, which needs Pymunk.
+_NAMES = {
+    "collision": "FirstContact Grid NearMiss Separation first_contact scan separation",
+    "drawing": "Camera Film render",
+    "drawing.debug_draw": "PillowDrawOptions",
+    "errors": "DragonError FileFormatError MissingExtraError OutputError ParameterError UnreachableError",
+    "model.contact": "Contact ContactEvent ContactLog",
+    "model.curves": "Arc Composite Curve Line Reversed Sampled Section Spiral UTurn check_curve",
+    "model.dragon": "Dragon outlines",
+    "model.march": "March States",
+    "model.run": "Run",
+    "model.scenario": "Scenario",
+    "model.speed": "SpeedTable",
+    "physics": "EngineSettings PathGuide World simulate",
+    "player": "player_page write_player",
+    "reports": "report",
+    "sessions": "Button Key PygameEvents Slider live",
+    "studies": "max_speed min_pitch sensitivity u_turn",
+    "sweeps": "Sweep sweep",
+}
+_MODULES = {name: module for module, names in _NAMES.items() for name in names.split()}
 
 if TYPE_CHECKING:
     from pymunk_dragon.collision import *
@@ -25,51 +50,13 @@ if TYPE_CHECKING:
     from pymunk_dragon.sessions import *
     from pymunk_dragon.studies import *
     from pymunk_dragon.sweeps import *
-
-__version__ = "0.1.0"
-
-__all__ = [
-    "Arc", "Button", "Camera", "Composite", "Contact", "ContactEvent", "ContactLog", "Curve", "Dragon", "DragonError",
-    "EngineSettings", "FileFormatError", "Film", "FirstContact", "Grid", "Key", "Line", "March", "MissingExtraError",
-    "NearMiss", "OutputError", "ParameterError", "PathGuide", "PillowDrawOptions", "PygameEvents",
-    "Reversed", "Run",
-    "Sampled", "Scenario", "Section", "Separation", "Slider", "SpeedTable", "Spiral", "States", "Sweep", "UTurn",
-    "UnreachableError", "World", "check_curve", "first_contact", "live", "max_speed",
-    "min_pitch", "outlines", "player_page", "render", "report", "scan", "sensitivity", "separation", "simulate",
-    "sweep", "u_turn", "write_player",
-]  # fmt: skip
-
-# Names are loaded when they are first used: NumPy, Pymunk and Pillow together take longer to import than
-# `pymunk-dragon --help` may take to answer. `drawing` does not import its `debug_draw`, which needs Pymunk.
-_MODULES = {
-    "collision": "FirstContact Grid NearMiss Separation first_contact scan separation",
-    "drawing": "Camera Film render",
-    "drawing.debug_draw": "PillowDrawOptions",
-    "errors": "DragonError FileFormatError MissingExtraError OutputError ParameterError UnreachableError",
-    "model.contact": "Contact ContactEvent ContactLog",
-    "model.curves": "Arc Composite Curve Line Reversed Sampled Section Spiral UTurn check_curve",
-    "model.dragon": "Dragon outlines",
-    "model.march": "March States",
-    "model.run": "Run",
-    "model.scenario": "Scenario",
-    "model.speed": "SpeedTable",
-    "physics": "EngineSettings PathGuide World simulate",
-    "player": "player_page write_player",
-    "reports": "report",
-    "sessions": "Button Key PygameEvents Slider live",
-    "studies": "max_speed min_pitch sensitivity u_turn",
-    "sweeps": "Sweep sweep",
-}
-
-
-if not TYPE_CHECKING:  # Or type checkers would accept any name.
+else:
+    __all__ = sorted(_MODULES)
 
     def __getattr__(name):
-        for module, names in _MODULES.items():
-            if name in names.split():
-                return getattr(import_module(f"pymunk_dragon.{module}"), name)
+        if name in _MODULES:
+            return getattr(import_module(f"pymunk_dragon.{_MODULES[name]}"), name)
         raise AttributeError(f"module 'pymunk_dragon' has no attribute '{name}'")
 
-
-def __dir__() -> list[str]:
-    return __all__
+    def __dir__():
+        return __all__

@@ -15,8 +15,6 @@ from pymunk_dragon.errors import ParameterError
 # m: coordinates of benches. A thousand times the rim of the largest spiral; products of such coordinates are far from
 # the ends of a double.
 MAX_COORDINATE = 1e9
-# Characters of a word of which similar ones are sought: the search takes time that grows with its square.
-_MAX_WORD = 40
 
 
 def finite(name: str, value: object, low: float, high: float, unit: str) -> float:
@@ -48,15 +46,7 @@ def word(name: str, value: object, words: Iterable[str]) -> str:
     known = list(words)
     if isinstance(value, str) and value in known:
         return value
-    raise ParameterError(name, value, f"one of {', '.join(known)}{did_you_mean(value, known)}")
-
-
-def did_you_mean(value: object, words: Iterable[str]) -> str:
-    """End of a message about a word that is none of `words`: the most similar one, if one is similar."""
-    from difflib import get_close_matches
-
-    similar = get_close_matches(value[:_MAX_WORD], words, n=1) if isinstance(value, str) else []
-    return f": did you mean {similar[0]}?" if similar else ""
+    raise ParameterError(name, value, f"one of {', '.join(known)}")
 
 
 def numbers(name: str, value: object, *tail: int, kind: type = float) -> NDArray[Any]:

@@ -1,4 +1,4 @@
-"""How results are shown: tables, and base classes of objects that notebooks display."""
+"""How results are shown: tables of text, and pictures and players in notebooks."""
 
 from __future__ import annotations
 
@@ -9,31 +9,37 @@ from html import escape
 from importlib import import_module
 from typing import Any
 
+# Handle positions over all frames up to which a run is played in a notebook, which keeps the page in its file: some
+# 400 kB. That is the last two minutes of the paper's 223 benches, or twenty minutes of 16.
+_MAX_POSITIONS = 250_000
+# Pixels: height of a player, and the side of a picture, shown at half of it on screens with two pixels to the point.
+_SIZE = 640
+
 
 class Displayed:
-    """Base class of objects that `pymunk_dragon.notebook` represents by a picture or a page."""
+    """Base class of runs and marches, which notebooks show as a picture, and a run that is not long as a player."""
+
+    # Packages are imported by their names, because they are above the classes of what they show.
 
     def plot(self) -> Any:
-        """Draw the object as a matplotlib figure, which notebooks display."""
-        return _represented(self, "plot")
+        """Paths of seven handles as a matplotlib figure, which notebooks display."""
+        return import_module("pymunk_dragon.drawing.figures").figure("trajectories", self)
 
-    def _repr_html_(self) -> Any:
-        return _represented(self, "as_html")
+    def _repr_png_(self: Any) -> Any:
+        """A run as it ended, or a march as it begins."""
+        drawing, times = import_module("pymunk_dragon.drawing"), getattr(self, "times", (0.0,))
+        return drawing.still_png(self, float(times[-1]), drawing.Film(size=_SIZE))
 
-    def _repr_png_(self) -> Any:
-        return _represented(self, "as_png")
-
-
-class Printed:
-    """Base class of results that are represented by their text."""
-
-    def _repr_html_(self) -> str:
-        return f"<pre>{escape(str(self), quote=False)}</pre>"
-
-
-def _represented(shown: object, how: str) -> Any:
-    # The module is imported by its name, because it is above the classes of what it represents.
-    return getattr(import_module("pymunk_dragon.notebook"), how)(shown)
+    def _repr_html_(self: Any) -> str | None:
+        """A frame, which keeps the player's script from the notebook's."""
+        frames = len(getattr(self, "times", ()))
+        if not frames or frames * self.march.dragon.handles > _MAX_POSITIONS:
+            return None
+        page = escape(import_module("pymunk_dragon.player").player_page(self))
+        return (
+            f'<iframe srcdoc="{page}" title="A run of the bench dragon" width="100%" height="{_SIZE}" '
+            'style="border: 0" sandbox="allow-scripts allow-downloads"></iframe>'
+        )
 
 
 def table(heads: Sequence[str], formats: Sequence[str], rows: Iterable[Sequence[Any]]) -> list[str]:

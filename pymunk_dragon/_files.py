@@ -20,34 +20,31 @@ def check_destination(path: str | Path, endings: Iterable[str]) -> Path:
     A device or a FIFO needs no ending if there is only one to choose from.
     """
     destination, known = Path(path), list(endings)
-    mode = _mode(destination)
-    unnamed = len(known) == 1 and mode and not stat.S_ISREG(mode)
+    with _draft(destination):
+        unnamed = len(known) == 1 and _is_stream(destination)
+    if destination.is_dir():
+        raise ParameterError("output", str(path), "a file, not a folder")
     if destination.suffix.lower() not in known and not unnamed:
         raise ParameterError("output", str(path), "a file name that ends in " + " or ".join(known))
-    if stat.S_ISDIR(mode):
-        raise ParameterError("output", str(path), "a file, not a folder")
-    with _draft(destination):
-        return destination
+    return destination
 
 
 @contextmanager
 def written_in_place(path: str | Path) -> Iterator[Path]:
     """Yield the name of a draft to write to, which replaces `path` at the end, or is removed after an exception.
 
-    The file keeps its mode, and symbolic links to it stay. Devices, FIFOs and the files behind stdout and stderr are
-    written to. An OSError becomes an OutputError.
+    The file keeps its mode, and symbolic links to it stay. Devices and FIFOs are written to. An OSError becomes an
+    OutputError.
     """
     destination = Path(path)
     try:
         with _draft(destination) as draft:
             yield draft
             if _is_stream(destination):
-                # Appended, because stdout may be a file that others write to as well.
-                with destination.open("ab") as stream:
-                    stream.write(draft.read_bytes())
+                destination.write_bytes(draft.read_bytes())
                 return
-            if mode := _mode(destination):
-                draft.chmod(stat.S_IMODE(mode))
+            with suppress(FileNotFoundError):
+                draft.chmod(stat.S_IMODE(destination.stat().st_mode))
             draft.replace(os.path.realpath(destination))
     except OutputError:
         raise
@@ -97,24 +94,12 @@ def _numbers(cells: Iterable[str]) -> Iterator[float]:
             yield float(cell)
 
 
-def _mode(path: Path) -> int:
-    """Type and permissions of the file that `path` leads to; 0 if there is none yet."""
-    try:
-        return path.stat().st_mode
-    except FileNotFoundError:
-        return 0
-    except (OSError, ValueError) as error:
-        raise ParameterError("output", str(path), f"a file that can be written ({_reason(error)})") from error
-
-
 def _is_stream(path: Path) -> bool:
-    """Whether a file is written to instead of replaced: a device, a FIFO, or the file behind stdout or stderr."""
-    mode = _mode(path)
-    for descriptor in (1, 2):
-        with suppress(OSError):
-            if os.path.samefile(path, descriptor):
-                return True
-    return mode != 0 and not stat.S_ISREG(mode)
+    """Whether a file is written to instead of replaced: a device or a FIFO."""
+    try:
+        return not stat.S_ISREG(path.stat().st_mode)
+    except FileNotFoundError:
+        return False
 
 
 @contextmanager
@@ -122,10 +107,10 @@ def _draft(destination: Path) -> Iterator[Path]:
     """A file in a new folder beside `destination`, or anywhere for what is not replaced; removed at the end."""
     from tempfile import TemporaryDirectory
 
-    beside = None if _is_stream(destination) else Path(os.path.realpath(destination)).parent
     try:
+        beside = None if _is_stream(destination) else Path(os.path.realpath(destination)).parent
         drafts = TemporaryDirectory(prefix=".pymunk-dragon-", dir=beside)
-    except OSError as error:
+    except (OSError, ValueError) as error:
         bound = f"in a folder that can be written ({_reason(error)})"
         raise ParameterError("output", str(destination), bound) from error
     with drafts as folder:

@@ -57,7 +57,6 @@ MODULES = {
     "sessions": "Live",
     "sweeps": "Sweeps",
     "lessons": "Lessons",
-    "notebook": "Notebooks",
     "cli": "Command line",
     "errors": "Errors",
 }
@@ -90,11 +89,6 @@ def module_page(module: str) -> str:
     return f"pymunk_dragon/{module.replace('.', '/')}.html"
 
 
-def public_names() -> dict[str, str]:
-    """The module of each public name of the package."""
-    return {name: module for module, names in pymunk_dragon._MODULES.items() for name in names.split()}
-
-
 def summary(docstring: str) -> str:
     """The first paragraph of a docstring on one line."""
     return " ".join(docstring.split("\n\n")[0].split())
@@ -103,7 +97,7 @@ def summary(docstring: str) -> str:
 def names_text() -> str:
     """All public names, as Markdown."""
     lines = ["# All names", "", "Each is imported from `pymunk_dragon`.", "", "| name | what it is |", "| --- | --- |"]
-    for name, module in sorted(public_names().items(), key=lambda item: item[0].lower()):
+    for name, module in sorted(pymunk_dragon._MODULES.items(), key=lambda item: item[0].lower()):
         about = summary(getattr(pymunk_dragon, name).__doc__).replace("|", r"\|")
         lines.append(f"| [{name}]({module_page(module)}#{name}) | {about} |")
     return "\n".join(lines)
@@ -152,7 +146,7 @@ def with_links(page: str, text: str, members: Mapping[str, set[str]]) -> str:
     `members` has the anchors of each module's page.
     """
     top = "../" * page.count("/")
-    names = public_names()
+    names = pymunk_dragon._MODULES
 
     def address(found: re.Match[str]) -> str:
         attribute, path = found.groups()
@@ -219,7 +213,7 @@ def configure(titles: Mapping[str, str]) -> None:
         footer_text=f"pymunk_dragon {version}",
         template_directory=RENDERS / "templates",
     )
-    public = {f"pymunk_dragon.{name}" for name in pymunk_dragon._MODULES}
+    public = {f"pymunk_dragon.{name}" for name in pymunk_dragon._MODULES.values()}
     render.env.globals.update(titles=titles, public=public, version=version)
 
 

@@ -17,7 +17,9 @@ import pytest
 from conftest import assert_says
 from PIL import Image
 
+from pymunk_dragon.cli import documents
 from pymunk_dragon.cli.common import SCENARIO_OPTIONS
+from pymunk_dragon.drawing import render
 from pymunk_dragon.drawing.figures import FIGURES
 from pymunk_dragon.model.curves import UTurn
 from pymunk_dragon.model.dragon import Dragon
@@ -237,12 +239,14 @@ def test_run_of_a_u_turn_before_0_seconds_is_filmed_and_reported(answer, here):
 # render, report, figure
 
 
-def test_render_takes_the_format_from_the_ending(answer, tmp_path):
-    for ending, expected in {"gif": b"GIF89a", "png": b"\x89PNG\r\n\x1a\n", "html": b"<!doctype html>"}.items():
+def test_render_takes_the_format_from_the_ending(answer, run_file, tmp_path):
+    for ending, expected in {"gif": b"GIF89a", "png": b"\x89PNG\r\n\x1a\n"}.items():
         path = tmp_path / f"film.{ending}"
-        options = ["--size", "120"] * (ending != "html") + ["--fps", "10", "--speedup", "10"] * (ending == "gif")
+        options = ["--size", "120"] + ["--fps", "10", "--speedup", "10"] * (ending == "gif")
         assert answer("render", "--until", "2", *options, "-o", path, "--json")["bytes"] == path.stat().st_size
         assert path.read_bytes().startswith(expected), ending
+    assert answer("render", run_file, "-o", tmp_path / "run.html") == ""
+    assert (tmp_path / "run.html").read_bytes().startswith(b"<!doctype html>")
 
 
 def test_render_sets_runs_side_by_side_with_their_marks_and_words(answer, small_run, tmp_path):
@@ -269,12 +273,14 @@ def test_render_sets_runs_side_by_side_with_their_marks_and_words(answer, small_
 
 @pytest.mark.thorough
 def test_film_of_a_march_ends_with_its_first_contact(answer, tmp_path, monkeypatch):
-    noted = []
-    monkeypatch.setattr("pymunk_dragon.cli.common.wrote", lambda path, *facts: noted.append((path.suffix, *facts)))
+    timings = []
+    monkeypatch.setattr(documents, "render_film", lambda *given: timings.append(render(*given)))
     for path in (tmp_path / "m.gif", tmp_path / "m.png"):
         answer("render", "--benches", "16", "--size", "64", "-o", path)
-    # The last 74 s before the contact at 412.47 s.
-    assert noted == [(".gif", "171 frames", "11.0 s", "from t = 338 s"), (".png",)]
+    # The last 74 s before the contact at 412.47 s, in 11 s.
+    assert timings[0].times[[0, -1]] == pytest.approx([338.2, 412.5], abs=0.5)
+    assert (len(timings[0].times), timings[0].ends[-1]) == (171, pytest.approx(11.0, abs=0.1))
+    assert timings[1].times.tolist() == timings[0].times[-1:].tolist()
 
 
 def test_report_tells_of_a_run_in_the_format_of_its_ending(answer, run_file, here):
@@ -349,6 +355,7 @@ BAD_INPUT = {
     "render run.npz --pitch 1 -o f.gif": "scenario",
     "render -o f.png --from 5": "--from",
     "render -o f.html --speedup 2": "--speedup",
+    "render -o f.html": "a page plays one run",
     "render -o f.gif --from -1e9": "times",
     "render -o f.gif --from 5 --until 1": "--until 1.0",
     "render -o f.gif --title 板凳龙": "title 板",
@@ -368,9 +375,7 @@ def test_bad_input_is_named_in_one_line_and_nothing_is_written(complaint, here):
     Path("s.toml").write_text("head_spacing = 30\n")
     Path("v.csv").write_text("0,1\n1\n")
     Path("junk.npz").write_bytes(b"PK\x03\x04")
-    Path("key.toml").write_text("start = 5\n")
     before = sorted(os.listdir())
-    assert "--from" not in complaint("simulate", "--from", "3", "--scenario", "key.toml")
     for command, words in BAD_INPUT.items():
         said = complaint(*command.split())
         missing = [word for word in words.split() if word not in said]

@@ -88,10 +88,10 @@ def test_mistake_gets_the_word_that_was_meant(call, tmp_path, monkeypatch):
 
 # What a terminal says of the file beside its size.
 WRITTEN = {
-    "render run.npz --size 64": ("run.gif", r"\d+ frames, \d+\.\d s, from t = 79 s, "),
-    "simulate --until 1 --benches 9 -o r.npz": ("r.npz", r"\d+ frames, "),
-    "report run.npz -o r.json": ("r.json", ""),
-    "sweep --axis turns=8,9 --benches 9 -o s.csv": ("s.csv", ""),
+    "render run.npz --size 64": "run.gif",
+    "simulate --until 1 --benches 9 -o r.npz": "r.npz",
+    "report run.npz -o r.json": "r.json",
+    "sweep --axis turns=8,9 --benches 9 -o s.csv": "s.csv",
 }
 
 
@@ -99,18 +99,14 @@ WRITTEN = {
 def test_terminal_says_which_file_was_written(terminal, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Run.exact(March(turns=8), [79, 80, 81]).save("run.npz")
-    for arguments, (name, facts) in WRITTEN.items():
+    for arguments, name in WRITTEN.items():
         said = terminal(*arguments.split())
-        assert re.search(rf"^wrote {re.escape(name)}: {facts}\d+\.\d [kM]B$", said, re.MULTILINE), said
+        assert re.search(rf"^wrote {re.escape(name)}: \d+\.\d [kM]B$", said, re.MULTILINE), said
         assert Path(name).stat().st_size
 
 
-def test_terminal_says_that_a_simulation_is_not_saved_and_nothing_of_a_device(terminal):
-    small = ["simulate", "--until", "0.1", "--benches", "9"]
-    assert "-o RUN.npz" in terminal(*small)
-    said = terminal(*small, "-o", "/dev/null")
-    assert "-o RUN.npz" not in said
-    assert "wrote" not in said
+def test_terminal_says_nothing_of_a_device(terminal):
+    assert "wrote" not in terminal("simulate", "--until", "0.1", "--benches", "9", "-o", "/dev/null")
 
 
 def completed(line):

@@ -102,7 +102,7 @@ def test_destination_that_cannot_be_written_is_refused_and_leaves_nothing(tmp_pa
         "folder.npz": "not a folder",
         "none/run.npz": "No such file or directory",
         "file/run.npz": "Not a directory",
-        "nul\0.npz": "a file that can be written",
+        "nul\0.npz": "can be written",
         "x" * 300 + ".npz": "File name too long",
         "circle.npz": "symbolic links",
     }

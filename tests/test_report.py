@@ -19,7 +19,6 @@ from browser import needs_browser, opened
 from conftest import assert_says, examples
 from hypothesis import given
 from hypothesis import strategies as st
-from jsonschema import Draft202012Validator
 from marches import ARM, TRACTOR, U_TURN
 from markdown_it import MarkdownIt
 from sharing import shared
@@ -28,7 +27,7 @@ from pymunk_dragon import Dragon, March, Run, report, simulate
 from pymunk_dragon._language import in_language
 from pymunk_dragon.errors import MissingExtraError, OutputError, ParameterError, UnreachableError
 from pymunk_dragon.model.contact import ContactLog
-from pymunk_dragon.reports import document, formats, json_schema, summarize, write_contact_table, write_tables
+from pymunk_dragon.reports import document, formats, summarize, write_contact_table, write_tables
 from pymunk_dragon.reports.formats import REPORT_ENDINGS, html, markdown
 
 # Like the paper's 223 benches, these meet as 0 and 8; the head passes 9 and 11 on the way.
@@ -49,6 +48,8 @@ RUNS = {
     "exact, with a contact": lambda run: Run.exact(SMALL, np.arange(79.0, 83.0)),
     "hostile labels": lambda run: replace(run, provenance={label: label for label in HOSTILE} | LABELLED),
 }
+KEYS = ["schema", "version", "scenario", "player", "settings", "versions", "outcome", "first_contact", "exact"]
+KEYS += ["near_misses", "events", "windows", "drift"]
 OTHERS = set(RUNS) - {"contact and after", "hostile labels", "exact"}
 
 
@@ -98,11 +99,11 @@ def check_markdown(content):
     # A row with too few or too many cells would be filled up or cut, and its text be lost.
     for line in content.splitlines():
         assert not line.startswith("|") or len(re.findall(r"(?<!\\)(?:\\\\)*\|", line)) >= 3
-    assert content.count("\n## ") == 7
+    assert content.count("\n## ") == 6
 
 
 def check_page(content):
-    """Whole, without scripts, and reaching for nothing; gives the number of charts."""
+    """Whole, without scripts, and reaching for nothing; gives whether it has a chart."""
     found = Page(content)
     tags = [tag for tag, _ in found.elements]
     assert "script" not in tags
@@ -110,13 +111,10 @@ def check_page(content):
     [policy] = [attributes["content"] for _, attributes in found.elements if "http-equiv" in attributes]
     assert policy == "default-src 'none'; img-src data:; style-src 'unsafe-inline'"
     assert all(address.startswith("data:") for address in found.values("src", "href", "srcset"))
-    # Each name that a chart uses is there once.
-    names, used = found.values("id"), found.values("xlink:href") + re.findall(r"url\((.*?)\)", content)
-    assert len(set(names)) == len(names)
-    assert {f"#{name}" for name in names} >= set(used)
     assert "nan" not in " ".join(found.texts).split()
-    assert [address[:22] for address in found.values("src")] == ["data:image/png;base64,"] * 2
-    return tags.count("svg")
+    kinds, pictures = [address.partition(";")[0] for address in found.values("src")], ["data:image/png"] * 2
+    assert kinds in (pictures, [*pictures, "data:image/svg+xml"])
+    return len(kinds) > 2
 
 
 @pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.thorough] * (name in OTHERS)) for name in RUNS])
@@ -124,12 +122,9 @@ def test_report_on_any_run_is_whole_in_every_format(name, small_run, written):
     run = RUNS[name](small_run)
     found = summarize(run).to_dict()
     assert json.loads(written(name, ".json").read_bytes(), parse_constant=pytest.fail) == found
-    Draft202012Validator(json_schema()).validate(found)
     check_csv(written(name, ".csv").read_bytes().decode(), run, found)
     check_markdown(written(name, ".md").read_text())
-    # A chart of the contacts, unless the first one ended the run, and one of the position errors.
-    charts = (len(run.events) > 0 and run.outcome == "contact" and name != "first contact") + (run.max_drift > 0)
-    assert check_page(written(name, ".html").read_text()) == charts
+    assert check_page(written(name, ".html").read_text()) == (run.max_drift > 0)
 
 
 def test_report_has_the_same_bytes_each_time_and_in_chinese_the_same_numbers(small_run, written, tmp_path):
@@ -144,28 +139,14 @@ def test_report_has_the_same_bytes_each_time_and_in_chinese_the_same_numbers(sma
         if ending in (".json", ".csv"):
             assert found[0] == found[1]
             continue
-        english, chinese = (re.sub("<(style|svg).*?</\\1>", "", each.decode(), flags=re.S) for each in found)
+        english, chinese = (re.sub('<style.*?</style>|src=".*?"', "", each.decode(), flags=re.S) for each in found)
         assert len(re.findall("[\u4e00-\u9fff]", chinese)) > 150
         assert sorted(re.findall(r"\d+\.\d+", chinese)) == sorted(re.findall(r"\d+\.\d+", english))
 
 
-def test_schema_knows_every_key_and_refuses_what_is_no_report(small_run):
-    schema, whole = json_schema(), summarize(small_run).to_dict()
-    Draft202012Validator.check_schema(schema)
-    assert schema["required"] == list(schema["properties"]) == list(whole)
-    event = whole["events"][0]
-    for change in (
-        {"version": 2, "colour": "red"},
-        {"events": [event | {"benches": [1]}]},
-        {"events": [event | {"normal": [1.0, 0.0, 0.0]}]},
-        {"outcome": whole["outcome"] | {"status": "victory"}},
-        {"first_contact": {"time": 1.0}},
-    ):
-        assert not Draft202012Validator(schema).is_valid(whole | change), change
-
-
 def test_contents_tell_the_run(small_run):
     found, drift = summarize(small_run).to_dict(), small_run.drift
+    assert list(found) == KEYS
     scenario = {"benches": 16, "head_spacing": 2.86, "body_spacing": 1.65, "overhang": 0.275, "width": 0.30}
     assert found["scenario"] == scenario | {"curve": "Spiral", "pitch": 0.55, "turns": 8, "speed": 1}
     assert (found["player"], found["settings"]["guide"], found["versions"]) == ("pymunk", "rails", small_run.versions)
@@ -176,22 +157,8 @@ def test_contents_tell_the_run(small_run):
     windows = [(*window["benches"], window["end"] is None) for window in found["windows"]]
     assert windows == [(0, 8, False), (0, 10, True)]
     assert (found["drift"]["head"], found["drift"]["max"]) == (small_run.head_drift, drift.max())
-    assert found["drift"]["max_over_time"] == drift.max(axis=1).tolist()
     worst = found["drift"]["max_at"]
     assert drift[small_run.times == worst["time"], worst["bench"]] == drift.max()
-
-
-def test_handles_are_those_of_the_papers_tables_or_at_times_of_the_run():
-    for march, times, wanted in (
-        (March(), [412, 413], [0, 60, 120, 180, 240, 300, 412.4738376821]),
-        (U_TURN, np.arange(-100.0, 101.0, 10), [-100, -50, 0, 50, 100]),
-    ):
-        found = summarize(Run.exact(march, times)).to_dict()["handles"]
-        assert found["numbers"] == march.dragon.representatives
-        np.testing.assert_allclose(found["times"], wanted, rtol=0, atol=1e-9)
-        for name in ("positions", "speeds"):
-            exact = getattr(march.at(found["times"]), name)[:, found["numbers"]]
-            np.testing.assert_allclose(found[name], exact, rtol=0, atol=1e-9)
 
 
 def test_scenarios_of_other_marches_are_told():
@@ -203,7 +170,6 @@ def test_scenarios_of_other_marches_are_told():
         (replace(TRACTOR, speed=1.0, start_s=20.0), {"start_s": 20.0}),
     ):
         found = summarize(Run.exact(march, [0.0, 0.5]))
-        Draft202012Validator(json_schema()).validate(found.to_dict())
         assert {name: found.scenario[name] for name in scenario} == scenario
         assert f"A dragon of {march.dragon.benches} benches" in markdown(found)
 
@@ -212,7 +178,6 @@ def test_run_is_compared_with_the_exact_contact_if_a_guide_kept_it_on_its_path(s
     found = summarize(small_run).to_dict()
     assert (found["exact"]["status"], found["exact"]["benches"]) == ("contact", [0, 8])
     assert [near["benches"] for near in found["near_misses"]] == [[0, 11]]
-    assert (found["handles"]["times"][-1], found["handles"]["contact"]) == (found["exact"]["time"], "exact")
     late = 1e3 * (small_run.first_contact.time - found["exact"]["time"])
     said = markdown(summarize(small_run))
     assert said.count(f"{abs(late):.3f} ms {'late' if late > 0 else 'early'}") == 2
@@ -291,7 +256,7 @@ def test_impossible_files_and_times_are_refused_and_missing_libraries_named(smal
             write(*arguments)
         assert_says(caught.value)
     monkeypatch.setitem(sys.modules, "matplotlib", None)
-    assert check_page(html(summarize(small_run))) == 0
+    assert not check_page(html(summarize(small_run)))
     for library in ("jinja2", "xlsxwriter"):
         monkeypatch.setitem(sys.modules, library, None)
     for write, *arguments in ((report, small_run, tmp_path / "r.html"), (write_tables, SMALL, [0], sheet)):
@@ -342,6 +307,6 @@ def test_report_in_a_browser_fits_the_window_and_runs_and_asks_for_nothing(brows
             assert seen.page.evaluate("document.documentElement.scrollWidth") <= width
             assert seen.complaints == seen.boxes == []
             assert {url for url in seen.addresses if not url.startswith("data:")} == {address}
-            shown = "[...document.querySelectorAll('img, svg')].map(each => each.getBoundingClientRect().width)"
-            assert [150 < size <= max(width, 600) for size in seen.page.evaluate(shown)] == [True] * 4
+            shown = "[...document.querySelectorAll('img')].map(each => each.getBoundingClientRect().width)"
+            assert [150 < size <= max(width, 600) for size in seen.page.evaluate(shown)] == [True] * 3
             assert label in seen.page.evaluate("document.querySelector('#provenance').textContent")

@@ -114,7 +114,7 @@ def test_failing_point_is_a_row_with_the_reason_and_harms_no_other(tmp_path):
 
 def test_program_writes_the_table_or_prints_it_only_whatever_functions_print(tmp_path):
     def program(*arguments):
-        axes = ["--axis", "pitch=0.10:0.70:0.3", "--axis", "x=7,5:6:1", "--axis", "head-spacing=2.50"]
+        axes = ["--axis", "pitch=0.10:0.70:0.3", "--axis", "x=7", "--axis", "head-spacing=2.50", "--axis", "x=5:6:1"]
         command = [sys.executable, "-m", "pymunk_dragon", "sweep", *FLAGS, *axes, *arguments, "--workers", "1"]
         path = os.pathsep.join([str(Path(__file__).parent), os.environ.get("PYTHONPATH", ".")])
         return subprocess.run(
@@ -141,7 +141,6 @@ ONE = ["--axis", "pitch=0.5"]
 REFUSED = [
     ([], "axis is None"),
     *((["--axis", f"pitch={bad}"], f"'pitch={bad}'") for bad in ("wide", "0.6:0.5:0.1", "")),
-    ([*ONE, "--axis", "pitch=0.6"], "'pitch=0.6'"),
     (["--axis", "pitch=nan"], "'pitch=nan'"),
     (["--axis", "pitch=-2,-1"], "'pitch=-2'"),
     (["--axis", "benches=2.5"], "'benches=2.5'"),
@@ -253,23 +252,23 @@ def test_damaged_partial_table_and_one_that_is_none_is_left_alone(case):
         case.assert_refused("partial table", resume=True)
 
 
-def test_other_sweep_is_not_resumed_and_the_change_is_named(case, monkeypatch):
+def test_other_sweep_is_not_resumed(case, monkeypatch):
     scenario = {**SMALL, "log": case.log}
     # More numbers than a cell of a CSV file usually has digits.
     pairs = {"x": X["x"], "width": [0.2] * 40_000}
-    for given, changed, word in (
-        ({}, {"scenario": {**scenario, "width": 0.25}}, "scenario width was 0.3, but is 0.25"),
-        ({}, {"axes": {"x": [*X["x"], 9.5]}}, "axis x was"),
-        ({"axes": pairs}, {"axes": dict(reversed(pairs.items()))}, "axes was"),
-        ({}, {"quantity": "sweep_functions:total", "scenario": SMALL}, "quantity was"),
+    for given, changed in (
+        ({}, {"scenario": {**scenario, "width": 0.25}}),
+        ({}, {"axes": {"x": [*X["x"], 9.5]}}),
+        ({"axes": pairs}, {"axes": dict(reversed(pairs.items()))}),
+        ({}, {"quantity": "sweep_functions:total", "scenario": SMALL}),
     ):
         case.interrupt(**given)
-        case.assert_refused(f"of another sweep.*{word}", resume=True, **given | changed)
+        case.assert_refused("of another sweep", resume=True, **given | changed)
         # Another version, and another file that defines the quantity.
-        for name, word in (("version", "version was"), ("crc32", "source was")):
+        for name in ("version", "crc32"):
             with monkeypatch.context() as other:
                 other.setattr(f"pymunk_dragon.sweeps.computation.{name}", lambda of: "9.9")
-                case.assert_refused(word, resume=True, **given)
+                case.assert_refused("of another sweep", resume=True, **given)
         case.partial.unlink()
 
 

@@ -1,6 +1,6 @@
 """The command line.
 
-Every command but `report`, which reads a run, and `demo` takes the same dragon and curve, as flags or as a file
+Every command but `report` and `demo` takes the same dragon and curve, as flags or as a file
 (`pymunk_dragon.model.scenario`). Lists are `0,60,120` or `0:300:1`, with both ends. `-o FILE` writes a file, whose
 ending chooses the format. `--json` prints one JSON object on stdout and nothing else there; progress and messages go
 to stderr. `--lang zh`, or `PYMUNK_DRAGON_LANG=zh` in the environment, chooses Chinese for results, pictures, pages and
@@ -13,10 +13,8 @@ lessons; help and errors are English.
 | 2 | bad input: one line names the flag, the value and what is allowed |
 | 130, 143, 129 | interrupted by Ctrl-C, SIGTERM or SIGHUP |
 
-## Completion in the shell
-
-The shell completes commands and flags after one of these lines, for bash, zsh or fish. Put it into the file that your
-shell reads at its start (`~/.bashrc`, `~/.zshrc`, `~/.config/fish/completions/pymunk-dragon.fish`):
+The shell completes commands and flags after one of these lines, for bash, zsh or fish, in the file that it reads at its
+start (`~/.bashrc`, `~/.zshrc`, `~/.config/fish/completions/pymunk-dragon.fish`):
 
 ```sh
 eval "$(_PYMUNK_DRAGON_COMPLETE=bash_source pymunk-dragon)"
@@ -53,7 +51,8 @@ COMMANDS = {
     "live": "Play the dragon in real time, and touch it in a browser.",
 }
 # Modules of commands that are not in the module of their name.
-MODULES = dict.fromkeys(("render", "figure", "report"), "documents")
+MODULES = dict.fromkeys(("positions", "contact"), "exact")
+MODULES |= dict.fromkeys(("render", "figure", "report"), "documents")
 # Environment variable with which a shell demands completions, as Click names it.
 COMPLETE_VARIABLE = "_PYMUNK_DRAGON_COMPLETE"
 # Commands for the start, in the help of the program.

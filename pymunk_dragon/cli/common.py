@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from decimal import Decimal
 from pathlib import Path
@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from pymunk_dragon._extras import library
 from pymunk_dragon._files import check_destination, written_in_place
 from pymunk_dragon._language import in_language, text
 from pymunk_dragon.errors import ParameterError
@@ -25,8 +26,12 @@ F = TypeVar("F", bound=Callable[..., Any])
 PROGRAM = "pymunk-dragon"
 # Numbers in one list: more would come from a typing error.
 _MAX_LIST = 100_000
-# Steps of a progress bar, and its columns: with the longest label, that of a sweep, its line fits in 80.
-STEPS, _BAR = 1000, 14
+# Libraries of formats, of which a missing one is named before the work.
+_LIBRARIES = {".xlsx": "xlsxwriter"} | dict.fromkeys((".png", ".svg", ".pdf"), "matplotlib")
+# What a contact does to a run.
+CONTACTS = click.Choice(["stop", "report", "resolve"])
+# Steps of a progress bar.
+_STEPS = 1000
 
 
 def _speed_or_file(value: str) -> float | str:
@@ -153,13 +158,7 @@ def march() -> March:
     """The march of the scenario file and the options."""
     from pymunk_dragon.model.scenario import Scenario
 
-    try:
-        return Scenario.from_dict(file_values() | chosen()).march()
-    except ParameterError as error:
-        if error.name.removeprefix("curve.") in chosen():
-            raise
-        # A key of the file, which may have the name of another option: `start` is not --from.
-        raise click.UsageError(str(error)) from error
+    return Scenario.from_dict(file_values() | chosen()).march()
 
 
 def run_of(run_file: str) -> Run:
@@ -171,10 +170,12 @@ def run_of(run_file: str) -> Run:
     return Run.load(run_file)
 
 
-def destination_of(output: str | None, endings: Iterable[str]) -> tuple[Path | None, str]:
-    """The file to write, after `check_destination`, and its ending, or None and ""; to be called before the work."""
+def destination_of(output: str | None, endings: Iterable[str]) -> Path | None:
+    """The file to write, which is checked, or None; to be called before the work."""
     path = None if output is None else check_destination(output, endings)
-    return path, "" if path is None else path.suffix.lower()
+    if path is not None and path.suffix.lower() in _LIBRARIES:
+        library(_LIBRARIES[path.suffix.lower()])
+    return path
 
 
 def number_list(name: str, given: str) -> list[float]:
@@ -196,47 +197,44 @@ def number_list(name: str, given: str) -> list[float]:
 
 
 @contextmanager
-def progress(label: str, now: str = "", begin: float = 0.0) -> Iterator[Callable[..., None]]:
-    """Progress bar on stderr if that is a terminal.
-
-    Yields `show(done, total, label)`, of numbers that start with `begin`; the label is by default the text `now` with
-    {done} and {total}.
-    """
+def progress(label: str, begin: float = 0.0) -> Iterator[Callable[[float, float], None]]:
+    """Progress bar on stderr if that is a terminal; yields `show(done, total)`, of numbers that start with `begin`."""
     hidden = not sys.stderr.isatty()
-    with click.progressbar(length=STEPS, width=_BAR, label=label, file=sys.stderr, hidden=hidden) as bar:
-
-        def show(done: float, total: float, label: str = "") -> None:
-            bar.label = label or text(now).format(done=done, total=total)
-            bar.update(max(int(STEPS * (done - begin) / (total - begin)) - bar.pos, 0))
-
-        yield show
+    with click.progressbar(length=_STEPS, label=label, file=sys.stderr, hidden=hidden) as bar:
+        yield lambda done, total: bar.update(max(int(_STEPS * (done - begin) / (total - begin)) - bar.pos, 0))
 
 
-def note(line: str) -> None:
-    """Print a line on stderr if that is a terminal."""
-    if sys.stderr.isatty():
-        click.echo(line, err=True)
-
-
-def wrote(path: Path, *facts: str) -> None:
-    """Note which file was written and its size."""
-    if path.is_file():  # Not a device or a FIFO, which has no size.
+def wrote(path: Path) -> None:
+    """Print on a terminal which file was written and its size."""
+    if sys.stderr.isatty() and path.is_file():  # Not a device or a FIFO, which has no size.
         count = path.stat().st_size
         size = f"{count / 1e6:.1f} MB" if count >= 1e6 else f"{count / 1e3:.1f} kB"
-        note(text("wrote {path}: {facts}").format(path=path, facts=", ".join([*facts, size])))
+        click.echo(text("wrote {path}: {size}").format(path=path, size=size), err=True)
 
 
-def answer_with_file(path: Path, *facts: str) -> None:
+def answer_with_file(path: Path) -> None:
     """Note which file was written, and with --json print its name and size."""
-    wrote(path, *facts)
+    wrote(path)
     if wants_json():
         answer({"output": str(path), "bytes": path.stat().st_size})
 
 
-def write_json(path: Path, result: dict[str, Any]) -> None:
-    """Write one JSON object to a file."""
-    with written_in_place(path) as draft:
-        draft.write_text(json.dumps(result) + "\n", encoding="utf-8")
+def save(path: Path | None, result: dict[str, Any], write: Callable[[Path], object]) -> None:
+    """Write a result to a file, if there is one: as JSON, or in another format by `write`."""
+    if path is None:
+        return
+    if path.suffix.lower() == ".json":
+        with written_in_place(path) as draft:
+            draft.write_text(json.dumps(result) + "\n", encoding="utf-8")
+    else:
+        write(path)
+    wrote(path)
+
+
+def listing(what: str, summaries: Mapping[str, str]) -> None:
+    """Print names, each with its summary."""
+    wide = max(map(len, summaries))
+    answer({what: summaries}, "\n".join(f"{name:<{wide}}  {text(summary)}" for name, summary in summaries.items()))
 
 
 def wants_json() -> bool:

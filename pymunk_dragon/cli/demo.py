@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import asdict
-from typing import Any
 
 import click
 
@@ -19,16 +18,13 @@ ALL = "all"
 NUMBERS = {str(number): name for number, name in enumerate(LESSONS, start=1)}
 
 
-class _LessonName(click.Choice[str]):
-    """The name of a lesson, also by its number, or `ALL`."""
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """Return the name."""
-        return super().convert(NUMBERS.get(value, value), param, ctx)
+EXAMPLES = ("", "spiral", "3 --lang zh", "all -o lessons.html")
+# A lesson's number stands for its name.
+SETTINGS = {"token_normalize_func": lambda token: NUMBERS.get(token, token)}
 
 
-@click.command(cls=common.DragonCommand, examples=("", "spiral", "3 --lang zh", "all -o lessons.html"))
-@click.argument("name", metavar="[LESSON]", required=False, type=_LessonName([*LESSONS, ALL]))
+@click.command(cls=common.DragonCommand, examples=EXAMPLES, context_settings=SETTINGS)
+@click.argument("name", metavar="[LESSON]", required=False, type=click.Choice([*LESSONS, ALL]))
 @click.option("--save", metavar="DIR", type=click.Path(), help="Folder for the picture.  [a temporary one]")
 @click.option("--pause", is_flag=True, help="Wait for Enter once the class has made its guess.")
 @common.output_option(".html, a page of the lesson, or of all; .ipynb, its notebook; .py, its program")
@@ -54,7 +50,7 @@ def demo(name: str | None, save: str | None, pause: bool, output: str | None) ->
 def _write(lessons: list[LessonFile], output: str) -> None:
     """Write a page, a notebook or a program."""
     destination = check_destination(output, endings(lessons))
-    with common.progress("lessons", "lesson {done} of {total}") as show:
+    with common.progress("demo") as show:
         write_lessons(lessons, destination, language=language(), progress=show)
     common.answer_with_file(destination)
 

@@ -7,10 +7,8 @@ from pathlib import Path
 from typing import Any
 
 import click
-import numpy as np
 
 from pymunk_dragon._files import check_destination
-from pymunk_dragon._language import text
 from pymunk_dragon.cli import common
 from pymunk_dragon.drawing import FILM_ENDINGS, OVERLAYS, STILL_ENDINGS, Camera, Film
 from pymunk_dragon.drawing import render as render_film
@@ -23,10 +21,8 @@ from pymunk_dragon.reports import report as write_report
 
 # s: default length of a film of a march without contact.
 _MARCH_FILM = 60.0
-# m: distance that the head travels between the frames of a march in a player.
-_PLAYER_STRIDE = 0.1
 # Options that only films have, and those that only films and pictures have.
-_OF_FILMS = ("speedup", "fps", "hold")
+_OF_FILMS = ("start", "speedup", "fps", "hold")
 _OF_PICTURES = ("exact", "size", "follow", "span", "caption", "legend", *OVERLAYS)
 EXAMPLES = ("run.npz", "run.npz --exact --camera head -o both.mp4", "--until 60 -o march.gif")
 FORMATS = f"a film, {', '.join(FILM_ENDINGS)}; .png, a picture at --until; or .html, a page that plays the run"
@@ -67,53 +63,42 @@ def _overlay_options(function: common.F) -> common.F:
 @click.option("--caption", metavar="TEXT", help="Lines below the picture.")
 @click.option("--legend/--no-legend", default=None, help="Legend and scale bar below the picture.  [shown]")
 @common.output_option(FORMATS, "RUN.gif")
-def render(run_files: tuple[str, ...], output: str | None, **choices: Any) -> None:
+def render(run_files: tuple[str, ...], output: str | None, exact: bool, **choices: Any) -> None:
     """Film a run, several side by side, or an exact march.
 
     Without a run, the exact march of the options is filmed. The ending of the file chooses the format.
     """
     name = Path(run_files[0]).stem if run_files else "march"
     path = check_destination(output or f"{name}.gif", (*FILM_ENDINGS, *STILL_ENDINGS, *PLAYER_ENDINGS))
+    sources = _sources(run_files, exact)
+    if path.suffix.lower() in PLAYER_ENDINGS:
+        _write_page(sources, path, choices["title"])
+    else:
+        _write_film(sources, path, choices)
+    common.answer_with_file(path)
+
+
+def _write_film(sources: list[Run | March], path: Path, choices: dict[str, Any]) -> None:
+    """Write a film, or a picture of its last time."""
+    if path.suffix.lower() in STILL_ENDINGS:
+        _refuse("a picture", *_OF_FILMS)
+    if isinstance(sources[0], March) and choices["until"] is None:
+        choices["until"] = _end(sources[0], choices["start"] or 0.0)
     overlays = tuple(name for name in OVERLAYS if choices.pop(name))
     camera = Camera(follow=choices.pop("follow"), span=choices.pop("span"))
-    sources = _sources(run_files, choices.pop("exact"))
-    if isinstance(sources[0], March) and choices["until"] is None:
-        choices["until"] = _end(sources[0], choices["start"] or 0.0, film=path.suffix.lower() in FILM_ENDINGS)
     given = {name: value for name, value in choices.items() if value is not None}
-    facts = _write(sources, path, Film(camera=camera, show=overlays, **given), choices)
-    common.answer_with_file(path, *facts)
+    with common.progress("render") as show:
+        render_film(sources, path, Film(camera=camera, show=overlays, **given), show)
 
 
-def _write(sources: list[Run | March], path: Path, film: Film, choices: dict[str, Any]) -> list[str]:
-    """Write a page, a picture or a film, and return how long a film is."""
-    if path.suffix.lower() in PLAYER_ENDINGS:
-        _refuse("a page", *_OF_FILMS, *_OF_PICTURES)
-        _write_player(sources, path, choices)
-        return []
-    if path.suffix.lower() in STILL_ENDINGS:
-        _refuse("a picture", "start", *_OF_FILMS)
-        render_film(sources, path, film)
-        return []
-    with common.progress("frame", "frame {done}") as show:
-        timing = render_film(sources, path, film, show)
-    count, start = text("{count} frames"), text("from t = {time:g} s")
-    return [count.format(count=len(timing.times)), f"{timing.ends[-1]:.1f} s", start.format(time=timing.times[0])]
-
-
-def _write_player(sources: list[Run | March], path: Path, choices: dict[str, Any]) -> None:
-    """Write a page that plays a run, or the exact run of a march."""
-    if len(sources) > 1:
+def _write_page(sources: list[Run | March], path: Path, title: str | None) -> None:
+    """Write a page that plays a run."""
+    _refuse("a page", "until", *_OF_FILMS, *_OF_PICTURES)
+    run, *others = sources
+    if others or not isinstance(run, Run):
         raise click.UsageError("a page plays one run: name one, or write a film")
-    [source] = sources
-    if isinstance(source, Run):
-        _refuse("a page that plays a whole run", "start", "until")
-        run = source
-    else:
-        start, until = choices["start"] or 0.0, choices["until"]
-        times = np.arange(start, until, _PLAYER_STRIDE / source.speed_profile.fastest(start, until))
-        run = Run.exact(source, np.append(times, until))
-    with common.progress("page", "page") as show:
-        write_player(run, path, title=choices["title"], progress=show)
+    with common.progress("render") as show:
+        write_player(run, path, title=title, progress=show)
 
 
 def _sources(run_files: tuple[str, ...], exact: bool) -> list[Run | March]:
@@ -126,11 +111,11 @@ def _sources(run_files: tuple[str, ...], exact: bool) -> list[Run | March]:
     return [*runs, runs[0].march] if exact else [*runs]
 
 
-def _end(march: March, start: float, *, film: bool) -> float:
-    """Default last time of a march, s: of a film, the first contact on a curve with an end."""
+def _end(march: March, start: float) -> float:
+    """Default last time of a march, s: the first contact on a curve with an end."""
     from pymunk_dragon.collision import first_contact
 
-    if film and start < march.end < math.inf:
+    if start < march.end < math.inf:
         found = first_contact(march, start=start)
         if found.status == "contact":
             return found.time
@@ -155,9 +140,7 @@ def figure(name: str | None, run_file: str | None, output: str | None) -> None:
     from the options.
     """
     if name is None:
-        shown = {known: kind.shows for known, kind in FIGURES.items()}
-        listed = "\n".join(f"{known:<13} {text(shows)}" for known, shows in shown.items())
-        return common.answer({"figures": shown}, listed)
+        return common.listing("figures", {known: kind.shows for known, kind in FIGURES.items()})
     source: Any = None
     if run_file is not None:
         source = common.run_of(run_file)

@@ -20,9 +20,7 @@ from pymunk_dragon.sessions.session import SPEEDS, Session
 OWN = ("start", "contacts", "free_from")
 # Hosts at which only this machine reaches the page.
 LOCAL = ("127.0.0.1", "localhost", "::1")
-CONTACTS = click.Choice(["stop", "report", "resolve"])
-_OUTPUT_HELP = "File to write at the end: inputs, .json, the run of a dragon, .npz, or a film, as .gif."
-FILE: dict[str, Any] = {"metavar": "FILE", "type": click.Path()}
+_RECORD = "File to write at the end: inputs, .json, the run of a dragon, .npz, or a film, as .gif."
 EXAMPLES = ("", "near-miss", "--benches 60 --from 300 -o live.npz", "--replay live.npz")
 
 
@@ -30,37 +28,28 @@ EXAMPLES = ("", "near-miss", "--benches 60 --from 300 -o live.npz", "--replay li
 @click.argument("scene", required=False, type=click.Choice(list(SCENES)))
 @common.scenario_options
 @common.start_option
-@click.option("--contacts", type=CONTACTS, default="resolve", help="What contacts do.  [resolve]")
+@click.option("--contacts", type=common.CONTACTS, default="resolve", help="What contacts do.  [resolve]")
 @click.option("--free-from", type=int, metavar="N", help="First bench without dancers.  [all have dancers]")
-@click.option("--replay", **FILE, help="Play a recording again, .npz or .json.")
+@click.option("--replay", metavar="FILE", type=click.Path(), help="Play a recording again, .npz or .json.")
 @click.option("--exit", "ends", is_flag=True, help="Play the recording without a page, as fast as possible, and exit.")
-@click.option(
-    "-o",
-    "--record",
-    "output",
-    **FILE,
-    help=_OUTPUT_HELP,
-)
+@click.option("-o", "--record", "output", metavar="FILE", type=click.Path(), help=_RECORD)
 @click.option("--port", type=int, default=0, metavar="N", help="Port.  [a free one]")
 @click.option("--host", default=LOCAL[0], metavar="ADDRESS", help="Address to listen on.  [this machine only]")
-@click.option(
-    "--allow-host", "allow_hosts", multiple=True, metavar="NAME", help="Name of a proxy of the page; repeatable."
-)
+@click.option("--allow-host", "allow_hosts", multiple=True, metavar="NAME", help="Name of a proxy; repeatable.")
 @click.option("--no-browser", "browser", flag_value=False, default=True, help="Do not open a browser.")
-@click.option("--paused", is_flag=True, help="Begin paused.")
 def live(scene: str | None, replay: str | None, ends: bool, output: str | None, **choices: Any) -> None:
     """Play the dragon in real time, and touch it in a browser. A scene has its own dragon."""
     if [bool(each) for each in (scene, common.flags_given("scenario", *common.chosen(), *OWN), replay)].count(True) > 1:
         raise click.UsageError("a ready scene and a recording have their own dragon: leave out the other options")
+    if ends and replay is None:
+        raise click.UsageError("--exit ends a replay: give a recording with --replay")
     if not ends:
         library("aiohttp")
-    elif replay is None:
-        raise click.UsageError("--exit ends a replay: give a recording with --replay")
-    path, _ = common.destination_of(output, RECORDING_ENDINGS)
+    path = common.destination_of(output, RECORDING_ENDINGS)
     log = None if replay is None else Log.load(replay)
     settings = {name: choices.pop(name) for name in OWN}
     source = _source(scene, log) or dragon(common.march(), **settings)
-    session = Session(source, record=path is not None, running=not choices.pop("paused"))
+    session = Session(source, record=path is not None)
     if log is not None:
         session.play_again(log.inputs, log.values, log.steps)
     if ends:
@@ -120,7 +109,6 @@ def _wait_for_replay(session: Session, log: Log | None) -> None:
 def _write(session: Session, path: Path | None) -> None:
     """Write the recording, if there is a file for it, with progress for a film."""
     if path is not None:
-        label = text("writing {name}").format(name=path.name)
-        with common.progress(label, label) as show:
+        with common.progress("live") as show:
             record(session, path, show)
         common.wrote(path)

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 import click
 
-from pymunk_dragon._language import text
 from pymunk_dragon.cli import common
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
@@ -16,7 +14,6 @@ from pymunk_dragon.physics import GUIDES
 from pymunk_dragon.physics import simulate as play
 from pymunk_dragon.physics.world import top_speed
 
-CONTACTS = click.Choice(["stop", "report", "resolve"])
 EXAMPLES = ("-o run.npz", "--from 400 --until 415 --fine -o run.npz", "--guide none --until 20")
 
 
@@ -25,33 +22,30 @@ EXAMPLES = ("-o run.npz", "--from 400 --until 415 --fine -o run.npz", "--guide n
 @common.start_option
 @common.until_option
 @click.option("--guide", type=click.Choice(list(GUIDES)), default="rails", help="What keeps it on the path.  [rails]")
-@click.option("--contacts", type=CONTACTS, default="stop", help="What the first contact does.  [stop]")
+@click.option("--contacts", type=common.CONTACTS, default="stop", help="What contacts do.  [stop]")
 @click.option("--head-force", type=float, metavar="F", help="Largest force at contacts, N.  [twice the ground drag]")
 @click.option("--substep", type=float, metavar="T", help="Substep, s.  [20 mm of the head, or 5 mm to resolve]")
 @click.option("--iterations", type=int, metavar="N", help="Solver iterations.  [10, or 60 if contacts are resolved]")
 @click.option("--fine", is_flag=True, help="The substep in which the head goes 2.5 mm, and 60 iterations.")
 @click.option("--frame-interval", type=float, metavar="T", help="Time between frames, s.  [until the head goes 0.1 m]")
-@common.output_option(".npz")
+@common.output_option(".npz, which keeps the run")
 def simulate(fine: bool, output: str | None, **choices: Any) -> None:
     """Play the march in Pymunk until the dragon runs into itself."""
     march = common.march()
-    path, _ = common.destination_of(output, (".npz",))
+    path = common.destination_of(output, (".npz",))
     if fine and common.flags_given("substep", "iterations"):
         raise click.UsageError("--fine chooses the substep and the iterations: leave out --substep and --iterations")
     interval = {name: choices.pop(name) for name in ("start", "until", "guide")}
-    run = played(march, EngineSettings(**choices), fine=fine, **interval)
-    if path is not None:
-        run.save(path)
-        common.wrote(path, text("{count} frames").format(count=len(run.times)))
-    else:
-        common.note(text("the run is not kept: -o RUN.npz saves it"))
-    common.answer(run.to_dict(), run)
-
-
-def played(march: March, settings: EngineSettings, *, fine: bool, start: float, until: float | None, **how: Any) -> Run:
-    """Play `march` in Pymunk, with progress."""
     if fine:
-        substep = FINE_STRIDE / top_speed(march, start, until)
-        settings = replace(settings, substep=substep, iterations=FINE_ITERATIONS)
-    with common.progress("t", "t = {done:.1f} s, {total:.0f} s at the latest", start) as show:
-        return play(march, start=start, until=until, settings=settings, progress=show, **how)
+        substep = FINE_STRIDE / top_speed(march, interval["start"], interval["until"])
+        choices |= {"substep": substep, "iterations": FINE_ITERATIONS}
+    run = played(march, settings=EngineSettings(**choices), **interval)
+    found = run.to_dict()
+    common.save(path, found, run.save)
+    common.answer(found, run)
+
+
+def played(march: March, *, start: float, **how: Any) -> Run:
+    """Play `march` in Pymunk, with progress."""
+    with common.progress("simulate", start) as show:
+        return play(march, start=start, progress=show, **how)

@@ -9,14 +9,13 @@ from typing import Any
 import click
 
 from pymunk_dragon._extras import library
-from pymunk_dragon._language import text
 from pymunk_dragon.cli import common
 from pymunk_dragon.model.scenario import Scenario
 from pymunk_dragon.studies import STUDIES
 
 
 def _study_options(function: common.F) -> common.F:
-    """Add the flags of single studies to a command."""
+    """Add the options of single studies to a command."""
     known = [(study, name, *flag) for study in STUDIES.values() for name, flag in study.flags.items()]
     for study, name, metavar, words in reversed(known):
         kind, flag = type(signature(study.run).parameters[name].default), name.replace("_", "-")
@@ -38,19 +37,17 @@ def study(name: str | None, output: str | None, **options: float | bool | None) 
     the others, as the pitch where it is the result. The radius is that of the circle to which the head marches.
     """
     if name is None:
-        known = {each.name: each.summary for each in STUDIES.values()}
-        listed = "\n".join(f"{name:<11}  {text(summary)}" for name, summary in known.items())
-        return common.answer({"studies": known}, listed)
+        return common.listing("studies", {each.name: each.summary for each in STUDIES.values()})
     values = _values(name, options)
-    path, ending = common.destination_of(output, STUDIES[name].formats)
-    if ending not in ("", ".json"):
+    path = common.destination_of(output, STUDIES[name].formats)
+    if path is not None and path.suffix.lower() != ".json":
         # A missing library is named before the study runs.
-        library("xlsxwriter" if ending == ".xlsx" else "matplotlib")
-    with common.progress(name) as show:
-        found = STUDIES[name].answer(values, lambda done, total: show(done, total, name))
-    if path is not None:
-        _write(found, path)
-    return common.answer(found.to_dict(), found)
+        library("xlsxwriter" if path.suffix.lower() == ".xlsx" else "matplotlib")
+    with common.progress("study") as show:
+        found = STUDIES[name].answer(values, show)
+    result = found.to_dict()
+    common.save(path, result, lambda path: _write(found, path))
+    return common.answer(result, found)
 
 
 def _values(name: str, options: dict[str, Any]) -> dict[str, Any]:
@@ -67,13 +64,10 @@ def _values(name: str, options: dict[str, Any]) -> dict[str, Any]:
 
 
 def _write(found: Any, path: Path) -> None:
-    """Write the answer in the format of the file's ending."""
-    if path.suffix.lower() == ".json":
-        common.write_json(path, found.to_dict())
-    elif path.suffix.lower() == ".xlsx":
+    """Write sheets of the contest, or the figure."""
+    if path.suffix.lower() == ".xlsx":
         from pymunk_dragon.reports import write_tables
 
         write_tables(found.march, found.times, path)
     else:
         found.write_figure(path)
-    common.wrote(path)

@@ -11,7 +11,6 @@ from typing import Any
 
 import click
 
-from pymunk_dragon._language import text
 from pymunk_dragon.cli import common
 from pymunk_dragon.errors import DragonError, ParameterError
 from pymunk_dragon.sweeps import QUANTITIES
@@ -44,9 +43,8 @@ def sweep(axis: tuple[str, ...], output: tuple[str, ...], **settings: Any) -> No
     sys.path.append(os.getcwd())
     # What a quantity prints is not part of a table on stdout.
     with common.progress("sweep") as show, redirect_stdout(sys.stderr):
-        label = text("{done} of {total} points")
-        settings["progress"] = lambda done, total: show(done, total, label.format(done=done, total=total))
-        found = run_sweep(common.file_values() | common.chosen(), _axes(axis), out=output, **settings)
+        scenario = common.file_values() | common.chosen()
+        found = run_sweep(scenario, _axes(axis), out=output, progress=show, **settings)
     for file in output:
         common.wrote(Path(file))
     common.answer(found.to_dict(), found if output else "\n".join(found.csv()))
@@ -55,15 +53,12 @@ def sweep(axis: tuple[str, ...], output: tuple[str, ...], **settings: Any) -> No
 
 
 def _axes(given: tuple[str, ...]) -> dict[str, list[float]]:
-    """Values of each axis, by its name."""
+    """Values of each axis by its name, of one that is given twice all of them."""
     axes: dict[str, list[float]] = {}
     for each in given:
         name, _, values = each.partition("=")
-        name = name.strip().replace("-", "_")
-        if name in axes:
-            raise ParameterError("axis", each, f"given once for {name}")
         try:
-            axes[name] = common.number_list("axis", values)
+            axes.setdefault(name.strip().replace("-", "_"), []).extend(common.number_list("axis", values))
         except ParameterError as error:
             raise ParameterError("axis", each, _AXIS) from error
     return axes

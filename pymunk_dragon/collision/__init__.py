@@ -16,8 +16,8 @@ paper's method; `Grid` and `separation` are the two phases of both.
 
 - **exact** clears every time interval by a bound on the motion of the benches in it, or divides it.
 - **grid** samples every second (`--step`). It files the benches under the cells of a grid, tests the pairs that share a
-  cell with the separating axis theorem, and bisects once two benches overlap (`--tolerance`).
-- **engine** is Pymunk's collision callback, refined inside the substep (`--fine` for an eighth of it).
+  cell with the separating axis theorem, and bisects once two benches overlap.
+- **engine** is Pymunk's collision callback, refined inside the substep.
 
 ![The grid leaves 13 of 105 pairs of benches to test](renders/figures/grid.png)
 

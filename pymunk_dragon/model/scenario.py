@@ -47,7 +47,7 @@ from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
 
-from pymunk_dragon._checks import did_you_mean, numbers
+from pymunk_dragon._checks import numbers
 from pymunk_dragon._files import read_text
 from pymunk_dragon.errors import FileFormatError, ParameterError
 from pymunk_dragon.model.curves import Curve, Sampled
@@ -142,8 +142,8 @@ class Scenario:
         known = [f.name for f in fields(cls)]
         for name, value in flat.items():
             if name not in known:
-                hint = f": the parameters are {', '.join(known)}{did_you_mean(name, known)}"
-                raise ParameterError(name, value, "absent" + (hint if files else ""))
+                hint = f": the parameters are {', '.join(known)}" if files else ""
+                raise ParameterError(name, value, "absent" + hint)
             if not files and _is_file(value):
                 raise ParameterError(name, value, "something else than the name of another file")
         return cls(**flat)
@@ -206,7 +206,7 @@ class Scenario:
         if not (isinstance(kind, str) and kind in Curve.kinds):
             known = named_curves()
             bound = f"a name, {' or '.join(known)}, a file of points, which ends in {_CSV}, or a table with its kind"
-            raise ParameterError("curve", kind, bound + did_you_mean(kind, known))
+            raise ParameterError("curve", kind, bound)
         try:
             return Curve.from_dict({"kind": kind} | given)
         except ParameterError as error:

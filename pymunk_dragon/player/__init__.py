@@ -7,7 +7,8 @@ events.
 
 N and P jump to near misses and contacts, and L plays the last 10 s. Z and X show a shorter or longer part of the
 timeline, and C the whole run. The key ? lists all keys. The address (`run.html#t=409.8&follow=head`) leads to the same
-moment on another screen, and `run.html?zh` opens the page in Chinese.
+moment on another screen, and `run.html?zh` opens the page in Chinese. A notebook shows a `Run` as such
+a page, or as a picture if it is long, and a `March` or a figure as a picture.
 
 ```console
 $ pymunk-dragon simulate --from 405 -o run.npz

@@ -2,8 +2,8 @@
 
 `report` and `pymunk-dragon report` take the format from the file's ending. A report has the scenario, the first
 contact, the near misses, the contacts of the run in the order of time, speeds, and the drift from the exact model.
-The JSON follows a schema (`json_schema`). Pages and sheets need `pip install 'pymunk-dragon[report]'`; a page has
-charts if matplotlib is installed (`pymunk-dragon[figures]`).
+Pages and sheets need `pip install 'pymunk-dragon[report]'`; a page has a chart if matplotlib is installed
+(`pymunk-dragon[figures]`).
 
 ```console
 $ pymunk-dragon simulate --from 405 --until 416 --contacts report -o windows.npz
@@ -17,12 +17,11 @@ one. `make report` makes [such a report](renders/report.html).
 
 from pymunk_dragon.reports.contest_tables import paper_tables, write_contact_table, write_tables
 from pymunk_dragon.reports.formats import REPORT_ENDINGS, report
-from pymunk_dragon.reports.summary import Summary, json_schema, summarize
+from pymunk_dragon.reports.summary import Summary, summarize
 
 __all__ = [
     "REPORT_ENDINGS",
     "Summary",
-    "json_schema",
     "paper_tables",
     "report",
     "summarize",

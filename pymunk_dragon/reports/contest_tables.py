@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import tempfile
 from collections.abc import Mapping, Sequence
 from datetime import datetime
 from pathlib import Path
@@ -18,27 +17,22 @@ from pymunk_dragon._files import check_destination, written_in_place
 from pymunk_dragon._language import text
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.march import March
-from pymunk_dragon.reports.summary import TABLE_TIMES
 
-# Digits after the decimal point, as the contest requires.
-_DECIMALS = 6
+# s: times of the paper's tables 1 and 2.
+_TABLE_TIMES = (0.0, 60.0, 120.0, 180.0, 240.0, 300.0)
 # Columns of a worksheet: limit of the format.
-MAX_COLUMNS = 16_384
+_MAX_COLUMNS = 16_384
 # Creation date in the file's properties: constant, in the year of the contest, so that equal contents give equal bytes.
 _CREATED = datetime(2024, 9, 5)
 # Names of handles in the templates: head, n-th body bench, tail, rear of the tail.
-HEAD, _BODY, _TAIL = "龙头", "第{}节龙身", "龙尾"
-LAST = "龙尾（后）"  # noqa: RUF001  # The template's own brackets.
-# Characters: widths of the columns of names and values, enough for the longest.
-_NAME_WIDTH, _VALUE_WIDTH = 18, 11
+_HEAD, _BODY, _TAIL = "龙头", "第{}节龙身", "龙尾"
+_LAST = "龙尾（后）"  # noqa: RUF001  # The template's own brackets.
 # m or m/s: added to magnitudes before truncation, so that 8.8 m or 1 m/s with a rounding error keep their digits.
 _ROUNDING_TOLERANCE = 1e-11
 
 
 def write_tables(march: March, times: ArrayLike, path: str | Path) -> None:
-    """Write positions and speeds of every handle as the contest's result1.xlsx and result4.xlsx.
-
-    Values are rounded to six decimals, whereas the paper's tables are truncated.
+    """Write positions and speeds of every handle, to six decimals, as the contest's result1.xlsx and result4.xlsx.
 
     Parameters
     ----------
@@ -47,13 +41,13 @@ def write_tables(march: March, times: ArrayLike, path: str | Path) -> None:
     times : array_like, shape (T,)
         Times in s; one column each.
     path : path
-        File to write, ending in .xlsx. An interruption leaves the old file or none.
+        File to write, ending in .xlsx.
 
     Raises
     ------
     ParameterError, UnreachableError, MissingExtraError, OutputError
-        If there are no times or too many for a worksheet, or the file cannot be created; if a handle would be beyond
-        the end of the curve; if XlsxWriter is not installed; if writing fails.
+        If there are no times or too many for a worksheet, or the file cannot be created; if a handle has no position
+        at a time; if XlsxWriter is not installed; if writing fails.
 
     Examples
     --------
@@ -61,13 +55,13 @@ def write_tables(march: March, times: ArrayLike, path: str | Path) -> None:
     """
     destination = check_destination(path, (".xlsx",))
     t = np.array(times, dtype=float).ravel()
-    if not 1 <= t.size < MAX_COLUMNS:
-        raise ParameterError("times", t.size, f"1 to {MAX_COLUMNS - 1} of them, as many as a sheet has columns")
+    if not 1 <= t.size < _MAX_COLUMNS:
+        raise ParameterError("times", t.size, f"1 to {_MAX_COLUMNS - 1} of them, as many as a sheet has columns")
     states = march.at(t)
     names = _handle_names(march.dragon.handles)
     labels = [f"{time + 0.0:.12g} s" for time in t.tolist()]
     # In the templates two spaces precede the unit of all speeds but the first and the last.
-    speed_names = [f"{HEAD} (m/s)", *(f"{name}  (m/s)" for name in names[1:-1]), f"{LAST} (m/s)"]
+    speed_names = [f"{_HEAD} (m/s)", *(f"{name}  (m/s)" for name in names[1:-1]), f"{_LAST} (m/s)"]
     # Positions (T, H, 2) as rows x, y of each handle, (2 H, T).
     positions = states.positions.reshape(t.size, -1).T
     sheets = {
@@ -80,16 +74,7 @@ def write_tables(march: March, times: ArrayLike, path: str | Path) -> None:
 def write_contact_table(march: March, impact_time: float, path: str | Path) -> None:
     """Write positions and speeds of every handle at one time as the contest's result2.xlsx.
 
-    Parameters
-    ----------
-    march, path
-        As in `write_tables`, which also has the errors.
-    impact_time : float
-        Time of the first contact, s.
-
-    Examples
-    --------
-    >>> write_contact_table(March(), 412.473838, "result2.xlsx")
+    Parameters and errors are those of `write_tables`, with one time, that of the first contact, s.
     """
     destination = check_destination(path, (".xlsx",))
     states = march.at([impact_time])
@@ -99,30 +84,14 @@ def write_contact_table(march: March, impact_time: float, path: str | Path) -> N
 
 
 def paper_tables(march: March, impact_time: float | None) -> str:
-    """Tables 1 to 3 of the paper as text: seven handles at six times, and at the first contact if there is one.
+    """Tables 1 to 3 of the paper as text: seven handles at six times, and at the first contact if there is one, s.
 
-    Values are truncated to three decimals, not rounded, as in the paper.
-
-    Parameters
-    ----------
-    march : March
-        March with the handles.
-    impact_time : float or None
-        Time of the first contact, s; None for no contact.
-
-    Raises
-    ------
-    UnreachableError
-        If a handle would be beyond the end of the curve at one of the times.
-
-    Examples
-    --------
-    >>> print(paper_tables(March(), None).splitlines()[0])
-    Table 1: positions, m
+    Values are truncated to three decimals, not rounded, as in the paper. `UnreachableError` where a handle has no
+    position at one of the times.
     """
     handles = march.dragon.representatives
-    states = march.at(TABLE_TIMES)
-    times = [f"{time:g} s" for time in TABLE_TIMES]
+    states = march.at(_TABLE_TIMES)
+    times = [f"{time:g} s" for time in _TABLE_TIMES]
     coordinates = states.positions[:, handles].reshape(len(times), -1).T
     names = [f"{handle} {axis}" for handle in handles for axis in "xy"]
     lines = _text_table(text("Table 1: positions, m"), times, names, coordinates)
@@ -137,26 +106,27 @@ def paper_tables(march: March, impact_time: float | None) -> str:
 
 def _handle_names(handles: int) -> list[str]:
     """Names of the handles in the contest's templates."""
-    return [HEAD, *(_BODY.format(i) for i in range(1, handles - 2)), _TAIL, LAST]
+    return [_HEAD, *(_BODY.format(i) for i in range(1, handles - 2)), _TAIL, _LAST]
 
 
 def _write_sheets(destination: Path, sheets: Mapping[str, tuple[Sequence[str], Sequence[str], Array]]) -> None:
     """Write worksheets (labels of columns, labels of rows, values) as a workbook with reproducible bytes."""
     xlsxwriter = library("xlsxwriter")
-    with tempfile.TemporaryDirectory(prefix="pymunk-dragon-") as folder, written_in_place(destination) as draft:
+    with written_in_place(destination) as draft:
         # Rows are flushed to a temporary file: a table of many times would fill the memory.
-        options = {"constant_memory": True, "tmpdir": folder}
+        options = {"constant_memory": True, "tmpdir": str(draft.parent)}
         try:
             with xlsxwriter.Workbook(str(draft), options) as book:
                 book.set_properties({"created": _CREATED, "author": "pymunk_dragon"})
                 for title, (labels, names, values) in sheets.items():
-                    sheet, number = book.add_worksheet(title), book.add_format({"num_format": f"{0:.{_DECIMALS}f}"})
-                    sheet.set_column(0, 0, _NAME_WIDTH)
-                    sheet.set_column(1, len(labels), _VALUE_WIDTH)
+                    sheet, number = book.add_worksheet(title), book.add_format({"num_format": "0.000000"})
+                    # Characters, enough for the longest name and value.
+                    sheet.set_column(0, 0, 18)
+                    sheet.set_column(1, len(labels), 11)
                     sheet.freeze_panes(1, 1)
                     sheet.write_row(0, 1, labels)
-                    # Adding 0 turns the -0.0 of a rounded tiny number into 0.0.
-                    for row, cells in enumerate(np.round(values, _DECIMALS) + 0.0, start=1):
+                    # Six decimals, as the contest requires; adding 0 turns the -0.0 of a tiny number into 0.0.
+                    for row, cells in enumerate(np.round(values, 6) + 0.0, start=1):
                         sheet.write_string(row, 0, names[row - 1])
                         sheet.write_row(row, 1, cells.tolist(), number)
         except xlsxwriter.exceptions.FileCreateError as error:

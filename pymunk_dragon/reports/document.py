@@ -6,7 +6,6 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple, TypeVar
 
-from pymunk_dragon._arrays import Array
 from pymunk_dragon._language import text
 from pymunk_dragon.collision import NearMiss
 from pymunk_dragon.model.contact import Contact, ContactEvent, ContactWindow, contact_text
@@ -19,6 +18,9 @@ MAX_ROWS = 1000
 # Names of curves in sentences; others appear under the name of their class.
 CURVES = {"Spiral": "spiral", "UTurn": "U-turn", "Sampled": "smooth path", "Composite": "path of several pieces"}
 CURVES |= {"Line": "straight line", "Arc": "circular arc"}
+# The sizes of a curve in sentences, and the players.
+SIZES = {"pitch": ", pitch {size} m", "radius": ", in a circle of {size} m", "length": " of {size} m"}
+PLAYERS = {"pymunk": "played by Pymunk", "exact": "played by the exact model", None: "of an unknown player"}
 # Labels and units of the parameters of a scenario.
 SCENARIO = {
     "benches": ("Benches", ""),
@@ -83,24 +85,14 @@ def subtitle(summary: Summary) -> str:
     scenario, player = summary.scenario, json_values(summary.run.player)
     kind = scenario["curve"]
     curve = text(CURVES.get(kind, kind.lower()))
-    sizes = {
-        "pitch": text(", pitch {size} m"),
-        "radius": text(", in a circle of {size} m"),
-        "length": text(" of {size} m"),
-    }
-    for name, template in sizes.items():
+    for name, template in SIZES.items():
         if scenario.get(name) is not None:
-            curve += template.format(size=f"{scenario[name]:g}")
-    players = {
-        "pymunk": text("played by Pymunk"),
-        "exact": text("played by the exact model"),
-        None: text("of an unknown player"),
-    }
+            curve += text(template).format(size=f"{scenario[name]:g}")
     return text("A dragon of {benches} benches at {speed} on a {curve}, {player}").format(
         benches=scenario["benches"],
         speed=_speed(scenario["speed"]),
         curve=curve,
-        player=players.get(player, text("played by {player}").format(player=player)),
+        player=text(PLAYERS.get(player, "played by {player}")).format(player=player),
     )
 
 
@@ -146,7 +138,6 @@ def sections(summary: Summary) -> list[Section]:
     near = text("Small local minima of the distance between benches that are not neighbours, in the exact model.")
     times = text("Pairs of benches in contact in the engine, at ends of substeps; without an end: to the last one.")
     error = text("Distance of a bench's hole from the exact model's position, for the hole with the larger distance.")
-    last = text("In the exact model. A last column with six decimals is the time of the first contact.")
     calls = text("Collision callbacks of the engine, in the order in which they came: {count}.")
     log = summary.run.events
     return [
@@ -154,7 +145,6 @@ def sections(summary: Summary) -> list[Section]:
         Section("near-misses", text("Near misses"), near, _table(summary.near_misses or (), near_misses, left=(1,))),
         Section("windows", text("Contact windows"), times, _table(log.windows(), windows, left=(0,))),
         Section("drift", text("Position error"), error, {"": Table(_drift(summary))}),
-        Section("handles", text("Handles"), last, _handles(summary)),
         Section("events", text("Events"), calls.format(count=len(log)), _table(log, events, left=(1, 2))),
         provenance(summary),
     ]
@@ -187,13 +177,10 @@ def _comparison(summary: Summary) -> str:
     notes = [] if run.first_contact else [text("None in this run.")]
     if run.guide == "none":
         notes.append(text("No guide kept this dragon on its path."))
-    if exact is None:
-        missing = "No result of the exact model: the run has no time interval in which the dragon is on the curve."
-        notes.append(text(missing))
-    elif error := _time_error(summary):
+    if error := _time_error(summary):
         same = text("The same benches touch in the exact model; the contact of the run is {error}.")
         notes.append(same.format(error=error))
-    elif run.player != "exact" or not run.first_contact:
+    elif exact is not None and (run.player != "exact" or not run.first_contact):
         result = contact_text(exact.status, exact.benches, exact.point, exact.time)
         notes.append(text("The exact model: {result}.").format(result=result))
     return " ".join(notes)
@@ -256,24 +243,6 @@ def _drift(summary: Summary) -> list[Row]:
             value = text("{error} (bench {bench} at {time})").format(error=value, **where)
         rows.append((label, value))
     return rows
-
-
-def _handles(summary: Summary) -> dict[str, Table]:
-    """Tables 1 and 2 of the paper: a column for each time; that of a contact is last and has six decimals."""
-    found = summary.handles
-    numbers, times = found["numbers"], [f"{time:g} s" for time in found["times"]]
-    if found["contact"] is not None:
-        times[-1] = _number(found["times"][-1], 6, " s")
-
-    def table(names: list[str], states: Array) -> Table:
-        values = states.reshape(len(times), -1).T.tolist()
-        rows = [(name, *(_number(value, 6) for value in row)) for name, row in zip(names, values, strict=True)]
-        return Table(rows, (text("handle"), *times), left=(0,))
-
-    return {
-        text("Positions"): table([f"{i} {axis} (m)" for i in numbers for axis in "xy"], found["positions"]),
-        text("Speeds"): table([f"{i} (m/s)" for i in numbers], found["speeds"]),
-    }
 
 
 def _value(value: Any) -> str:

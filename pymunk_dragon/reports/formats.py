@@ -8,20 +8,18 @@ import json
 import re
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from pymunk_dragon._extras import library
 from pymunk_dragon._files import check_destination, written_in_place
 from pymunk_dragon._html import data_address, filled
 from pymunk_dragon._language import language, text
-from pymunk_dragon.drawing import Camera, Film, Palette, still_png
+from pymunk_dragon.drawing import Camera, Film, still_png
 from pymunk_dragon.drawing.figures import figure
 from pymunk_dragon.drawing.figures.style import styled
-from pymunk_dragon.errors import MissingExtraError, ParameterError, UnreachableError
+from pymunk_dragon.errors import MissingExtraError, ParameterError
 from pymunk_dragon.model.run import Run
 from pymunk_dragon.reports import document
 from pymunk_dragon.reports.summary import Summary, summarize
@@ -36,10 +34,6 @@ _STILL_SIZE = 880
 # m: least width of the close-up around the head, and its ratio to the distance of the contact from the head: that of an
 # unguided run may be far away.
 _CLOSE_SPAN, _CLOSE_MARGIN = 6.0, 3.0
-# Bars in the chart of contacts: more are hard to read. The table and the other formats have more.
-_MAX_BARS = 40
-# SVG without a date, for the same bytes each time, and without the rest of the description.
-_NO_METADATA = dict.fromkeys(("Date", "Creator", "Format", "Type"))
 
 
 def report(run: Run, path: str | Path) -> None:
@@ -50,9 +44,9 @@ def report(run: Run, path: str | Path) -> None:
     run : Run
         Run to report on.
     path : path
-        File to write; the ending selects the format: .json (all contents; see `json_schema`), .csv (near misses,
-        contacts and callbacks, by time), .md or .html (one self-contained file with pictures, and with charts if
-        matplotlib is installed). An interrupted report leaves the old file or none.
+        File to write; the ending selects the format: .json (all contents; see `Summary.to_dict`), .csv (near misses,
+        contacts and callbacks, by time), .md or .html (one self-contained file with pictures, and with a chart if
+        matplotlib is installed).
 
     Raises
     ------
@@ -70,11 +64,6 @@ def report(run: Run, path: str | Path) -> None:
     with written_in_place(destination) as draft:
         # Bytes, since text mode would convert line ends, and CSV requires CR LF.
         draft.write_bytes(content.encode("utf-8"))
-
-
-def _json_text(summary: Summary) -> str:
-    """Report as JSON on one line."""
-    return json.dumps(summary.to_dict(), allow_nan=False) + "\n"
 
 
 def _csv_text(summary: Summary) -> str:
@@ -109,12 +98,17 @@ def markdown(summary: Summary) -> str:
 def html(summary: Summary) -> str:
     """Report as one HTML document without network access or scripts; all values are escaped."""
     pictures = [(caption, data_address(png, "image/png")) for caption, png in _stills(summary.run)]
-    shown = {"document": document, "summary": summary, "pictures": pictures, "charts": _charts(summary.run)}
+    shown = {"document": document, "summary": summary, "pictures": pictures, "chart": _chart(summary.run)}
     return filled(__package__, "report.html.j2", language=language(), text=text, **shown)
 
 
 # Registry of the formats by file ending.
-FORMATS: dict[str, Callable[[Summary], str]] = {".json": _json_text, ".csv": _csv_text, ".md": markdown, ".html": html}
+FORMATS: dict[str, Callable[[Summary], str]] = {
+    ".json": lambda summary: json.dumps(summary.to_dict(), allow_nan=False) + "\n",
+    ".csv": _csv_text,
+    ".md": markdown,
+    ".html": html,
+}
 REPORT_ENDINGS = tuple(FORMATS)
 
 
@@ -159,39 +153,10 @@ def _stills(run: Run) -> list[tuple[str, bytes]]:
     ]
 
 
-def _charts(run: Run) -> dict[str, tuple[str, str]]:
-    """Captions and SVG of charts by the section that they are in; none without matplotlib or without data."""
-    drawn: dict[str, tuple[str, Callable[[Run], Any]]] = {
-        "windows": (text("The first contacts of benches over time"), _contacts),
-        "drift": (text("Position error over time and along the dragon"), partial(figure, "drift")),
-    }
-    found = {}
-    for key, (caption, draw) in drawn.items():
-        with suppress(MissingExtraError, ParameterError, UnreachableError), styled():
-            svg = io.StringIO()
-            draw(run).savefig(svg, format="svg", metadata=_NO_METADATA)
-            found[key] = (caption, _inlined(svg.getvalue(), key))
-    return found
-
-
-def _inlined(svg: str, key: str) -> str:
-    """`svg` as an element of a page, in thousandths of a point, with the names that it uses made its own."""
-    element = re.sub(r"(\d\.\d{3})\d+", r"\1", svg[svg.index("<svg") :])
-    used = set(re.findall(r"#(\w[^\")]*)", element))
-    named = re.sub(r' id="([^"]*)"', lambda found: f' id="{found[1]}"' if found[1] in used else "", element)
-    return re.sub(r'(\bid="|href="#|url\(#)', rf"\g<1>{key}-", named)
-
-
-def _contacts(run: Run) -> Any:
-    """Contact windows over time as a matplotlib figure with a row for each pair."""
-    windows, end = run.events.windows()[:_MAX_BARS], float(run.times[-1])
-    if not windows or windows[0].begin >= end:
-        raise ParameterError("run", "one without contact windows", "one that went on after its first contact")
-    pairs = ["{} \u00b7 {}".format(*window.benches) for window in windows]
-    spans = np.array([(window.begin, end if window.end is None else window.end) for window in windows])
-    rows = len(set(pairs))
-    chart = library("matplotlib.figure").Figure((8.0, 0.8 + 0.3 * rows), layout="constrained")
-    axes = chart.add_subplot(xlabel=text("time (s)"))
-    axes.barh(pairs, np.ptp(spans, axis=1), 0.6, spans[:, 0], color=Palette().contact)
-    axes.set_ylim(rows - 0.4, -0.6)
-    return chart
+def _chart(run: Run) -> str | None:
+    """Address of the figure of the position errors as SVG; None without matplotlib or without errors."""
+    svg = io.BytesIO()
+    with suppress(MissingExtraError, ParameterError), styled():
+        # Without a date, for the same bytes each time.
+        figure("drift", run).savefig(svg, format="svg", metadata={"Date": None})
+    return data_address(svg.getvalue(), "image/svg+xml") if svg.tell() else None

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, is_dataclass, replace
 from functools import cached_property
@@ -13,20 +12,14 @@ from typing import Any
 import numpy as np
 
 from pymunk_dragon._arrays import Array
-from pymunk_dragon._html import asset
 from pymunk_dragon.collision import FirstContact, NearMiss, first_contact
 from pymunk_dragon.errors import ParameterError, UnreachableError
 from pymunk_dragon.model.contact import Contact
-from pymunk_dragon.model.march import March, States
 from pymunk_dragon.model.run import HEAD_BENCHES, Run
 from pymunk_dragon.model.speed import SpeedTable
 
-# Name and version of the JSON format, as in `schema.json`.
-_SCHEMA, VERSION = "pymunk_dragon report", 1
-# s: times of the paper's tables 1 and 2.
-TABLE_TIMES = (0.0, 60.0, 120.0, 180.0, 240.0, 300.0)
-# Times in the tables of curves other than the spiral: the contest's problem 4 has five, from -100 s to 100 s.
-_OTHER_TIMES = 5
+# Name and version of the JSON format. The version changes when a key is added, removed or changes its meaning.
+_SCHEMA, VERSION = "pymunk_dragon report", 2
 # Fields of a `FirstContact` under the key `exact`; near misses have a key of their own.
 _EXACT_FIELDS = ("status", "time", "benches", "point", "normal")
 
@@ -41,11 +34,6 @@ class Summary:
         The run. A run of the exact model includes a frame at the exact first contact.
     exact : FirstContact or None
         First contact and near misses of the exact model; None if the search is not possible.
-
-    Examples
-    --------
-    >>> summarize(Run.exact(March(), [412, 413])).run.first_contact.benches
-    (0, 8)
     """
 
     run: Run
@@ -83,29 +71,8 @@ class Summary:
         return dict(json_values({name: value for name, value in values if name not in ("player", "versions")}))
 
     @cached_property
-    def handles(self) -> dict[str, Any]:
-        """States of the handles in the paper's tables: `positions` (T, H, 2) in m and `speeds` (T, H) in m/s.
-
-        The times are the paper's on a spiral, evenly spaced over the run on other curves, and that of a first contact.
-        """
-        run, march = self.run, self.run.march
-        numbers, times = march.dragon.representatives, np.array(TABLE_TIMES)
-        if march.curve.default_turns is None:
-            times = np.unique(np.linspace(run.times[0], run.times[-1], _OTHER_TIMES))
-        contact = self.exact_contact or run.first_contact
-        last = [] if contact is None else _reached(march, [contact.time])
-        states = _reached(march, times.tolist()) + last
-        return {
-            "numbers": numbers,
-            "times": [state.times[0] for state in states],
-            "contact": ("exact" if self.exact_contact else "run") if last else None,
-            "positions": np.array([state.positions[0, numbers] for state in states]),
-            "speeds": np.array([state.speeds[0, numbers] for state in states]),
-        }
-
-    @cached_property
     def drift(self) -> dict[str, Any]:
-        """Position error against the exact model, m: the largest, and those of each frame (F,); nan where unknown."""
+        """Largest position errors against the exact model, m, with bench and time; those of the run have all."""
         run = self.run
         drift = np.where(np.isfinite(run.drift), run.drift, np.nan)
         head = drift[:, :HEAD_BENCHES]
@@ -115,21 +82,14 @@ class Summary:
             "max": run.max_drift,
             "head_at": _peak(run.times, head),
             "max_at": _peak(run.times, drift),
-            "times": run.times,
-            # fmax is nan only where no value is known.
-            "head_over_time": np.fmax.reduce(head, axis=1),
-            "max_over_time": np.fmax.reduce(drift, axis=1),
         }
 
     def to_dict(self) -> dict[str, Any]:
-        """Summary as JSON values, which `json_schema` describes; None stands for unknown values and nan.
+        """Summary as JSON values in SI units; None stands for unknown values and nan.
 
-        The values are deterministic: they include neither the date nor wall-clock times.
-
-        Examples
-        --------
-        >>> summarize(Run.exact(March(), [0, 1])).to_dict()["outcome"]
-        {'status': 'clear', 'start': 0.0, 'until': 1.0, 'frames': 2, 'events': 0}
+        `scenario`, `settings` and `versions` describe the run, `outcome` its end, `events` the callbacks and `windows`
+        the time intervals of contact; `exact` and `near_misses` come from the exact model, and `drift` has the largest
+        position errors. Nothing depends on the time of day.
         """
         run, exact = self.run, self.exact
         values = {
@@ -146,7 +106,6 @@ class Summary:
             "near_misses": self.near_misses,
             "events": list(run.events),
             "windows": run.events.windows(),
-            "handles": self.handles,
             "drift": self.drift,
         }
         return dict(json_values(values))
@@ -191,17 +150,6 @@ def summarize(run: Run) -> Summary:
     )
 
 
-def json_schema() -> dict[str, Any]:
-    """JSON Schema (draft 2020-12) of `Summary.to_dict` and of the JSON report.
-
-    Examples
-    --------
-    >>> json_schema()["title"]
-    'pymunk_dragon report'
-    """
-    return dict(json.loads(asset(__package__, "schema.json")))
-
-
 def json_values(value: Any) -> Any:
     """`value` as JSON values: lists for arrays and tuples, None for nan and infinity, text that UTF-8 can represent."""
     written = json.dumps(value, default=_plain, ensure_ascii=False).encode("utf-8", "replace")
@@ -213,15 +161,6 @@ def _plain(value: Any) -> Any:
     if isinstance(value, np.ndarray | np.generic):
         return value.tolist()
     return vars(value) if is_dataclass(value) else str(value)
-
-
-def _reached(march: March, times: Sequence[float]) -> list[States]:
-    """States at each of `times` at which the dragon is on the curve."""
-    found = []
-    for time in times:
-        with suppress(UnreachableError):
-            found.append(march.at([time]))
-    return found
 
 
 def _peak(times: Array, drift: Array) -> dict[str, Any] | None:

@@ -84,10 +84,9 @@ def sweep(
 
     Raises
     ------
-    ParameterError, FileFormatError
-        If an argument is out of range, or the partial table is damaged or of another sweep.
-    OutputError, DragonError
-        If a file cannot be written; if a worker or the scheduler was lost.
+    ParameterError, FileFormatError, OutputError, DragonError
+        If an argument is out of range; the partial table is damaged or of another sweep; a file cannot be written; a
+        worker or the scheduler was lost.
 
     Examples
     --------
@@ -172,9 +171,8 @@ def _description(quantity: Quantity, axes: Axes, base: Values) -> dict[str, Any]
     """Plain values that determine all outcomes."""
     file = getattr(import_module(quantity.function.__module__), "__file__", None)
     source = file and crc32(Path(file).read_bytes())
-    described = {"version": version("pymunk-dragon"), "quantity": quantity.name, "source": source, "axes": [*axes]}
-    described |= {f"axis {name}": list(values) for name, values in axes.items()}
-    return described | {f"scenario {name}": base[name] for name in sorted(base)}
+    described = {"version": version("pymunk-dragon"), "quantity": quantity.name, "source": source}
+    return described | {"axes": list(axes.items()), "scenario": sorted(base.items())}
 
 
 def _outcomes(pool: Executor, call: Callable[..., Outcome], points: Iterable[Any]) -> Iterator[dict[int, Outcome]]:

@@ -114,7 +114,7 @@ def contact_time(march: March, *, start: float = 0.0, until: float | None = None
     return {"contact_time": time, **_benches(hit.benches), "status": hit.status}
 
 
-def _nearest_gap(march: March, *, start: float = 0.0, until: float | None = None) -> Values:
+def nearest_gap(march: March, *, start: float = 0.0, until: float | None = None) -> Values:
     """Gap of the nearest miss before the first contact."""
     hit = first_contact(march, start=start, until=until)
     miss = min(hit.near_misses or (), key=lambda each: each.gap, default=None)
@@ -137,9 +137,6 @@ def max_speed(
 
 
 # All quantities with a name of their own. Their values are in SI units.
-QUANTITIES = {
-    "contact-time": Quantity("contact-time", contact_time),
-    "nearest-gap": Quantity("nearest-gap", _nearest_gap),
-    "min-pitch": Quantity("min-pitch", min_pitch),
-    "max-speed": Quantity("max-speed", max_speed),
-}
+_FUNCTIONS: Mapping[str, Callable[..., Values]]
+_FUNCTIONS = {"contact-time": contact_time, "nearest-gap": nearest_gap, "min-pitch": min_pitch, "max-speed": max_speed}
+QUANTITIES = {name: Quantity(name, function) for name, function in _FUNCTIONS.items()}

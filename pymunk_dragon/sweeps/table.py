@@ -14,7 +14,6 @@ from io import StringIO
 from itertools import chain, product
 from math import prod
 from pathlib import Path
-from reprlib import repr as shortened
 from typing import Any
 from zlib import crc32
 
@@ -51,10 +50,10 @@ class Partial:
         # What the file does not have yet.
         self._head = _sealed(sweep)
         if self.path is not None and self.path.exists() and self.path.stat().st_size:
-            self._read(self.path, sweep, resume)
+            self._read(self.path, resume)
         self.resumed = len(self.rows)
 
-    def _read(self, path: Path, sweep: dict[str, Any], resume: bool) -> None:
+    def _read(self, path: Path, resume: bool) -> None:
         """Take the rows from a file, and cut an unfinished last line off."""
         if not resume:
             table = str(path.with_suffix(""))
@@ -66,7 +65,7 @@ class Partial:
         values = [_opened(path, line, number) for number, line in enumerate(lines, start=1)]
         if lines:
             if lines[0] != self._head[:-1]:
-                raise FileFormatError(path, f"of another sweep: {_difference(values[0], sweep)}")
+                raise FileFormatError(path, "of another sweep: its axes, scenario, quantity, code or version differ")
             self._head = b""
         self.rows = {number: (found, error) for number, found, error in values[1:]}
         os.truncate(path, len(content) - len(unfinished))
@@ -153,13 +152,7 @@ class Sweep(Result):
         return np.array(values, dtype=float if float in kinds and str not in kinds else object)
 
     def write(self, path: str | Path) -> None:
-        """Write the table as CSV, or a picture of it as PNG, SVG or PDF.
-
-        Raises
-        ------
-        ParameterError, OutputError
-            If the file cannot be created, or a picture had more than two axes; if writing fails.
-        """
+        """Write the table as CSV, or a picture of it as PNG, SVG or PDF; errors are those of `sweep`."""
         destination = check_format(path, self.axes)
         if destination.suffix.lower() != TABLE:
             self.write_figure(destination)
@@ -217,9 +210,3 @@ def _opened(path: Path, line: bytes, number: int) -> Any:
     if checksum != b"%08x" % crc32(content):
         raise FileFormatError(path, f"line {number} of this partial table is damaged")
     return json.loads(content)
-
-
-def _difference(before: dict[str, Any], now: dict[str, Any]) -> str:
-    """The first value in which two descriptions differ."""
-    name = next(name for name in now | before if json.dumps(before.get(name)) != json.dumps(now.get(name)))
-    return f"{name} was {shortened(before.get(name))}, but is {shortened(now.get(name))}"

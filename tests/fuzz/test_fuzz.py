@@ -55,7 +55,7 @@ COMMANDS = [
     "positions --benches 5 --times 0,1:3:1 --handles 0:3:1",
     "positions --benches 5 --times 0,1 -o new.csv",
     "contact --until 5 --benches 5",
-    "contact --until 5 --method grid --step 0.5 --tolerance 0.01 --benches 5 -o old.json",
+    "contact --until 5 --method grid --step 0.5 --benches 5 -o old.json",
     "simulate --until 0.1 --substep 0.01 --iterations 20 --frame-interval 0.05 --benches 4 -o new.npz",
     "simulate --until 0.1 --from -0.1 --guide none --contacts report --fine --benches 4",
     "render run.npz --size 64x80 --fps 4 --speedup 5 --camera head --span 3 --hold 1 -o old.gif",

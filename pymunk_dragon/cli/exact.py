@@ -1,0 +1,140 @@
+"""`pymunk-dragon positions` and `contact`: answers of the exact model, or of another method for comparison."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterable, Sequence
+from math import isfinite
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from pymunk_dragon._files import written_in_place
+from pymunk_dragon.cli import common
+from pymunk_dragon.errors import DragonError, ParameterError
+
+if TYPE_CHECKING:
+    from pymunk_dragon.model.march import March
+
+# The times of the paper's tables.
+TABLE_TIMES = "0:300:60"
+# Heads of the columns of a table in a file.
+COLUMNS = ("time_s", "handle", "x_m", "y_m", "speed_m_s")
+# Positions in one table: more fill the memory, and are probably a typing error.
+_MAX_TABLE = 20_000_000
+
+EXAMPLES = ("", "--times 0,60,120 --handles 0,1,223", "--times 0:300:1 -o result1.xlsx")
+
+
+@click.command(cls=common.DragonCommand, examples=EXAMPLES)
+@common.scenario_options
+@click.option("--times", metavar="LIST", default=TABLE_TIMES, help=f"Times, s: 0,60,120 or 0:300:1.  [{TABLE_TIMES}]")
+@click.option("--handles", metavar="LIST", help="Handles.  [those of the paper's tables]")
+@click.option("--paper", is_flag=True, help="Print the paper's tables 1 to 3 instead, cut as the paper cuts them.")
+@common.output_option(".csv, .json, or .xlsx for the contest's sheets with all handles")
+def positions(times: str, handles: str | None, paper: bool, output: str | None) -> None:
+    """Where the handles are and how fast, exactly."""
+    march = common.march()
+    if not paper:
+        _answer(march, times, handles, output)
+    elif common.flags_given("times", "handles", "json", "output"):
+        raise click.UsageError("--paper prints all of its tables: leave out --times, --handles, --json and -o")
+    else:
+        click.echo(_paper_tables(march))
+
+
+def _answer(march: March, times: str, handles: str | None, output: str | None) -> None:
+    """Print or write states of handles."""
+    selected = march.dragon.representatives if handles is None else _handles(handles, march.dragon.handles - 1)
+    at = common.number_list("times", times)
+    if len(at) * march.dragon.handles > _MAX_TABLE:
+        raise ParameterError("times", times, f"at most {_MAX_TABLE // march.dragon.handles} for this dragon")
+    path = common.destination_of(output, (".csv", ".json", ".xlsx"))
+    if handles is not None and path is not None and path.suffix.lower() == ".xlsx":
+        raise click.UsageError("the contest's sheets have all handles: leave out --handles, or write .csv or .json")
+    states = march.at(at)
+    result = states.to_dict(selected)
+    common.save(path, result, lambda path: _write(path, march, at, [COLUMNS, *states.rows(selected)]))
+    if path is None or common.wants_json():
+        common.answer(result, states.text(selected))
+
+
+def _write(path: Path, march: March, times: list[float], rows: Iterable[Sequence[Any]]) -> None:
+    """Write the contest's sheets, or a table as CSV."""
+    if path.suffix.lower() == ".xlsx":
+        from pymunk_dragon.reports import write_tables
+
+        write_tables(march, times, path)
+    else:
+        with written_in_place(path) as draft, draft.open("w", newline="", encoding="utf-8") as file:
+            csv.writer(file).writerows(rows)
+
+
+def _handles(given: str, last: int) -> list[int]:
+    numbers = common.number_list("handles", given)
+    if not all(number.is_integer() and 0 <= number <= last for number in numbers):
+        raise ParameterError("handles", given, f"whole numbers from 0 to {last}")
+    return [int(number) for number in numbers]
+
+
+def _paper_tables(march: March) -> str:
+    from pymunk_dragon.collision import first_contact
+    from pymunk_dragon.reports import paper_tables
+
+    # On a curve without end there is no last time for the search.
+    hit = first_contact(march) if isfinite(march.end) else None
+    return paper_tables(march, hit.time if hit is not None and hit.status == "contact" else None)
+
+
+@click.command(cls=common.DragonCommand, examples=("", "--pitch 0.5 --json", "--from 400 --method engine"))
+@common.scenario_options
+@click.option("--method", type=click.Choice(["exact", "grid", "engine"]), default="exact", help="Search.  [exact]")
+@common.start_option
+@common.until_option
+@click.option("--step", type=float, metavar="T", help="Of the grid: s between samples.  [1]")
+@common.output_option(".json, or .xlsx for the contest's sheet of that moment")
+def contact(method: str, output: str | None, **choices: Any) -> None:
+    """When benches that are not neighbours first touch, and where.
+
+    The exact method certifies that no benches touched before, however briefly. The grid is the method of the paper:
+    samples at equal time steps, and bisection. The engine is Pymunk.
+    """
+    settings = {name: value for name, value in choices.items() if value is not None}
+    if "step" in settings and method != "grid":
+        raise click.UsageError("--step is of the grid: add --method grid")
+    march = common.march()
+    path = common.destination_of(output, (".json", ".xlsx"))
+    values, shown = (_played if method == "engine" else _found)(march, method, **settings)
+    result = {"status": values["status"], "method": method} | values
+    common.save(path, result, lambda path: _write_sheet(path, march, result))
+    common.answer(result, shown)
+
+
+def _found(march: March, method: str, *, start: float, **settings: Any) -> tuple[dict[str, Any], str]:
+    """Values and text of the result of the exact search or the grid."""
+    from pymunk_dragon.collision import first_contact, scan
+
+    search = first_contact if method == "exact" else scan
+    with common.progress("contact", start) as show:
+        found = search(march, start=start, progress=show, **settings)
+    return found.to_dict(), str(found)
+
+
+def _played(march: March, method: str, **interval: Any) -> tuple[dict[str, Any], str]:
+    """The same of the engine, which reports contacts only, not gaps."""
+    from pymunk_dragon.cli.simulate import played
+
+    run = played(march, **interval)
+    touch = {name: getattr(run.first_contact, name, None) for name in ("time", "benches", "point", "normal")}
+    values = {"status": run.outcome, **touch, "near_misses": None, "until": float(run.times[-1]), "resolution": None}
+    return values | {"samples": run.substeps, "tests": None}, str(run).partition("\n")[0]
+
+
+def _write_sheet(path: Path, march: March, result: dict[str, Any]) -> None:
+    """Write the contest's sheet of the moment of the contact."""
+    from pymunk_dragon.reports import write_contact_table
+
+    if result["time"] is None:
+        raise DragonError(f"no contact until t = {result['until']:.6g} s, so {path} was not written")
+    write_contact_table(march, result["time"], path)
