@@ -15,7 +15,7 @@ Each handle is on the curve behind the handle before it, at the distance of the 
 distance, the right one is where continuous motion along the curve leads to, also where a long head bench pushes the
 next handle back: `model/continuation.py` has the conditions under which it is unique.
 
-Medians from one run of `python tests/bench/bench_speed.py` on two cores, where the plain recursion goes from handle to
+Medians from one run of `python tests/bench/bench.py march` on two cores, where the plain recursion goes from handle to
 handle, vectorised over the times:
 
 | 301 times x 224 handles, positions and velocities | ms | share |

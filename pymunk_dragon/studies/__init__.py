@@ -29,7 +29,7 @@ certified: no handle exceeds that by more than 1e-11 of it (548 evaluations)
 ```
 
 Beside each answer of the contest the one of an independent method, from formulas alone and in 34 to 50 digits
-(`python tests/bench/bench_answers.py`; the tests compare more with it):
+(`python tests/bench/bench.py answers`; the tests compare more with it):
 
 | question | answer | independently | decimals that agree | s | method, s |
 | --- | --- | --- | --- | --- | --- |
@@ -37,7 +37,7 @@ Beside each answer of the contest the one of an independent method, from formula
 | 2, first contact, s | 412.4738376821 | 412.4738376821 | 12 | 0.18 | root in 50 digits, 0.4 |
 | 3, smallest pitch, m | 0.4503373930273 | 0.4503373930272 | 12 | 0.53 | grazing moment in 50 digits, 0.6 |
 | 4, length of the turn, m | 13.62124490682 | 13.62124490682 | 15 | 0.00 | tangency in 34 digits, 0.0 |
-| 5, largest speed, m/s | 1.246266358157 | 1.246266358157 | 15 | 0.17 | its maximum in 34 digits, 3.6 |
+| 5, largest speed, m/s | 1.246266358158 | 1.246266358157 | 13 | 0.17 | its maximum in 34 digits, 3.6 |
 
 The contest's own sheets are written by `positions --times 0:300:1 -o result1.xlsx`, `contact -o result2.xlsx` and
 `study u-turn --no-search -o result4.xlsx`.
