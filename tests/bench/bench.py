@@ -17,7 +17,6 @@ from typing import Any
 
 import mpmath as mp
 import numpy as np
-import pymunk
 from imageio import v3 as imageio
 from matplotlib.animation import FuncAnimation, PillowWriter
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -30,49 +29,52 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 import exact_curves
 import oracle
 
-from pymunk_dragon import Dragon, EngineSettings, March, Run, UTurn, first_contact, simulate, sweep, write_player
+from pymunk_dragon import Dragon, EngineSettings, Film, Grid, March, Run, UTurn, World, first_contact
 from pymunk_dragon._arrays import Array
 from pymunk_dragon._extras import library
-from pymunk_dragon.collision import Grid
-from pymunk_dragon.drawing import Film, render
+from pymunk_dragon.drawing import render
 from pymunk_dragon.drawing.debug_draw import PillowDrawOptions
 from pymunk_dragon.drawing.film.layout import Canvas
 from pymunk_dragon.lessons import LESSONS
 from pymunk_dragon.model.settings import DRAG, ITERATIONS, STRIDE
+from pymunk_dragon.physics import simulate
+from pymunk_dragon.player import write_player
 from pymunk_dragon.studies import max_speed, min_pitch
+from pymunk_dragon.sweeps import sweep
 
 REPEATS = sized(15, 1)
-SIZES = {"width": "0.3", "overhang": "0.275", "head_spacing": "2.86", "body_spacing": "1.65", "pitch": "0.55"}
 # Pixels of a picture, and frames a second of a film.
 SIZE, FPS = 640, 20
 
 
 def answers() -> None:
     """The five answers of `studies` beside those of independent methods in 34 to 50 digits, and the time of both, s."""
-    sizes = {name: mp.mpf(value) for name, value in SIZES.items()}
-
-    def row(question: str, ours: Callable[[], float], theirs: Callable[[], mp.mpf], method: str) -> None:
-        begin = time.perf_counter()
-        one, between, other, end = ours(), time.perf_counter(), theirs(), time.perf_counter()
-        decimals = int(-mp.log10(max(abs(mp.mpf(one) - other), mp.mpf("1e-16"))))
-        shown = f"{mp.nstr(mp.mpf(one), 13)} | {mp.nstr(other, 13)} | {decimals}"
-        print(f"| {question} | {shown} | {between - begin:.2f} | {method}, {end - between:.1f} |", flush=True)
-
+    text = {"width": "0.3", "overhang": "0.275", "head_spacing": "2.86", "body_spacing": "1.65", "pitch": "0.55"}
+    sizes = {name: mp.mpf(value) for name, value in text.items()}
     chain = {"benches": 223, "head_spacing": 2.86, "body_spacing": 1.65, "pitch": 0.55, "turns": 16, "speed": 1}
-    solved = partial(oracle.solve, 300, **chain, difference=False)
-    row("1, x of handle 223 at 300 s, m", last_handle, lambda: solved()[0][-1][0], "50 digits")
+
+    def row(question: str, ours: Callable[[], Any], theirs: Callable[[], mp.mpf], method: str) -> None:
+        begin = time.perf_counter()
+        one, between, other, end = mp.mpf(ours()), time.perf_counter(), theirs(), time.perf_counter()
+        decimals = int(-mp.log10(max(abs(one - other), mp.mpf("1e-16"))))
+        shown = f"{mp.nstr(one, 13)} | {mp.nstr(other, 13)} | {decimals} | {between - begin:.2f}"
+        print(f"| {question} | {shown} | {method}, {end - between:.1f} |", flush=True)
+
+    def last_handle() -> mp.mpf:
+        return oracle.solve(300, **chain, difference=False)[0][-1][0]
+
+    def smallest_pitch() -> mp.mpf:
+        return oracle.grazing((0, 19), "216.34", sizes | {"pitch": mp.mpf("0.45034")})[1]
+
+    positions = partial(March().at, np.arange(301.0))
+    row("1, x of handle 223 at 300 s, m", lambda: positions().positions[300, -1, 0].item(), last_handle, "50 digits")
     touching = partial(oracle.touching, (0, 8), "412.47", sizes)
-    row("2, first contact, s", lambda: first_contact(March()).time or 0.0, touching, "root in 50 digits")
-    grazing = partial(oracle.grazing, (0, 19), "216.34", sizes | {"pitch": mp.mpf("0.45034")})
-    row("3, smallest pitch, m", lambda: min_pitch().pitch, lambda: grazing()[1], "grazing moment in 50 digits")
+    row("2, first contact, s", lambda: first_contact(March()).time, touching, "root in 50 digits")
+    row("3, smallest pitch, m", lambda: min_pitch().pitch, smallest_pitch, "grazing moment in 50 digits")
     with mp.workdps(exact_curves.DIGITS):
         turn = partial(exact_curves.s_turn, mp.mpf("1.7"), mp.mpf("4.5"), mp.mpf(2))
         row("4, length of the turn, m", lambda: UTurn().length, lambda: turn()[-1], "tangency in 34 digits")
         row("5, largest speed, m/s", lambda: max_speed().speed, largest_speed, "its maximum in 34 digits")
-
-
-def last_handle() -> float:
-    return float(March().at(np.arange(301.0)).positions[300, -1, 0])
 
 
 def largest_speed() -> mp.mpf:
@@ -234,26 +236,11 @@ def films() -> None:
             print(f"| {name} | {value / count:.1f} ms a frame | {paths[name].stat().st_size / 1e6:.1f} MB |")
 
 
-def spiral_of_boxes() -> pymunk.Space:
-    """A chain of 223 boxes with a pivot between any two: the reference scenario at 300 s."""
-    space, march, previous = pymunk.Space(), March(), None
-    dragon, poses = march.dragon, march.at([300.0]).poses[0].tolist()
-    sizes = zip(poses, dragon.lengths, dragon.widths, dragon.spacings, strict=True)
-    for (x, y, angle), length, width, spacing in sizes:
-        body = pymunk.Body(1, 1)
-        body.position, body.angle = (x, y), angle
-        space.add(body, pymunk.Poly.create_box(body, (length, width)))
-        if previous is not None:
-            space.add(pymunk.PivotJoint(previous, body, body.local_to_world((spacing / 2, 0))))
-        previous = body
-    return space
-
-
 def debug_draw() -> None:
     """Processor time of a picture of 223 benches and their pivots (`drawing.debug_draw`)."""
     from pymunk import matplotlib_util  # It loads all of matplotlib.pyplot.
 
-    space = spiral_of_boxes()
+    space = World(March(), start=300.0, guide="none").space
     boxes = [shape.bb for shape in space.shapes]
     xlim = min(box.left for box in boxes), max(box.right for box in boxes)
     ylim = min(box.bottom for box in boxes), max(box.top for box in boxes)

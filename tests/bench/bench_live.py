@@ -1,8 +1,6 @@
 """Live sessions: start, pictures a second, delay from the mouse to the body, many clients, and memory.
 
-python tests/bench/bench_live.py start
-python tests/bench/bench_live.py browser delay    # with Chromium
-python tests/bench/bench_live.py soak             # many clients, obstacles and resets, and one that drags
+`python tests/bench/bench_live.py [start browser delay soak]`; all but the first and the last need Chromium.
 """
 
 from __future__ import annotations

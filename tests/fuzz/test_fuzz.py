@@ -23,7 +23,7 @@ import pytest
 from hypothesis import strategies as st
 
 from pymunk_dragon import Dragon, March, Run, simulate
-from pymunk_dragon.cli import main
+from pymunk_dragon.cli import status
 from pymunk_dragon.drawing.figures import FIGURES
 from pymunk_dragon.model.curves import Arc, Composite, Line
 
@@ -39,11 +39,12 @@ BAD_NUMBERS += ["{}", "$HOME", "*", "~", "../x", "'", '"', "\\", "\udcff", "1" *
 FILES = {
     "s.toml": b"benches = 6\npitch = 0.6\n",
     "bad.toml": b"benches = 'six'\n",
-    "path.csv": b"x,y\n0,0\n15,1\n30,0\n45,-8\n",
+    "t.csv": b"x,y\n0,0\n15,1\n30,0\n45,-8\n",
     "speed.csv": b"0,1\n5,2\n",
     "junk.npz": b"PK\x03\x04 no archive",
     "old.json": b"{}",
     "old.gif": b"GIF",
+    "old.npz": b"old",
 }
 NAMES = [*FILES, "folder", "folder/new.json", "none/new.json", ".", "..", "../up.json", "new", "x" * 300 + ".json"]
 NAMES += ["é.json", "a b.csv", "a\nb.json", "-.json", ".json", "/dev/null", "\udcff.npz"]
@@ -71,7 +72,7 @@ COMMANDS = [
     "demo none --lang zh --save folder",
 ]
 EXTRAS = [
-    *("--head-spacing 2", "--body-spacing 1", "--overhang 0.1", "--width 0.2", "--curve u-turn", "--curve path.csv"),
+    *("--head-spacing 2", "--body-spacing 1", "--overhang 0.1", "--width 0.2", "--curve u-turn", "--curve t.csv"),
     *("--pitch 0.6", "--turns 8", "--radius 5", "--ratio 2", "--speed 2", "--speed speed.csv", "--scenario s.toml"),
     *("--json", "--json", "--help", "--none", "-x", "--", "extra", "--json=1", "--ben=3", "-o"),
 ]
@@ -116,16 +117,16 @@ ODD_TOML += ["[nan, 1]", '"\\u001b[31m"', "{kind = 3}", "[1" + ", 1" * 300 + "]"
 ODD_JSON = ["null", "true", "[]", "{}", '""', '"\\u001b[2J"', '"/dev/zero"', "NaN", "-1", "0", "1e308", "1" + "0" * 400]
 FROM_SCENARIO = [
     f"{command} --scenario s.toml"
-    for command in ("positions --times 0,1 --json", "contact --until 1", "simulate --until 0.03 -o new.npz")
+    for command in ("positions --times 0,1 --json", "contact --until 1", "simulate --until 0.03 -o old.npz")
 ]
 FROM_TABLE = [
     f"{command} --{option} t.csv --benches 3 --head-spacing 1 --body-spacing 1"
     for option in ("curve", "speed")
-    for command in ("positions --times 0,1 --json", "contact --until 2", "simulate --until 0.05 -o new.npz")
+    for command in ("positions --times 0,1 --json", "contact --until 2", "simulate --until 0.05 -o old.npz")
 ]
 FROM_RUN = [
-    *("report run.npz -o new.json", "report run.npz -o new.md --json", "render run.npz -o new.html"),
-    *("render run.npz -o new.gif --size 64 --fps 2", "render run.npz run.npz --exact -o new.png --size 64x64"),
+    *("report run.npz -o old.json", "report run.npz -o new.md --json", "render run.npz -o new.html"),
+    *("render run.npz -o old.gif --size 64 --fps 2", "render run.npz run.npz --exact -o new.png --size 64x64"),
     "figure drift run.npz -o new.png",
 ]
 
@@ -193,8 +194,7 @@ def text_with_odd_numbers(draw, text, odd):
 def file_cases(draw, commands, texts, odd, name):
     """A command that reads a changed file."""
     content = draw(text_with_odd_numbers(draw(st.sampled_from(texts)), odd))
-    files = {"t.csv": b"0,0\n10,0\n20,4\n30,5\n", "new.npz": b"old", name: content}
-    return draw(st.sampled_from(commands)).split(), files
+    return draw(st.sampled_from(commands)).split(), FILES | {name: content}
 
 
 @st.composite
@@ -216,7 +216,7 @@ def run_files(draw):
         arrays |= {} if other is None else {name: other}
         np.savez_compressed(buffer, notes=np.frombuffer(notes, dtype=np.uint8), **arrays)
         content = buffer.getvalue()
-    return draw(st.sampled_from(FROM_RUN)).split(), {"run.npz": content, "new.json": b"old", "new.html": b"old"}
+    return draw(st.sampled_from(FROM_RUN)).split(), FILES | {"run.npz": content}
 
 
 KINDS = {
@@ -227,26 +227,24 @@ KINDS = {
 }
 
 
-def stop(*_):
-    raise RuntimeError(f"more than {MAX_SECONDS} s of processor time")
-
-
 def outcome(arguments):
     """Exit code, stdout and stderr of a command line; any other exception or warning is an error."""
-    out, err = (io.TextIOWrapper(io.BytesIO(), encoding="utf-8") for _ in range(2))
-    err.reconfigure(errors="backslashreplace")
+
+    def stop(*_):
+        raise RuntimeError(f"more than {MAX_SECONDS} s of processor time")
+
+    out, err = io.TextIOWrapper(io.BytesIO(), "utf-8"), io.TextIOWrapper(io.BytesIO(), "utf-8", "backslashreplace")
     signal.signal(signal.SIGVTALRM, stop)
     signal.setitimer(signal.ITIMER_VIRTUAL, MAX_SECONDS)
     try:
         with redirect_stdout(out), redirect_stderr(err), warnings.catch_warnings(action="error"):
             warnings.filterwarnings("ignore", category=DeprecationWarning)
-            with pytest.raises(SystemExit) as stopped:
-                main(arguments)
+            code = status(arguments)
     finally:
         signal.setitimer(signal.ITIMER_VIRTUAL, 0)
     out.flush()
     err.flush()
-    return stopped.value.code, out.buffer.getvalue(), err.buffer.getvalue().decode()
+    return code, out.buffer.getvalue(), err.buffer.getvalue().decode()
 
 
 def contents(base, folder):
