@@ -31,7 +31,7 @@ FRAME_STRIDE = 0.1
 # Ground drag, per metre marched (per second at 1 m/s). Pymunk corrects joint errors at a rate of 6.3 per second
 # (its error_bias, 0.9 ** 60), as ordinary velocity; a chain whose solver has not converged turns that into growing
 # oscillations unless the drag is faster than the correction. Where dancers balance it, the drift changes by a
-# third with any drag from 5 to 20 (tests/bench/bench.py drift).
+# third with any drag from 5 to 20 (tests/bench/bench_drift.py).
 DRAG = 11.5
 # Largest force of the head's motor, in units of the ground drag on what the head has to pull.
 _HEAD_FORCE = 2.0

@@ -32,11 +32,10 @@ import oracle
 from pymunk_dragon import Dragon, EngineSettings, Film, Grid, March, Run, UTurn, World, first_contact
 from pymunk_dragon._arrays import Array
 from pymunk_dragon._extras import library
-from pymunk_dragon.drawing import render
+from pymunk_dragon.drawing import Palette, render
 from pymunk_dragon.drawing.debug_draw import PillowDrawOptions
 from pymunk_dragon.drawing.film.layout import Canvas
 from pymunk_dragon.lessons import LESSONS
-from pymunk_dragon.model.settings import DRAG, ITERATIONS, STRIDE
 from pymunk_dragon.physics import simulate
 from pymunk_dragon.player import write_player
 from pymunk_dragon.studies import max_speed, min_pitch
@@ -167,8 +166,8 @@ def drift() -> None:
     march = March()
     exact = first_contact(march).time or 0.0
     rates, tries, drags = sized(((25, 50, 100, 400), (10, 60), (5.0, 7.0, 9.0, 15.0, 20.0)), ((100,), (10,), (5.0,)))
-    settings = [(1 / rate, iterations, DRAG) for rate in rates for iterations in tries]
-    for substep, iterations, drag in [*settings, *((STRIDE, ITERATIONS, drag) for drag in drags)]:
+    settings = [(1 / rate, iterations, EngineSettings.drag) for rate in rates for iterations in tries]
+    for substep, iterations, drag in [*settings, *((1 / 50, 10, drag) for drag in drags)]:
         chosen = EngineSettings(substep=substep, iterations=iterations, drag=drag)
         played = simulate(march, settings=chosen, start=sized(400.0, 412.0), until=414.0)
         found = played.first_contact
@@ -189,7 +188,7 @@ def pile_up() -> None:
         assert found.settings is not None
         front, rear = march.dragon.holes(found.poses[found.times >= found.first_contact.time])
         gap = np.linalg.norm(front[:, 1:] - rear[:, :-1], axis=-1).max()
-        depth = max(event.depth or 0.0 for event in found.events.of("pre_solve"))
+        depth = max(event.depth or 0.0 for event in found.events if event.phase == "pre_solve")
         end = found.poses_at([found.times[-1] - rest, found.times[-1]])[..., :2]
         moved = np.linalg.norm(end[1] - end[0], axis=-1).max()
         print(f"| 1/{rate} s | {found.settings.head_force:.0f} | ", end="")
@@ -205,7 +204,7 @@ def imageio_rgb(run: Run, film: Film, path: Path) -> None:
 def matplotlib_animation(run: Run, film: Film, path: Path) -> None:
     """FuncAnimation and PillowWriter of matplotlib with axes and a title, as they come."""
     times = film.timing([run]).times
-    march, palette = run.march, film.palette
+    march, palette = run.march, Palette()
     figure = Figure(figsize=(SIZE / 100, SIZE / 100), dpi=100)
     axes = figure.add_subplot(aspect="equal", xlim=(-11.5, 11.5), ylim=(-11.5, 11.5))
     axes.plot(*march.curve.point(np.linspace(*march.span(times[0], times[-1]), 5000)).T, color=palette.curve, lw=0.5)
