@@ -146,10 +146,8 @@ lint: $(VENV)/tools ## style, types, which package imports which, and which text
 	$(BIN)/lint-imports
 	$(BIN)/python tests/translations.py
 
-BENCHMARKS := drift pile_up film collision speed answers sweep debug_draw lessons
-bench: $(VENV)/tools renders/march.npz ## measure the figures that README and the documentation quote
-	set -e; for name in $(BENCHMARKS); do $(BIN)/python tests/bench/bench_$$name.py; done
-	$(BIN)/python tests/bench/bench_player.py renders/march.npz
+bench: $(VENV)/tools ## measure the figures that README and the documentation quote
+	$(BIN)/python tests/bench/bench.py
 
 clean: ## remove what the targets made, but not the gallery
 	rm -rf $(VENV) .venv-* renders/*.npz renders/*.html renders/docs renders/.commands renders/.new

@@ -11,28 +11,22 @@ from pymunk_dragon.model.curves import sampled
 from pymunk_dragon.physics.callbacks import Motion, refined_contact
 from pymunk_dragon.studies import max_speed
 
+
+def equal(benches, spacing, overhang, width=0.3):
+    """A dragon of equal benches."""
+    return Dragon(benches=benches, head_spacing=spacing, body_spacing=spacing, overhang=overhang, width=width)
+
+
 # Benches in line, 0.279 mm apart, until the first ones reach the arc.
-ALIGNED = March(
-    Dragon(
-        benches=5,
-        head_spacing=1.3946210480004002,
-        body_spacing=1.3946210480004002,
-        overhang=0.6971710618954001,
-        width=0.9890491915732748,
-    ),
-    Composite(
-        [
-            Line(start=(0, 0), stop=(6.951189646793137, -4.575222436887432)),
-            Arc(
-                centre=(5.750644158985496, -6.399225418265977),
-                radius=2.1836429067897307,
-                begin_angle=0.9886832665873433,
-                sweep=-0.8897022307433354,
-            ),
-        ]
-    ),
-    speed=0.3,
+STRAIGHT = Line(start=(0, 0), stop=(6.951189646793137, -4.575222436887432))
+BEND = Arc(
+    centre=(5.750644158985496, -6.399225418265977),
+    radius=2.1836429067897307,
+    begin_angle=0.9886832665873433,
+    sweep=-0.8897022307433354,
 )
+SHORT = equal(5, 1.3946210480004002, 0.6971710618954001, 0.9890491915732748)
+ALIGNED = March(SHORT, Composite([STRAIGHT, BEND]), speed=0.3)
 
 
 def test_contacts_that_pymunk_reports_of_benches_apart_are_ignored():
@@ -41,31 +35,22 @@ def test_contacts_that_pymunk_reports_of_benches_apart_are_ignored():
     assert run.first_contact.benches == exact.benches == (0, 2)
     assert run.first_contact.time == pytest.approx(exact.time, abs=1e-3)
     assert all(event.depth < 1e-3 for event in run.events)
-    dragon = Dragon(
-        benches=5,
-        head_spacing=1.5647357088711662,
-        body_spacing=1.5647357088711662,
-        overhang=0.7286387054942967,
-        width=0.16926126905240985,
-    )
-    straight = Line(
-        stop=(8.849066384190579 * math.cos(2.480352102995642), 8.849066384190579 * math.sin(2.480352102995642))
-    )
+    dragon = equal(5, 1.5647357088711662, 0.7286387054942967, 0.16926126905240985)
+    angle = 2.480352102995642
+    straight = Line(stop=(8.849066384190579 * math.cos(angle), 8.849066384190579 * math.sin(angle)))
     assert not simulate(March(dragon, straight)).events
 
 
 def test_contact_by_rounding_only_is_at_the_end_of_the_substep():
-    dragon = Dragon(benches=3, head_spacing=1.5, body_spacing=1.5, overhang=0.5, width=1.0)
+    dragon = equal(3, 1.5, 0.5, 1.0)
     poses = np.array([[0.0, 0.0, 0.0], [9.0, 9.0, 0.0], [2.5 + 1e-15, 0.0, 0.0]])
     contact = Contact(time=1.1, raw_time=1.1, benches=(0, 2), point=(1.25, 0.0), normal=(1.0, 0.0), depth=0.0)
     assert refined_contact(dragon, contact, Motion(poses, 0 * poses, 0 * poses), 1.0) == contact
 
 
 def test_constant_gap_is_no_near_miss():
-    path = Composite(
-        [Line(start=(-60, 0), stop=(0, 0)), Arc(centre=(0, 5), radius=5, begin_angle=-math.pi / 2, sweep=1.0)]
-    )
-    march = March(Dragon(benches=20, head_spacing=1.65, body_spacing=1.65, overhang=0.82), path, start_s=40.0)
+    bend = Arc(centre=(0, 5), radius=5, begin_angle=-math.pi / 2, sweep=1.0)
+    march = March(equal(20, 1.65, 0.82), Composite([Line(start=(-60, 0), stop=(0, 0)), bend]), start_s=40.0)
     for hit in (first_contact(march), first_contact(ALIGNED)):
         assert (hit.status, hit.benches, hit.near_misses) == ("contact", (0, 2), ())
 
@@ -85,6 +70,6 @@ def test_sharp_bends_and_unequal_benches_need_few_evaluations_of_the_curve(monke
 
 @pytest.mark.parametrize("radius", [4.5, 2.5])
 def test_excess_of_a_long_dragon_of_equal_benches_is_as_documented(radius):
-    found = max_speed(Dragon(benches=100, head_spacing=1.65, body_spacing=1.65), radius=radius)
-    curvature = found.curve.curvature(found.curve.end_s if math.isfinite(found.curve.end_s) else found.curve.joints[-1])
-    assert 1e-11 < found.excess <= 1 / math.sqrt(1 - (float(curvature) * 1.65 / 2) ** 2) - 1
+    found = max_speed(equal(100, 1.65, 0.275), radius=radius)
+    end = found.curve.end_s if math.isfinite(found.curve.end_s) else found.curve.joints[-1]
+    assert 1e-11 < found.excess <= 1 / math.sqrt(1 - (float(found.curve.curvature(end)) * 1.65 / 2) ** 2) - 1

@@ -7,14 +7,13 @@ import re
 import pytest
 from PIL import ImageFont
 
+from pymunk_dragon import Dragon, March
 from pymunk_dragon._display import width
 from pymunk_dragon._language import font, in_language, language, text, texts
 from pymunk_dragon.drawing.figures import figure
 from pymunk_dragon.errors import MissingExtraError, ParameterError
 from pymunk_dragon.lessons import LESSONS, Terminal, play
 from pymunk_dragon.lessons._framework import translations
-from pymunk_dragon.model.dragon import Dragon
-from pymunk_dragon.model.march import March
 
 CHINESE = re.compile("[\u4e00-\u9fff]")
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]\d+)?")
@@ -33,9 +32,7 @@ def outputs(call, capsys, language):
     }
 
 
-def test_main_outputs_are_chinese_where_there_is_a_translation_and_english_otherwise(
-    call, capsys, tmp_path, monkeypatch
-):
+def test_main_outputs_are_chinese_where_there_is_a_translation_or_english(call, capsys, tmp_path, monkeypatch):
     english, chinese = (outputs(call, capsys, each) for each in ("en", "zh"))
     for name in english:
         assert not CHINESE.search(english[name]), name
@@ -56,15 +53,9 @@ def test_main_outputs_are_chinese_where_there_is_a_translation_and_english_other
 
 def test_result_in_chinese_has_the_numbers_of_the_english_one_in_80_columns_and_the_same_json(call, tmp_path):
     for command in (
-        "positions --times 0,60",
-        "positions --paper",
-        "contact --from 412.3",
+        *("positions --times 0,60", "positions --paper", "contact --from 412.3", "study", "figure", "demo"),
         "simulate --from 412.3 --until 412.6 --contacts report",
-        "study",
-        "study max-speed --benches 9",
-        "study u-turn --benches 9 --no-search",
-        "figure",
-        "demo",
+        *("study max-speed --benches 9", "study u-turn --benches 9 --no-search"),
     ):
         english, chinese = (call(*command.split(), "--lang", each)[1] for each in ("en", "zh"))
         assert CHINESE.search(chinese), command

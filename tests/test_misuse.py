@@ -9,17 +9,12 @@ import numpy as np
 from conftest import assert_says, refusal
 from test_curve_kinds import LogarithmicSpiral
 
-from pymunk_dragon.collision import Grid, first_contact, scan
+from pymunk_dragon import Dragon, March, Run, Scenario, SpeedTable, World, first_contact, player_page, simulate
+from pymunk_dragon.collision import Grid, scan
 from pymunk_dragon.drawing import render
 from pymunk_dragon.errors import DragonError
 from pymunk_dragon.model.curves import Arc, Curve, Line, Reversed, Sampled, Spiral, UTurn, check_curve
-from pymunk_dragon.model.dragon import Dragon, bench_poses, outlines
-from pymunk_dragon.model.march import March
-from pymunk_dragon.model.run import Run
-from pymunk_dragon.model.scenario import Scenario
-from pymunk_dragon.model.speed import SpeedTable
-from pymunk_dragon.physics import World, simulate
-from pymunk_dragon.player import player_page
+from pymunk_dragon.model.dragon import bench_poses, outlines
 from pymunk_dragon.reports import report
 
 SMALL = Dragon(benches=4)
@@ -30,27 +25,19 @@ def own(base, **members):
     return type("Mine", (base,), members)()
 
 
-def constant(value):
-    """A method that returns a value in the shape of its first argument."""
-    return lambda self, first, *others: np.full(np.shape(first), value)
-
-
 METHODS = ("point", "tangent", "curvature", "max_curvature")
-WRONG = (
-    lambda self, *arguments: None,
-    lambda self, *arguments: "1",
-    lambda self, *arguments: [[1.0], [1.0, 2.0]],
-    constant(1j),
-    constant(None),
-    lambda self, first, *others: np.ones((2, *np.shape(first))),
-    constant(math.nan),
-    constant(math.inf),
-)
+# What a method returns whatever its arguments, in every element of its result, and in a wrong shape.
+WRONG = [
+    *(lambda self, *arguments, value=value: value for value in (None, "1", [[1.0], [1.0, 2.0]])),
+    *(lambda self, s, *other, value=value: np.full(np.shape(s), value) for value in (1j, None, math.nan, math.inf)),
+    lambda self, s, *other: np.ones((2, *np.shape(s))),
+]
 
 
 def test_curve_of_a_users_own_works_and_is_checked_when_its_author_wants_it():
     curve = own(LogarithmicSpiral)
-    check_curve(curve)
+    for right in (curve, UTurn()):  # The turn has no ends.
+        check_curve(right)
     march = March(SMALL, curve, start_s=30.0)
     assert simulate(march, until=0.2).max_drift < 1e-3
     assert first_contact(march, until=3.0).status == "clear"
@@ -77,17 +64,12 @@ def test_curve_of_a_users_own_works_and_is_checked_when_its_author_wants_it():
 def test_what_is_no_march_is_refused(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     for take in (
-        simulate,
-        first_contact,
+        *(simulate, first_contact, Grid.of, World, Scenario.of, player_page),
         lambda none: scan(none, until=1.0),
-        Grid.of,
-        World,
         lambda none: Run(march=none, times=[0], poses=[], drift=[]),
         lambda none: Run.exact(none, [0.0]),
-        Scenario.of,
         lambda none: render(none, "film.gif"),
         lambda none: report(none, "report.json"),
-        player_page,
     ):
         for value in (None, SMALL, "march"):
             assert refusal(take, value).name in ("march", "run", "source")

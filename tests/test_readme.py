@@ -1,17 +1,22 @@
-"""What README and the long docstrings show runs as it stands."""
+"""What README, the long docstrings and the examples of docstrings show runs as it stands."""
 
 from __future__ import annotations
 
+import doctest
 import re
 import shlex
+import sys
 from contextlib import redirect_stdout
+from importlib import import_module
 from io import StringIO
 from pathlib import Path
+from pkgutil import walk_packages
 
 import pytest
 from documents import CHINESE, DOCUMENTS, README, ROOT
 from PIL import Image
 
+import pymunk_dragon
 from pymunk_dragon.cli import command, main
 
 # README in Chinese has the commands and the code of README.
@@ -24,6 +29,14 @@ PILE_SHARE = 0.3
 VARIES = re.compile(r"[\d.]+ times as fast|\d+\.\d\d$|drift .*;", re.MULTILINE)
 # mm: 1e-10 m in the documentation.
 EXACT = "0.0000001"
+
+MODULES = [
+    found.name
+    for found in walk_packages(pymunk_dragon.__path__, "pymunk_dragon.")
+    # Lessons are programs: importing one runs it.
+    if not re.match(r"pymunk_dragon\.(__main__|lessons\.(?!_framework))", found.name)
+]
+PACKAGES = sorted({".".join(name.split(".")[:2]) for name in MODULES})
 
 
 def assert_same_words_and_numbers(printed, shown):
@@ -102,3 +115,22 @@ def test_readme_is_the_same_in_chinese():
         assert found[0] == found[1], pattern
     assert "README.zh.md" in README.text
     assert "README.md" in CHINESE.text
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("package", PACKAGES)
+def test_examples_of_a_package_work_as_written(package, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    # Lessons read the options of the program that plays them.
+    monkeypatch.setattr(sys, "argv", ["example"])
+    # Lessons print for a notebook where a test of notebooks has imported this.
+    monkeypatch.delitem(sys.modules, "ipykernel", raising=False)
+    for name in MODULES:
+        if f"{name}.".startswith(f"{package}."):
+            assert doctest.testmod(import_module(name), optionflags=doctest.NORMALIZE_WHITESPACE).failed == 0, name
+
+
+def test_every_public_name_has_an_example():
+    for name in pymunk_dragon.__all__:
+        if not name.endswith("Error"):
+            assert ">>> " in (getattr(pymunk_dragon, name).__doc__ or "").partition("Examples\n")[2], name

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import ast
+import json
 import re
 import tomllib
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-from page_texts import html_texts, script_texts
+from bs4 import BeautifulSoup, Tag
 
 from pymunk_dragon._language import texts
 from pymunk_dragon.drawing.figures import FIGURES
@@ -20,6 +21,10 @@ from pymunk_dragon.sweeps.quantities import QUANTITIES
 
 PACKAGE = Path(__file__).parent.parent / "pymunk_dragon"
 FRAMEWORK = PACKAGE / "lessons" / "_framework"
+UNTRANSLATED = {"script", "style", "svg", "canvas", "kbd", "code"}
+LETTER = re.compile(r"[^\W\d_]")
+# A literal, or a sum of them, as the first argument of `localized` in a script.
+LOCALIZED = re.compile(r'\blocalized\(\s*("(?:[^"\\]|\\.)*"(?:\s*\+\s*"(?:[^"\\]|\\.)*")*)?')
 
 
 def sources(ending: str) -> list[str]:
@@ -42,18 +47,37 @@ def strings(node: ast.AST) -> set[str]:
     return found | {ast.unparse(each)[2:-1] for each in nodes if isinstance(each, ast.JoinedStr)}
 
 
-def with_parts(page: str) -> str:
-    """A page with the parts that it shares with others."""
+def script_texts(source: str) -> set[str]:
+    """First arguments of all calls of `localized`."""
+    return {json.loads(re.sub(r'"\s*\+\s*"', "", found)) for found in LOCALIZED.findall(source)}
+
+
+def blocks(element: Tag) -> Iterator[str]:
+    """Contents of the elements with texts of their own, as texts.js finds them."""
+    for child in element.find_all(True, recursive=False):
+        if child.name in UNTRANSLATED or child.get("translate") == "no":
+            continue
+        if LETTER.search("".join(child.find_all(string=True, recursive=False))):
+            yield " ".join(child.decode_contents().split())
+        else:
+            yield from blocks(child)
+
+
+def html_texts(page: str) -> set[str]:
+    """Texts of the elements and attributes of a page; those with a {{placeholder}} are filled in elsewhere."""
     parts = {path.stem: path.read_text() for path in (PACKAGE / "player" / "assets").glob("*.html")}
-    return re.sub(r"\{\{(\w+)\}\}", lambda found: parts.get(found[1], found[0]), page)
+    whole = re.sub(r"\{\{(\w+)\}\}", lambda found: parts.get(found[1], found[0]), page)
+    soup = BeautifulSoup(whole[whole.index("<body") :], "html.parser")
+    found = {str(each[name]) for name in ("aria-label", "title") for each in soup.find_all(attrs={name: True})}
+    return {text for text in found.union(blocks(soup)) if LETTER.search(text) and "{{" not in text}
 
 
 trees = [ast.parse(source) for source in sources(".py")]
 calls = [node for tree in trees for node in ast.walk(tree) if isinstance(node, ast.Call) and node.args]
 wanted = set().union(*(strings(call.args[0]) for call in calls if getattr(call.func, "id", "") == "text"))
 wanted = wanted.union(*(re.findall(r'\btext\("([^"]+)"\)', source) for source in sources(".j2")))
-pages = [with_parts(page) for page in sources(".html") if "<body" in page]
-wanted = wanted.union(*map(script_texts, sources(".js")), *map(html_texts, pages))
+wanted = wanted.union(*map(script_texts, sources(".js")))
+wanted = wanted.union(*(html_texts(page) for page in sources(".html") if "<body" in page))
 wanted |= {words for scene in SCENES.values() for words in (scene.title, scene.text)}
 wanted |= {known.summary for known in (*STUDIES.values(), *QUANTITIES.values())}
 wanted |= {kind.shows for kind in FIGURES.values()}

@@ -58,7 +58,7 @@ the start) or `unreachable` (the chain cannot follow the path any farther).
 
 ## Measurements
 
-Medians on two cores (`python tests/bench/bench_collision.py`): the exact answer for 223 benches takes 0.11 s, filing
+Medians on two cores (`python tests/bench/bench.py contact`): the exact answer for 223 benches takes 0.11 s, filing
 them in the grid and pairing them 0.6 ms. The whole process `pymunk-dragon contact` takes 0.39 s.
 """
 

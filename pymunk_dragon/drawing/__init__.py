@@ -27,7 +27,7 @@ and `--caption` stand above and below:
 
 ## Measurements
 
-300 frames of 640 x 640 pixels with twofold anti-aliasing (`python tests/bench/bench_film.py`):
+300 frames of 640 x 640 pixels with twofold anti-aliasing (`python tests/bench/bench.py film`):
 
 | GIF | ms a frame | MB |
 | --- | --- | --- |

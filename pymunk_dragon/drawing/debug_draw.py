@@ -43,7 +43,7 @@ image.save("debug_draw.png", optimize=True)
 set `image` to a new picture for each frame, and `fit` a box, which keeps the view.
 
 A picture of 223 benches and their pivots, 640 x 640 pixels, takes 38 ms, and 366 ms with `pymunk.matplotlib_util`
-(`python tests/bench/bench_debug_draw.py`).
+(`python tests/bench/bench.py debug-draw`).
 """
 
 from __future__ import annotations

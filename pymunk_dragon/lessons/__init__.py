@@ -1,7 +1,7 @@
 """The lessons: one file each, which is also a program of its own. `_framework` runs and writes them.
 
 Short programs for a class, or for yourself, from the spiral to a robot's arm. Each asks a question, lets you guess,
-runs for one to five seconds (`python tests/bench/bench_lessons.py`), and then gives the answer, a number to check by
+runs for one to five seconds (`python tests/bench/bench.py lessons`), and then gives the answer, a number to check by
 hand and something to change. `make demos` runs all of them and writes [one page](renders/lessons.html), which needs
 no network, reads on a phone as well as on paper, and holds the films, the code and the notebooks. The texts are in
 English and Chinese; programs, and what they print and draw, are English.

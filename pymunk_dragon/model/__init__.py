@@ -10,7 +10,7 @@ $ pymunk-dragon positions --paper
 
 The second command prints tables 1 to 3 of the paper, all 147 entries, cut after three decimals as the paper cuts them.
 
-Medians from one run of `python tests/bench/bench_speed.py` on two cores, where the plain recursion goes from handle to
+Medians from one run of `python tests/bench/bench.py march` on two cores, where the plain recursion goes from handle to
 handle, vectorised over the times:
 
 | 301 times x 224 handles, positions and velocities | ms | share |

@@ -22,11 +22,11 @@ an engine with an error of a millimetre reports a collision that never happens.
 From t = 0 to its first contact at the default settings (a substep of 20 ms, 10 iterations), benches 0 and 8 of the
 reference scenario touch at 412.473850 s, none before; the exact time is 412.473838 s. The drift is 0.0026 mm in the
 first twelve benches and 0.0192 mm anywhere. The run is 80 times as fast as real time, and the driver takes 0.70 of the
-time of the bare steps on top (`pymunk-dragon simulate --json` and `python tests/bench/bench_speed.py` on two cores).
+time of the bare steps on top (`pymunk-dragon simulate --json` and `python tests/bench/bench.py engine` on two cores).
 
 ![Drift over time](renders/figures/drift.png)
 
-Drift and error of the contact time by substep and iterations, from 400 s on (`python tests/bench/bench_drift.py`);
+Drift and error of the contact time by substep and iterations, from 400 s on (`python tests/bench/bench.py drift`);
 `--fine` takes an eighth of the default substep and 60 iterations:
 
 | substep | iterations | drift of the first twelve, µm | of any, µm | error of the contact time, ms |
@@ -70,7 +70,7 @@ In the order of their effect:
 With `--contacts resolve` the run goes on after the first contact. The head is then pulled along its path by a motor
 of finite force (`--head-force`, in N), the march waits for a head that cannot follow it, and the dancers brake with
 it, so the dragon comes to rest where it hit itself. The default force is twice the ground drag on the head. From the
-first contact to 10 s after it (`python tests/bench/bench_pile_up.py`):
+first contact to 10 s after it (`python tests/bench/bench.py pile-up`):
 
 | substep | force, N | largest joint gap, mm | deepest overlap, mm | distance of any bench in the last 5 s, mm |
 | --- | --- | --- | --- | --- |

@@ -19,7 +19,7 @@ $ pymunk-dragon render run.npz -o run.html
 
 Between two frames, page, films and `Run.poses_at` follow cubic polynomials with the positions and velocities of both
 frames, and no number has more digits than the page's data. The whole run of the reference scenario, 4,126 frames of
-224 handles, is a page of 2.08 MB (`python tests/bench/bench_player.py renders/march.npz`).
+224 handles, is a page of 2.08 MB (`python tests/bench/bench.py engine`).
 """
 
 from pymunk_dragon.player.page import PLAYER_ENDINGS, player_page, write_player

@@ -105,7 +105,7 @@ only; with `--host 0.0.0.0` others can connect, and need one of the addresses, w
 
 ## Measurements
 
-On two cores, `python tests/bench/bench_live.py start browser delay` and `... soak --minutes 5` measure:
+On two cores (`python tests/bench/bench_live.py start browser delay soak`):
 
 | what | measured |
 | --- | --- |

@@ -27,7 +27,7 @@ certified: no handle exceeds that by more than 1e-11 of it (548 evaluations)
 ```
 
 Beside each answer of the contest the one of an independent method, from formulas alone and in 34 to 50 digits
-(`python tests/bench/bench_answers.py`; the tests compare more with it):
+(`python tests/bench/bench.py answers`; the tests compare more with it):
 
 | question | answer | independently | decimals that agree | s | method, s |
 | --- | --- | --- | --- | --- | --- |

@@ -20,8 +20,9 @@ $ pymunk-dragon sweep --quantity max-speed --axis ratio=1:2:0.25 --axis radius=4
 - **Where it runs.** In a process for each core, on the workers of a Dask scheduler with `--scheduler tcp://HOST:8786`
   (`pip install 'pymunk-dragon[cluster]'`), or in Python on any executor of `concurrent.futures`.
 
-On two cores (`python tests/bench/bench_sweep.py`) two workers do 0.94 of twice the work of one, 10,000 contact times
-take 14.5 minutes, and a point of no work 0.8 ms on processes and 2.9 ms on Dask.
+On two cores (`python tests/bench/bench.py sweep-overhead sweep-efficiency sweep-map`) a point of no work takes 0.8 ms
+on processes and 2.9 ms on Dask, two workers do 0.94 of twice the work of one, and 10,000 contact times take 14.5
+minutes.
 """
 
 from __future__ import annotations

@@ -1,8 +1,6 @@
 """Live sessions: start, pictures a second, delay from the mouse to the body, many clients, and memory.
 
-python tests/bench/bench_live.py start
-python tests/bench/bench_live.py browser delay           # with Chromium
-python tests/bench/bench_live.py soak --minutes 10       # many clients, obstacles and resets, and one that drags
+`python tests/bench/bench_live.py [start browser delay soak]`; all but the first and the last need Chromium.
 """
 
 from __future__ import annotations
@@ -18,11 +16,14 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from statistics import median
+from typing import Any
 
+import numpy as np
 import psutil
 import pymunk
 from aiohttp import ClientSession, ClientWebSocketResponse
-from measure import arguments, sized, spread
+from measure import run, sized, spread
+from playwright.sync_api import Page
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from browser import chromium, opened, wait_until
@@ -30,167 +31,16 @@ from browser import chromium, opened, wait_until
 from pymunk_dragon.sessions import Slider, live
 from pymunk_dragon.sessions.ready import _boxes
 
-COMMAND = [sys.executable, "-m", "pymunk_dragon", "live", "--no-browser"]
-CLIENTS = sized(20, 2)
+CLIENTS, SECONDS = sized((20, 300.0), (2, 6.0))
 OBSTACLES, RESETS = 30, 20
 # Frames before a measurement, and measured.
 FRAMES = sized(600, 30)
-
-
-@contextmanager
-def program(*more: str) -> Iterator[tuple[subprocess.Popen[str], str]]:
-    """The program, and its address."""
-    with subprocess.Popen([*COMMAND, *more], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True) as process:
-        assert process.stdout is not None
-        found = re.search(r"http\S+", process.stdout.readline())
-        assert found is not None
-        try:
-            yield process, found[0]
-        finally:
-            process.terminate()
-
-
-def start() -> None:
-    """Time from the start of the process to the first frame."""
-    times = []
-    for _ in range(sized(5, 1)):
-        begin = time.perf_counter()
-        with program() as (_, address):
-            asyncio.run(_frames(address, 1))
-            times.append(time.perf_counter() - begin)
-    print(f"first frame of 223 benches: {spread(times, 2)} s after the start of the process")
-
-
-def _time(frame: bytes) -> float:
-    """Simulated time in the header of a frame."""
-    [length] = struct.unpack_from("<I", frame)
-    return float(json.loads(frame[4 : 4 + length])["time"])
-
-
-async def _frames(address: str, count: int) -> None:
-    async with ClientSession() as web, web.ws_connect(address.replace("/?", "/socket?")) as socket:
-        while count:
-            message = await socket.receive()
-            count -= isinstance(message.data, bytes)
-
-
-def soak(minutes: float) -> None:
-    """Frames, rate, memory and dropped clients, with obstacles, resets, and a client that drags."""
-    with program() as (process, address):
-        asyncio.run(_soak(address, psutil.Process(process.pid), 60 * minutes))
-
-
-async def _soak(address: str, process: psutil.Process, seconds: float) -> None:
-    counts, simulated, dropped = [0] * CLIENTS, [0.0, 0.0], []
-    begin = time.perf_counter()
-
-    async def watch(number: int) -> None:
-        async with ClientSession() as web, web.ws_connect(address.replace("/?", "/socket?"), max_msg_size=0) as socket:
-            acting = asyncio.create_task(_act(socket, seconds)) if number == 0 else None
-            async for message in socket:
-                if isinstance(message.data, bytes):
-                    counts[number] += 1
-                    if number == 0:
-                        now = _time(message.data)
-                        simulated[:] = now, simulated[1] + (now - simulated[0] if now >= simulated[0] else now)
-                if time.perf_counter() - begin > seconds:
-                    break
-            else:
-                dropped.append(number)
-            if acting is not None:
-                acting.cancel()
-
-    sizes, used = [process.memory_info().rss / 1e6], sum(process.cpu_times()[:2])
-    await asyncio.gather(*(watch(number) for number in range(CLIENTS)))
-    passed = time.perf_counter() - begin
-    sizes.append(process.memory_info().rss / 1e6)
-    print(
-        f"{CLIENTS} clients, {passed:.0f} s: {min(counts) / passed:.1f} frames/s (least), "
-        f"{median(counts) / passed:.1f} (median), {simulated[1] / passed:.3f} times real time, "
-        f"{100 * (sum(process.cpu_times()[:2]) - used) / passed:.0f} % of a core, "
-        f"{sizes[0]:.1f} MB at the start and {sizes[1]:.1f} at the end, {len(dropped)} dropped"
-    )
-
-
-async def _act(socket: ClientWebSocketResponse, seconds: float) -> None:
-    """Put obstacles, drag all the time, and reset again and again."""
-    for k in range(OBSTACLES):
-        await socket.send_json({"do": "obstacle", "shape": "round", "x": 2.0 * k, "y": -20.0, "size": 0.5})
-    for _ in range(RESETS):
-        await socket.send_json({"do": "grab", "x": 0.0, "y": 0.0, "slip": 1000.0})
-        end = time.perf_counter() + seconds / (RESETS + 1)
-        while time.perf_counter() < end:
-            await socket.send_json({"do": "drag", "x": time.perf_counter() % 3, "y": time.perf_counter() % 2})
-            await asyncio.sleep(1 / 60)
-        await socket.send_json({"do": "reset"})
-
-
-def circles() -> pymunk.Space:
-    """3,000 circles in a tub."""
-    space = pymunk.Space()
-    space.gravity = 0, -900
-    for a, b in (((0, 0), (1000, 0)), ((0, 0), (0, 1500)), ((1000, 0), (1000, 1500))):
-        space.add(pymunk.Segment(space.static_body, a, b, 5))
-    for i in range(3000):
-        body = pymunk.Body(1, 10)
-        body.position = 20 + 16 * (i % 60), 20 + 16 * (i // 60)
-        space.add(body, pymunk.Circle(body, 7))
-    return space
-
-
-def browser() -> None:
-    """Pictures a second in Chromium, contacts shown, and the rate of the physics."""
-    pyramid = [Slider("rows", 2, 25, 25, rebuilds=True)]
-    for name, what, options in (
-        ("223 benches", "dragon", {}),
-        ("325 boxes", _boxes, {"controls": pyramid, "step": 1 / 120}),
-        ("3,000 circles", circles, {"units": "px"}),
-    ):
-        with (
-            live(what, browser=False, **options) as session,
-            chromium() as started,
-            opened(started, session.address) as found,
-        ):
-            page = found.page
-            count = FRAMES if what == "dragon" else FRAMES // 3
-            wait_until(page, f"live.drawn > {FRAMES // 5}")
-            drawn, begin = page.evaluate("live.drawn"), time.perf_counter()
-            wait_until(page, f"live.drawn > {drawn + count}")
-            pictures = (page.evaluate("live.drawn") - drawn) / (time.perf_counter() - begin)
-            print(f"Chromium: {pictures:.1f} pictures a second of {name}, {page.inner_text('#achieved')}")
-
-
-def delay() -> None:
-    """Time from a movement of the mouse to the first picture in which the body has moved."""
-    with (
-        live("boxes", browser=False) as session,
-        chromium() as started,
-        opened(started, session.address) as found,
-    ):
-        page = found.page
-        wait_until(page, "live.drawn && live.frame.time > 2.5")
-        x, y = page.evaluate(BOX)
-        box = page.locator("#field").bounding_box()
-        assert box is not None
-        left, top = box["x"] + x, box["y"] + y
-        page.mouse.move(left, top)
-        page.mouse.down()
-        wait_until(page, "live.frame.held")
-        page.evaluate(WATCH)
-        for k in range(sized(20, 2)):
-            page.mouse.move(left + (15 if k % 2 == 0 else -15), top - 40)
-            wait_until(page, f"delays.length > {k}")
-            # Where the pointer is, the body comes to rest.
-            wait_until(page, RESTS)
-            page.wait_for_timeout(300)
-        times = page.evaluate("delays")
-        print(f"from the mouse to the moved body: {median(times):.0f} ms ({min(times):.0f} to {max(times):.0f})")
-
-
-# Pixel of the centre of a box.
+# Where on the page the centre of a box is.
 BOX = """() => {
   const { points } = live.frame.calls.filter(({ moves }) => moves).at(-1);
-  return live.pixel(...[0, 1].map((k) => points.reduce((sum, point) => sum + point[k] / points.length, 0)));
+  const { left, top } = document.getElementById("field").getBoundingClientRect();
+  const [x, y] = live.pixel(...[0, 1].map((k) => points.reduce((sum, point) => sum + point[k] / points.length, 0)));
+  return [left + x, top + y];
 }"""
 RESTS = "(([x, y, u, v]) => Math.hypot(x - u, y - v) < 0.01)(live.frame.held)"
 # The time of an event, and of the first picture afterwards in which the held body has moved by 5 mm.
@@ -208,12 +58,136 @@ WATCH = """() => {
 }"""
 
 
-PARTS = {"start": start, "browser": browser, "delay": delay}
+@contextmanager
+def program() -> Iterator[tuple[psutil.Process, str]]:
+    """The program, and the address of its socket."""
+    command = [sys.executable, "-m", "pymunk_dragon", "live", "--no-browser"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True) as process:
+        assert process.stdout is not None
+        found = re.search(r"http\S+", process.stdout.readline())
+        assert found is not None
+        try:
+            yield psutil.Process(process.pid), found[0].replace("/?", "/socket?")
+        finally:
+            process.terminate()
+
+
+async def watch(address: str, seconds: float, acts: bool = False) -> list[float]:
+    """Simulated times of the frames that a client gets in so many s, or of the first one."""
+    times, begin = [], time.perf_counter()
+    async with ClientSession() as web, web.ws_connect(address, max_msg_size=0) as socket:
+        acting = asyncio.create_task(act(socket)) if acts else None
+        async for message in socket:
+            if isinstance(message.data, bytes):
+                [length] = struct.unpack_from("<I", message.data)
+                times.append(json.loads(message.data[4 : 4 + length])["time"])
+                if time.perf_counter() - begin > seconds:
+                    break
+        if acting is not None:
+            acting.cancel()
+    return times
+
+
+async def act(socket: ClientWebSocketResponse) -> None:
+    """Put obstacles, drag all the time, and reset again and again."""
+    for k in range(OBSTACLES):
+        await socket.send_json({"do": "obstacle", "shape": "round", "x": 2.0 * k, "y": -20.0, "size": 0.5})
+    for _ in range(RESETS):
+        await socket.send_json({"do": "grab", "x": 0.0, "y": 0.0, "slip": 1000.0})
+        end = time.perf_counter() + SECONDS / (RESETS + 1)
+        while time.perf_counter() < end:
+            await socket.send_json({"do": "drag", "x": time.perf_counter() % 3, "y": time.perf_counter() % 2})
+            await asyncio.sleep(1 / 60)
+        await socket.send_json({"do": "reset"})
+
+
+def start() -> None:
+    """Time from the start of the process to the first frame of 223 benches, s."""
+    times = []
+    for _ in range(sized(5, 1)):
+        begin = time.perf_counter()
+        with program() as (_, address):
+            asyncio.run(watch(address, 0.0))
+            times.append(time.perf_counter() - begin)
+    print(spread(times, 2))
+
+
+def soak() -> None:
+    """Frames, rate and memory for 5 minutes with 20 clients, obstacles, resets, and a client that drags."""
+
+    async def clients(address: str, process: psutil.Process) -> list[list[float]]:
+        watching = asyncio.gather(*(watch(address, SECONDS, acts=number == 0) for number in range(CLIENTS)))
+        await asyncio.sleep(0.4 * SECONDS)
+        print(f"{process.memory_info().rss / 1e6:.0f} MB after {0.4 * SECONDS:.0f} s")
+        return await watching
+
+    with program() as (process, address):
+        times = asyncio.run(clients(address, process))
+        frames = median(map(len, times)) / SECONDS
+        simulated = np.diff(times[0]).clip(0).sum() / SECONDS
+        print(f"{process.memory_info().rss / 1e6:.0f} MB at the end; ", end="")
+        print(f"{frames:.1f} frames a second, {simulated:.3f} times real time")
+
+
+def circles() -> pymunk.Space:
+    """3,000 circles in a tub."""
+    space = pymunk.Space()
+    space.gravity = 0, -900
+    for a, b in (((0, 0), (1000, 0)), ((0, 0), (0, 1500)), ((1000, 0), (1000, 1500))):
+        space.add(pymunk.Segment(space.static_body, a, b, 5))
+    for i in range(3000):
+        body = pymunk.Body(1, 10)
+        body.position = 20 + 16 * (i % 60), 20 + 16 * (i // 60)
+        space.add(body, pymunk.Circle(body, 7))
+    return space
+
+
+@contextmanager
+def page_of(what: Any, **options: Any) -> Iterator[Page]:
+    """A session's page in Chromium."""
+    with (
+        live(what, browser=False, **options) as session,
+        chromium() as started,
+        opened(started, session.address) as found,
+    ):
+        yield found.page
+
+
+def browser() -> None:
+    """Pictures a second in Chromium, contacts shown, and the rate of the physics."""
+    pyramid = [Slider("rows", 2, 25, 25, rebuilds=True)]
+    for name, what, count, options in (
+        ("223 benches", "dragon", FRAMES, {}),
+        ("325 boxes", _boxes, FRAMES // 3, {"controls": pyramid, "step": 1 / 120}),
+        ("3,000 circles", circles, FRAMES // 3, {"units": "px"}),
+    ):
+        with page_of(what, **options) as page:
+            wait_until(page, f"live.drawn > {FRAMES // 5}")
+            drawn, begin = page.evaluate("live.drawn"), time.perf_counter()
+            wait_until(page, f"live.drawn > {drawn + count}")
+            pictures = (page.evaluate("live.drawn") - drawn) / (time.perf_counter() - begin)
+            print(f"{name}: {pictures:.1f}, {page.inner_text('#achieved')}", flush=True)
+
+
+def delay() -> None:
+    """Time from a movement of the mouse to the first picture in which the body has moved, ms."""
+    with page_of("boxes") as page:
+        wait_until(page, "live.drawn && live.frame.time > 2.5")
+        left, top = page.evaluate(BOX)
+        page.mouse.move(left, top)
+        page.mouse.down()
+        wait_until(page, "live.frame.held")
+        page.evaluate(WATCH)
+        for k in range(sized(20, 2)):
+            page.mouse.move(left + (15 if k % 2 == 0 else -15), top - 40)
+            wait_until(page, f"delays.length > {k}")
+            # Where the pointer is, the body comes to rest.
+            wait_until(page, RESTS)
+            page.wait_for_timeout(300)
+        print(spread(page.evaluate("delays"), 0))
+
+
+BENCHMARKS = {"start": start, "browser": browser, "delay": delay, "soak": soak}
 
 if __name__ == "__main__":
-    names = arguments()
-    if names[:1] == ["soak"]:
-        soak(float(names[2]) if names[1:2] == ["--minutes"] else sized(10.0, 0.1))
-    else:
-        for name in names or PARTS:
-            PARTS[name]()
+    run(BENCHMARKS)

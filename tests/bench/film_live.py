@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import io
 import math
-import shutil
 import sys
 import time
 from base64 import b64decode
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from PIL import Image, ImageDraw
-from playwright.sync_api import Page, sync_playwright
+from playwright.sync_api import Page
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+from browser import chromium, opened
 
 from pymunk_dragon import live
 
@@ -55,10 +58,12 @@ def act(page: Page, moves: list[Any]) -> None:
 def main() -> None:
     """Film the page, draw the pointer, and write the film."""
     pictures: list[Any] = []
-    with live("dragon", browser=False) as session, sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=["--no-sandbox"])
-        page = browser.new_page(viewport={"width": 960, "height": 640}, device_scale_factor=1)
-        page.goto(session.address)
+    with (
+        live("dragon", browser=False) as session,
+        chromium() as started,
+        opened(started, session.address, 960, 640) as found,
+    ):
+        page = found.page
         page.wait_for_timeout(2000)
         client = page.context.new_cdp_session(page)
 

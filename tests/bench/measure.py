@@ -1,10 +1,10 @@
-"""What the benchmarks share: a small size for the tests, repeated timings, and how they are printed."""
+"""What the benchmarks share: a small size for the tests, timings, and the table that the command line chooses from."""
 
 from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from statistics import median
 from typing import TypeVar
 
@@ -16,24 +16,32 @@ T = TypeVar("T")
 SMALL = "--small"
 
 
-def arguments() -> list[str]:
-    """Arguments of the command line without `--small`."""
-    return [argument for argument in sys.argv[1:] if argument != SMALL]
-
-
 def sized(full: T, small: T) -> T:
     """`full`, or `small` where the command line has `--small`."""
     return small if SMALL in sys.argv else full
 
 
-def durations(work: Callable[[], object], repeats: int, clock: Callable[[], float] = time.perf_counter) -> list[float]:
-    """Time of each of `repeats` calls, s."""
-    found = []
-    for _ in range(repeats):
-        begin = clock()
-        work()
-        found.append(clock() - begin)
-    return found
+def run(benchmarks: Mapping[str, Callable[[], None]]) -> None:
+    """Run the benchmarks that the command line names, or all."""
+    for name in [argument for argument in sys.argv[1:] if argument != SMALL] or benchmarks:
+        print(f"\n{name}: {benchmarks[name].__doc__}", flush=True)
+        benchmarks[name]()
+
+
+def compare(
+    works: Mapping[str, Callable[[], object]], repeats: int, clock: Callable[[], float] = time.perf_counter
+) -> dict[str, float]:
+    """Median time of each work, ms, of repeats in turns after a first one that is not measured; prints them."""
+    found: dict[str, list[float]] = {name: [] for name in works}
+    for _ in range(repeats + 1):
+        for name, work in works.items():
+            begin = clock()
+            work()
+            found[name].append(1e3 * (clock() - begin))
+    medians = {name: median(values[1:]) for name, values in found.items()}
+    for name, value in medians.items():
+        print(f"| {name} | {value:.1f} ms | {value / next(iter(medians.values())):.2f} |")
+    return medians
 
 
 def spread(values: Sequence[float], digits: int) -> str:
@@ -42,5 +50,5 @@ def spread(values: Sequence[float], digits: int) -> str:
 
 
 def nothing(march: March) -> dict[str, float]:
-    """A quantity of no work, for `bench_sweep.py`: workers import it by its name."""
+    """A quantity of no work: workers of sweeps import it by its name."""
     return {"length": march.dragon.head_spacing}

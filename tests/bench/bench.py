@@ -1,0 +1,322 @@
+"""The figures that README and the docstrings quote: `python tests/bench/bench.py [NAME ...]`.
+
+`BENCHMARKS` has all of them but those of live sessions, which are in `bench_live.py`. Times are medians.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import tempfile
+import time
+import warnings
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import mpmath as mp
+import numpy as np
+from imageio import v3 as imageio
+from matplotlib.animation import FuncAnimation, PillowWriter
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import PolyCollection
+from matplotlib.figure import Figure
+from measure import compare, nothing, run, sized, spread
+from PIL import Image
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+import exact_curves
+import oracle
+
+from pymunk_dragon import Dragon, EngineSettings, Film, Grid, March, Run, UTurn, World, first_contact
+from pymunk_dragon._arrays import Array
+from pymunk_dragon._extras import library
+from pymunk_dragon.drawing import Palette, render
+from pymunk_dragon.drawing.debug_draw import PillowDrawOptions
+from pymunk_dragon.drawing.film.layout import Canvas
+from pymunk_dragon.lessons import LESSONS
+from pymunk_dragon.physics import simulate
+from pymunk_dragon.player import write_player
+from pymunk_dragon.studies import max_speed, min_pitch
+from pymunk_dragon.sweeps import sweep
+
+REPEATS = sized(15, 1)
+# Pixels of a picture, and frames a second of a film.
+SIZE, FPS = 640, 20
+
+
+def answers() -> None:
+    """The five answers of `studies` beside those of independent methods in 34 to 50 digits, and the time of both, s."""
+    text = {"width": "0.3", "overhang": "0.275", "head_spacing": "2.86", "body_spacing": "1.65", "pitch": "0.55"}
+    sizes = {name: mp.mpf(value) for name, value in text.items()}
+    chain = {"benches": 223, "head_spacing": 2.86, "body_spacing": 1.65, "pitch": 0.55, "turns": 16, "speed": 1}
+
+    def row(question: str, ours: Callable[[], Any], theirs: Callable[[], mp.mpf], method: str) -> None:
+        begin = time.perf_counter()
+        one, between, other, end = mp.mpf(ours()), time.perf_counter(), theirs(), time.perf_counter()
+        decimals = int(-mp.log10(max(abs(one - other), mp.mpf("1e-16"))))
+        shown = f"{mp.nstr(one, 13)} | {mp.nstr(other, 13)} | {decimals} | {between - begin:.2f}"
+        print(f"| {question} | {shown} | {method}, {end - between:.1f} |", flush=True)
+
+    def last_handle() -> mp.mpf:
+        return oracle.solve(300, **chain, difference=False)[0][-1][0]
+
+    def smallest_pitch() -> mp.mpf:
+        return oracle.grazing((0, 19), "216.34", sizes | {"pitch": mp.mpf("0.45034")})[1]
+
+    positions = partial(March().at, np.arange(301.0))
+    row("1, x of handle 223 at 300 s, m", lambda: positions().positions[300, -1, 0].item(), last_handle, "50 digits")
+    touching = partial(oracle.touching, (0, 8), "412.47", sizes)
+    row("2, first contact, s", lambda: first_contact(March()).time, touching, "root in 50 digits")
+    row("3, smallest pitch, m", lambda: min_pitch().pitch, smallest_pitch, "grazing moment in 50 digits")
+    with mp.workdps(exact_curves.DIGITS):
+        turn = partial(exact_curves.s_turn, mp.mpf("1.7"), mp.mpf("4.5"), mp.mpf(2))
+        row("4, length of the turn, m", lambda: UTurn().length, lambda: turn()[-1], "tangency in 34 digits")
+        row("5, largest speed, m/s", lambda: max_speed().speed, largest_speed, "its maximum in 34 digits")
+
+
+def largest_speed() -> mp.mpf:
+    """The ratio at its top, by golden sections of the head's way; two thirds of the digits are lost to that."""
+    path, spacings, tiny = exact_curves.u_turn(), Dragon().spacings[:3], mp.mpf("1e-12")
+
+    def ratio(way: mp.mpf) -> mp.mpf:
+        before, after = (exact_curves.walked_chain(path, way + sign * tiny, spacings)[-1] for sign in (-1, 1))
+        return (after - before) / (2 * tiny)
+
+    low, high, golden = mp.mpf("14.47"), mp.mpf("14.49"), (mp.sqrt(5) - 1) / 2
+    for _ in range(32):
+        one, other = high - golden * (high - low), low + golden * (high - low)
+        low, high = (low, other) if ratio(one) > ratio(other) else (one, high)
+    return 2 / ratio((low + high) / 2)
+
+
+def plain_recursion(times: Array) -> tuple[Array, Array]:
+    """Positions and velocities (T, 224) of the reference march as complex numbers.
+
+    It goes from handle to handle, with Newton's method in polar angles (paper, eq. 10-15).
+    """
+    dragon, k, turns = Dragon(), 0.55 / (2 * np.pi), 16.0
+    theta = np.empty((times.size, dragon.handles))
+    arc = np.pi * turns * np.hypot(2 * np.pi * turns, 1) + np.arcsinh(2 * np.pi * turns) / 2 - times / k
+    theta[:, 0] = np.sqrt(2 * arc)
+    for _ in range(4):
+        rise = np.hypot(theta[:, 0], 1)
+        theta[:, 0] -= ((theta[:, 0] * rise + np.arcsinh(theta[:, 0])) / 2 - arc) / rise
+    for i, chord in enumerate(dragon.spacings):
+        front = theta[:, i]
+        phi = chord / (k * front)
+        for _ in range(20):
+            rear = front + phi
+            distance = front**2 + rear**2 - 2 * front * rear * np.cos(phi) - (chord / k) ** 2
+            step = distance / (2 * rear - 2 * front * np.cos(phi) + 2 * front * rear * np.sin(phi))
+            phi = phi - step
+            if np.max(np.abs(step)) < 1e-12:
+                break
+        theta[:, i + 1] = front + phi
+    points = k * theta * np.exp(1j * theta)
+    tangents = -(1 + 1j * theta) * np.exp(1j * theta) / np.hypot(1, theta)
+    speeds = np.ones(theta.shape)
+    for i in range(dragon.benches):
+        bench = points[:, i] - points[:, i + 1]
+        ratio = (tangents[:, i] * bench.conj()).real / (tangents[:, i + 1] * bench.conj()).real
+        speeds[:, i + 1] = speeds[:, i] * ratio
+    return points, speeds * tangents
+
+
+def marches() -> None:
+    """Positions and velocities of 301 times x 224 handles (`model`)."""
+    times, turn_times = np.linspace(0.0, 300.0, sized(301, 3)), np.linspace(-100.0, 100.0, sized(301, 3))
+    spiral, turn = March(), March(curve=UTurn())
+    apart = np.abs(plain_recursion(times)[0] - spiral.motion(times).points).max()
+    plain = {"plain recursion with NumPy": lambda: plain_recursion(times)}
+    compare(plain | {"March.at": lambda: spiral.at(times), "on the U-turn": lambda: turn.at(turn_times)}, REPEATS)
+    print(f"The plain recursion and the project differ by at most {apart:.1e} m.")
+
+
+def contact() -> None:
+    """The first contact of 223 benches, the broad phase, and the whole process (`collision`)."""
+    march = March()
+    grid, corners = Grid.of(march), march.dragon.outlines(march.at(0.0).poses[0])
+    command = [sys.executable, "-m", "pymunk_dragon", "contact"]
+    works = {
+        "first_contact": lambda: first_contact(March()),
+        "filing and pairing": lambda: grid.pairs(corners),
+        "process": lambda: subprocess.run(command, check=True, stdout=subprocess.DEVNULL),
+    }
+    compare(works, REPEATS)
+
+
+def engine() -> None:
+    """The engine from t = 0 to the first contact (`physics`), and the page that plays it (`player`)."""
+    played, exact = simulate(March(), until=sized(415.0, 0.2)), first_contact(March()).time or 0.0
+    found = played.to_dict()
+    late = played.first_contact.time - exact if played.first_contact else np.nan
+    print(
+        f"{found['realtime_factor']:.1f} times real time, driver {found['driver_overhead']:.2f} of the steps, "
+        f"drift {1e3 * played.head_drift:.4f} mm and {1e3 * played.max_drift:.4f} mm, contact {1e3 * late:+.3f} ms late"
+    )
+    with tempfile.TemporaryDirectory() as folder:
+        write_player(played, path := Path(folder, "run.html"))
+        print(f"page of {len(played.times)} frames: {path.stat().st_size / 1e6:.2f} MB")
+
+
+def drift() -> None:
+    """Drift of the first twelve benches and of any, µm, and error of the contact, ms, from 400 s on (`physics`)."""
+    march = March()
+    exact = first_contact(march).time or 0.0
+    rates, tries, drags = sized(((25, 50, 100, 400), (10, 60), (5.0, 7.0, 9.0, 15.0, 20.0)), ((100,), (10,), (5.0,)))
+    settings = [(1 / rate, iterations, EngineSettings.drag) for rate in rates for iterations in tries]
+    for substep, iterations, drag in [*settings, *((1 / 50, 10, drag) for drag in drags)]:
+        chosen = EngineSettings(substep=substep, iterations=iterations, drag=drag)
+        played = simulate(march, settings=chosen, start=sized(400.0, 412.0), until=414.0)
+        found = played.first_contact
+        ending = f"benches {found.benches}, {1e3 * (found.time - exact):+.3f}" if found else "none"
+        row = f"{1e6 * played.head_drift:.2f} | {1e6 * played.max_drift:.2f} | {ending}"
+        print(f"| 1/{1 / substep:.0f} s | {iterations} | drag {drag:g} | {row} |", flush=True)
+
+
+def pile_up() -> None:
+    """Gaps of joints, overlaps, and motion in the last 5 s, mm, 10 s after a contact that is resolved (`physics`)."""
+    march, contact = March(), 412.474
+    played, rest = sized((10.0, 5.0), (0.5, 0.1))
+    cases = sized(((100, None), (200, 300.0), (200, None), (200, 3000.0), (400, None)), ((100, None),))
+    for rate, force in cases:
+        chosen = EngineSettings(substep=1 / rate, frame_interval=1 / rate, head_force=force, contacts="resolve")
+        found = simulate(march, settings=chosen, start=contact - 0.5, until=contact + played)
+        assert found.first_contact is not None
+        assert found.settings is not None
+        front, rear = march.dragon.holes(found.poses[found.times >= found.first_contact.time])
+        gap = np.linalg.norm(front[:, 1:] - rear[:, :-1], axis=-1).max()
+        depth = max(event.depth or 0.0 for event in found.events if event.phase == "pre_solve")
+        end = found.poses_at([found.times[-1] - rest, found.times[-1]])[..., :2]
+        moved = np.linalg.norm(end[1] - end[0], axis=-1).max()
+        print(f"| 1/{rate} s | {found.settings.head_force:.0f} | ", end="")
+        print(f"{1e3 * gap:.3f} | {1e3 * depth:.3f} | {1e3 * moved:.2f} |", flush=True)
+
+
+def imageio_rgb(run: Run, film: Film, path: Path) -> None:
+    """The default of imageio: a stack of RGB frames, drawn as ours are."""
+    stack = np.stack([np.asarray(frame) for frame in Canvas([run], film.timing([run]).times, film).frames()])
+    imageio.imwrite(path, stack, duration=1000 / FPS, loop=0)
+
+
+def matplotlib_animation(run: Run, film: Film, path: Path) -> None:
+    """FuncAnimation and PillowWriter of matplotlib with axes and a title, as they come."""
+    times = film.timing([run]).times
+    march, palette = run.march, Palette()
+    figure = Figure(figsize=(SIZE / 100, SIZE / 100), dpi=100)
+    axes = figure.add_subplot(aspect="equal", xlim=(-11.5, 11.5), ylim=(-11.5, 11.5))
+    axes.plot(*march.curve.point(np.linspace(*march.span(times[0], times[-1]), 5000)).T, color=palette.curve, lw=0.5)
+    colours = [palette.head, *[palette.body] * (march.dragon.benches - 2), palette.tail]
+    benches = PolyCollection([], facecolors=colours, edgecolors=palette.ink, linewidths=0.5)
+    axes.add_collection(benches)
+    clock = axes.set_title("")
+
+    def draw(frame: int) -> None:
+        benches.set_verts([*march.dragon.outlines(run.poses_at(times[frame])[0])])
+        clock.set_text(f"t = {times[frame]:.2f} s")
+
+    FuncAnimation(figure, draw, frames=len(times)).save(str(path), writer=PillowWriter(fps=FPS))
+
+
+def films() -> None:
+    """GIF of 300 frames of 640 x 640 pixels (`drawing`)."""
+    count, start, step = sized(300, 4), 100.0, 0.5
+    times = start + step * np.arange(count)
+    run = Run.exact(March(), times)
+    film = Film(size=SIZE, fps=FPS, speedup=FPS * step, start=start, until=times[-1], hold=0.0, legend=False)
+    with tempfile.TemporaryDirectory() as folder:
+        ways: dict[str, Callable[[Path], object]] = {"render": lambda path: render(run, path, film)}
+        ways |= {way.__name__: partial(way, run, film) for way in (imageio_rgb, matplotlib_animation)}
+        paths = {name: Path(folder, f"{name}.gif") for name in ways}
+        works = {name: partial(way, paths[name]) for name, way in ways.items()}
+        for name, value in compare(works, sized(3, 1)).items():
+            print(f"| {name} | {value / count:.1f} ms a frame | {paths[name].stat().st_size / 1e6:.1f} MB |")
+
+
+def debug_draw() -> None:
+    """Processor time of a picture of 223 benches and their pivots (`drawing.debug_draw`)."""
+    from pymunk import matplotlib_util  # It loads all of matplotlib.pyplot.
+
+    space = World(March(), start=300.0, guide="none").space
+    boxes = [shape.bb for shape in space.shapes]
+    xlim = min(box.left for box in boxes), max(box.right for box in boxes)
+    ylim = min(box.bottom for box in boxes), max(box.top for box in boxes)
+    options = PillowDrawOptions(Image.new("RGB", (SIZE, SIZE)), positive_y_is_up=True)
+    options.fit(space)
+
+    def with_pillow() -> None:
+        options.image = Image.new("RGB", (SIZE, SIZE), "white")
+        space.debug_draw(options)
+
+    def with_matplotlib() -> None:
+        canvas: Any = FigureCanvasAgg(Figure(figsize=(SIZE / 100, SIZE / 100), dpi=100))
+        axes = canvas.figure.add_axes((0, 0, 1, 1), xlim=xlim, ylim=ylim, aspect="equal")
+        with warnings.catch_warnings(action="ignore", category=DeprecationWarning):
+            space.debug_draw(matplotlib_util.DrawOptions(axes))
+        canvas.draw()
+
+    compare({"Pillow": with_pillow, "pymunk.matplotlib_util": with_matplotlib}, sized(9, 1), time.process_time)
+
+
+def lessons() -> None:
+    """Each lesson as a process of its own (`lessons`)."""
+    with tempfile.TemporaryDirectory() as folder:
+        names = sized(list(LESSONS), ["spiral"])
+        commands = {name: [sys.executable, str(LESSONS[name].path), "--save", folder] for name in names}
+        play = partial(subprocess.run, check=True, stdout=subprocess.DEVNULL)
+        compare({name: partial(play, command) for name, command in commands.items()}, 1)
+
+
+def sweep_seconds(points: int, scheduler: str | None) -> float:
+    """Wall time of a sweep of the quantity of no work, s."""
+    axes = {"pitch": np.linspace(0.5, 0.6, points // 10).tolist(), "overhang": np.linspace(0.1, 0.2, 10).tolist()}
+    with tempfile.TemporaryDirectory() as folder:
+        table, short = Path(folder, "table.csv"), {"benches": 2, "turns": 8}
+        return sweep(short, axes, nothing, out=table, scheduler=scheduler, workers=2).seconds
+
+
+def sweep_overhead() -> None:
+    """Time of a point of no work, ms, without the start of the workers (`sweeps`)."""
+    count = sized(1000, 20)
+    local = library("distributed").LocalCluster
+    with local(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
+        for name, where in (("processes", None), ("Dask", cluster.scheduler_address)):
+            found = [1e3 * (sweep_seconds(2 * count, where) - sweep_seconds(count, where)) / count for _ in range(3)]
+            print(f"{name}: {spread(found, 2)}", flush=True)
+
+
+def sweep_efficiency() -> None:
+    """Speed of two workers over twice that of one, 200 contact times (`sweeps`)."""
+    axes = {"pitch": np.linspace(0.45, 0.75, sized(20, 2)).tolist(), "width": np.linspace(0.2, 0.4, sized(10, 1))}
+    times = [[sweep(None, axes, workers=count).seconds for count in (1, 2)] for _ in range(sized(3, 1))]
+    print(spread([one / (2 * two) for one, two in times], 3))
+
+
+def sweep_map() -> None:
+    """10,000 contact times on two workers (`sweeps`)."""
+    side = sized(100, 2)
+    axes = {"pitch": np.linspace(0.4, 0.8, side).tolist(), "width": np.linspace(0.2, 0.4, side).tolist()}
+    with tempfile.TemporaryDirectory() as folder:
+        found = sweep(None, axes, out=Path(folder, "map.csv"), workers=2)
+    print(f"{found.points} points: {found.seconds / 60:.1f} minutes, {found.failed} failed")
+
+
+BENCHMARKS = {
+    "answers": answers,
+    "march": marches,
+    "contact": contact,
+    "engine": engine,
+    "drift": drift,
+    "pile-up": pile_up,
+    "film": films,
+    "debug-draw": debug_draw,
+    "lessons": lessons,
+    "sweep-overhead": sweep_overhead,
+    "sweep-efficiency": sweep_efficiency,
+    "sweep-map": sweep_map,
+}
+
+if __name__ == "__main__":
+    run(BENCHMARKS)
