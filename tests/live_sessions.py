@@ -15,8 +15,8 @@ import aiohttp
 import numpy as np
 
 from pymunk_dragon.sessions.handle import serve, source_of
-from pymunk_dragon.sessions.log import Log
 from pymunk_dragon.sessions.ready import planned
+from pymunk_dragon.sessions.recording import Log
 from pymunk_dragon.sessions.session import Session
 
 # s that anything may take on a busy machine.

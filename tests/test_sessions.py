@@ -36,10 +36,9 @@ from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 from pymunk_dragon.sessions import live
-from pymunk_dragon.sessions.log import Log
 from pymunk_dragon.sessions.messages import ACTIONS
 from pymunk_dragon.sessions.ready import dragon, ready
-from pymunk_dragon.sessions.recording import record
+from pymunk_dragon.sessions.recording import Log, record
 
 SHORT = March(Dragon(benches=20))
 
@@ -100,12 +99,12 @@ def test_replay_of_a_saved_session_ends_in_the_same_state_to_the_bit_and_reset_u
                 record(on.session, tmp_path / "session.npz")
         assert on.do("reset") is None
         assert without_generation(on.session) == fresh
-        assert (on.scene.steps, on.scene.time, list(on.session.inputs)) == (0, 0.0, [])
+        assert (on.scene.steps, on.scene.time, on.session.inputs) == (0, 0.0, [])
     read = Log.load(tmp_path / f"session.{'npz' if name == 'dragon' else 'json'}")
     assert Log.load(tmp_path / "session.json").to_json() == read.to_json() == log.to_json()
     poses, session = replayed(read)
     assert poses == log.poses
-    assert list(session.inputs) == log.inputs
+    assert Log.of(session).inputs == log.inputs
     # The replay of other inputs ends elsewhere.
     step, message = read.inputs[1]
     read.inputs[1] = step, {**message, "x": message["x"] + 1e-6}

@@ -11,7 +11,6 @@ from functools import cached_property
 from html import escape
 from importlib.util import find_spec
 from pathlib import Path
-from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
 import pymunk
@@ -64,9 +63,7 @@ class Live:
         library("aiohttp")
         from pymunk_dragon.sessions.server import Server
 
-        server = Server(self._session, **self._address)
-        server.start()
-        return server
+        return Server(self._session, **self._address)
 
     @property
     def address(self) -> str:
@@ -102,9 +99,7 @@ class Live:
     def __enter__(self) -> Live:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *raised: object) -> None:
         self.stop()
 
     def __repr__(self) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -17,7 +17,7 @@ from pymunk_dragon._checks import finite, positive, word
 from pymunk_dragon.drawing.debug_draw import DrawCall, DrawRecorder
 from pymunk_dragon.errors import DragonError, ParameterError
 from pymunk_dragon.sessions.controls import Button, Key, PygameEvents, Slider
-from pymunk_dragon.sessions.messages import from_binary, in_binary, packed, unpacked
+from pymunk_dragon.sessions.messages import in_binary, packed
 
 # Largest acceleration by a hand, in m/s^2, as in Box2D's testbed: for scenes of this size; in larger ones, more.
 _HAND_ACCELERATION, _HAND_SIZE = 1000.0, 10.0
@@ -116,32 +116,26 @@ class Scene:
 
     @property
     def parameters(self) -> dict[str, Slider]:
-        """Sliders: those of the user's, and those that any space has."""
-        step = 1e3 * (self.play.step or _DEFAULT_STEP)
-        return self._sliders | {
-            each.name: each
-            for each in (
-                Slider("step", step / 10, step * 10, label="Time step", unit="ms", logarithmic=True),
-                Slider("iterations", 1, 200, label="Iterations", logarithmic=True, whole=True),
-                Slider("damping", 0, 1, label="Velocity kept in 1 s"),
-                Slider("gravity", 0, 3 * self._gravity.length, label="Gravity", unit=f"{self.play.units}/s²")
-                if self._gravity.length > 0
-                else None,
-            )
-            if each is not None and each.name not in self._sliders and (each.name != "step" or self.play.step)
-        }
+        """Sliders with their present values: those of the user's, and those that any space has."""
+        step, space, strength = self.play.step, self.space, self._gravity.length
+        known = [
+            Slider("iterations", 1, 200, space.iterations, label="Iterations", logarithmic=True, whole=True),
+            Slider("damping", 0, 1, space.damping, label="Velocity kept in 1 s"),
+        ]
+        if step is not None:
+            now, low, high = (1e3 * each for each in (self.step_length, step / 10, step * 10))
+            known.insert(0, Slider("step", low, high, now, label="Time step", unit="ms", logarithmic=True))
+        if strength > 0:
+            unit = f"{self.play.units}/s²"
+            known.append(Slider("gravity", 0, 3 * strength, space.gravity.length, label="Gravity", unit=unit))
+        values = {each.name: each.value for each in known} | self._values
+        own = {name: replace(each, value=values.get(name, each.low)) for name, each in self._sliders.items()}
+        return own | {each.name: each for each in known if each.name not in own}
 
     @property
     def values(self) -> dict[str, float]:
         """Values of the sliders."""
-        space = self.space
-        found: dict[str, float] = {
-            "step": 1e3 * self.step_length,
-            "iterations": space.iterations,
-            "damping": space.damping,
-            "gravity": space.gravity.length,
-        }
-        return {name: self._values.get(name, found.get(name, each.low)) for name, each in self.parameters.items()}
+        return {name: each.value for name, each in self.parameters.items() if each.value is not None}
 
     def set(self, name: str, value: float) -> None:
         """Change a value of a slider that does not rebuild."""
@@ -152,13 +146,11 @@ class Scene:
             slider.action(self.space, value)
         elif name == "step":
             self.step_length = value / 1e3
-        elif name == "iterations":
-            self.space.iterations = int(value)
-        elif name == "damping":
-            self.space.damping = value
         elif name == "gravity":
             direction = self._gravity.normalized() if self._gravity.length > 0 else pymunk.Vec2d(0, -1)
             self.space.gravity = value * direction
+        elif name in ("iterations", "damping"):
+            setattr(self.space, name, value)
 
     def press(self, name: str, down: bool) -> None:
         """Call the action of a button or a key that is pressed, or that of a key that is released."""
@@ -257,7 +249,6 @@ class Scene:
 
     def to_dict(self) -> dict[str, Any]:
         """Return what the page gets once."""
-        values = self.values
         return {
             "step": self.step_length,
             "dragon": None,
@@ -265,7 +256,7 @@ class Scene:
             "y_down": self.play.y_down,
             "units": self.play.units,
             "parameters": [
-                {name: part for name, part in vars(each).items() if name != "action"} | {"value": values[each.name]}
+                {name: part for name, part in vars(each).items() if name != "action"}
                 for each in self.parameters.values()
             ],
             "buttons": [each.name for each in self.play.controls if isinstance(each, Button)],
@@ -312,22 +303,20 @@ class Scene:
         return found | {name: float(quantity(self.space)) for name, quantity in self.play.plots.items()}
 
     def frame(self, header: Mapping[str, Any]) -> bytes:
-        """Return the present state in binary: a JSON header with sizes, and arrays of 32-bit numbers."""
+        """Return the present state as `in_binary` does, with the session's part of the header."""
         held = None
         if self._held is not None:
             held = [*self._held.b.local_to_world(self._held.anchor_b), *self._hand.position]
         more, arrays = self._parts()
-        return in_binary({**header, "step": self.steps, "time": self.time, "held": held, **more}, arrays, "<f4")
+        return in_binary({**header, "step": self.steps, "time": self.time, "held": held, **more}, arrays)
 
-    def snapshot(self) -> bytes:
-        """Return the present state for a recording, as `calls_of` takes it."""
-        numbers, colours = packed(self.calls())
-        return in_binary({"colours": colours}, {"calls": numbers}, "<f4")
+    def snapshot(self) -> Any:
+        """Return the present state for a recording as JSON values, which `calls_of` takes."""
+        return [[getattr(call, name) for name in DrawCall.__slots__] for call in self.calls()]
 
-    def calls_of(self, snapshot: bytes) -> list[DrawCall]:
+    def calls_of(self, snapshot: Any) -> list[DrawCall]:
         """Return what is drawn of a snapshot."""
-        header, arrays = from_binary(snapshot, "<f4")
-        return unpacked(arrays["calls"], header["colours"])
+        return [DrawCall(*call) for call in snapshot]
 
     # ---- parts of a frame
 

@@ -13,8 +13,6 @@ from traitlets import Unicode
 
 from pymunk_dragon._html import asset, data_address
 from pymunk_dragon._language import language
-from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.sessions.messages import parsed
 from pymunk_dragon.sessions.page import live_page
 from pymunk_dragon.sessions.recording import still
 from pymunk_dragon.sessions.session import Session
@@ -61,15 +59,14 @@ class LiveWidget(AnyWidget):
     def tell(self, message: dict[str, Any]) -> None:
         """Send a text, if anybody looks."""
         if self._looks:
-            role = {"role": "control"} if message["kind"] == "scene" else {}
-            self.send({"text": json.dumps(message | role, allow_nan=False)})
+            self.send({"text": json.dumps(message, allow_nan=False)})
 
     def show(self, frame: bytes) -> None:
         """Send a frame, unless a newer one comes before the page has drawn those before it."""
         with self._lock:
             if self._looks and perf_counter() - self._heard > SILENCE:
                 self._looks = False
-                self._session.clients -= 1
+                self._session.count(-1)
             self._newest = frame if self._looks else None
             self._send_newest()
 
@@ -85,27 +82,15 @@ class LiveWidget(AnyWidget):
             if not self._looks or content == 0:
                 self._welcome()
             if isinstance(content, str):
-                self._take(content)
+                self._session.receive(content, self.tell)
             elif isinstance(content, int):
                 self._drawn = max(self._drawn, content)
                 self._send_newest()
 
     def _welcome(self) -> None:
         """Begin anew with a page, which has none of the frames that were sent before, and holds no body."""
-        self._session.clients += not self._looks
+        self._session.count(not self._looks)
         self._looks, self._drawn = True, self._sent
         self._session.post({"do": "drop"}, always=True)
         for message in self._session.greeting():
             self.tell(message)
-        self._session.touch()
-
-    def _take(self, text: str) -> None:
-        try:
-            message = parsed(text)
-        except ParameterError as error:
-            self.tell({"kind": "error", "text": str(error)})
-            return
-        if message["do"] == "ping":
-            self.tell({"kind": "pong", "id": message["id"]})
-        else:
-            self._session.post(message, lambda reason: self.tell({"kind": "error", "text": reason}))
