@@ -50,10 +50,10 @@ class Played:
 
     def do(self, action, **arguments):
         """Send a message; the error that it is answered with."""
-        errors = []
-        self.session.post({"do": action, **arguments}, errors.append)
+        answers = []
+        self.session.receive(json.dumps({"do": action, **arguments}), answers.append)
         self.settle()
-        return errors[0] if errors else None
+        return answers[0]["text"] if answers else None
 
     def step(self, count):
         """Make up to `count` steps; how many were made before the session paused."""

@@ -62,7 +62,7 @@ def test_reset_of_a_function_that_builds_the_space_repeats_the_run_to_the_bit_wh
             on.do("grab", x=0.0, y=float(balls(on.scene.space)[0].position.y), slip=5.0)
             on.do("drag", x=40.0, y=0.0)
             on.step(30)
-            ends.append(on.session.poses())
+            ends.append(on.scene.poses().tolist())
             assert on.do("reset") is None
             assert on.scene.steps == 0
         assert ends[0] == ends[1]
@@ -194,7 +194,7 @@ def test_sliders_that_rebuild_are_all_taken_when_they_wait_together():
     controls = [Slider("links", 1, 9, rebuilds=True), Slider("gravity", 0, 2000, rebuilds=True)]
     with played(program(build, Play(controls=controls))) as on:
         errors = []
-        with on.session.held():
+        with on.session.held:
             for name, value in (("links", 4.0), ("gravity", 100.0), ("links", 6.0)):
                 on.session.post({"do": "set", "name": name, "value": value}, errors.append)
         on.settle()

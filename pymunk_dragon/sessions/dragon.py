@@ -181,7 +181,7 @@ class DragonScene(Scene):
     def cut(self, x: float, y: float, slip: float) -> None:
         """Cut the joint within `slip` of a point: it transmits no force any more."""
         found = self._joint_at(x, y, slip)
-        joint = next(number for number, pivot in enumerate(self.world.pivots) if pivot is found)
+        joint = [pivot is found for pivot in self.world.pivots].index(True)
         self._cuts.append(joint)
         self.world.cut(joint)
 

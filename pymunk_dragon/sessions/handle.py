@@ -31,6 +31,9 @@ if TYPE_CHECKING:
 
 # Pixels: height of the page in a notebook, which is as wide as the notebook.
 _FRAME_HEIGHT = 720
+# What `reset` puts back in a space that no function builds. The angle comes first: Pymunk finds the position of a body
+# from that of its centre of mass, with the angle.
+_KEPT = ("angle", "position", "velocity", "angular_velocity", "force", "torque", "gravity", "damping", "iterations")
 # s. Longest step of a space.
 _MAX_STEP = 10.0
 DEFAULT = Play()
@@ -93,7 +96,7 @@ class Live:
     @contextmanager
     def paused(self) -> Iterator[None]:
         """Context in which the space is not stepped, so that a program may change it."""
-        with self._session.held():
+        with self._session.held:
             yield
 
     def __enter__(self) -> Live:
@@ -227,33 +230,19 @@ def source_of(what: object, play: Play = DEFAULT) -> Ready:
 
 
 def _again(space: pymunk.Space) -> Callable[[], pymunk.Space]:
-    """Return a function that returns a space, from the second time on as it was before."""
+    """Return a function that puts a space back as it is now, and returns it."""
     items: list[pymunk.Body | pymunk.Shape | pymunk.Constraint] = [*space.bodies, *space.shapes, *space.constraints]
-    before = [(item, {name: getattr(item, name) for name in _names(item)}) for item in (space, *items)]
-    calls: list[bool] = []
+    before = [(part, name, getattr(part, name)) for part in (space, *items) for name in _KEPT if hasattr(part, name)]
 
     def build() -> pymunk.Space:
-        if calls:
-            # All shapes are removed, as the space keeps contacts of shapes that stay.
-            space.remove(*space.constraints, *space.shapes, *space.bodies)
-            for item, values in before:
-                for name, value in values.items():
-                    setattr(item, name, value)
-            space.add(*items)
-        calls.append(True)
+        # All shapes are removed, as the space keeps contacts of shapes that stay.
+        space.remove(*space.constraints, *space.shapes, *space.bodies)
+        for part, name, value in before:
+            setattr(part, name, value)
+        space.add(*items)
         return space
 
     return build
-
-
-def _names(item: object) -> tuple[str, ...]:
-    """Return the properties of a part of a space that are put back."""
-    if isinstance(item, pymunk.Body):
-        # The angle comes first: Pymunk finds the position of a body from that of its centre of mass, with the angle.
-        return ("angle", "position", "velocity", "angular_velocity", "force", "torque")
-    if isinstance(item, pymunk.Space):
-        return ("gravity", "damping", "iterations")
-    return ("max_force",) if isinstance(item, pymunk.Constraint) else ()
 
 
 def serve(

@@ -15,12 +15,14 @@ from typing import Any
 import numpy as np
 
 from pymunk_dragon._arrays import Array
-from pymunk_dragon._checks import number
+from pymunk_dragon._checks import finite, number
 from pymunk_dragon.drawing.debug_draw import DrawCall
 from pymunk_dragon.errors import ParameterError
 
 # Characters of a message.
 MAX_MESSAGE = 4096
+# Arguments that are lengths are not larger, so that products stay finite.
+_MAX_COORDINATE, _LENGTHS = 1e6, ("x", "y", "slip", "size")
 # Actions on a scene, each with its arguments: they are logged with the number of the step before which they act.
 INPUTS: Mapping[str, Mapping[str, type]] = {
     "set": {"name": str, "value": float},
@@ -73,6 +75,8 @@ def checked(found: Any) -> dict[str, Any]:
         value: Any = number(found[name]) if kind is float else found[name]
         if (kind is float and not math.isfinite(value)) or type(value) is not kind:
             raise ParameterError(name, found[name], f"a finite value of the type {kind.__name__}")
+        if name in _LENGTHS:
+            finite(name, value, -_MAX_COORDINATE, _MAX_COORDINATE, "")
         message[name] = value
     return message
 

@@ -62,8 +62,8 @@ class Log:
     def of(cls, session: Session) -> Log:
         """Return the log of a session that does not step at the moment."""
         inputs = [(step, message) for step, message in map(json.loads, session.inputs)]
-        steps, poses = session.scene.steps, session.poses()
-        return cls(plan=session.source.plan, values=dict(session.values), steps=steps, inputs=inputs, poses=poses)
+        scene, plan, values = session.scene, session.source.plan, dict(session.values)
+        return cls(plan=plan, values=values, steps=scene.steps, inputs=inputs, poses=scene.poses().tolist())
 
     @classmethod
     def load(cls, path: str | Path) -> Log:
@@ -152,7 +152,7 @@ def record(session: Session, path: str | Path, progress: Callable[[int, int], No
 def still(session: Session) -> bytes:
     """Return a picture of the present state as the bytes of a PNG."""
     file = io.BytesIO()
-    with session.held():
+    with session.held:
         _picture(session.scene, session.scene.snapshot()).save(file, "png")
     return file.getvalue()
 

@@ -229,7 +229,7 @@ class Server:
             self._clients.discard(client)
             sending.cancel()
             if self._holder is client:
-                self.session.post({"do": "drop"}, always=True)
+                self.session.post({"do": "drop"})
             self.session.count(-1)
         return connection
 

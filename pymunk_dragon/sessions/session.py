@@ -26,7 +26,7 @@ SPEEDS = 0.1, 20.0
 _FRAME_TIME = 1 / 60
 # s of real time: a computer that is slower than real time does not try to catch up with more than this.
 _LARGEST_DEBT = 0.1
-# s between two checks for messages while the thread waits; and for Ctrl-C while another thread waits for it.
+# s between two checks for messages while the thread waits; and for Ctrl-C while another thread waits.
 _TICK, PATIENCE = 0.002, 0.2
 # s that `stop` waits for the thread, which a function of the user's may hold.
 _LONGEST_STOP = 0.5
@@ -42,10 +42,6 @@ _SMOOTHING = 0.1
 _MAX_WAITING = 1000
 # Events of a second that clients get; the others are counted.
 _MAX_EVENTS = 20
-
-
-class _StoppedError(DragonError):
-    """The session was stopped while a program held it."""
 
 
 class Session:
@@ -72,7 +68,8 @@ class Session:
         self._second, self._events = 0.0, 0
         self._failed: tuple[int, int, str] | None = None
         self._failure: list[dict[str, Any]] = []
-        self._stepping, self._ended = threading.RLock(), threading.Event()
+        # Held while a step is made or messages are taken: a program that holds it may change the space.
+        self.held, self._ended = threading.RLock(), threading.Event()
         self._changed, self._single_steps = False, 0
         self._build(source, {})
         self._thread = threading.Thread(target=self._run, name="pymunk-dragon live", daemon=True)
@@ -108,17 +105,6 @@ class Session:
         while not self._ended.wait(PATIENCE):
             pass
 
-    @contextmanager
-    def held(self) -> Iterator[None]:
-        """Context in which no other thread makes a step."""
-        while not self._stepping.acquire(timeout=PATIENCE):
-            if self._ended.is_set():
-                raise _StoppedError("the session was stopped")
-        try:
-            yield
-        finally:
-            self._stepping.release()
-
     def receive(self, text: str, tell: Callable[[dict[str, Any]], None], *, controls: bool = True) -> str:
         """Take a text of a client, and return its action; `tell` sends an answer to this client."""
         try:
@@ -131,20 +117,15 @@ class Session:
         except ParameterError as error:
             tell({"kind": "error", "text": str(error)[:MAX_MESSAGE]})
             return ""
-        self.post(message, lambda reason: tell({"kind": "error", "text": reason}))
+        if len(self._queue) >= _MAX_WAITING:
+            tell({"kind": "error", "text": "too many messages at once"})
+        else:
+            self.post(message, lambda reason: tell({"kind": "error", "text": reason}))
         return str(message["do"])
 
-    def post(
-        self, message: dict[str, Any], answer: Callable[[str], None] = lambda error: None, *, always: bool = False
-    ) -> None:
-        """Have a message take effect before the next step; `answer` is called with the reason if it cannot.
-
-        `always` is for a message that has to be taken even if too many wait.
-        """
-        if len(self._queue) >= _MAX_WAITING and not always:
-            answer("too many messages at once")
-        else:
-            self.call(partial(self._take, message, answer))
+    def post(self, message: dict[str, Any], answer: Callable[[str], None] = lambda error: None) -> None:
+        """Have a message take effect before the next step; `answer` is called with the reason if it cannot."""
+        self.call(partial(self._take, message, answer))
 
     def call(self, action: Callable[[], object]) -> None:
         """Have something done in the session's thread, between two steps."""
@@ -169,11 +150,6 @@ class Session:
         own = {name: getattr(self, name) for name in ("generation", "running", "speed", "clients")}
         state = {"kind": "state", **own, "replaying": self._replay is not None, **self.scene.state()}
         return dict(without_nan(state))
-
-    def poses(self) -> list[list[float]]:
-        """Return the poses of the bodies."""
-        poses: list[list[float]] = self.scene.poses().tolist()
-        return poses
 
     # ---- replays
 
@@ -205,7 +181,7 @@ class Session:
                 return
         if replay is not None and self.scene.steps >= self._replay_end:
             self._pause()
-            self._end_replay(poses=self.poses())
+            self._end_replay(poses=self.scene.poses().tolist())
 
     def _end_replay(self, *, poses: list[list[float]] | None = None, error: str | None = None) -> None:
         """End a replay, if there is one, with the last poses, with an error, or with neither if it is cancelled."""
@@ -222,14 +198,13 @@ class Session:
     # ---- time
 
     def _run(self) -> None:
-        with suppress(_StoppedError):
-            while self._wait_for_step():
-                self._step()
+        while self._wait_for_step():
+            self._step()
 
     def _wait_for_step(self) -> bool:
         """Take messages and make frames until a step is due; return whether the session goes on."""
         while not self._ended.is_set():
-            with self.held():
+            with self.held:
                 while self._queue:
                     self._queue.popleft()()
                 with self._watched():
@@ -249,7 +224,7 @@ class Session:
         """Make one step."""
         scene, begin = self.scene, perf_counter()
         self._single_steps = max(self._single_steps - 1, 0)
-        with self.held(), self._watched():
+        with self.held, self._watched():
             scene.advance()
             self._step_seconds += _SMOOTHING * (perf_counter() - begin - self._step_seconds)
             self.keep_frame()
@@ -356,7 +331,10 @@ class Session:
                 return
             self._build_wanted()
             if action in INPUTS:
-                self._input(message)
+                if self._replay is not None or len(self.inputs) >= MAX_INPUTS:
+                    bound = f"sent after a replay, and one of at most {MAX_INPUTS} inputs until a reset"
+                    raise ParameterError("message", action, bound)
+                self._apply(message)
             elif action == "play":
                 self.running, self._failure = True, []
             elif action == "pause":
@@ -369,8 +347,7 @@ class Session:
                 self.speed = finite("speed", message["value"], *SPEEDS, "times")
                 self._pace.clear()
             elif action == "until_contact":
-                self.scene.until_contact()
-                self.running = True
+                self.running = self.scene.waits_for_contact = True
 
     def _wishes(self, message: dict[str, Any]) -> bool:
         """Note the wish for a new scene, if a message is one: those that wait together are carried out as one."""
@@ -395,13 +372,6 @@ class Session:
         else:
             return False
         return True
-
-    def _input(self, message: dict[str, Any]) -> None:
-        if self._replay is not None:
-            raise ParameterError("message", message["do"], "sent after the replay has ended")
-        if len(self.inputs) >= MAX_INPUTS:
-            raise ParameterError("message", message["do"], f"one of at most {MAX_INPUTS} inputs: reset")
-        self._apply(message)
 
     def _apply(self, message: dict[str, Any]) -> None:
         """Change the scene, and log the input."""

@@ -91,6 +91,6 @@ class LiveWidget(AnyWidget):
         """Begin anew with a page, which has none of the frames that were sent before, and holds no body."""
         self._session.count(not self._looks)
         self._looks, self._drawn = True, self._sent
-        self._session.post({"do": "drop"}, always=True)
+        self._session.post({"do": "drop"})
         for message in self._session.greeting():
             self.tell(message)
