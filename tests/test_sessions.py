@@ -27,7 +27,7 @@ import numpy as np
 import pymunk
 import pytest
 from conftest import assert_says
-from live_sessions import PATIENCE, joined, played, replay_session, replayed, served
+from live_sessions import PATIENCE, greeting, joined, played, replay_session, replayed, served
 from PIL import Image
 
 from pymunk_dragon.errors import DragonError, MissingExtraError
@@ -255,7 +255,7 @@ def test_sliders_that_rebuild_begin_anew_with_their_value():
             assert on.do("set", name=name, value=value) is None
             assert (on.session.generation, on.scene.steps) == (generation + 1, 0)
             assert on.session.state()["values"][name] == value
-        [described] = on.session.greeting()
+        [described] = greeting(on)
         assert len(described["dragon"]["lengths"]) == 12
         assert set(described["dragon"]["widths"]) == {0.25}
         on.run(0.5)

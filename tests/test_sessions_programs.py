@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-from types import SimpleNamespace
 
 import numpy as np
 import pymunk
 import pytest
 from conftest import assert_says
-from live_sessions import played
+from live_sessions import greeting, listener, played
 
 from pymunk_dragon import Button, DragonError, Key, ParameterError, Slider, live
 from pymunk_dragon.sessions.ready import program
@@ -145,7 +144,6 @@ def test_exception_in_a_users_function_pauses_once_shows_its_line_and_the_sessio
         "button": Play(controls=[Button("Fail", fail)]),
     }[kind]
     with played(program(made, play)) as on:
-        on.session.clients = 1
         on.do("play")
         if kind == "button":
             on.do("press", name="Fail", down=True)
@@ -159,9 +157,9 @@ def test_exception_in_a_users_function_pauses_once_shows_its_line_and_the_sessio
             assert error["place"].endswith("return 1 / 0")
             assert "in fail" in error["trace"]
         # Who connects later sees it too, until the scene begins anew.
-        assert on.session.greeting()[1:] == [error]
+        assert greeting(on)[1:] == [error]
         assert on.do("reset") is None
-        assert [message["generation"] for message in on.session.greeting()] == [on.session.generation]
+        assert [message["generation"] for message in greeting(on)] == [on.session.generation]
     assert capfd.readouterr().err == ""
 
 
@@ -181,7 +179,6 @@ def test_charts_have_energy_and_momentum_and_the_quantities_of_the_user():
 
 def test_session_pauses_after_the_step_in_which_the_next_pair_touches():
     with played(program(build, Play(step=1 / 600))) as on:
-        on.session.clients = 1
         assert on.do("until_contact") is None
         while on.session.running:
             on.settle()
@@ -216,7 +213,7 @@ def test_exception_in_a_callback_of_a_program_with_a_loop_of_its_own_pauses_it(c
     touch(space)
     session = Session(program(lambda: space, Play(step=None)))
     told = []
-    session.audience.append(SimpleNamespace(tell=told.append))
+    session.join(listener(told))
     # The page goes on after each error.
     for _ in range(60):
         session.post({"do": "play"})

@@ -59,6 +59,8 @@ class Live:
 
     def __init__(self, session: Session, path: Path | None, **address: Any) -> None:
         self._session, self._path, self._address = session, path, address
+        # The server and the widgets, which end with the session.
+        self._parts: list[Any] = []
 
     @cached_property
     def _server(self) -> Server:
@@ -66,7 +68,9 @@ class Live:
         library("aiohttp")
         from pymunk_dragon.sessions.server import Server
 
-        return Server(self._session, **self._address)
+        server = Server(self._session, **self._address)
+        self._parts.append(server)
+        return server
 
     @property
     def address(self) -> str:
@@ -88,8 +92,8 @@ class Live:
     def stop(self) -> None:
         """End the session and its server, and write the recording if there is to be one."""
         self._session.stop()
-        for each in self._session.audience:
-            each.stop()
+        for part in self._parts:
+            part.stop()
         if self._path is not None:
             record(self._session, self._path)
 
@@ -113,7 +117,8 @@ class Live:
         if _has_widgets():
             from pymunk_dragon.sessions.widget import LiveWidget
 
-            return LiveWidget(self._session).shown()
+            self._parts.append(LiveWidget(self._session))
+            return self._parts[-1].shown()
         hub = os.environ.get("JUPYTERHUB_SERVICE_PREFIX")
         server = self._server
         address = self.address if hub is None else f"{hub}proxy/{server.port}/?token={server.token}"

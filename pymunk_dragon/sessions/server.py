@@ -12,7 +12,6 @@ import threading
 from collections import deque
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from functools import partial
 from typing import Any
 from urllib.parse import urlsplit
 
@@ -39,13 +38,16 @@ _HEARTBEAT, _SAVE_TIME, _STOP_TIME = 20.0, 10.0, 0.5
 _TOKEN_BYTES = 16
 _LOOPBACK = ("localhost", "127.0.0.1", "::1")
 _HEADERS = {"Cache-Control": "no-store", "Referrer-Policy": "no-referrer", "X-Content-Type-Options": "nosniff"}
+_Call = Callable[[Callable[[], object]], None]
 
 
 class _Client:
     """A browser: texts that it has to get, and the newest frame."""
 
-    def __init__(self, connection: web.WebSocketResponse, controls: bool, drop: Callable[[], object]) -> None:
-        self.controls, self.drop = controls, drop
+    def __init__(
+        self, connection: web.WebSocketResponse, controls: bool, drop: Callable[[], object], call: _Call
+    ) -> None:
+        self.controls, self.drop, self._call = controls, drop, call
         self._connection, self._news = connection, asyncio.Event()
         self._texts: deque[str] = deque()
         self._frame: bytes | None = None
@@ -55,14 +57,13 @@ class _Client:
         """Send a text; a client that does not take them is disconnected."""
         role = {} if self.controls or message["kind"] != "scene" else {"role": "watch"}
         self._texts.append(json.dumps(message | role, allow_nan=False))
-        self._news.set()
-        if len(self._texts) > _MAX_TEXTS:
-            self.drop()
+        self._call(self._news.set if len(self._texts) <= _MAX_TEXTS else self.drop)
 
     def show(self, frame: bytes) -> None:
         """Send a frame, unless a newer one comes before this client takes it."""
         self._frame = frame
-        self._news.set()
+        if not self._news.is_set():
+            self._call(self._news.set)
 
     async def send(self) -> None:
         """Send what there is, as fast as the client takes it."""
@@ -110,11 +111,9 @@ class Server:
         self.port: int = self._socket.getsockname()[1]
         self.address, self.watch_address = self._address(self.token), self._address(self._watch_token)
         self._clients: set[_Client] = set()
-        self._holder: _Client | None = None
         self._loop, self._end = asyncio.new_event_loop(), asyncio.Event()
         self._thread = threading.Thread(target=self._run, name="pymunk-dragon live server", daemon=True)
         self._thread.start()
-        session.audience.append(self)
 
     # ---- from other threads
 
@@ -122,18 +121,6 @@ class Server:
         """End the server; its thread is gone afterwards."""
         self._call(self._end.set)
         self._thread.join()
-
-    def tell(self, message: dict[str, Any]) -> None:
-        """Send a text to all clients."""
-        self._call(partial(self._each, "tell", message))
-
-    def show(self, frame: bytes) -> None:
-        """Send a frame to all clients."""
-        self._call(partial(self._each, "show", frame))
-
-    def _each(self, name: str, content: Any) -> None:
-        for client in self._clients:
-            getattr(client, name)(content)
 
     def _call(self, action: Callable[[], object]) -> None:
         """Have something done in the server's thread."""
@@ -215,31 +202,19 @@ class Server:
         connection = web.WebSocketResponse(compress=False, heartbeat=_HEARTBEAT, max_msg_size=_MAX_BYTES)
         await connection.prepare(request)
         assert request.transport is not None  # The request is being answered.
-        client = _Client(connection, controls, request.transport.abort)
-        for text in self.session.greeting():
-            client.tell(text)
+        client = _Client(connection, controls, request.transport.abort, self._call)
         self._clients.add(client)
-        self.session.count(1)
+        self.session.join(client)
         sending = asyncio.create_task(client.send())
         try:
             async for message in connection:
                 await client.slow_down()
-                self._receive(client, message.data if message.type is WSMsgType.TEXT else "")
+                self.session.receive(client, message.data if message.type is WSMsgType.TEXT else "")
         finally:
             self._clients.discard(client)
             sending.cancel()
-            if self._holder is client:
-                self.session.post({"do": "drop"})
-            self.session.count(-1)
+            self.session.leave(client)
         return connection
-
-    def _receive(self, client: _Client, text: str) -> None:
-        def answer(message: dict[str, Any]) -> None:
-            self._call(lambda: client.tell(message))
-
-        action = self.session.receive(text, answer, controls=client.controls)
-        # One hand: who grabs another body takes it over.
-        self._holder = {"grab": client, "drop": None}.get(action, self._holder)
 
 
 def _bound(host: str, port: int) -> socket.socket:

@@ -49,9 +49,11 @@ class Session:
 
     def __init__(self, source: Ready, *, record: bool = False, running: bool = True) -> None:
         self.source = self._own = source
-        # A server and widgets: `tell` sends a text to their clients, `show` a frame, and `stop` ends them.
-        self.audience: list[Any] = []
-        self.clients = 0
+        # Pages: `tell` sends one a text, `show` a frame, and `controls` is whether it may change anything.
+        self.clients: tuple[Any, ...] = ()
+        self._telling = threading.Lock()
+        # The client whose hand holds a body.
+        self._holder: object = None
         self.running, self.speed, self.generation = running, 1.0, 0
         self._records = record
         self.frames: Frames | None = None
@@ -105,23 +107,40 @@ class Session:
         while not self._ended.wait(PATIENCE):
             pass
 
-    def receive(self, text: str, tell: Callable[[dict[str, Any]], None], *, controls: bool = True) -> str:
-        """Take a text of a client, and return its action; `tell` sends an answer to this client."""
+    def join(self, client: Any) -> None:
+        """Have a client get what is told and shown: first the scene, and the error by which it is paused."""
+        with self._telling:
+            self.clients = (*self.clients, client)
+            for message in (self._description, *self._failure):
+                client.tell(message)
+        self._changed = True
+
+    def leave(self, client: Any) -> None:
+        """Forget a client, and drop the body that it holds."""
+        with self._telling:
+            self.clients = tuple(each for each in self.clients if each is not client)
+        if self._holder is client:
+            self.post({"do": "drop"})
+        self._changed = True
+
+    def receive(self, client: Any, text: str) -> None:
+        """Take a text of a client, which gets an answer if it is not carried out."""
         try:
             message = parsed(text)
-            if message["do"] == "ping":
-                tell({"kind": "pong", "id": message["id"]})
-                return "ping"
-            if not controls:
-                raise ParameterError("message", message["do"], "sent from the other address: this one only watches")
+            action = message["do"]
+            if action == "ping":
+                client.tell({"kind": "pong", "id": message["id"]})
+                return
+            if not client.controls:
+                raise ParameterError("message", action, "sent from the other address: this one only watches")
+            if len(self._queue) >= _MAX_WAITING:
+                raise ParameterError("message", action, "sent later: too many wait")
         except ParameterError as error:
-            tell({"kind": "error", "text": str(error)[:MAX_MESSAGE]})
-            return ""
-        if len(self._queue) >= _MAX_WAITING:
-            tell({"kind": "error", "text": "too many messages at once"})
-        else:
-            self.post(message, lambda reason: tell({"kind": "error", "text": reason}))
-        return str(message["do"])
+            client.tell({"kind": "error", "text": str(error)[:MAX_MESSAGE]})
+            return
+        # One hand: who grabs another body takes it over.
+        self._holder = {"grab": client, "drop": None}.get(action, self._holder)
+        self.post(message, lambda reason: client.tell({"kind": "error", "text": reason}))
 
     def post(self, message: dict[str, Any], answer: Callable[[str], None] = lambda error: None) -> None:
         """Have a message take effect before the next step; `answer` is called with the reason if it cannot."""
@@ -131,25 +150,17 @@ class Session:
         """Have something done in the session's thread, between two steps."""
         self._queue.append(action)
 
-    def count(self, more: int) -> None:
-        """Count clients that come or go."""
-        self.clients += more
-        self._changed = True
-
     def tell(self, message: dict[str, Any]) -> None:
         """Send a text to all clients."""
-        for each in self.audience:
-            each.tell(message)
-
-    def greeting(self) -> list[dict[str, Any]]:
-        """Return the messages for a client that connects: the scene, and the error by which it is paused."""
-        return [self._description, *self._failure]
+        with self._telling:
+            for client in self.clients:
+                client.tell(message)
 
     def state(self) -> dict[str, Any]:
         """Return what changes now and then."""
-        own = {name: getattr(self, name) for name in ("generation", "running", "speed", "clients")}
-        state = {"kind": "state", **own, "replaying": self._replay is not None, **self.scene.state()}
-        return dict(without_nan(state))
+        own = {name: getattr(self, name) for name in ("generation", "running", "speed")}
+        own |= {"clients": len(self.clients), "replaying": self._replay is not None}
+        return dict(without_nan({"kind": "state", **own, **self.scene.state()}))
 
     # ---- replays
 
@@ -274,8 +285,8 @@ class Session:
             self._frame_due = max(self._frame_due + _FRAME_TIME, now)
             with self._watched():
                 frame = self.scene.frame(self._header(now))
-                for each in self.audience:
-                    each.show(frame)
+                for client in self.clients:
+                    client.show(frame)
 
     def _header(self, now: float) -> dict[str, Any]:
         """Return the session's part of a frame: the rate of the last second, times, and values for the charts."""
