@@ -17,7 +17,7 @@ from pymunk_dragon.model.march import March
 from pymunk_dragon.model.scenario import Scenario
 from pymunk_dragon.model.settings import MAX_STRIDE, EngineSettings
 from pymunk_dragon.physics.world import World, top_speed
-from pymunk_dragon.player.data import CURVE_ERROR, curve_points
+from pymunk_dragon.player.data import CURVE_ERROR, curve_points, position_errors
 from pymunk_dragon.sessions.controls import Slider
 from pymunk_dragon.sessions.scene import NO_ARROW, Play, Scene
 
@@ -232,16 +232,10 @@ class DragonScene(Scene):
             calls.append(DrawCall(name, points, radius, colours.shape_static_color, outline))
         return calls
 
-    def errors(self, poses: Array, exact: Array) -> Array:
-        """Return the position errors (..., N), m, of poses (..., N, 3) beside exact positions (..., N + 1, 2)."""
-        front, rear = self.march.dragon.holes(poses)
-        ends = (front - exact[..., :-1, :], rear - exact[..., 1:, :])
-        return np.asarray(np.maximum(*(np.linalg.norm(each, axis=-1) for each in ends)))
-
     def exact(self) -> tuple[Array, Array]:
         """Return the poses (N, 3) of the exact model, and the position errors (N,), m."""
         states = self.march.at(self._march_time)
-        return states.poses[0], self.errors(self.world.poses, states.positions[0])
+        return states.poses[0], position_errors(self.march.dragon, self.world.poses, states.positions[0])
 
     def _parts(self) -> tuple[dict[str, Any], dict[str, Array]]:
         exact, errors = self.exact()

@@ -5,8 +5,8 @@ from __future__ import annotations
 import os
 import sys
 import webbrowser
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import AbstractContextManager
 from functools import cached_property
 from html import escape
 from importlib.util import find_spec
@@ -41,13 +41,6 @@ DEFAULT = Play()
 
 class Live:
     """A running session; `live` makes it.
-
-    Attributes
-    ----------
-    address : str
-        Address of the page with which one controls the session.
-    watch_address : str
-        Address with which one only watches.
 
     Examples
     --------
@@ -97,11 +90,9 @@ class Live:
         if self._path is not None:
             record(self._session, self._path)
 
-    @contextmanager
-    def paused(self) -> Iterator[None]:
-        """Context in which the space is not stepped, so that a program may change it."""
-        with self._session.held:
-            yield
+    def paused(self) -> AbstractContextManager[bool]:
+        """Return a context in which the space is not stepped, so that a program may change it."""
+        return self._session.held
 
     def __enter__(self) -> Live:
         return self
@@ -161,20 +152,13 @@ def live(
         What the page has in addition.
     plots : mapping of str to callable, optional
         Functions of the space whose values the page shows as charts, by their titles.
-    y_down : bool
-        Whether y points down on the page.
-    units : str
-        Unit of length of the space, for example "px".
-    paused : bool
-        Whether to begin paused.
+    y_down, units, paused : bool, str, bool
+        Whether y points down on the page, unit of length, for example "px", and whether to begin paused.
     browser : bool
         Whether to open a browser; a notebook with anywidget shows the page itself.
-    host : str
-        Address to listen on. With the default, only programs on this machine can connect.
-    port : int
-        Port; 0 for a free one.
-    allow_hosts : sequence of str
-        Names of hosts under which a proxy shows the page.
+    host, port, allow_hosts : str, int, sequence of str
+        Address to listen on, by default for programs on this machine only; port, 0 for a free one; and names of hosts
+        under which a proxy shows the page.
     record : path, optional
         File to write when the session is stopped: .json (inputs), .npz (the run of a dragon), .gif, .apng, .webp, .mp4.
 

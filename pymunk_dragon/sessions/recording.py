@@ -24,6 +24,7 @@ from pymunk_dragon.drawing.film import formats, render
 from pymunk_dragon.errors import DragonError, FileFormatError, ParameterError
 from pymunk_dragon.model.run import Run, opened_archive
 from pymunk_dragon.model.settings import engine_provenance
+from pymunk_dragon.player.data import position_errors
 from pymunk_dragon.sessions.dragon import DragonScene
 from pymunk_dragon.sessions.messages import INPUTS, checked
 from pymunk_dragon.sessions.ready import planned
@@ -164,7 +165,7 @@ def _run(scene: Scene, log: Log, frames: Frames) -> Run:
     times, snapshots = np.array(frames.times), list(frames)
     march_times = np.array([snapshot["march_time"] for snapshot in snapshots])
     poses = np.array([snapshot["poses"] for snapshot in snapshots])
-    errors = scene.errors(poses, scene.march.at(march_times).positions)
+    errors = position_errors(scene.march.dragon, poses, scene.march.at(march_times).positions)
     span = {"start": float(times[0]), "until": float(times[-1])}
     notes = engine_provenance(scene.world.settings, guide="rails", substeps=log.steps, **span)
     provenance = {**notes, "live": {**asdict(log), "march_times": march_times.tolist()}}
