@@ -421,16 +421,19 @@ def test_requests_without_the_token_of_other_hosts_and_of_other_pages_are_refuse
 
 
 def test_page_has_a_policy_without_unsafe_inline_and_is_not_stored():
-    async def ask(address):
-        async with aiohttp.ClientSession() as http, http.get(address) as answer:
-            return answer.headers, await answer.text()
+    async def ask(method, address):
+        async with aiohttp.ClientSession() as http, http.request(method, address) as answer:
+            return answer.status, answer.headers, await answer.text()
 
     with served() as session:
-        headers, page = run(ask(session.address))
+        _, headers, page = run(ask("GET", session.address))
+        refused = [run(ask("GET", session.address.replace("/?", "/nowhere?"))), run(ask("POST", session.address))]
     assert headers["Content-Security-Policy"].startswith("default-src 'none'; ")
     assert "unsafe" not in headers["Content-Security-Policy"]
+    assert [status for status, _, _ in refused] == [404, 405]
     names = ("Cache-Control", "Referrer-Policy", "X-Content-Type-Options")
-    assert [headers[name] for name in names] == ["no-store", "no-referrer", "nosniff"]
+    for found in (headers, *(found for _, found, _ in refused)):
+        assert [found[name] for name in names] == ["no-store", "no-referrer", "nosniff"]
     assert "http://" not in page.replace("http://www.w3.org/", "")
     assert "{{" not in page
 

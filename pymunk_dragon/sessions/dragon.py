@@ -72,7 +72,7 @@ class DragonScene(Scene):
         self._touched: set[tuple[int, int]] = set()
         self._cuts: list[int] = []
         self.world.space.on_collision(pre_solve=self._pre_solve, post_solve=self._post_solve)
-        self.ended = False
+        self._ended = False
         self.contacts(contacts)
         if free_from is not None:
             self.release(free_from)
@@ -87,9 +87,9 @@ class DragonScene(Scene):
             states = self.march.at(self._march_time + share * world.substep, handles=2)
             self._march_time += share * world.substep
         except UnreachableError:
-            if not self.ended:
+            if not self._ended:
                 self.events.append("the head is at the end of its path")
-            self.ended = self.stops = True
+            self._ended = self.stops = True
             states, share = self.march.at(self._march_time, handles=2), 0.0
         if share == 0 and self._held is None:
             # A motor alone would push a long chain back along its path for minutes.
@@ -219,17 +219,16 @@ class DragonScene(Scene):
     def calls_of(self, snapshot: dict[str, Any]) -> list[DrawCall]:
         """Return the outlines of benches and obstacles in a snapshot, in Pymunk's colours."""
         colours = self._recorder
-        outline = colours.shape_outline_color
-        calls = [
-            DrawCall("polygon", tuple(map(tuple, corners.tolist())), 0.0, colours.shape_dynamic_color, outline)
-            for corners in self.march.dragon.outlines(np.array(snapshot["poses"]))
-        ]
+        bench, obstacle, outline = colours.shape_dynamic_color, colours.shape_static_color, colours.shape_outline_color
+        outlines = self.march.dragon.outlines(np.array(snapshot["poses"])).tolist()
+        calls = [DrawCall("polygon", corners, 0.0, bench, outline) for corners in outlines]
         for each in snapshot["obstacles"]:
             x, y, half = each["x"], each["y"], each["size"] / 2
-            corners = ((x - half, y - half), (x + half, y - half), (x + half, y + half), (x - half, y + half))
-            is_round = each["shape"] == "round"
-            name, points, radius = ("circle", ((x, y),), half) if is_round else ("polygon", corners, 0.0)
-            calls.append(DrawCall(name, points, radius, colours.shape_static_color, outline))
+            if each["shape"] == "round":
+                calls.append(DrawCall("circle", ((x, y),), half, obstacle, outline))
+            else:
+                corners = [(x + half * a, y + half * b) for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+                calls.append(DrawCall("polygon", tuple(corners), 0.0, obstacle, outline))
         return calls
 
     def exact(self) -> tuple[Array, Array]:
@@ -249,26 +248,22 @@ class DragonScene(Scene):
         touching = sorted({number for pair in self._touched for number in pair if number >= 0})
         contacts = np.array(rows).reshape(-1, 5)
         parts = {"poses": self.world.poses, "exact": exact, "errors": errors, "forces": forces, "contacts": contacts}
-        waits = self._share < 1 and not self.ended
+        waits = self._share < 1 and not self._ended
         header = {"march_time": self._march_time, "touching": touching, "waits": waits}
         return header, parts
 
 
 def _settings(values: Mapping[str, float]) -> dict[str, Any]:
     """Return those of the values that are settings of the engine."""
-    found: dict[str, Any] = {name: values[name] for name in ("drag",) if name in values}
-    if "step" in values:
-        found["substep"] = values["step"] / 1e3
-    if "iterations" in values:
-        found["iterations"] = int(values["iterations"])
-    return found
+    found: dict[str, Any] = {"drag": values["drag"]} if "drag" in values else {}
+    found |= {"substep": values["step"] / 1e3} if "step" in values else {}
+    return found | ({"iterations": int(values["iterations"])} if "iterations" in values else {})
 
 
 def _changed(march: March, values: Mapping[str, float]) -> March:
     """Return the march with other values of what a slider rebuilds."""
-    changes: dict[str, float] = {name: values[name] for name in ("pitch", "width") if name in values}
-    if "benches" in values:
-        changes["benches"] = int(values["benches"])
+    kinds = {"pitch": float, "width": float, "benches": int}
+    changes = {name: kind(values[name]) for name, kind in kinds.items() if name in values}
     known = Scenario.of(march).values() if changes else {}
     same = all(known[name] == value for name, value in changes.items())
     return march if same else Scenario.from_dict(known | changes, files=False).march()

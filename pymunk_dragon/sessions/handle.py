@@ -10,6 +10,7 @@ from contextlib import AbstractContextManager
 from functools import cached_property
 from html import escape
 from importlib.util import find_spec
+from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -219,16 +220,18 @@ def source_of(what: object, play: Play = DEFAULT) -> Ready:
 
 
 def _again(space: pymunk.Space) -> Callable[[], pymunk.Space]:
-    """Return a function that puts a space back as it is now, and returns it."""
+    """Return a function that returns a space, from the second time on as it is now."""
     items: list[pymunk.Body | pymunk.Shape | pymunk.Constraint] = [*space.bodies, *space.shapes, *space.constraints]
     before = [(part, name, getattr(part, name)) for part in (space, *items) for name in _KEPT if hasattr(part, name)]
+    calls = count()
 
     def build() -> pymunk.Space:
-        # All shapes are removed, as the space keeps contacts of shapes that stay.
-        space.remove(*space.constraints, *space.shapes, *space.bodies)
-        for part, name, value in before:
-            setattr(part, name, value)
-        space.add(*items)
+        if next(calls):
+            # All shapes are removed, as the space keeps contacts of shapes that stay.
+            space.remove(*space.constraints, *space.shapes, *space.bodies)
+            for part, name, value in before:
+                setattr(part, name, value)
+            space.add(*items)
         return space
 
     return build

@@ -215,14 +215,9 @@ class Scene:
             raise ParameterError("obstacle", shape, f"one of at most {_MAX_OBSTACLES}")
         half = positive("size", size, math.inf, self.play.units) / 2
         ground = self.space.static_body
-        found: pymunk.Shape
-        if shape == "round":
-            found = pymunk.Circle(ground, half, (x, y))
-        elif shape == "square":
-            corners = [(x - half, y - half), (x + half, y - half), (x + half, y + half), (x - half, y + half)]
-            found = pymunk.Poly(ground, corners)
-        else:
-            raise ParameterError("shape", shape, "round or square")
+        box = pymunk.BB(x - half, y - half, x + half, y + half)
+        is_round = word("shape", shape, ("round", "square")) == "round"
+        found = pymunk.Circle(ground, half, (x, y)) if is_round else pymunk.Poly.create_box_bb(ground, box)
         found.friction = _OBSTACLE_FRICTION
         number = max(self.obstacles, default=0) + 1
         self.obstacles[number] = {"id": number, "shape": shape, "x": x, "y": y, "size": 2 * half}
