@@ -65,7 +65,7 @@ class Session:
         self._wanted: tuple[Ready, Mapping[str, float]] | None = None
         # Real and simulated times of the frames of the last second.
         self._pace: deque[tuple[float, float]] = deque()
-        self._due = self._frame_due = perf_counter()
+        self._due = self._frame_due = self._shown = perf_counter()
         self._step_seconds = self._plotted = 0.0
         self._second, self._events = 0.0, 0
         self._failed: tuple[int, int, str] | None = None
@@ -225,8 +225,9 @@ class Session:
                     self._due = now
                     self._pace.clear()
                 self._due = max(self._due, now - _LARGEST_DEBT)
-                self._refresh(now)
-                if self._single_steps or (self.running and now >= self._due):
+                is_due = self._single_steps > 0 or (self.running and now >= self._due)
+                self._refresh(now, is_due)
+                if is_due:
                     return True
             sleep(_TICK)
         return False
@@ -275,18 +276,19 @@ class Session:
 
     # ---- what clients get
 
-    def _refresh(self, now: float) -> None:
-        """Send the state if it changed, and a frame if one is due."""
+    def _refresh(self, now: float, step_is_due: bool) -> None:
+        """Send the state if it changed, and a frame if one is due; steps that are due come first, for a while."""
         if self._changed:
             self._changed = False
             self.tell(self.state())
-        if self.clients and now >= self._frame_due:
+        if self.clients and now >= self._frame_due and not (step_is_due and now < self._shown + _FRAME_TIME):
             # At even intervals, but none is made up for.
             self._frame_due = max(self._frame_due + _FRAME_TIME, now)
             with self._watched():
                 frame = self.scene.frame(self._header(now))
                 for client in self.clients:
                     client.show(frame)
+            self._shown = perf_counter()
 
     def _header(self, now: float) -> dict[str, Any]:
         """Return the session's part of a frame: the rate of the last second, times, and values for the charts."""
