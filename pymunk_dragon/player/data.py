@@ -57,7 +57,9 @@ def player_data(summary: Summary) -> tuple[dict[str, Any], dict[str, str]]:
     narrowest = float(dragon.widths.min())
     begin, end = run.times[[0, -1]].tolist()
     positions, position_error = _pack_handles(dragon.holes(run.poses), STEP * narrowest)
-    velocities, velocity_error = _pack_velocities(run, positions[0]["step"])
+    apart = np.diff(run.times)[np.diff(run.times) > 0]
+    step = positions[0]["step"] * _VELOCITY_STEP / (float(np.median(apart)) if apart.size else 1.0)
+    velocities, velocity_error = _pack_handles(dragon.hole_velocities(run.poses, run.pose_velocities), step)
     # The exact model's near misses do not apply to a dragon without a guide.
     near_misses = (summary.near_misses or ()) if run.guide != "none" else ()
     packed: dict[str, Packed] = {
@@ -164,14 +166,6 @@ def exact_offsets(run: Run) -> Array | None:
     dragon, poses = run.march.dragon, run.poses[:known]
     same = np.allclose(position_errors(dragon, poses, exact), run.drift[:known], rtol=1e-6, atol=ROUNDING)
     return exact - handle_vectors(*dragon.holes(poses)) if same and known else None
-
-
-def _pack_velocities(run: Run, step: float) -> tuple[Packed, float]:
-    """Velocities of the handles for positions that are packed in steps of `step` m, and their error in m/s."""
-    intervals = np.diff(run.times)
-    apart = intervals[intervals > 0]
-    step *= _VELOCITY_STEP / (float(np.median(apart)) if apart.size else 1.0)
-    return _pack_handles(run.march.dragon.hole_velocities(run.poses, run.pose_velocities), step)
 
 
 def _pack_exact(run: Run, narrowest: float) -> Packed:

@@ -89,13 +89,7 @@ class _Client:
 
 
 class Server:
-    """Serves a session to browsers, until `stop`.
-
-    Attributes
-    ----------
-    address, watch_address : str
-        Address of the page with which one controls the session, and of the one with which one only watches.
-    """
+    """Serves a session to browsers, until `stop`."""
 
     def __init__(self, session: Session, *, host: str, port: int, allowed: Sequence[str] = ()) -> None:
         self.session, self.host = session, host
@@ -109,6 +103,7 @@ class Server:
         self._language = language()
         self._socket = _bound(host, port)
         self.port: int = self._socket.getsockname()[1]
+        # With one, one controls the session, with the other, one only watches.
         self.address, self.watch_address = self._address(self.token), self._address(self._watch_token)
         self._clients: set[_Client] = set()
         self._loop, self._end = asyncio.new_event_loop(), asyncio.Event()
