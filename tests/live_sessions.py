@@ -15,17 +15,17 @@ import aiohttp
 import numpy as np
 
 from pymunk_dragon.sessions.handle import serve, source_of
-from pymunk_dragon.sessions.log import Log
 from pymunk_dragon.sessions.ready import planned
+from pymunk_dragon.sessions.recording import Log
 from pymunk_dragon.sessions.session import Session
 
 # s that anything may take on a busy machine.
 PATIENCE = 60.0
 
 
-def audience(told: list[object]):
-    """Clients of a session; `told` gets their texts."""
-    return SimpleNamespace(tell=told.append, show=lambda frame: None)
+def listener(told: list[object]):
+    """A client of a session; `told` gets its texts."""
+    return SimpleNamespace(tell=told.append, show=lambda frame: None, controls=True)
 
 
 class Played:
@@ -34,7 +34,7 @@ class Played:
     def __init__(self, source, **options):
         self.session = Session(source if hasattr(source, "build") else source_of(source), running=False, **options)
         self.told = []
-        self.session.audience.append(audience(self.told))
+        self.session.join(listener(self.told))
         self.session.start()
 
     @property
@@ -50,10 +50,10 @@ class Played:
 
     def do(self, action, **arguments):
         """Send a message; the error that it is answered with."""
-        errors = []
-        self.session.post({"do": action, **arguments}, errors.append)
+        answers = []
+        self.session.receive(listener(answers), json.dumps({"do": action, **arguments}))
         self.settle()
-        return errors[0] if errors else None
+        return answers[0]["text"] if answers else None
 
     def step(self, count):
         """Make up to `count` steps; how many were made before the session paused."""
@@ -85,6 +85,13 @@ class Played:
         return decoded(found[0])
 
 
+def greeting(on: Played):
+    """What a client is told when it connects."""
+    told: list[object] = []
+    on.session.join(listener(told))
+    return told[:]
+
+
 @contextmanager
 def played(source: object, **options: object):
     """A `Played` session, which is stopped in the end."""
@@ -98,7 +105,7 @@ def played(source: object, **options: object):
 def replay_session(log: Log, before: Callable[[Session], object] = lambda session: None):
     """A session that has begun a replay, as fast as it goes, and what it tells; `before` is called with it first."""
     session, told = Session(planned(log.plan)), []
-    session.audience.append(audience(told))
+    session.join(listener(told))
     session.speed = 20.0
     session.play_again(log.inputs, log.values, log.steps)
     before(session)

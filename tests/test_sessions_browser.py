@@ -20,8 +20,8 @@ from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.sessions.controls import Button
 from pymunk_dragon.sessions.handle import source_of
-from pymunk_dragon.sessions.log import Log
 from pymunk_dragon.sessions.ready import SCENES, dragon
+from pymunk_dragon.sessions.recording import Log
 from pymunk_dragon.sessions.scene import Play
 
 pytestmark = [pytest.mark.thorough, needs_browser]

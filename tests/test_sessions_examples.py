@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import json
 import re
 import runpy
-import struct
 import sys
 from pathlib import Path
 
 import numpy as np
 import pymunk
 import pytest
+from live_sessions import decoded
 
 from pymunk_dragon import sessions
 from pymunk_dragon.sessions import Live
@@ -80,18 +79,15 @@ def spaces(monkeypatch):
 
 def received(scene):
     """What the page gets of a scene, as `Drawn` has it, and the number of contact points."""
-    frame = scene.frame({})
-    [length] = struct.unpack_from("<I", frame)
-    header = json.loads(frame[4 : 4 + length])
-    numbers = np.frombuffer(frame, "<f4", offset=4 + length)[: header["sizes"]["calls"]].tolist()
-    calls = []
+    frame, calls = decoded(scene.frame({})), []
+    numbers = frame.calls.tolist()
     while numbers:
         kind, count, radius, angle, fill, outline, _ = numbers[:7]
         points = np.reshape(numbers[7 : 7 + 2 * int(count)], (-1, 2))
-        rim = header["colours"][int(outline)] if outline >= 0 else None
-        calls.append((KINDS[int(kind)], points, radius, angle, header["colours"][int(fill)], rim))
+        rim = frame.colours[int(outline)] if outline >= 0 else None
+        calls.append((KINDS[int(kind)], points, radius, angle, frame.colours[int(fill)], rim))
         del numbers[: 7 + 2 * int(count)]
-    return calls, header["sizes"]["contacts"] / 5
+    return calls, len(frame.contacts)
 
 
 def assert_drawn_alike(scene, name):

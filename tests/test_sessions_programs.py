@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-from types import SimpleNamespace
 
 import numpy as np
 import pymunk
 import pytest
 from conftest import assert_says
-from live_sessions import played
+from live_sessions import greeting, listener, played
 
 from pymunk_dragon import Button, DragonError, Key, ParameterError, Slider, live
 from pymunk_dragon.sessions.ready import program
@@ -62,7 +61,7 @@ def test_reset_of_a_function_that_builds_the_space_repeats_the_run_to_the_bit_wh
             on.do("grab", x=0.0, y=float(balls(on.scene.space)[0].position.y), slip=5.0)
             on.do("drag", x=40.0, y=0.0)
             on.step(30)
-            ends.append(on.session.poses())
+            ends.append(on.scene.poses().tolist())
             assert on.do("reset") is None
             assert on.scene.steps == 0
         assert ends[0] == ends[1]
@@ -145,7 +144,6 @@ def test_exception_in_a_users_function_pauses_once_shows_its_line_and_the_sessio
         "button": Play(controls=[Button("Fail", fail)]),
     }[kind]
     with played(program(made, play)) as on:
-        on.session.clients = 1
         on.do("play")
         if kind == "button":
             on.do("press", name="Fail", down=True)
@@ -159,9 +157,9 @@ def test_exception_in_a_users_function_pauses_once_shows_its_line_and_the_sessio
             assert error["place"].endswith("return 1 / 0")
             assert "in fail" in error["trace"]
         # Who connects later sees it too, until the scene begins anew.
-        assert on.session.greeting()[1:] == [error]
+        assert greeting(on)[1:] == [error]
         assert on.do("reset") is None
-        assert [message["generation"] for message in on.session.greeting()] == [on.session.generation]
+        assert [message["generation"] for message in greeting(on)] == [on.session.generation]
     assert capfd.readouterr().err == ""
 
 
@@ -181,20 +179,24 @@ def test_charts_have_energy_and_momentum_and_the_quantities_of_the_user():
 
 def test_session_pauses_after_the_step_in_which_the_next_pair_touches():
     with played(program(build, Play(step=1 / 600))) as on:
-        on.session.clients = 1
         assert on.do("until_contact") is None
         while on.session.running:
             on.settle()
         # The ball falls 45 px to the floor.
         assert on.scene.time == pytest.approx(math.sqrt(2 * 45 / 900), abs=2 / 600)
         assert len(on.frame().contacts) == 1
+        # Time goes on when the step changes.
+        before = on.scene.time
+        assert on.do("set", name="step", value=10.0) is None
+        on.step(2)
+        assert on.scene.time == pytest.approx(before + 0.02)
 
 
 def test_sliders_that_rebuild_are_all_taken_when_they_wait_together():
     controls = [Slider("links", 1, 9, rebuilds=True), Slider("gravity", 0, 2000, rebuilds=True)]
     with played(program(build, Play(controls=controls))) as on:
         errors = []
-        with on.session.held():
+        with on.session.held:
             for name, value in (("links", 4.0), ("gravity", 100.0), ("links", 6.0)):
                 on.session.post({"do": "set", "name": name, "value": value}, errors.append)
         on.settle()
@@ -202,21 +204,12 @@ def test_sliders_that_rebuild_are_all_taken_when_they_wait_together():
         assert (len(on.scene.joints()), on.scene.space.gravity) == (6, (0, 100))
 
 
-def test_time_goes_on_when_the_step_changes():
-    with played(program(build, Play(step=0.01))) as on:
-        on.step(10)
-        assert on.do("set", name="step", value=50.0) is None
-        assert on.scene.time == pytest.approx(0.1)
-        on.step(2)
-        assert on.scene.time == pytest.approx(0.2)
-
-
 def test_exception_in_a_callback_of_a_program_with_a_loop_of_its_own_pauses_it(capfd):
     space = build()
     touch(space)
     session = Session(program(lambda: space, Play(step=None)))
     told = []
-    session.audience.append(SimpleNamespace(tell=told.append))
+    session.join(listener(told))
     # The page goes on after each error.
     for _ in range(60):
         session.post({"do": "play"})

@@ -11,9 +11,8 @@ from pymunk_dragon._extras import library
 from pymunk_dragon._language import text
 from pymunk_dragon.cli import common
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.sessions.log import Log
 from pymunk_dragon.sessions.ready import SCENES, Ready, dragon, planned, ready
-from pymunk_dragon.sessions.recording import RECORDING_ENDINGS, record
+from pymunk_dragon.sessions.recording import RECORDING_ENDINGS, Log, record
 from pymunk_dragon.sessions.session import SPEEDS, Session
 
 # Options of a dragon of the user's.

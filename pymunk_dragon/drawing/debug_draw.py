@@ -209,7 +209,7 @@ class PillowDrawOptions(DrawRecorder):
         """
         width, height = self.image.size
         margin = finite("margin", margin, 0, min(width, height) / 2 - 1, "pixels")
-        box = _extent(area) if isinstance(area, pymunk.Space) else area
+        box = extent(area) if isinstance(area, pymunk.Space) else area
         lengths = box.right - box.left, box.top - box.bottom
         if not (min(lengths) >= 0 and 0 < max(lengths) < math.inf):
             raise ParameterError("area", area, "something that has a size")
@@ -234,7 +234,7 @@ class PillowDrawOptions(DrawRecorder):
         self.image.paste(canvas.reduce(SAMPLES))
 
 
-def _extent(space: pymunk.Space) -> pymunk.BB:
+def extent(space: pymunk.Space) -> pymunk.BB:
     """Return the bounding box of a space's shapes and constraints."""
     recorder = DrawRecorder()
     recorder.flags = recorder.DRAW_SHAPES | recorder.DRAW_CONSTRAINTS

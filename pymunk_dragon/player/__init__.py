@@ -1,14 +1,9 @@
-"""A run as one self-contained page that plays it.
+"""A run as one HTML file that plays it in any current browser, without network.
 
-The page is one HTML file that plays a run in any current browser, without network: play, step, scrub, zoom, follow
-the head, and switch on handles, velocities, contacts, the grid, bench numbers and, for a run of the engine, the exact
-model. Point at a bench to read its speed, its angle and the gap to the nearest other bench. Playing slows down near
-events.
-
-N and P jump to near misses and contacts, and L plays the last 10 s. Z and X show a shorter or longer part of the
-timeline, and C the whole run. The key ? lists all keys. The address (`run.html#t=409.8&follow=head`) leads to the same
-moment on another screen, and `run.html?zh` opens the page in Chinese. A notebook shows a `Run` as such
-a page, or as a picture if it is long, and a `March` or a figure as a picture.
+Play, step, scrub, zoom, follow the head, and switch on handles, velocities, contacts, the grid, bench numbers and, for
+a run of the engine, the exact model. Point at a bench to read its speed, its angle and the gap to the nearest other
+bench. Playing slows down near events. The key ? lists all keys. The address (`run.html#t=409.8&follow=head`) leads to
+the same moment on another screen, and `run.html?zh` opens the page in Chinese.
 
 ```console
 $ pymunk-dragon simulate --from 405 -o run.npz

@@ -11,7 +11,8 @@ from __future__ import annotations
 
 import zlib
 from base64 import b64encode
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
+from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -20,20 +21,17 @@ from pymunk_dragon._arrays import Array
 from pymunk_dragon.collision import Grid
 from pymunk_dragon.drawing.scene import hole_diameter
 from pymunk_dragon.errors import UnreachableError
+from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 from pymunk_dragon.reports.summary import Summary
 
-# Step of positions as a fraction of a bench's width: 0.2 micrometres at the contest's 0.3 m. A gap between two benches,
-# each of which is off by up to 0.2 micrometres, is then known to a thousandth of a millimetre.
-STEP = 1 / 1_500_000
+# Steps as fractions of a bench's width: 0.2 micrometres of positions at the contest's 0.3 m, so that a gap between two
+# benches is known to a thousandth of a millimetre, and 0.5 of the exact model's offsets, or a share of the largest.
+STEP, _EXACT_STEP, _EXACT_SHARE = 1 / 1_500_000, 1 / 600_000, 1e-5
 # Step of velocities times the frame interval, in steps of positions. The rounding of velocities then changes
 # interpolated positions by no more than the rounding of positions does.
 _VELOCITY_STEP = 4
-# Step of the exact model's offsets as a fraction of a bench's width, 0.5 micrometres at the contest's 0.3 m, or as a
-# fraction of the largest offset if that is larger.
-_EXACT_STEP = 1 / 600_000
-_EXACT_SHARE = 1e-5
 # Differences between the offsets' lengths and the position errors of a run, m, that come from rounding.
 ROUNDING = 1e-9
 # Order of the differences. The paper's run in steps of 0.2 micrometres takes 2.7 MB at order 2, 1.8 MB at order 3
@@ -43,54 +41,34 @@ ORDER = 4
 MAX_COUNT = 2**31 - 2
 # Largest distance of the drawn curve from the true one as a fraction of a bench's width: 0.1 mm at the contest's 0.3 m.
 CURVE_ERROR = 1 / 3000
-# Samples of the curvature.
-_CURVE_SAMPLES = 4000
-# Largest number of points of the curve in a page.
-MAX_CURVE_POINTS = 20_000
+# Samples of the curvature, and largest number of points of the curve in a page.
+_CURVE_SAMPLES, MAX_CURVE_POINTS = 4000, 20_000
 
-
-@dataclass(frozen=True, kw_only=True)
-class Packed:
-    """Positions or velocities of H points at F times.
-
-    Attributes
-    ----------
-    frames, points : int
-        F and H.
-    origin : tuple of float
-        Origin of the counts, m or m/s.
-    step : float
-        Size of a step, m or m/s. A component is off by at most half of it.
-    order : int
-        Order of the differences.
-    text : str
-        The differences, deflated, in base64.
-    """
-
-    frames: int
-    points: int
-    origin: tuple[float, float]
-    step: float
-    order: int
-    text: str
+# Shape and scale of packed vectors as JSON values, and their text.
+Packed = tuple[dict[str, Any], str]
 
 
 def player_data(summary: Summary) -> tuple[dict[str, Any], dict[str, str]]:
     """Payload of the page as JSON values in m and s, and the texts of its packed vectors.
 
-    The text of velocities or of the exact model's offsets is empty if they are unknown.
+    The text of the exact model's offsets is empty if they are unknown.
     """
     run, dragon = summary.run, summary.run.march.dragon
     narrowest = float(dragon.widths.min())
     begin, end = run.times[[0, -1]].tolist()
     positions, position_error = _pack_handles(dragon.holes(run.poses), STEP * narrowest)
-    velocities, velocity_error = _pack_velocities(run, positions.step)
-    curve = pack(curve_points(run.march, begin, end)[:, None], STEP * narrowest)
+    apart = np.diff(run.times)[np.diff(run.times) > 0]
+    step = positions[0]["step"] * _VELOCITY_STEP / (float(np.median(apart)) if apart.size else 1.0)
+    velocities, velocity_error = _pack_handles(dragon.hole_velocities(run.poses, run.pose_velocities), step)
     # The exact model's near misses do not apply to a dragon without a guide.
     near_misses = (summary.near_misses or ()) if run.guide != "none" else ()
-    exact = None if run.player == "exact" else _pack_exact(run, narrowest)
-    packed = {"handles": positions, "velocities": velocities, "exact": exact, "curve": curve}
-    payload = {
+    packed: dict[str, Packed] = {
+        "handles": positions,
+        "velocities": velocities,
+        "exact": _pack_exact(run, narrowest),
+        "curve": pack(curve_points(run.march, begin, end)[:, None], STEP * narrowest),
+    }
+    payload = {name: shape or None for name, (shape, _) in packed.items()} | {
         "dragon": asdict(dragon) | {"hole": hole_diameter(dragon)},
         "grid": asdict(Grid.of(run.march)),
         "times": run.times.tolist(),
@@ -99,15 +77,14 @@ def player_data(summary: Summary) -> tuple[dict[str, Any], dict[str, str]]:
         "errors": [position_error, velocity_error],
         "curve_error": CURVE_ERROR * narrowest,
     }
-    for name, values in packed.items():
-        payload[name] = values and {key: value for key, value in asdict(values).items() if key != "text"}
-    return payload, {name: values.text if values else "" for name, values in packed.items()}
+    return payload, {name: text for name, (_, text) in packed.items()}
 
 
 def pack(vectors: Array, step: float, *, from_zero: bool = False) -> Packed:
     """Pack `vectors` (F, H, 2) in steps of `step`, or larger ones where they exceed the range of 32 bits.
 
-    They are counted from zero, which is then exact, or from the middle of their range.
+    They are counted from zero, which is then exact, or from the middle of their range. A component is off by at most
+    half a step.
     """
     low, high = vectors.min(axis=(0, 1)), vectors.max(axis=(0, 1))
     # Halved first: the sum of two large numbers may overflow.
@@ -123,8 +100,7 @@ def pack(vectors: Array, step: float, *, from_zero: bool = False) -> Packed:
     planes = np.ascontiguousarray(folded).view(np.uint8).reshape(-1, 4).T
     text = b64encode(zlib.compress(planes.tobytes(), 9)).decode("ascii")
     frames, points = vectors.shape[:2]
-    x, y = origin.tolist()
-    return Packed(frames=frames, points=points, origin=(x, y), step=step, order=ORDER, text=text)
+    return {"frames": frames, "points": points, "origin": origin.tolist(), "step": step, "order": ORDER}, text
 
 
 def handle_vectors(front: Array, rear: Array) -> Array:
@@ -143,17 +119,11 @@ def contact_windows(run: Run) -> list[dict[str, Any]]:
     first = run.first_contact
     if first is not None:
         its = [window for window in windows if window["benches"] == first.benches and window["begin"] >= first.time]
-        if its:
-            its[0]["begin"] = first.time
-        else:
-            windows.append({"benches": first.benches, "begin": first.time, "end": None})
-    possible = [
-        window
-        for window in windows
-        if window["benches"][1] < run.march.dragon.benches
-        and np.isfinite([window["begin"], 0.0 if window["end"] is None else window["end"]]).all()
-    ]
-    return sorted(possible, key=lambda window: (window["begin"], window["benches"]))
+        windows += [] if its else [{"benches": first.benches, "end": None}]
+        (its or windows[-1:])[0]["begin"] = first.time
+    count = run.march.dragon.benches
+    windows = [each for each in windows if each["benches"][1] < count and isfinite(each["begin"] + (each["end"] or 0))]
+    return sorted(windows, key=lambda window: (window["begin"], window["benches"]))
 
 
 def curve_points(march: March, start: float, end: float) -> Array:
@@ -162,28 +132,24 @@ def curve_points(march: March, start: float, end: float) -> Array:
     The span begins at the dragon's position at 0 s even if the run from `start` to `end` s is later.
     """
     curve = march.curve
-    first, last = march.span(min(start, 0.0), max(end, 0.0))
-    s = np.linspace(first, last, _CURVE_SAMPLES)
+    s = np.linspace(*march.span(min(start, 0.0), max(end, 0.0)), _CURVE_SAMPLES)
     # A chord c of a curve with the curvature k has an error of k c^2 / 8; this is the number of chords between samples.
     # On straight parts chords are three times as long as the shortest: the page leaves out points in a distant view,
     # and a chord across a joint must not be much further off than others.
     curvature = curve.max_curvature(s[:-1], s[1:])
     curvature = np.where(curvature > 0, curvature, curvature.max() / 9)
     chords = np.sqrt(curvature / (8 * CURVE_ERROR * float(march.dragon.widths.min()))) * np.diff(s)
-    passed = np.concatenate([[0.0], np.cumsum(chords)])
-    if passed[-1] == 0:
-        # The ends of a straight line.
-        return curve.point(s[[0, -1]])
+    # Of a straight line there are the two ends.
+    passed = np.concatenate([[0.0], np.cumsum(chords + 1e-9)])
     count = int(min(passed[-1] + 2, MAX_CURVE_POINTS))
     return curve.point(np.interp(np.linspace(0.0, passed[-1], count), passed, s))
 
 
-def _pack_velocities(run: Run, step: float) -> tuple[Packed, float]:
-    """Velocities of the handles for positions that are packed in steps of `step` m, and their error in m/s."""
-    intervals = np.diff(run.times)
-    apart = intervals[intervals > 0]
-    step *= _VELOCITY_STEP / (float(np.median(apart)) if apart.size else 1.0)
-    return _pack_handles(run.march.dragon.hole_velocities(run.poses, run.pose_velocities), step)
+def position_errors(dragon: Dragon, poses: Array, exact: Array) -> Array:
+    """Distances (..., N), m, of the worse hole of benches at `poses` (..., N, 3) from handles (..., N + 1, 2)."""
+    front, rear = dragon.holes(poses)
+    ends = (front - exact[..., :-1, :], rear - exact[..., 1:, :])
+    return np.asarray(np.maximum(*(np.linalg.norm(each, axis=-1) for each in ends)))
 
 
 def exact_offsets(run: Run) -> Array | None:
@@ -194,24 +160,19 @@ def exact_offsets(run: Run) -> Array | None:
     """
     known = int(np.isfinite(run.drift).all(axis=1).cumprod().sum())
     try:
-        exact = run.march.at(run.times[:known]).positions if known else None
+        exact = run.march.at(run.times[:known]).positions
     except UnreachableError:
-        exact = None
-    if exact is None:
         return None
-    front, rear = run.march.dragon.holes(run.poses[:known])
-    errors = np.maximum(
-        np.linalg.norm(front - exact[:, :-1], axis=-1),
-        np.linalg.norm(rear - exact[:, 1:], axis=-1),
-    )
-    same = np.allclose(errors, run.drift[:known], rtol=1e-6, atol=ROUNDING)
-    return exact - handle_vectors(front, rear) if same else None
+    dragon, poses = run.march.dragon, run.poses[:known]
+    same = np.allclose(position_errors(dragon, poses, exact), run.drift[:known], rtol=1e-6, atol=ROUNDING)
+    return exact - handle_vectors(*dragon.holes(poses)) if same and known else None
 
 
-def _pack_exact(run: Run, narrowest: float) -> Packed | None:
-    offsets = exact_offsets(run)
+def _pack_exact(run: Run, narrowest: float) -> Packed:
+    """Offsets of the exact model, if it has them, and if the run is not one of it."""
+    offsets = None if run.player == "exact" else exact_offsets(run)
     if offsets is None:
-        return None
+        return {}, ""
     return pack(offsets, max(_EXACT_STEP * narrowest, _EXACT_SHARE * float(np.abs(offsets).max())), from_zero=True)
 
 
@@ -220,7 +181,5 @@ def _pack_handles(holes: tuple[Array, Array], step: float) -> tuple[Packed, floa
     front, rear = holes
     shared = handle_vectors(front, rear)
     packed = pack(shared, step)
-    openings = (
-        np.linalg.norm(own - hole, axis=-1).max() for own, hole in ((shared[:, :-1], front), (shared[:, 1:], rear))
-    )
-    return packed, float(max(openings) + packed.step / np.sqrt(2))
+    openings = np.stack([shared[:, :-1] - front, shared[:, 1:] - rear])
+    return packed, float(np.linalg.norm(openings, axis=-1).max() + packed[0]["step"] / np.sqrt(2))

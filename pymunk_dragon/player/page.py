@@ -25,8 +25,6 @@ SCRIPTS = (
     *("common", "texts", "decode", "geometry", "motion", "exact", "view", "format", "grid", "marks", "paint", "ghost"),
     *("picture", "timeline", "slow_motion", "link", "table", "pointer", "stage", "player", "controls", "main"),
 )
-# Steps of `write_player`: the page, and the file.
-STEPS = 2
 # Parts of the page that the page of a live session has too.
 PARTS = ("zoom", "view_keys", "help_tools", "help")
 # The films' colours.
@@ -49,25 +47,19 @@ DARK = Palette(
 def write_player(
     run: Run, path: str | Path, *, title: str | None = None, progress: Callable[[int, int], None] | None = None
 ) -> None:
-    """Write a page that plays a run: one HTML file that needs no network.
+    """Write the page of `player_page` to a file.
 
     Parameters
     ----------
-    run : Run
-        The run to show. A run of the exact model has no contacts of its own; the exact first contact is added.
-    path : path
-        File to write, ending in .html. An interruption leaves the old file or none.
-    title : str, optional
-        Heading of the page; by default the result of the run.
+    run, path, title : Run, path, str, optional
+        The run, the file, which ends in .html, and the heading. An interruption leaves the old file or none.
     progress : callable, optional
         Called after each step with the number of completed steps and the total number of steps.
 
     Raises
     ------
-    ParameterError
-        If the file cannot be created, `run` is not a Run, or the title is not a string.
-    OutputError
-        If writing fails.
+    ParameterError, OutputError
+        If a parameter is unusable, or writing fails.
 
     Examples
     --------
@@ -77,27 +69,22 @@ def write_player(
     destination = check_destination(path, PLAYER_ENDINGS)
     notify = progress or (lambda done, total: None)
     page = player_page(run, title=title)
-    notify(1, STEPS)
+    notify(1, 2)
     with written_in_place(destination) as draft:
         # Bytes, since text mode would convert line ends, and the hashes of script and style would no longer match.
         draft.write_bytes(page.encode("utf-8"))
-    notify(STEPS, STEPS)
+    notify(2, 2)
 
 
 def player_page(run: Run, *, title: str | None = None) -> str:
-    """Page that `write_player` writes, as a string, for example for a frame in a notebook.
+    """Page that plays a run, as a string: one HTML document that needs no network.
 
     Parameters
     ----------
     run : Run
-        The run to show.
+        The run to show. A run of the exact model has no contacts of its own; the exact first contact is added.
     title : str, optional
         Heading of the page; by default the result of the run.
-
-    Returns
-    -------
-    str
-        HTML.
 
     Raises
     ------
@@ -131,36 +118,35 @@ def player_page(run: Run, *, title: str | None = None) -> str:
     with in_language("zh"):
         chinese = _texts_of(summary, provenance(summary))
     own = {one: two for one, two in zip(english, chinese, strict=True) if one != two}
-    style = colour_variables() + asset(__package__, "assets/player.css") + asset(__package__, "assets/layout.css")
-    script = "".join(asset(__package__, f"assets/{name}.js") for name in SCRIPTS)
-    return substituted(
-        "".join(asset(__package__, f"assets/{name}.html") for name in ("head", "player", "tail")),
-        policy=policy(style, script),
+    page, _ = document(
+        asset(__package__, "assets/player.html"),
+        asset(__package__, "assets/layout.css"),
+        "".join(asset(__package__, f"assets/{name}.js") for name in SCRIPTS),
         language=language(),
         title=escape(heading),
         subtitle=escape(below),
         provenance=_provenance_html(origin),
         last_bench=str(run.march.dragon.benches - 1),
-        style=style,
-        script=script,
         texts=embedded_json({"zh": catalogue(__package__) | own}),
         payload=embedded_json(payload),
         **packed,
-        **parts(),
     )
+    return page
 
 
-def parts() -> dict[str, str]:
-    """HTML of the parts that this page shares with the page of a live session."""
-    return {name: asset(__package__, f"assets/{name}.html") for name in PARTS}
+def document(body: str, style: str, script: str, connections: str = "", **values: str) -> tuple[str, str]:
+    """HTML of a page with the parts that player and live page share, and its content security policy."""
+    style = colour_variables() + asset(__package__, "assets/player.css") + style
+    rules = policy(style, script) + connections
+    head, tail = (asset(__package__, f"assets/{name}.html") for name in ("head", "tail"))
+    values |= {name: asset(__package__, f"assets/{name}.html") for name in PARTS}
+    return substituted(head + body + tail, policy=escape(rules), style=style, script=script, **values), rules
 
 
 def catalogue(*packages: str) -> dict[str, str]:
     """Chinese texts of these packages' pages, by the English text."""
-    found: dict[str, str] = {}
-    for package in packages:
-        found |= tomllib.loads(asset(package, "zh.toml"))["texts"]
-    return found
+    tables = [tomllib.loads(asset(package, "zh.toml"))["texts"] for package in packages]
+    return {english: chinese for table in tables for english, chinese in table.items()}
 
 
 def colour_variables() -> str:
@@ -179,8 +165,8 @@ def _texts_of(summary: Summary, origin: Section) -> list[str]:
 
 def _provenance_html(section: Section) -> str:
     """Provenance of the run, as in reports."""
-    groups = []
+    html = ""
     for heading, table in section.tables.items():
         rows = "".join(f"<div><dt>{escape(name)}</dt><dd>{escape(value)}</dd></div>" for name, value in table.rows)
-        groups.append(f"<div><h3>{escape(heading)}</h3><dl>{rows}</dl></div>")
-    return "".join(groups)
+        html += f"<div><h3>{escape(heading)}</h3><dl>{rows}</dl></div>"
+    return html

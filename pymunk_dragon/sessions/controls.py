@@ -26,26 +26,14 @@ class Slider:
 
     Parameters
     ----------
-    name : str
-        Name, which the page shows if there is no `label`.
-    low, high : float
-        Range.
+    name, low, high : str, float, float
+        Name, and range; a `ParameterError` is raised unless `low` is below `high`.
     value : float, optional
-        Value at the start. By default that of the argument `name` of the function that builds the space, or of the
-        property.
-    rebuilds : bool
-        Whether each change builds the space again.
-    action : callable, optional
-        Function of the space and the value.
-    label, unit : str
-        Name and unit on the page.
-    logarithmic, whole : bool
-        Whether the scale is logarithmic, and whether values are whole numbers.
-
-    Raises
-    ------
-    ParameterError
-        If `low` is not below `high`.
+        Value at the start: by default that of the argument `name` of the function, or of the property.
+    rebuilds, action : bool, callable, optional
+        Whether each change builds the space again; a function of the space and the value.
+    label, unit, logarithmic, whole : str, str, bool, bool
+        Text on the page in place of the name, unit, kind of the scale, and whether values are whole numbers.
 
     Examples
     --------
@@ -114,15 +102,9 @@ class Key:
 class PygameEvents:
     """Keys and the pointer of the page as pygame's events, for a pygame program that steps its space by `Live.step`.
 
-    The page has a tool for the pointer, and shows the area of pygame's window. pygame's functions that tell the state
-    of keys and mouse tell that of the page: ``pygame.key.get_pressed``, ``pygame.key.get_mods``,
-    ``pygame.mouse.get_pos`` and ``pygame.mouse.get_pressed``. The program needs no screen: set the environment
-    variable ``SDL_VIDEODRIVER=dummy``.
-
-    Raises
-    ------
-    MissingExtraError
-        If pygame is not installed.
+    pygame's functions ``key.get_pressed``, ``key.get_mods``, ``mouse.get_pos`` and ``mouse.get_pressed`` then tell the
+    state of the page, which shows the area of pygame's window. The program needs no screen: set the environment
+    variable ``SDL_VIDEODRIVER=dummy``. A `MissingExtraError` is raised if pygame is not installed.
 
     Examples
     --------

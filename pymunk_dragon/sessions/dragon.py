@@ -17,9 +17,8 @@ from pymunk_dragon.model.march import March
 from pymunk_dragon.model.scenario import Scenario
 from pymunk_dragon.model.settings import MAX_STRIDE, EngineSettings
 from pymunk_dragon.physics.world import World, top_speed
-from pymunk_dragon.player.data import CURVE_ERROR, curve_points
+from pymunk_dragon.player.data import CURVE_ERROR, curve_points, position_errors
 from pymunk_dragon.sessions.controls import Slider
-from pymunk_dragon.sessions.messages import from_binary, in_binary
 from pymunk_dragon.sessions.scene import NO_ARROW, Play, Scene
 
 # Distance from its exact pose, in widths, at which the head counts as blocked.
@@ -73,7 +72,7 @@ class DragonScene(Scene):
         self._touched: set[tuple[int, int]] = set()
         self._cuts: list[int] = []
         self.world.space.on_collision(pre_solve=self._pre_solve, post_solve=self._post_solve)
-        self.ended = False
+        self._ended = False
         self.contacts(contacts)
         if free_from is not None:
             self.release(free_from)
@@ -88,9 +87,9 @@ class DragonScene(Scene):
             states = self.march.at(self._march_time + share * world.substep, handles=2)
             self._march_time += share * world.substep
         except UnreachableError:
-            if not self.ended:
+            if not self._ended:
                 self.events.append("the head is at the end of its path")
-            self.ended = self.stops = True
+            self._ended = self.stops = True
             states, share = self.march.at(self._march_time, handles=2), 0.0
         if share == 0 and self._held is None:
             # A motor alone would push a long chain back along its path for minutes.
@@ -137,39 +136,25 @@ class DragonScene(Scene):
 
     @property
     def parameters(self) -> dict[str, Slider]:
-        """Sliders; sizes that differ from bench to bench have none."""
-        dragon, curve, speed = self.march.dragon, self.march.curve, self.world.top_speed
-        longest = 1e3 * MAX_STRIDE / speed
+        """Sliders with their present values; sizes that differ from bench to bench have none."""
+        dragon, curve, settings, speed = self.march.dragon, self.march.curve, self.world.settings, self.world.top_speed
+        step, longest = 1e3 * self.world.substep, 1e3 * MAX_STRIDE / speed
         found = [
-            Slider("step", 0.5, longest, label="Time step", unit="ms", logarithmic=True),
-            Slider("iterations", 1, 200, label="Iterations", logarithmic=True, whole=True),
-            Slider("drag", 0.5, 50, label="Ground drag", unit="1/m", logarithmic=True),
-            Slider("speed", 0, 2 * speed, label="Speed of the head", unit="m/s"),
+            Slider("step", 0.5, longest, step, label="Time step", unit="ms", logarithmic=True),
+            Slider("iterations", 1, 200, settings.iterations, label="Iterations", logarithmic=True, whole=True),
+            Slider("drag", 0.5, 50, settings.drag, label="Ground drag", unit="1/m", logarithmic=True),
+            Slider("speed", 0, 2 * speed, self._speed, label="Speed of the head", unit="m/s"),
         ]
         pitch = getattr(curve, "pitch", None)
         if pitch is not None:
             low, high = float(dragon.widths.max()) * 1.05, 3 * max(pitch, 0.55)
-            found.append(Slider("pitch", low, high, label="Pitch", unit="m", rebuilds=True))
+            found.append(Slider("pitch", low, high, pitch, label="Pitch", unit="m", rebuilds=True))
         if dragon.alike and isinstance(dragon.width, float):
             high = min(pitch or 0.6, 0.6) * 0.95
-            found.append(Slider("width", 0.05, high, label="Width", unit="m", rebuilds=True))
-            found.append(Slider("benches", 2, MAX_BENCHES, label="Benches", whole=True, rebuilds=True))
+            found.append(Slider("width", 0.05, high, dragon.width, label="Width", unit="m", rebuilds=True))
+            many = Slider("benches", 2, MAX_BENCHES, dragon.benches, label="Benches", whole=True, rebuilds=True)
+            found.append(many)
         return {each.name: each for each in found}
-
-    @property
-    def values(self) -> dict[str, float]:
-        """Values of the sliders."""
-        dragon, settings = self.march.dragon, self.world.settings
-        found: dict[str, Any] = {
-            "step": 1e3 * self.world.substep,
-            "iterations": settings.iterations,
-            "drag": settings.drag,
-            "speed": self._speed,
-            "pitch": getattr(self.march.curve, "pitch", None),
-            "width": dragon.width,
-            "benches": dragon.benches,
-        }
-        return {name: found[name] for name in self.parameters}
 
     def set(self, name: str, value: float) -> None:
         """Change a value of a slider that does not rebuild."""
@@ -196,7 +181,7 @@ class DragonScene(Scene):
     def cut(self, x: float, y: float, slip: float) -> None:
         """Cut the joint within `slip` of a point: it transmits no force any more."""
         found = self._joint_at(x, y, slip)
-        joint = next(number for number, pivot in enumerate(self.world.pivots) if pivot is found)
+        joint = [pivot is found for pivot in self.world.pivots].index(True)
         self._cuts.append(joint)
         self.world.cut(joint)
 
@@ -226,36 +211,30 @@ class DragonScene(Scene):
         """Return the poses (N, 3) of the benches: m, m, rad."""
         return self.world.poses
 
-    def snapshot(self) -> bytes:
-        """Return the present state for a recording: time of the march, obstacles, and poses."""
-        header = {"march_time": self._march_time, "obstacles": list(self.obstacles.values())}
-        return in_binary(header, {"poses": self.world.poses}, "<f8")
+    def snapshot(self) -> dict[str, Any]:
+        """Return the present state for a recording: time of the march, obstacles, and poses, as JSON values."""
+        obstacles = [dict(each) for each in self.obstacles.values()]
+        return {"march_time": self._march_time, "obstacles": obstacles, "poses": self.poses().tolist()}
 
-    def calls_of(self, snapshot: bytes) -> list[DrawCall]:
+    def calls_of(self, snapshot: dict[str, Any]) -> list[DrawCall]:
         """Return the outlines of benches and obstacles in a snapshot, in Pymunk's colours."""
-        header, arrays = from_binary(snapshot, "<f8")
-        poses, obstacles = arrays["poses"].reshape(-1, 3), header["obstacles"]
         colours = self._recorder
-        outline = colours.shape_outline_color
-        calls = [
-            DrawCall("polygon", tuple(map(tuple, corners.tolist())), 0.0, colours.shape_dynamic_color, outline)
-            for corners in self.march.dragon.outlines(poses)
-        ]
-        for each in obstacles:
+        bench, obstacle, outline = colours.shape_dynamic_color, colours.shape_static_color, colours.shape_outline_color
+        outlines = self.march.dragon.outlines(np.array(snapshot["poses"])).tolist()
+        calls = [DrawCall("polygon", corners, 0.0, bench, outline) for corners in outlines]
+        for each in snapshot["obstacles"]:
             x, y, half = each["x"], each["y"], each["size"] / 2
-            corners = ((x - half, y - half), (x + half, y - half), (x + half, y + half), (x - half, y + half))
-            name, points = ("circle", ((x, y),)) if each["shape"] == "round" else ("polygon", corners)
-            radius = half if name == "circle" else 0.0
-            calls.append(DrawCall(name, points, radius, colours.shape_static_color, outline))
+            if each["shape"] == "round":
+                calls.append(DrawCall("circle", ((x, y),), half, obstacle, outline))
+            else:
+                corners = [(x + half * a, y + half * b) for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+                calls.append(DrawCall("polygon", tuple(corners), 0.0, obstacle, outline))
         return calls
 
     def exact(self) -> tuple[Array, Array]:
         """Return the poses (N, 3) of the exact model, and the position errors (N,), m."""
         states = self.march.at(self._march_time)
-        front, rear = self.march.dragon.holes(self.world.poses)
-        exact = states.positions[0]
-        errors = np.maximum(np.hypot(*(front - exact[:-1]).T), np.hypot(*(rear - exact[1:]).T))
-        return states.poses[0], errors
+        return states.poses[0], position_errors(self.march.dragon, self.world.poses, states.positions[0])
 
     def _parts(self) -> tuple[dict[str, Any], dict[str, Array]]:
         exact, errors = self.exact()
@@ -269,26 +248,22 @@ class DragonScene(Scene):
         touching = sorted({number for pair in self._touched for number in pair if number >= 0})
         contacts = np.array(rows).reshape(-1, 5)
         parts = {"poses": self.world.poses, "exact": exact, "errors": errors, "forces": forces, "contacts": contacts}
-        waits = self._share < 1 and not self.ended
+        waits = self._share < 1 and not self._ended
         header = {"march_time": self._march_time, "touching": touching, "waits": waits}
         return header, parts
 
 
 def _settings(values: Mapping[str, float]) -> dict[str, Any]:
     """Return those of the values that are settings of the engine."""
-    found: dict[str, Any] = {name: values[name] for name in ("drag",) if name in values}
-    if "step" in values:
-        found["substep"] = values["step"] / 1e3
-    if "iterations" in values:
-        found["iterations"] = int(values["iterations"])
-    return found
+    found: dict[str, Any] = {"drag": values["drag"]} if "drag" in values else {}
+    found |= {"substep": values["step"] / 1e3} if "step" in values else {}
+    return found | ({"iterations": int(values["iterations"])} if "iterations" in values else {})
 
 
 def _changed(march: March, values: Mapping[str, float]) -> March:
     """Return the march with other values of what a slider rebuilds."""
-    changes: dict[str, float] = {name: values[name] for name in ("pitch", "width") if name in values}
-    if "benches" in values:
-        changes["benches"] = int(values["benches"])
+    kinds = {"pitch": float, "width": float, "benches": int}
+    changes = {name: kind(values[name]) for name, kind in kinds.items() if name in values}
     known = Scenario.of(march).values() if changes else {}
     same = all(known[name] == value for name, value in changes.items())
     return march if same else Scenario.from_dict(known | changes, files=False).march()

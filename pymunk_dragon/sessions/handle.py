@@ -5,13 +5,13 @@ from __future__ import annotations
 import os
 import sys
 import webbrowser
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import AbstractContextManager
 from functools import cached_property
 from html import escape
 from importlib.util import find_spec
+from itertools import count
 from pathlib import Path
-from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
 import pymunk
@@ -32,6 +32,9 @@ if TYPE_CHECKING:
 
 # Pixels: height of the page in a notebook, which is as wide as the notebook.
 _FRAME_HEIGHT = 720
+# What `reset` puts back in a space that no function builds. The angle comes first: Pymunk finds the position of a body
+# from that of its centre of mass, with the angle.
+_KEPT = ("angle", "position", "velocity", "angular_velocity", "force", "torque", "gravity", "damping", "iterations")
 # s. Longest step of a space.
 _MAX_STEP = 10.0
 DEFAULT = Play()
@@ -39,13 +42,6 @@ DEFAULT = Play()
 
 class Live:
     """A running session; `live` makes it.
-
-    Attributes
-    ----------
-    address : str
-        Address of the page with which one controls the session.
-    watch_address : str
-        Address with which one only watches.
 
     Examples
     --------
@@ -57,6 +53,8 @@ class Live:
 
     def __init__(self, session: Session, path: Path | None, **address: Any) -> None:
         self._session, self._path, self._address = session, path, address
+        # The server and the widgets, which end with the session.
+        self._parts: list[Any] = []
 
     @cached_property
     def _server(self) -> Server:
@@ -65,7 +63,7 @@ class Live:
         from pymunk_dragon.sessions.server import Server
 
         server = Server(self._session, **self._address)
-        server.start()
+        self._parts.append(server)
         return server
 
     @property
@@ -88,23 +86,19 @@ class Live:
     def stop(self) -> None:
         """End the session and its server, and write the recording if there is to be one."""
         self._session.stop()
-        for each in self._session.audience:
-            each.stop()
+        for part in self._parts:
+            part.stop()
         if self._path is not None:
             record(self._session, self._path)
 
-    @contextmanager
-    def paused(self) -> Iterator[None]:
-        """Context in which the space is not stepped, so that a program may change it."""
-        with self._session.held():
-            yield
+    def paused(self) -> AbstractContextManager[bool]:
+        """Return a context in which the space is not stepped, so that a program may change it."""
+        return self._session.held
 
     def __enter__(self) -> Live:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *raised: object) -> None:
         self.stop()
 
     def __repr__(self) -> str:
@@ -115,7 +109,8 @@ class Live:
         if _has_widgets():
             from pymunk_dragon.sessions.widget import LiveWidget
 
-            return LiveWidget(self._session).shown()
+            self._parts.append(LiveWidget(self._session))
+            return self._parts[-1].shown()
         hub = os.environ.get("JUPYTERHUB_SERVICE_PREFIX")
         server = self._server
         address = self.address if hub is None else f"{hub}proxy/{server.port}/?token={server.token}"
@@ -158,20 +153,13 @@ def live(
         What the page has in addition.
     plots : mapping of str to callable, optional
         Functions of the space whose values the page shows as charts, by their titles.
-    y_down : bool
-        Whether y points down on the page.
-    units : str
-        Unit of length of the space, for example "px".
-    paused : bool
-        Whether to begin paused.
+    y_down, units, paused : bool, str, bool
+        Whether y points down on the page, unit of length, for example "px", and whether to begin paused.
     browser : bool
         Whether to open a browser; a notebook with anywidget shows the page itself.
-    host : str
-        Address to listen on. With the default, only programs on this machine can connect.
-    port : int
-        Port; 0 for a free one.
-    allow_hosts : sequence of str
-        Names of hosts under which a proxy shows the page.
+    host, port, allow_hosts : str, int, sequence of str
+        Address to listen on, by default for programs on this machine only; port, 0 for a free one; and names of hosts
+        under which a proxy shows the page.
     record : path, optional
         File to write when the session is stopped: .json (inputs), .npz (the run of a dragon), .gif, .apng, .webp, .mp4.
 
@@ -232,33 +220,21 @@ def source_of(what: object, play: Play = DEFAULT) -> Ready:
 
 
 def _again(space: pymunk.Space) -> Callable[[], pymunk.Space]:
-    """Return a function that returns a space, from the second time on as it was before."""
+    """Return a function that returns a space, from the second time on as it is now."""
     items: list[pymunk.Body | pymunk.Shape | pymunk.Constraint] = [*space.bodies, *space.shapes, *space.constraints]
-    before = [(item, {name: getattr(item, name) for name in _names(item)}) for item in (space, *items)]
-    calls: list[bool] = []
+    before = [(part, name, getattr(part, name)) for part in (space, *items) for name in _KEPT if hasattr(part, name)]
+    calls = count()
 
     def build() -> pymunk.Space:
-        if calls:
+        if next(calls):
             # All shapes are removed, as the space keeps contacts of shapes that stay.
             space.remove(*space.constraints, *space.shapes, *space.bodies)
-            for item, values in before:
-                for name, value in values.items():
-                    setattr(item, name, value)
+            for part, name, value in before:
+                setattr(part, name, value)
             space.add(*items)
-        calls.append(True)
         return space
 
     return build
-
-
-def _names(item: object) -> tuple[str, ...]:
-    """Return the properties of a part of a space that are put back."""
-    if isinstance(item, pymunk.Body):
-        # The angle comes first: Pymunk finds the position of a body from that of its centre of mass, with the angle.
-        return ("angle", "position", "velocity", "angular_velocity", "force", "torque")
-    if isinstance(item, pymunk.Space):
-        return ("gravity", "damping", "iterations")
-    return ("max_force",) if isinstance(item, pymunk.Constraint) else ()
 
 
 def serve(

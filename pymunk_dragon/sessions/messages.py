@@ -1,7 +1,7 @@
 """What pages and sessions send each other: messages of a page, and frames for it.
 
-A message is a JSON object: `do` names the action, other members are its arguments. Nothing else is accepted. A frame
-is a JSON header and arrays of numbers.
+A message is a JSON object: `do` names the action, other members are its arguments. A frame is a JSON header and arrays
+of numbers.
 """
 
 from __future__ import annotations
@@ -13,22 +13,18 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from pymunk.space_debug_draw_options import SpaceDebugColor
 
 from pymunk_dragon._arrays import Array
+from pymunk_dragon._checks import finite, number
 from pymunk_dragon.drawing.debug_draw import DrawCall
 from pymunk_dragon.errors import ParameterError
 
 # Characters of a message.
 MAX_MESSAGE = 4096
-# Arguments of each action, and their types; `float` takes whole numbers too.
-ACTIONS: Mapping[str, Mapping[str, type]] = {
-    "play": {},
-    "pause": {},
-    "step": {"count": int},
-    "speed": {"value": float},
-    "reset": {},
-    "scene": {"name": str},
+# Arguments that are lengths are not larger, so that products stay finite.
+_MAX_COORDINATE, _LENGTHS = 1e6, ("x", "y", "slip", "size")
+# Actions on a scene, each with its arguments: they are logged with the number of the step before which they act.
+INPUTS: Mapping[str, Mapping[str, type]] = {
     "set": {"name": str, "value": float},
     "contacts": {"value": str},
     "grab": {"x": float, "y": float, "slip": float},
@@ -41,19 +37,25 @@ ACTIONS: Mapping[str, Mapping[str, type]] = {
     "remove": {"obstacle": int},
     "press": {"name": str, "down": bool},
     "pointer": {"x": float, "y": float, "kind": str},
+}
+# All actions: those on the session change no motion.
+ACTIONS: Mapping[str, Mapping[str, type]] = {
+    **INPUTS,
+    "play": {},
+    "pause": {},
+    "step": {"count": int},
+    "speed": {"value": float},
+    "reset": {},
+    "scene": {"name": str},
     "until_contact": {},
     "ping": {"id": int},
 }
 # Numbers of the kinds of drawn calls in a frame.
 _KINDS = {"circle": 0, "segment": 1, "polygon": 2, "line": 3, "dot": 4}
-# Numbers of a call before its points.
-_HEAD = 7
-# Actions that change the motion: they are logged with the number of the step before which they act.
-INPUTS = ("set", "contacts", "grab", "drag", "drop", "release", "hold", "cut", "obstacle", "remove", "press", "pointer")
 
 
 def parsed(text: str) -> dict[str, Any]:
-    """The message in a text."""
+    """Return the message in a text."""
     if len(text) > MAX_MESSAGE:
         raise ParameterError("message", f"{len(text)} characters", f"at most {MAX_MESSAGE}")
     try:
@@ -63,47 +65,32 @@ def parsed(text: str) -> dict[str, Any]:
     return checked(found)
 
 
-def checked(found: object) -> dict[str, Any]:
-    """A message that was read, if it has an action, all its arguments, and nothing else."""
-    if not isinstance(found, dict) or not isinstance(found.get("do"), str) or found["do"] not in ACTIONS:
-        raise ParameterError("message", found, "an object with an action: do is one of " + ", ".join(ACTIONS))
-    arguments = ACTIONS[found["do"]]
-    if set(found) != {"do", *arguments}:
-        raise ParameterError("message", found, f"{found['do']} with {', '.join(arguments) or 'nothing else'}")
-    return {"do": found["do"]} | {name: _value(name, found[name], kind) for name, kind in arguments.items()}
+def checked(found: Any) -> dict[str, Any]:
+    """Return a message that was read, if it has an action, all its arguments, and nothing else."""
+    action = found.get("do") if isinstance(found, dict) else None
+    if not isinstance(action, str) or action not in ACTIONS or set(found) != {"do", *ACTIONS[action]}:
+        raise ParameterError("message", found, "an action with all its arguments: do is one of " + ", ".join(ACTIONS))
+    message: dict[str, Any] = {"do": action}
+    for name, kind in ACTIONS[action].items():
+        value: Any = number(found[name]) if kind is float else found[name]
+        if (kind is float and not math.isfinite(value)) or type(value) is not kind:
+            raise ParameterError(name, found[name], f"a finite value of the type {kind.__name__}")
+        if name in _LENGTHS:
+            finite(name, value, -_MAX_COORDINATE, _MAX_COORDINATE, "")
+        message[name] = value
+    return message
 
 
-def _value(name: str, value: object, kind: type) -> Any:
-    if kind is float and type(value) is int:
-        try:
-            return float(value)
-        except OverflowError:
-            raise ParameterError(name, value, "a smaller number") from None
-    if type(value) is not kind or (isinstance(value, float) and not math.isfinite(value)):
-        raise ParameterError(name, value, f"a {_NAMES[kind]}")
-    return value
-
-
-_NAMES = {int: "whole number", float: "finite number", str: "text", bool: "truth value"}
-
-
-def in_binary(header: Mapping[str, Any], arrays: Mapping[str, Array], kind: str) -> bytes:
-    """Return a JSON header with sizes, preceded by its length, and arrays of numbers of a kind: "<f4" or "<f8"."""
+def in_binary(header: Mapping[str, Any], arrays: Mapping[str, Array]) -> bytes:
+    """Return a JSON header with sizes, preceded by its length, and arrays of 32-bit numbers."""
     sizes = {name: array.size for name, array in arrays.items()}
     text = json.dumps(without_nan({**header, "sizes": sizes}), allow_nan=False).encode()
-    # The arrays begin at a multiple of eight bytes.
-    text += b" " * (-(4 + len(text)) % 8)
+    # The arrays begin at a multiple of four bytes.
+    text += b" " * (-len(text) % 4)
     with np.errstate(over="ignore"):
-        return struct.pack("<I", len(text)) + text + b"".join(array.astype(kind).tobytes() for array in arrays.values())
-
-
-def from_binary(content: bytes, kind: str) -> tuple[dict[str, Any], dict[str, Array]]:
-    """Return header and arrays of what `in_binary` made."""
-    [length] = struct.unpack_from("<I", content)
-    header = json.loads(content[4 : 4 + length])
-    sizes = header["sizes"]
-    parts = np.split(np.frombuffer(content, kind, offset=4 + length), np.cumsum(list(sizes.values()))[:-1])
-    return header, dict(zip(sizes, parts, strict=True))
+        return (
+            struct.pack("<I", len(text)) + text + b"".join(array.astype("<f4").tobytes() for array in arrays.values())
+        )
 
 
 def packed(calls: Sequence[DrawCall]) -> tuple[Array, list[list[float]]]:
@@ -117,19 +104,6 @@ def packed(calls: Sequence[DrawCall]) -> tuple[Array, list[list[float]]]:
         for point in call.points:
             numbers.extend(point)
     return np.array(numbers, dtype=float), [[*map(float, colour)] for colour in colours]
-
-
-def unpacked(numbers: Array, colours: Sequence[Sequence[float]]) -> list[DrawCall]:
-    """Return the calls that `packed` took, at the precision of the numbers."""
-    kinds, table, calls, begin = list(_KINDS), [SpaceDebugColor(*colour) for colour in colours], [], 0
-    while begin < len(numbers):
-        kind, count, radius, angle, fill, outline, moves = (float(each) for each in numbers[begin : begin + _HEAD])
-        end = begin + _HEAD + 2 * int(count)
-        points = tuple((x, y) for x, y in np.reshape(numbers[begin + _HEAD : end], (-1, 2)).tolist())
-        rim = None if outline < 0 else table[int(outline)]
-        calls.append(DrawCall(kinds[int(kind)], points, radius, table[int(fill)], rim, angle, bool(moves)))
-        begin = end
-    return calls
 
 
 def without_nan(value: Any) -> Any:

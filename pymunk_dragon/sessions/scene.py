@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -13,30 +13,25 @@ from pymunk import batch
 from pymunk.batch import ArbiterFields
 
 from pymunk_dragon._arrays import Array
-from pymunk_dragon._checks import finite, positive, word
-from pymunk_dragon.drawing.debug_draw import DrawCall, DrawRecorder
+from pymunk_dragon._checks import positive, word
+from pymunk_dragon.drawing.debug_draw import DrawCall, DrawRecorder, extent
 from pymunk_dragon.errors import DragonError, ParameterError
 from pymunk_dragon.sessions.controls import Button, Key, PygameEvents, Slider
-from pymunk_dragon.sessions.messages import from_binary, in_binary, packed, unpacked
+from pymunk_dragon.sessions.messages import in_binary, packed
 
 # Largest acceleration by a hand, in m/s^2, as in Box2D's testbed: for scenes of this size; in larger ones, more.
 _HAND_ACCELERATION, _HAND_SIZE = 1000.0, 10.0
 # Share of the distance to the pointer that is left after a second, as in Pymunk's examples.
 _HAND_BIAS = (1 - 0.15) ** 60
-# Coordinates from outside are not larger, so that products stay finite.
-MAX_COORDINATE = 1e6
 _MAX_OBSTACLES = 100
 # s: the step that is shown before a program makes its first one.
 _DEFAULT_STEP = 1 / 60
 _POINTER_KINDS = ("down", "move", "up")
 _OBSTACLE_FRICTION = 0.4
 # Least width and height of the area that is shown.
-_SMALLEST_FIELD = 1e-3
+_SMALLEST = 1e-3
 # Steps between two checks whether bodies flew apart.
 _CHECKED = 10
-_MOTION_FIELDS = (
-    batch.BodyFields.BODY_ID | batch.BodyFields.POSITION | batch.BodyFields.VELOCITY | batch.BodyFields.ANGULAR_VELOCITY
-)
 # What the page gets of each pair in contact.
 _CONTACT_FIELDS = ArbiterFields.TOTAL_IMPULSE | ArbiterFields.NORMAL | ArbiterFields.POINT_A_1 | ArbiterFields.POINT_A_2
 _CONTACT_FIELDS |= ArbiterFields.BODY_A_ID | ArbiterFields.BODY_B_ID
@@ -88,8 +83,12 @@ class Scene:
 
     def fit(self) -> None:
         """Choose the area to show at first: that of `Play.field`, of pygame's window, or of what is drawn."""
-        x, y, width, height = self.play.field or (self.pygame and self.pygame.field) or self._extent()
-        self.field = {"centre": [x, y], "size": [width, height]}
+        field = self.play.field or (self.pygame and self.pygame.field)
+        if not field:
+            box = extent(self.space)
+            box = box if box.left <= box.right else pymunk.BB(-1, -1, 1, 1)
+            field = *box.center(), max(box.right - box.left, _SMALLEST), max(box.top - box.bottom, _SMALLEST)
+        self.field = {"centre": list(field[:2]), "size": list(field[2:])}
 
     # ---- time
 
@@ -100,7 +99,7 @@ class Scene:
         self.space.step(self.step_length)
         self.steps += 1
         self.time += self.step_length
-        if self.waits_for_contact and self._has_new_contact():
+        if self.waits_for_contact and self._pairs()[1][:, 2].any():
             self.stops, self.waits_for_contact = True, False
         self.check()
 
@@ -116,32 +115,26 @@ class Scene:
 
     @property
     def parameters(self) -> dict[str, Slider]:
-        """Sliders: those of the user's, and those that any space has."""
-        step = 1e3 * (self.play.step or _DEFAULT_STEP)
-        return self._sliders | {
-            each.name: each
-            for each in (
-                Slider("step", step / 10, step * 10, label="Time step", unit="ms", logarithmic=True),
-                Slider("iterations", 1, 200, label="Iterations", logarithmic=True, whole=True),
-                Slider("damping", 0, 1, label="Velocity kept in 1 s"),
-                Slider("gravity", 0, 3 * self._gravity.length, label="Gravity", unit=f"{self.play.units}/s²")
-                if self._gravity.length > 0
-                else None,
-            )
-            if each is not None and each.name not in self._sliders and (each.name != "step" or self.play.step)
-        }
+        """Sliders with their present values: those of the user's, and those that any space has."""
+        step, space, strength = self.play.step, self.space, self._gravity.length
+        known = [
+            Slider("iterations", 1, 200, space.iterations, label="Iterations", logarithmic=True, whole=True),
+            Slider("damping", 0, 1, space.damping, label="Velocity kept in 1 s"),
+        ]
+        if step is not None:
+            now, low, high = (1e3 * each for each in (self.step_length, step / 10, step * 10))
+            known.insert(0, Slider("step", low, high, now, label="Time step", unit="ms", logarithmic=True))
+        if strength > 0:
+            unit = f"{self.play.units}/s²"
+            known.append(Slider("gravity", 0, 3 * strength, space.gravity.length, label="Gravity", unit=unit))
+        values = {each.name: each.value for each in known} | self._values
+        own = {name: replace(each, value=values.get(name, each.low)) for name, each in self._sliders.items()}
+        return own | {each.name: each for each in known if each.name not in own}
 
     @property
     def values(self) -> dict[str, float]:
         """Values of the sliders."""
-        space = self.space
-        found: dict[str, float] = {
-            "step": 1e3 * self.step_length,
-            "iterations": space.iterations,
-            "damping": space.damping,
-            "gravity": space.gravity.length,
-        }
-        return {name: self._values.get(name, found.get(name, each.low)) for name, each in self.parameters.items()}
+        return {name: each.value for name, each in self.parameters.items() if each.value is not None}
 
     def set(self, name: str, value: float) -> None:
         """Change a value of a slider that does not rebuild."""
@@ -152,13 +145,11 @@ class Scene:
             slider.action(self.space, value)
         elif name == "step":
             self.step_length = value / 1e3
-        elif name == "iterations":
-            self.space.iterations = int(value)
-        elif name == "damping":
-            self.space.damping = value
         elif name == "gravity":
             direction = self._gravity.normalized() if self._gravity.length > 0 else pymunk.Vec2d(0, -1)
             self.space.gravity = value * direction
+        elif name in ("iterations", "damping"):
+            setattr(self.space, name, value)
 
     def press(self, name: str, down: bool) -> None:
         """Call the action of a button or a key that is pressed, or that of a key that is released."""
@@ -177,7 +168,6 @@ class Scene:
         """Hand the pointer on to a pygame program, whose window has its origin at the upper left."""
         if self.pygame is None:
             raise ParameterError("pointer", kind, "sent to a program with PygameEvents")
-        x, y = _point(x, y)
         self.pygame.pointer(x, y if self.play.y_down else self.field["size"][1] - y, word("kind", kind, _POINTER_KINDS))
 
     # ---- what a hand does
@@ -185,16 +175,14 @@ class Scene:
     def grab(self, x: float, y: float, slip: float) -> None:
         """Hold the nearest body that can move and has a point within `slip` of a point of the world."""
         self.drop()
-        point = _point(x, y)
-        slip = finite("slip", slip, 0, MAX_COORDINATE, self.play.units)
-        found = self.space.point_query(point, slip, pymunk.ShapeFilter())
-        near = [each for each in found if each.shape.body and each.shape.body.body_type == pymunk.Body.DYNAMIC]
-        nearest = min(near, key=lambda each: each.distance, default=None)
-        if nearest is None or nearest.shape.body is None:
-            raise ParameterError("x, y", point, "a point of a body that can be moved")
-        body = nearest.shape.body
-        self._hand.position = point
-        anchor = body.world_to_local(nearest.point if nearest.distance > 0 else point)
+        self._hand.position = x, y
+        found = self.space.point_query((x, y), slip, pymunk.ShapeFilter())
+        bodies = [(each, each.shape.body) for each in found]
+        near = [(each, body) for each, body in bodies if body and body.body_type == pymunk.Body.DYNAMIC]
+        if not near:
+            raise ParameterError("x, y", (x, y), "a point of a body that can be moved")
+        nearest, body = min(near, key=lambda each: each[0].distance)
+        anchor = body.world_to_local(nearest.point if nearest.distance > 0 else (x, y))
         self._held = pymunk.PivotJoint(self._hand, body, (0, 0), anchor)
         size = max(self.field["size"]) / _HAND_SIZE
         self._held.max_force = _HAND_ACCELERATION * max(1.0, size) * body.mass
@@ -203,7 +191,7 @@ class Scene:
 
     def drag(self, x: float, y: float) -> None:
         """Move the hand."""
-        self._hand.position = _point(x, y)
+        self._hand.position = x, y
 
     def drop(self) -> None:
         """Let go of the body that is held."""
@@ -225,17 +213,11 @@ class Scene:
         """Put a round or square obstacle, `size` in diameter or side, on the ground."""
         if len(self.obstacles) >= _MAX_OBSTACLES:
             raise ParameterError("obstacle", shape, f"one of at most {_MAX_OBSTACLES}")
-        x, y = _point(x, y)
-        half = positive("size", size, MAX_COORDINATE, self.play.units) / 2
+        half = positive("size", size, math.inf, self.play.units) / 2
         ground = self.space.static_body
-        found: pymunk.Shape
-        if shape == "round":
-            found = pymunk.Circle(ground, half, (x, y))
-        elif shape == "square":
-            corners = [(x - half, y - half), (x + half, y - half), (x + half, y + half), (x - half, y + half)]
-            found = pymunk.Poly(ground, corners)
-        else:
-            raise ParameterError("shape", shape, "round or square")
+        box = pymunk.BB(x - half, y - half, x + half, y + half)
+        is_round = word("shape", shape, ("round", "square")) == "round"
+        found = pymunk.Circle(ground, half, (x, y)) if is_round else pymunk.Poly.create_box_bb(ground, box)
         found.friction = _OBSTACLE_FRICTION
         number = max(self.obstacles, default=0) + 1
         self.obstacles[number] = {"id": number, "shape": shape, "x": x, "y": y, "size": 2 * half}
@@ -249,15 +231,10 @@ class Scene:
         del self.obstacles[obstacle]
         self.space.remove(self._obstacle_shapes.pop(obstacle))
 
-    def until_contact(self) -> None:
-        """Pause after the step in which the next pair of shapes touches."""
-        self.waits_for_contact = True
-
     # ---- what is shown
 
     def to_dict(self) -> dict[str, Any]:
         """Return what the page gets once."""
-        values = self.values
         return {
             "step": self.step_length,
             "dragon": None,
@@ -265,7 +242,7 @@ class Scene:
             "y_down": self.play.y_down,
             "units": self.play.units,
             "parameters": [
-                {name: part for name, part in vars(each).items() if name != "action"} | {"value": values[each.name]}
+                {name: part for name, part in vars(each).items() if name != "action"}
                 for each in self.parameters.values()
             ],
             "buttons": [each.name for each in self.play.controls if isinstance(each, Button)],
@@ -297,37 +274,28 @@ class Scene:
     def plots(self) -> dict[str, float]:
         """Return quantities for charts: energy, momentum, and those of the user's."""
         moving = [body for body in self.space.bodies if body.body_type == pymunk.Body.DYNAMIC]
-        mass, moment = np.array([(body.mass, body.moment) for body in moving]).reshape(-1, 2).T
-        buffer = self._bodies
-        buffer.clear()
-        batch.get_space_bodies(self.space, _MOTION_FIELDS, buffer)
-        rows = {number: row for row, number in enumerate(np.frombuffer(buffer.int_buf(), np.uint64).tolist())}
-        motion = np.frombuffer(buffer.float_buf()).reshape(-1, 5)[[rows[body.id] for body in moving]]
-        position, velocity, spin = motion[:, :2], motion[:, 2:4], motion[:, 4]
-        # The moment of a body that cannot turn is infinite.
-        kinetic = mass @ (velocity**2).sum(axis=1) / 2 + moment[spin != 0] @ spin[spin != 0] ** 2 / 2
-        potential = -mass @ (position @ np.array(self.space.gravity))
-        found = {"Kinetic energy": float(kinetic), "Kinetic and potential energy": float(kinetic + potential)}
-        found |= {"Momentum": float(np.hypot(*(mass @ velocity)))}
+        # Pymunk leaves out the half.
+        kinetic = sum(body.kinetic_energy for body in moving) / 2
+        potential = -sum(body.mass * body.position.dot(self.space.gravity) for body in moving)
+        momentum = sum((body.mass * body.velocity for body in moving), pymunk.Vec2d.zero()).length
+        found = {"Kinetic energy": kinetic, "Kinetic and potential energy": kinetic + potential, "Momentum": momentum}
         return found | {name: float(quantity(self.space)) for name, quantity in self.play.plots.items()}
 
     def frame(self, header: Mapping[str, Any]) -> bytes:
-        """Return the present state in binary: a JSON header with sizes, and arrays of 32-bit numbers."""
+        """Return the present state as `in_binary` does, with the session's part of the header."""
         held = None
         if self._held is not None:
             held = [*self._held.b.local_to_world(self._held.anchor_b), *self._hand.position]
         more, arrays = self._parts()
-        return in_binary({**header, "step": self.steps, "time": self.time, "held": held, **more}, arrays, "<f4")
+        return in_binary({**header, "step": self.steps, "time": self.time, "held": held, **more}, arrays)
 
-    def snapshot(self) -> bytes:
-        """Return the present state for a recording, as `calls_of` takes it."""
-        numbers, colours = packed(self.calls())
-        return in_binary({"colours": colours}, {"calls": numbers}, "<f4")
+    def snapshot(self) -> Any:
+        """Return the present state for a recording as JSON values, which `calls_of` takes."""
+        return [[getattr(call, name) for name in DrawCall.__slots__] for call in self.calls()]
 
-    def calls_of(self, snapshot: bytes) -> list[DrawCall]:
+    def calls_of(self, snapshot: Any) -> list[DrawCall]:
         """Return what is drawn of a snapshot."""
-        header, arrays = from_binary(snapshot, "<f4")
-        return unpacked(arrays["calls"], header["colours"])
+        return [DrawCall(*call) for call in snapshot]
 
     # ---- parts of a frame
 
@@ -346,16 +314,13 @@ class Scene:
 
     def _joint_at(self, x: float, y: float, slip: float) -> pymunk.Constraint:
         """Return the joint whose line passes within `slip` of a point."""
-        point = pymunk.Vec2d(*_point(x, y))
-        slip = finite("slip", slip, 0, MAX_COORDINATE, self.play.units)
-        distances = [
-            (point.get_distance(pymunk.Vec2d(*_nearest(_end(joint, "a"), _end(joint, "b"), point))), number, joint)
-            for number, joint in enumerate(self.joints())
-        ]
-        distance, _, joint = min(distances, default=(math.inf, 0, None))
-        if joint is None or distance > slip:
-            raise ParameterError("x, y", tuple(point), "a point of a joint")
-        return joint
+        joints, rows = self.joints(), self._joints()
+        begin, along = rows[:, :2], rows[:, 2:4] - rows[:, :2]
+        share = ((np.array((x, y)) - begin) * along).sum(axis=1) / np.maximum((along**2).sum(axis=1), 1e-12)
+        distances = np.hypot(*(begin + share.clip(0, 1)[:, None] * along - (x, y)).T)
+        if not (distances <= slip).any():
+            raise ParameterError("x, y", (x, y), "a point of a joint")
+        return joints[int(np.nanargmin(distances))]
 
     def _contacts(self) -> Array:
         """Return rows of point, normal and impulse of all contact points; the first of each pair has its impulse."""
@@ -379,42 +344,8 @@ class Scene:
             rows, flags = rows[awake], flags[awake]
         return rows, flags
 
-    def _has_new_contact(self) -> bool:
-        return bool(self._pairs()[1][:, 2].any())
-
-    def _extent(self) -> tuple[float, float, float, float]:
-        """Return centre, width and height of what is drawn."""
-        points = [point for call in self.calls() for point in _corners(call)] or [(-1.0, -1.0), (1.0, 1.0)]
-        found = np.array(points)
-        found = found[np.isfinite(found).all(axis=1)]
-        low, high = found.min(axis=0), found.max(axis=0)
-        width, height = np.maximum(high - low, _SMALLEST_FIELD)
-        x, y = (low + high) / 2
-        return float(x), float(y), float(width), float(height)
-
-
-def _corners(call: DrawCall) -> Iterator[tuple[float, float]]:
-    """Yield corners of the bounding box of a call."""
-    reach = 0.0 if call.name == "dot" else call.radius
-    for x, y in call.points:
-        yield x - reach, y - reach
-        yield x + reach, y + reach
-
 
 def _end(joint: pymunk.Constraint, side: str) -> pymunk.Vec2d:
     """Return the end of a joint on body "a" or "b" in the world: an anchor, or the position of the body."""
     body: pymunk.Body = getattr(joint, side)
     return body.local_to_world(getattr(joint, f"anchor_{side}", getattr(joint, f"groove_{side}", (0.0, 0.0))))
-
-
-def _nearest(a: pymunk.Vec2d, b: pymunk.Vec2d, point: pymunk.Vec2d) -> pymunk.Vec2d:
-    """Return the point of a line that is nearest to a point."""
-    along = b - a
-    length = along.dot(along)
-    share = min(max((point - a).dot(along) / length, 0.0), 1.0) if length > 0 else 0.0
-    return a + share * along
-
-
-def _point(x: object, y: object) -> tuple[float, float]:
-    bound = -MAX_COORDINATE, MAX_COORDINATE
-    return finite("x", x, *bound, ""), finite("y", y, *bound, "")

@@ -1,8 +1,4 @@
-"""The server of a live session: a page, and a WebSocket for each client, with aiohttp in a thread of its own.
-
-Starlette with Uvicorn and websockets would do the same: seven packages instead of eight, and they are imported in 0.2 s
-as well. aiohttp is one project with one set of releases, and waits while a client does not take what is sent.
-"""
+"""The server of a live session: a page, and a WebSocket for each client, with aiohttp in a thread of its own."""
 
 from __future__ import annotations
 
@@ -23,89 +19,81 @@ from aiohttp import WSMsgType, web
 
 from pymunk_dragon._language import language
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.sessions.log import Log
-from pymunk_dragon.sessions.messages import MAX_MESSAGE, parsed
+from pymunk_dragon.sessions.messages import MAX_MESSAGE
 from pymunk_dragon.sessions.page import live_page
+from pymunk_dragon.sessions.recording import Log
 from pymunk_dragon.sessions.session import Session
 
 # Bytes of a message: a character takes up to four.
 _MAX_BYTES = 4 * MAX_MESSAGE
-# Messages of a client in a second: the others wait, and a client that sends more for so many seconds is disconnected.
-_MOST_MESSAGES, _FLOOD_TIME = 500, 10
+# Messages of a client in a second: the others wait, and a client of which so many had to wait is disconnected.
+_MOST_MESSAGES, _MOST_DELAYED = 500, 5000
 # Texts that wait for a client; one that does not take them is disconnected.
 _MAX_TEXTS = 1000
 # Clients at once, and those of them who only watch: places are kept for those who control.
 _MAX_CLIENTS, _MAX_WATCHERS = 220, 200
-# s after which a client that does not answer is disconnected.
-_HEARTBEAT = 20.0
-# s in which the server has to begin, and clients to take the last bytes.
-_START_TIME = 10.0
-_STOP_TIME = 0.5
-# Errors for which a port is to blame.
-_PORT_ERRORS = (errno.EADDRINUSE, errno.EACCES)
+# s after which a client that does not answer is disconnected; in which inputs are saved; for the last bytes.
+_HEARTBEAT, _SAVE_TIME, _STOP_TIME = 20.0, 10.0, 0.5
 # Bytes of randomness in a token.
 _TOKEN_BYTES = 16
 _LOOPBACK = ("localhost", "127.0.0.1", "::1")
 _HEADERS = {"Cache-Control": "no-store", "Referrer-Policy": "no-referrer", "X-Content-Type-Options": "nosniff"}
+_Call = Callable[[Callable[[], object]], None]
 
 
 class _Client:
     """A browser: texts that it has to get, and the newest frame."""
 
-    def __init__(self, connection: web.WebSocketResponse, controls: bool, drop: Callable[[], object]) -> None:
-        self._drop = drop
-        self.connection, self.controls = connection, controls
+    def __init__(
+        self, connection: web.WebSocketResponse, controls: bool, drop: Callable[[], object], call: _Call
+    ) -> None:
+        self.controls, self.drop, self._call = controls, drop, call
+        self._connection, self._news = connection, asyncio.Event()
         self._texts: deque[str] = deque()
         self._frame: bytes | None = None
-        self._news = asyncio.Event()
-        self._second, self._messages, self._floods = 0.0, 0, 0
+        self._due, self._delayed = 0.0, 0
 
     def tell(self, message: dict[str, Any]) -> None:
         """Send a text; a client that does not take them is disconnected."""
-        if len(self._texts) >= _MAX_TEXTS:
-            self._drop()
-            return
-        self._texts.append(json.dumps(message, allow_nan=False))
-        self._news.set()
+        role = {} if self.controls or message["kind"] != "scene" else {"role": "watch"}
+        self._texts.append(json.dumps(message | role, allow_nan=False))
+        self._call(self._news.set if len(self._texts) <= _MAX_TEXTS else self.drop)
 
     def show(self, frame: bytes) -> None:
         """Send a frame, unless a newer one comes before this client takes it."""
         self._frame = frame
-        self._news.set()
-
-    async def slow_down(self) -> None:
-        """Count a message, and wait before one too many: meanwhile, nothing is read from this client."""
-        now = asyncio.get_running_loop().time()
-        if now - self._second >= 1:
-            self._second, self._messages = now, 0
-        self._messages += 1
-        if self._messages > _MOST_MESSAGES:
-            self._floods += 1
-            if self._floods >= _FLOOD_TIME:
-                self._drop()
-            await asyncio.sleep(self._second + 1 - now)
+        if not self._news.is_set():
+            self._call(self._news.set)
 
     async def send(self) -> None:
         """Send what there is, as fast as the client takes it."""
         with suppress(ConnectionError):
-            while not self.connection.closed:
-                await self._news.wait()
+            while await self._news.wait():
                 self._news.clear()
                 while self._texts:
-                    await self.connection.send_str(self._texts.popleft())
+                    await self._connection.send_str(self._texts.popleft())
                 frame, self._frame = self._frame, None
                 if frame is not None:
-                    await self.connection.send_bytes(frame)
+                    await self._connection.send_bytes(frame)
+
+    async def slow_down(self) -> None:
+        """Wait after a message too many: meanwhile, nothing is read from this client."""
+        now = asyncio.get_running_loop().time()
+        # A second's messages may come at once.
+        self._due = max(self._due, now - 1) + 1 / _MOST_MESSAGES
+        if self._due > now:
+            self._delayed += 1
+            if self._delayed > _MOST_DELAYED:
+                self.drop()
+            await asyncio.sleep(self._due - now)
 
 
 class Server:
-    """Serves a session to browsers."""
+    """Serves a session to browsers, until `stop`."""
 
-    def __init__(
-        self, session: Session, *, host: str = "127.0.0.1", port: int = 0, allowed: Sequence[str] = ()
-    ) -> None:
-        self.session, self.host, self.port = session, host, port
-        self.token, self.watch_token = secrets.token_urlsafe(_TOKEN_BYTES), secrets.token_urlsafe(_TOKEN_BYTES)
+    def __init__(self, session: Session, *, host: str, port: int, allowed: Sequence[str] = ()) -> None:
+        self.session, self.host = session, host
+        self.token, self._watch_token = secrets.token_urlsafe(_TOKEN_BYTES), secrets.token_urlsafe(_TOKEN_BYTES)
         self._proxies = {name.lower() for name in allowed}
         self._allowed = {*_LOOPBACK, host.lower(), *self._proxies}
         self._any_address = host not in _LOOPBACK
@@ -113,104 +101,50 @@ class Server:
             self._allowed.add(socket.gethostname().lower())
         # Now, because the thread of the server does not have it.
         self._language = language()
+        self._socket = _bound(host, port)
+        self.port: int = self._socket.getsockname()[1]
+        # With one, one controls the session, with the other, one only watches.
+        self.address, self.watch_address = self._address(self.token), self._address(self._watch_token)
         self._clients: set[_Client] = set()
-        self._holder: _Client | None = None
-        self._loop: asyncio.AbstractEventLoop | None = None
-        self._end: asyncio.Event | None = None
-        self._begun = threading.Event()
-        self._failure: BaseException | None = None
+        self._loop, self._end = asyncio.new_event_loop(), asyncio.Event()
         self._thread = threading.Thread(target=self._run, name="pymunk-dragon live server", daemon=True)
-        session.audience.append(self)
+        self._thread.start()
 
     # ---- from other threads
 
-    @property
-    def address(self) -> str:
-        """Address of the page, with which one controls the session."""
-        return self._address(self.token)
-
-    @property
-    def watch_address(self) -> str:
-        """Address of the page, with which one only watches."""
-        return self._address(self.watch_token)
-
-    def start(self) -> None:
-        """Begin to serve."""
-        self._thread.start()
-        if not self._begun.wait(_START_TIME):
-            raise ParameterError("host", self.host, f"an address that is found within {_START_TIME:g} s")
-        if self._failure is not None:
-            reason = (isinstance(self._failure, OSError) and self._failure.strerror) or self._failure
-            if isinstance(self._failure, OSError) and self._failure.errno in _PORT_ERRORS:
-                bound = f"one that is free on {self.host} ({reason})"
-                raise ParameterError("port", self.port, bound) from self._failure
-            raise ParameterError("host", self.host, f"an address of this machine ({reason})") from self._failure
-
     def stop(self) -> None:
         """End the server; its thread is gone afterwards."""
-        if self._loop is not None and self._end is not None:
-            with suppress(RuntimeError):  # It has ended.
-                self._loop.call_soon_threadsafe(self._end.set)
-        if self._thread.is_alive():
-            self._thread.join()
+        self._call(self._end.set)
+        self._thread.join()
+
+    def _call(self, action: Callable[[], object]) -> None:
+        """Have something done in the server's thread."""
+        with suppress(RuntimeError):  # The loop has ended.
+            self._loop.call_soon_threadsafe(action)
 
     def _address(self, token: str) -> str:
         host = "127.0.0.1" if self.host in ("0.0.0.0", "::") else self.host
         return f"http://{f'[{host}]' if ':' in host else host}:{self.port}/?token={token}"
 
-    def tell(self, message: dict[str, Any]) -> None:
-        """Send a text to all clients."""
-        self._each(lambda client: client.tell(self._for(client, message)))
-
-    def show(self, frame: bytes) -> None:
-        """Send a frame to all clients."""
-        self._each(lambda client: client.show(frame))
-
-    def _each(self, action: Callable[[_Client], object]) -> None:
-        def act() -> None:
-            for client in self._clients:
-                action(client)
-
-        self._call(act)
-
-    def _call(self, action: Callable[[], object]) -> None:
-        """Have something done in the server's thread."""
-        if self._loop is not None:
-            with suppress(RuntimeError):  # The loop has ended.
-                self._loop.call_soon_threadsafe(action)
-
-    @staticmethod
-    def _for(client: _Client, message: dict[str, Any]) -> dict[str, Any]:
-        return message | {"role": "control" if client.controls else "watch"} if message["kind"] == "scene" else message
-
     # ---- the server's thread
 
     def _run(self) -> None:
-        try:
-            asyncio.run(self._serve())
-        except BaseException as error:
-            self._failure = error
-        finally:
-            self._begun.set()
+        with asyncio.Runner(loop_factory=lambda: self._loop) as runner:
+            runner.run(self._serve())
 
     async def _serve(self) -> None:
-        self._loop, self._end = asyncio.get_running_loop(), asyncio.Event()
         application = web.Application(middlewares=[self._check])
         application.router.add_get("/", self._page)
-        application.router.add_get("/socket", self._socket)
+        application.router.add_get("/socket", self._connect)
         application.router.add_get("/inputs", self._inputs)
+        application.on_response_prepare.append(_add_headers)
         runner = web.AppRunner(application, access_log=None, shutdown_timeout=_STOP_TIME)
         await runner.setup()
         try:
-            site = web.TCPSite(runner, self.host, self.port)
-            await site.start()
-            assert site._server is not None  # The site was started.
-            self.port = site._server.sockets[0].getsockname()[1]  # type: ignore[attr-defined]  # asyncio's own server has it.
-            self._begun.set()
+            await web.SockSite(runner, self._socket).start()
             await self._end.wait()
-            # All at once: a client that does not read would have the next one wait.
-            closing = [asyncio.wait_for(client.connection.close(), _STOP_TIME) for client in self._clients]
-            await asyncio.gather(*closing, return_exceptions=True)
+            for client in self._clients:
+                client.drop()
         finally:
             await runner.cleanup()
 
@@ -219,16 +153,13 @@ class Server:
         """Refuse requests that come under another name or from another page, or have no token."""
         host, origin = request.headers.get("Host", ""), request.headers.get("Origin")
         if not self._is_known(_parts(f"//{host}")[0]):
-            return web.Response(status=403, text="This host is not known. See --allow-host.\n", headers=_HEADERS)
+            raise web.HTTPForbidden(text="This host is not known. See --allow-host.\n")
         # A proxy with an allowed name may replace the host, but not the origin.
         if origin is not None and _parts(origin)[1] != host and _parts(origin)[0] not in self._proxies:
-            return web.Response(status=403, text="Requests of other pages are refused.\n", headers=_HEADERS)
-        if not (_has_token(request, self.token) or _has_token(request, self.watch_token)):
-            return web.Response(status=403, text="The address needs the token that was printed.\n", headers=_HEADERS)
-        try:
-            response: web.StreamResponse = await handler(request)
-        except web.HTTPException as error:  # Such as of an address that does not exist.
-            return web.Response(status=error.status, text=f"{error.reason}\n", headers=_HEADERS)
+            raise web.HTTPForbidden(text="Requests of other pages are refused.\n")
+        if not (_has_token(request, self.token) or _has_token(request, self._watch_token)):
+            raise web.HTTPForbidden(text="The address needs the token that was printed.\n")
+        response: web.StreamResponse = await handler(request)
         return response
 
     def _is_known(self, name: str | None) -> bool:
@@ -243,77 +174,58 @@ class Server:
 
     async def _page(self, request: web.Request) -> web.Response:
         page, rules = live_page(self.session.source.title, self._language)
-        headers = {**_HEADERS, "Content-Security-Policy": rules}
-        return web.Response(text=page, content_type="text/html", headers=headers)
+        return web.Response(text=page, content_type="text/html", headers={"Content-Security-Policy": rules})
 
     async def _inputs(self, request: web.Request) -> web.Response:
         """What was done so far, as JSON from which the session is played again."""
-        found: asyncio.Future[Log] = asyncio.get_running_loop().create_future()
+        found: asyncio.Future[str] = asyncio.get_running_loop().create_future()
 
         def take() -> None:
-            log = Log.of(self.session)
-            self._call(lambda: None if found.done() else found.set_result(log))
+            text = Log.of(self.session).to_json()
+            self._call(lambda: None if found.done() else found.set_result(text))
 
         self.session.call(take)
-        text = (await asyncio.wait_for(found, _START_TIME)).to_json()
-        return _download(text.encode(), "live.json", "application/json")
+        text = await asyncio.wait_for(found, _SAVE_TIME)
+        headers = {"Content-Disposition": 'attachment; filename="live.json"'}
+        return web.Response(text=text, content_type="application/json", headers=headers)
 
-    async def _socket(self, request: web.Request) -> web.StreamResponse:
+    async def _connect(self, request: web.Request) -> web.StreamResponse:
         controls = _has_token(request, self.token)
         watchers = sum(not client.controls for client in self._clients)
         if len(self._clients) >= _MAX_CLIENTS or (watchers >= _MAX_WATCHERS and not controls):
-            return web.Response(status=503, text="There are too many clients.\n", headers=_HEADERS)
+            raise web.HTTPServiceUnavailable(text="There are too many clients.\n")
         connection = web.WebSocketResponse(compress=False, heartbeat=_HEARTBEAT, max_msg_size=_MAX_BYTES)
         await connection.prepare(request)
-        transport = request.transport
-        assert transport is not None  # The request is being answered.
-        client = _Client(connection, controls, transport.abort)
-        for text in self.session.greeting():
-            client.tell(self._for(client, text))
+        assert request.transport is not None  # The request is being answered.
+        client = _Client(connection, controls, request.transport.abort, self._call)
         self._clients.add(client)
-        self._count(1)
+        self.session.join(client)
         sending = asyncio.create_task(client.send())
         try:
             async for message in connection:
                 await client.slow_down()
-                if message.type is WSMsgType.TEXT:
-                    self._receive(client, message.data)
-                else:
-                    client.tell({"kind": "error", "text": "message must be a text"})
+                self.session.receive(client, message.data if message.type is WSMsgType.TEXT else "")
         finally:
             self._clients.discard(client)
             sending.cancel()
-            if self._holder is client:
-                self.session.post({"do": "drop"}, always=True)
-            self._count(-1)
+            self.session.leave(client)
         return connection
 
-    def _count(self, more: int) -> None:
-        self.session.clients += more
-        self.session.touch()
 
-    def _receive(self, client: _Client, text: str) -> None:
-        def answer(reason: str) -> None:
-            self._call(lambda: client.tell({"kind": "error", "text": reason}))
-
-        try:
-            message = parsed(text)
-        except ParameterError as error:
-            client.tell({"kind": "error", "text": str(error)[:MAX_MESSAGE]})
-            return
-        if message["do"] == "ping":
-            client.tell({"kind": "pong", "id": message["id"]})
-        elif not client.controls:
-            client.tell({"kind": "error", "text": "this address only watches"})
-        else:
-            # One hand: who grabs another body takes it over.
-            self._holder = {"grab": client, "drop": None}.get(message["do"], self._holder)
-            self.session.post(message, answer)
+def _bound(host: str, port: int) -> socket.socket:
+    """Return a socket that listens; port 0 is a free one."""
+    try:
+        return socket.create_server((host, port), family=socket.AF_INET6 if ":" in host else socket.AF_INET)
+    except (OSError, UnicodeError) as error:
+        reason = (isinstance(error, OSError) and error.strerror) or error
+        if isinstance(error, OSError) and error.errno in (errno.EADDRINUSE, errno.EACCES):
+            raise ParameterError("port", port, f"one that is free on {host} ({reason})") from error
+        raise ParameterError("host", host, f"an address of this machine ({reason})") from error
 
 
-def _download(content: bytes, name: str, kind: str) -> web.Response:
-    headers = {**_HEADERS, "Content-Disposition": f'attachment; filename="{name}"'}
-    return web.Response(body=content, content_type=kind, headers=headers)
+async def _add_headers(request: web.Request, response: web.StreamResponse) -> None:
+    """Add the headers that all answers have, also those of addresses and methods that do not exist."""
+    response.headers.update(_HEADERS)
 
 
 def _has_token(request: web.Request, token: str) -> bool:
@@ -321,7 +233,7 @@ def _has_token(request: web.Request, token: str) -> bool:
 
 
 def _parts(address: str) -> tuple[str | None, str | None]:
-    """Name of the host in an address, and the same with its port; None if there is none."""
+    """Return the name of the host in an address, and the same with its port; None if there is none."""
     try:
         found = urlsplit(address)
         return found.hostname, found.netloc

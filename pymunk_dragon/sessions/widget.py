@@ -13,8 +13,6 @@ from traitlets import Unicode
 
 from pymunk_dragon._html import asset, data_address
 from pymunk_dragon._language import language
-from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.sessions.messages import parsed
 from pymunk_dragon.sessions.page import live_page
 from pymunk_dragon.sessions.recording import still
 from pymunk_dragon.sessions.session import Session
@@ -33,6 +31,7 @@ class LiveWidget(AnyWidget):
     page = Unicode().tag(sync=True)
     # Class of the picture that the page replaces.
     still = Unicode().tag(sync=True)
+    controls = True
 
     def __init__(self, session: Session) -> None:
         page, _ = live_page(session.source.title, language())
@@ -41,9 +40,8 @@ class LiveWidget(AnyWidget):
         self._session, self._lock = session, RLock()
         self._sent = self._drawn = 0
         self._newest: bytes | None = None
-        self._looks, self._heard = False, 0.0
+        self._heard = 0.0
         self.on_msg(self._receive)
-        session.audience.append(self)
 
     def shown(self) -> Any:
         """Display a picture of the present state, which remains in the notebook, and return the page as a bundle."""
@@ -56,21 +54,20 @@ class LiveWidget(AnyWidget):
     def stop(self) -> None:
         """Take no more messages, and have the page say so."""
         self.on_msg(self._receive, remove=True)
+        self._session.leave(self)
         self.send({"closed": True})
 
     def tell(self, message: dict[str, Any]) -> None:
-        """Send a text, if anybody looks."""
-        if self._looks:
-            role = {"role": "control"} if message["kind"] == "scene" else {}
-            self.send({"text": json.dumps(message | role, allow_nan=False)})
+        """Send a text."""
+        self.send({"text": json.dumps(message, allow_nan=False)})
 
     def show(self, frame: bytes) -> None:
         """Send a frame, unless a newer one comes before the page has drawn those before it."""
         with self._lock:
-            if self._looks and perf_counter() - self._heard > SILENCE:
-                self._looks = False
-                self._session.clients -= 1
-            self._newest = frame if self._looks else None
+            if perf_counter() - self._heard > SILENCE:
+                self._session.leave(self)
+                return
+            self._newest = frame
             self._send_newest()
 
     def _send_newest(self) -> None:
@@ -82,30 +79,13 @@ class LiveWidget(AnyWidget):
     def _receive(self, widget: object, content: object, buffers: object) -> None:
         with self._lock:
             self._heard = perf_counter()
-            if not self._looks or content == 0:
-                self._welcome()
+            if content == 0 or self not in self._session.clients:
+                # A page that begins anew has none of the frames that were sent before, and holds no body.
+                self._session.leave(self)
+                self._drawn, self._newest = self._sent, None
+                self._session.join(self)
             if isinstance(content, str):
-                self._take(content)
+                self._session.receive(self, content)
             elif isinstance(content, int):
                 self._drawn = max(self._drawn, content)
                 self._send_newest()
-
-    def _welcome(self) -> None:
-        """Begin anew with a page, which has none of the frames that were sent before, and holds no body."""
-        self._session.clients += not self._looks
-        self._looks, self._drawn = True, self._sent
-        self._session.post({"do": "drop"}, always=True)
-        for message in self._session.greeting():
-            self.tell(message)
-        self._session.touch()
-
-    def _take(self, text: str) -> None:
-        try:
-            message = parsed(text)
-        except ParameterError as error:
-            self.tell({"kind": "error", "text": str(error)})
-            return
-        if message["do"] == "ping":
-            self.tell({"kind": "pong", "id": message["id"]})
-        else:
-            self._session.post(message, lambda reason: self.tell({"kind": "error", "text": reason}))
