@@ -102,9 +102,17 @@ class Server:
     """Serves a session to browsers."""
 
     def __init__(
-        self, session: Session, *, host: str = "127.0.0.1", port: int = 0, allowed: Sequence[str] = ()
+        self,
+        session: Session,
+        *,
+        host: str = "127.0.0.1",
+        port: int = 0,
+        allowed: Sequence[str] = (),
+        front: tuple[str, str] | None = None,
     ) -> None:
         self.session, self.host, self.port = session, host, port
+        # A page, and its content security policy, which is shown first; it may have the live page in a frame.
+        self._front = front
         self.token, self.watch_token = secrets.token_urlsafe(_TOKEN_BYTES), secrets.token_urlsafe(_TOKEN_BYTES)
         self._proxies = {name.lower() for name in allowed}
         self._allowed = {*_LOOPBACK, host.lower(), *self._proxies}
@@ -197,6 +205,7 @@ class Server:
         self._loop, self._end = asyncio.get_running_loop(), asyncio.Event()
         application = web.Application(middlewares=[self._check])
         application.router.add_get("/", self._page)
+        application.router.add_get("/live", self._page)
         application.router.add_get("/socket", self._socket)
         application.router.add_get("/inputs", self._inputs)
         runner = web.AppRunner(application, access_log=None, shutdown_timeout=_STOP_TIME)
@@ -242,7 +251,8 @@ class Server:
         return self._any_address
 
     async def _page(self, request: web.Request) -> web.Response:
-        page, rules = live_page(self.session.source.title, self._language)
+        live = live_page(self.session.source.title, self._language)
+        page, rules = (self._front or live) if request.path == "/" else live
         headers = {**_HEADERS, "Content-Security-Policy": rules}
         return web.Response(text=page, content_type="text/html", headers=headers)
 
