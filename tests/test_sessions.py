@@ -160,11 +160,22 @@ def test_dragon_keeps_to_the_exact_model_and_without_dancers_bench_1_meets_bench
             assert on.frame().errors.max() < 1e-5
         assert (on.frame().time, on.frame().march_time) == pytest.approx((10.0, 10.0))
     with played("unguided") as on:
+        on.do("release", bench=1)
         assert on.step(2000) < 2000
         assert on.events == ["benches 1 and 28 touch"]
         assert on.scene.time == pytest.approx(10.894, abs=0.05)
         assert not on.session.state()["running"]
         assert on.frame().touching == [1, 28]
+
+
+def test_scenes_of_lessons_tell_the_calls_of_a_contact_and_the_force_that_drags_at_a_chain():
+    with played("callbacks") as on:
+        on.run(2.0)
+        calls = [event.split(",")[0] for event in on.events]
+        assert calls[:3] == ["begin", "pre_solve", "post_solve"]
+    with played("tension") as on:
+        on.run(2.0)
+        assert on.scene.plots()["Force in the first joint (N)"] == pytest.approx(12 * 10 * np.log(2))
 
 
 def test_tail_behind_a_cut_joint_stays_while_the_head_goes_on():

@@ -159,6 +159,73 @@ def _boxes(rows: int = 8) -> pymunk.Space:
     return space
 
 
+# m, kg, m/s: the benches of the lessons on forces and on callbacks, and the ground below a chain that is pulled.
+_LENGTH, _WIDTH, _MASS, _GROUND_SPEED = 2.0, 0.3, 10.0, 1.0
+# s: step of that chain.
+_TOW_STEP = 1 / 240
+
+
+def _bench(space: pymunk.Space, position: tuple[float, float], angle: float = 0.0) -> pymunk.Body:
+    """Return a bench in a space."""
+    body = pymunk.Body(_MASS, pymunk.moment_for_box(_MASS, (_LENGTH, _WIDTH)))
+    body.position, body.angle = position, angle
+    space.add(body, pymunk.Poly.create_box(body, (0.96 * _LENGTH, _WIDTH)))
+    return body
+
+
+def _tow(benches: int = 12, drag: float = math.log(2), dancers: int = 0) -> pymunk.Space:
+    """Return benches behind a fixed hook, above ground that goes back and drags at those without a dancer."""
+    space = pymunk.Space()
+    space.iterations = 60
+    before, anchor = space.static_body, (0.0, 0.0)
+    for number in range(benches):
+        pushed = (number + 1) * dancers // benches > number * dancers // benches
+
+        def move(body: pymunk.Body, gravity: Any, damping: float, dt: float, ground: float = float(not pushed)) -> None:
+            body.force -= _MASS * drag * (body.velocity + pymunk.Vec2d(ground * _GROUND_SPEED, 0))
+            pymunk.Body.update_velocity(body, gravity, damping, dt)
+
+        bench = _bench(space, (-_LENGTH * (number + 0.5), 0.0))
+        bench.velocity_func = move
+        for shape in bench.shapes:
+            shape.filter = pymunk.ShapeFilter(group=1)
+        space.add(pymunk.PivotJoint(before, bench, anchor, (_LENGTH / 2, 0.0)))
+        before, anchor = bench, (-_LENGTH / 2, 0.0)
+    return space
+
+
+def _first_force(space: pymunk.Space) -> float:
+    """Return the force in the joint at the hook, N."""
+    at_hook = [joint for joint in space.constraints if joint.a is space.static_body]
+    return max((joint.impulse for joint in at_hook), default=0.0) / _TOW_STEP
+
+
+def _brush(elasticity: float = 0.5) -> pymunk.Space:
+    """Return a bench that brushes another one."""
+    space = pymunk.Space()
+    space.damping = 0.7
+    moving = _bench(space, (-2.4, 1.7), -0.6)
+    moving.velocity = 2.5, -1.0
+    _bench(space, (0.0, 0.0))
+    for shape in space.shapes:
+        shape.elasticity, shape.friction = elasticity, 0.4
+    return space
+
+
+def _callbacks(values: Values) -> Scene:
+    """Return the scene of `_brush`, with each call of a callback as an event."""
+    bounce = Slider("elasticity", 0, 1, label="Elasticity", rebuilds=True)
+    scene = program(_brush, Play(step=1 / 50, controls=[bounce], field=(0.0, 0.3, 7.0, 5.0))).build(values)
+
+    def called(arbiter: pymunk.Arbiter, space: pymunk.Space, name: Any) -> None:
+        scene.events.append(f"{name}, impulse {arbiter.total_impulse.length:.2f} N s")
+
+    for name in ("begin", "pre_solve", "post_solve", "separate"):
+        callback: dict[str, Any] = {name: called}
+        scene.space.on_collision(**callback, data=name)
+    return scene
+
+
 def _arm(values: Values) -> Scene:
     """The arm of the lesson, on a spiral instead of a curve drawn by hand."""
     arm = Dragon(
@@ -188,9 +255,9 @@ _READY = (
     Ready(
         name="unguided",
         title="Without dancers",
-        text="No bench is guided. Which two touch first?",
+        text="Let all dancers go, and watch: which two benches touch first?",
         lesson="unguided",
-        build=lambda values: DragonScene(March(), values, contacts="stop", free_from=1),
+        build=lambda values: DragonScene(March(), values, contacts="stop"),
     ),
     Ready(
         name="sloppy-engine",
@@ -212,8 +279,34 @@ _READY = (
         name="jam",
         title="A jam",
         text="The path is blocked. Remove the obstacle, or see which forces the joints bear.",
-        lesson="callbacks",
         build=_jam,
+    ),
+    Ready(
+        name="callbacks",
+        title="Callbacks of a contact",
+        text='Make benches touch, and read below "Events" which callbacks Pymunk calls.',
+        lesson="callbacks",
+        build=_callbacks,
+    ),
+    Ready(
+        name="tension",
+        title="A chain that is pulled",
+        text="The ground goes back below the benches and drags at them. Pull, and cut a joint.",
+        lesson="tension",
+        build=program(
+            _tow,
+            Play(
+                step=_TOW_STEP,
+                controls=[
+                    Slider("benches", 2, 24, label="Benches", rebuilds=True),
+                    Slider("drag", 0, 2, label="Drag of the ground", unit="1/s", rebuilds=True),
+                    Slider("dancers", 0, 24, label="Dancers", rebuilds=True),
+                ],
+                plots={"Force in the first joint (N)": _first_force},
+                field=(-12.0, 0.0, 27.0, 8.0),
+                show=("forces",),
+            ),
+        ).build,
     ),
     Ready(
         name="robot-arm",
@@ -226,7 +319,6 @@ _READY = (
         name="pendulum",
         title="A pendulum of three rods",
         text="Pull it up and drop it. Then cut a joint.",
-        lesson="tension",
         build=program(_pendulum, Play(step=1 / 240, field=(0.0, -1.0, 7.0, 5.0))).build,
     ),
     Ready(

@@ -53,6 +53,8 @@ class Play:
     units: str = "m"
     # Centre, width and height of the area to show at first; by default that of all shapes and joints.
     field: tuple[float, float, float, float] | None = None
+    # What the page shows at first beside the usual: "forces", "handles", "labels", "centres".
+    show: tuple[str, ...] = ()
 
 
 class Scene:
@@ -241,6 +243,7 @@ class Scene:
             "field": self.field,
             "y_down": self.play.y_down,
             "units": self.play.units,
+            "show": list(self.play.show),
             "parameters": [
                 {name: part for name, part in vars(each).items() if name != "action"}
                 for each in self.parameters.values()

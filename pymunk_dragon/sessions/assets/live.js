@@ -9,6 +9,7 @@ const ANNOUNCE_EVERY = 1500; // ms: events in between are not announced to scree
 const SLOW = 0.9; // less than this fraction of the chosen speed is marked as slow
 const SWITCHES = ["curve", "handles", "labels", "ghost", "forces", "contacts", "centres"];
 const SHOWN_BY_DEFAULT = ["curve", "ghost", "contacts"];
+const STAGE = new URLSearchParams(location.hash.slice(1)).get("stage"); // scene that the page of a lesson shows in a frame
 
 class Live extends Stage {
   constructor() {
@@ -68,6 +69,7 @@ class Live extends Stage {
 
   setScene(scene) {
     this.showBuilding(false);
+    if (!this.scene && STAGE && scene.name !== STAGE && scene.role === "control") this.send({ do: "scene", name: STAGE });
     const same = this.scene?.name === scene.name;
     this.scene = scene;
     this.frame = this.framePoses = null;
@@ -81,6 +83,7 @@ class Live extends Stage {
       this.follow = "field";
       this.events = [];
       this.showEvents();
+      for (const name of scene.show) this.shown[name] = true;
       setText("announcement", translated(scene.title));
     }
     showScene(this);

@@ -23,7 +23,9 @@ function connect(live) {
   });
   Object.assign(element("save"), { href: `inputs${location.search}`, hidden: IN_WIDGET });
   for (const kind of ["focus", "blur"]) element("field").addEventListener(kind, () => live.requestDraw());
-  for (const part of document.querySelectorAll(".panel details")) part.open = matchMedia(WIDE).matches;
+  document.body.classList.toggle("framed", STAGE !== null);
+  addEventListener("hashchange", () => live.setLanguage(chosenLanguage()));
+  for (const part of document.querySelectorAll(".panel details")) part.open = STAGE !== null || matchMedia(WIDE).matches;
 }
 
 const buttonsOf = (live) => ({
