@@ -32,7 +32,7 @@ from PIL import Image
 from pymunk_dragon._checks import word
 from pymunk_dragon._files import check_destination, written_in_place
 from pymunk_dragon.drawing import STILL_ENDINGS, render
-from pymunk_dragon.drawing.figures import charts, plan_views
+from pymunk_dragon.drawing.figures import charts
 from pymunk_dragon.drawing.figures.style import Subject, styled
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.dragon import Dragon
@@ -61,13 +61,13 @@ class Kind:
 
 # All figures by name. 16 benches are the paper's small model, which closes a full loop before its first contact.
 FIGURES: Mapping[str, Kind] = {
-    "spiral": Kind("the spiral that handle 0 walks (the paper's figure 2)", plan_views.spiral),
-    "outer-loop": Kind("16 benches on the outer loop (figure 3)", plan_views.outer_loop, 16, STILL_ENDINGS),
-    "inward": Kind("16 benches as they close a full loop (figure 4)", plan_views.inward, 16, STILL_ENDINGS),
-    "collision": Kind("16 benches at their first contact (figure 5)", plan_views.collision, 16, STILL_ENDINGS),
-    "grid": Kind("which benches are filed in which cells (figure 6)", plan_views.grid, 16),
-    "trajectories": Kind("the trajectories of seven handles (figure 7)", plan_views.trajectories),
-    "velocities": Kind("the velocities of seven handles (figure 8)", plan_views.velocities),
+    "spiral": Kind("the spiral that handle 0 walks (the paper's figure 2)", charts.spiral),
+    "outer-loop": Kind("16 benches on the outer loop (figure 3)", charts.outer_loop, 16, STILL_ENDINGS),
+    "inward": Kind("16 benches as they close a full loop (figure 4)", charts.inward, 16, STILL_ENDINGS),
+    "collision": Kind("16 benches at their first contact (figure 5)", charts.collision, 16, STILL_ENDINGS),
+    "grid": Kind("which benches are filed in which cells (figure 6)", charts.grid, 16),
+    "trajectories": Kind("the trajectories of seven handles (figure 7)", charts.trajectories),
+    "velocities": Kind("the velocities of seven handles (figure 8)", charts.velocities),
     "gap": Kind("how near the head comes to the benches that it passes", charts.gap),
     "speeds": Kind("speed along the dragon at several times", charts.speeds),
     "drift": Kind("how far the engine is from the exact model", charts.drift),

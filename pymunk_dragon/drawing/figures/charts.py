@@ -1,17 +1,19 @@
-"""Figures over time and along the dragon: gaps of the head, speeds, and the engine's position errors and forces."""
+"""The paper's figures, and others: seen from above, over time, and along the dragon."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from pymunk_dragon._arrays import Array
 from pymunk_dragon._language import text
-from pymunk_dragon.collision import separation
+from pymunk_dragon.collision import Grid, separation
+from pymunk_dragon.drawing import Film
 from pymunk_dragon.drawing.figures import style
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.model.run import HEAD_BENCHES
+from pymunk_dragon.model.run import HEAD_BENCHES, Run
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -21,6 +23,150 @@ if TYPE_CHECKING:
 _MIN_GAP = 1.5e-4
 # Head lengths travelled: the part of a march before its end that `gap` shows.
 _GAP_LENGTHS = 4.5
+
+
+def spiral(subject: style.Subject) -> Figure:
+    """Draw the spiral that handle 0 follows (the paper's figure 2)."""
+    march, end = subject.march, subject.hit.time
+    curve, start = march.curve, march.head_start
+    turns = curve.turns(start)
+    if not curve.inward or turns is None:
+        raise ParameterError("curve", type(curve).__name__, "a Spiral inward, for this figure")
+    gone = float(march.distance(end))
+    title = text("Handle 0 walks {:.1f} m of {:.1f} m of spiral").format(gone, curve.end_s - start)
+    figure = style.slide(title, text("{:.4g} turns inward, {:g} m apart").format(turns, curve.turn_width))
+    axes = style.panels(figure)
+    # At most ten whole minutes.
+    minutes = np.arange(0, end / 60, max(1, np.ceil(end / 600)))
+    dots = curve.point(start + march.distance(60 * minutes))
+    walked, rest = subject.path(start, start + gone), subject.path(start + gone, curve.end_s)
+    axes.plot(*walked.T, color=style.BLUE, lw=1.8, gid="walked", label=text("the march of handle 0"))
+    axes.plot(*dots.T, "o", color=style.COLOURS.ink, ms=13, gid="minutes", label=text("numbers: minutes"))
+    axes.plot(*walked[-1], "o", color=style.COLOURS.contact, ms=8, gid="last", label=subject.end)
+    axes.plot(*rest.T, color=style.QUIET, lw=1.0, ls="--", gid="ahead", label=text("not reached"))
+    for minute, (x, y) in zip(minutes, dots.tolist(), strict=True):
+        axes.text(x, y, f"{minute:g}", ha="center", va="center", color=style.COLOURS.background, size=style.SMALL)
+    style.plan(axes)
+    axes.legend(**style.BESIDE)
+    return figure
+
+
+def trajectories(subject: style.Subject) -> Figure:
+    """Draw the trajectories of the paper's seven handles until the first contact (its figure 7)."""
+    handles, ink = subject.march.dragon.representatives, style.COLOURS.ink
+    first, last = subject.march.handles_s([subject.begin, subject.hit.time])
+    whole = subject.path(first[-1], last[0], 900)
+    title = text("All handles walk the same path, one behind the other")
+    subtitle = text("from {:g} s to {}; the path is {:.3g} m wide and {:.3g} m high")
+    figure = style.slide(title, subtitle.format(subject.begin, subject.end, *np.ptp(whole, axis=0)))
+    cells = list(style.panels(figure, rows=-(-(len(handles) + 1) // 4), columns=4).flat)
+    for axes in cells:
+        axes.set_aspect("equal")
+        axes.margins(0.02)
+        axes.set_axis_off()
+    for axes, handle in zip(cells, handles, strict=False):
+        path = subject.path(first[handle], last[handle], 900)
+        axes.plot(*whole.T, color=style.PALE, lw=0.4)
+        axes.plot(*path.T, color=style.BLUE, lw=1.0, gid=f"path-{handle}")
+        start = axes.plot(*path[0], "o", color=ink, mfc=style.COLOURS.background, ms=6, label=text("at the start"))
+        stop = axes.plot(*path[-1], "o", color=ink, ms=6, label=text("at the end"))
+        axes.set_title(text("handle {}").format(handle), size=11.5, pad=3)
+    cells[len(handles)].legend(handles=start + stop, loc="center", frameon=False)
+    return figure
+
+
+def velocities(subject: style.Subject) -> Figure:
+    """Draw the velocities of the paper's seven handles at the first contact (its figure 8)."""
+    time, handles = subject.last_regular_time, subject.march.dragon.representatives
+    states = subject.march.at(time)
+    title = text("The velocities of {} handles at {:.2f} s").format(len(handles), time)
+    figure = style.slide(title, text("each handle walks along the curve"))
+    axes = style.panels(figure)
+    path = subject.path(states.handles_s[0, -1], states.handles_s[0, 0])
+    axes.plot(*path.T, color=style.PALE, lw=0.8)
+    for handle in handles:
+        place, velocity, speed = (each[0, handle] for each in (states.positions, states.velocities, states.speeds))
+        name = text("handle {}: {:.3f} m/s").format(handle, speed)
+        axes.plot(*place, "o", color=style.COLOURS.ink, ms=5, zorder=4, label=name)
+        behind: dict[str, Any] = {"xytext": -18 * velocity / speed, "textcoords": "offset points", "ha": "center"}
+        axes.annotate(str(handle), place, **behind, va="center", size=9, zorder=5, path_effects=style.halo())
+    places, arrows = states.positions[0, list(handles)], states.velocities[0, list(handles)]
+    axes.quiver(*places.T, *arrows.T, angles="xy", color=style.COLOURS.motion, width=0.006, zorder=3, gid="velocities")
+    style.plan(axes)
+    axes.legend(**style.BESIDE)
+    return figure
+
+
+def grid(subject: style.Subject) -> Figure:
+    """Draw the grid partition at the first contact, and the benches in its cells (the paper's figure 6)."""
+    from matplotlib.colors import ListedColormap
+    from matplotlib.patches import Patch
+
+    hit, dragon, cells = subject.hit, subject.march.dragon, Grid.of(subject.march)
+    corners = dragon.outlines(subject.march.at(hit.time).poses[0])
+    title = text("{} of {} pairs of benches that share no hole share a cell, and are tested")
+    title = title.format(len(cells.pairs(corners)), (dragon.benches - 1) * (dragon.benches - 2) // 2)
+    origin = "({:g}, {:g})".format(*cells.origin).replace("-", "\u2212")
+    subtitle = text("{}; cells of {:g} m, counted from {} m").format(subject.end, cells.cell, origin)
+    figure = style.slide(title, subtitle)
+    axes = style.panels(figure)
+    # Cells around the benches. 0: empty; 1: one bench; 2: neighbours; 3: benches that are not neighbours.
+    filed, benches = cells.file(corners)
+    first, last = filed.min(axis=0) - 1, filed.max(axis=0) + 1
+    least, most = np.full(last - first + 1, dragon.benches), np.full(last - first + 1, -1)
+    np.minimum.at(least, tuple((filed - first).T), benches)
+    np.maximum.at(most, tuple((filed - first).T), benches)
+    colours = ListedColormap([style.COLOURS.background, style.FAINT, style.SHARED, style.CANDIDATE])
+    # The axes are column and row: a cell's indices are at its middle.
+    y, x = (np.arange(begin, end + 2) - 0.5 for begin, end in zip(first, last, strict=True))
+    lines: dict[str, Any] = {"edgecolor": style.RULE, "lw": 0.6, "gid": "cells"}
+    axes.pcolormesh(x, y, np.clip(most - least + 1, 0, 3), cmap=colours, vmin=0, vmax=3, **lines)
+    for bench, outline in enumerate((corners - cells.origin) / (cells.cell, -cells.cell) - 0.5):
+        hits = bench in (hit.benches or ())
+        drawn: dict[str, Any] = {"color": style.COLOURS.contact if hits else style.COLOURS.ink, "zorder": 3 + hits}
+        axes.fill(*outline.T, fill=False, lw=2.2 if hits else 1.1, gid=f"bench-{bench}", **drawn)
+        # Numbers of shorter benches would cover each other.
+        if hits or dragon.lengths[bench] >= 0.15 * cells.cell * len(x):
+            drawn |= {"ha": "center", "va": "center", "size": style.SMALL, "path_effects": style.halo()}
+            axes.text(*outline.mean(axis=0), str(bench), **drawn)
+    axes.set(aspect="equal", xlabel=text("column j"), ylabel=text("row i"))
+    axes.locator_params(integer=True)
+    axes.invert_yaxis()
+    names = (text("one bench"), text("neighbours only"), text("candidates"))
+    patches = [Patch(fc=colours(kind), ec=style.RULE, label=name) for kind, name in enumerate(names, 1)]
+    axes.legend(handles=patches, **style.BESIDE)
+    return figure
+
+
+def outer_loop(subject: style.Subject) -> tuple[Run, Film]:
+    """Return the run and the film parameters of the picture of the dragon at its start."""
+    return _still(subject, subject.begin, text("{} benches at the start"))
+
+
+def inward(subject: style.Subject) -> tuple[Run, Film]:
+    """Return the same as it closes a full loop: its path turns by 2 pi between tail and head."""
+    times = np.linspace(subject.begin, subject.hit.time, 2001)
+    tangents = subject.march.curve.tangent(subject.march.handles_s(times))
+    angles = np.unwrap(np.arctan2(tangents[..., 1], tangents[..., 0]), axis=1)
+    closed = np.abs(angles[:, 0] - angles[:, -1]) >= 2 * np.pi
+    # Half-way if the loop is always or never closed.
+    return _still(subject, float(times[closed.argmax() or 1000]), text("{} benches on the path"))
+
+
+def collision(subject: style.Subject) -> tuple[Run, Film]:
+    """Return the same at the first contact."""
+    hit = subject.hit
+    if hit.contact is None:
+        raise ParameterError("march", f"clear until {hit.time:g} s", "one that runs into itself")
+    run, film = _still(subject, hit.time, text("{} benches at the first contact"))
+    return replace(run, first_contact=hit.contact, outcome="contact"), film
+
+
+def _still(subject: style.Subject, time: float, title: str) -> tuple[Run, Film]:
+    """Return a run of one frame, and the parameters of its picture; the title has the number of benches."""
+    # Pixels: twice the width at which two or three pictures fit side by side.
+    film = Film(size=880, title=title.format(subject.march.dragon.benches))
+    return Run.exact(subject.march, [time]), film
 
 
 def gap(subject: style.Subject) -> Figure:
