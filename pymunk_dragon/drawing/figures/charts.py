@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 # m: lower end of the scale of gaps.
 _MIN_GAP = 1.5e-4
-# Head lengths travelled: the part of a march before its end that `gap` shows.
+# Head lengths travelled: the part of a march before its contact, or its end, that `gap` shows.
 _GAP_LENGTHS = 4.5
 
 
@@ -62,7 +62,7 @@ def trajectories(subject: style.Subject) -> Figure:
     cells = list(style.panels(figure, rows=-(-(len(handles) + 1) // 4), columns=4).flat)
     for axes in cells:
         axes.set_aspect("equal")
-        axes.margins(0.02)
+        axes.margins(0.04)
         axes.set_axis_off()
     for axes, handle in zip(cells, handles, strict=False):
         path = subject.path(first[handle], last[handle], 900)
@@ -170,7 +170,7 @@ def _still(subject: style.Subject, time: float, title: str) -> tuple[Run, Film]:
 
 
 def gap(subject: style.Subject) -> Figure:
-    """Draw the gap between the head and the benches it passes at last, on a logarithmic scale."""
+    """Draw the gap between the head and the benches that it passes at last, on a logarithmic scale."""
     march, hit = subject.march, subject.hit
     if march.dragon.benches < 3:
         raise ParameterError("benches", march.dragon.benches, "3 or more: neighbours have no gap")

@@ -144,7 +144,7 @@ def _model(source: Source) -> str:
         return text("exact model")
     # A guide of the user's own has no other name.
     guide = {"none": text("no guide"), "rails": text("rails")}.get(source.guide or "", source.guide or "")
-    return text("engine") + text(", ") + guide
+    return text(", ").join(filter(None, (text("engine"), guide)))
 
 
 def _row(parts: Sequence[Image.Image], width: int) -> Image.Image:
