@@ -46,9 +46,9 @@ DISTANCES = tuple(float(distance) for distance in range(-100, 101))
 START = (0.95, -0.1, 0.4, -0.2, -0.5, 0.2, -2.5)
 # m. Least radius and length of an arc: smaller radii save centimetres, and slow down the certificate of first contact.
 MIN_RADIUS, _MIN_ARC = 0.5, 0.02
-# m travelled by the head between chains in the search, and between those of a result; m travelled beyond the turn; m
-# behind the circle up to which handles are included; and samples of the speeds from one kink to the next.
-_SAMPLING, _FINE, _HEAD_MARGIN, _CHAIN_MARGIN, SAMPLES = 0.02, 1e-3, 9.0, 3.0, 8
+# m travelled by the head between chains in the search, and beyond the turn; m behind the circle up to which handles are
+# included; samples of the speeds from one kink to the next; and positions of handles for the speeds of a result.
+_SAMPLING, _HEAD_MARGIN, _CHAIN_MARGIN, SAMPLES, POSITIONS = 0.02, 9.0, 3.0, 8, 200_000
 # Steps at most; and first, largest and least size of the trust region, in units of the unknowns, of which the last one
 # may change by more; and factors on the size after a better turn and after any other.
 STEPS, _FIRST_SIZE, MAX_SIZE, _MIN_SIZE, _GROWTH, _SHRINKAGE = 80, 0.1, 0.2, 1e-5, 1.6, 1 / 3
@@ -73,7 +73,8 @@ class MarchedTurn:
     contact : FirstContact
         Certified first contact while the head travels from 100 m before the entry of the circle to 100 m after it.
     ratio : float
-        Largest ratio of a handle's speed to the head's while the head is in the turn, sampled at each millimetre.
+        Largest ratio of a handle's speed to the head's, sampled on the head's way through the turn, in the contest's
+        every 1.2 mm.
     """
 
     path: Composite
@@ -147,6 +148,8 @@ class TurnResult(Result):
         lines = [*labelled(text("the turn:"), arcs), *self.contests.lines()]
         if self.shortest is None:
             return lines
+        if self.shortest.path == self.turn:
+            return [*lines, *labelled(text("shorter:"), text("no turn on five arcs was found"))]
         best = text(
             "{length:.4f} m on {arcs} arcs with radii of at least {radius:g} m:\n"
             "best found, not proven to be the shortest"
@@ -241,7 +244,7 @@ def _followed(turn: UTurn, dragon: Dragon) -> Array:
 
 def _peak_ratio(path: Composite, spacings: Array) -> float:
     """Largest ratio of a handle's speed to the head's, from 1; inf if a handle is pushed back or has no position."""
-    heads = np.arange(0.0, path.joints[-1] + _HEAD_MARGIN, _FINE)
+    heads = np.linspace(0.0, path.joints[-1] + _HEAD_MARGIN, POSITIONS // (spacings.size + 1))
     ratios = chain.chain_motion(path, path.chain(heads, spacings), spacings).ratios
     return float(ratios.max()) if np.all(ratios > 0) else math.inf
 
