@@ -21,6 +21,7 @@ from pymunk_dragon._arrays import Array
 from pymunk_dragon.collision import Grid
 from pymunk_dragon.drawing.scene import hole_diameter
 from pymunk_dragon.errors import UnreachableError
+from pymunk_dragon.model.contact import Contact
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
@@ -57,11 +58,10 @@ def player_data(summary: Summary) -> tuple[dict[str, Any], dict[str, str]]:
     narrowest = float(dragon.widths.min())
     begin, end = run.times[[0, -1]].tolist()
     positions, position_error = _pack_handles(dragon.holes(run.poses), STEP * narrowest)
-    apart = np.diff(run.times)[np.diff(run.times) > 0]
-    step = positions[0]["step"] * _VELOCITY_STEP / (float(np.median(apart)) if apart.size else 1.0)
+    step = positions[0]["step"] * _VELOCITY_STEP / _interval(run.times)
     velocities, velocity_error = _pack_handles(dragon.hole_velocities(run.poses, run.pose_velocities), step)
     # The exact model's near misses do not apply to a dragon without a guide.
-    near_misses = (summary.near_misses or ()) if run.guide != "none" else ()
+    near_misses = () if run.guide == "none" else summary.near_misses or ()
     packed: dict[str, Packed] = {
         "handles": positions,
         "velocities": velocities,
@@ -77,7 +77,7 @@ def player_data(summary: Summary) -> tuple[dict[str, Any], dict[str, str]]:
         "errors": [position_error, velocity_error],
         "curve_error": CURVE_ERROR * narrowest,
     }
-    return payload, {name: text for name, (_, text) in packed.items()}
+    return payload, dict(zip(packed, (text for _, text in packed.values()), strict=True))
 
 
 def pack(vectors: Array, step: float, *, from_zero: bool = False) -> Packed:
@@ -116,14 +116,20 @@ def contact_windows(run: Run) -> list[dict[str, Any]]:
     exists even if no event was logged. Windows with impossible benches or times, as in an edited file, are left out.
     """
     windows = [asdict(window) for window in run.events.windows()]
-    first = run.first_contact
-    if first is not None:
-        its = [window for window in windows if window["benches"] == first.benches and window["begin"] >= first.time]
-        windows += [] if its else [{"benches": first.benches, "end": None}]
-        (its or windows[-1:])[0]["begin"] = first.time
-    count = run.march.dragon.benches
-    windows = [each for each in windows if each["benches"][1] < count and isfinite(each["begin"] + (each["end"] or 0))]
-    return sorted(windows, key=lambda window: (window["begin"], window["benches"]))
+    if run.first_contact is not None:
+        _begin_with(run.first_contact, windows)
+    possible = [each for each in windows if each["benches"][1] < run.march.dragon.benches]
+    possible = [each for each in possible if isfinite(each["begin"] + (each["end"] or 0))]
+    return sorted(possible, key=lambda window: (window["begin"], window["benches"]))
+
+
+def _begin_with(first: Contact, windows: list[dict[str, Any]]) -> None:
+    """Have the first window of a contact begin at its time."""
+    its = [each for each in windows if each["benches"] == first.benches and each["begin"] >= first.time]
+    if not its:
+        its = [{"benches": first.benches, "end": None}]
+        windows += its
+    its[0]["begin"] = first.time
 
 
 def curve_points(march: March, start: float, end: float) -> Array:
@@ -166,6 +172,13 @@ def exact_offsets(run: Run) -> Array | None:
     dragon, poses = run.march.dragon, run.poses[:known]
     same = np.allclose(position_errors(dragon, poses, exact), run.drift[:known], rtol=1e-6, atol=ROUNDING)
     return exact - handle_vectors(*dragon.holes(poses)) if same and known else None
+
+
+def _interval(times: Array) -> float:
+    """Median of the times between frames, s."""
+    intervals = np.diff(times)
+    apart = intervals[intervals > 0]
+    return float(np.median(apart)) if apart.size else 1.0
 
 
 def _pack_exact(run: Run, narrowest: float) -> Packed:

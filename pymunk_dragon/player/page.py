@@ -105,7 +105,7 @@ def player_page(run: Run, *, title: str | None = None) -> str:
     >>> player_page(Run.exact(March(), [0, 1]), title="Start")[:15]
     '<!doctype html>'
     """
-    if not (title is None or isinstance(title, str)):
+    if not isinstance(title, str | None):
         raise ParameterError("title", title, "a text")
     summary = summarize(run)
     payload, packed = player_data(summary)
@@ -146,7 +146,7 @@ def document(body: str, style: str, script: str, connections: str = "", **values
 def catalogue(*packages: str) -> dict[str, str]:
     """Chinese texts of these packages' pages, by the English text."""
     tables = [tomllib.loads(asset(package, "zh.toml"))["texts"] for package in packages]
-    return {english: chinese for table in tables for english, chinese in table.items()}
+    return dict(chain.from_iterable(table.items() for table in tables))
 
 
 def colour_variables() -> str:

@@ -8,7 +8,7 @@ import math
 import tempfile
 import weakref
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -102,7 +102,7 @@ class Log:
 
     def to_json(self) -> str:
         """Return the log as JSON, which `load` reads."""
-        return json.dumps(asdict(self))
+        return json.dumps(vars(self))
 
 
 class Frames:
@@ -168,7 +168,7 @@ def _run(scene: Scene, log: Log, frames: Frames) -> Run:
     errors = position_errors(scene.march.dragon, poses, scene.march.at(march_times).positions)
     span = {"start": float(times[0]), "until": float(times[-1])}
     notes = engine_provenance(scene.world.settings, guide="rails", substeps=log.steps, **span)
-    provenance = {**notes, "live": {**asdict(log), "march_times": march_times.tolist()}}
+    provenance = {**notes, "live": {**vars(log), "march_times": march_times.tolist()}}
     return Run(march=scene.march, times=times, poses=poses, drift=errors, provenance=provenance)
 
 
