@@ -27,8 +27,11 @@ def run_script(script, *arguments):
 
 
 @pytest.mark.thorough
-@needs_browser
-@pytest.mark.parametrize(("script", "name"), [(script, name) for script, names in NAMES.items() for name in names])
+@pytest.mark.parametrize(
+    ("script", "name"),
+    [("bench.py", name) for name in bench.BENCHMARKS]
+    + [pytest.param("bench_live.py", name, marks=needs_browser) for name in bench_live.BENCHMARKS],
+)
 def test_benchmark_runs_at_a_small_size(script, name):
     _, output = run_script(script, name, "--small").split("\n", 2)[1:]
     assert re.search(r"\d", output)

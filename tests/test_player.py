@@ -103,8 +103,8 @@ def test_seeds_whole_run_fits_into_2_megabytes_and_has_its_near_misses(seed_marc
     payload = Page(text).payload
     assert payload["handles"]["step"] == pytest.approx(0.2e-6)
     assert [len(payload["times"]), payload["handles"]["points"]] == [4125, 224]
-    misses = [(miss["benches"], round(miss["time"]), round(1e3 * miss["gap"], 1)) for miss in payload["near_misses"]]
-    assert misses == [([0, 9], 407, 3.0), ([0, 11], 410, 0.9)]
+    misses = [(each["benches"], round(each["time"], 1), round(1e3 * each["gap"], 1)) for each in payload["near_misses"]]
+    assert misses == [([0, 9], 406.8, 3.0), ([0, 11], 409.8, 0.9)]
     # The curve is drawn from the tail at the start to the centre.
     ends = [seed_march.at(0.0).positions[0, -1], [0, 0]]
     np.testing.assert_allclose(curve_points(seed_march, 0.0, 1.0)[[0, -1]], ends, atol=1e-4)
@@ -122,7 +122,7 @@ def test_curve_is_drawn_all_along_within_a_tenth_of_a_millimetre(march, begin, e
     drawn = LineString(curve_points(march, begin, end))
     first, last = march.span(begin, end)
     curve = march.curve.point(np.linspace(first, last, 5001)[1:-1])
-    allowed = 1.2 * float(march.dragon.widths.min()) / 3000
+    allowed = 1.1 * float(march.dragon.widths.min()) / 3000
     assert drawn.distance(points(curve)).max() < allowed
     # From far away the page takes only every so many points, and counts on the square of their number.
     rough = LineString([*drawn.coords[:-1:3], drawn.coords[-1]])
@@ -156,7 +156,8 @@ def test_policy_allows_the_pages_own_script_and_style_and_nothing_else(page):
     tags = [tag if "http-equiv" not in found else "policy" for tag, found in page.tags]
     assert tags.index("policy") < min(tags.index(tag) for tag in ("link", "style", "script"))
     names = {name for _, found in page.tags for name in found}
-    assert not [name for name in names if name.startswith("on") or name in ("style", "src", "srcset", "action", "data")]
+    assert not [name for name in names if name.startswith("on")]
+    assert not names & {"style", "src", "srcset", "action", "data", "poster"}
     assert {found["href"] for _, found in page.tags if "href" in found} == {"data:,"}
     for text in ("</script>", "<!--", "\r"):
         assert text not in page.blocks["script"] + page.blocks["style"]

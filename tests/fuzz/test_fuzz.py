@@ -79,10 +79,10 @@ EXTRAS = [
     *("--json", "--json", "--help", "--none", "-x", "--", "extra", "--json=1", "--ben=3", "-o"),
 ]
 # Values at the ends of their ranges and beyond, but none that asks for hours of work.
-LENGTHS = "0.001 0.5 100 1e-300 1e300"
+LENGTHS = "0.001 0.30001 0.5 1 100 1000 1e-300 1e300"
 EXTREMES = {
     **dict.fromkeys(["--head-spacing", "--body-spacing", "--overhang", "--width", "--pitch", "--turns"], LENGTHS),
-    **dict.fromkeys(["--speed", "--speedup", "--substep"], "1e-6 0.1 20 1e6 1e-300 1e300"),
+    **dict.fromkeys(["--speed", "--speedup", "--substep"], "1e-6 1e-5 0.1 20 1e6 1e-300 1e300"),
     "--times": "1e300 -1e5 0:1:1e-4 0:1e-300:1e-303 0:1e300:1e297 442.59 1e16 0,0",
     "--handles": "0:2:0.5 0,0,0 4:0:1 1e300 0:1e300:1e300",
     "--from": "-1e5 442.59 1e300 1e-300 -1e300",
@@ -118,8 +118,9 @@ ODD_TOML = ["nan", "-inf", "1979-05-27", "true", "''", '"spiral"', "[]", "{}", "
 ODD_TOML += ["[nan, 1]", '"\\u001b[31m"', "{kind = 3}", "[1" + ", 1" * 300 + "]", '"t.csv"']
 ODD_JSON = ["null", "true", "[]", "{}", '""', '"\\u001b[2J"', '"/dev/zero"', "NaN", "-1", "0", "1e308", "1" + "0" * 400]
 FROM_SCENARIO = [
-    f"{command} --scenario s.toml"
-    for command in ("positions --times 0,1 --json", "contact --until 1", "simulate --until 0.03 -o old.npz")
+    *("positions --times 0,1 --json --scenario s.toml", "contact --until 1 --scenario s.toml"),
+    "simulate --until 0.03 -o old.npz --scenario s.toml",
+    "render --until 0.1 --size 64 -o new.png --scenario s.toml",
 ]
 FROM_TABLE = [
     f"{command} --{option} t.csv --benches 3 --head-spacing 1 --body-spacing 1"
