@@ -42,6 +42,13 @@ class Displayed:
         )
 
 
+class Printed:
+    """Base class of results that are represented by their text."""
+
+    def _repr_html_(self) -> str:
+        return f"<pre>{escape(str(self), quote=False)}</pre>"
+
+
 def table(heads: Sequence[str], formats: Sequence[str], rows: Iterable[Sequence[Any]]) -> list[str]:
     """Lines of a table: the heads, and the rows with one format specification for each column; None is a dash."""
     return ["  ".join(map(_cell, row, formats)).rstrip() for row in (heads, *rows)]
