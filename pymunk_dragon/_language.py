@@ -17,6 +17,7 @@ from pathlib import Path
 from pymunk_dragon._extras import missing_extra
 from pymunk_dragon.errors import ParameterError
 
+LANGUAGES = ("en", "zh")
 _language: ContextVar[str] = ContextVar("language", default="en")
 # The present language.
 language = _language.get
@@ -24,9 +25,9 @@ language = _language.get
 
 @contextmanager
 def in_language(name: str) -> Iterator[None]:
-    """Context in which texts are in this language, en or zh."""
-    if name not in ("en", "zh"):
-        raise ParameterError("lang", name, "one of en, zh")
+    """Context in which texts are in this language, one of `LANGUAGES`."""
+    if name not in LANGUAGES:
+        raise ParameterError("lang", name, f"one of {', '.join(LANGUAGES)}")
     token = _language.set(name)
     try:
         yield

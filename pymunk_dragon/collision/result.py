@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
-from html import escape
 from typing import Any, Literal
 
+from pymunk_dragon._display import Printed
 from pymunk_dragon._language import text
 from pymunk_dragon.model.contact import Contact, contact_text
 
@@ -49,7 +49,7 @@ class NearMiss:
 
 
 @dataclass(frozen=True, kw_only=True)
-class FirstContact:
+class FirstContact(Printed):
     """Result of a search for the first contact of benches that are not neighbours.
 
     Attributes
@@ -104,9 +104,6 @@ class FirstContact:
             least = text("benches that overlap by less than {amount:.2g} micrometres count as apart")
             lines.append(least.format(amount=1e6 * self.resolution))
         return "\n".join(lines)
-
-    def _repr_html_(self) -> str:
-        return f"<pre>{escape(str(self), quote=False)}</pre>"
 
     @property
     def contact(self) -> Contact | None:
