@@ -12,7 +12,7 @@ from test_curve_kinds import LogarithmicSpiral
 from pymunk_dragon.collision import Grid, first_contact, scan
 from pymunk_dragon.drawing import render
 from pymunk_dragon.errors import DragonError
-from pymunk_dragon.model.curves import Arc, Curve, Line, Reversed, Sampled, Spiral, UTurn, check_curve
+from pymunk_dragon.model.curves import Arc, Composite, Curve, Line, Reversed, Sampled, Spiral, UTurn, check_curve
 from pymunk_dragon.model.dragon import Dragon, bench_poses, outlines
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
@@ -119,7 +119,8 @@ CALLS = [
     (Run.load, {"path": "none.npz"}),
     (Run.exact, {"march": MARCH, "times": [0]}),
     (Run.exact(MARCH, [0, 1]).poses_at, {"times": [0]}),
-    (Run, {"march": MARCH, "times": [0.0], "poses": POSES[None], "drift": np.zeros((1, 4))}),
+    (Run, {"march": MARCH, "times": [0.0], "poses": POSES[None], "drift": np.zeros((1, 4)), "provenance": {}}),
+    (Composite, {"pieces": [Line(stop=(9, 1))]}),
     (Scenario.from_dict, {"values": {"benches": 5}}),
     (Scenario.read, {"path": "none.toml"}),
     (Curve.from_dict, {"values": {"kind": "spiral"}}),
