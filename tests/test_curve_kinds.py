@@ -143,7 +143,7 @@ def test_impossible_curves_are_refused_by_the_name_of_the_parameter():
         (lambda value: Section(LINE, 3, value), "end_s", "m", [3, math.inf]),
         (lambda value: Section(value, 0, 1), "curve", "Curve", [3]),
         (Reversed, "curve", "Curve", [3]),
-        (Composite, "pieces", "Curve", [[], None, 3, LINE, "ab", [LINE, None]]),
+        (Composite, "pieces", "Curve", [[], None, 3, LINE, "ab", [LINE, None], np.array(1)]),
         # Their inner ends are not finite.
         (Composite, "pieces", "piece 1", [[Spiral(outward=True), LINE], [LINE, Spiral()], [UTurn(), UTurn()]]),
         (Sampled, "points", "", [None, 3, "abc", [], points[:3], [(0, 0, 0)] * 5, np.zeros((60_000, 2))]),

@@ -13,7 +13,7 @@ from pymunk_dragon import Dragon, March, Run, Scenario, SpeedTable, World, first
 from pymunk_dragon.collision import Grid, scan
 from pymunk_dragon.drawing import render
 from pymunk_dragon.errors import DragonError
-from pymunk_dragon.model.curves import Arc, Curve, Line, Reversed, Sampled, Spiral, UTurn, check_curve
+from pymunk_dragon.model.curves import Arc, Composite, Curve, Line, Reversed, Sampled, Spiral, UTurn, check_curve
 from pymunk_dragon.model.dragon import bench_poses, outlines
 from pymunk_dragon.reports import report
 
@@ -101,7 +101,8 @@ CALLS = [
     (Run.load, {"path": "none.npz"}),
     (Run.exact, {"march": MARCH, "times": [0]}),
     (Run.exact(MARCH, [0, 1]).poses_at, {"times": [0]}),
-    (Run, {"march": MARCH, "times": [0.0], "poses": POSES[None], "drift": np.zeros((1, 4))}),
+    (Run, {"march": MARCH, "times": [0.0], "poses": POSES[None], "drift": np.zeros((1, 4)), "provenance": {}}),
+    (Composite, {"pieces": [Line(stop=(9, 1))]}),
     (Scenario.from_dict, {"values": {"benches": 5}}),
     (Scenario.read, {"path": "none.toml"}),
     (Curve.from_dict, {"values": {"kind": "spiral"}}),

@@ -277,8 +277,7 @@ class _Branch:
     def _growth(self, fronts: float | Array, rears: float | Array) -> Array:
         """A and B of the module's docstring, (2, ...)."""
         points, tangents = self._curve.frame(np.stack([fronts, rears]))
-        growth: Array = np.sum(tangents * (points[0] - points[1]), axis=-1)
-        return growth
+        return np.asarray(np.sum(tangents * (points[0] - points[1]), axis=-1))
 
     def _step(self, front: float, rear: float, growth: Array, direction: int) -> tuple[float, float, float]:
         """Length and half height of a proven cell, both 0 at a fold; and what reversals in it may hide, m."""

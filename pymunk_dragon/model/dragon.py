@@ -226,8 +226,7 @@ def _check_together(**arrays: NDArray[Any]) -> None:
     try:
         np.broadcast_shapes(*shapes)
     except ValueError as error:
-        names = ", ".join(arrays)
-        raise ParameterError(f"the shapes of {names}", shapes, "ones that go together") from error
+        raise ParameterError(f"the shapes of {', '.join(arrays)}", shapes, "ones that go together") from error
 
 
 def _headings(poses: Array) -> Complex:

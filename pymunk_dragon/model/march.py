@@ -264,10 +264,7 @@ class March(Displayed):
         return self.continuation.motion(heads, number)
 
     def speeds_by_difference(self, times: ArrayLike, step: float) -> Array:
-        """Speeds (T, H) in m/s by the paper's forward difference over `step` s (eq. 15), for comparison.
-
-        The curve must be a spiral: the speed is (theta(t + step) - theta(t)) / step times the arc length per radian.
-        """
+        """Speeds (T, H), m/s, by the paper's forward difference over `step` s (eq. 15); the curve must be a spiral."""
         positive("step", step, np.inf, "s")
         t, curve = numbers("times", times).ravel(), self.curve
         if not isinstance(curve, Spiral):

@@ -131,8 +131,11 @@ class Run(ArrayRecord, Displayed):
                     raise ParameterError(name, array, f"finite and within {limit:g}")
                 object.__setattr__(self, name, read_only(array))
         word("outcome", self.outcome, get_args(Outcome))
-        # A copy, and lists for tuples, as in a file.
-        object.__setattr__(self, "provenance", json.loads(json.dumps(self.provenance)))
+        try:
+            # A copy, and lists for tuples, as in a file.
+            object.__setattr__(self, "provenance", json.loads(json.dumps(dict(self.provenance))))
+        except (TypeError, ValueError) as error:
+            raise ParameterError("provenance", self.provenance, f"a mapping of JSON values ({error})") from error
         for name, value in attributes_of(self.provenance, float(self.times[0])).items():
             object.__setattr__(self, name, value)
 

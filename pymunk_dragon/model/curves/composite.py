@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any, ClassVar, NamedTuple
@@ -46,7 +46,7 @@ class Composite(PackageCurve, kind="composite"):
 
     Parameters
     ----------
-    pieces : iterable of Curve
+    pieces : sequence of Curve
         In the order of travel. Only the first may come from infinity, only the last may go on for ever.
 
     Attributes
@@ -71,7 +71,7 @@ class Composite(PackageCurve, kind="composite"):
 
     def __post_init__(self) -> None:
         given: object = self.pieces
-        pieces: tuple[Curve, ...] = tuple(given) if isinstance(given, Iterable) else ()
+        pieces: tuple[Curve, ...] = tuple(given) if isinstance(given, Sequence) else ()
         if not pieces or not all(isinstance(piece, Curve) for piece in pieces):
             raise ParameterError("pieces", self.pieces, "one Curve or more")
         zero = next((float(end) for end in (pieces[0].begin_s, pieces[0].end_s) if math.isfinite(end)), 0.0)
