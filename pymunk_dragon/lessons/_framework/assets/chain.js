@@ -1,0 +1,312 @@
+// The exact chain on a curve, as in the package's model: lengths in m, angles in rad. A curve has its first and last
+// coordinate `begin` and `end`, the arc length along it, and `frame(s)`: x, y, and the unit tangent's x and y there.
+
+const ROUND = 2 * Math.PI;
+// Share of a chord in which its end is sought step by step, and to which it is then found.
+const SEARCH_STEP = 1 / 16;
+const STEP_TOLERANCE = 1e-11;
+// Cells of a drawn path between two points, and nodes and weights in a cell by which their lengths are integrated.
+const CELLS = 8;
+const GAUSS = [[0, 0.5688888888888889], [-0.5384693101056831, 0.47862867049936647], [0.5384693101056831, 0.47862867049936647],
+  [-0.906179845938664, 0.23692688505618908], [0.906179845938664, 0.23692688505618908]];
+// Ratio of the golden section.
+const GOLDEN = (Math.sqrt(5) - 1) / 2;
+
+// The spiral r = k theta, travelled inward, or from its centre out; s is the arc length from the centre, negative inward.
+class Spiral {
+  constructor(pitch, { outward = false, rotation = 0 } = {}) {
+    this.k = pitch / ROUND;
+    this.sign = outward ? 1 : -1;
+    this.rotation = rotation;
+    [this.begin, this.end] = outward ? [0, Infinity] : [-Infinity, 0];
+  }
+
+  atAngle(theta) {
+    const rise = Math.sqrt(theta * theta + 1);
+    return this.sign * this.k / 2 * (theta * rise + Math.log(theta + rise));
+  }
+
+  atRadius(radius) {
+    return this.atAngle(radius / this.k);
+  }
+
+  // Polar angle, counted from the centre: Newton's method from the asymptotic form.
+  angle(s) {
+    const target = 2 * this.sign * s / this.k;
+    let theta = target > 8 ? Math.sqrt(target - 0.5 - Math.log(4 * target - 2 * Math.log(4 * target) - 2) / 2) : target / 2;
+    for (let pass = 0; pass < 20; pass++) {
+      const rise = Math.sqrt(theta * theta + 1);
+      const step = (theta * rise + Math.log(theta + rise) - target) / (2 * rise);
+      theta = Math.max(theta - step, 0);
+      if (Math.abs(step) <= 1e-8 * theta + 1e-12) break;
+    }
+    return theta;
+  }
+
+  frame(s) {
+    const theta = this.angle(s), radius = this.k * theta, rise = this.sign * Math.sqrt(theta * theta + 1);
+    const cos = Math.cos(theta + this.rotation), sin = Math.sin(theta + this.rotation);
+    return [radius * cos, radius * sin, (cos - theta * sin) / rise, (sin + theta * cos) / rise];
+  }
+}
+
+class Arc {
+  constructor(centre, radius, beginAngle, sweep) {
+    Object.assign(this, { centre, radius, beginAngle, side: Math.sign(sweep), begin: 0, end: radius * Math.abs(sweep) });
+  }
+
+  frame(s) {
+    const angle = this.beginAngle + this.side * s / this.radius;
+    const cos = Math.cos(angle), sin = Math.sin(angle);
+    return [this.centre[0] + this.radius * cos, this.centre[1] + this.radius * sin, -this.side * sin, this.side * cos];
+  }
+}
+
+// In on a spiral, round inside a circle on two arcs, whose radii have a ratio, and out; s is 0 where it enters the circle.
+class UTurn {
+  constructor({ pitch = 1.7, radius = 4.5, ratio = 2 } = {}) {
+    const theta = ROUND * radius / pitch, aside = Math.atan(theta), heading = theta - Math.PI + aside;
+    const [cos, sin] = [Math.cos(theta), Math.sin(theta)];
+    // Each arc's chord is twice its radius times the sine of half its angle; together they are the diameter.
+    this.radii = [ratio, 1].map((share) => radius / Math.sin(aside) * share / (1 + ratio));
+    this.points = [1, (1 - ratio) / (1 + ratio), -1].map((share) => [share * radius * cos, share * radius * sin]);
+    const left = [-Math.sin(heading), Math.cos(heading)];
+    const centre = ([x, y], r) => [x + r * left[0], y + r * left[1]];
+    this.inward = new Spiral(pitch);
+    this.outward = new Spiral(pitch, { outward: true, rotation: Math.PI });
+    this.arcs = [
+      new Arc(centre(this.points[0], -this.radii[0]), this.radii[0], heading + Math.PI / 2, -2 * aside),
+      new Arc(centre(this.points[2], this.radii[1]), this.radii[1], heading - 2 * aside - Math.PI / 2, 2 * aside),
+    ];
+    this.lengths = this.arcs.map((arc) => arc.end);
+    this.length = this.lengths[0] + this.lengths[1];
+    this.entry = this.inward.atRadius(radius);
+    [this.begin, this.end] = [-Infinity, Infinity];
+  }
+
+  frame(s) {
+    if (s < 0) return this.inward.frame(this.entry + s);
+    if (s < this.lengths[0]) return this.arcs[0].frame(s);
+    if (s < this.length) return this.arcs[1].frame(s - this.lengths[0]);
+    return this.outward.frame(s - this.length - this.entry);
+  }
+}
+
+// A smooth path through at least four points: the cubic spline by chord length, with not-a-knot ends.
+class DrawnPath {
+  constructor(points) {
+    const chords = points.slice(1).map(([x, y], i) => Math.hypot(x - points[i][0], y - points[i][1]));
+    const slopes = [0, 1].map((axis) => splineSlopes(points.map((point) => point[axis]), chords));
+    this.cubics = chords.map((chord, i) => [0, 1].map((axis) => {
+      const rise = points[i + 1][axis] - points[i][axis], [one, two] = [slopes[axis][i] * chord, slopes[axis][i + 1] * chord];
+      return [points[i][axis], one, 3 * rise - 2 * one - two, one + two - 2 * rise];
+    }));
+    this.edges = [0];
+    for (let cell = 0; cell < CELLS * chords.length; cell++) {
+      this.edges.push(this.edges[cell] + this.travelled(cell, 1 / CELLS));
+    }
+    [this.begin, this.end] = [0, this.edges[this.edges.length - 1]];
+  }
+
+  velocity([[, a, b, c], [, d, e, f]], w) {
+    return [a + w * (2 * b + 3 * w * c), d + w * (2 * e + 3 * w * f)];
+  }
+
+  // Length of a cell's first part, in the parameter of its cubic, which has CELLS of them.
+  travelled(cell, part) {
+    const cubic = this.cubics[Math.floor(cell / CELLS)], first = (cell % CELLS) / CELLS;
+    let sum = 0;
+    for (const [node, weight] of GAUSS) {
+      const [x, y] = this.velocity(cubic, first + part * (node + 1) / 2);
+      sum += weight * Math.sqrt(x * x + y * y);
+    }
+    return sum * part / 2;
+  }
+
+  frame(s) {
+    let [cell, last] = [0, this.edges.length - 2];
+    while (cell < last) {
+      const middle = Math.ceil((cell + last) / 2);
+      [cell, last] = this.edges[middle] <= s ? [middle, last] : [cell, middle - 1];
+    }
+    const length = this.edges[cell + 1] - this.edges[cell], first = (cell % CELLS) / CELLS;
+    const cubic = this.cubics[Math.floor(cell / CELLS)];
+    let part = (s - this.edges[cell]) / length / CELLS, speed = this.velocity(cubic, first + part);
+    for (let pass = 0; pass < 8; pass++) {
+      const step = (this.travelled(cell, part) - s + this.edges[cell]) / Math.hypot(...speed);
+      part -= step;
+      speed = this.velocity(cubic, first + part);
+      if (Math.abs(step) < 1e-10) break;
+    }
+    const w = first + part, size = Math.hypot(...speed);
+    return [...cubic.map(([zero, one, two, three]) => zero + w * (one + w * (two + w * three))), speed[0] / size, speed[1] / size];
+  }
+}
+
+// Slopes of a cubic spline at its knots (C. de Boor, A Practical Guide to Splines, chapter IV): a tridiagonal system.
+function splineSlopes(values, h) {
+  const n = values.length, rise = h.map((each, i) => (values[i + 1] - values[i]) / each);
+  const [low, middle, high, right] = [new Array(n).fill(0), [h[1]], [h[0] + h[1]], []];
+  right.push(((3 * h[0] + 2 * h[1]) * h[1] * rise[0] + h[0] ** 2 * rise[1]) / (h[0] + h[1]));
+  for (let i = 1; i < n - 1; i++) {
+    [low[i], middle[i], high[i]] = [h[i], 2 * (h[i - 1] + h[i]), h[i - 1]];
+    right.push(3 * (h[i] * rise[i - 1] + h[i - 1] * rise[i]));
+  }
+  const [a, b] = [h[n - 3], h[n - 2]];
+  [low[n - 1], middle[n - 1]] = [a + b, a];
+  right.push((b ** 2 * rise[n - 3] + (2 * a + 3 * b) * a * rise[n - 2]) / (a + b));
+  for (let i = 1; i < n; i++) {
+    const share = low[i] / middle[i - 1];
+    middle[i] -= share * high[i - 1];
+    right[i] -= share * right[i - 1];
+  }
+  right[n - 1] /= middle[n - 1];
+  for (let i = n - 2; i >= 0; i--) right[i] = (right[i] - high[i] * right[i + 1]) / middle[i];
+  return right;
+}
+
+// Benches as geometry.js wants them; by default the contest's dragon.
+function makeDragon({ benches = 223, head = 2.86, body = 1.65, overhang = 0.275, width = 0.3 } = {}) {
+  const spacings = Array.from({ length: benches }, (_, i) => (i === 0 ? head : Array.isArray(body) ? body[i - 1] : body));
+  const widths = spacings.map((_, i) => (Array.isArray(width) ? width[i] : width));
+  return { benches, spacings, widths, lengths: spacings.map((spacing) => spacing + 2 * overhang) };
+}
+
+// Coordinate of the first point behind `s` at the straight distance `chord`, or ahead with `way` 1. NaN if the curve ends
+// before, or turns back so that the distance shrinks first.
+function neighbour(curve, s, chord, way = -1) {
+  const [x, y] = curve.frame(s), room = way < 0 ? s - curve.begin : curve.end - s;
+  const at = (offset) => {
+    const [px, py, tx, ty] = curve.frame(s + way * offset);
+    const distance = Math.sqrt((px - x) ** 2 + (py - y) ** 2);
+    return { distance, growth: way * ((px - x) * tx + (py - y) * ty) / distance };
+  };
+  let low = 0, high = Math.min(chord, room);
+  for (let next = at(high); next.distance < chord; next = at(high)) {
+    if (high === room || !(next.growth > 0)) return NaN;
+    [low, high] = [high, Math.min(high + SEARCH_STEP * chord, room)];
+  }
+  let offset = high;
+  for (let pass = 0; pass < 60; pass++) {
+    const { distance, growth } = at(offset);
+    [low, high] = distance < chord ? [offset, high] : [low, offset];
+    const newton = offset + (chord - distance) / growth;
+    const better = newton >= low && newton <= high ? newton : (low + high) / 2;
+    const step = Math.abs(better - offset);
+    offset = better;
+    if (step <= STEP_TOLERANCE * chord) break;
+  }
+  return s + way * offset;
+}
+
+// The first `count` handles of a dragon with its head at the coordinate `head`, fewer if the curve takes no more of them:
+// coordinates, points, tangents, and velocities along the curve in units of the head's.
+function chainAt(curve, dragon, head, count = dragon.benches + 1) {
+  const chain = { s: [], points: [], tangents: [], ratios: [] };
+  for (let i = 0, s = head; i < count && !Number.isNaN(s); i++) {
+    const [x, y, tx, ty] = curve.frame(s);
+    if (i > 0) {
+      const [fx, fy] = chain.points[i - 1], [ux, uy] = chain.tangents[i - 1];
+      // Both handles of a rigid bench are equally fast along it.
+      chain.ratios.push(chain.ratios[i - 1] * ((fx - x) * ux + (fy - y) * uy) / ((fx - x) * tx + (fy - y) * ty));
+    } else {
+      chain.ratios.push(1);
+    }
+    chain.s.push(s);
+    chain.points.push([x, y]);
+    chain.tangents.push([tx, ty]);
+    if (i < count - 1) s = neighbour(curve, s, dragon.spacings[i]);
+  }
+  return chain;
+}
+
+// Benches between handles, from the head on.
+function benchesBetween(dragon, points) {
+  const poses = posesFrom(points.length - 1, (i) => {
+    const [[fx, fy], [rx, ry]] = [points[i], points[i + 1]];
+    return [(fx + rx) / 2, (fy + ry) / 2, Math.atan2(fy - ry, fx - rx)];
+  });
+  return new Benches({ ...dragon, benches: points.length - 1 }, poses);
+}
+
+// Gaps between the shadows of two benches along and across the first, and along and across the second; negative if they overlap.
+function axisGaps({ poses: { x, y, cos, sin }, motion: { lengths, widths } }, i, j) {
+  const c = Math.abs(cos[i] * cos[j] + sin[i] * sin[j]), s = Math.abs(cos[i] * sin[j] - sin[i] * cos[j]);
+  const dx = x[j] - x[i], dy = y[j] - y[i];
+  const along = (own, other) =>
+    Math.abs(dx * cos[own] + dy * sin[own]) - (lengths[own] + c * lengths[other] + s * widths[other]) / 2;
+  const across = (own, other) =>
+    Math.abs(dy * cos[own] - dx * sin[own]) - (widths[own] + s * lengths[other] + c * widths[other]) / 2;
+  return [along(i, j), across(i, j), along(j, i), across(j, i)];
+}
+
+// Distance of two benches; negative if they overlap: the shortest way that parts them.
+function separation(benches, i, j) {
+  const widest = Math.max(...axisGaps(benches, i, j));
+  return widest > 0 ? Math.max(widest, benches.gap(i, j).gap) : widest;
+}
+
+// Of the benches from `first` to `last`, the one closest to bench `i`, and the gap; no bench if none is within `reach`.
+function closest(benches, i, first, last, reach = Infinity) {
+  const { poses: { x, y }, motion: { lengths, widths } } = benches;
+  const half = (k) => Math.sqrt(lengths[k] ** 2 + widths[k] ** 2) / 2;
+  const found = { bench: null, gap: reach };
+  for (let j = Math.max(first, 0); j <= Math.min(last, benches.motion.benches - 1); j++) {
+    const apart = Math.sqrt((x[i] - x[j]) ** 2 + (y[i] - y[j]) ** 2) - half(i) - half(j);
+    if (apart >= found.gap || Math.abs(i - j) < 2) continue;
+    const gap = separation(benches, i, j);
+    if (gap < found.gap) Object.assign(found, { bench: j, gap });
+  }
+  return found;
+}
+
+// Pairs of benches, other than neighbours, that share a cell of a grid, and the number of entries in cells.
+function gridPairs(benches, grid) {
+  const cells = new Map(), pairs = new Set(), count = benches.motion.benches;
+  let entries = 0;
+  for (let i = 0; i < count; i++) {
+    for (const cell of benches.cells(i, grid)) {
+      const key = cell.join();
+      const filed = cells.get(key) ?? [];
+      for (const j of filed) if (i - j > 1) pairs.add(j * count + i);
+      cells.set(key, [...filed, i]);
+      entries++;
+    }
+  }
+  return { cells, entries, pairs: Array.from(pairs, (code) => [Math.floor(code / count), code % count]) };
+}
+
+// A root of a function between `before`, where it is positive, and `after`, where it is not.
+function rootBetween(f, before, after) {
+  for (let pass = 0; pass < 60; pass++) {
+    const middle = (before + after) / 2;
+    if (f(middle) > 0) before = middle;
+    else after = middle;
+  }
+  return after;
+}
+
+// Where a function is smallest between two arguments, if it has one minimum there.
+function minimumBetween(f, a, b) {
+  for (let pass = 0; pass < 60; pass++) {
+    const c = b - GOLDEN * (b - a), d = a + GOLDEN * (b - a);
+    [a, b] = f(c) < f(d) ? [a, d] : [c, b];
+  }
+  return (a + b) / 2;
+}
+
+// The first root of a gap between two arguments, in steps that see each of its minima; null if there is none.
+function firstContact(gap, begin, end, step) {
+  let [before, last, at] = [Infinity, gap(begin), begin];
+  if (last <= 0) return begin;
+  while (at < end) {
+    const next = Math.min(at + step, end), here = gap(next);
+    if (before > last && last < here && at > begin) {
+      const least = minimumBetween(gap, at - step, next);
+      if (gap(least) <= 0) return rootBetween(gap, at - step, least);
+    }
+    if (here <= 0) return rootBetween(gap, at, next);
+    [before, last, at] = [last, here, next];
+  }
+  return null;
+}

@@ -1,0 +1,208 @@
+"""The lessons' stages in a real browser: their exact model and their readouts, against the package."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from browser import needs_browser, opened
+
+import pymunk_dragon.lessons
+from pymunk_dragon import Dragon, Grid, March, Spiral, UTurn, separation
+from pymunk_dragon.model.curves import Sampled
+from pymunk_dragon.player.page import colour_variables
+
+pytestmark = [pytest.mark.thorough, needs_browser]
+
+LESSONS = Path(pymunk_dragon.lessons.__file__).parent
+ASSETS = LESSONS / "_framework/assets"
+FRAME = """
+:root { color-scheme: light dark; --ink: #27303f; --quiet: #5d6675; --rule: #e4dcca; --link: #2f6594; }
+@media (prefers-color-scheme: dark) { :root { --ink: #e7e3da; --quiet: #a3a9b4; --rule: #38404d; --link: #8db4d6; } }
+body { margin: 1rem; background: light-dark(#fdfbf6, #171b22); color: var(--ink); font: 1.05rem/1.6 system-ui; }
+main { max-width: 46rem; }
+"""
+# m.
+CLOSE = 1e-9
+
+
+def stage_page(stage: str = "", language: str = "en") -> str:
+    """A page with all scripts of the stages, and with one stage that is open."""
+    scripts = [LESSONS.parent / "player/assets/geometry.js", ASSETS / "chain.js", ASSETS / "lab.js"]
+    script = "".join(path.read_text("utf-8") for path in [*scripts, *sorted(LESSONS.glob("*.js"))])
+    opening = f'<script>openStage(document.querySelector("[data-stage={stage}]"))</script>' if stage else ""
+    return (
+        f'<!doctype html><html lang="{language}"><meta charset="utf-8"><title>Stage</title>'
+        '<meta name="viewport" content="width=device-width">'
+        f"<style>{colour_variables()}{FRAME}{(ASSETS / 'lab.css').read_text('utf-8')}</style>"
+        f'<main><h1>Stage</h1><div class="stage" data-stage="{stage}"></div></main>'
+        f'<script>"use strict";{script}</script>{opening}'
+    )
+
+
+@pytest.fixture
+def visit(browser, tmp_path):
+    """Open the page of a stage."""
+
+    def visited(stage: str = "", language: str = "en", **options):
+        path = tmp_path / "stage.html"
+        path.write_text(stage_page(stage, language), "utf-8")
+        return opened(browser, path.as_uri(), **options)
+
+    return visited
+
+
+@pytest.fixture
+def page(visit):
+    with visit() as found:
+        yield found.page
+        assert found.complaints == []
+
+
+CHAIN = """([curve, sizes, heads]) => heads.map((head) => {
+  const { points, tangents, ratios } = chainAt(eval(curve), makeDragon(sizes), head);
+  return points.map((point, i) => [...point, ratios[i] * tangents[i][0], ratios[i] * tangents[i][1]]);
+})"""
+
+
+def assert_same_chains(page, curve, march, sizes, heads):
+    """Positions and velocities in the page and in the package, with the head at `heads` m along the curve."""
+    found = np.array(page.evaluate(CHAIN, [curve, sizes, heads.tolist()]))
+    states = march.at(heads - march.head_start)
+    np.testing.assert_allclose(found[..., :2], states.positions, rtol=0, atol=CLOSE)
+    np.testing.assert_allclose(found[..., 2:], states.velocities, rtol=0, atol=CLOSE)
+
+
+def test_chains_on_spirals_are_the_packages(page):
+    random = np.random.default_rng(1)
+    for pitch in (0.45, 0.55, 1.7):
+        spiral = Spiral(pitch=pitch)
+        heads = random.uniform(spiral.at_radius(8.8), spiral.at_radius(2.5), 130)
+        march = March(Dragon(), spiral, start_s=heads.min())
+        assert_same_chains(page, f"new Spiral({pitch})", march, {}, heads)
+
+
+def test_chains_on_u_turns_are_the_packages(page):
+    random = np.random.default_rng(2)
+    for ratio in (0.5, 1.0, 1.63, 2.0):
+        march = March(Dragon(), UTurn(ratio=ratio))
+        assert march.curve.length == pytest.approx(page.evaluate(f"new UTurn({{ ratio: {ratio} }}).length"), abs=CLOSE)
+        heads = random.uniform(-10, 40, 80)
+        assert_same_chains(page, f"new UTurn({{ ratio: {ratio} }})", march, {}, heads)
+
+
+def test_chains_on_drawn_paths_are_the_packages(page):
+    random = np.random.default_rng(3)
+    sizes = {"benches": 12, "head": 0.3, "body": 0.2, "overhang": 0.03, "width": 0.06}
+    dragon = Dragon(benches=12, head_spacing=0.3, body_spacing=0.2, overhang=0.03, width=0.06)
+    for _ in range(6):
+        angles = np.cumsum(random.uniform(-0.7, 0.7, 16))
+        points = np.cumsum(random.uniform(0.25, 0.45, (16, 1)) * np.stack([np.cos(angles), np.sin(angles)], -1), axis=0)
+        march = March(dragon, Sampled(points))
+        heads = random.uniform(march.head_start, march.curve.end_s, 50)
+        assert_same_chains(page, f"new DrawnPath({points.tolist()})", march, sizes, heads)
+
+
+def test_gaps_of_rectangles_are_the_packages(page):
+    random = np.random.default_rng(4)
+    poses = random.uniform([-1.5, -1.5, -4], [1.5, 1.5, 4], (1000, 2, 3))
+    lengths, widths = random.uniform(0.1, 2, (2, 1000, 2))
+    found = page.evaluate(
+        """([poses, lengths, widths]) => poses.map((pair, k) => separation(
+          new Benches({ benches: 2, lengths: lengths[k], widths: widths[k] }, posesFrom(2, (i) => pair[i])), 0, 1))""",
+        [poses.tolist(), lengths.tolist(), widths.tolist()],
+    )
+    dragon = [pymunk_dragon.outlines(poses[k], lengths[k], widths[k]) for k in range(1000)]
+    corners = np.array(dragon)
+    expected = separation(corners[:, 0], corners[:, 1]).distance
+    assert 300 < np.sum(expected < 0) < 900
+    np.testing.assert_allclose(found, expected, rtol=0, atol=CLOSE)
+
+
+def grid_of_page(page, march, time, cell):
+    return page.evaluate(
+        """([head, count, grid]) => {
+          const dragon = makeDragon({ benches: count });
+          const benches = benchesBetween(dragon, chainAt(new Spiral(0.55), dragon, head).points);
+          const { cells, entries, pairs } = gridPairs(benches, grid);
+          return [[...cells].flatMap(([cell, filed]) => filed.map((i) => `${cell},${i}`)), entries, pairs];
+        }""",
+        [
+            march.head_start + time,
+            march.dragon.benches,
+            {"cell": cell, "origin": [-8.8, 8.8]},
+        ],
+    )
+
+
+@pytest.mark.parametrize("cell", [0.3, 0.55, 2.2])
+def test_cells_and_pairs_are_those_of_the_packages_grid(page, cell):
+    march, time = March(), 412.4
+    outlines = march.dragon.outlines(march.at(time).poses[0])
+    grid = Grid(cell=cell)
+    filed, entries, pairs = grid_of_page(page, march, time, cell)
+    cells, benches = grid.file(outlines)
+    expected = np.column_stack([cells, benches]).tolist()
+    assert sorted(filed) == sorted(",".join(map(str, entry)) for entry in expected)
+    assert entries == len(benches)
+    assert sorted(map(tuple, pairs)) == sorted(map(tuple, grid.pairs(outlines).tolist()))
+
+
+def set_slider(page, name, value):
+    page.get_by_label(name, exact=True).fill(str(value))
+
+
+def readout(page):
+    """What the stage says, once it has drawn."""
+    page.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+    return page.evaluate("document.querySelector('output').textContent")
+
+
+def drag(page, name, dx, dy, steps=5):
+    """Drag a knob by pixels, to the right and down, with the mouse."""
+    box = page.get_by_role("button", name=name).bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + dx, y + dy, steps=steps)
+    page.mouse.up()
+
+
+def test_spiral_says_how_fast_one_turns(visit):
+    with visit("spiral") as found:
+        set_slider(found.page, "time", 400)
+        state = March().at(400)
+        (x, y), (u, v) = state.positions[0, 0], state.velocities[0, 0]
+        rate = (y * u - x * v) / (x * x + y * y)
+        said = readout(found.page)
+        assert f"{rate:.3f} rad/s: a round in {2 * np.pi / rate:.1f} s" in said
+        assert f"{np.hypot(x, y):.2f} m from you" in said
+        # A quarter round along the outermost turn, with the mouse.
+        set_slider(found.page, "time", 0)
+        box = found.page.locator("canvas").bounding_box()
+        readout(found.page)
+        drag(found.page, "The head", -8.8 * box["height"] / 18.6, 8.67 * box["height"] / 18.6)
+        assert "The head walks at 1 m/s, 8.66 m from you" in readout(found.page)
+
+
+def test_chain_finds_the_next_handle(visit):
+    with visit("chain") as found:
+        page = found.page
+        assert "at 22 points" in readout(page)
+        march = March()
+        (x, y), (px, py) = march.at(300).positions[0, :2]
+        box = page.locator("canvas").bounding_box()
+        scale = min(box["width"], box["height"]) / 2.4 / 2.86
+        knob = page.get_by_role("button", name="The next handle").bounding_box()
+        at = knob["x"] + 22, knob["y"] + 22
+        centre = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+        drag(page, "The next handle", centre[0] + (px - x) * scale - at[0], centre[1] - (py - y) * scale - at[1])
+        arc = -np.diff(march.handles_s(300, 2)[0]).item()
+        assert f"This is the next handle: {arc:.3f} m back along the path" in readout(page)
+        # By the keyboard to another point of the circle.
+        page.get_by_role("button", name="The next handle").press("ArrowUp")
+        assert "not on the spiral" in readout(page)
+        set_slider(page, "bench, hole to hole", 1.65)
+        away = np.hypot(*(Spiral().point(np.linspace(-800, 0, 800_001)) - (x, y)).T) - 1.65
+        assert f"at {np.sum(away[:-1] * away[1:] < 0)} points" in readout(page)
