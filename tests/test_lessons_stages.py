@@ -206,3 +206,19 @@ def test_chain_finds_the_next_handle(visit):
         set_slider(page, "bench, hole to hole", 1.65)
         away = np.hypot(*(Spiral().point(np.linspace(-800, 0, 800_001)) - (x, y)).T) - 1.65
         assert f"at {np.sum(away[:-1] * away[1:] < 0)} points" in readout(page)
+
+
+def test_velocity_says_how_slow_the_tail_is_and_how_wrong_a_difference(visit):
+    with visit("velocity") as found:
+        march, page = March(), found.page
+        for time, exponent in ((300, 0), (412, -2)):
+            set_slider(page, "time", time)
+            set_slider(page, "time step", exponent)
+            speeds = march.at(time).speeds
+            error = np.abs(march.speeds_by_difference(time, 10.0**exponent) - speeds).max()
+            said, tail = readout(page), 1000 * speeds[0, -1]
+            assert f"{tail:.3f} mm/s, {1000 - tail:.3f} mm/s slower" in said
+            assert f"wrong by {float(f'{error:.1e}'):.1e}".replace("e-0", "e-") in said
+        # With the finger's events it is the mouse's; to the left the step is shorter.
+        drag(page, "The time step", -200, 0)
+        assert "From positions 1.0e-2 s" not in readout(page)

@@ -60,6 +60,12 @@ class Lab {
     this.changed();
   }
 
+  // A mixture of two colours, with a share of the second from 0 to 1 in steps of a twentieth.
+  mixed(one, two, share) {
+    const percent = 5 * Math.round(20 * Math.min(Math.max(share, 0), 1));
+    return `color-mix(in oklab, ${this.colours[two]} ${percent}%, ${this.colours[one]})`;
+  }
+
   // Something changed: draw with the next picture.
   changed() {
     this.scheduled ??= requestAnimationFrame(() => {
@@ -351,6 +357,11 @@ class Pane {
 // The colours of a dragon's parts.
 function partColour({ motion }) {
   return (i) => (i === 0 ? "head" : i === motion.benches - 1 ? "tail" : "body");
+}
+
+// A power of ten, as 10⁻³.
+function power(exponent) {
+  return `10${String(exponent).replace(/./g, (digit) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".indexOf(digit)])}`;
 }
 
 // Round numbers between two limits, not more than `density` for each 1.
