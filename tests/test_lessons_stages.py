@@ -11,6 +11,7 @@ from browser import needs_browser, opened
 import pymunk_dragon.lessons
 from pymunk_dragon import Dragon, Grid, March, Spiral, UTurn, separation
 from pymunk_dragon.model.curves import Sampled
+from pymunk_dragon.model.dragon import bench_poses
 from pymunk_dragon.player.page import colour_variables
 
 pytestmark = [pytest.mark.thorough, needs_browser]
@@ -222,3 +223,65 @@ def test_velocity_says_how_slow_the_tail_is_and_how_wrong_a_difference(visit):
         # With the finger's events it is the mouse's; to the left the step is shorter.
         drag(page, "The time step", -200, 0)
         assert "From positions 1.0e-2 s" not in readout(page)
+
+
+def test_sat_says_how_far_two_benches_are_apart(visit):
+    with visit("sat") as found:
+        page, poses = found.page, np.array([[-0.8, -0.45, 0], [0.8, 0.45, np.pi / 6]])
+
+        def verdict():
+            distance = separation(*pymunk_dragon.outlines(poses, [2.2, 2.2], 0.3)).distance.item()
+            return f"are {distance:.3f} m apart." if distance > 0 else f"overlap by {-distance:.3f} m."
+
+        assert readout(page) == f"Light on 1 of 4 walls, up to 0.070 m wide. The benches {verdict()}"
+        scale = page.locator("canvas").bounding_box()["height"] / 7.2
+        drag(page, "The amber bench: drag it", -30, 40)
+        poses[1, :2] += np.array([-30, -40]) / scale
+        assert "overlap" in verdict()
+        assert readout(page) == f"Light on none of 4 walls. The benches {verdict()}"
+        # A metre by the keyboard.
+        for _ in range(2):
+            page.get_by_role("button", name="The amber bench: drag it").press("Shift+ArrowUp")
+        poses[1, 1] += 1
+        assert "apart" in verdict()
+        assert verdict() in readout(page)
+        set_slider(page, "walls", 1)
+        assert "Light on none of 1 walls." in readout(page)
+
+
+def test_grid_says_how_many_pairs_share_a_cell(visit):
+    with visit("grid") as found:
+        page, march = found.page, March()
+        outlines = march.dragon.outlines(march.at(412.473837).poses[0])
+        for cell, benches in ((0.55, 223), (0.1, 223), (2.2, 223), (0.55, 16)):
+            set_slider(page, "side of a cell", cell)
+            set_slider(page, "benches", benches)
+            pairs, entries = Grid(cell=cell).pairs(outlines[:benches]), Grid(cell=cell).file(outlines[:benches])[1]
+            expected = f"{len(pairs)} of {(benches - 1) * (benches - 2) // 2} pairs share a cell; {len(entries)} entries"
+            assert expected in readout(page)
+        assert f"Bench 8: {np.sum(pairs == 8)} to test." in readout(page)
+        page.get_by_role("button", name="The bench that is picked").press("ArrowLeft")
+        assert f"Bench 7: {np.sum(pairs == 7)} to test." in readout(page)
+
+
+def test_near_miss_shows_the_gap_and_the_false_hit_of_cut_coordinates(visit):
+    with visit("near-miss") as found:
+        page, march = found.page, March()
+        for decimals in (6, 3, 4):
+            set_slider(page, "coordinates", decimals)
+            for time in (406.8, 409.85, 412.2):
+                set_slider(page, "time", time)
+                handles = march.at(time, handles=14).positions[0]
+                handles = handles if decimals == 6 else np.trunc(10**decimals * handles) / 10**decimals
+                outlines = march.dragon.outlines(bench_poses(handles))
+                gaps = 1000 * separation(outlines[0], outlines[2:]).distance
+                gap, bench = gaps.min(), gaps.argmin() + 2
+                said = f"gap to bench {bench} is {gap:.3f} mm" if gap > 0 else f"bench {bench} by {-gap:.3f} mm"
+                assert said in readout(page)
+        set_slider(page, "coordinates", 3)
+        assert "First overlap on the chart: 409.79 s." in readout(page)
+        # Half a second along the chart, of which 7.8 s are in view.
+        width = page.locator("canvas").bounding_box()["width"] - 68
+        set_slider(page, "time", 409.5)
+        drag(page, "The time: drag it", 0.5 / 7.8 * width, 0)
+        assert readout(page).startswith("410.00 s")

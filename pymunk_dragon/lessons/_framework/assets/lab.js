@@ -205,7 +205,7 @@ class Lab {
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
     context.fillStyle = this.colours.background;
     context.fillRect(0, 0, width, height);
-    context.lineJoin = context.lineCap = "round";
+    context.lineJoin = "round";
     this.update?.();
     let top = 0;
     for (const pane of this.panes) {
