@@ -9,7 +9,7 @@ import pytest
 from browser import needs_browser, opened
 
 import pymunk_dragon.lessons
-from pymunk_dragon import Dragon, Grid, March, Spiral, UTurn, separation
+from pymunk_dragon import Dragon, Grid, March, Spiral, UTurn, scan, separation
 from pymunk_dragon.model.curves import Sampled
 from pymunk_dragon.model.dragon import bench_poses
 from pymunk_dragon.player.page import colour_variables
@@ -285,3 +285,21 @@ def test_near_miss_shows_the_gap_and_the_false_hit_of_cut_coordinates(visit):
         set_slider(page, "time", 409.5)
         drag(page, "The time: drag it", 0.5 / 7.8 * width, 0)
         assert readout(page).startswith("410.00 s")
+
+
+def test_missed_window_says_which_contact_a_step_misses(visit):
+    with visit("missed-window") as found:
+        page, march = found.page, March(Dragon(width=0.301))
+        times = np.linspace(409.7, 410, 30_001)
+        outlines = march.dragon.outlines(march.at(times, 17).poses)
+        touched = np.ptp(times[(separation(outlines[:, :1], outlines[:, 2:]).distance <= 0).any(axis=1)])
+        # 1 s, 0.5 s and 0.1 s.
+        for index, step in ((0, 1.0), (-1, 0.5), (-3, 0.1)):
+            set_slider(page, "a sample every", index)
+            bench = scan(march, start=405, until=420, step=step).benches[1]
+            assert f"The samples find the head in bench {bench} at" in readout(page)
+            missed = f"Missed: bench 11, touched for {touched:.3f} s." if bench == 8 else "No contact was missed."
+            assert missed in readout(page)
+        set_slider(page, "width", 300.98)
+        bench = scan(March(Dragon(width=0.30098)), start=405, until=420, step=0.1).benches[1]
+        assert f"The samples find the head in bench {bench} at 412.500 s. Missed: bench 11" in readout(page)
