@@ -9,10 +9,11 @@ import pytest
 from browser import needs_browser, opened
 
 import pymunk_dragon.lessons
-from pymunk_dragon import Dragon, Grid, March, Spiral, UTurn, scan, separation
+from pymunk_dragon import Dragon, Grid, March, Spiral, UTurn, first_contact, scan, separation
 from pymunk_dragon.model.curves import Sampled
 from pymunk_dragon.model.dragon import bench_poses
 from pymunk_dragon.player.page import colour_variables
+from pymunk_dragon.studies import max_speed
 
 pytestmark = [pytest.mark.thorough, needs_browser]
 
@@ -303,3 +304,82 @@ def test_missed_window_says_which_contact_a_step_misses(visit):
         set_slider(page, "width", 300.98)
         bench = scan(March(Dragon(width=0.30098)), start=405, until=420, step=0.1).benches[1]
         assert f"The samples find the head in bench {bench} at 412.500 s. Missed: bench 11" in readout(page)
+
+
+@pytest.mark.parametrize("pitch", [0.43, 0.4503, 0.4504])
+def test_pitch_says_where_the_dragon_stops_and_what_samples_see(visit, pitch):
+    with visit("pitch") as found:
+        page, march = found.page, March(Dragon(benches=40), Spiral(pitch=pitch))
+        arrival = march.curve.at_radius(4.5) - march.head_start
+        set_slider(page, "pitch", int(1000 * pitch))
+        set_slider(page, "and more", round(1000 * pitch - int(1000 * pitch), 3))
+        hit = first_contact(march, until=arrival)
+        if hit.benches:
+            radius = np.hypot(*march.at(hit.time).positions[0, 0])
+            said = f"The head meets bench {hit.benches[1]}, {radius:.3f} m from the centre."
+        else:
+            said = "The dragon gets in."
+        assert readout(page).startswith(said)
+
+        def smallest_gap(step):
+            times = np.arange(arrival // 1 - 20, arrival, step)
+            outlines = march.dragon.outlines(march.at(times, handles=27).poses)
+            return 1000 * separation(outlines[:, :1], outlines[:, 2:]).distance.min()
+
+        assert f"20 s: {smallest_gap(0.002):.3f} mm; in the samples: {smallest_gap(1.0):.3f} mm." in readout(page)
+        # Back along the spiral by the keyboard.
+        page.get_by_role("button", name="The head").press("ArrowLeft")
+        assert readout(page).startswith(said)
+
+
+def finger(page, start, stop):
+    """Drag a finger over the page."""
+    touch = page.context.new_cdp_session(page)
+    for share in np.linspace(0, 1, 9):
+        kind, point = "touchMove" if share else "touchStart", np.array(start) + share * np.subtract(stop, start)
+        points = [{"x": float(point[0]), "y": float(point[1])}]
+        touch.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+    touch.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+
+
+def test_u_turn_says_how_long_the_arcs_are(visit):
+    with visit("u-turn", width=390, height=844, has_touch=True, is_mobile=True) as found:
+        page = found.page
+
+        def arcs(ratio):
+            turn = UTurn(ratio=ratio)
+            one, two = np.abs(turn.sweeps) * turn.radii
+            return f"{one:.3f} m + {two:.3f} m = {turn.length:.3f} m"
+
+        assert readout(page) == f"The contest's arcs: {arcs(2)}. Yours: {arcs(1)}."
+        box = page.get_by_role("button", name="The point where your arcs meet").bounding_box()
+        start = np.array([box["x"], box["y"]]) + 22
+        scale = page.locator("canvas").bounding_box()["width"] / 11.6
+        # With a finger, 1.2 m towards the exit: 1 - 2 / 4.5 is the share of the first arc.
+        way = -1.2 * UTurn().tangent_points[0] / 4.5 * scale * (1, -1)
+        finger(page, start, start + way)
+        assert f"Yours: {arcs((1 + 1.2 / 4.5) / (1 - 1.2 / 4.5))}." in readout(page)
+        set_slider(page, "time", 14)
+        page.get_by_role("button", name="The point where your arcs meet").press("Shift+ArrowLeft")
+        assert "13.621 m" in readout(page)
+
+
+def test_speed_limit_says_who_is_fastest(visit):
+    with visit("speed-limit") as found:
+        page = found.page
+        for ratio in (2.0, 1.0):
+            set_slider(page, "ratio of the radii", ratio)
+            largest = max_speed(limit=2.0, ratio=ratio)
+            set_slider(page, "speed of the head", round(largest.speed, 3))
+            top = round(largest.speed, 3) * largest.ratio
+            assert f"In the whole turn: {top:.3f} m/s." in readout(page)
+            for way in (9.5, 14.5):
+                set_slider(page, "way of the head", way)
+                speeds = round(largest.speed, 3) * March(curve=UTurn(ratio=ratio)).at(way).speeds[0]
+                first = np.argmax(speeds > speeds.max() - 1e-9)
+                assert f"now: handle {first}, {speeds.max():.3f} m/s" in readout(page)
+        # A tenth of the chart, which shows 25 m.
+        width = page.locator("canvas").bounding_box()["width"] - 68
+        drag(page, "The head's way", -width / 10, 0)
+        speed = March(curve=UTurn(ratio=1.0)).at(12.0).speeds[0].max()
+        assert f", {speed:.3f} times the head's speed" in readout(page)

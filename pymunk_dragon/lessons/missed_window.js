@@ -1,9 +1,8 @@
 // The step between samples and the width of the benches: which contact falls between two samples?
 stages["missed-window"] = (lab) => {
   const begin = 405, end = 413; // s
-  const stepOf = (n) => Number(`${[1, 2, 5][(n + 9) % 3]}e${Math.floor(n / 3)}`); // s: 1, 2, 5 times a power of ten
   const step = lab.slider({
-    label: { en: "a sample every", zh: "取样间隔" }, min: -9, max: 1, step: 1, value: 0, show: (n) => `${stepOf(n)} s`,
+    label: { en: "a sample every", zh: "取样间隔" }, min: -9, max: 1, step: 1, value: 0, show: (n) => `${roundNumber(n)} s`,
   });
   const width = lab.slider({ label: { en: "width", zh: "板凳宽度" }, unit: "mm", min: 300, max: 301.5, step: 0.01, value: 301 });
   const zoom = lab.slider({ label: { en: "zoom", zh: "放大" }, min: 0, max: 1.6, step: 0.02, value: 0, show: (x) => `× ${(10 ** x).toFixed(0)}` });
@@ -25,7 +24,7 @@ stages["missed-window"] = (lab) => {
         .map((t) => ({ bench: gapAt(t).bench, from: rootBetween(gap, t - 1, t), to: rootBetween(gap, t + 1, t) }));
       touching.push({ bench: 8, from: rootBetween(gap, 411, end), to: Infinity });
     }
-    length = stepOf(step.value);
+    length = roundNumber(step.value);
     benches = benchesAt(time, 61);
     now = gapAt(time);
   };

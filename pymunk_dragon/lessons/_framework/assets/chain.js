@@ -288,25 +288,27 @@ function rootBetween(f, before, after) {
 
 // Where a function is smallest between two arguments, if it has one minimum there.
 function minimumBetween(f, a, b) {
-  for (let pass = 0; pass < 60; pass++) {
+  for (let pass = 0; pass < 36; pass++) {
     const c = b - GOLDEN * (b - a), d = a + GOLDEN * (b - a);
     [a, b] = f(c) < f(d) ? [a, d] : [c, b];
   }
   return (a + b) / 2;
 }
 
-// The first root of a gap between two arguments, in steps that see each of its minima; null if there is none.
-function firstContact(gap, begin, end, step) {
+// The first root of a gap between two arguments, and its minima before, in steps that see each of those below `near`.
+function firstContact(gap, begin, end, step, near) {
+  const minima = [];
   let [before, last, at] = [Infinity, gap(begin), begin];
-  if (last <= 0) return begin;
+  if (last <= 0) return { root: begin, minima };
   while (at < end) {
     const next = Math.min(at + step, end), here = gap(next);
-    if (before > last && last < here && at > begin) {
+    if (before > last && last < here && last < near) {
       const least = minimumBetween(gap, at - step, next);
-      if (gap(least) <= 0) return rootBetween(gap, at - step, least);
+      if (gap(least) <= 0) return { root: rootBetween(gap, at - step, least), minima };
+      minima.push(least);
     }
-    if (here <= 0) return rootBetween(gap, at, next);
+    if (here <= 0) return { root: rootBetween(gap, at, next), minima };
     [before, last, at] = [last, here, next];
   }
-  return null;
+  return { root: null, minima };
 }

@@ -364,6 +364,11 @@ function power(exponent) {
   return `10${String(exponent).replace(/./g, (digit) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".indexOf(digit)])}`;
 }
 
+// The round numbers 1, 2, 5, 10 and so on, by their place after 1; in units of seconds, metres and the like.
+function roundNumber(place) {
+  return Number(`${[1, 2, 5][((place % 3) + 3) % 3]}e${Math.floor(place / 3)}`);
+}
+
 // Round numbers between two limits, not more than `density` for each 1.
 function ticks(first, last, density) {
   const rough = 1 / density, power = 10 ** Math.floor(Math.log10(rough));
