@@ -258,7 +258,9 @@ def test_grid_says_how_many_pairs_share_a_cell(visit):
             set_slider(page, "side of a cell", cell)
             set_slider(page, "benches", benches)
             pairs, entries = Grid(cell=cell).pairs(outlines[:benches]), Grid(cell=cell).file(outlines[:benches])[1]
-            expected = f"{len(pairs)} of {(benches - 1) * (benches - 2) // 2} pairs share a cell; {len(entries)} entries"
+            expected = (
+                f"{len(pairs)} of {(benches - 1) * (benches - 2) // 2} pairs share a cell; {len(entries)} entries"
+            )
             assert expected in readout(page)
         assert f"Bench 8: {np.sum(pairs == 8)} to test." in readout(page)
         page.get_by_role("button", name="The bench that is picked").press("ArrowLeft")
@@ -383,3 +385,48 @@ def test_speed_limit_says_who_is_fastest(visit):
         drag(page, "The head's way", -width / 10, 0)
         speed = March(curve=UTurn(ratio=1.0)).at(12.0).speeds[0].max()
         assert f", {speed:.3f} times the head's speed" in readout(page)
+
+
+KNOBS = """[...document.querySelectorAll(".knob")].filter((knob) => !knob.hidden)
+  .map((knob) => [parseFloat(knob.style.left), parseFloat(knob.style.top)])"""
+
+
+def path_of(page):
+    """The points of the drawn path in m, from where they are on the canvas."""
+    box = page.locator("canvas").bounding_box()
+    scale = min(box["width"] / 3.1, box["height"] / 1.9)
+    return (np.array(page.evaluate(KNOBS)) - (box["width"] / 2, box["height"] / 2)) / (scale, -scale) + (-0.55, 0)
+
+
+@pytest.mark.parametrize("drawn", [False, True])
+def test_robot_says_whether_the_arm_follows_a_path(visit, drawn):
+    with visit("robot") as found:
+        page = found.page
+        readout(page)
+        if drawn:
+            box = page.locator("canvas").bounding_box()
+            x, y = box["x"] + 30, box["y"] + 0.75 * box["height"]
+            page.mouse.move(x, y)
+            page.mouse.down()
+            for share in np.linspace(0, 1, 60):
+                page.mouse.move(x + 660 * share, y - 150 * np.sin(4 * share) ** 2)
+            page.mouse.up()
+        set_slider(page, "time", page.get_by_label("time", exact=True).get_attribute("max"))
+        said = readout(page)
+        arm = Dragon(
+            head_spacing=0.14,
+            body_spacing=[0.10] * 6 + [0.13] * 5 + [0.16] * 4,
+            overhang=0.02,
+            width=[0.05] * 7 + [0.06] * 5 + [0.07] * 4,
+        )
+        march = March(arm, Sampled(path_of(page)), speed=0.2)
+        hit = first_contact(march)
+        outcome = "The tip reaches the end after" if drawn else "Link 0 runs into link 13 at"
+        assert hit.benches == (None if drawn else (0, 13))
+        time, low, high = (float(said.split(before)[1].split()[0]) for before in (outcome, "now at", " to "))
+        assert time == pytest.approx(hit.time, abs=2e-3)
+        speeds = march.at(np.arange(0, hit.time, 0.1)).speeds
+        assert (low, high) == pytest.approx((speeds.min(), speeds.max()), abs=6e-4)
+        if drawn:
+            page.get_by_role("button", name="Point 3 of the path").press("Shift+ArrowDown")
+            assert readout(page) != said

@@ -141,8 +141,8 @@ class Lab {
   }
 
   // A thing to drag at the point `at()` of a pane: `moved` takes the point to which it goes; `step` is that of an arrow key.
-  knob({ pane = this.panes[0], label, at, moved, step = 0.05 }) {
-    const knob = made("button", { type: "button", className: "knob" });
+  knob({ pane = this.panes[0], label, at, moved, step = 0.05, small = false }) {
+    const knob = made("button", { type: "button", className: small ? "small knob" : "knob" });
     this.texts.push(() => { knob.ariaLabel = this.say(label); });
     let held = null;
     const here = ({ clientX, clientY }) => {
