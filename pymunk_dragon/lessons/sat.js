@@ -1,68 +1,66 @@
 // Drag and turn two benches: is there light between their shadows on any wall?
 stages.sat = (lab) => {
-  const near = 2.3, apart = 0.28, half = 2.2, farthest = 1.2, hole = 0.825; // m: walls from the centre, their halves; benches
-  const count = lab.slider({ label: { en: "walls", zh: "墙的数目" }, min: 1, max: 5, step: 1, value: 4 });
+  const near = 2.3, apart = 0.28, half = 2.2, farthest = 1.2, hole = 0.825; // m: walls, the centres of benches, holes
+  const count = lab.slider(["walls", "墙的数目"], { min: 1, max: 5, step: 1, value: 4 });
   const poses = [[-0.8, -0.45, 0], [0.8, 0.45, Math.PI / 6]]; // x, y, angle
-  const names = [{ en: "blue bench", zh: "蓝色板凳" }, { en: "amber bench", zh: "琥珀色板凳" }];
   let own = 0.8, benches, walls;
 
-  // Where the shadows of both benches begin and end on a wall along an angle, and the light between them.
+  // A wall along an angle, to its left or right: where the shadows of both benches are on it, and the light between them.
   const wall = (angle, side, distance) => {
-    const along = [Math.cos(angle), Math.sin(angle)], out = [-side * along[1], side * along[0]];
-    const shadows = [0, 1].map((each) => {
-      const seen = benches.corners(each).map(([x, y]) => x * along[0] + y * along[1]);
+    const [cos, sin] = [Math.cos(angle), Math.sin(angle)];
+    const shadows = [0, 1].map((i) => {
+      const seen = benches.corners(i).map(([x, y]) => x * cos + y * sin);
       return [Math.min(...seen), Math.max(...seen)];
     });
     const [[a, b], [c, d]] = shadows, light = c > b ? [b, c] : a > d ? [d, a] : null;
-    return { shadows, light, at: (t, away = distance) => [t * along[0] + away * out[0], t * along[1] + away * out[1]] };
+    const at = (along, away = distance) => [along * cos - side * away * sin, along * sin + side * away * cos];
+    return { shadows, light, at };
   };
 
-  lab.label = { en: "Two benches, and their shadows on walls along their sides", zh: "两节板凳，以及它们在与各边平行的墙上的影子" };
+  lab.label = ["Two benches, and their shadows on walls along their sides", "两节板凳，以及它们在与各边平行的墙上的影子"];
   lab.update = () => {
     benches = new Benches(makeDragon({ benches: 2, head: 2 * hole }), posesFrom(2, (i) => poses[i]));
     const [blue, amber] = poses.map((pose) => pose[2]), turn = Math.PI / 2;
     walls = [
-      wall(blue, -1, near), wall(blue + turn, -1, near),
-      wall(amber, 1, near + apart), wall(amber + turn, 1, near + apart), wall(own, 1, near + 2 * apart),
+      wall(blue, -1, near), wall(blue + turn, -1, near), wall(amber, 1, near + apart), wall(amber + turn, 1, near + apart),
+      wall(own, 1, near + 2 * apart),
     ].slice(0, count.value);
   };
   lab.pane(1, () => ({ x: 0, y: 0, width: 7.2, height: 7.2 }), (pane) => {
-    for (const { light, at } of walls) {
-      if (light) pane.fill([at(light[0]), at(light[1]), at(light[1], -half), at(light[0], -half)], { colour: "head", alpha: 0.35 });
+    for (const { light, at } of walls.filter((each) => each.light)) {
+      pane.fill([at(light[0]), at(light[1]), at(light[1], -half), at(light[0], -half)], { colour: "head", alpha: 0.35 });
     }
     for (const { shadows, light, at } of walls) {
       pane.line([at(-half), at(half)], { colour: "curve", width: 2 });
-      shadows.forEach(([a, b], i) => pane.line([at(a), at(b)], { colour: ["body", "head"][i], width: i === 0 ? 9 : 5 }));
-      if (light) pane.line([at(light[0]), at(light[1])], { colour: "contact", width: 5 });
+      shadows.forEach(([a, b], i) => pane.line([at(a), at(b)], { colour: ["body", "head"][i], width: [9, 5][i] }));
+      if (light) pane.line(light.map((each) => at(each)), { colour: "contact", width: 5 });
     }
-    pane.benches(benches, { colour: (i) => ["body", "head"][i] });
+    pane.benches(benches, (i) => ["body", "head"][i]);
   });
-  const bounded = (value) => Math.min(Math.max(value, -farthest), farthest);
-  for (const i of [0, 1]) {
-    lab.knob({
-      label: { en: `The ${names[i].en}: drag it`, zh: `拖动${names[i].zh}` },
-      at: () => poses[i].slice(0, 2),
-      moved: ([x, y]) => poses[i].splice(0, 2, bounded(x), bounded(y)),
+  poses.forEach((pose, i) => {
+    const [english, chinese] = [["blue", "蓝"], ["amber", "琥珀"]][i];
+    lab.knob([`The ${english} bench: drag it`, `拖动${chinese}色板凳`], {
+      at: () => pose.slice(0, 2),
+      moved: (point) => pose.splice(0, 2, ...point.map((each) => bounded(each, -farthest, farthest))),
     });
-    lab.knob({
-      label: { en: `The ${names[i].en}: turn it`, zh: `转动${names[i].zh}` },
-      at: () => [poses[i][0] + hole * Math.cos(poses[i][2]), poses[i][1] + hole * Math.sin(poses[i][2])],
-      moved: ([x, y]) => { poses[i][2] = Math.atan2(y - poses[i][1], x - poses[i][0]); },
+    lab.knob([`The ${english} bench: turn it`, `转动${chinese}色板凳`], {
+      at: () => [pose[0] + hole * Math.cos(pose[2]), pose[1] + hole * Math.sin(pose[2])],
+      moved: ([x, y]) => { pose[2] = Math.atan2(y - pose[1], x - pose[0]); },
     });
-  }
-  lab.knob({
-    label: { en: "The fifth wall: drag it around", zh: "第五面墙：拖着它转" },
-    at: () => (walls[4] ? walls[4].at(0) : [NaN, NaN]),
+  });
+  lab.knob(["The fifth wall: drag it around", "第五面墙：拖着它转"], {
+    step: 0.2,
+    at: () => walls[4]?.at(0) ?? [NaN, NaN],
     moved: ([x, y]) => { own = Math.atan2(-x, y); },
   });
   lab.readout = () => {
-    const lit = walls.filter(({ light }) => light), most = Math.max(...lit.map(({ light }) => light[1] - light[0])).toFixed(3);
-    const distance = separation(benches, 0, 1), size = Math.abs(distance).toFixed(3);
-    return {
-      en: (lit.length ? `Light on ${lit.length} of ${count.value} walls, up to ${most} m wide. ` : `Light on none of ${count.value} walls. `)
-        + (distance > 0 ? `The benches are ${size} m apart.` : `The benches overlap by ${size} m.`),
-      zh: (lit.length ? `${count.value} 面墙中有 ${lit.length} 面透光，最宽 ${most} m。` : `${count.value} 面墙都不透光。`)
-        + (distance > 0 ? `两节板凳相距 ${size} m。` : `两节板凳重叠 ${size} m。`),
-    };
+    const lights = walls.flatMap(({ light }) => (light ? [light[1] - light[0]] : [])), all = count.value;
+    const distance = separation(benches, 0, 1);
+    const [size, most] = [Math.abs(distance), Math.max(...lights)].map((each) => each.toFixed(3));
+    const lit = lights.length ? [`Light on ${lights.length} of ${all} walls, up to ${most} m wide.`, `有光的墙：${all} 面中的 ${lights.length} 面，最宽 ${most} m。`]
+      : [`Light on none of ${all} walls.`, `${all} 面墙上都没有光。`];
+    const verdict = distance > 0 ? [`The benches are ${size} m apart.`, `两节板凳相距 ${size} m。`]
+      : [`The benches overlap by ${size} m.`, `两节板凳重叠 ${size} m。`];
+    return [`${lit[0]} ${verdict[0]}`, `${lit[1]}${verdict[1]}`];
   };
 };

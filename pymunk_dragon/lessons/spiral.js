@@ -1,21 +1,21 @@
 // Drag the head along the spiral, and see in which angle five seconds of its walk appear from the centre.
 stages.spiral = (lab) => {
-  const start = 8.8, last = 0.3, piece = 5; // m, m, s: the head's first and last distance, and how much of its walk is marked
-  const pitch = lab.slider({ label: { en: "pitch", zh: "螺距" }, unit: "m", min: 0.4, max: 1, step: 0.05, value: 0.55 });
-  const time = lab.slider({ label: { en: "time", zh: "时间" }, unit: "s", min: 0, max: 440, step: 1, value: 0, play: () => 20 });
+  const piece = 5; // s of the head's walk that are marked
+  const pitch = lab.slider(["pitch", "螺距"], { min: 0.4, max: 1, step: 0.05, value: 0.55, unit: "m" });
+  const time = lab.slider(["time", "时间"], { min: 0, max: 440, step: 1, value: 0, unit: "s", play: () => 20 });
   const dragon = makeDragon();
   let spiral, begin, end, head, points, marks;
 
-  lab.label = {
-    en: "The dragon on the spiral, and the angle in which the last 5 s of the head's walk appear from the centre",
-    zh: "螺线上的板凳龙，以及从中心看去，龙头最近 5 s 走过的路所张的角",
-  };
+  lab.label = [
+    "The dragon on the spiral, and the angle in which the last 5 s of the head's walk appear from the centre",
+    "螺线上的板凳龙，以及从中心看去，龙头最近 5 s 走过的路所张的角",
+  ];
   lab.update = () => {
     if (spiral?.k !== pitch.value / ROUND) {
       spiral = new Spiral(pitch.value);
-      [begin, end] = [start, last].map((radius) => spiral.atRadius(radius));
+      [begin, end] = [8.8, 0.3].map((radius) => spiral.atRadius(radius));
       points = curvePoints(spiral, begin - 55, 0);
-      marks = curvePoints(spiral, begin, begin + piece * Math.floor((end - begin) / piece), piece);
+      marks = curvePoints(spiral, begin, end, piece);
       time.limit(0, Math.floor(end - begin));
     }
     head = begin + time.value;
@@ -29,21 +29,18 @@ stages.spiral = (lab) => {
     pane.line([walked[0], [0, 0], walked.at(-1)], { width: 1.5 });
     pane.line(walked, { colour: "contact", width: 4 });
     pane.dot([0, 0], { radius: 6 });
-    pane.text([0, 0], lab.say({ en: "you", zh: "你" }), { dy: 17 });
+    pane.text([0, 0], lab.say(["you", "你"]), { dy: 17 });
   });
-  lab.knob({
-    label: { en: "The head: drag it along the spiral", zh: "龙头：沿螺线拖动" },
+  lab.knob(["The head: drag it along the spiral", "龙头：沿螺线拖动"], {
     at: () => spiral.frame(head).slice(0, 2),
-    moved: (point, key) => {
-      time.value = key ? time.value + piece * (key[0] + key[1]) : nearestOn(spiral, point, begin, end) - begin;
-    },
+    moved: (point, way) => { time.value = way ? time.value + piece * way : nearestOn(spiral, point, begin, end) - begin; },
   });
   lab.readout = () => {
-    const [x, y, tx, ty] = spiral.frame(head), radius = Math.hypot(x, y);
-    const rate = (y * tx - x * ty) / radius ** 2, round = (ROUND / rate).toFixed(1);
-    return {
-      en: `The head walks at 1 m/s, ${radius.toFixed(2)} m from you. You turn at ${rate.toFixed(3)} rad/s: a round in ${round} s.`,
-      zh: `龙头以 1 m/s 前进，离你 ${radius.toFixed(2)} m。你以 ${rate.toFixed(3)} rad/s 转身：转一圈要 ${round} s。`,
-    };
+    const [x, y, tx, ty] = spiral.frame(head), away = Math.hypot(x, y), turning = (y * tx - x * ty) / away ** 2;
+    const [radius, rate, round] = [away.toFixed(2), turning.toFixed(3), (ROUND / turning).toFixed(1)];
+    return [
+      `The head walks at 1 m/s, ${radius} m from you. You turn at ${rate} rad/s: a round in ${round} s.`,
+      `龙头以 1 m/s 前进，离你 ${radius} m。你以 ${rate} rad/s 转身：转一圈要 ${round} s。`,
+    ];
   };
 };

@@ -5,10 +5,12 @@ const ROUND = 2 * Math.PI;
 // Share of a chord in which its end is sought step by step, and to which it is then found.
 const SEARCH_STEP = 1 / 16;
 const STEP_TOLERANCE = 1e-11;
-// Cells of a drawn path between two points, and nodes and weights in a cell by which their lengths are integrated.
+// Cells between two points of a drawn path, and nodes and weights of the integral of the length in a cell.
 const CELLS = 8;
-const GAUSS = [[0, 0.5688888888888889], [-0.5384693101056831, 0.47862867049936647], [0.5384693101056831, 0.47862867049936647],
-  [-0.906179845938664, 0.23692688505618908], [0.906179845938664, 0.23692688505618908]];
+const GAUSS = [
+  [0, 0.5688888888888889], [-0.5384693101056831, 0.47862867049936647], [0.5384693101056831, 0.47862867049936647],
+  [-0.906179845938664, 0.23692688505618908], [0.906179845938664, 0.23692688505618908],
+];
 // Ratio of the golden section.
 const GOLDEN = (Math.sqrt(5) - 1) / 2;
 
@@ -92,77 +94,66 @@ class UTurn {
   }
 }
 
-// A smooth path through at least four points: the cubic spline by chord length, with not-a-knot ends.
+// A smooth path through at least four points: the cubic spline by chord length, with not-a-knot ends. Its coordinate is the
+// length of the chords, and only nearly the arc length: `length` and `atLength` convert.
 class DrawnPath {
   constructor(points) {
     const chords = points.slice(1).map(([x, y], i) => Math.hypot(x - points[i][0], y - points[i][1]));
-    const slopes = [0, 1].map((axis) => splineSlopes(points.map((point) => point[axis]), chords));
-    this.cubics = chords.map((chord, i) => [0, 1].map((axis) => {
-      const rise = points[i + 1][axis] - points[i][axis], [one, two] = [slopes[axis][i] * chord, slopes[axis][i + 1] * chord];
-      return [points[i][axis], one, 3 * rise - 2 * one - two, one + two - 2 * rise];
-    }));
-    this.edges = [0];
-    for (let cell = 0; cell < CELLS * chords.length; cell++) {
-      this.edges.push(this.edges[cell] + this.travelled(cell, 1 / CELLS));
-    }
-    [this.begin, this.end] = [0, this.edges[this.edges.length - 1]];
+    this.knots = [0];
+    for (const chord of chords) this.knots.push(this.knots.at(-1) + chord);
+    this.cubics = [0, 1].map((axis) => splineCubics(points.map((point) => point[axis]), chords));
+    [this.begin, this.end] = [0, this.knots.at(-1)];
   }
 
-  velocity([[, a, b, c], [, d, e, f]], w) {
-    return [a + w * (2 * b + 3 * w * c), d + w * (2 * e + 3 * w * f)];
-  }
-
-  // Length of a cell's first part, in the parameter of its cubic, which has CELLS of them.
-  travelled(cell, part) {
-    const cubic = this.cubics[Math.floor(cell / CELLS)], first = (cell % CELLS) / CELLS;
-    let sum = 0;
-    for (const [node, weight] of GAUSS) {
-      const [x, y] = this.velocity(cubic, first + part * (node + 1) / 2);
-      sum += weight * Math.sqrt(x * x + y * y);
-    }
-    return sum * part / 2;
+  // Position and derivative, as x, y, and x and y.
+  motion(s) {
+    const next = this.knots.findIndex((knot, i) => i > 0 && s < knot), i = next < 0 ? this.knots.length - 2 : next - 1;
+    const w = s - this.knots[i], [[a, b, c, d], [e, f, g, h]] = [this.cubics[0][i], this.cubics[1][i]];
+    return [a + w * (b + w * (c + w * d)), e + w * (f + w * (g + w * h)), b + w * (2 * c + 3 * w * d), f + w * (2 * g + 3 * w * h)];
   }
 
   frame(s) {
-    let [cell, last] = [0, this.edges.length - 2];
-    while (cell < last) {
-      const middle = Math.ceil((cell + last) / 2);
-      [cell, last] = this.edges[middle] <= s ? [middle, last] : [cell, middle - 1];
+    const [x, y, dx, dy] = this.motion(s), speed = Math.sqrt(dx * dx + dy * dy);
+    return [x, y, dx / speed, dy / speed];
+  }
+
+  length(s) {
+    let sum = 0;
+    for (let i = 0; this.knots[i] < s; i++) {
+      const half = (Math.min(this.knots[i + 1] ?? s, s) - this.knots[i]) / 2 / CELLS;
+      for (let cell = 0; cell < CELLS; cell++) {
+        const middle = this.knots[i] + (2 * cell + 1) * half;
+        for (const [node, weight] of GAUSS) sum += weight * half * Math.hypot(...this.motion(middle + half * node).slice(2));
+      }
     }
-    const length = this.edges[cell + 1] - this.edges[cell], first = (cell % CELLS) / CELLS;
-    const cubic = this.cubics[Math.floor(cell / CELLS)];
-    let part = (s - this.edges[cell]) / length / CELLS, speed = this.velocity(cubic, first + part);
-    for (let pass = 0; pass < 8; pass++) {
-      const step = (this.travelled(cell, part) - s + this.edges[cell]) / Math.hypot(...speed);
-      part -= step;
-      speed = this.velocity(cubic, first + part);
-      if (Math.abs(step) < 1e-10) break;
-    }
-    const w = first + part, size = Math.hypot(...speed);
-    return [...cubic.map(([zero, one, two, three]) => zero + w * (one + w * (two + w * three))), speed[0] / size, speed[1] / size];
+    return sum;
+  }
+
+  atLength(length) {
+    return rootBetween((s) => length - this.length(s), this.begin, this.end);
   }
 }
 
-// Slopes of a cubic spline at its knots (C. de Boor, A Practical Guide to Splines, chapter IV): a tridiagonal system.
-function splineSlopes(values, h) {
+// Coefficients of a cubic spline between its knots, which are `h` apart, by powers of the distance from the knot before:
+// a tridiagonal system for the slopes (C. de Boor, A Practical Guide to Splines, chapter IV).
+function splineCubics(values, h) {
   const n = values.length, rise = h.map((each, i) => (values[i + 1] - values[i]) / each);
-  const [low, middle, high, right] = [new Array(n).fill(0), [h[1]], [h[0] + h[1]], []];
-  right.push(((3 * h[0] + 2 * h[1]) * h[1] * rise[0] + h[0] ** 2 * rise[1]) / (h[0] + h[1]));
-  for (let i = 1; i < n - 1; i++) {
-    [low[i], middle[i], high[i]] = [h[i], 2 * (h[i - 1] + h[i]), h[i - 1]];
-    right.push(3 * (h[i] * rise[i - 1] + h[i - 1] * rise[i]));
-  }
-  const [a, b] = [h[n - 3], h[n - 2]];
-  [low[n - 1], middle[n - 1]] = [a + b, a];
-  right.push((b ** 2 * rise[n - 3] + (2 * a + 3 * b) * a * rise[n - 2]) / (a + b));
+  const [p, q, a, b] = [h[0], h[1], h[n - 3], h[n - 2]];
+  // Rows: the factors of the slopes before, at, and after a knot, and the right side.
+  const rows = values.map((_, i) => [h[i], 2 * (h[i - 1] + h[i]), h[i - 1], 3 * (h[i] * rise[i - 1] + h[i - 1] * rise[i])]);
+  rows[0] = [0, q, p + q, ((3 * p + 2 * q) * q * rise[0] + p ** 2 * rise[1]) / (p + q)];
+  rows[n - 1] = [a + b, a, 0, (b ** 2 * rise[n - 3] + (2 * a + 3 * b) * a * rise[n - 2]) / (a + b)];
   for (let i = 1; i < n; i++) {
-    const share = low[i] / middle[i - 1];
-    middle[i] -= share * high[i - 1];
-    right[i] -= share * right[i - 1];
+    const share = rows[i][0] / rows[i - 1][1];
+    rows[i][1] -= share * rows[i - 1][2];
+    rows[i][3] -= share * rows[i - 1][3];
   }
-  right[n - 1] /= middle[n - 1];
-  for (let i = n - 2; i >= 0; i--) right[i] = (right[i] - high[i] * right[i + 1]) / middle[i];
-  return right;
+  const slopes = [];
+  for (let i = n - 1; i >= 0; i--) slopes[i] = (rows[i][3] - rows[i][2] * (slopes[i + 1] ?? 0)) / rows[i][1];
+  return h.map((each, i) => [
+    values[i], slopes[i], (3 * rise[i] - 2 * slopes[i] - slopes[i + 1]) / each,
+    (slopes[i] + slopes[i + 1] - 2 * rise[i]) / each ** 2,
+  ]);
 }
 
 // Benches as geometry.js wants them; by default the contest's dragon.
@@ -186,7 +177,7 @@ function neighbour(curve, s, chord, way = -1) {
     if (high === room || !(next.growth > 0)) return NaN;
     [low, high] = [high, Math.min(high + SEARCH_STEP * chord, room)];
   }
-  let offset = high;
+  let offset = low || high;
   for (let pass = 0; pass < 60; pass++) {
     const { distance, growth } = at(offset);
     [low, high] = distance < chord ? [offset, high] : [low, offset];
@@ -278,7 +269,7 @@ function gridPairs(benches, grid) {
 
 // A root of a function between `before`, where it is positive, and `after`, where it is not.
 function rootBetween(f, before, after) {
-  for (let pass = 0; pass < 60; pass++) {
+  for (let pass = 0; pass < 46; pass++) {
     const middle = (before + after) / 2;
     if (f(middle) > 0) before = middle;
     else after = middle;
@@ -295,20 +286,18 @@ function minimumBetween(f, a, b) {
   return (a + b) / 2;
 }
 
-// The first root of a gap between two arguments, and its minima before, in steps that see each of those below `near`.
+// The first root of a gap between two arguments, in steps that see each of its minima below `near`; null if there is none.
 function firstContact(gap, begin, end, step, near) {
-  const minima = [];
   let [before, last, at] = [Infinity, gap(begin), begin];
-  if (last <= 0) return { root: begin, minima };
+  if (last <= 0) return begin;
   while (at < end) {
     const next = Math.min(at + step, end), here = gap(next);
     if (before > last && last < here && last < near) {
       const least = minimumBetween(gap, at - step, next);
-      if (gap(least) <= 0) return { root: rootBetween(gap, at - step, least), minima };
-      minima.push(least);
+      if (gap(least) <= 0) return rootBetween(gap, at - step, least);
     }
-    if (here <= 0) return { root: rootBetween(gap, at, next), minima };
+    if (here <= 0) return rootBetween(gap, at, next);
     [before, last, at] = [last, here, next];
   }
-  return { root: null, minima };
+  return null;
 }

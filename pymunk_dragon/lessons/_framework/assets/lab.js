@@ -1,17 +1,22 @@
 // The frame of a stage: a canvas with panes, things to drag, sliders, and one readout. `stages` has a function for each
-// lesson, which is called with a `Lab` when the experiment is opened. It sets `lab.label`, what the canvas shows,
-// `lab.readout`, which returns the text of the readout, and where it computes something for both, `lab.update`.
+// lesson, which is called with a `Lab` when the experiment is opened. It sets `lab.label`, what the canvas shows, and
+// `lab.readout`, which returns what the readout says; `lab.update` runs before both. A text is a pair, English and Chinese.
 
 const stages = {};
 
-const SCENE_COLOURS = ["background", "curve", "head", "body", "tail", "contact", "motion", "force", "grid"];
-const PLAYED_FRAME = 0.1; // s: longest time that one picture of a playing stage adds
+const SCENE_COLOURS = ["background", "curve", "head", "body", "tail", "contact"];
+const LONGEST_FRAME = 0.1; // s: what one picture of a playing stage adds at most
 const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowDown: [0, -1], ArrowUp: [0, 1] };
+const CHART_MARGINS = { left: 52, right: 16, above: 26, below: 36 }; // pixels
 
 function openStage(div) {
   const lab = new Lab(div);
   stages[div.dataset.stage](lab);
-  lab.open();
+  document.addEventListener("languagechange", () => lab.write());
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => lab.readColours());
+  new ResizeObserver(() => lab.changed()).observe(lab.scene);
+  lab.readColours();
+  lab.write();
 }
 
 function made(tag, properties, ...children) {
@@ -28,35 +33,26 @@ class Lab {
     this.controls = made("div", { className: "controls" });
     div.replaceChildren(this.scene, this.output, this.controls);
     this.context = this.canvas.getContext("2d", { alpha: false });
-    this.texts = []; // Functions that write texts in the page's language.
+    this.texts = [() => { this.canvas.ariaLabel = this.say(this.label); }]; // write texts in the page's language
     this.panes = [];
     this.knobs = [];
   }
 
-  open() {
-    this.readColours();
-    this.write();
-    document.addEventListener("languagechange", () => this.write());
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.readColours());
-    new ResizeObserver(() => this.changed()).observe(this.scene);
-  }
-
-  // The version of a text in the page's language.
-  say(text) {
-    return text[document.documentElement.lang] ?? text.en;
+  say([english, chinese]) {
+    return document.documentElement.lang === "zh" ? chinese : english;
   }
 
   write() {
     for (const write of this.texts) write();
-    this.canvas.ariaLabel = this.say(this.label);
     this.changed();
   }
 
   readColours() {
     const style = getComputedStyle(this.scene), named = (name) => style.getPropertyValue(name).trim();
     this.colours = Object.fromEntries(SCENE_COLOURS.map((name) => [name, named(`--canvas-${name}`)]));
-    Object.assign(this.colours, { outline: named("--canvas-ink"), text: named("--ink"), quiet: named("--quiet"), rule: named("--rule") });
-    this.font = style.fontFamily;
+    this.colours.outline = named("--canvas-ink");
+    for (const [name, variable] of [["text", "--ink"], ["quiet", "--quiet"], ["rule", "--rule"]]) this.colours[name] = named(variable);
+    this.font = `13px ${style.fontFamily}`;
     this.changed();
   }
 
@@ -74,15 +70,17 @@ class Lab {
     });
   }
 
-  // A slider; `show` writes its value, and one with `play`, its change in a second, has a button that moves it.
-  slider({ label, min, max, step, value, unit = "", show = (given) => `${given} ${unit}`, play }) {
+  // A slider; `show` writes its value. One with `play`, the change of its value in a second, has a button that moves it.
+  slider(label, { min, max, step, value, unit = "", show = (given) => `${given} ${unit}`, play }) {
     const input = made("input", { type: "range", min, max, step, value });
-    const [name, shown] = [made("span"), made("span", { className: "value" })];
+    const name = made("span"), shown = made("span", { className: "value" });
     const row = made("div", { className: "slider" }, made("label", {}, name, input), shown);
+    const update = () => {
+      input.ariaValueText = shown.textContent = show(Number(input.value));
+      this.changed();
+    };
     const slider = {
-      get value() {
-        return Number(input.value);
-      },
+      get value() { return Number(input.value); },
       set value(given) {
         input.value = given;
         update();
@@ -91,10 +89,6 @@ class Lab {
         Object.assign(input, { min: least, max: most });
         update();
       },
-    };
-    const update = () => {
-      input.ariaValueText = shown.textContent = show(slider.value);
-      this.changed();
     };
     input.addEventListener("input", update);
     this.texts.push(() => {
@@ -108,7 +102,7 @@ class Lab {
 
   player(slider, input, rate) {
     const button = made("button", { type: "button", className: "play" });
-    this.texts.push(() => { button.ariaLabel = this.say({ en: "Play", zh: "播放" }); });
+    this.texts.push(() => { button.ariaLabel = this.say(["Play", "播放"]); });
     let plays, exact, last;
     const turn = (on) => {
       plays = on;
@@ -117,7 +111,7 @@ class Lab {
     };
     const step = (now) => {
       if (!plays) return;
-      exact += Math.min((now - last) / 1000, PLAYED_FRAME) * rate();
+      exact += Math.min((now - last) / 1000, LONGEST_FRAME) * rate();
       last = now;
       slider.value = exact;
       turn(exact < Number(input.max));
@@ -140,60 +134,55 @@ class Lab {
     return this.panes.at(-1);
   }
 
-  // A thing to drag at the point `at()` of a pane: `moved` takes the point to which it goes; `step` is that of an arrow key.
-  knob({ pane = this.panes[0], label, at, moved, step = 0.05, small = false }) {
+  // A thing to drag at the point `at()` of a pane. `moved` takes the point to which it goes, and from an arrow key, whose
+  // `step` is in m, also 1 (right, up) or -1, with Shift 10 or -10.
+  knob(label, { pane = this.panes[0], at, moved, step = 0.05, small = false }) {
     const knob = made("button", { type: "button", className: small ? "small knob" : "knob" });
     this.texts.push(() => { knob.ariaLabel = this.say(label); });
-    let held = null;
-    const here = ({ clientX, clientY }) => {
-      const { left, top } = this.scene.getBoundingClientRect();
-      return [clientX - left, clientY - top];
-    };
-    knob.addEventListener("pointerdown", (event) => {
-      knob.setPointerCapture(event.pointerId);
-      const [px, py] = here(event), [x, y] = pane.toScreen(at());
-      held = [x - px, y - py];
-    });
-    knob.addEventListener("pointermove", (event) => {
-      if (!held) return;
-      const [px, py] = here(event);
-      moved(pane.toWorld([px + held[0], py + held[1]]));
+    let held = null; // pixels from the pointer to the knob
+    const change = (...to) => {
+      moved(...to);
       this.changed();
+    };
+    knob.addEventListener("pointerdown", ({ pointerId, clientX, clientY }) => {
+      knob.setPointerCapture(pointerId);
+      const [px, py] = pane.toScreen(at());
+      held = [px - clientX, py - clientY];
+    });
+    knob.addEventListener("pointermove", ({ clientX, clientY }) => {
+      if (held) change(pane.toWorld([clientX + held[0], clientY + held[1]]));
     });
     for (const end of ["pointerup", "pointercancel"]) knob.addEventListener(end, () => { held = null; });
     knob.addEventListener("keydown", (event) => {
       if (!ARROWS[event.key]) return;
       event.preventDefault();
-      const [x, y] = at(), [dx, dy] = ARROWS[event.key], size = event.shiftKey ? 10 * step : step;
-      moved([x + size * dx, y + size * dy], [dx, dy]);
-      this.changed();
+      const [x, y] = at(), [dx, dy] = ARROWS[event.key].map((part) => (event.shiftKey ? 10 * part : part));
+      change([x + step * dx, y + step * dy], dx + dy);
     });
     this.knobs.push({ knob, pane, at });
     this.scene.append(knob);
   }
 
-  // Drawing on a pane with mouse, pen or finger: the points of each line.
-  pen(pane, { began, moved, ended }) {
+  // Lines drawn on a pane with mouse, pen or finger: `drawn` takes the points so far, and whether the line ends.
+  pen(pane, drawn) {
     const { canvas } = this;
-    const point = ({ offsetX, offsetY }) => pane.toWorld([offsetX, offsetY]);
+    let points = null;
     canvas.classList.add("paper");
-    let draws = false;
-    canvas.addEventListener("pointerdown", (event) => {
-      canvas.setPointerCapture(event.pointerId);
-      draws = true;
-      began(point(event));
+    canvas.addEventListener("pointerdown", ({ pointerId }) => {
+      canvas.setPointerCapture(pointerId);
+      points = [];
     });
-    canvas.addEventListener("pointermove", (event) => {
-      if (draws) for (const each of event.getCoalescedEvents?.() ?? [event]) moved(point(each));
+    canvas.addEventListener("pointermove", ({ offsetX, offsetY }) => {
+      if (!points) return;
+      points.push(pane.toWorld([offsetX, offsetY]));
+      drawn(points, false);
       this.changed();
     });
-    for (const end of ["pointerup", "pointercancel"]) {
-      canvas.addEventListener(end, () => {
-        if (draws) ended();
-        draws = false;
-        this.changed();
-      });
-    }
+    canvas.addEventListener("lostpointercapture", () => {
+      drawn(points, true);
+      points = null;
+      this.changed();
+    });
   }
 
   paint() {
@@ -209,13 +198,7 @@ class Lab {
     this.update?.();
     let top = 0;
     for (const pane of this.panes) {
-      context.save();
-      context.beginPath();
-      context.rect(0, top, width, pane.share * height);
-      context.clip();
-      pane.place(top, width, pane.share * height);
-      pane.draw(pane);
-      context.restore();
+      pane.paint(top, width, pane.share * height);
       top += pane.share * height;
     }
     for (const { knob, pane, at } of this.knobs) {
@@ -229,38 +212,47 @@ class Lab {
 }
 
 // A part of the canvas with coordinates of its own, y up. `view()` is {x, y, width, height} of the floor that has to be
-// in view, in m, or {across, up, ...} of a chart: the ranges of its axes, names, and texts of their ticks.
+// in view, in m; or of a chart {across, up, name}: the ranges of its axes and a name, and `tick` if it writes their values.
 class Pane {
   constructor(lab, share, view, draw) {
     Object.assign(this, { lab, share, view, draw, context: lab.context });
   }
 
-  place(top, width, height) {
+  paint(top, width, height) {
+    const { context } = this, { x, y, width: across, height: up, ...chart } = this.view();
     Object.assign(this, { top, width, height });
-    const view = this.view();
-    if (!view.across) {
-      this.sx = this.sy = Math.min(width / view.width, height / view.height);
-      [this.x0, this.y0] = [view.x - width / 2 / this.sx, view.y + height / 2 / this.sy];
-      [this.left, this.ceiling] = [0, top];
-      return;
+    context.save();
+    context.beginPath();
+    context.rect(0, top, width, height);
+    context.clip();
+    if (chart.across) {
+      this.axes(chart);
+    } else {
+      const scale = Math.min(width / across, height / up);
+      this.place([x - width / 2 / scale, y + height / 2 / scale], [scale, scale], [0, top]);
     }
-    const [left, right, above, below] = [52, 16, 26, 36];
-    const [[x0, x1], [y0, y1]] = [view.across, view.up];
-    [this.sx, this.sy] = [(width - left - right) / (x1 - x0), (height - above - below) / (y1 - y0)];
-    [this.x0, this.y0, this.left, this.ceiling] = [x0, y1, left, top + above];
-    this.axes(view, [x0, x1], [y0, y1]);
+    this.draw(this);
+    context.restore();
   }
 
-  axes({ name, tickAcross = String, tickUp = String }, [x0, x1], [y0, y1]) {
+  // The point at the upper left corner, pixels to a unit, and pixels of the corner.
+  place([x0, y0], [sx, sy], [left, ceiling]) {
+    Object.assign(this, { x0, y0, sx, sy, left, ceiling });
+  }
+
+  axes({ across: [x0, x1], up: [y0, y1], name, tick = String }) {
+    const { left, right, above, below } = CHART_MARGINS;
+    const scales = [(this.width - left - right) / (x1 - x0), (this.height - above - below) / (y1 - y0)];
+    this.place([x0, y1], scales, [left, this.top + above]);
     for (const x of ticks(x0, x1, this.sx / 80)) {
       this.line([[x, y0], [x, y1]], { colour: "rule" });
-      this.text([x, y0], tickAcross(x), { dy: 15, colour: "quiet", halo: false });
+      this.text([x, y0], tick(x), { dy: 15, colour: "quiet" });
     }
     for (const y of ticks(y0, y1, this.sy / 32)) {
       this.line([[x0, y], [x1, y]], { colour: "rule" });
-      this.text([x0, y], tickUp(y), { dx: -8, dy: 0, align: "right", colour: "quiet", halo: false });
+      this.text([x0, y], tick(y), { dx: -8, align: "right", colour: "quiet" });
     }
-    this.text([x0, y1], this.lab.say(name), { dx: -44, dy: -14, align: "left", halo: false });
+    this.text([x0, y1], this.lab.say(name), { dx: -44, dy: -14, align: "left" });
   }
 
   toScreen([x, y]) {
@@ -284,8 +276,7 @@ class Pane {
 
   line(points, { colour = "text", width = 1, dash = [], closed = false } = {}) {
     const { context } = this;
-    context.strokeStyle = this.colour(colour);
-    context.lineWidth = width;
+    Object.assign(context, { strokeStyle: this.colour(colour), lineWidth: width });
     context.setLineDash(dash);
     context.stroke(this.path(points, closed));
     context.setLineDash([]);
@@ -293,60 +284,46 @@ class Pane {
 
   fill(points, { colour, alpha = 1 }) {
     const { context } = this;
-    context.globalAlpha = alpha;
-    context.fillStyle = this.colour(colour);
+    Object.assign(context, { fillStyle: this.colour(colour), globalAlpha: alpha });
     context.fill(this.path(points, true));
     context.globalAlpha = 1;
   }
 
-  // An arrow of a length in pixels from a point in the direction [x, y].
-  arrow(point, [dx, dy], length, { colour = "text", width = 2.5 } = {}) {
-    const size = Math.hypot(dx, dy) * this.sx / length, tip = [point[0] + dx / size, point[1] + dy / size];
-    const barb = (side) => [-0.8, side * 0.4].map((part) => 9 * part / this.sx / Math.hypot(dx, dy));
-    const end = (side) => [tip[0] + barb(side)[0] * dx - barb(side)[1] * dy, tip[1] + barb(side)[0] * dy + barb(side)[1] * dx];
-    this.line([point, tip], { colour, width });
-    this.line([end(1), tip, end(-1)], { colour, width });
-  }
-
   // A dot with a radius in pixels.
-  dot(point, { colour = "text", radius = 4, rim = "background" } = {}) {
-    const { context } = this, [px, py] = this.toScreen(point);
+  dot(point, { colour = "text", radius = 4 } = {}) {
+    const { context } = this;
     context.beginPath();
-    context.arc(px, py, radius, 0, ROUND);
-    context.fillStyle = this.colour(colour);
+    context.arc(...this.toScreen(point), radius, 0, ROUND);
+    Object.assign(context, { fillStyle: this.colour(colour), strokeStyle: this.colour("background"), lineWidth: 1 });
     context.fill();
-    context.strokeStyle = this.colour(rim);
-    context.lineWidth = 1;
     context.stroke();
   }
 
-  text(point, text, { dx = 0, dy = 0, align = "center", colour = "text", halo = true } = {}) {
-    const { context, lab } = this, [px, py] = this.toScreen(point);
-    context.font = `13px ${lab.font}`;
-    Object.assign(context, { textAlign: align, textBaseline: "middle", lineWidth: 4, strokeStyle: lab.colours.background });
-    if (halo) context.strokeText(text, px + dx, py + dy);
-    context.fillStyle = this.colour(colour);
+  // A text with a rim, moved by pixels.
+  text(point, text, { dx = 0, dy = 0, align = "center", colour = "text" } = {}) {
+    const { context } = this, [px, py] = this.toScreen(point);
+    Object.assign(context, { font: this.lab.font, textAlign: align, textBaseline: "middle", lineWidth: 4 });
+    Object.assign(context, { strokeStyle: this.colour("background"), fillStyle: this.colour(colour) });
+    context.strokeText(text, px + dx, py + dy);
     context.fillText(text, px + dx, py + dy);
   }
 
-  // Benches with their holes. Neighbours overlap, so those with odd numbers come first, and the head is on top.
-  benches(benches, { colour = partColour(benches), alpha = 1, outline = "outline" } = {}) {
-    const { context } = this, { poses: { x, y }, motion } = benches;
+  // Benches in the colours that `colour` has for their numbers. Neighbours overlap: even ones are above odd ones.
+  benches(benches, colour = (i) => (i === 0 ? "head" : "body"), alpha = 1) {
+    const { context } = this, { poses: { x, y }, motion: { benches: count, lengths } } = benches;
+    Object.assign(context, { strokeStyle: this.colour("outline"), globalAlpha: alpha });
     context.lineWidth = Math.min(Math.max(0.02 * this.sx, 0.5), 1.25);
-    context.globalAlpha = alpha;
-    context.strokeStyle = this.colour(outline);
     for (const parity of [1, 0]) {
       const paths = new Map();
-      for (let i = parity; i < motion.benches; i += 2) {
-        const [px, py] = this.toScreen([x[i], y[i]]), reach = motion.lengths[i] * this.sx;
+      for (let i = parity; i < count; i += 2) {
+        const [px, py] = this.toScreen([x[i], y[i]]), reach = lengths[i] * this.sx;
         if (px < -reach || px > this.width + reach || py < this.top - reach || py > this.top + this.height + reach) continue;
-        const name = colour(i);
-        if (!paths.has(name)) paths.set(name, new Path2D());
-        paths.get(name).addPath(this.path(benches.corners(i), true));
+        if (!paths.has(colour(i))) paths.set(colour(i), new Path2D());
+        paths.get(colour(i)).addPath(this.path(benches.corners(i), true));
       }
       for (const [name, path] of paths) {
         context.fillStyle = this.colour(name);
-        if (name !== "none") context.fill(path);
+        context.fill(path);
         context.stroke(path);
       }
     }
@@ -354,42 +331,39 @@ class Pane {
   }
 }
 
-// The colours of a dragon's parts.
-function partColour({ motion }) {
-  return (i) => (i === 0 ? "head" : i === motion.benches - 1 ? "tail" : "body");
+// Round numbers between two limits, not more than `density` for each 1.
+function ticks(first, last, density) {
+  const place = Array.from({ length: 60 }, (_, i) => i - 30).find((each) => roundNumber(each) * density >= 1);
+  const step = roundNumber(place), from = Math.ceil(first / step - 1e-9), to = Math.floor(last / step + 1e-9);
+  return Array.from({ length: Math.max(to - from + 1, 0) }, (_, i) => Number(((from + i) * step).toPrecision(12)));
 }
 
-// A power of ten, as 10⁻³.
-function power(exponent) {
-  return `10${String(exponent).replace(/./g, (digit) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".indexOf(digit)])}`;
-}
-
-// The round numbers 1, 2, 5, 10 and so on, by their place after 1; in units of seconds, metres and the like.
+// 1, 2, 5, 10 and so on by their place, and for negative places 0.5, 0.2, 0.1.
 function roundNumber(place) {
   return Number(`${[1, 2, 5][((place % 3) + 3) % 3]}e${Math.floor(place / 3)}`);
 }
 
-// Round numbers between two limits, not more than `density` for each 1.
-function ticks(first, last, density) {
-  const rough = 1 / density, power = 10 ** Math.floor(Math.log10(rough));
-  const step = [1, 2, 5, 10].find((digit) => digit * power >= rough) * power;
-  const from = Math.ceil(first / step - 1e-9), to = Math.floor(last / step + 1e-9);
-  return Array.from({ length: Math.max(to - from + 1, 0) }, (_, i) => Number(((from + i) * step).toPrecision(12)));
+// Values at equal distances, both limits included.
+function range(from, to, count) {
+  return Array.from({ length: count + 1 }, (_, i) => from + (to - from) * i / count);
 }
 
-// Points of a curve between two coordinates.
+function bounded(value, least, most) {
+  return Math.min(Math.max(value, least), most);
+}
+
+// Points of a curve between two coordinates, and on a circle.
 function curvePoints(curve, from, to, step = 0.1) {
-  const count = Math.max(Math.ceil((to - from) / step), 1);
-  return Array.from({ length: count + 1 }, (_, i) => curve.frame(from + (to - from) * i / count).slice(0, 2));
+  return range(from, to, Math.max(Math.ceil((to - from) / step), 1)).map((s) => curve.frame(s).slice(0, 2));
+}
+
+function circlePoints([x, y], radius) {
+  return range(0, ROUND, 180).map((angle) => [x + radius * Math.cos(angle), y + radius * Math.sin(angle)]);
 }
 
 // The coordinate of a curve between two others that is closest to a point.
 function nearestOn(curve, [x, y], from, to, step = 0.1) {
-  const apart = (s) => {
-    const [px, py] = curve.frame(s);
-    return (px - x) ** 2 + (py - y) ** 2;
-  };
-  let best = from;
-  for (let s = from; s <= to; s += step) if (apart(s) < apart(best)) best = s;
-  return Math.min(Math.max(minimumBetween(apart, best - step, best + step), from), to);
+  const apart = (s) => Math.hypot(curve.frame(s)[0] - x, curve.frame(s)[1] - y);
+  const best = range(from, to, Math.ceil((to - from) / step)).reduce((one, other) => (apart(other) < apart(one) ? other : one));
+  return bounded(minimumBetween(apart, best - step, best + step), from, to);
 }
