@@ -64,8 +64,8 @@ def page(visit):
 
 CHAIN = """([kind, sizes, heads]) => heads.map((head) => {
   const curve = eval(kind);
-  const { points, tangents, ratios } = chainAt(curve, makeDragon(sizes), curve.atLength?.(head) ?? head);
-  return points.map((point, i) => [...point, ratios[i] * tangents[i][0], ratios[i] * tangents[i][1]]);
+  const { points, ratios } = chainAt(curve, makeDragon(sizes), curve.atLength?.(head) ?? head);
+  return points.map(([x, y, tx, ty], i) => [x, y, ratios[i] * tx, ratios[i] * ty]);
 })"""
 
 
@@ -395,8 +395,8 @@ KNOBS = """[...document.querySelectorAll(".knob")].filter((knob) => !knob.hidden
 def path_of(page):
     """The points of the drawn path in m, from where they are on the canvas."""
     box = page.locator("canvas").bounding_box()
-    scale = min(box["width"] / 3.1, box["height"] / 1.9)
-    return (np.array(page.evaluate(KNOBS)) - (box["width"] / 2, box["height"] / 2)) / (scale, -scale) + (-0.55, 0)
+    scale = min(box["width"], box["height"]) / 2.8
+    return (np.array(page.evaluate(KNOBS)) - (box["width"] / 2, box["height"] / 2)) / (scale, -scale) + (-0.6, 0)
 
 
 @pytest.mark.parametrize("drawn", [False, True])
@@ -412,6 +412,7 @@ def test_robot_says_whether_the_arm_follows_a_path(visit, drawn):
             for share in np.linspace(0, 1, 60):
                 page.mouse.move(x + 660 * share, y - 150 * np.sin(4 * share) ** 2)
             page.mouse.up()
+            assert readout(page)
         set_slider(page, "time", page.get_by_label("time", exact=True).get_attribute("max"))
         said = readout(page)
         arm = Dragon(

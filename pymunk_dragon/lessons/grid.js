@@ -3,7 +3,7 @@ stages.grid = (lab) => {
   const contact = 412.473837, corner = 8.8; // s: the head meets bench 8; m: upper left corner of the grid
   const cell = lab.slider(["side of a cell", "格子的边长"], { min: 0.1, max: 4, step: 0.05, value: 0.55, unit: "m" });
   const count = lab.slider(["benches", "板凳数"], { min: 16, max: 223, step: 1, value: 223 });
-  const spiral = new Spiral(0.55), handles = chainAt(spiral, makeDragon(), spiral.atAngle(16 * ROUND) + contact).points;
+  const handles = new March().chain(contact).points;
   let picked = 8, benches, grid, filed, partners;
 
   lab.label = ["The dragon on a grid, and the benches that share a cell with one", "网格上的板凳龙，以及与一节板凳同在一格的板凳"];
@@ -14,7 +14,7 @@ stages.grid = (lab) => {
     picked = Math.min(picked, count.value - 1);
     partners = new Set(filed.pairs.filter((pair) => pair.includes(picked)).flat());
   };
-  lab.pane(1, () => ({ x: 0, y: 0, width: 18, height: 18 }), (pane) => {
+  lab.pane(1, () => ({ x: 0, y: 0, size: 18 }), (pane) => {
     const side = cell.value;
     for (const [row, column] of benches.cells(picked, grid)) {
       const [x, y] = [column * side - corner, corner - row * side];

@@ -8,45 +8,27 @@ stages["near-miss"] = (lab) => {
     show: (n) => lab.say(n === exact ? ["exact", "精确"] : [`cut to ${10 ** (3 - n)} mm`, `截到 ${10 ** (3 - n)} mm`]),
   });
   const zoom = lab.slider(["zoom", "放大"], { min: 0, max: 3.2, step: 0.1, value: 0, show: (x) => `× ${(10 ** x).toFixed(0)}` });
-  const dragon = makeDragon({ benches: 60 }), spiral = new Spiral(0.55), start = spiral.atAngle(16 * ROUND);
-  const points = curvePoints(spiral, start + 340, 0);
-  let cutTo, gaps, benches, now, ends;
+  const march = new March({ benches: 60 });
+  let cutTo, gaps;
 
   const cut = (value) => (cutTo === exact ? value : Math.trunc(value * 10 ** cutTo) / 10 ** cutTo);
   const benchesAt = (t, handles) =>
-    benchesBetween(dragon, chainAt(spiral, dragon, start + t, handles).points.map((point) => point.map(cut)));
-  const gapAt = (t) => closest(benchesAt(t, 14), 0, 2, 12);
-
-  lab.label = ["The head and the benches that it passes; below, its gap over time", "龙头和它经过的板凳；下方是空隙随时间的变化"];
+    benchesBetween(march.dragon, march.chain(t, handles).points.map((point) => point.map(cut)));
+  const view = () => ({
+    across: [begin, end], up: [-8, 30], name: ["gap of the head (mm) by the time (s)", "龙头的空隙 (mm) 随时间 (s) 的变化"],
+  });
+  const now = gapPanes(lab, { time, size: () => 5 / 10 ** zoom.value, benchesAt, view, draw: (pane) => {
+    pane.line(gaps, { colour: "body", width: 2 });
+    for (const hit of gaps.filter(([, gap]) => gap <= 0)) pane.dot(hit, { colour: "contact", radius: 3 });
+  } });
+  lab.label = ["The head and the benches that it passes; below, its gap", "龙头和它经过的板凳；下方是空隙"];
   lab.update = () => {
     if (cutTo !== decimals.value) {
       cutTo = decimals.value;
-      gaps = range(begin, end, 760).map((t) => [t, 1000 * gapAt(t).gap]);
+      gaps = range(begin, end, 760).map((t) => [t, 1000 * closest(benchesAt(t, 14), 0, 2, 12).gap]);
     }
-    benches = benchesAt(time.value, dragon.benches + 1);
-    now = gapAt(time.value);
-    ends = benches.gap(0, now.bench).ends;
+    now.update();
   };
-  lab.pane(0.6, () => {
-    const size = 7 / 10 ** zoom.value;
-    return { x: ends[0][0], y: ends[0][1], width: size, height: size };
-  }, (pane) => {
-    pane.line(points, { colour: "curve" });
-    pane.benches(benches, (i) => (i === 0 ? "head" : i === now.bench && now.gap <= 0 ? "contact" : "body"));
-    pane.line(ends, { colour: "contact", width: 2 });
-  });
-  const chart = lab.pane(0.4, () => ({
-    across: [begin, end], up: [-8, 30], name: ["gap of the head (mm) by the time (s)", "龙头的空隙 (mm) 随时间 (s) 的变化"],
-  }), (pane) => {
-    pane.fill([[begin, 0], [end, 0], [end, -8], [begin, -8]], { colour: "contact", alpha: 0.15 });
-    pane.line(gaps, { colour: "body", width: 2 });
-    for (const hit of gaps.filter(([, gap]) => gap <= 0)) pane.dot(hit, { colour: "contact", radius: 3 });
-  });
-  lab.knob(["The time: drag it along the chart", "时间：沿图表拖动"], {
-    pane: chart, step: 0.01,
-    at: () => [time.value, bounded(1000 * now.gap, -8, 30)],
-    moved: ([t]) => { time.value = t; },
-  });
   lab.readout = () => {
     const { bench, gap } = now, size = Math.abs(1000 * gap).toFixed(3), t = seconds(time.value);
     const first = seconds(gaps.find((each) => each[1] <= 0)[0]);

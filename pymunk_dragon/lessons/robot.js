@@ -17,10 +17,12 @@ stages.robot = (lab) => {
   // The smallest gap between two links, and which; none where the path is too narrow for a link.
   const nearest = (s) => {
     const links = benchesBetween(arm, chainAt(path, arm, s).points);
-    return range(0, arm.benches - 3, arm.benches - 3).reduce((found, i) => {
-      const { bench, gap } = closest(links, i, i + 2, arm.benches - 1, found.gap);
-      return bench === null ? found : { gap, links: [i, bench] };
-    }, { gap: Infinity, links: [] });
+    let found = { gap: Infinity };
+    for (let i = 0; i < arm.benches - 2; i++) {
+      const { bench, gap } = closest(links, i, i + 2, arm.benches, found.gap);
+      if (bench) found = { gap, links: [i, bench] };
+    }
+    return found;
   };
   const follow = () => {
     path = new DrawnPath(points);
@@ -30,19 +32,19 @@ stages.robot = (lab) => {
     stop = firstContact((s) => (whole(s) ? nearest(s).gap : -1), begin, path.end, 0.02, 0.01);
     hit = stop === null || !whole(stop) ? [] : nearest(stop).links;
     total = (path.length(stop ?? path.end) - path.length(begin)) / speed;
-    time.limit(0, Math.ceil(1000 * total) / 1000);
+    time.max = Math.ceil(1000 * total) / 1000;
   };
 
   lab.label = ["The arm on a path, which you draw", "机械臂和由你画出的路径"];
   lab.update = () => {
     if (!path) follow();
-    const tip = Number.isNaN(begin) ? NaN : path.atLength(path.length(begin) + speed * Math.min(time.value, total));
-    chain = chainAt(path, arm, tip - clear);
+    if (Number.isNaN(begin)) return;
+    chain = chainAt(path, arm, path.atLength(path.length(begin) + speed * Math.min(time.value, total)) - clear);
   };
-  const ground = lab.pane(1, () => ({ x: -0.55, y: 0, width: 3.1, height: 1.9 }), (pane) => {
-    pane.text([-0.55, -0.85], lab.say(["draw a new path here", "在这里画一条新路径"]), { colour: "quiet" });
+  const ground = lab.pane(1, () => ({ x: -0.6, y: 0, size: 2.8 }), (pane) => {
+    pane.text([-0.6, -1.2], lab.say(["draw a new path here", "在这里画一条新路径"]), { colour: "quiet" });
     pane.line(drawn ?? curvePoints(path, 0, path.end, 0.01), { colour: "curve", width: 2 });
-    if (drawn || !chain.points.length) return;
+    if (drawn || Number.isNaN(begin)) return;
     const colour = (i) => (time.value >= total && hit.includes(i) ? "contact" : i === 0 ? "head" : "body");
     pane.benches(benchesBetween(arm, chain.points), colour);
     for (const joint of chain.points) pane.dot(joint, { radius: 2.5 });
@@ -61,7 +63,7 @@ stages.robot = (lab) => {
     });
   }
   lab.readout = () => {
-    if (!chain.points.length) return ["The arm does not fit on this path: too short, or too narrow.", "这条路径放不下机械臂：太短，或者弯得太急。"];
+    if (Number.isNaN(begin)) return ["The arm does not fit on this path.", "这条路径放不下机械臂。"];
     const speeds = chain.ratios.map((each) => speed * Math.abs(each)), at = total.toFixed(3);
     const [low, high] = [Math.min(...speeds), Math.max(...speeds)].map((each) => each.toFixed(3));
     const [english, chinese] = time.value < total ? ["", ""]

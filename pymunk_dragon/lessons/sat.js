@@ -26,7 +26,7 @@ stages.sat = (lab) => {
       wall(own, 1, near + 2 * apart),
     ].slice(0, count.value);
   };
-  lab.pane(1, () => ({ x: 0, y: 0, width: 7.2, height: 7.2 }), (pane) => {
+  lab.pane(1, () => ({ x: 0, y: 0, size: 7.2 }), (pane) => {
     for (const { light, at } of walls.filter((each) => each.light)) {
       pane.fill([at(light[0]), at(light[1]), at(light[1], -half), at(light[0], -half)], { colour: "head", alpha: 0.35 });
     }

@@ -11,23 +11,20 @@ stages["speed-limit"] = (lab) => {
   let shown, curve, points, profile, most, chain, speeds, fastest;
 
   const largest = (s) => Math.max(...chainAt(curve, dragon, s, followed).ratios.map(Math.abs));
-  lab.label = [
-    "Above: the dragon in the turn, red where it is too fast. Below: the speed of the fastest handle",
-    "上：调头中的板凳龙，红色处超速。下：最快的把手的速度",
-  ];
+  lab.label = ["The dragon, red where it is too fast; below, the speed of the fastest handle", "板凳龙，红色处超速；下方是最快的把手的速度"];
   lab.update = () => {
     if (shown !== ratio.value) {
       [shown, curve] = [ratio.value, new UTurn({ ratio: ratio.value })];
       points = curvePoints(curve, -60, 74);
       profile = range(from, until, 500).map((s) => [s, largest(s)]);
-      const [top] = profile.reduce((one, other) => (other[1] > one[1] ? other : one));
+      const [top] = smallestOf(profile, ([, times]) => -times);
       most = largest(minimumBetween((s) => -largest(s), top - 0.05, top + 0.05));
     }
     chain = chainAt(curve, dragon, way.value);
     speeds = chain.ratios.map((each) => speed.value * Math.abs(each));
     fastest = speeds.findIndex((each) => each > Math.max(...speeds) - 1e-9);
   };
-  lab.pane(0.6, () => ({ x: 0, y: 0, width: 12, height: 12 }), (pane) => {
+  lab.pane(0.6, () => ({ x: 0, y: 0, size: 12 }), (pane) => {
     pane.line(points, { colour: "curve" });
     pane.benches(benchesBetween(dragon, chain.points), (i) => {
       const share = Math.max(speeds[i], speeds[i + 1]) / limit;

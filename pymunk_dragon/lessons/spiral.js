@@ -6,21 +6,18 @@ stages.spiral = (lab) => {
   const dragon = makeDragon();
   let spiral, begin, end, head, points, marks;
 
-  lab.label = [
-    "The dragon on the spiral, and the angle in which the last 5 s of the head's walk appear from the centre",
-    "螺线上的板凳龙，以及从中心看去，龙头最近 5 s 走过的路所张的角",
-  ];
+  lab.label = ["The dragon, and the angle of 5 s of its walk seen from the centre", "板凳龙，以及从中心看它走 5 s 所张的角"];
   lab.update = () => {
     if (spiral?.k !== pitch.value / ROUND) {
       spiral = new Spiral(pitch.value);
       [begin, end] = [8.8, 0.3].map((radius) => spiral.atRadius(radius));
       points = curvePoints(spiral, begin - 55, 0);
       marks = curvePoints(spiral, begin, end, piece);
-      time.limit(0, Math.floor(end - begin));
+      time.max = Math.floor(end - begin);
     }
     head = begin + time.value;
   };
-  lab.pane(1, () => ({ x: 0, y: 0, width: 18.6, height: 18.6 }), (pane) => {
+  lab.pane(1, () => ({ x: 0, y: 0, size: 18.6 }), (pane) => {
     pane.line(points, { colour: "curve" });
     for (const mark of marks.slice(Math.ceil(time.value / piece))) pane.dot(mark, { colour: "curve", radius: 2.5 });
     pane.benches(benchesBetween(dragon, chainAt(spiral, dragon, head).points));
@@ -32,7 +29,7 @@ stages.spiral = (lab) => {
     pane.text([0, 0], lab.say(["you", "你"]), { dy: 17 });
   });
   lab.knob(["The head: drag it along the spiral", "龙头：沿螺线拖动"], {
-    at: () => spiral.frame(head).slice(0, 2),
+    at: () => spiral.frame(head),
     moved: (point, way) => { time.value = way ? time.value + piece * way : nearestOn(spiral, point, begin, end) - begin; },
   });
   lab.readout = () => {

@@ -7,7 +7,7 @@ stages["u-turn"] = (lab) => {
   let share = 0, own = new UTurn({ ratio: 1 });
 
   lab.label = ["Two dragons that turn inside the circle along different arcs", "两条板凳龙沿不同的圆弧在圆内调头"];
-  lab.pane(1, () => ({ x: 0, y: 0, width: 11.6, height: 11.6 }), (pane) => {
+  lab.pane(1, () => ({ x: 0, y: 0, size: 11.6 }), (pane) => {
     pane.line(circlePoints([0, 0], radius), { colour: "rule", width: 2 });
     pane.line([own.points[0], own.points[2]], { colour: "quiet", dash: [5, 5] });
     for (const [curve, colour] of [[contest, "body"], [own, "tail"]]) {

@@ -3,17 +3,13 @@ stages.velocity = (lab) => {
   const time = lab.slider(["time", "时间"], { min: 0, max: 412, step: 1, value: 300, unit: "s", play: () => 10 });
   const show = (exponent) => `${(10 ** exponent).toExponential(1)} s`;
   const step = lab.slider(["time step", "时间步长"], { min: -10, max: 0, step: 0.1, value: 0, show });
-  const dragon = makeDragon(), spiral = new Spiral(0.55), begin = spiral.atAngle(16 * ROUND);
-  const points = curvePoints(spiral, begin - 370, 0);
+  const march = new March(), { spiral, dragon } = march, points = curvePoints(spiral, march.begin - 370, 0);
   let chain, speeds, error, tried, triedAt;
 
-  lab.label = [
-    "Above: the dragon, the slower the darker. Below: the error of the speeds by the time step",
-    "上：板凳龙，颜色越深越慢。下：速度误差随时间步长的变化",
-  ];
+  lab.label = ["The dragon, the slower the darker; below, the error of its speeds", "板凳龙，颜色越深越慢；下方是速度的误差"];
   lab.update = () => {
-    const head = begin + time.value, length = 10 ** step.value, later = chainAt(spiral, dragon, head + length);
-    chain = chainAt(spiral, dragon, head);
+    const length = 10 ** step.value, later = march.chain(time.value + length);
+    chain = march.chain(time.value);
     speeds = chain.ratios.map(Math.abs);
     // The change of the angle in the step, times the arc length of a radian.
     error = Math.max(...chain.s.map((s, i) => {
@@ -23,7 +19,7 @@ stages.velocity = (lab) => {
     if (triedAt !== time.value) [tried, triedAt] = [new Map(), time.value];
     tried.set(step.value, Math.log10(error));
   };
-  lab.pane(0.55, () => ({ x: 0, y: 0, width: 26, height: 26 }), (pane) => {
+  lab.pane(0.55, () => ({ x: 0, y: 0, size: 26 }), (pane) => {
     pane.line(points, { colour: "curve" });
     const loss = (i) => (1 - speeds[i]) / (1 - speeds.at(-1));
     pane.benches(benchesBetween(dragon, chain.points), (i) => lab.mixed("head", "contact", loss(i)));

@@ -14,18 +14,15 @@ const GAUSS = [
 // Ratio of the golden section.
 const GOLDEN = (Math.sqrt(5) - 1) / 2;
 
-// The spiral r = k theta, travelled inward, or from its centre out; s is the arc length from the centre, negative inward.
+// The spiral r = k theta, travelled inward; the coordinate is the arc length from the centre, negative.
 class Spiral {
-  constructor(pitch, { outward = false, rotation = 0 } = {}) {
-    this.k = pitch / ROUND;
-    this.sign = outward ? 1 : -1;
-    this.rotation = rotation;
-    [this.begin, this.end] = outward ? [0, Infinity] : [-Infinity, 0];
+  constructor(pitch) {
+    Object.assign(this, { k: pitch / ROUND, begin: -Infinity, end: 0 });
   }
 
   atAngle(theta) {
     const rise = Math.sqrt(theta * theta + 1);
-    return this.sign * this.k / 2 * (theta * rise + Math.log(theta + rise));
+    return -this.k / 2 * (theta * rise + Math.log(theta + rise));
   }
 
   atRadius(radius) {
@@ -34,11 +31,10 @@ class Spiral {
 
   // Polar angle, counted from the centre: Newton's method from the asymptotic form.
   angle(s) {
-    const target = 2 * this.sign * s / this.k;
+    const target = -2 * s / this.k;
     let theta = target > 8 ? Math.sqrt(target - 0.5 - Math.log(4 * target - 2 * Math.log(4 * target) - 2) / 2) : target / 2;
     for (let pass = 0; pass < 20; pass++) {
-      const rise = Math.sqrt(theta * theta + 1);
-      const step = (theta * rise + Math.log(theta + rise) - target) / (2 * rise);
+      const rise = Math.sqrt(theta * theta + 1), step = (theta * rise + Math.log(theta + rise) - target) / (2 * rise);
       theta = Math.max(theta - step, 0);
       if (Math.abs(step) <= 1e-8 * theta + 1e-12) break;
     }
@@ -46,51 +42,45 @@ class Spiral {
   }
 
   frame(s) {
-    const theta = this.angle(s), radius = this.k * theta, rise = this.sign * Math.sqrt(theta * theta + 1);
-    const cos = Math.cos(theta + this.rotation), sin = Math.sin(theta + this.rotation);
+    const theta = this.angle(s), radius = this.k * theta, rise = -Math.sqrt(theta * theta + 1);
+    const cos = Math.cos(theta), sin = Math.sin(theta);
     return [radius * cos, radius * sin, (cos - theta * sin) / rise, (sin + theta * cos) / rise];
   }
 }
 
-class Arc {
-  constructor(centre, radius, beginAngle, sweep) {
-    Object.assign(this, { centre, radius, beginAngle, side: Math.sign(sweep), begin: 0, end: radius * Math.abs(sweep) });
-  }
-
-  frame(s) {
-    const angle = this.beginAngle + this.side * s / this.radius;
-    const cos = Math.cos(angle), sin = Math.sin(angle);
-    return [this.centre[0] + this.radius * cos, this.centre[1] + this.radius * sin, -this.side * sin, this.side * cos];
-  }
-}
-
-// In on a spiral, round inside a circle on two arcs, whose radii have a ratio, and out; s is 0 where it enters the circle.
+// In on a spiral, round inside a circle on two arcs, whose radii have a ratio, and out; the coordinate is 0 at the entry.
 class UTurn {
   constructor({ pitch = 1.7, radius = 4.5, ratio = 2 } = {}) {
     const theta = ROUND * radius / pitch, aside = Math.atan(theta), heading = theta - Math.PI + aside;
-    const [cos, sin] = [Math.cos(theta), Math.sin(theta)];
     // Each arc's chord is twice its radius times the sine of half its angle; together they are the diameter.
-    this.radii = [ratio, 1].map((share) => radius / Math.sin(aside) * share / (1 + ratio));
-    this.points = [1, (1 - ratio) / (1 + ratio), -1].map((share) => [share * radius * cos, share * radius * sin]);
-    const left = [-Math.sin(heading), Math.cos(heading)];
-    const centre = ([x, y], r) => [x + r * left[0], y + r * left[1]];
-    this.inward = new Spiral(pitch);
-    this.outward = new Spiral(pitch, { outward: true, rotation: Math.PI });
+    const radii = [ratio, 1].map((share) => radius / Math.sin(aside) * share / (1 + ratio));
+    this.points = [1, (1 - ratio) / (1 + ratio), -1].map((share) =>
+      [share * radius * Math.cos(theta), share * radius * Math.sin(theta)]);
+    const arc = ([x, y], r, side, angle) => ({
+      centre: [x - side * r * Math.sin(heading), y + side * r * Math.cos(heading)], radius: r, side, angle,
+    });
     this.arcs = [
-      new Arc(centre(this.points[0], -this.radii[0]), this.radii[0], heading + Math.PI / 2, -2 * aside),
-      new Arc(centre(this.points[2], this.radii[1]), this.radii[1], heading - 2 * aside - Math.PI / 2, 2 * aside),
+      arc(this.points[0], radii[0], -1, heading + Math.PI / 2), arc(this.points[2], radii[1], 1, heading - 2 * aside - Math.PI / 2),
     ];
-    this.lengths = this.arcs.map((arc) => arc.end);
+    this.lengths = radii.map((each) => 2 * aside * each);
     this.length = this.lengths[0] + this.lengths[1];
-    this.entry = this.inward.atRadius(radius);
+    this.spiral = new Spiral(pitch);
+    this.entry = this.spiral.atRadius(radius);
     [this.begin, this.end] = [-Infinity, Infinity];
   }
 
   frame(s) {
-    if (s < 0) return this.inward.frame(this.entry + s);
-    if (s < this.lengths[0]) return this.arcs[0].frame(s);
-    if (s < this.length) return this.arcs[1].frame(s - this.lengths[0]);
-    return this.outward.frame(s - this.length - this.entry);
+    if (s < 0) return this.spiral.frame(this.entry + s);
+    if (s < this.lengths[0]) return this.onArc(this.arcs[0], s);
+    if (s < this.length) return this.onArc(this.arcs[1], s - this.lengths[0]);
+    // The way out is the way in, turned by half a turn and travelled back.
+    const [x, y, tx, ty] = this.spiral.frame(this.entry + this.length - s);
+    return [-x, -y, tx, ty];
+  }
+
+  onArc({ centre, radius, side, angle }, s) {
+    const cos = Math.cos(angle + side * s / radius), sin = Math.sin(angle + side * s / radius);
+    return [centre[0] + radius * cos, centre[1] + radius * sin, -side * sin, side * cos];
   }
 }
 
@@ -191,22 +181,17 @@ function neighbour(curve, s, chord, way = -1) {
 }
 
 // The first `count` handles of a dragon with its head at the coordinate `head`, fewer if the curve takes no more of them:
-// coordinates, points, tangents, and velocities along the curve in units of the head's.
+// coordinates, points with tangents as `frame` has them, and velocities along the curve in units of the head's.
 function chainAt(curve, dragon, head, count = dragon.benches + 1) {
-  const chain = { s: [], points: [], tangents: [], ratios: [] };
-  for (let i = 0, s = head; i < count && !Number.isNaN(s); i++) {
-    const [x, y, tx, ty] = curve.frame(s);
-    if (i > 0) {
-      const [fx, fy] = chain.points[i - 1], [ux, uy] = chain.tangents[i - 1];
-      // Both handles of a rigid bench are equally fast along it.
-      chain.ratios.push(chain.ratios[i - 1] * ((fx - x) * ux + (fy - y) * uy) / ((fx - x) * tx + (fy - y) * ty));
-    } else {
-      chain.ratios.push(1);
-    }
+  const chain = { s: [head], points: [curve.frame(head)], ratios: [1] };
+  for (let i = 1; i < count; i++) {
+    const s = neighbour(curve, chain.s[i - 1], dragon.spacings[i - 1]);
+    if (Number.isNaN(s)) break;
+    const [fx, fy, ux, uy] = chain.points[i - 1], [x, y, tx, ty] = curve.frame(s);
     chain.s.push(s);
-    chain.points.push([x, y]);
-    chain.tangents.push([tx, ty]);
-    if (i < count - 1) s = neighbour(curve, s, dragon.spacings[i]);
+    chain.points.push([x, y, tx, ty]);
+    // Both handles of a rigid bench are equally fast along it.
+    chain.ratios.push(chain.ratios[i - 1] * ((fx - x) * ux + (fy - y) * uy) / ((fx - x) * tx + (fy - y) * ty));
   }
   return chain;
 }
@@ -239,16 +224,35 @@ function separation(benches, i, j) {
 
 // Of the benches from `first` to `last`, the one closest to bench `i`, and the gap; no bench if none is within `reach`.
 function closest(benches, i, first, last, reach = Infinity) {
-  const { poses: { x, y }, motion: { lengths, widths } } = benches;
+  const { poses: { x, y }, motion: { lengths, widths } } = benches, found = { bench: null, gap: reach };
   const half = (k) => Math.sqrt(lengths[k] ** 2 + widths[k] ** 2) / 2;
-  const found = { bench: null, gap: reach };
-  for (let j = Math.max(first, 0); j <= Math.min(last, benches.motion.benches - 1); j++) {
-    const apart = Math.sqrt((x[i] - x[j]) ** 2 + (y[i] - y[j]) ** 2) - half(i) - half(j);
-    if (apart >= found.gap || Math.abs(i - j) < 2) continue;
+  for (let j = first; j <= Math.min(last, benches.motion.benches - 1); j++) {
+    if (Math.sqrt((x[i] - x[j]) ** 2 + (y[i] - y[j]) ** 2) - half(i) - half(j) >= found.gap) continue;
     const gap = separation(benches, i, j);
     if (gap < found.gap) Object.assign(found, { bench: j, gap });
   }
   return found;
+}
+
+// The contest's march from turn 16 of a spiral on, at 1 m/s; `sizes` are those of `makeDragon`.
+class March {
+  constructor({ pitch = 0.55, ...sizes } = {}) {
+    Object.assign(this, { pitch, dragon: makeDragon(sizes), spiral: new Spiral(pitch) });
+    this.begin = this.spiral.atAngle(16 * ROUND);
+  }
+
+  chain(t, handles) {
+    return chainAt(this.spiral, this.dragon, this.begin + t, handles);
+  }
+
+  benches(t, handles) {
+    return benchesBetween(this.dragon, this.chain(t, handles).points);
+  }
+
+  // The bench closest to the head, of those that it passes, and the gap.
+  passed(t, handles = 14) {
+    return closest(this.benches(t, handles), 0, 2, handles);
+  }
 }
 
 // Pairs of benches, other than neighbours, that share a cell of a grid, and the number of entries in cells.
@@ -284,6 +288,12 @@ function minimumBetween(f, a, b) {
     [a, b] = f(c) < f(d) ? [a, d] : [c, b];
   }
   return (a + b) / 2;
+}
+
+// The argument of those given for which a function is smallest.
+function smallestOf(all, f) {
+  const values = all.map(f);
+  return all[values.indexOf(Math.min(...values))];
 }
 
 // The first root of a gap between two arguments, in steps that see each of its minima below `near`; null if there is none.
