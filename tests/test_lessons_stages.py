@@ -164,6 +164,7 @@ def readout(page):
 
 def drag(page, name, dx, dy, steps=5):
     """Drag a knob by pixels, to the right and down, with the mouse."""
+    readout(page)
     box = page.get_by_role("button", name=name).bounding_box()
     x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
     page.mouse.move(x, y)
@@ -395,7 +396,7 @@ KNOBS = """[...document.querySelectorAll(".knob")].filter((knob) => !knob.hidden
 def path_of(page):
     """The points of the drawn path in m, from where they are on the canvas."""
     box = page.locator("canvas").bounding_box()
-    scale = min(box["width"], box["height"]) / 2.8
+    scale = min(box["width"] / 2.9, box["height"] / 1.9)
     return (np.array(page.evaluate(KNOBS)) - (box["width"] / 2, box["height"] / 2)) / (scale, -scale) + (-0.6, 0)
 
 

@@ -10,8 +10,9 @@ stages["missed-window"] = (lab) => {
   const gap = (t) => march.passed(t).gap, points = (...times) => range(...times).map((t) => [t, 1000 * gap(t)]);
   const view = () => {
     const scale = 10 ** zoom.value, half = (end - begin) / 2 / scale, middle = bounded(time.value, begin + half, end - half);
+    const base = 1000 * now.gap * (1 - 1 / scale);
     return {
-      across: [middle - half, middle + half], up: [-10 / scale ** 2, 30 / scale ** 2],
+      across: [middle - half, middle + half], up: [base - 10 / scale ** 2, base + 30 / scale ** 2],
       name: ["gap of the head (mm) by the time (s), and samples", "龙头的空隙 (mm) 随时间 (s) 的变化，以及取样"],
     };
   };

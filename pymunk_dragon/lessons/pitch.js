@@ -7,7 +7,7 @@ stages.pitch = (lab) => {
   let march, arrival, stop, time, exact, sampled, sampledBy, points;
 
   // More than a turn back there are no benches that the head passes.
-  const gap = (t) => march.passed(t, 33).gap;
+  const gap = (t) => march.passed(t, 30).gap;
   lab.label = ["The dragon on its way to the circle, as far as it gets", "盘入的板凳龙，停在它能到达的地方"];
   lab.update = () => {
     const pitch = (coarse.value + fine.value) / 1000, length = roundNumber(step.value), same = march?.pitch === pitch;
@@ -15,7 +15,7 @@ stages.pitch = (lab) => {
       march = new March({ pitch });
       points = curvePoints(march.spiral, march.begin - 60, 0);
       arrival = march.spiral.atRadius(radius) - march.begin;
-      stop = firstContact(gap, 0, arrival, 0.8, 0.005);
+      stop = firstContact(gap, 0, arrival, 1.2, 0.008);
       time = stop ?? arrival;
     }
     if (same && sampledBy === length) return;
@@ -28,7 +28,7 @@ stages.pitch = (lab) => {
   lab.pane(1, () => ({ x: 0, y: 0, size: 19 }), (pane) => {
     pane.line(points, { colour: "curve" });
     pane.line(circlePoints([0, 0], radius), { width: 2 });
-    const hit = stop !== null && time >= stop ? march.passed(stop, 33).bench : null;
+    const hit = stop !== null && time >= stop ? march.passed(stop, 30).bench : null;
     pane.benches(march.benches(time), (i) => (i === 0 ? "head" : i === hit ? "contact" : "body"));
   });
   lab.knob(["The head: drag it along the spiral", "龙头：沿螺线拖动"], {
@@ -40,7 +40,7 @@ stages.pitch = (lab) => {
   });
   lab.readout = () => {
     const [all, seen] = [exact, sampled].map((each) => (1000 * each).toFixed(3)), { spiral, begin } = march;
-    const away = (spiral.k * spiral.angle(begin + stop)).toFixed(3), bench = stop && march.passed(stop, 33).bench;
+    const away = (spiral.k * spiral.angle(begin + stop)).toFixed(3), bench = stop && march.passed(stop, 30).bench;
     const [english, chinese] = stop === null ? ["The dragon gets in.", "板凳龙能进去。"]
       : stop === 0 ? ["Benches overlap at the start.", "一开始就有板凳重叠。"]
       : [`The head meets bench ${bench}, ${away} m from the centre.`, `龙头在离中心 ${away} m 处碰到 ${bench} 号板凳。`];

@@ -41,8 +41,8 @@ stages.robot = (lab) => {
     if (Number.isNaN(begin)) return;
     chain = chainAt(path, arm, path.atLength(path.length(begin) + speed * Math.min(time.value, total)) - clear);
   };
-  const ground = lab.pane(1, () => ({ x: -0.6, y: 0, size: 2.8 }), (pane) => {
-    pane.text([-0.6, -1.2], lab.say(["draw a new path here", "在这里画一条新路径"]), { colour: "quiet" });
+  const ground = lab.pane(1, () => ({ x: -0.6, y: 0, size: 1.9, wide: 2.9 }), (pane) => {
+    pane.text([-0.6, -0.85], lab.say(["draw a new path here", "在这里画一条新路径"]), { colour: "quiet" });
     pane.line(drawn ?? curvePoints(path, 0, path.end, 0.01), { colour: "curve", width: 2 });
     if (drawn || Number.isNaN(begin)) return;
     const colour = (i) => (time.value >= total && hit.includes(i) ? "contact" : i === 0 ? "head" : "body");

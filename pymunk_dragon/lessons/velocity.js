@@ -19,7 +19,7 @@ stages.velocity = (lab) => {
     if (triedAt !== time.value) [tried, triedAt] = [new Map(), time.value];
     tried.set(step.value, Math.log10(error));
   };
-  lab.pane(0.55, () => ({ x: 0, y: 0, size: 26 }), (pane) => {
+  lab.pane(0.55, () => ({ x: 0, y: 0, size: 2.3 * Math.hypot(...chain.points.at(-1).slice(0, 2)) }), (pane) => {
     pane.line(points, { colour: "curve" });
     const loss = (i) => (1 - speeds[i]) / (1 - speeds.at(-1));
     pane.benches(benchesBetween(dragon, chain.points), (i) => lab.mixed("head", "contact", loss(i)));

@@ -195,21 +195,22 @@ class Lab {
 }
 
 // A part of the canvas with coordinates of its own, y up. `view()` is {x, y, size}: the middle of the floor in view, and
-// its shorter side, in m; or of a chart {across, up, name}: the ranges of its axes and a name; `tick` writes their values.
+// its height, in m, and `wide` its width where that differs; or of a chart {across, up, name}: the ranges of its axes and
+// a name; `tick` writes their values.
 class Pane {
   constructor(lab, share, view, draw) {
     Object.assign(this, { lab, share, view, draw, context: lab.context });
   }
 
   paint(top, width, height) {
-    const { context } = this, { x, y, size, ...chart } = this.view();
+    const { context } = this, { x, y, size, wide = size, ...chart } = this.view();
     Object.assign(this, { top, width, height });
     context.save();
     context.beginPath();
     context.rect(0, top, width, height);
     context.clip();
     // The point (x0, y0) is at the pixel (left, ceiling), and a unit is so many pixels along either axis.
-    const scale = Math.min(width, height) / size;
+    const scale = Math.min(width / wide, height / size);
     if (size) Object.assign(this, { x0: x, y0: y, sx: scale, sy: scale, left: width / 2, ceiling: top + height / 2 });
     else this.axes(chart);
     this.draw(this);
@@ -228,6 +229,9 @@ class Pane {
       this.text([x0, y], tick(y), { dx: -8, align: "right", colour: "quiet" });
     }
     this.text([x0, y1], this.lab.say(name), { dx: -44, dy: -14, align: "left" });
+    this.context.beginPath();
+    this.context.rect(left, this.top + above, wide, high);
+    this.context.clip();
   }
 
   toScreen([x, y]) {
@@ -348,8 +352,8 @@ function gapPanes(lab, { time, size, benchesAt, view, draw }) {
     pane.line(now.ends, { colour: "contact", width: 2 });
   });
   const chart = lab.pane(0.5, view, (pane) => {
-    const { across: [from, to], up: [bottom] } = view();
-    pane.fill([[from, 0], [to, 0], [to, bottom], [from, bottom]], { colour: "contact", alpha: 0.15 });
+    const { across: [from, to], up: [bottom, top] } = view(), zero = bounded(0, bottom, top);
+    pane.fill([[from, zero], [to, zero], [to, bottom], [from, bottom]], { colour: "contact", alpha: 0.15 });
     draw(pane);
   });
   lab.knob(["The time: drag it along the chart", "时间：沿图表拖动"], {
