@@ -31,7 +31,8 @@ stages.grid = (lab) => {
     moved: (point, way) => { picked = way ? Math.max(picked + way, 0) : benches.at(point, Infinity); },
   });
   lab.readout = () => {
-    const all = (count.value - 1) * (count.value - 2) / 2, { pairs, entries } = filed, own = Math.max(partners.size - 1, 0);
+    const all = (count.value - 1) * (count.value - 2) / 2, { pairs, entries } = filed;
+    const own = Math.max(partners.size - 1, 0);
     return [
       `${pairs.length} of ${all} pairs share a cell; ${entries} entries in cells. Bench ${picked}: ${own} to test.`,
       `${all} 对板凳中有 ${pairs.length} 对同在一格；共登记 ${entries} 次。${picked} 号板凳：要检测 ${own} 节。`,

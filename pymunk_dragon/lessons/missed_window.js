@@ -1,16 +1,16 @@
 // The step between samples and the width of the benches: which contact falls between two samples?
 stages["missed-window"] = (lab) => {
   const [begin, end] = [405, 413]; // s
-  const step = lab.slider(["a sample every", "取样间隔"], { min: -9, max: 1, step: 1, value: 0, show: (n) => `${roundNumber(n)} s` });
+  const step = lab.slider(["a sample every", "取样间隔"], { min: -9, max: 1, step: 1, value: 0, show: roundSeconds });
   const width = lab.slider(["width", "板凳宽度"], { min: 300, max: 301.5, step: 0.01, value: 301, unit: "mm" });
-  const zoom = lab.slider(["zoom", "放大"], { min: 0, max: 1.6, step: 0.02, value: 0, show: (x) => `× ${(10 ** x).toFixed(0)}` });
+  const zoom = lab.slider(["zoom", "放大"], { min: 0, max: 1.6, step: 0.02, value: 0, show: magnification });
   const time = { value: 409.2 };
   let march, touching, length;
 
   const gap = (t) => march.passed(t).gap, points = (...times) => range(...times).map((t) => [t, 1000 * gap(t)]);
   const view = () => {
-    const scale = 10 ** zoom.value, half = (end - begin) / 2 / scale, middle = bounded(time.value, begin + half, end - half);
-    const base = 1000 * now.gap * (1 - 1 / scale);
+    const scale = 10 ** zoom.value, half = (end - begin) / 2 / scale, base = 1000 * now.gap * (1 - 1 / scale);
+    const middle = bounded(time.value, begin + half, end - half);
     return {
       across: [middle - half, middle + half], up: [base - 10 / scale ** 2, base + 30 / scale ** 2],
       name: ["gap of the head (mm) by the time (s), and samples", "龙头的空隙 (mm) 随时间 (s) 的变化，以及取样"],
@@ -31,13 +31,15 @@ stages["missed-window"] = (lab) => {
       march = new March({ benches: 60, width: width.value / 1000 });
       // From when to when the head touches the benches that it passes, and from when on bench 8.
       const passes = [406, 409].map((t) => minimumBetween(gap, t, t + 2)).filter((t) => gap(t) <= 0);
-      touching = passes.map((t) => ({ from: rootBetween(gap, t - 1, t), to: rootBetween(gap, t + 1, t), ...march.passed(t) }));
+      const limits = (t) => ({ from: rootBetween(gap, t - 1, t), to: rootBetween(gap, t + 1, t) });
+      touching = passes.map((t) => ({ ...limits(t), bench: march.passed(t).bench }));
       touching.push({ from: rootBetween(gap, 411, end), to: Infinity, bench: 8 });
     }
     now.update();
   };
   lab.readout = () => {
-    const sampled = ({ from }) => length * Math.ceil(from / length), found = touching.find((each) => sampled(each) <= each.to);
+    const sampled = ({ from }) => length * Math.ceil(from / length);
+    const found = touching.find((each) => sampled(each) <= each.to);
     const t = sampled(found).toFixed(3), missed = found === touching[0] ? null : touching[0];
     const long = missed && (missed.to - missed.from).toFixed(3);
     const [english, chinese] = !missed ? ["No contact was missed.", "没有漏掉接触。"]

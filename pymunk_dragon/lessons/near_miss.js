@@ -1,13 +1,14 @@
 // Time, zoom, and decimals of the coordinates: does the head hit bench 11?
 stages["near-miss"] = (lab) => {
   const [begin, end, exact] = [405, 412.6, 6]; // s; decimals from which on coordinates are not cut
-  const seconds = (t) => `${t.toFixed(2)} s`;
-  const time = lab.slider(["time", "时间"], { min: begin, max: end, step: 0.01, value: begin, play: () => 0.5, show: seconds });
+  const time = lab.slider(["time", "时间"], {
+    min: begin, max: end, step: 0.01, value: begin, unit: "s", digits: 2, play: () => 0.5,
+  });
   const decimals = lab.slider(["coordinates", "坐标"], {
     min: 1, max: exact, step: 1, value: exact,
     show: (n) => lab.say(n === exact ? ["exact", "精确"] : [`cut to ${10 ** (3 - n)} mm`, `截到 ${10 ** (3 - n)} mm`]),
   });
-  const zoom = lab.slider(["zoom", "放大"], { min: 0, max: 3.2, step: 0.1, value: 0, show: (x) => `× ${(10 ** x).toFixed(0)}` });
+  const zoom = lab.slider(["zoom", "放大"], { min: 0, max: 3.2, step: 0.1, value: 0, show: magnification });
   const march = new March({ benches: 60 });
   let cutTo, gaps;
 
@@ -30,8 +31,8 @@ stages["near-miss"] = (lab) => {
     now.update();
   };
   lab.readout = () => {
-    const { bench, gap } = now, size = Math.abs(1000 * gap).toFixed(3), t = seconds(time.value);
-    const first = seconds(gaps.find((each) => each[1] <= 0)[0]);
+    const { bench, gap } = now, size = Math.abs(1000 * gap).toFixed(3);
+    const [t, first] = [time.value, gaps.find((each) => each[1] <= 0)[0]].map((each) => `${each.toFixed(2)} s`);
     const [english, chinese] = gap > 0 ? [`the gap to bench ${bench} is ${size} mm`, `与 ${bench} 号板凳的空隙为 ${size} mm`]
       : [`the head overlaps bench ${bench} by ${size} mm`, `龙头与 ${bench} 号板凳重叠 ${size} mm`];
     return [`${t}: ${english}. First overlap on the chart: ${first}.`, `${t}：${chinese}。图上第一次重叠：${first}。`];

@@ -3,7 +3,7 @@ stages.pitch = (lab) => {
   const radius = 4.5, last = 20; // m; s in which samples are taken
   const coarse = lab.slider(["pitch", "螺距"], { min: 310, max: 600, step: 1, value: 550, unit: "mm" });
   const fine = lab.slider(["and more", "再加"], { min: 0, max: 1, step: 0.001, value: 0, unit: "mm" });
-  const step = lab.slider(["a sample every", "取样间隔"], { min: -3, max: 0, step: 1, value: 0, show: (n) => `${roundNumber(n)} s` });
+  const step = lab.slider(["a sample every", "取样间隔"], { min: -3, max: 0, step: 1, value: 0, show: roundSeconds });
   let march, arrival, stop, time, exact, sampled, sampledBy, points;
 
   // More than a turn back there are no benches that the head passes.

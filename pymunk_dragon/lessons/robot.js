@@ -1,12 +1,15 @@
 // Draw a path, or drag its points: does the arm follow its tip to the end?
 stages.robot = (lab) => {
-  const speed = 0.2, clear = 1e-9, apart = 0.13, most = 50; // m/s; m, the base's begin; m between drawn points, and how many
+  const speed = 0.2, clear = 1e-9; // m/s; m from the path's begin to the base
+  const apart = 0.13, most = 50; // m between drawn points, and how many are kept
   const arm = makeDragon({
-    benches: 16, head: 0.14, overhang: 0.02, body: [...Array(6).fill(0.1), ...Array(5).fill(0.13), ...Array(4).fill(0.16)],
+    benches: 16, head: 0.14, overhang: 0.02,
+    body: [...Array(6).fill(0.1), ...Array(5).fill(0.13), ...Array(4).fill(0.16)],
     width: [...Array(7).fill(0.05), ...Array(5).fill(0.06), ...Array(4).fill(0.07)],
   });
-  const show = (t) => `${t.toFixed(2)} s`;
-  const time = lab.slider(["time", "时间"], { min: 0, max: 10, step: 0.001, value: 0, play: () => 1, show });
+  const time = lab.slider(["time", "时间"], {
+    min: 0, max: 10, step: 0.001, value: 0, unit: "s", digits: 2, play: () => 1,
+  });
   let points = [
     [-1.9, 0], [-1.6, 0], [-1.3, 0], [-1, 0], [-0.75, 0.08], [-0.5, 0.25], [-0.25, 0.3], [-0.03, 0.15],
     [0.1, -0.1], [0.32, -0.25], [0.55, -0.15], [0.6, 0.1], [0.42, 0.28], [0.2, 0.22], [0.05, 0.05], [-0.1, -0.1],

@@ -1,11 +1,12 @@
 // Drag and turn two benches: is there light between their shadows on any wall?
 stages.sat = (lab) => {
-  const near = 2.3, apart = 0.28, half = 2.2, farthest = 1.2, hole = 0.825; // m: walls, the centres of benches, holes
+  const near = 2.3, apart = 0.28, half = 2.2; // m from the centre to the walls, between them, half their lengths
+  const farthest = 1.2, hole = 0.825; // m from the centre to the benches', and from there to their holes
   const count = lab.slider(["walls", "墙的数目"], { min: 1, max: 5, step: 1, value: 4 });
   const poses = [[-0.8, -0.45, 0], [0.8, 0.45, Math.PI / 6]]; // x, y, angle
   let own = 0.8, benches, walls;
 
-  // A wall along an angle, to its left or right: where the shadows of both benches are on it, and the light between them.
+  // A wall along an angle, on its left or right side: the shadows of both benches on it, and the light between them.
   const wall = (angle, side, distance) => {
     const [cos, sin] = [Math.cos(angle), Math.sin(angle)];
     const shadows = [0, 1].map((i) => {
@@ -22,8 +23,8 @@ stages.sat = (lab) => {
     benches = new Benches(makeDragon({ benches: 2, head: 2 * hole }), posesFrom(2, (i) => poses[i]));
     const [blue, amber] = poses.map((pose) => pose[2]), turn = Math.PI / 2;
     walls = [
-      wall(blue, -1, near), wall(blue + turn, -1, near), wall(amber, 1, near + apart), wall(amber + turn, 1, near + apart),
-      wall(own, 1, near + 2 * apart),
+      wall(blue, -1, near), wall(blue + turn, -1, near),
+      wall(amber, 1, near + apart), wall(amber + turn, 1, near + apart), wall(own, 1, near + 2 * apart),
     ].slice(0, count.value);
   };
   lab.pane(1, () => ({ x: 0, y: 0, size: 7.2 }), (pane) => {
@@ -57,8 +58,8 @@ stages.sat = (lab) => {
     const lights = walls.flatMap(({ light }) => (light ? [light[1] - light[0]] : [])), all = count.value;
     const distance = separation(benches, 0, 1);
     const [size, most] = [Math.abs(distance), Math.max(...lights)].map((each) => each.toFixed(3));
-    const lit = lights.length ? [`Light on ${lights.length} of ${all} walls, up to ${most} m wide.`, `有光的墙：${all} 面中的 ${lights.length} 面，最宽 ${most} m。`]
-      : [`Light on none of ${all} walls.`, `${all} 面墙上都没有光。`];
+    const lit = !lights.length ? [`Light on none of ${all} walls.`, `${all} 面墙上都没有光。`]
+      : [`Light on ${lights.length} of ${all} walls, up to ${most} m wide.`, `${all} 面墙中 ${lights.length} 面有光，最宽 ${most} m。`];
     const verdict = distance > 0 ? [`The benches are ${size} m apart.`, `两节板凳相距 ${size} m。`]
       : [`The benches overlap by ${size} m.`, `两节板凳重叠 ${size} m。`];
     return [`${lit[0]} ${verdict[0]}`, `${lit[1]}${verdict[1]}`];

@@ -2,7 +2,7 @@
 stages["speed-limit"] = (lab) => {
   const limit = 2, [from, until] = [-1, 24], followed = 12; // m/s; m; handles of the chart: no later one is faster
   const way = lab.slider(["way of the head", "龙头的路程"], {
-    min: from, max: until, step: 0.01, value: 0, play: () => speed.value, show: (s) => `${s.toFixed(2)} m`,
+    min: from, max: until, step: 0.01, value: 0, unit: "m", digits: 2, play: () => speed.value,
   });
   const show = (v) => `${v.toFixed(3)} m/s`;
   const speed = lab.slider(["speed of the head", "龙头速度"], { min: 1, max: 2, step: 0.001, value: 2, show });
@@ -33,7 +33,8 @@ stages["speed-limit"] = (lab) => {
     pane.text(chain.points[fastest], show(speeds[fastest]), { dy: -16 });
   });
   const chart = lab.pane(0.4, () => ({
-    across: [from, until], up: [0.8, 3.4], name: ["fastest handle (m/s) by the head's way (m)", "最快的把手 (m/s) 随龙头路程 (m) 的变化"],
+    across: [from, until], up: [0.8, 3.4],
+    name: ["fastest handle (m/s) by the head's way (m)", "最快的把手 (m/s) 随龙头路程 (m) 的变化"],
   }), (pane) => {
     pane.line([[from, limit], [until, limit]], { colour: "contact", width: 2, dash: [6, 4] });
     pane.line(profile.map(([s, times]) => [s, times * speed.value]), { colour: "body", width: 2 });
@@ -44,7 +45,8 @@ stages["speed-limit"] = (lab) => {
     moved: ([s]) => { way.value = s; },
   });
   lab.readout = () => {
-    const [now, top] = [speeds[fastest], most * speed.value].map(show), times = (speeds[fastest] / speed.value).toFixed(3);
+    const [now, top] = [speeds[fastest], most * speed.value].map(show);
+    const times = (speeds[fastest] / speed.value).toFixed(3);
     return [
       `The fastest now: handle ${fastest}, ${now}, ${times} times the head's speed. In the whole turn: ${top}.`,
       `此刻最快的是 ${fastest} 号把手：${now}，是龙头的 ${times} 倍。整个调头过程中最快：${top}。`,

@@ -30,7 +30,9 @@ stages.spiral = (lab) => {
   });
   lab.knob(["The head: drag it along the spiral", "龙头：沿螺线拖动"], {
     at: () => spiral.frame(head),
-    moved: (point, way) => { time.value = way ? time.value + piece * way : nearestOn(spiral, point, begin, end) - begin; },
+    moved: (point, way) => {
+      time.value = way ? time.value + piece * way : nearestOn(spiral, point, begin, end) - begin;
+    },
   });
   lab.readout = () => {
     const [x, y, tx, ty] = spiral.frame(head), away = Math.hypot(x, y), turning = (y * tx - x * ty) / away ** 2;

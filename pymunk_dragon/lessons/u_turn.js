@@ -1,8 +1,9 @@
 // Drag the point where both arcs meet: who leaves the circle first, the contest's dragon or yours?
 stages["u-turn"] = (lab) => {
   const radius = 4.5, farthest = 2 / 3; // m; share of it up to which the point may be dragged
-  const show = (t) => `${t.toFixed(2)} s`;
-  const time = lab.slider(["time", "时间"], { min: -5, max: 20, step: 0.02, value: -2, play: () => 1, show });
+  const time = lab.slider(["time", "时间"], {
+    min: -5, max: 20, step: 0.02, value: -2, unit: "s", digits: 2, play: () => 1,
+  });
   const dragon = makeDragon({ benches: 60 }), contest = new UTurn({ ratio: 2 });
   let share = 0, own = new UTurn({ ratio: 1 });
 
@@ -29,7 +30,7 @@ stages["u-turn"] = (lab) => {
     },
   });
   lab.readout = () => {
-    const sum = ({ lengths: [one, two], length }) => `${one.toFixed(3)} m + ${two.toFixed(3)} m = ${length.toFixed(3)} m`;
+    const sum = ({ lengths, length }) => `${lengths.map((each) => `${each.toFixed(3)} m`).join(" + ")} = ${length.toFixed(3)} m`;
     const [english, chinese] = chainAt(own, dragon, time.value, 2).s.length === 2 ? ["", ""]
       : [" Your head's bench does not get round there.", "你的龙头在那里转不过去。"];
     return [

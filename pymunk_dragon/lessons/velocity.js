@@ -19,11 +19,11 @@ stages.velocity = (lab) => {
     if (triedAt !== time.value) [tried, triedAt] = [new Map(), time.value];
     tried.set(step.value, Math.log10(error));
   };
-  lab.pane(0.55, () => ({ x: 0, y: 0, size: 2.3 * Math.hypot(...chain.points.at(-1).slice(0, 2)) }), (pane) => {
+  lab.pane(0.55, () => ({ x: 0, y: 0, size: 2.6 * Math.hypot(...chain.points.at(-1).slice(0, 2)) }), (pane) => {
     pane.line(points, { colour: "curve" });
     const loss = (i) => (1 - speeds[i]) / (1 - speeds.at(-1));
     pane.benches(benchesBetween(dragon, chain.points), (i) => lab.mixed("head", "contact", loss(i)));
-    for (const i of [0, dragon.benches]) pane.text(chain.points[i], `${(1000 * speeds[i]).toFixed(1)} mm/s`, { dy: -14 });
+    for (const i of [0, 223]) pane.text(chain.points[i], `${(1000 * speeds[i]).toFixed(1)} mm/s`, { dy: -14 });
   });
   // 10⁻³ of -3.
   const tick = (n) => `10${String(n).replace(/./g, (digit) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".indexOf(digit)])}`;
@@ -41,7 +41,7 @@ stages.velocity = (lab) => {
     const [tail, slower] = [1000 * speeds.at(-1), 1000 - 1000 * speeds.at(-1)].map((speed) => speed.toFixed(3));
     const [length, wrong] = [show(step.value), error.toExponential(1)];
     return [
-      `The tail: ${tail} mm/s, ${slower} mm/s slower than the head. By positions ${length} apart: wrong by ${wrong} m/s.`,
+      `The tail: ${tail} mm/s, ${slower} mm/s slower than the head. From positions ${length} apart: ${wrong} m/s off.`,
       `龙尾 ${tail} mm/s，比龙头慢 ${slower} mm/s。由相隔 ${length} 的两个位置求得：误差 ${wrong} m/s。`,
     ];
   };

@@ -32,7 +32,7 @@ class Spiral {
   // Polar angle, counted from the centre: Newton's method from the asymptotic form.
   angle(s) {
     const target = -2 * s / this.k;
-    let theta = target > 8 ? Math.sqrt(target - 0.5 - Math.log(4 * target - 2 * Math.log(4 * target) - 2) / 2) : target / 2;
+    let theta = target > 8 ? Math.sqrt(target - 0.5 - Math.log(4 * target) / 2) : target / 2;
     for (let pass = 0; pass < 20; pass++) {
       const rise = Math.sqrt(theta * theta + 1), step = (theta * rise + Math.log(theta + rise) - target) / (2 * rise);
       theta = Math.max(theta - step, 0);
@@ -48,7 +48,7 @@ class Spiral {
   }
 }
 
-// In on a spiral, round inside a circle on two arcs, whose radii have a ratio, and out; the coordinate is 0 at the entry.
+// In on a spiral, round inside a circle on two arcs whose radii have a ratio, and out; s is 0 at the entry.
 class UTurn {
   constructor({ pitch = 1.7, radius = 4.5, ratio = 2 } = {}) {
     const theta = ROUND * radius / pitch, aside = Math.atan(theta), heading = theta - Math.PI + aside;
@@ -60,7 +60,8 @@ class UTurn {
       centre: [x - side * r * Math.sin(heading), y + side * r * Math.cos(heading)], radius: r, side, angle,
     });
     this.arcs = [
-      arc(this.points[0], radii[0], -1, heading + Math.PI / 2), arc(this.points[2], radii[1], 1, heading - 2 * aside - Math.PI / 2),
+      arc(this.points[0], radii[0], -1, heading + Math.PI / 2),
+      arc(this.points[2], radii[1], 1, heading - 2 * aside - Math.PI / 2),
     ];
     this.lengths = radii.map((each) => 2 * aside * each);
     this.length = this.lengths[0] + this.lengths[1];
@@ -84,8 +85,8 @@ class UTurn {
   }
 }
 
-// A smooth path through at least four points: the cubic spline by chord length, with not-a-knot ends. Its coordinate is the
-// length of the chords, and only nearly the arc length: `length` and `atLength` convert.
+// A smooth path through at least four points: the cubic spline by chord length, with not-a-knot ends. Its coordinate is
+// the length of the chords, and only nearly the arc length: `length` and `atLength` convert.
 class DrawnPath {
   constructor(points) {
     const chords = points.slice(1).map(([x, y], i) => Math.hypot(x - points[i][0], y - points[i][1]));
@@ -97,9 +98,12 @@ class DrawnPath {
 
   // Position and derivative, as x, y, and x and y.
   motion(s) {
-    const next = this.knots.findIndex((knot, i) => i > 0 && s < knot), i = next < 0 ? this.knots.length - 2 : next - 1;
-    const w = s - this.knots[i], [[a, b, c, d], [e, f, g, h]] = [this.cubics[0][i], this.cubics[1][i]];
-    return [a + w * (b + w * (c + w * d)), e + w * (f + w * (g + w * h)), b + w * (2 * c + 3 * w * d), f + w * (2 * g + 3 * w * h)];
+    const later = this.knots.findIndex((knot, i) => i > 0 && s < knot), i = later < 0 ? this.knots.length - 2 : later - 1;
+    const w = s - this.knots[i], pieces = this.cubics.map((each) => each[i]);
+    return [
+      ...pieces.map(([a, b, c, d]) => a + w * (b + w * (c + w * d))),
+      ...pieces.map(([, b, c, d]) => b + w * (2 * c + 3 * w * d)),
+    ];
   }
 
   frame(s) {
@@ -113,7 +117,10 @@ class DrawnPath {
       const half = (Math.min(this.knots[i + 1] ?? s, s) - this.knots[i]) / 2 / CELLS;
       for (let cell = 0; cell < CELLS; cell++) {
         const middle = this.knots[i] + (2 * cell + 1) * half;
-        for (const [node, weight] of GAUSS) sum += weight * half * Math.hypot(...this.motion(middle + half * node).slice(2));
+        for (const [node, weight] of GAUSS) {
+          const [, , dx, dy] = this.motion(middle + half * node);
+          sum += weight * half * Math.sqrt(dx * dx + dy * dy);
+        }
       }
     }
     return sum;
@@ -124,13 +131,14 @@ class DrawnPath {
   }
 }
 
-// Coefficients of a cubic spline between its knots, which are `h` apart, by powers of the distance from the knot before:
-// a tridiagonal system for the slopes (C. de Boor, A Practical Guide to Splines, chapter IV).
+// Coefficients of a cubic spline between knots that are `h` apart, by powers of the distance from the knot before: its
+// slopes solve a tridiagonal system (C. de Boor, A Practical Guide to Splines, chapter IV).
 function splineCubics(values, h) {
   const n = values.length, rise = h.map((each, i) => (values[i + 1] - values[i]) / each);
   const [p, q, a, b] = [h[0], h[1], h[n - 3], h[n - 2]];
   // Rows: the factors of the slopes before, at, and after a knot, and the right side.
-  const rows = values.map((_, i) => [h[i], 2 * (h[i - 1] + h[i]), h[i - 1], 3 * (h[i] * rise[i - 1] + h[i - 1] * rise[i])]);
+  const rows = values.map((_, i) =>
+    [h[i], 2 * (h[i - 1] + h[i]), h[i - 1], 3 * (h[i] * rise[i - 1] + h[i - 1] * rise[i])]);
   rows[0] = [0, q, p + q, ((3 * p + 2 * q) * q * rise[0] + p ** 2 * rise[1]) / (p + q)];
   rows[n - 1] = [a + b, a, 0, (b ** 2 * rise[n - 3] + (2 * a + 3 * b) * a * rise[n - 2]) / (a + b)];
   for (let i = 1; i < n; i++) {
@@ -148,13 +156,13 @@ function splineCubics(values, h) {
 
 // Benches as geometry.js wants them; by default the contest's dragon.
 function makeDragon({ benches = 223, head = 2.86, body = 1.65, overhang = 0.275, width = 0.3 } = {}) {
-  const spacings = Array.from({ length: benches }, (_, i) => (i === 0 ? head : Array.isArray(body) ? body[i - 1] : body));
-  const widths = spacings.map((_, i) => (Array.isArray(width) ? width[i] : width));
+  const spacings = Array.from({ length: benches }, (_, i) => (i === 0 ? head : body[i - 1] ?? body));
+  const widths = spacings.map((_, i) => width[i] ?? width);
   return { benches, spacings, widths, lengths: spacings.map((spacing) => spacing + 2 * overhang) };
 }
 
-// Coordinate of the first point behind `s` at the straight distance `chord`, or ahead with `way` 1. NaN if the curve ends
-// before, or turns back so that the distance shrinks first.
+// Coordinate of the first point behind `s` at the straight distance `chord`, or ahead with `way` 1. NaN if the curve
+// ends before, or turns back so that the distance shrinks first.
 function neighbour(curve, s, chord, way = -1) {
   const [x, y] = curve.frame(s), room = way < 0 ? s - curve.begin : curve.end - s;
   const at = (offset) => {
@@ -180,7 +188,7 @@ function neighbour(curve, s, chord, way = -1) {
   return s + way * offset;
 }
 
-// The first `count` handles of a dragon with its head at the coordinate `head`, fewer if the curve takes no more of them:
+// The first `count` handles of a dragon with its head at the coordinate `head`, fewer if the curve takes no more:
 // coordinates, points with tangents as `frame` has them, and velocities along the curve in units of the head's.
 function chainAt(curve, dragon, head, count = dragon.benches + 1) {
   const chain = { s: [head], points: [curve.frame(head)], ratios: [1] };
@@ -205,7 +213,7 @@ function benchesBetween(dragon, points) {
   return new Benches({ ...dragon, benches: points.length - 1 }, poses);
 }
 
-// Gaps between the shadows of two benches along and across the first, and along and across the second; negative if they overlap.
+// Gaps between the shadows of two benches along and across the first, and the second; negative where they overlap.
 function axisGaps({ poses: { x, y, cos, sin }, motion: { lengths, widths } }, i, j) {
   const c = Math.abs(cos[i] * cos[j] + sin[i] * sin[j]), s = Math.abs(cos[i] * sin[j] - sin[i] * cos[j]);
   const dx = x[j] - x[i], dy = y[j] - y[i];
@@ -296,7 +304,7 @@ function smallestOf(all, f) {
   return all[values.indexOf(Math.min(...values))];
 }
 
-// The first root of a gap between two arguments, in steps that see each of its minima below `near`; null if there is none.
+// The first root of a gap between two arguments, in steps that see each of its minima below `near`; null if none.
 function firstContact(gap, begin, end, step, near) {
   let [before, last, at] = [Infinity, gap(begin), begin];
   if (last <= 0) return begin;

@@ -1,13 +1,13 @@
 // The frame of a stage: a canvas with panes, things to drag, sliders, and one readout. `stages` has a function for each
 // lesson, which is called with a `Lab` when the experiment is opened. It sets `lab.label`, what the canvas shows, and
-// `lab.readout()`, what the readout says; `lab.update()` runs before each picture. A text is a pair, English and Chinese.
+// `lab.readout()`, what it says; `lab.update()` runs before each picture. A text is a pair, in English and in Chinese.
 
 const stages = {};
 
 const SCENE_COLOURS = ["background", "curve", "head", "body", "tail", "contact"];
 const LONGEST_FRAME = 0.1; // s: what one picture adds at most where a slider plays
 const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowDown: [0, -1], ArrowUp: [0, 1] };
-const CHART_MARGINS = { left: 52, right: 16, above: 26, below: 36 }; // pixels
+const CHART_MARGINS = { left: 52, right: 22, above: 26, below: 36 }; // pixels
 
 function openStage(div) {
   const lab = new Lab(div);
@@ -66,11 +66,14 @@ class Lab {
     });
   }
 
-  // A slider; `show` writes its value. One with `play`, the change of its value in a second, has a button that moves it.
-  slider(label, { min, max, step, value, unit = "", show = (given) => `${given} ${unit}`, play }) {
+  // A slider; `show` writes its value, by default with so many `digits` and a unit. One with `play()`, the change of its
+  // value in a second, has a button that moves it.
+  slider(label, { min, max, step, value, unit = "", digits, play, show }) {
     const input = made("input", { type: "range", min, max, step, value });
-    const row = { label, input, show, play, name: made("span"), shown: made("span", { className: "value" }), plays: false };
-    const div = made("div", { className: "slider" }, made("label", {}, row.name, input), row.shown);
+    const [name, shown] = [made("span"), made("span", { className: "value" })];
+    const row = { label, input, name, shown, play, plays: false };
+    row.show = show ?? ((given) => `${digits ? given.toFixed(digits) : given} ${unit}`);
+    const div = made("div", { className: "slider" }, made("label", {}, name, input), shown);
     input.addEventListener("input", () => {
       row.plays = false;
       this.changed();
@@ -100,7 +103,7 @@ class Lab {
   }
 
   // A thing to drag at the point `at()` of a pane. `moved` takes the point to which it goes, and from an arrow key, which
-  // moves it by `step`, also 1 (right, up) or -1, with Shift 10 or -10.
+  // moves it by `step`, also 1 (right, up) or -1; with Shift 10 or -10.
   knob(label, { pane = this.panes[0], at, moved, step = 0.05, small = false }) {
     const knob = made("button", { type: "button", className: small ? "small knob" : "knob" });
     const change = (...to) => {
@@ -194,9 +197,9 @@ class Lab {
   }
 }
 
-// A part of the canvas with coordinates of its own, y up. `view()` is {x, y, size}: the middle of the floor in view, and
-// its height, in m, and `wide` its width where that differs; or of a chart {across, up, name}: the ranges of its axes and
-// a name; `tick` writes their values.
+// A part of the canvas with coordinates of its own, y up. `view()` is {x, y, size}: the middle of the floor in view, its
+// height in m, and `wide`, its width, if that differs; or of a chart {across, up, name}: the ranges of its axes, and a
+// name; `tick` writes their values.
 class Pane {
   constructor(lab, share, view, draw) {
     Object.assign(this, { lab, share, view, draw, context: lab.context });
@@ -218,7 +221,8 @@ class Pane {
   }
 
   axes({ across: [x0, x1], up: [y0, y1], name, tick = String }) {
-    const { left, right, above, below } = CHART_MARGINS, [wide, high] = [this.width - left - right, this.height - above - below];
+    const { left, right, above, below } = CHART_MARGINS;
+    const wide = this.width - left - right, high = this.height - above - below;
     Object.assign(this, { x0, y0: y1, sx: wide / (x1 - x0), sy: high / (y1 - y0), left, ceiling: this.top + above });
     for (const x of ticks(x0, x1, this.sx / 80)) {
       this.line([[x, y0], [x, y1]], { colour: "rule" });
@@ -314,6 +318,10 @@ function roundNumber(place) {
   return Number(`${[1, 2, 5][((place % 3) + 3) % 3]}e${Math.floor(place / 3)}`);
 }
 
+const roundSeconds = (place) => `${roundNumber(place)} s`;
+
+const magnification = (exponent) => `× ${(10 ** exponent).toFixed(0)}`;
+
 // Values at equal distances, both limits included.
 function range(from, to, count) {
   return Array.from({ length: count + 1 }, (_, i) => from + (count && (to - from) * i / count));
@@ -339,7 +347,7 @@ function nearestOn(curve, [x, y], from, to) {
   return bounded(minimumBetween(apart, best - 0.1, best + 0.1), from, to);
 }
 
-// A pane of the floor where the head is closest to a bench, and a chart of its gap over time, in which the time is dragged.
+// A pane of the floor where the head is closest to a bench, and a chart of its gap over time, where time is dragged.
 // `benchesAt(t, handles)` are the benches; `draw` adds to the chart, which shows {across, up, name}.
 function gapPanes(lab, { time, size, benchesAt, view, draw }) {
   const now = { update() { Object.assign(now, closest(benchesAt(time.value, 14), 0, 2, 12)); } };
