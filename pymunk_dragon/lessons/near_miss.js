@@ -26,7 +26,7 @@ stages["near-miss"] = (lab) => {
   lab.update = () => {
     if (cutTo !== decimals.value) {
       cutTo = decimals.value;
-      gaps = range(begin, end, 760).map((t) => [t, 1000 * closest(benchesAt(t, 14), 0, 2, 12).gap]);
+      gaps = range(begin, end, 760).map((t) => [t, 1000 * benchesAt(t, 14).nearest(0).gap]);
     }
     now.update();
   };

@@ -16,16 +16,15 @@ stages.robot = (lab) => {
   ];
   let path, begin, stop, hit, total, drawn, chain;
 
-  const whole = (s) => chainAt(path, arm, s).points.length === arm.benches + 1;
-  // The smallest gap between two links, and which; none where the path is too narrow for a link.
+  // Whether each joint has its place on the path, and goes ahead.
+  const whole = (s) => {
+    const { ratios } = chainAt(path, arm, s);
+    return ratios.length === arm.benches + 1 && ratios.every((ratio) => ratio > 0);
+  };
+  // The smallest gap between two links, and which.
   const nearest = (s) => {
     const links = benchesBetween(arm, chainAt(path, arm, s).points);
-    let found = { gap: Infinity };
-    for (let i = 0; i < arm.benches - 2; i++) {
-      const { bench, gap } = closest(links, i, i + 2, arm.benches, found.gap);
-      if (bench) found = { gap, links: [i, bench] };
-    }
-    return found;
+    return smallestOf(range(0, 15, 15).map((i) => ({ link: i, ...links.nearest(i) })), ({ gap }) => gap);
   };
   const follow = () => {
     path = new DrawnPath(points);
@@ -33,7 +32,8 @@ stages.robot = (lab) => {
     begin = arm.spacings.reduceRight((s, spacing) => neighbour(path, s, spacing, 1), clear);
     if (Number.isNaN(begin)) return;
     stop = firstContact((s) => (whole(s) ? nearest(s).gap : -1), begin, path.end, 0.02, 0.01);
-    hit = stop === null || !whole(stop) ? [] : nearest(stop).links;
+    const { link, bench } = stop !== null && whole(stop) ? nearest(stop) : {};
+    hit = bench === undefined ? [] : [link, bench];
     total = (path.length(stop ?? path.end) - path.length(begin)) / speed;
     time.max = Math.ceil(1000 * total) / 1000;
   };
@@ -72,7 +72,7 @@ stages.robot = (lab) => {
     const [english, chinese] = time.value < total ? ["", ""]
       : stop === null ? [`The tip reaches the end after ${at} s.`, `${at} s 后臂端到达终点。`]
       : hit.length ? [`Link ${hit[0]} runs into link ${hit[1]} at ${at} s.`, `${at} s 时 ${hit[0]} 号连杆碰到 ${hit[1]} 号。`]
-      : [`At ${at} s a link does not get round a narrow bend.`, `${at} s 时有一节连杆转不过急弯。`];
+      : [`At ${at} s a bend is too narrow for a link.`, `${at} s 时弯太急，有一节连杆转不过去。`];
     return [
       `The tip goes at 0.200 m/s, the joints at ${low} to ${high} m/s. ${english}`,
       `臂端 0.200 m/s，各关节 ${low} 到 ${high} m/s。${chinese}`,

@@ -56,7 +56,7 @@ stages.sat = (lab) => {
   });
   lab.readout = () => {
     const lights = walls.flatMap(({ light }) => (light ? [light[1] - light[0]] : [])), all = count.value;
-    const distance = separation(benches, 0, 1);
+    const distance = benches.gap(0, 1).gap;
     const [size, most] = [Math.abs(distance), Math.max(...lights)].map((each) => each.toFixed(3));
     const lit = !lights.length ? [`Light on none of ${all} walls.`, `${all} 面墙上都没有光。`]
       : [`Light on ${lights.length} of ${all} walls, up to ${most} m wide.`, `${all} 面墙中 ${lights.length} 面有光，最宽 ${most} m。`];

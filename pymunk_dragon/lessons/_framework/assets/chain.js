@@ -213,35 +213,6 @@ function benchesBetween(dragon, points) {
   return new Benches({ ...dragon, benches: points.length - 1 }, poses);
 }
 
-// Gaps between the shadows of two benches along and across the first, and the second; negative where they overlap.
-function axisGaps({ poses: { x, y, cos, sin }, motion: { lengths, widths } }, i, j) {
-  const c = Math.abs(cos[i] * cos[j] + sin[i] * sin[j]), s = Math.abs(cos[i] * sin[j] - sin[i] * cos[j]);
-  const dx = x[j] - x[i], dy = y[j] - y[i];
-  const along = (own, other) =>
-    Math.abs(dx * cos[own] + dy * sin[own]) - (lengths[own] + c * lengths[other] + s * widths[other]) / 2;
-  const across = (own, other) =>
-    Math.abs(dy * cos[own] - dx * sin[own]) - (widths[own] + s * lengths[other] + c * widths[other]) / 2;
-  return [along(i, j), across(i, j), along(j, i), across(j, i)];
-}
-
-// Distance of two benches; negative if they overlap: the shortest way that parts them.
-function separation(benches, i, j) {
-  const widest = Math.max(...axisGaps(benches, i, j));
-  return widest > 0 ? Math.max(widest, benches.gap(i, j).gap) : widest;
-}
-
-// Of the benches from `first` to `last`, the one closest to bench `i`, and the gap; no bench if none is within `reach`.
-function closest(benches, i, first, last, reach = Infinity) {
-  const { poses: { x, y }, motion: { lengths, widths } } = benches, found = { bench: null, gap: reach };
-  const half = (k) => Math.sqrt(lengths[k] ** 2 + widths[k] ** 2) / 2;
-  for (let j = first; j <= Math.min(last, benches.motion.benches - 1); j++) {
-    if (Math.sqrt((x[i] - x[j]) ** 2 + (y[i] - y[j]) ** 2) - half(i) - half(j) >= found.gap) continue;
-    const gap = separation(benches, i, j);
-    if (gap < found.gap) Object.assign(found, { bench: j, gap });
-  }
-  return found;
-}
-
 // The contest's march from turn 16 of a spiral on, at 1 m/s; `sizes` are those of `makeDragon`.
 class March {
   constructor({ pitch = 0.55, ...sizes } = {}) {
@@ -259,7 +230,7 @@ class March {
 
   // The bench closest to the head, of those that it passes, and the gap.
   passed(t, handles = 14) {
-    return closest(this.benches(t, handles), 0, 2, handles);
+    return this.benches(t, handles).nearest(0);
   }
 }
 

@@ -350,13 +350,9 @@ function nearestOn(curve, [x, y], from, to) {
 // A pane of the floor where the head is closest to a bench, and a chart of its gap over time, where time is dragged.
 // `benchesAt(t, handles)` are the benches; `draw` adds to the chart, which shows {across, up, name}.
 function gapPanes(lab, { time, size, benchesAt, view, draw }) {
-  const now = { update() { Object.assign(now, closest(benchesAt(time.value, 14), 0, 2, 12)); } };
-  lab.pane(0.5, () => {
-    now.benches = benchesAt(time.value, 61);
-    now.ends = now.benches.gap(0, now.bench).ends;
-    return { x: now.ends[0][0], y: now.ends[0][1], size: size() };
-  }, (pane) => {
-    pane.benches(now.benches, (i) => (i === 0 ? "head" : i === now.bench && now.gap <= 0 ? "contact" : "body"));
+  const now = { update() { Object.assign(now, benchesAt(time.value, 14).nearest(0)); } };
+  lab.pane(0.5, () => ({ x: now.ends[0][0], y: now.ends[0][1], size: size() }), (pane) => {
+    pane.benches(benchesAt(time.value, 61), (i) => (i === 0 ? "head" : i === now.bench && now.gap <= 0 ? "contact" : "body"));
     pane.line(now.ends, { colour: "contact", width: 2 });
   });
   const chart = lab.pane(0.5, view, (pane) => {
