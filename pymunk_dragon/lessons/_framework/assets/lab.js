@@ -91,7 +91,10 @@ class Lab {
     this.controls.append(div);
     return {
       get value() { return Number(input.value); },
-      set value(given) { input.value = given; },
+      set value(given) {
+        input.value = given;
+        row.plays = false;
+      },
       set max(given) { input.max = given; },
     };
   }
