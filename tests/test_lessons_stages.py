@@ -318,7 +318,7 @@ def test_pitch_says_where_the_dragon_stops_and_what_samples_see(visit, pitch):
         page, march = found.page, March(Dragon(benches=40), Spiral(pitch=pitch))
         arrival = march.curve.at_radius(4.5) - march.head_start
         set_slider(page, "pitch", int(1000 * pitch))
-        set_slider(page, "and more", round(1000 * pitch - int(1000 * pitch), 3))
+        set_slider(page, "fine adjustment", round(1000 * pitch - int(1000 * pitch), 3))
         hit = first_contact(march, until=arrival)
         if hit.benches:
             radius = np.hypot(*march.at(hit.time).positions[0, 0])

@@ -1,7 +1,7 @@
 // The step between samples and the width of the benches: which contact falls between two samples?
 stages["missed-window"] = (lab) => {
   const [begin, end] = [405, 413]; // s
-  const step = lab.slider(["a sample every", "取样间隔"], { min: -9, max: 1, step: 1, value: 0, show: roundSeconds });
+  const step = lab.slider(["a sample every", "采样间隔"], { min: -9, max: 1, step: 1, value: 0, show: roundSeconds });
   const width = lab.slider(["width", "板凳宽度"], { min: 300, max: 301.5, step: 0.01, value: 301, unit: "mm" });
   const zoom = lab.slider(["zoom", "放大"], { min: 0, max: 1.6, step: 0.02, value: 0, show: magnification });
   const time = { value: 409.2 };
@@ -13,7 +13,7 @@ stages["missed-window"] = (lab) => {
     const middle = bounded(time.value, begin + half, end - half);
     return {
       across: [middle - half, middle + half], up: [base - 10 / scale ** 2, base + 30 / scale ** 2],
-      name: ["gap of the head (mm) by the time (s), and samples", "龙头的空隙 (mm) 随时间 (s) 的变化，以及取样"],
+      name: ["gap of the head (mm) by the time (s), and samples", "龙头的空隙 (mm) 随时间 (s) 的变化，以及采样"],
     };
   };
   const size = () => 5 / 10 ** (2 * zoom.value), benchesAt = (...given) => march.benches(...given);
@@ -23,7 +23,7 @@ stages["missed-window"] = (lab) => {
     const samples = last - first < 100 ? points(first * length, last * length, last - first) : [];
     for (const sample of samples) pane.dot(sample, { colour: sample[1] > 0 ? "text" : "contact" });
   } });
-  lab.label = ["The head beside the bench that it passes; below, its gap, with samples", "龙头和它经过的板凳；下方是空隙和取样"];
+  lab.label = ["The head beside the bench that it passes; below, its gap, with samples", "龙头和它经过的板凳；下方是空隙和采样"];
   lab.update = () => {
     time.value = bounded(time.value, begin, end);
     length = roundNumber(step.value);
@@ -46,7 +46,7 @@ stages["missed-window"] = (lab) => {
       : [`Missed: bench ${missed.bench}, touched for ${long} s.`, `漏掉了与 ${missed.bench} 号板凳的接触，历时 ${long} s。`];
     return [
       `The samples find the head in bench ${found.bench} at ${t} s. ${english}`,
-      `取样发现龙头在 ${t} s 与 ${found.bench} 号板凳重叠。${chinese}`,
+      `采样发现龙头在 ${t} s 与 ${found.bench} 号板凳重叠。${chinese}`,
     ];
   };
 };

@@ -2,8 +2,8 @@
 stages.pitch = (lab) => {
   const radius = 4.5, last = 20; // m; s in which samples are taken
   const coarse = lab.slider(["pitch", "螺距"], { min: 310, max: 600, step: 1, value: 550, unit: "mm" });
-  const fine = lab.slider(["and more", "再加"], { min: 0, max: 1, step: 0.001, value: 0, unit: "mm" });
-  const step = lab.slider(["a sample every", "取样间隔"], { min: -3, max: 0, step: 1, value: 0, show: roundSeconds });
+  const fine = lab.slider(["fine adjustment", "微调"], { min: 0, max: 1, step: 0.001, value: 0, unit: "mm" });
+  const step = lab.slider(["a sample every", "采样间隔"], { min: -3, max: 0, step: 1, value: 0, show: roundSeconds });
   let march, arrival, stop, time, exact, sampled, sampledBy, points;
 
   // More than a turn back there are no benches that the head passes.
@@ -46,7 +46,7 @@ stages.pitch = (lab) => {
       : [`The head meets bench ${bench}, ${away} m from the centre.`, `龙头在离中心 ${away} m 处碰到 ${bench} 号板凳。`];
     return [
       `${english} Smallest gap of the last ${last} s: ${all} mm; in the samples: ${seen} mm.`,
-      `${chinese}最后 ${last} s 的最小空隙：${all} mm；取样所见：${seen} mm。`,
+      `${chinese}最后 ${last} s 的最小空隙：${all} mm；采样所见：${seen} mm。`,
     ];
   };
 };

@@ -38,14 +38,14 @@ stages.robot = (lab) => {
     time.max = Math.ceil(1000 * total) / 1000;
   };
 
-  lab.label = ["The arm on a path, which you draw", "机械臂和由你画出的路径"];
+  lab.label = ["The arm on a path, which you draw", "机械臂和由你画出的路线"];
   lab.update = () => {
     if (!path) follow();
     if (Number.isNaN(begin)) return;
     chain = chainAt(path, arm, path.atLength(path.length(begin) + speed * Math.min(time.value, total)) - clear);
   };
   const ground = lab.pane(1, () => ({ x: -0.6, y: 0, size: 1.9, wide: 2.9 }), (pane) => {
-    pane.text([-0.6, -0.85], lab.say(["draw a new path here", "在这里画一条新路径"]), { colour: "quiet" });
+    pane.text([-0.6, -0.85], lab.say(["draw a new path here", "在这里画一条新路线"]), { colour: "quiet" });
     pane.line(drawn ?? curvePoints(path, 0, path.end, 0.01), { colour: "curve", width: 2 });
     if (drawn || Number.isNaN(begin)) return;
     const colour = (i) => (time.value >= total && hit.includes(i) ? "contact" : i === 0 ? "head" : "body");
@@ -59,23 +59,23 @@ stages.robot = (lab) => {
     if (ended && kept.length >= 4) [points, path, time.value] = [kept.slice(0, most), null, 0];
   });
   for (let i = 0; i < most; i++) {
-    lab.knob([`Point ${i + 1} of the path: drag it`, `路径的第 ${i + 1} 个点：拖动`], {
+    lab.knob([`Point ${i + 1} of the path: drag it`, `路线的第 ${i + 1} 个点：拖动`], {
       small: true, step: 0.02,
       at: () => points[i] ?? [NaN, NaN],
       moved: (point) => { [points[i], path] = [point, null]; },
     });
   }
   lab.readout = () => {
-    if (Number.isNaN(begin)) return ["The arm does not fit on this path.", "这条路径放不下机械臂。"];
+    if (Number.isNaN(begin)) return ["The arm does not fit on this path.", "这条路线放不下机械臂。"];
     const speeds = chain.ratios.map((each) => speed * Math.abs(each)), at = total.toFixed(3);
     const [low, high] = [Math.min(...speeds), Math.max(...speeds)].map((each) => each.toFixed(3));
     const [english, chinese] = time.value < total ? ["", ""]
-      : stop === null ? [`The tip reaches the end after ${at} s.`, `${at} s 后臂端到达终点。`]
+      : stop === null ? [`The tip reaches the end after ${at} s.`, `${at} s 后末端到达终点。`]
       : hit.length ? [`Link ${hit[0]} runs into link ${hit[1]} at ${at} s.`, `${at} s 时 ${hit[0]} 号连杆碰到 ${hit[1]} 号。`]
       : [`At ${at} s a bend is too narrow for a link.`, `${at} s 时弯太急，有一节连杆转不过去。`];
     return [
       `The tip goes at 0.200 m/s, the joints at ${low} to ${high} m/s. ${english}`,
-      `臂端 0.200 m/s，各关节 ${low} 到 ${high} m/s。${chinese}`,
+      `末端 0.200 m/s，各关节 ${low} 到 ${high} m/s。${chinese}`,
     ];
   };
 };

@@ -2,7 +2,7 @@
 stages.sat = (lab) => {
   const near = 2.3, apart = 0.28, half = 2.2; // m from the centre to the walls, between them, half their lengths
   const farthest = 1.2, hole = 0.825; // m from the centre to the benches', and from there to their holes
-  const count = lab.slider(["walls", "墙的数目"], { min: 1, max: 5, step: 1, value: 4 });
+  const count = lab.slider(["walls", "墙的面数"], { min: 1, max: 5, step: 1, value: 4 });
   const poses = [[-0.8, -0.45, 0], [0.8, 0.45, Math.PI / 6]]; // x, y, angle
   let own = 0.8, benches, walls;
 
@@ -13,7 +13,7 @@ stages.sat = (lab) => {
       const seen = benches.corners(i).map(([x, y]) => x * cos + y * sin);
       return [Math.min(...seen), Math.max(...seen)];
     });
-    const [[a, b], [c, d]] = shadows, light = c > b ? [b, c] : a > d ? [d, a] : null;
+    const [[a, b], [c, d]] = shadows, light = c > b ? [b, c] : a > d ? [d, a] : undefined;
     const at = (along, away = distance) => [along * cos - side * away * sin, along * sin + side * away * cos];
     return { shadows, light, at };
   };
@@ -28,8 +28,8 @@ stages.sat = (lab) => {
     ].slice(0, count.value);
   };
   lab.pane(1, () => ({ x: 0, y: 0, size: 7.2 }), (pane) => {
-    for (const { light, at } of walls.filter((each) => each.light)) {
-      pane.fill([at(light[0]), at(light[1]), at(light[1], -half), at(light[0], -half)], { colour: "head", alpha: 0.35 });
+    for (const { light: [from, to] = [], at } of walls) {
+      pane.fill([at(from), at(to), at(to, -half), at(from, -half)], { colour: "head", alpha: 0.35 });
     }
     for (const { shadows, light, at } of walls) {
       pane.line([at(-half), at(half)], { colour: "curve", width: 2 });
@@ -55,11 +55,11 @@ stages.sat = (lab) => {
     moved: ([x, y]) => { own = Math.atan2(-x, y); },
   });
   lab.readout = () => {
-    const lights = walls.flatMap(({ light }) => (light ? [light[1] - light[0]] : [])), all = count.value;
-    const distance = benches.gap(0, 1).gap;
+    const lights = walls.flatMap(({ light }) => (light ? [light[1] - light[0]] : []));
+    const n = lights.length, all = count.value, distance = benches.gap(0, 1).gap;
     const [size, most] = [Math.abs(distance), Math.max(...lights)].map((each) => each.toFixed(3));
-    const lit = !lights.length ? [`Light on none of ${all} walls.`, `${all} 面墙上都没有光。`]
-      : [`Light on ${lights.length} of ${all} walls, up to ${most} m wide.`, `${all} 面墙中 ${lights.length} 面有光，最宽 ${most} m。`];
+    const lit = n === 0 ? [`Light on none of ${all} walls.`, `${all} 面墙上都没有光。`]
+      : [`Light on ${n} of ${all} walls, up to ${most} m wide.`, `${all} 面墙中 ${n} 面有光，最宽 ${most} m。`];
     const verdict = distance > 0 ? [`The benches are ${size} m apart.`, `两节板凳相距 ${size} m。`]
       : [`The benches overlap by ${size} m.`, `两节板凳重叠 ${size} m。`];
     return [`${lit[0]} ${verdict[0]}`, `${lit[1]}${verdict[1]}`];

@@ -25,7 +25,7 @@ stages["u-turn"] = (lab) => {
       pane.benches(benchesBetween(dragon, points), (i) => (i === 0 ? "head" : colour), 0.85);
       pane.dot(points[0], { colour, radius: 7 });
     }
-    pane.text(contest.frame(time.value), lab.say(["contest", "赛题"]), { dy: -16 });
+    pane.text(contest.frame(time.value), lab.say(["contest", "竞赛题"]), { dy: -16 });
     pane.text(own.frame(time.value), lab.say(["you", "你"]), { dy: 18 });
   });
   lab.knob(["The point where your arcs meet: drag it along the diameter", "你的两段圆弧的切点：沿直径拖动"], {
@@ -45,7 +45,7 @@ stages["u-turn"] = (lab) => {
       : [" But your head's bench would push its rear handle back.", "但是你的龙头会把后把手往回推。"];
     return [
       `The contest's arcs: ${sum(contest)}. Yours: ${sum(own)}.${english}`,
-      `赛题的圆弧：${sum(contest)}。你的：${sum(own)}。${chinese}`,
+      `竞赛题的圆弧：${sum(contest)}。你的：${sum(own)}。${chinese}`,
     ];
   };
 };

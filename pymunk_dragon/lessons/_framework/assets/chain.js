@@ -98,7 +98,8 @@ class DrawnPath {
 
   // Position and derivative, as x, y, and x and y.
   motion(s) {
-    const later = this.knots.findIndex((knot, i) => i > 0 && s < knot), i = later < 0 ? this.knots.length - 2 : later - 1;
+    const later = this.knots.findIndex((knot) => s < knot);
+    const i = later < 0 ? this.knots.length - 2 : Math.max(later - 1, 0);
     const w = s - this.knots[i], pieces = this.cubics.map((each) => each[i]);
     return [
       ...pieces.map(([a, b, c, d]) => a + w * (b + w * (c + w * d))),

@@ -66,8 +66,8 @@ class Lab {
     });
   }
 
-  // A slider; `show` writes its value, by default with so many `digits` and a unit. One with `play()`, the change of its
-  // value in a second, has a button that moves it.
+  // A slider; `show` writes its value, by default with so many `digits` and a unit. One with `play()`, the change of
+  // its value in a second, has a button that moves it.
   slider(label, { min, max, step, value, unit = "", digits, play, show }) {
     const input = made("input", { type: "range", min, max, step, value });
     const [name, shown] = [made("span"), made("span", { className: "value" })];
@@ -105,8 +105,8 @@ class Lab {
     return this.panes.at(-1);
   }
 
-  // A thing to drag at the point `at()` of a pane. `moved` takes the point to which it goes, and from an arrow key, which
-  // moves it by `step`, also 1 (right, up) or -1; with Shift 10 or -10.
+  // A thing to drag at the point `at()` of a pane. `moved` takes the point to which it goes, and from an arrow key,
+  // which moves it by `step`, also 1 (right, up) or -1; with Shift 10 or -10.
   knob(label, { pane = this.panes[0], at, moved, step = 0.05, small = false }) {
     const knob = made("button", { type: "button", className: small ? "small knob" : "knob" });
     const change = (...to) => {
@@ -200,9 +200,9 @@ class Lab {
   }
 }
 
-// A part of the canvas with coordinates of its own, y up. `view()` is {x, y, size}: the middle of the floor in view, its
-// height in m, and `wide`, its width, if that differs; or of a chart {across, up, name}: the ranges of its axes, and a
-// name; `tick` writes their values.
+// A part of the canvas with coordinates of its own, y up. `view()` is {x, y, size}: the middle of the floor in view and
+// its height in m, and `wide`, its width, if that differs; or of a chart {across, up, name}: the ranges of its axes and
+// a name; `tick` writes their values.
 class Pane {
   constructor(lab, share, view, draw) {
     Object.assign(this, { lab, share, view, draw, context: lab.context });
@@ -355,7 +355,8 @@ function nearestOn(curve, [x, y], from, to) {
 function gapPanes(lab, { time, size, benchesAt, view, draw }) {
   const now = { update() { Object.assign(now, benchesAt(time.value, 14).nearest(0)); } };
   lab.pane(0.5, () => ({ x: now.ends[0][0], y: now.ends[0][1], size: size() }), (pane) => {
-    pane.benches(benchesAt(time.value, 61), (i) => (i === 0 ? "head" : i === now.bench && now.gap <= 0 ? "contact" : "body"));
+    const hit = now.gap <= 0 ? now.bench : 0;
+    pane.benches(benchesAt(time.value, 61), (i) => (i === 0 ? "head" : i === hit ? "contact" : "body"));
     pane.line(now.ends, { colour: "contact", width: 2 });
   });
   const chart = lab.pane(0.5, view, (pane) => {
