@@ -48,7 +48,7 @@ function formatNumbers({ part, speed, angle, gap, nearest, error }) {
     part,
     speed: speed === null ? "–" : `${speed.toFixed(3)} m/s`,
     angle: `${angle.toFixed(1).replace("-", "−")}°`,
-    gap: gap === null ? "–" : gap === 0 ? localized("touches {i}", { i: nearest })
+    gap: gap === null ? "–" : gap <= 0 ? localized("touches {i}", { i: nearest })
       : localized("{gap} to {i}", { gap: formatLength(gap, error), i: nearest }),
   };
 }

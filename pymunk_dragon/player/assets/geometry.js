@@ -62,16 +62,19 @@ class Benches {
     };
   }
 
-  // Whether two benches overlap: no side of either separates them (separating axis theorem).
-  overlap(i, j) {
-    return [[i, j], [j, i]].every(([own, other]) => {
-      const corners = this.corners(other).map((corner) => this.toLocal(own, corner));
-      return [this.motion.lengths[own] / 2, this.motion.widths[own] / 2].every((half, axis) =>
-        corners.some((point) => point[axis] <= half) && corners.some((point) => point[axis] >= -half));
-    });
+  // Gaps between the shadows of two benches along and across the first, and the second; negative where they overlap.
+  axisGaps(i, j) {
+    const { x, y, cos, sin } = this.poses, { lengths, widths } = this.motion, dx = x[j] - x[i], dy = y[j] - y[i];
+    const c = Math.abs(cos[i] * cos[j] + sin[i] * sin[j]), s = Math.abs(cos[i] * sin[j] - sin[i] * cos[j]);
+    const along = (own, other) =>
+      Math.abs(dx * cos[own] + dy * sin[own]) - (lengths[own] + c * lengths[other] + s * widths[other]) / 2;
+    const across = (own, other) =>
+      Math.abs(dy * cos[own] - dx * sin[own]) - (widths[own] + s * lengths[other] + c * widths[other]) / 2;
+    return [along(i, j), across(i, j), along(j, i), across(j, i)];
   }
 
   // The gap between two benches, and its two ends. Rectangles that do not overlap are closest at a corner of one of them.
+  // The gap of two that overlap is negative: the shortest way that parts them (separating axis theorem).
   gap(i, j) {
     let found = { gap: Infinity };
     for (const [own, other] of [[i, j], [j, i]]) {
@@ -80,7 +83,9 @@ class Benches {
         if (distance < found.gap) found = { gap: distance, ends: [corner, point] };
       }
     }
-    return found.gap > 0 && this.overlap(i, j) ? { ...found, gap: 0 } : found;
+    const widest = Math.max(...this.axisGaps(i, j));
+    found.gap = widest > 0 ? Math.max(widest, found.gap) : widest;
+    return found;
   }
 
   // The bench closest to bench `i` among those that are not its neighbours; null if there is none.

@@ -1,0 +1,293 @@
+// The exact chain on a curve, as in the package's model: lengths in m, angles in rad. A curve has its first and last
+// coordinate `begin` and `end`, the arc length along it, and `frame(s)`: x, y, and the unit tangent's x and y there.
+
+const ROUND = 2 * Math.PI;
+// Share of a chord in which its end is sought step by step, and to which it is then found.
+const SEARCH_STEP = 1 / 16;
+const STEP_TOLERANCE = 1e-11;
+// Cells between two points of a drawn path, and nodes and weights of the integral of the length in a cell.
+const CELLS = 8;
+const GAUSS = [
+  [0, 0.5688888888888889], [-0.5384693101056831, 0.47862867049936647], [0.5384693101056831, 0.47862867049936647],
+  [-0.906179845938664, 0.23692688505618908], [0.906179845938664, 0.23692688505618908],
+];
+// Ratio of the golden section.
+const GOLDEN = (Math.sqrt(5) - 1) / 2;
+
+// The spiral r = k theta, travelled inward; the coordinate is the arc length from the centre, negative.
+class Spiral {
+  constructor(pitch) {
+    Object.assign(this, { k: pitch / ROUND, begin: -Infinity, end: 0 });
+  }
+
+  atAngle(theta) {
+    const rise = Math.sqrt(theta * theta + 1);
+    return -this.k / 2 * (theta * rise + Math.log(theta + rise));
+  }
+
+  atRadius(radius) {
+    return this.atAngle(radius / this.k);
+  }
+
+  // Polar angle, counted from the centre: Newton's method from the asymptotic form.
+  angle(s) {
+    const target = -2 * s / this.k;
+    let theta = target > 8 ? Math.sqrt(target - 0.5 - Math.log(4 * target) / 2) : target / 2;
+    for (let pass = 0; pass < 20; pass++) {
+      const rise = Math.sqrt(theta * theta + 1), step = (theta * rise + Math.log(theta + rise) - target) / (2 * rise);
+      theta = Math.max(theta - step, 0);
+      if (Math.abs(step) <= 1e-8 * theta + 1e-12) break;
+    }
+    return theta;
+  }
+
+  frame(s) {
+    const theta = this.angle(s), radius = this.k * theta, rise = -Math.sqrt(theta * theta + 1);
+    const cos = Math.cos(theta), sin = Math.sin(theta);
+    return [radius * cos, radius * sin, (cos - theta * sin) / rise, (sin + theta * cos) / rise];
+  }
+}
+
+// In on a spiral, round inside a circle on two arcs whose radii have a ratio, and out; s is 0 at the entry.
+class UTurn {
+  constructor({ pitch = 1.7, radius = 4.5, ratio = 2 } = {}) {
+    const theta = ROUND * radius / pitch, aside = Math.atan(theta), heading = theta - Math.PI + aside;
+    // Each arc's chord is twice its radius times the sine of half its angle; together they are the diameter.
+    const radii = [ratio, 1].map((share) => radius / Math.sin(aside) * share / (1 + ratio));
+    this.points = [1, (1 - ratio) / (1 + ratio), -1].map((share) =>
+      [share * radius * Math.cos(theta), share * radius * Math.sin(theta)]);
+    const arc = ([x, y], r, side, angle) => ({
+      centre: [x - side * r * Math.sin(heading), y + side * r * Math.cos(heading)], radius: r, side, angle,
+    });
+    this.arcs = [
+      arc(this.points[0], radii[0], -1, heading + Math.PI / 2),
+      arc(this.points[2], radii[1], 1, heading - 2 * aside - Math.PI / 2),
+    ];
+    this.lengths = radii.map((each) => 2 * aside * each);
+    this.length = this.lengths[0] + this.lengths[1];
+    this.spiral = new Spiral(pitch);
+    this.entry = this.spiral.atRadius(radius);
+    [this.begin, this.end] = [-Infinity, Infinity];
+  }
+
+  frame(s) {
+    if (s < 0) return this.spiral.frame(this.entry + s);
+    if (s < this.lengths[0]) return this.onArc(this.arcs[0], s);
+    if (s < this.length) return this.onArc(this.arcs[1], s - this.lengths[0]);
+    // The way out is the way in, turned by half a turn and travelled back.
+    const [x, y, tx, ty] = this.spiral.frame(this.entry + this.length - s);
+    return [-x, -y, tx, ty];
+  }
+
+  onArc({ centre, radius, side, angle }, s) {
+    const cos = Math.cos(angle + side * s / radius), sin = Math.sin(angle + side * s / radius);
+    return [centre[0] + radius * cos, centre[1] + radius * sin, -side * sin, side * cos];
+  }
+}
+
+// A smooth path through at least four points: the cubic spline by chord length, with not-a-knot ends. Its coordinate is
+// the length of the chords, and only nearly the arc length: `length` and `atLength` convert.
+class DrawnPath {
+  constructor(points) {
+    const chords = points.slice(1).map(([x, y], i) => Math.hypot(x - points[i][0], y - points[i][1]));
+    this.knots = [0];
+    for (const chord of chords) this.knots.push(this.knots.at(-1) + chord);
+    this.cubics = [0, 1].map((axis) => splineCubics(points.map((point) => point[axis]), chords));
+    [this.begin, this.end] = [0, this.knots.at(-1)];
+  }
+
+  // Position and derivative, as x, y, and x and y.
+  motion(s) {
+    const later = this.knots.findIndex((knot) => s < knot);
+    const i = later < 0 ? this.knots.length - 2 : Math.max(later - 1, 0);
+    const w = s - this.knots[i], pieces = this.cubics.map((each) => each[i]);
+    return [
+      ...pieces.map(([a, b, c, d]) => a + w * (b + w * (c + w * d))),
+      ...pieces.map(([, b, c, d]) => b + w * (2 * c + 3 * w * d)),
+    ];
+  }
+
+  frame(s) {
+    const [x, y, dx, dy] = this.motion(s), speed = Math.sqrt(dx * dx + dy * dy);
+    return [x, y, dx / speed, dy / speed];
+  }
+
+  length(s) {
+    let sum = 0;
+    for (let i = 0; this.knots[i] < s; i++) {
+      const half = (Math.min(this.knots[i + 1] ?? s, s) - this.knots[i]) / 2 / CELLS;
+      for (let cell = 0; cell < CELLS; cell++) {
+        const middle = this.knots[i] + (2 * cell + 1) * half;
+        for (const [node, weight] of GAUSS) {
+          const [, , dx, dy] = this.motion(middle + half * node);
+          sum += weight * half * Math.sqrt(dx * dx + dy * dy);
+        }
+      }
+    }
+    return sum;
+  }
+
+  atLength(length) {
+    return rootBetween((s) => length - this.length(s), this.begin, this.end);
+  }
+}
+
+// Coefficients of a cubic spline between knots that are `h` apart, by powers of the distance from the knot before: its
+// slopes solve a tridiagonal system (C. de Boor, A Practical Guide to Splines, chapter IV).
+function splineCubics(values, h) {
+  const n = values.length, rise = h.map((each, i) => (values[i + 1] - values[i]) / each);
+  const [p, q, a, b] = [h[0], h[1], h[n - 3], h[n - 2]];
+  // Rows: the factors of the slopes before, at, and after a knot, and the right side.
+  const rows = values.map((_, i) =>
+    [h[i], 2 * (h[i - 1] + h[i]), h[i - 1], 3 * (h[i] * rise[i - 1] + h[i - 1] * rise[i])]);
+  rows[0] = [0, q, p + q, ((3 * p + 2 * q) * q * rise[0] + p ** 2 * rise[1]) / (p + q)];
+  rows[n - 1] = [a + b, a, 0, (b ** 2 * rise[n - 3] + (2 * a + 3 * b) * a * rise[n - 2]) / (a + b)];
+  for (let i = 1; i < n; i++) {
+    const share = rows[i][0] / rows[i - 1][1];
+    rows[i][1] -= share * rows[i - 1][2];
+    rows[i][3] -= share * rows[i - 1][3];
+  }
+  const slopes = [];
+  for (let i = n - 1; i >= 0; i--) slopes[i] = (rows[i][3] - rows[i][2] * (slopes[i + 1] ?? 0)) / rows[i][1];
+  return h.map((each, i) => [
+    values[i], slopes[i], (3 * rise[i] - 2 * slopes[i] - slopes[i + 1]) / each,
+    (slopes[i] + slopes[i + 1] - 2 * rise[i]) / each ** 2,
+  ]);
+}
+
+// Benches as geometry.js wants them; by default the contest's dragon.
+function makeDragon({ benches = 223, head = 2.86, body = 1.65, overhang = 0.275, width = 0.3 } = {}) {
+  const spacings = Array.from({ length: benches }, (_, i) => (i === 0 ? head : body[i - 1] ?? body));
+  const widths = spacings.map((_, i) => width[i] ?? width);
+  return { benches, spacings, widths, lengths: spacings.map((spacing) => spacing + 2 * overhang) };
+}
+
+// Coordinate of the first point behind `s` at the straight distance `chord`, or ahead with `way` 1. NaN if the curve
+// ends before, or turns back so that the distance shrinks first.
+function neighbour(curve, s, chord, way = -1) {
+  const [x, y] = curve.frame(s), room = way < 0 ? s - curve.begin : curve.end - s;
+  const at = (offset) => {
+    const [px, py, tx, ty] = curve.frame(s + way * offset);
+    const distance = Math.sqrt((px - x) ** 2 + (py - y) ** 2);
+    return { distance, growth: way * ((px - x) * tx + (py - y) * ty) / distance };
+  };
+  let low = 0, high = Math.min(chord, room);
+  for (let next = at(high); next.distance < chord; next = at(high)) {
+    if (high === room || !(next.growth > 0)) return NaN;
+    [low, high] = [high, Math.min(high + SEARCH_STEP * chord, room)];
+  }
+  let offset = low || high;
+  for (let pass = 0; pass < 60; pass++) {
+    const { distance, growth } = at(offset);
+    [low, high] = distance < chord ? [offset, high] : [low, offset];
+    const newton = offset + (chord - distance) / growth;
+    const better = newton >= low && newton <= high ? newton : (low + high) / 2;
+    const step = Math.abs(better - offset);
+    offset = better;
+    if (step <= STEP_TOLERANCE * chord) break;
+  }
+  return s + way * offset;
+}
+
+// The first `count` handles of a dragon with its head at the coordinate `head`, fewer if the curve takes no more:
+// coordinates, points with tangents as `frame` has them, and velocities along the curve in units of the head's.
+function chainAt(curve, dragon, head, count = dragon.benches + 1) {
+  const chain = { s: [head], points: [curve.frame(head)], ratios: [1] };
+  for (let i = 1; i < count; i++) {
+    const s = neighbour(curve, chain.s[i - 1], dragon.spacings[i - 1]);
+    if (Number.isNaN(s)) break;
+    const [fx, fy, ux, uy] = chain.points[i - 1], [x, y, tx, ty] = curve.frame(s);
+    chain.s.push(s);
+    chain.points.push([x, y, tx, ty]);
+    // Both handles of a rigid bench are equally fast along it.
+    chain.ratios.push(chain.ratios[i - 1] * ((fx - x) * ux + (fy - y) * uy) / ((fx - x) * tx + (fy - y) * ty));
+  }
+  return chain;
+}
+
+// Benches between handles, from the head on.
+function benchesBetween(dragon, points) {
+  const poses = posesFrom(points.length - 1, (i) => {
+    const [[fx, fy], [rx, ry]] = [points[i], points[i + 1]];
+    return [(fx + rx) / 2, (fy + ry) / 2, Math.atan2(fy - ry, fx - rx)];
+  });
+  return new Benches({ ...dragon, benches: points.length - 1 }, poses);
+}
+
+// The contest's march from turn 16 of a spiral on, at 1 m/s; `sizes` are those of `makeDragon`.
+class March {
+  constructor({ pitch = 0.55, ...sizes } = {}) {
+    Object.assign(this, { pitch, dragon: makeDragon(sizes), spiral: new Spiral(pitch) });
+    this.begin = this.spiral.atAngle(16 * ROUND);
+  }
+
+  chain(t, handles) {
+    return chainAt(this.spiral, this.dragon, this.begin + t, handles);
+  }
+
+  benches(t, handles) {
+    return benchesBetween(this.dragon, this.chain(t, handles).points);
+  }
+
+  // The bench closest to the head, of those that it passes, and the gap.
+  passed(t, handles = 14) {
+    return this.benches(t, handles).nearest(0);
+  }
+}
+
+// Pairs of benches, other than neighbours, that share a cell of a grid, and the number of entries in cells.
+function gridPairs(benches, grid) {
+  const cells = new Map(), pairs = new Set(), count = benches.motion.benches;
+  let entries = 0;
+  for (let i = 0; i < count; i++) {
+    for (const cell of benches.cells(i, grid)) {
+      const key = cell.join();
+      const filed = cells.get(key) ?? [];
+      for (const j of filed) if (i - j > 1) pairs.add(j * count + i);
+      cells.set(key, [...filed, i]);
+      entries++;
+    }
+  }
+  return { cells, entries, pairs: Array.from(pairs, (code) => [Math.floor(code / count), code % count]) };
+}
+
+// A root of a function between `before`, where it is positive, and `after`, where it is not.
+function rootBetween(f, before, after) {
+  for (let pass = 0; pass < 46; pass++) {
+    const middle = (before + after) / 2;
+    if (f(middle) > 0) before = middle;
+    else after = middle;
+  }
+  return after;
+}
+
+// Where a function is smallest between two arguments, if it has one minimum there.
+function minimumBetween(f, a, b) {
+  for (let pass = 0; pass < 36; pass++) {
+    const c = b - GOLDEN * (b - a), d = a + GOLDEN * (b - a);
+    [a, b] = f(c) < f(d) ? [a, d] : [c, b];
+  }
+  return (a + b) / 2;
+}
+
+// The argument of those given for which a function is smallest.
+function smallestOf(all, f) {
+  const values = all.map(f);
+  return all[values.indexOf(Math.min(...values))];
+}
+
+// The first root of a gap between two arguments, in steps that see each of its minima below `near`; null if none.
+function firstContact(gap, begin, end, step, near) {
+  let [before, last, at] = [Infinity, gap(begin), begin];
+  if (last <= 0) return begin;
+  while (at < end) {
+    const next = Math.min(at + step, end), here = gap(next);
+    if (before > last && last < here && last < near) {
+      const least = minimumBetween(gap, at - step, next);
+      if (gap(least) <= 0) return rootBetween(gap, at - step, least);
+    }
+    if (here <= 0) return rootBetween(gap, at, next);
+    [before, last, at] = [last, here, next];
+  }
+  return null;
+}

@@ -1,0 +1,460 @@
+"""The lessons' stages in a real browser: their exact model and their readouts, against the package."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from browser import english_words, needs_browser, opened
+
+import pymunk_dragon.lessons
+from pymunk_dragon import Dragon, Grid, March, Spiral, UTurn, first_contact, scan, separation
+from pymunk_dragon.model.curves import Sampled
+from pymunk_dragon.model.dragon import bench_poses
+from pymunk_dragon.player.page import colour_variables
+from pymunk_dragon.studies import max_speed
+
+pytestmark = [pytest.mark.thorough, needs_browser]
+
+LESSONS = Path(pymunk_dragon.lessons.__file__).parent
+ASSETS = LESSONS / "_framework/assets"
+FRAME = """
+:root { color-scheme: light dark; --ink: #27303f; --quiet: #5d6675; --rule: #e4dcca; --link: #2f6594; }
+@media (prefers-color-scheme: dark) { :root { --ink: #e7e3da; --quiet: #a3a9b4; --rule: #38404d; --link: #8db4d6; } }
+body { margin: 1rem; background: light-dark(#fdfbf6, #171b22); color: var(--ink); font: 1.05rem/1.6 system-ui; }
+main { max-width: 46rem; }
+"""
+# m.
+CLOSE = 1e-9
+
+
+def stage_page(stage: str = "", language: str = "en") -> str:
+    """A page with all scripts of the stages, and with one stage that is open."""
+    scripts = [LESSONS.parent / "player/assets/geometry.js", ASSETS / "chain.js", ASSETS / "lab.js"]
+    script = "".join(path.read_text("utf-8") for path in [*scripts, *sorted(LESSONS.glob("*.js"))])
+    opening = f'<script>openStage(document.querySelector("[data-stage={stage}]"))</script>' if stage else ""
+    return (
+        f'<!doctype html><html lang="{language}"><meta charset="utf-8"><title>Stage</title>'
+        '<meta name="viewport" content="width=device-width">'
+        f"<style>{colour_variables()}{FRAME}{(ASSETS / 'lab.css').read_text('utf-8')}</style>"
+        f'<main><h1>Stage</h1><div class="stage" data-stage="{stage}"></div></main>'
+        f'<script>"use strict";{script}</script>{opening}'
+    )
+
+
+@pytest.fixture
+def visit(browser, tmp_path):
+    """Open the page of a stage."""
+
+    def visited(stage: str = "", language: str = "en", **options):
+        path = tmp_path / "stage.html"
+        path.write_text(stage_page(stage, language), "utf-8")
+        return opened(browser, path.as_uri(), **options)
+
+    return visited
+
+
+@pytest.fixture
+def page(visit):
+    with visit() as found:
+        yield found.page
+        assert found.complaints == []
+
+
+CHAIN = """([kind, sizes, heads]) => heads.map((head) => {
+  const curve = eval(kind);
+  const { points, ratios } = chainAt(curve, makeDragon(sizes), curve.atLength?.(head) ?? head);
+  return points.map(([x, y, tx, ty], i) => [x, y, ratios[i] * tx, ratios[i] * ty]);
+})"""
+
+
+def assert_same_chains(page, curve, march, sizes, heads):
+    """Positions and velocities in the page and in the package, with the head at `heads` m along the curve."""
+    found = np.array(page.evaluate(CHAIN, [curve, sizes, heads.tolist()]))
+    states = march.at(heads - march.head_start)
+    np.testing.assert_allclose(found[..., :2], states.positions, rtol=0, atol=CLOSE)
+    np.testing.assert_allclose(found[..., 2:], states.velocities, rtol=0, atol=CLOSE)
+
+
+def test_chains_on_spirals_are_the_packages(page):
+    random = np.random.default_rng(1)
+    for pitch in (0.45, 0.55, 1.7):
+        spiral = Spiral(pitch=pitch)
+        heads = random.uniform(spiral.at_radius(8.8), spiral.at_radius(2.5), 130)
+        march = March(Dragon(), spiral, start_s=heads.min())
+        assert_same_chains(page, f"new Spiral({pitch})", march, {}, heads)
+
+
+def test_chains_on_u_turns_are_the_packages(page):
+    random = np.random.default_rng(2)
+    for ratio in (0.5, 1.0, 1.63, 2.0):
+        march = March(Dragon(), UTurn(ratio=ratio))
+        assert march.curve.length == pytest.approx(page.evaluate(f"new UTurn({{ ratio: {ratio} }}).length"), abs=CLOSE)
+        heads = random.uniform(-10, 40, 80)
+        assert_same_chains(page, f"new UTurn({{ ratio: {ratio} }})", march, {}, heads)
+
+
+def test_chains_on_drawn_paths_are_the_packages(page):
+    random = np.random.default_rng(3)
+    sizes = {"benches": 12, "head": 0.3, "body": 0.2, "overhang": 0.03, "width": 0.06}
+    dragon = Dragon(benches=12, head_spacing=0.3, body_spacing=0.2, overhang=0.03, width=0.06)
+    for _ in range(6):
+        angles = np.cumsum(random.uniform(-0.7, 0.7, 16))
+        points = np.cumsum(random.uniform(0.25, 0.45, (16, 1)) * np.stack([np.cos(angles), np.sin(angles)], -1), axis=0)
+        march = March(dragon, Sampled(points))
+        heads = random.uniform(march.head_start, march.curve.end_s, 50)
+        assert_same_chains(page, f"new DrawnPath({points.tolist()})", march, sizes, heads)
+
+
+def test_gaps_of_rectangles_are_the_packages(page):
+    random = np.random.default_rng(4)
+    poses = random.uniform([-1.5, -1.5, -4], [1.5, 1.5, 4], (1000, 2, 3))
+    lengths, widths = random.uniform(0.1, 2, (2, 1000, 2))
+    found = page.evaluate(
+        """([poses, lengths, widths]) => poses.map((pair, k) =>
+          new Benches({ lengths: lengths[k], widths: widths[k] }, posesFrom(2, (i) => pair[i])).gap(0, 1).gap)""",
+        [poses.tolist(), lengths.tolist(), widths.tolist()],
+    )
+    dragon = [pymunk_dragon.outlines(poses[k], lengths[k], widths[k]) for k in range(1000)]
+    corners = np.array(dragon)
+    expected = separation(corners[:, 0], corners[:, 1]).distance
+    assert 300 < np.sum(expected < 0) < 900
+    np.testing.assert_allclose(found, expected, rtol=0, atol=CLOSE)
+
+
+def grid_of_page(page, march, time, cell):
+    return page.evaluate(
+        """([head, count, grid]) => {
+          const dragon = makeDragon({ benches: count });
+          const benches = benchesBetween(dragon, chainAt(new Spiral(0.55), dragon, head).points);
+          const { cells, entries, pairs } = gridPairs(benches, grid);
+          return [[...cells].flatMap(([cell, filed]) => filed.map((i) => `${cell},${i}`)), entries, pairs];
+        }""",
+        [
+            march.head_start + time,
+            march.dragon.benches,
+            {"cell": cell, "origin": [-8.8, 8.8]},
+        ],
+    )
+
+
+@pytest.mark.parametrize("cell", [0.3, 0.55, 2.2])
+def test_cells_and_pairs_are_those_of_the_packages_grid(page, cell):
+    march, time = March(), 412.4
+    outlines = march.dragon.outlines(march.at(time).poses[0])
+    grid = Grid(cell=cell)
+    filed, entries, pairs = grid_of_page(page, march, time, cell)
+    cells, benches = grid.file(outlines)
+    expected = np.column_stack([cells, benches]).tolist()
+    assert sorted(filed) == sorted(",".join(map(str, entry)) for entry in expected)
+    assert entries == len(benches)
+    assert sorted(map(tuple, pairs)) == sorted(map(tuple, grid.pairs(outlines).tolist()))
+
+
+def set_slider(page, name, value):
+    page.get_by_label(name, exact=True).fill(str(value))
+
+
+def readout(page):
+    """What the stage says, once it has drawn."""
+    page.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+    return page.evaluate("document.querySelector('output').textContent")
+
+
+def drag(page, name, dx, dy, steps=5):
+    """Drag a knob by pixels, to the right and down, with the mouse."""
+    readout(page)
+    box = page.get_by_role("button", name=name).bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + dx, y + dy, steps=steps)
+    page.mouse.up()
+
+
+def test_spiral_says_how_fast_one_turns(visit):
+    with visit("spiral") as found:
+        set_slider(found.page, "time", 400)
+        state = March().at(400)
+        (x, y), (u, v) = state.positions[0, 0], state.velocities[0, 0]
+        rate = (y * u - x * v) / (x * x + y * y)
+        said = readout(found.page)
+        assert f"{rate:.3f} rad/s: a round in {2 * np.pi / rate:.1f} s" in said
+        assert f"{np.hypot(x, y):.2f} m from you" in said
+        # A quarter round along the outermost turn, with the mouse.
+        set_slider(found.page, "time", 0)
+        box = found.page.locator("canvas").bounding_box()
+        readout(found.page)
+        drag(found.page, "The head", -8.8 * box["height"] / 18.6, 8.67 * box["height"] / 18.6)
+        assert "The head walks at 1 m/s, 8.66 m from you" in readout(found.page)
+
+
+def test_chain_finds_the_next_handle(visit):
+    with visit("chain") as found:
+        page = found.page
+        assert "The circle meets the spiral 22 times." in readout(page)
+        march = March()
+        (x, y), (px, py) = march.at(300).positions[0, :2]
+        box = page.locator("canvas").bounding_box()
+        scale = min(box["width"], box["height"]) / 2.4 / 2.86
+        knob = page.get_by_role("button", name="The next handle").bounding_box()
+        at = knob["x"] + 22, knob["y"] + 22
+        centre = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+        drag(page, "The next handle", centre[0] + (px - x) * scale - at[0], centre[1] - (py - y) * scale - at[1])
+        arc = -np.diff(march.handles_s(300, 2)[0]).item()
+        assert f"Yours is right: {arc:.3f} m back along the path" in readout(page)
+        # By the keyboard to another point of the circle.
+        page.get_by_role("button", name="The next handle").press("ArrowUp")
+        assert "not on the spiral" in readout(page)
+        set_slider(page, "bench, hole to hole", 1.65)
+        away = np.hypot(*(Spiral().point(np.linspace(-800, 0, 800_001)) - (x, y)).T) - 1.65
+        assert f"meets the spiral {np.sum(away[:-1] * away[1:] < 0)} times" in readout(page)
+
+
+def test_velocity_says_how_slow_the_tail_is_and_how_wrong_a_difference(visit):
+    with visit("velocity") as found:
+        march, page = March(), found.page
+        for time, exponent in ((300, 0), (412, -2)):
+            set_slider(page, "time", time)
+            set_slider(page, "time step", exponent)
+            speeds = march.at(time).speeds
+            error = np.abs(march.speeds_by_difference(time, 10.0**exponent) - speeds).max()
+            said, tail = readout(page), 1000 * speeds[0, -1]
+            assert f"{tail:.3f} mm/s, {1000 - tail:.3f} mm/s slower" in said
+            assert float(said.split("apart: ")[1].split()[0]) == pytest.approx(float(f"{error:.1e}"))
+        # From a hundredth to a thousandth of a second along the chart, which shows 10.8 powers of ten.
+        width = page.locator("canvas").bounding_box()["width"] - 74
+        drag(page, "The time step", -width / 10.8, 0)
+        assert "From positions 0.001 s apart" in readout(page)
+
+
+def test_sat_says_how_far_two_benches_are_apart(visit):
+    with visit("sat") as found:
+        page, poses = found.page, np.array([[-0.8, -0.45, 0], [0.8, 0.45, np.pi / 6]])
+
+        def verdict():
+            distance = separation(*pymunk_dragon.outlines(poses, [2.2, 2.2], 0.3)).distance.item()
+            return f"are {distance:.3f} m apart." if distance > 0 else f"overlap by {-distance:.3f} m."
+
+        assert readout(page) == f"Light on 1 of 4 walls, up to 0.070 m wide. The benches {verdict()}"
+        scale = page.locator("canvas").bounding_box()["height"] / 7.2
+        drag(page, "The amber bench: drag it", -30, 40)
+        poses[1, :2] += np.array([-30, -40]) / scale
+        assert "overlap" in verdict()
+        assert readout(page) == f"Light on none of 4 walls. The benches {verdict()}"
+        # A metre by the keyboard.
+        for _ in range(2):
+            page.get_by_role("button", name="The amber bench: drag it").press("Shift+ArrowUp")
+        poses[1, 1] += 1
+        assert "apart" in verdict()
+        assert verdict() in readout(page)
+        set_slider(page, "walls", 1)
+        assert "Light on none of 1 walls." in readout(page)
+
+
+def test_grid_says_how_many_pairs_share_a_cell(visit):
+    with visit("grid") as found:
+        page, march = found.page, March()
+        outlines = march.dragon.outlines(march.at(412.473837).poses[0])
+        for cell, benches in ((0.55, 223), (0.1, 223), (2.2, 223), (0.55, 16)):
+            set_slider(page, "side of a cell", cell)
+            set_slider(page, "benches", benches)
+            pairs, entries = Grid(cell=cell).pairs(outlines[:benches]), Grid(cell=cell).file(outlines[:benches])[1]
+            expected = (
+                f"{len(pairs)} of {(benches - 1) * (benches - 2) // 2} pairs share a cell; {len(entries)} entries"
+            )
+            assert expected in readout(page)
+        assert f"Bench 8: {np.sum(pairs == 8)} to test." in readout(page)
+        page.get_by_role("button", name="The bench that is picked").press("ArrowLeft")
+        assert f"Bench 7: {np.sum(pairs == 7)} to test." in readout(page)
+
+
+def test_near_miss_shows_the_gap_and_the_false_hit_of_cut_coordinates(visit):
+    with visit("near-miss") as found:
+        page, march = found.page, March()
+        for decimals in (6, 3, 4):
+            set_slider(page, "coordinates", decimals)
+            for time in (406.8, 409.85, 412.2):
+                set_slider(page, "time", time)
+                handles = march.at(time, handles=14).positions[0]
+                handles = handles if decimals == 6 else np.trunc(10**decimals * handles) / 10**decimals
+                outlines = march.dragon.outlines(bench_poses(handles))
+                gaps = 1000 * separation(outlines[0], outlines[2:]).distance
+                gap, bench = gaps.min(), gaps.argmin() + 2
+                said = f"gap to bench {bench} is {gap:.3f} mm" if gap > 0 else f"bench {bench} by {-gap:.3f} mm"
+                assert said in readout(page)
+        set_slider(page, "coordinates", 3)
+        assert "First overlap on the chart: 409.79 s." in readout(page)
+        # Half a second along the chart, which shows 7.6 s.
+        width = page.locator("canvas").bounding_box()["width"] - 74
+        set_slider(page, "time", 409.5)
+        drag(page, "The time: drag it", 0.5 / 7.6 * width, 0)
+        assert readout(page).startswith("410.00 s")
+
+
+def test_missed_window_says_which_contact_a_step_misses(visit):
+    with visit("missed-window") as found:
+        page, march = found.page, March(Dragon(width=0.301))
+        times = np.linspace(409.7, 410, 30_001)
+        outlines = march.dragon.outlines(march.at(times, 17).poses)
+        touched = np.ptp(times[(separation(outlines[:, :1], outlines[:, 2:]).distance <= 0).any(axis=1)])
+        # 1 s, 0.5 s and 0.1 s.
+        for index, step in ((0, 1.0), (-1, 0.5), (-3, 0.1)):
+            set_slider(page, "a sample every", index)
+            bench = scan(march, start=405, until=420, step=step).benches[1]
+            assert f"The samples find the head in bench {bench} at" in readout(page)
+            missed = f"Missed: bench 11, touched for {touched:.3f} s." if bench == 8 else "No contact was missed."
+            assert missed in readout(page)
+        set_slider(page, "width", 300.98)
+        bench = scan(March(Dragon(width=0.30098)), start=405, until=420, step=0.1).benches[1]
+        assert f"The samples find the head in bench {bench} at 412.500 s. Missed: bench 11" in readout(page)
+
+
+@pytest.mark.parametrize("pitch", [0.43, 0.4503, 0.4504])
+def test_pitch_says_where_the_dragon_stops_and_what_samples_see(visit, pitch):
+    with visit("pitch") as found:
+        page, march = found.page, March(Dragon(benches=40), Spiral(pitch=pitch))
+        arrival = march.curve.at_radius(4.5) - march.head_start
+        set_slider(page, "pitch", int(1000 * pitch))
+        set_slider(page, "fine adjustment", round(1000 * pitch - int(1000 * pitch), 3))
+        hit = first_contact(march, until=arrival)
+        if hit.benches:
+            radius = np.hypot(*march.at(hit.time).positions[0, 0])
+            said = f"The head meets bench {hit.benches[1]}, {radius:.3f} m from the centre."
+        else:
+            said = "The dragon gets in."
+        assert readout(page).startswith(said)
+
+        def smallest_gap(step):
+            times = np.arange(arrival // 1 - 20, arrival, step)
+            outlines = march.dragon.outlines(march.at(times, handles=27).poses)
+            return 1000 * separation(outlines[:, :1], outlines[:, 2:]).distance.min()
+
+        assert f"20 s: {smallest_gap(0.002):.3f} mm; in the samples: {smallest_gap(1.0):.3f} mm." in readout(page)
+        # Back along the spiral by the keyboard.
+        page.get_by_role("button", name="The head").press("ArrowLeft")
+        assert readout(page).startswith(said)
+
+
+def finger(page, start, stop):
+    """Drag a finger over the page."""
+    touch = page.context.new_cdp_session(page)
+    for share in np.linspace(0, 1, 9):
+        kind, point = "touchMove" if share else "touchStart", np.array(start) + share * np.subtract(stop, start)
+        points = [{"x": float(point[0]), "y": float(point[1])}]
+        touch.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+    touch.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+
+
+def test_u_turn_says_how_long_the_arcs_are(visit):
+    with visit("u-turn", width=390, height=844, has_touch=True, is_mobile=True) as found:
+        page = found.page
+
+        def arcs(ratio):
+            turn = UTurn(ratio=ratio)
+            one, two = np.abs(turn.sweeps) * turn.radii
+            return f"{one:.3f} m + {two:.3f} m = {turn.length:.3f} m"
+
+        assert readout(page) == f"The contest's arcs: {arcs(2)}. Yours: {arcs(1)}."
+        box = page.get_by_role("button", name="The point where your arcs meet").bounding_box()
+        start = np.array([box["x"], box["y"]]) + 22
+        scale = page.locator("canvas").bounding_box()["width"] / 11.6
+        # With a finger, 1.2 m towards the exit: 1 - 2 / 4.5 is the share of the first arc.
+        way = -1.2 * UTurn().tangent_points[0] / 4.5 * scale * (1, -1)
+        finger(page, start, start + way)
+        assert f"Yours: {arcs((1 + 1.2 / 4.5) / (1 - 1.2 / 4.5))}." in readout(page)
+        # Handle 1 is pushed back where the second arc is narrower than the head's bench, as at a ratio of 7 to 3.
+        set_slider(page, "time", 14)
+        for _ in range(13):
+            page.get_by_role("button", name="The point where your arcs meet").press("ArrowLeft")
+        march = March(Dragon(benches=30), UTurn(ratio=(1 + 1.2 / 4.5 + 0.26) / (1 - 1.2 / 4.5 - 0.26)))
+        assert np.diff(march.handles_s([13.9, 14.0], 2)[:, 1]) < 0
+        assert "But your head's bench would push its rear handle back." in readout(page)
+
+
+def test_speed_limit_says_who_is_fastest(visit):
+    with visit("speed-limit") as found:
+        page = found.page
+        for ratio in (2.0, 1.0):
+            set_slider(page, "ratio of the radii", ratio)
+            largest = max_speed(limit=2.0, ratio=ratio)
+            set_slider(page, "speed of the head", round(largest.speed, 3))
+            top = round(largest.speed, 3) * largest.ratio
+            assert f"In the whole turn: {top:.3f} m/s." in readout(page)
+            for way in (9.5, 14.5):
+                set_slider(page, "way of the head", way)
+                speeds = round(largest.speed, 3) * March(curve=UTurn(ratio=ratio)).at(way).speeds[0]
+                first = np.argmax(speeds > speeds.max() - 1e-9)
+                assert f"now: handle {first}, {speeds.max():.3f} m/s" in readout(page)
+        # A tenth of the chart, which shows 25 m.
+        width = page.locator("canvas").bounding_box()["width"] - 74
+        drag(page, "The head's way", -width / 10, 0)
+        speed = March(curve=UTurn(ratio=1.0)).at(12.0).speeds[0].max()
+        assert f", {speed:.3f} times the head's speed" in readout(page)
+
+
+KNOBS = """[...document.querySelectorAll(".knob")].filter((knob) => !knob.hidden)
+  .map((knob) => [parseFloat(knob.style.left), parseFloat(knob.style.top)])"""
+
+
+def path_of(page):
+    """The points of the drawn path in m, from where they are on the canvas."""
+    box = page.locator("canvas").bounding_box()
+    scale = min(box["width"] / 2.9, box["height"] / 1.9)
+    return (np.array(page.evaluate(KNOBS)) - (box["width"] / 2, box["height"] / 2)) / (scale, -scale) + (-0.6, 0)
+
+
+@pytest.mark.parametrize("drawn", [False, True])
+def test_robot_says_whether_the_arm_follows_a_path(visit, drawn):
+    with visit("robot") as found:
+        page = found.page
+        readout(page)
+        if drawn:
+            box = page.locator("canvas").bounding_box()
+            x, y = box["x"] + 30, box["y"] + 0.75 * box["height"]
+            page.mouse.move(x, y)
+            page.mouse.down()
+            for share in np.linspace(0, 1, 60):
+                page.mouse.move(x + 660 * share, y - 150 * np.sin(4 * share) ** 2)
+            page.mouse.up()
+            assert readout(page)
+        set_slider(page, "time", page.get_by_label("time", exact=True).get_attribute("max"))
+        said = readout(page)
+        arm = Dragon(
+            head_spacing=0.14,
+            body_spacing=[0.10] * 6 + [0.13] * 5 + [0.16] * 4,
+            overhang=0.02,
+            width=[0.05] * 7 + [0.06] * 5 + [0.07] * 4,
+        )
+        march = March(arm, Sampled(path_of(page)), speed=0.2)
+        hit = first_contact(march)
+        outcome = "The tip reaches the end after" if drawn else "Link 0 runs into link 13 at"
+        assert hit.benches == (None if drawn else (0, 13))
+        time, low, high = (float(said.split(before)[1].split()[0]) for before in (outcome, "joints at", " to "))
+        assert time == pytest.approx(hit.time, abs=2e-3)
+        speeds = march.at(hit.time).speeds
+        assert (low, high) == pytest.approx((speeds.min(), speeds.max()), abs=6e-4)
+        if drawn:
+            page.get_by_role("button", name="Point 3 of the path").press("Shift+ArrowDown")
+            assert readout(page) != said
+
+
+STAGES = sorted(path.stem.replace("_", "-") for path in LESSONS.glob("*.js"))
+NUMBERS = re.compile(r"\d+(?:\.\d+)?")
+
+
+@pytest.mark.parametrize("stage", STAGES)
+def test_stages_speak_chinese_and_fit_on_a_phone(visit, stage):
+    with visit(stage, "zh", width=390, height=844) as found:
+        page = found.page
+        chinese = readout(page)
+        assert english_words(page) <= {"Stage", "rad"}
+        assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+        assert page.evaluate("[...document.querySelectorAll('.knob, canvas, .play')].every((each) => each.ariaLabel)")
+        # Another language keeps the experiment.
+        page.evaluate("document.documentElement.lang = 'en'; document.dispatchEvent(new Event('languagechange'))")
+        assert readout(page) != chinese
+        assert sorted(NUMBERS.findall(readout(page))) == sorted(NUMBERS.findall(chinese))
+        assert found.complaints == []
