@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
+import tempfile
+from pathlib import Path
 
 import click
 
-from pymunk_dragon._extras import library
 from pymunk_dragon._files import check_destination
 from pymunk_dragon._language import language
 from pymunk_dragon.cli import common
-from pymunk_dragon.lessons import LESSONS, LessonFile, Terminal, play, record, write_lessons
-from pymunk_dragon.lessons._framework import PARTS, check_output, endings
+from pymunk_dragon.lessons import LESSONS, Lesson, play, write_lessons
+from pymunk_dragon.lessons._framework import endings, make_folder, picture, run
 
 # Instead of a lesson's name.
 ALL = "all"
@@ -31,8 +31,8 @@ SETTINGS = {"token_normalize_func": lambda token: NUMBERS.get(token, token)}
 def demo(name: str | None, save: str | None, pause: bool, output: str | None) -> None:
     """Play a lesson by its name or number, or all lessons.
 
-    Without a name, list them. Each has a question, a prediction, a run, the answer, a number to check and something to
-    try.
+    Without a name, list them. Each has a question, a guess, a run, the answer, a number to check and something to
+    change.
     """
     lessons = list(LESSONS.values()) if name in (None, ALL) else [LESSONS[str(name)]]
     if (save is not None or pause) and (name is None or output is not None):
@@ -44,10 +44,11 @@ def demo(name: str | None, save: str | None, pause: bool, output: str | None) ->
     elif common.wants_json():
         _print_recording(lessons, save)
     else:
-        _play(lessons, Terminal(save, pause, language()))
+        for lesson in lessons:
+            play(lesson, save, pause=pause, language=language())
 
 
-def _write(lessons: list[LessonFile], output: str) -> None:
+def _write(lessons: list[Lesson], output: str) -> None:
     """Write a page, a notebook or a program."""
     destination = check_destination(output, endings(lessons))
     with common.progress("demo") as show:
@@ -55,31 +56,25 @@ def _write(lessons: list[LessonFile], output: str) -> None:
     common.answer_with_file(destination)
 
 
-def _list(lessons: list[LessonFile]) -> None:
+def _list(lessons: list[Lesson]) -> None:
     """Print the names and titles of the lessons."""
-    titles = {lesson.name: lesson.in_language(language()).title for lesson in lessons}
-    if not common.wants_json():
-        check_output(language())
+    titles = {lesson.name: lesson.sections(language())["Title"] for lesson in lessons}
     rows = (f"{number:>2}  {name:<14} {title}" for number, (name, title) in enumerate(titles.items(), start=1))
     common.answer({"lessons": titles}, "\n".join(rows))
 
 
-def _play(lessons: list[LessonFile], terminal: Terminal) -> None:
-    """Play lessons, once it is sure that all of them can be played."""
-    for needed in (needed for lesson in lessons for needed in lesson.libraries):
-        library(needed)
-    check_output(language())
-    for lesson in lessons:
-        play(lesson, terminal)
-
-
-def _print_recording(lessons: list[LessonFile], save: str | None) -> None:
+def _print_recording(lessons: list[Lesson], save: str | None) -> None:
     """Run a lesson, and print its texts and what it printed."""
     if len(lessons) > 1:
         raise click.UsageError("--json is for one lesson: give its name")
     [lesson] = lessons
-    recording, translated = record(lesson, save), lesson.in_language(language())
-    said = {part: translated.text(part) for part in PARTS}
-    guesses = [asdict(guess) for guess in translated.guesses]
-    result = {"lesson": lesson.name, "said": said, "guesses": guesses, "printed": recording.printed}
-    common.answer(result | {"picture": str(recording.file) if save else None})
+    with tempfile.TemporaryDirectory(prefix="pymunk-dragon-") as folder:
+        target = Path(folder) if save is None else make_folder(save)
+        printed = "".join(run(lesson, target))
+        file = None if save is None else str(picture(lesson, target))
+    guesses = [
+        {"question": each.text, "choices": each.choices, "right": each.right, "outcomes": each.items}
+        for each in lesson.guesses(language())
+    ]
+    said = dict(lesson.sections(language()))
+    common.answer({"lesson": lesson.name, "said": said, "guesses": guesses, "printed": printed, "picture": file})
