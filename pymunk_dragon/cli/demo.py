@@ -4,21 +4,23 @@ from __future__ import annotations
 
 import tempfile
 from pathlib import Path
+from typing import Any
 
 import click
 
+from pymunk_dragon._extras import library
 from pymunk_dragon._files import check_destination
 from pymunk_dragon._language import language
 from pymunk_dragon.cli import common
 from pymunk_dragon.lessons import LESSONS, Lesson, play, write_lessons
-from pymunk_dragon.lessons._framework import endings, make_folder, picture, run
+from pymunk_dragon.lessons._framework import endings, make_folder, picture, run, run_page
 
 # Instead of a lesson's name.
 ALL = "all"
 NUMBERS = {str(number): name for number, name in enumerate(LESSONS, start=1)}
 
 
-EXAMPLES = ("", "spiral", "3 --lang zh", "all -o lessons.html")
+EXAMPLES = ("", "spiral", "3 --lang zh", "all -o lessons.html", "--live")
 # A lesson's number stands for its name.
 SETTINGS = {"token_normalize_func": lambda token: NUMBERS.get(token, token)}
 
@@ -27,8 +29,10 @@ SETTINGS = {"token_normalize_func": lambda token: NUMBERS.get(token, token)}
 @click.argument("name", metavar="[LESSON]", required=False, type=click.Choice([*LESSONS, ALL]))
 @click.option("--save", metavar="DIR", type=click.Path(), help="Folder for the picture.  [a temporary one]")
 @click.option("--pause", is_flag=True, help="Wait for Enter once the class has made its guess.")
+@click.option("--live", is_flag=True, help="Show the lessons on a page whose experiments with Pymunk are live.")
+@common.address_options
 @common.output_option(".html, a page of the lesson, or of all; .ipynb, its notebook; .py, its program")
-def demo(name: str | None, save: str | None, pause: bool, output: str | None) -> None:
+def demo(name: str | None, save: str | None, pause: bool, output: str | None, live: bool, **address: Any) -> None:
     """Play a lesson by its name or number, or all lessons.
 
     Without a name, list them. Each has a question, a guess, a run, the answer, a number to check and something to
@@ -37,7 +41,13 @@ def demo(name: str | None, save: str | None, pause: bool, output: str | None) ->
     lessons = list(LESSONS.values()) if name in (None, ALL) else [LESSONS[str(name)]]
     if (save is not None or pause) and (name is None or output is not None):
         raise click.UsageError("--save and --pause are for a lesson that is played: give its name, and no -o")
-    if output is not None:
+    if common.flags_given(*address) and not live:
+        raise click.UsageError("the options of a server need --live")
+    if live:
+        if save is not None or pause or output is not None:
+            raise click.UsageError("--live shows the lessons: leave out --save, --pause and -o")
+        _serve(lessons, address)
+    elif output is not None:
         _write(lessons, output)
     elif name is None:
         _list(lessons)
@@ -46,6 +56,19 @@ def demo(name: str | None, save: str | None, pause: bool, output: str | None) ->
     else:
         for lesson in lessons:
             play(lesson, save, pause=pause, language=language())
+
+
+def _serve(lessons: list[Lesson], address: dict[str, Any]) -> None:
+    """Run the lessons, and show their page on a live server until it is stopped."""
+    library("aiohttp")
+    from pymunk_dragon.cli.live import serve
+    from pymunk_dragon.sessions.ready import ready
+    from pymunk_dragon.sessions.session import Session
+
+    with common.progress("demo") as show:
+        page = run_page(lessons, language(), show, live=True)
+    session = Session(ready(next((each.options["scene"] for each in lessons if "scene" in each.options), "dragon")))
+    serve(session, None, None, front=page, **address)
 
 
 def _write(lessons: list[Lesson], output: str) -> None:

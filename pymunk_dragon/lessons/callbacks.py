@@ -1,4 +1,4 @@
-# %% [markdown] order=100 scene="jam" axes="step|impulse (N s)"
+# %% [markdown] order=100 scene="callbacks" axes="step|impulse (N s)"
 # # Which events does a contact cause?
 # Pymunk reports contacts through callbacks: a program gives it functions, and it calls them. When does it call, what
 # does it know by then, and what becomes of an error in such a function?

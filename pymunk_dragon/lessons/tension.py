@@ -1,4 +1,4 @@
-# %% [markdown] order=110 scene="pendulum" axes="joint, from head to tail|force (N)"
+# %% [markdown] order=110 scene="tension" axes="joint, from head to tail|force (N)"
 # # Which joint breaks first?
 # A head pulls 24 benches of 10 kg along a straight line, always at 1 m/s, and the ground drags at each of them: alone
 # it would lose half of its speed in a second. Which joint has the most to carry? And if the ground were ice?

@@ -2,7 +2,7 @@
 
 from pymunk_dragon.lessons._framework.lesson import Lesson, lessons
 from pymunk_dragon.lessons._framework.notebook import make_notebook
-from pymunk_dragon.lessons._framework.page import endings, make_page, write_lessons
+from pymunk_dragon.lessons._framework.page import endings, make_page, run_page, write_lessons
 from pymunk_dragon.lessons._framework.recording import Recording, make_folder, picture, record, run
 from pymunk_dragon.lessons._framework.terminal import play
 
@@ -18,5 +18,6 @@ __all__ = [
     "play",
     "record",
     "run",
+    "run_page",
     "write_lessons",
 ]

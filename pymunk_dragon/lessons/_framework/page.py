@@ -71,17 +71,24 @@ def write_lessons(
     elif ending == NOTEBOOK:
         written = make_notebook(lessons[0], language)
     else:
-        # Before the lessons are run.
-        for name in ("pygments", "nbformat", "latex2mathml", "jinja2"):
-            library(name)
-        recordings = []
-        for done, lesson in enumerate(lessons, start=1):
-            recordings.append(record(lesson))
-            if progress is not None:
-                progress(done, len(lessons))
-        written = make_page(recordings, language)
+        written = run_page(lessons, language, progress)
     with written_in_place(destination) as draft:
         draft.write_bytes(written.encode("utf-8"))
+
+
+def run_page(
+    lessons: Sequence[Lesson], language: str, progress: Callable[[int, int], None] | None = None, *, live: bool = False
+) -> str:
+    """Run lessons, and return their page; see `write_lessons` and `make_page`."""
+    # Before the lessons are run.
+    for name in ("pygments", "nbformat", "latex2mathml", "jinja2"):
+        library(name)
+    recordings = []
+    for done, lesson in enumerate(lessons, start=1):
+        recordings.append(record(lesson))
+        if progress is not None:
+            progress(done, len(lessons))
+    return make_page(recordings, language, live=live)
 
 
 def make_page(recordings: Sequence[Recording], language: str = "en", *, live: bool = False) -> str:
@@ -121,7 +128,7 @@ def make_page(recordings: Sequence[Recording], language: str = "en", *, live: bo
         html=html,
         spiral=_spiral(),
         lessons=[_values(recording, live) for recording in recordings],
-        policy=policy(style, script),
+        policy=policy(style, script) + "; frame-src 'self'" * live,
         style=style,
         script=script,
     )

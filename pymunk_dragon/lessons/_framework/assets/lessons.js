@@ -3,6 +3,7 @@
 // Languages: a button for each, and the address remembers which (lessons.html?zh#chain).
 const root = document.documentElement;
 const buttons = [...document.querySelectorAll(".languages button")];
+const languages = buttons.map((button) => button.value);
 
 function speak(language) {
   root.lang = language;
@@ -14,11 +15,23 @@ function speak(language) {
 for (const button of buttons) {
   button.addEventListener("click", () => {
     speak(button.value);
-    history.replaceState(null, "", `?${button.value}${location.hash}`);
+    // Other parts stay, as the token of a live server.
+    const others = location.search.slice(1).split("&").filter((part) => part && !languages.includes(part));
+    history.replaceState(null, "", `?${[...others, button.value].join("&")}${location.hash}`);
   });
 }
-const asked = location.search.slice(1);
-speak(buttons.some((button) => button.value === asked) ? asked : root.lang);
+speak(location.search.slice(1).split("&").find((part) => languages.includes(part)) ?? root.lang);
+
+// The live scene of a stage, where a live server has this page. One is open, as all belong to one session.
+function openScene(stage) {
+  for (const frame of document.querySelectorAll("iframe")) frame.remove();
+  const frame = document.createElement("iframe");
+  const address = () => `live${location.search}#stage=${stage.dataset.live}&lang=${root.lang}`;
+  frame.title = stage.closest(".lesson").querySelector("h2").textContent.trim();
+  frame.src = address();
+  document.addEventListener("languagechange", () => { frame.src = address(); });
+  stage.replaceChildren(frame);
+}
 
 // The course of a lesson: guess, experiment, answer.
 for (const lesson of document.querySelectorAll(".lesson")) {
@@ -36,7 +49,8 @@ for (const lesson of document.querySelectorAll(".lesson")) {
   form.addEventListener("submit", (event) => {
     event.preventDefault();
     enter("open");
-    if (!opened && stage.dataset.stage && typeof openStage === "function") openStage(stage);
+    if (stage.dataset.live && !stage.querySelector("figure, iframe")) openScene(stage);
+    if (!opened && stage.dataset.stage) openStage(stage);
     opened = true;
     const first = stage.querySelector("input, button, [tabindex]") ?? lesson.querySelector(".show");
     first.focus({ preventScroll: true });
