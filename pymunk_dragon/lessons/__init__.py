@@ -12,7 +12,11 @@ $ pymunk-dragon demo near-miss -o near-miss.py
 $ pymunk-dragon demo near-miss -o near-miss.ipynb
 ```
 
-![The first lesson on the page](renders/lessons.png)
+![The first lesson on the page: you drag the head](renders/lessons.png)
+![Where the next handle goes: you drag it](renders/lesson-chain.png)
+![Shadows of two benches on four walls](renders/lesson-sat.png)
+![The gap of the head, with coordinates that can be cut](renders/lesson-near-miss.png)
+![Speeds in the turn, as colours](renders/lesson-speed-limit.png)
 
 ## A lesson of your own
 

@@ -29,11 +29,6 @@ UNICODE = [
 def html(text: str) -> str:
     r"""A text as HTML, with formulas as MathML.
 
-    Raises
-    ------
-    MissingExtraError
-        If a formula needs latex2mathml, which is not installed.
-
     Examples
     --------
     >>> html("**Set** `t` to 1 s.")

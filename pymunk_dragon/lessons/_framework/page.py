@@ -171,10 +171,10 @@ def _picture(recording: Recording) -> dict[str, Any]:
 
 
 def _spiral() -> str:
-    """Points of a spiral of four turns to draw on, in the coordinates of an SVG of 100 x 100."""
+    """Points of a spiral of 16 turns to draw on, in the coordinates of an SVG of 100 x 100."""
     import numpy as np
 
-    angle = np.linspace(0, 8 * np.pi, 241)
+    angle = np.linspace(0, 32 * np.pi, 961)
     points = 50 + 48 * angle / angle[-1] * [np.cos(angle), -np.sin(angle)]
     return " ".join(f"{x:.1f},{y:.1f}" for x, y in points.T)
 
