@@ -13,6 +13,9 @@ from sharing import shared
 from pymunk_dragon.lessons import LESSONS, write_lessons
 from pymunk_dragon.lessons._framework import make_notebook, make_page, page
 from pymunk_dragon.lessons._framework.lesson import blocks
+from pymunk_dragon.sessions.handle import serve
+from pymunk_dragon.sessions.ready import ready
+from pymunk_dragon.sessions.session import Session
 
 ALL = list(LESSONS.values())
 LANGUAGES = ("en", "zh")
@@ -211,3 +214,25 @@ def test_sheets_for_the_class_have_no_answers_and_those_for_the_teacher_do(seen)
         assert "importnumpy" not in paper
         seen.page.emulate_media(media="screen")
         assert seen.page.locator("header").is_visible()
+
+
+@pytest.mark.thorough
+@needs_browser
+def test_experiments_with_pymunk_are_live_on_a_live_server(browser):
+    page = make_page([played("callbacks"), played("tension")], live=True)
+    session = Session(ready("unguided"))
+    with (
+        serve(session, host="127.0.0.1", port=0, allow_hosts=(), browser=False, path=None, front=page) as running,
+        opened(browser, f"{running.address}&zh") as seen,
+    ):
+        for name in ("callbacks", "tension"):
+            seen.page.click(f"#{name} .cover [formnovalidate]")
+            live = seen.page.wait_for_selector(f"#{name} iframe").content_frame()
+            wait_until(live, f"globalThis.live?.frame?.step > 0 && live.scene.name === {name!r}")
+            assert live.evaluate("document.documentElement.lang") == "zh"
+            # The page of the lesson has the other experiments closed.
+            assert seen.page.locator("iframe").count() == 1
+        seen.page.click(".languages button[value=en]")
+        wait_until(live, "document.documentElement.lang === 'en'")
+        assert seen.page.url == f"{running.address}&en"
+        assert seen.complaints == []
