@@ -22,9 +22,8 @@ from PIL import Image
 from playwright.sync_api import Browser
 from sharing import shared_run
 
-from pymunk_dragon import Dragon, March, Run, simulate
+from pymunk_dragon import Dragon, March, ParameterError, Run, simulate
 from pymunk_dragon.cli import main
-from pymunk_dragon.errors import ParameterError
 
 # Examples share the machine with whatever else runs there, so none has a time limit of its own. They are the same every
 # time, so that a failure comes from a change; `--hypothesis-profile=explore` throws the dice.

@@ -3,8 +3,6 @@
 Each is a function of arc length that gives x, y, the direction's x and y, and the signed curvature, as mpf.
 """
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import mpmath as mp

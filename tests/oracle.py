@@ -6,8 +6,6 @@ Velocities are central differences of positions in 50 digits. Nothing here is cl
 the same way as in the package.
 """
 
-from __future__ import annotations
-
 import math
 
 import mpmath as mp

@@ -1,12 +1,10 @@
 """The equations of rigid chains against finite differences of positions, on curves of several kinds."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
+from pymunk_dragon import Arc, Composite, Line, Sampled, Spiral, UTurn
 from pymunk_dragon.model import chain
-from pymunk_dragon.model.curves import Arc, Composite, Line, Sampled, Spiral, UTurn
 
 SPACINGS = np.array([2.86, 1.65, 1.65, 1.2])
 # Curves with a coordinate of the head, m, at which all handles are on one piece.

@@ -1,7 +1,5 @@
 """The program as people and scripts use it."""
 
-from __future__ import annotations
-
 import csv
 import itertools
 import json
@@ -17,15 +15,10 @@ import pytest
 from conftest import assert_says
 from PIL import Image
 
+from pymunk_dragon import Dragon, March, Run, Scenario, UTurn, render
 from pymunk_dragon.cli import documents
 from pymunk_dragon.cli.common import SCENARIO_OPTIONS
-from pymunk_dragon.drawing import render
 from pymunk_dragon.drawing.figures import FIGURES
-from pymunk_dragon.model.curves import UTurn
-from pymunk_dragon.model.dragon import Dragon
-from pymunk_dragon.model.march import March
-from pymunk_dragon.model.run import Run
-from pymunk_dragon.model.scenario import Scenario
 
 SHORT = ["--from", "412.3"]
 DATA = Path(__file__).parent / "data"

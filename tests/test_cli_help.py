@@ -1,7 +1,5 @@
 """Help of the commands, hints after mistakes, what a terminal says of files, and what a shell completes."""
 
-from __future__ import annotations
-
 import os
 import re
 import shlex
@@ -12,10 +10,9 @@ from pathlib import Path
 import pytest
 from click.shell_completion import ShellComplete
 
+from pymunk_dragon import March, Run
 from pymunk_dragon.cli import COMMANDS, COMPLETE_VARIABLE, PROGRAM, cli, command
 from pymunk_dragon.cli.common import SCENARIO_OPTIONS
-from pymunk_dragon.model.march import March
-from pymunk_dragon.model.run import Run
 
 
 def examples_of(text):

@@ -1,7 +1,5 @@
 """Lines, arcs, parts of curves, curves joined end to begin, u-turns, and curves of a user's own."""
 
-from __future__ import annotations
-
 import math
 
 import mpmath as mp
@@ -12,18 +10,7 @@ from exact_curves import DIGITS, arc, line, s_turn, spiral, u_turn, worst_errors
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pymunk_dragon.model.curves import (
-    Arc,
-    Composite,
-    Curve,
-    Line,
-    Reversed,
-    Sampled,
-    Section,
-    Spiral,
-    UTurn,
-    check_curve,
-)
+from pymunk_dragon import Arc, Composite, Curve, Line, Reversed, Sampled, Section, Spiral, UTurn, check_curve
 
 LINE = Line(start=(-3.5, 2.25), stop=(40.0, -7.0))
 ARC = Arc(centre=(1.5, -20.0), radius=7.3, begin_angle=0.4, sweep=-9.1)

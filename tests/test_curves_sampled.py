@@ -1,7 +1,5 @@
 """A smooth path through points: held against the same spline in many digits, and against circles."""
 
-from __future__ import annotations
-
 import sys
 
 import mpmath as mp
@@ -13,8 +11,7 @@ from hypothesis import assume, example, given
 from hypothesis import strategies as st
 from test_curve_kinds import CORNERS, WAVE
 
-from pymunk_dragon.errors import MissingExtraError, ParameterError
-from pymunk_dragon.model.curves import Line, Sampled
+from pymunk_dragon import Line, MissingExtraError, ParameterError, Sampled
 
 
 @pytest.mark.parametrize(

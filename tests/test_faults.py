@@ -3,8 +3,6 @@
 Whatever happens, the program ends with a documented exit code and at most one line, and leaves whole files only.
 """
 
-from __future__ import annotations
-
 import os
 import pty
 import re

@@ -21,15 +21,10 @@ from matplotlib.colors import to_hex
 from PIL import Image
 from sharing import shared_run
 
+from pymunk_dragon import Dragon, March, MissingExtraError, ParameterError, Run, max_speed, min_pitch, simulate, u_turn
 from pymunk_dragon._language import in_language
 from pymunk_dragon.drawing import Palette
 from pymunk_dragon.drawing.figures import FIGURES, figure, write_figure
-from pymunk_dragon.errors import MissingExtraError, ParameterError
-from pymunk_dragon.model.dragon import Dragon
-from pymunk_dragon.model.march import March
-from pymunk_dragon.model.run import Run
-from pymunk_dragon.physics import simulate
-from pymunk_dragon.studies import max_speed, min_pitch, u_turn
 
 CHARTS = [name for name, kind in FIGURES.items() if ".svg" in kind.endings]
 STILLS = [name for name in FIGURES if name not in CHARTS]

@@ -1,7 +1,5 @@
 """Files are whole or not there, whatever interrupts their writing."""
 
-from __future__ import annotations
-
 import errno
 import os
 import stat
@@ -13,8 +11,8 @@ import pytest
 from conftest import assert_says
 
 import pymunk_dragon
+from pymunk_dragon import FileFormatError, OutputError, ParameterError
 from pymunk_dragon._files import check_destination, number_rows, written_in_place
-from pymunk_dragon.errors import FileFormatError, OutputError, ParameterError
 
 
 @pytest.fixture

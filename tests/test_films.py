@@ -1,7 +1,5 @@
 """Films in every format: what is in the file, how long it plays, which part it shows, and what stands side by side."""
 
-from __future__ import annotations
-
 import subprocess
 from dataclasses import replace
 
@@ -12,13 +10,12 @@ import pytest
 from conftest import refusal
 from PIL import Image
 
-from pymunk_dragon import Camera, Contact, Dragon, March, Run, SpeedTable
-from pymunk_dragon.drawing import FILM_ENDINGS, Film, render, still
+from pymunk_dragon import Camera, Contact, Dragon, DragonError, Film, March, ParameterError, Run, SpeedTable, render
+from pymunk_dragon.drawing import FILM_ENDINGS, still
 from pymunk_dragon.drawing.film.formats import WRITERS, Frames
 from pymunk_dragon.drawing.film.layout import Canvas
 from pymunk_dragon.drawing.film.timing import events_of
 from pymunk_dragon.drawing.palette import colour_table
-from pymunk_dragon.errors import DragonError, ParameterError
 
 MARCH = March(Dragon(benches=16), turns=4)
 HEAD = Camera(follow="head")

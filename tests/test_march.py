@@ -1,7 +1,5 @@
 """Exact kinematics: the paper's tables, an independent solution in many digits, and what rigid benches demand."""
 
-from __future__ import annotations
-
 import csv
 import math
 import warnings
@@ -17,10 +15,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from test_first_contact import marches
 
-from pymunk_dragon.errors import UnreachableError
-from pymunk_dragon.model.curves import Spiral
-from pymunk_dragon.model.dragon import Dragon
-from pymunk_dragon.model.march import March
+from pymunk_dragon import Dragon, March, Spiral, UnreachableError
 
 DATA = Path(__file__).parent / "data"
 # s. The last time at which the paper's dragon can be placed, to 1e-7 s; see the test that finds it.

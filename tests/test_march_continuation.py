@@ -1,7 +1,5 @@
 """The state of a chain is the one that continuous motion leads to, through jackknifes and up to a fold."""
 
-from __future__ import annotations
-
 import math
 import pickle
 
@@ -10,10 +8,7 @@ import pytest
 from chain_follower import follow, random_path
 from conftest import refusal
 
-from pymunk_dragon.errors import UnreachableError
-from pymunk_dragon.model.curves import Arc, Composite, Line, Spiral, UTurn
-from pymunk_dragon.model.dragon import Dragon
-from pymunk_dragon.model.march import March
+from pymunk_dragon import Arc, Composite, Dragon, Line, March, Spiral, UnreachableError, UTurn
 
 # Along the x axis, round and back above it at a height of 2 m, and up: a bench of 3 m stands on three of the lines.
 HOOK = Composite(

@@ -1,7 +1,5 @@
 """What a notebook shows of a run, a march and a figure."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from html import unescape
 from html.parser import HTMLParser
@@ -11,13 +9,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from pymunk_dragon.collision import first_contact
+from pymunk_dragon import Contact, Dragon, March, Run, first_contact, player_page
 from pymunk_dragon.drawing import Palette
-from pymunk_dragon.model.contact import Contact
-from pymunk_dragon.model.dragon import Dragon
-from pymunk_dragon.model.march import March
-from pymunk_dragon.model.run import Run
-from pymunk_dragon.player import player_page
 
 MARCH = March(Dragon(benches=16), turns=8)
 

@@ -1,7 +1,5 @@
 """What the engine does, held against the exact model and against Shapely."""
 
-from __future__ import annotations
-
 import os
 import signal
 from concurrent.futures import ThreadPoolExecutor
@@ -14,13 +12,10 @@ from conftest import NO_NUMBERS, assert_says
 from sharing import shared_run
 from test_march_curves import DRAWN, HAIRPIN, TABLE
 
+from pymunk_dragon import Arc, Dragon, EngineSettings, Line, March, PathGuide, Run, UTurn, World, simulate
 from pymunk_dragon.errors import DragonError, ParameterError, UnreachableError
-from pymunk_dragon.model.curves import Arc, Line, UTurn
-from pymunk_dragon.model.dragon import Dragon
-from pymunk_dragon.model.march import March
-from pymunk_dragon.model.run import Run
-from pymunk_dragon.model.settings import FINE_ITERATIONS, FINE_STRIDE, EngineSettings
-from pymunk_dragon.physics import PathGuide, Rails, World, simulate
+from pymunk_dragon.model.settings import FINE_ITERATIONS, FINE_STRIDE
+from pymunk_dragon.physics import Rails
 from pymunk_dragon.physics.callbacks import Recorder
 
 # s: when benches 0 and 8 of the exact march first touch (test_first_contact.py).

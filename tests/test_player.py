@@ -1,7 +1,5 @@
 """The page that plays a run, as a text: what is in it, and what is not."""
 
-from __future__ import annotations
-
 import json
 import zlib
 from base64 import b64decode, b64encode
@@ -19,9 +17,8 @@ from hypothesis.extra.numpy import arrays
 from marches import ARM, TRACTOR, U_TURN
 from shapely import LineString, points
 
-from pymunk_dragon import Dragon, March, Run, player_page, write_player
+from pymunk_dragon import Contact, ContactEvent, ContactLog, Dragon, March, Run, player_page, write_player
 from pymunk_dragon._language import in_language
-from pymunk_dragon.model.contact import Contact, ContactEvent, ContactLog
 from pymunk_dragon.player.data import contact_windows, curve_points, exact_offsets, handle_vectors, pack
 
 SMALL = March(Dragon(benches=16), turns=4)

@@ -1,7 +1,5 @@
 """Pictures of the dragon: colours, sizes, texts, marks, and other marches than the paper's."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import imageio.v3 as iio
@@ -11,9 +9,9 @@ from conftest import refusal
 from marches import ARM, TRACTOR
 from PIL import Image
 
-from pymunk_dragon import Camera, Dragon, March, Run, UTurn, first_contact
+from pymunk_dragon import Camera, Dragon, Film, March, Run, UTurn, first_contact, render
 from pymunk_dragon._language import in_language
-from pymunk_dragon.drawing import Film, lettering, render, still
+from pymunk_dragon.drawing import lettering, still
 from pymunk_dragon.drawing.film.layout import Canvas
 from pymunk_dragon.drawing.overlay import impulses, touches, velocities
 from pymunk_dragon.drawing.palette import BLOCK, COLOURS, colour_table

@@ -1,7 +1,5 @@
 """Reports: every run in every format, nothing lost, nothing taken for markup, the same bytes every time."""
 
-from __future__ import annotations
-
 import csv
 import io
 import json
@@ -23,10 +21,9 @@ from marches import ARM, TRACTOR, U_TURN
 from markdown_it import MarkdownIt
 from sharing import shared
 
-from pymunk_dragon import Dragon, March, Run, report, simulate
+from pymunk_dragon import ContactLog, Dragon, March, Run, report, simulate
 from pymunk_dragon._language import in_language
 from pymunk_dragon.errors import MissingExtraError, OutputError, ParameterError, UnreachableError
-from pymunk_dragon.model.contact import ContactLog
 from pymunk_dragon.reports import document, formats, summarize, write_contact_table, write_tables
 from pymunk_dragon.reports.formats import REPORT_ENDINGS, html, markdown
 

@@ -1,7 +1,5 @@
 """Smallest pitch and sensitivity: against many digits, certificates and Shapely; and studies by name."""
 
-from __future__ import annotations
-
 import io
 import json
 import sys
@@ -17,12 +15,8 @@ from PIL import Image
 from study_answers import answer as shared_answer
 from study_answers import slopes_by_width
 
-from pymunk_dragon.collision import first_contact
-from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.model.curves import Spiral
-from pymunk_dragon.model.dragon import Dragon
-from pymunk_dragon.model.march import March
-from pymunk_dragon.studies import STUDIES, Result, Study, min_pitch, sensitivity
+from pymunk_dragon import Dragon, March, ParameterError, Spiral, first_contact, min_pitch, sensitivity
+from pymunk_dragon.studies import STUDIES, Result, Study
 
 SEED = {"width": 0.3, "overhang": 0.275, "head_spacing": 2.86, "body_spacing": 1.65, "pitch": 0.55}
 

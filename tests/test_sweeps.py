@@ -1,7 +1,5 @@
 """Sweeps: rows and their values, points, files, the partial table, what is refused, and figures."""
 
-from __future__ import annotations
-
 import csv
 import json
 import os
@@ -19,10 +17,8 @@ import sweep_functions as functions
 from conftest import assert_says
 from sweep_functions import FLAGS, RAISED, SMALL, UNFIT, VALUES
 
-from pymunk_dragon import March, Scenario, first_contact, sweep
+from pymunk_dragon import Dragon, March, Scenario, first_contact, max_speed, min_pitch, sweep
 from pymunk_dragon.errors import FileFormatError, OutputError, ParameterError
-from pymunk_dragon.model.dragon import Dragon
-from pymunk_dragon.studies import max_speed, min_pitch
 from pymunk_dragon.sweeps.quantities import contact_time
 
 THREAD = ThreadPoolExecutor(1)

@@ -3,8 +3,6 @@
 A message is one line, no process is left, and the sweep goes on to the same table without a finished point again.
 """
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

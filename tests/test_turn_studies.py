@@ -1,7 +1,5 @@
 """Questions 4 and 5: the turn, the shortest turn and the speed limit, against many digits, Shapely and brute force."""
 
-from __future__ import annotations
-
 import json
 import sys
 
@@ -15,11 +13,7 @@ from exact_curves import DIGITS, s_turn, walked_chain
 from exact_curves import u_turn as exact_turn
 from study_answers import answer as shared_answer
 
-from pymunk_dragon.errors import MissingExtraError, ParameterError, UnreachableError
-from pymunk_dragon.model.curves import UTurn
-from pymunk_dragon.model.dragon import Dragon
-from pymunk_dragon.model.march import March
-from pymunk_dragon.studies import max_speed, u_turn
+from pymunk_dragon import Dragon, March, MissingExtraError, ParameterError, UnreachableError, UTurn, max_speed, u_turn
 
 
 def searched():
