@@ -127,6 +127,13 @@ def call(capsys):
 
 
 @pytest.fixture
+def here(tmp_path, monkeypatch):
+    """An empty working directory."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
 def terminal():
     """Call the program in a terminal: what the terminal shows, with exit code 0."""
 

@@ -1,17 +1,14 @@
 """A smooth path through points: held against the same spline in many digits, and against circles."""
 
-import sys
-
 import mpmath as mp
 import numpy as np
 import pytest
-from conftest import assert_says, refusal
 from exact_curves import DIGITS, spline, worst_errors
 from hypothesis import assume, example, given
 from hypothesis import strategies as st
 from test_curve_kinds import CORNERS, WAVE
 
-from pymunk_dragon import Line, MissingExtraError, ParameterError, Sampled
+from pymunk_dragon import Line, ParameterError, Sampled
 
 
 @pytest.mark.parametrize(
@@ -60,8 +57,3 @@ def test_bound_on_the_bends_is_above_all_of_them_and_not_far_above(steps, first,
     assert path.max_curvature(low, high) >= bends.max()
     everywhere = np.abs(path.curvature(np.linspace(0, path.end_s, 60_001))).max()
     assert path.max_curvature(0, path.end_s) <= 1.03 * everywhere + 1e-12
-
-
-def test_without_scipy_the_extra_is_named(monkeypatch):
-    monkeypatch.setitem(sys.modules, "scipy.interpolate", None)
-    assert_says(refusal(Sampled, WAVE, error=MissingExtraError), "pymunk-dragon[curves]")

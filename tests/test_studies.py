@@ -199,20 +199,6 @@ def test_the_program_answers_in_words_and_in_json(call, answer, known):
     assert found["contact_pitch"] < found["pitch"] == answer.pitch < found["clear_pitch"]
 
 
-def test_bad_input_gets_one_line(call):
-    for arguments, *words in (
-        (("min-pitch", "--radius", "many"), "radius", "many"),
-        (("min-pitch", "--pitch", "0.5"), "pitch"),
-        (("min-pitch", "--benches", "5"), "benches", "5"),
-        (("min-pitch", "-o", "answer.gif"), "-o is", "answer.gif", ".json", ".png", ".svg", ".pdf"),
-        (("nothing",), "nothing", "min-pitch"),
-        *((("max-speed", "--limit", value), "limit", value) for value in ("0", "-1", "nan", "21")),
-    ):
-        status, out, err = call("study", *arguments)
-        assert (status, out, err.count("\n")) == (2, "", 1), arguments
-        assert all(word in err for word in words), arguments
-
-
 def test_a_study_brings_its_options_and_its_formats(call, monkeypatch):
     class Deepest(Result):
         def __init__(self, depth):
@@ -247,6 +233,8 @@ def test_picture_shows_the_two_that_touch(answer):
     corners = [artists[f"bench-{bench}"].get_xy()[:4] for bench in (0, 19)]
     assert shapely.distance(*map(shapely.Polygon, corners)) < 1e-12
     assert tuple(artists["contact"].get_xydata()[0]) == answer.point
+    with Image.open(io.BytesIO(answer.plot()._repr_png_())) as opened:
+        assert opened.width == 800
 
 
 def test_the_command_writes_what_the_ending_says(call, known, answer, tmp_path):
@@ -258,13 +246,3 @@ def test_the_command_writes_what_the_ending_says(call, known, answer, tmp_path):
         # The same again has the same bytes.
         answer.write_figure(file)
         assert file.read_bytes() == content
-
-
-def test_a_picture_needs_matplotlib_before_anything_is_computed(call, monkeypatch, tmp_path, answer):
-    with Image.open(io.BytesIO(answer.plot()._repr_png_())) as opened:
-        assert opened.width == 800
-    monkeypatch.setitem(sys.modules, "matplotlib", None)
-    monkeypatch.setitem(STUDIES, "min-pitch", replace(STUDIES["min-pitch"], run=None))
-    status, _, err = call("study", "min-pitch", "-o", tmp_path / "answer.png")
-    assert (status, "pymunk-dragon[figures]" in err) == (2, True)
-    assert not list(tmp_path.iterdir())

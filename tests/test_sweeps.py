@@ -14,7 +14,6 @@ import matplotlib.text
 import numpy as np
 import pytest
 import sweep_functions as functions
-from conftest import assert_says
 from sweep_functions import FLAGS, RAISED, SMALL, UNFIT, VALUES
 
 from pymunk_dragon import Dragon, March, Scenario, first_contact, max_speed, min_pitch, sweep
@@ -130,44 +129,6 @@ def test_program_writes_the_table_or_prints_it_only_whatever_functions_print(tmp
     assert rows[6:] == [f"0.7,{x},2.5,{x},0.7 2.5," for x in (7, 5, 6)]
     assert names(tmp_path) == ["map.csv", "mine.py"]
     assert program("--quantity", "mine:printing").stdout == (tmp_path / "map.csv").read_text()
-
-
-ONE = ["--axis", "pitch=0.5"]
-# Arguments, and what the message names.
-REFUSED = [
-    ([], "axis is None"),
-    *((["--axis", f"pitch={bad}"], f"'pitch={bad}'") for bad in ("wide", "0.6:0.5:0.1", "")),
-    (["--axis", "pitch=nan"], "'pitch=nan'"),
-    (["--axis", "pitch=-2,-1"], "'pitch=-2'"),
-    (["--axis", "benches=2.5"], "'benches=2.5'"),
-    ([*ONE, "--benches", "1"], "--benches is 1"),
-    *(([*ONE, "--quantity", name], f"--quantity is '{name}'") for name in ("math:none", "failing:f", "broken:f", "f:")),
-    ([*ONE, "--workers", "0"], "--workers is 0"),
-    ([*ONE, "--scheduler", "localhost"], "--scheduler is 'localhost'"),
-    *(([*ONE, "-o", name], f"-o is '{name}'") for name in ("map.txt", "folder.csv")),
-    (["--axis", "pitch=5,6", "--axis", "width=0.1,0.2", "--axis", "turns=8,9", "-o", "map.png"], "-o is 'map.png'"),
-    ([*ONE, "--resume"], "--resume"),
-]
-# Libraries that are absent, arguments, and the extra that the message names.
-ABSENT = [
-    ("matplotlib", [*ONE, "-o", "map.png"], "dragon[figures]"),
-    ("distributed", [*ONE, "--scheduler", "tcp://a:1"], "dragon[cluster]"),
-]
-
-
-def test_bad_input_and_missing_libraries_are_one_line_with_what_is_wrong(tmp_path, call, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(sys, "path", list(sys.path))
-    (tmp_path / "folder.csv").mkdir()
-    (tmp_path / "failing.py").write_text("1 / 0\n")
-    (tmp_path / "broken.py").write_text("def f(:\n")
-    for module, arguments, word in [*(("no library", *each) for each in REFUSED), *ABSENT]:
-        with monkeypatch.context() as without:
-            without.setitem(sys.modules, module, None)
-            code, out, err = call("sweep", *FLAGS, *arguments)
-        assert (code, out, err.count("\n")) == (2, "", 1), (arguments, err)
-        assert_says(Exception(err.rstrip("\n")), "pymunk-dragon: ", word)
-    assert names(tmp_path) == ["broken.py", "failing.py", "folder.csv"]
 
 
 class Case:

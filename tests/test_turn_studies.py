@@ -13,7 +13,7 @@ from exact_curves import DIGITS, s_turn, walked_chain
 from exact_curves import u_turn as exact_turn
 from study_answers import answer as shared_answer
 
-from pymunk_dragon import Dragon, March, MissingExtraError, ParameterError, UnreachableError, UTurn, max_speed, u_turn
+from pymunk_dragon import Dragon, March, ParameterError, UnreachableError, UTurn, max_speed, u_turn
 
 
 def searched():
@@ -115,14 +115,6 @@ def test_search_reports_its_progress_and_claims_no_proof(answer):
     _, shown = shared_answer("u-turn", searched)
     assert (len(shown) > 1, shown[-1][0]) == (True, shown[-1][1])
     assert "not proven" in str(answer)
-
-
-def test_missing_scipy_is_named_before_any_work(monkeypatch):
-    monkeypatch.setitem(sys.modules, "scipy.optimize", None)
-    monkeypatch.setattr(sys.modules["pymunk_dragon.studies.u_turn"], "UTurn", None)
-    with pytest.raises(MissingExtraError) as caught:
-        u_turn()
-    assert_says(caught.value, "pymunk-dragon[studies]")
 
 
 def test_impossible_turns_are_refused_by_name():
