@@ -28,17 +28,19 @@ def arc(centre, radius, begin_angle, sweep):
     return at
 
 
+def arc_length(theta, pitch):
+    """Of the path r = k theta from its centre: the closed form of the integral of k sqrt(theta^2 + 1)."""
+    return pitch / (4 * mp.pi) * (theta * mp.sqrt(theta**2 + 1) + mp.asinh(theta))
+
+
 def spiral(pitch, rotation=0, outward=False, mirrored=False):
     """The path r = k theta about the origin, by its arc length from the centre, negative on the way in."""
-    k, side = mp.mpf(pitch) / (2 * mp.pi), -1 if mirrored else 1
+    pitch, side = mp.mpf(pitch), -1 if mirrored else 1
+    k = pitch / (2 * mp.pi)
 
     def at(s):
         length = s if outward else -s
-
-        def miss(theta):
-            return k / 2 * (theta * mp.sqrt(theta**2 + 1) + mp.asinh(theta)) - length
-
-        theta = mp.findroot(miss, mp.sqrt(2 * length / k) + mp.mpf("1e-9"))
+        theta = mp.findroot(lambda theta: arc_length(theta, pitch) - length, mp.sqrt(2 * length / k) + mp.mpf("1e-9"))
         return _of_parameter(lambda p: k * p * mp.expj(side * p + rotation), theta, 1 if outward else -1)
 
     return at
@@ -80,10 +82,9 @@ def s_turn(pitch, radius, ratio):
 
 def u_turn(pitch=1.7, radius=4.5, ratio=2):
     """The path of question 4, by what it is made of."""
-    pitch, radius, ratio = mp.mpf(repr(pitch)), mp.mpf(radius), mp.mpf(ratio)
+    pitch, radius, ratio = exact(pitch), mp.mpf(radius), mp.mpf(ratio)
     radii, centres, sweeps, points, _ = s_turn(pitch, radius, ratio)
-    theta = 2 * mp.pi * radius / pitch
-    entry = pitch / (4 * mp.pi) * (theta * mp.sqrt(theta**2 + 1) + mp.asinh(theta))
+    entry = arc_length(2 * mp.pi * radius / pitch, pitch)
     first, second = (
         arc((centre.real, centre.imag), r, mp.arg(point - centre), sweep)
         for centre, r, point, sweep in zip(centres, radii, points[:2], sweeps, strict=True)
@@ -102,31 +103,50 @@ def u_turn(pitch=1.7, radius=4.5, ratio=2):
     return at
 
 
-def walked_back(truth, s, chord):
-    """The place where the straight distance from `s` first passes `chord`; None where it falls first."""
-    x, y = truth(s)[:2]
+def exact(number):
+    """A parameter as the decimal number that its user wrote; an mpf as it is."""
+    return number if isinstance(number, mp.mpf) else mp.mpf(repr(float(number)))
+
+
+class UnplaceableError(Exception):
+    """The handle of this number has no place."""
+
+
+def walked_chain(truth, begin, spacings, step=-STEP):
+    """Parameters of the handles from that of the head on, walking in steps of the parameter."""
+    places = [mp.mpf(begin)]
+    for i, spacing in enumerate(spacings):
+        place = _walked(truth, places[-1], exact(spacing), step)
+        if place is None:
+            raise UnplaceableError(i + 1)
+        places.append(place)
+    return places
+
+
+def _walked(truth, begin, chord, step):
+    """The parameter where the straight distance from `begin` first passes `chord`; None where it falls first."""
+    here = mp.mpc(*truth(begin)[:2])
 
     def away(place):
-        u, v = truth(place)[:2]
-        return mp.hypot(u - x, v - y)
+        return abs(mp.mpc(*truth(place)[:2]) - here)
 
-    place, reached = s, mp.mpf(0)
-    while True:
-        place -= STEP
-        further = away(place)
-        if further < reached:
-            return None
-        reached = further
-        if reached >= chord:
-            ends = (place, place + STEP)
-            return mp.findroot(lambda u: away(u) - chord, ends, solver="anderson", tol=1e-60, verify=False)
-
-
-def walked_chain(truth, s, spacings):
-    places = [mp.mpf(s)]
-    for spacing in spacings:
-        places.append(walked_back(truth, places[-1], mp.mpf(repr(float(spacing)))))
-    return places
+    with mp.workdps(15):
+        place, reached, further = begin, mp.mpf(0), mp.mpf(0)
+        while reached <= further < chord:
+            place, reached = place + step, further
+            further = away(place)
+        first, last = place - step, place
+        if further < chord:
+            # A step may have passed a top that reaches the chord: it is looked up.
+            first = place - 2 * step
+            low, high = first, place
+            for _ in range(80):
+                left, right = low + (high - low) / 3, high - (high - low) / 3
+                low, high = (left, high) if away(left) < away(right) else (low, right)
+            last = low
+            if away(last) < chord:
+                return None
+    return mp.findroot(lambda place: away(place) - chord, (first, last), solver="anderson", tol=1e-84, verify=False)
 
 
 def spline(points):

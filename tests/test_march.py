@@ -11,6 +11,7 @@ import numpy as np
 import oracle
 import pytest
 from conftest import NO_NUMBERS, assert_says, refusal
+from exact_curves import UnplaceableError
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from test_first_contact import marches
@@ -159,7 +160,7 @@ def test_speeds_by_difference_converge_to_the_exact_ones_at_first_order(seed_mar
 def test_seed_dragon_cannot_be_placed_from_432_918_seconds_on(seed_march):
     seed_march.handles_s(LAST)
     assert unreachable(seed_march, LAST + 1e-7)[1] == 1
-    with pytest.raises(oracle.UnplaceableError) as independent:
+    with pytest.raises(UnplaceableError) as independent:
         oracle.solve(LAST + 1e-7, benches=1, head_spacing=2.86, body_spacing=1.65, pitch=0.55, turns=16, speed=1)
     assert independent.value.args == (1,)
 
