@@ -3,9 +3,9 @@
 Each is a function of arc length that gives x, y, the direction's x and y, and the signed curvature, as mpf.
 """
 
-from itertools import pairwise
-
 import mpmath as mp
+import numpy as np
+from scipy.interpolate import CubicSpline
 
 DIGITS = 34
 # m. Steps of the walk back, in which no distance here passes a bench's length and falls below it again.
@@ -151,23 +151,9 @@ def _walked(truth, begin, chord, step):
 
 def spline(points):
     """The not-a-knot cubic spline by chord length through points, and its length."""
-    with mp.workdps(DIGITS):
-        nodes = [mp.mpc(x, y) for x, y in points]
-        n = len(nodes)
-        h = [abs(b - a) for a, b in pairwise(nodes)]
-        rises = [(b - a) / step for (a, b), step in zip(pairwise(nodes), h, strict=True)]
-        # Unknown: second derivatives at the nodes. First and last row: the third derivative does not jump.
-        matrix, right = mp.zeros(n), mp.zeros(n, 1)
-        for row, at in ((0, 0), (n - 1, n - 3)):
-            matrix[row, at], matrix[row, at + 1], matrix[row, at + 2] = h[at + 1], -(h[at] + h[at + 1]), h[at]
-        for i in range(1, n - 1):
-            matrix[i, i - 1], matrix[i, i], matrix[i, i + 1] = h[i - 1], 2 * (h[i - 1] + h[i]), h[i]
-            right[i] = 6 * (rises[i] - rises[i - 1])
-        second = mp.lu_solve(matrix, right)
-
-    def cubic(i):
-        slope = rises[i] - h[i] * (2 * second[i] + second[i + 1]) / 6
-        return nodes[i], slope, second[i] / 2, (second[i + 1] - second[i]) / h[i] / 6
+    h = np.hypot(*np.diff(points, axis=0).T).tolist()
+    coefficients = CubicSpline(np.cumsum([0, *h]), np.asarray(points) @ [1, 1j]).c[::-1].T
+    cubics, n = [[mp.mpc(each) for each in cubic] for cubic in coefficients.tolist()], len(points)
 
     def path(i, p):
         zero, one, two, three = cubics[i]
@@ -181,7 +167,6 @@ def spline(points):
         return mp.quad(lambda q: speed(i, q), mp.linspace(0, p, 7))
 
     with mp.workdps(DIGITS):
-        cubics = [cubic(i) for i in range(n - 1)]
         lengths = [length(i, h[i]) for i in range(n - 1)]
 
     def at(s):

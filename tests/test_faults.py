@@ -3,8 +3,6 @@
 import errno
 import os
 import pty
-import re
-import select
 import signal
 import stat
 import subprocess
@@ -16,7 +14,7 @@ from pathlib import Path
 
 import psutil
 import pytest
-from conftest import assert_says, not_under_coverage, refusal
+from conftest import assert_says, not_under_coverage, read_until, refusal
 
 import pymunk_dragon
 from pymunk_dragon import FileFormatError, OutputError
@@ -198,18 +196,6 @@ def test_streams_that_are_closed_early_are_no_error_message(tmp_path):
 
 
 # Signals
-
-
-def read_until(stream, pattern):
-    """What comes from a terminal until it matches `pattern`, or until its other side is closed."""
-    seen = b""
-    while not (pattern and re.search(pattern, seen)):
-        assert select.select([stream], [], [], LIMIT)[0]
-        try:
-            seen += os.read(stream, 4096)
-        except OSError:  # Linux raises one when the other side is closed.
-            break
-    return seen
 
 
 @pytest.mark.parametrize(

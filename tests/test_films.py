@@ -37,9 +37,11 @@ def run():
 
 
 @pytest.fixture(scope="module")
-def reference():
+def seed():
     """The paper's march until its contact."""
-    return with_contact(Run.exact(March(), np.append(np.arange(0, 412.0, 2.0), CONTACT)), CONTACT)
+    run = Run.exact(March(), np.append(np.arange(0, 412.4, 0.2), CONTACT))
+    contact = replace(first_contact(run.march, start=405).contact, time=CONTACT)
+    return replace(run, first_contact=contact, outcome="contact")
 
 
 def with_contact(run, time):
@@ -153,8 +155,8 @@ def test_bad_parameters_are_refused(run, tmp_path):
     render(run, tmp_path / "film.webp", fps=60, until=0.5, speedup=1, size=64)
 
 
-def test_film_of_the_paper_s_march_is_short_and_slows_down_towards_near_misses_and_contact(reference):
-    timing = Film().timing([reference])
+def test_film_of_the_paper_s_march_is_short_and_slows_down_towards_near_misses_and_contact(seed):
+    timing = Film().timing([seed])
     assert 8 <= timing.ends[-1] <= 20
     assert timing.fps >= 20
     travel = np.diff(timing.times)  # of the head per frame, m, at 1 m/s
@@ -169,13 +171,13 @@ def test_film_of_the_paper_s_march_is_short_and_slows_down_towards_near_misses_a
     assert np.abs(np.diff(travel)).max() < travel.max() / 8
 
 
-def test_given_parameters_of_the_time_are_kept(reference, run):
-    timing = Film(start=0).timing([reference])
+def test_given_parameters_of_the_time_are_kept(seed, run):
+    timing = Film(start=0).timing([seed])
     assert timing.times[0] == 0
     assert np.diff(timing.times).max() <= 0.8
-    assert np.diff(Film(camera=HEAD).timing([reference]).times).max() <= 0.2
-    assert Film(fps=10).timing([reference]).fps == 10
-    np.testing.assert_allclose(np.diff(Film(speedup=20).timing([reference]).times)[:-1], 1)
+    assert np.diff(Film(camera=HEAD).timing([seed]).times).max() <= 0.2
+    assert Film(fps=10).timing([seed]).fps == 10
+    np.testing.assert_allclose(np.diff(Film(speedup=20).timing([seed]).times)[:-1], 1)
     np.testing.assert_allclose(Film(fps=10, speedup=10, start=3, until=6).timing([run]).times, [3, 4, 5, 6])
 
 
@@ -192,15 +194,15 @@ def test_films_of_short_and_long_and_changing_marches_have_a_bearable_length(run
     assert np.diff(Film(until=60).timing([March(small, turns=16)]).times).max() <= 0.08
 
 
-def test_events_are_the_near_misses_and_contacts_of_each_run_once(reference):
-    for source in (reference, March()):
-        events = events_of([source], (400 * (source is reference), 412.4738376821))
+def test_events_are_the_near_misses_and_contacts_of_each_run_once(seed):
+    for source in (seed, March()):
+        events = events_of([source], (400 * (source is seed), 412.4738376821))
         assert [event.time for event in events] == pytest.approx([*NEAR_MISSES, CONTACT], abs=1e-3)
     # An unguided run does not have those of the exact model.
-    unguided = replace(reference, provenance={"player": "pymunk", "guide": "none"})
+    unguided = replace(seed, provenance={"player": "pymunk", "guide": "none"})
     assert [event.time for event in events_of([unguided], (400, 412.5))] == [CONTACT]
-    later = with_contact(replace(reference, first_contact=None), CONTACT - 1e-4)
-    assert events_of([reference, later, reference.march], (0, CONTACT)) == events_of([later], (0, CONTACT))
+    later = with_contact(replace(seed, first_contact=None), CONTACT - 1e-4)
+    assert events_of([seed, later, seed.march], (0, CONTACT)) == events_of([later], (0, CONTACT))
 
 
 def test_two_runs_stand_side_by_side_from_the_same_distance_until_both_are_over(run, tmp_path):
@@ -227,14 +229,6 @@ def test_title_and_caption_stand_outside_the_picture_in_as_many_lines_as_they_ne
 
 
 # Pictures of the dragon: colours, sizes, texts, marks, and other marches than the paper's
-
-
-@pytest.fixture(scope="module")
-def seed():
-    """The last seconds of the paper's march, with its contact."""
-    run = Run.exact(March(), np.append(np.arange(405.0, 412.4, 0.2), CONTACT))
-    contact = replace(first_contact(run.march, start=405).contact, time=CONTACT)
-    return replace(run, first_contact=contact, outcome="contact")
 
 
 @pytest.fixture

@@ -1,10 +1,6 @@
-"""Exact kinematics: the paper's tables, an independent solution in many digits, and what rigid benches demand."""
+"""Exact kinematics: an independent solution in many digits, and what rigid benches demand."""
 
-import csv
-import math
 import warnings
-from decimal import ROUND_DOWN, Decimal
-from pathlib import Path
 
 import mpmath as mp
 import numpy as np
@@ -18,55 +14,16 @@ from test_first_contact import marches
 
 from pymunk_dragon import Dragon, March, Spiral, UnreachableError
 
-DATA = Path(__file__).parent / "data"
 # s. The last time at which the paper's dragon can be placed, to 1e-7 s; see the test that finds it.
 LAST = 432.9179242
 SMALL = Dragon(benches=12, head_spacing=0.5, body_spacing=0.3, overhang=0.05, width=0.1)
 STATES = ("times", "handles_s", "positions", "velocities", "speeds", "poses", "pose_velocities")
 
 
-def table(name):
-    with (DATA / name).open(newline="") as file:
-        return list(csv.DictReader(file))
-
-
-def cut(value):
-    """As the paper cuts: the exact value without what follows its third decimal.
-
-    A double that is a hair short of such a decimal (8.8 m, 1 m/s, 0 m) is that decimal: the hair is 1e-11.
-    """
-    whole = Decimal(float(value) + math.copysign(1e-11, value)).quantize(Decimal("0.001"), ROUND_DOWN)
-    return str(abs(whole) if whole == 0 else whole)
-
-
 def unreachable(march, times):
     """Time and handle which the march cannot place at `times`, and the message."""
     error = refusal(march.at, times, error=UnreachableError)
     return error.time, error.handle, str(error)
-
-
-def test_tables_1_and_2_match_to_the_digit(seed_march):
-    times = ["0", "60", "120", "180", "240", "300"]
-    states = seed_march.at([float(time) for time in times])
-    positions, speeds = table("table1.csv"), table("table2.csv")
-    assert len(positions) + len(speeds) == 126 / len(times)
-    for row in positions + speeds:
-        handle = int(row["handle"])
-        ours = states.positions[:, handle, "xy".index(row["axis"])] if "axis" in row else states.speeds[:, handle]
-        assert [cut(value) for value in ours] == [row[time] for time in times], row
-
-
-def test_table_3_is_one_moment_close_to_412_47_seconds(seed_march):
-    times = np.arange(412.465, 412.48, 1e-5)
-    states = seed_march.at(times)
-    matches = np.full(times.size, True)
-    for row in table("table3.csv"):
-        handle = int(row["handle"])
-        ours = (*states.positions[:, handle].T, states.speeds[:, handle])
-        for name, values in zip(("x", "y", "speed"), ours, strict=True):
-            matches &= [cut(value) == row[name] for value in values]
-    window = times[matches]
-    assert 412.473 < window.min() < window.max() < min(412.475, window.min() + 1e-3)
 
 
 @pytest.mark.parametrize(
