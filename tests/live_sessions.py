@@ -106,8 +106,7 @@ def replay_session(log: Log, before: Callable[[Session], object] = lambda sessio
     """A session that has begun a replay, as fast as it goes, and what it tells; `before` is called with it first."""
     session, told = Session(planned(log.plan)), []
     session.join(listener(told))
-    session.speed = 20.0
-    session.play_again(log.inputs, log.values, log.steps)
+    session.play_again(log)
     before(session)
     session.start()
     return session, told
@@ -115,11 +114,10 @@ def replay_session(log: Log, before: Callable[[Session], object] = lambda sessio
 
 def replayed(log: Log):
     """The last poses of a replay and its session."""
-    session, _ = replay_session(log)
-    try:
-        return session.wait_for_replay(), session
-    finally:
-        session.stop()
+    session = Session(planned(log.plan))
+    session.play_again(log)
+    session.replay_until(np.inf)
+    return session.wait_for_replay(), session
 
 
 def decoded(frame: bytes):

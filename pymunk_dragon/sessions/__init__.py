@@ -4,7 +4,7 @@
 
 ```sh
 pymunk-dragon live              # the dragon; or live unguided, near-miss, jam, pendulum, cradle, boxes ...
-pymunk-dragon live --benches 40 --pitch 0.45 --record session.npz
+pymunk-dragon live --benches 40 --pitch 0.45 --record session.json
 ```
 
 opens a page on which Pymunk plays in real time. Drag any bench with the mouse or a finger, cut joints, let the
@@ -88,10 +88,10 @@ whose y points up have no `y_down`:
 
 ## Recordings
 
-**Film** in the page films the picture. `--record FILE` writes the inputs (.json), the run of a dragon (.npz) or a film
-at the end. Every input is logged with the number of the step before which it took effect, so
-`--replay FILE` repeats a session: to the bit on the same machine and versions; elsewhere processors and libraries may
-round differently, and the program says by how much the last poses differ. A film of a recording is made by
+**Film** in the page films the picture. `--record FILE` writes the inputs at the end. Every input is logged with the
+number of the step before which it took effect, so `--replay FILE` repeats a session: to the bit on the same machine
+and versions; elsewhere processors and libraries may round differently, and the program says by how much the last poses
+differ. A film of a recording, as of Pymunk's debug drawing, or the run of a dragon, .npz, is made of such a replay by
 
 ```sh
 pymunk-dragon live --replay renders/live.json --exit -o replay.gif

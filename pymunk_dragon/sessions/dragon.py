@@ -10,7 +10,7 @@ import pymunk
 
 from pymunk_dragon._arrays import Array
 from pymunk_dragon._checks import word
-from pymunk_dragon.drawing.debug_draw import DrawCall
+from pymunk_dragon.drawing.debug_draw import DrawRecorder
 from pymunk_dragon.drawing.scene import hole_diameter
 from pymunk_dragon.errors import UnreachableError
 from pymunk_dragon.model.march import March
@@ -43,6 +43,8 @@ class DragonScene(Scene):
     """A dragon whose head is pulled along a march; see `Scene` and `World`."""
 
     abilities = ("dancers", "cut", "obstacles", "contacts", "ghost")
+    # Not the joints of the dancers.
+    drawn = DrawRecorder.DRAW_SHAPES
 
     def __init__(
         self,
@@ -63,7 +65,7 @@ class DragonScene(Scene):
         (x, y), (width, height) = (low + high) / 2, high - low + self.march.dragon.lengths.max()
         super().__init__(self.world.space, Play(step=self.world.substep, field=(x, y, width, height)))
         self._numbers = {body: number for number, body in enumerate(self.world.bodies)}
-        self._march_time, self._share = start, 1.0
+        self.march_time, self._share = start, 1.0
         self._speed = values.get("speed", self.world.top_speed)
         self.time = start
         self._lag = _HEAD_LAG * float(self.march.dragon.widths.min())
@@ -84,21 +86,21 @@ class DragonScene(Scene):
         self._share = min(max(self._share + change * world.top_speed * world.substep, 0.0), 1.0)
         share = self._share * self._speed / world.top_speed
         try:
-            states = self.march.at(self._march_time + share * world.substep, handles=2)
-            self._march_time += share * world.substep
+            states = self.march.at(self.march_time + share * world.substep, handles=2)
+            self.march_time += share * world.substep
         except UnreachableError:
             if not self._ended:
                 self.events.append("the head is at the end of its path")
             self._ended = self.stops = True
-            states, share = self.march.at(self._march_time, handles=2), 0.0
+            states, share = self.march.at(self.march_time, handles=2), 0.0
         if share == 0 and self._held is None:
             # A motor alone would push a long chain back along its path for minutes.
             pose = states.poses[0, 0].tolist()
             ahead = (world.bodies[0].position - pymunk.Vec2d(*pose[:2])).dot(pymunk.Vec2d.from_polar(1, pose[2]))
             shift = _RECOVERING * world.substep * ahead / world.top_speed
-            self._march_time = max(self._march_time + shift, world.start)
+            self.march_time = max(self.march_time + shift, world.start)
         if world.returning:
-            world.carry(self.march.at(self._march_time), share)
+            world.carry(self.march.at(self.march_time), share)
         world.prepare(states, share=share)
         self._touching.clear()
         world.space.step(world.substep)
@@ -211,29 +213,9 @@ class DragonScene(Scene):
         """Return the poses (N, 3) of the benches: m, m, rad."""
         return self.world.poses
 
-    def snapshot(self) -> dict[str, Any]:
-        """Return the present state for a recording: time of the march, obstacles, and poses, as JSON values."""
-        obstacles = [dict(each) for each in self.obstacles.values()]
-        return {"march_time": self._march_time, "obstacles": obstacles, "poses": self.poses().tolist()}
-
-    def calls_of(self, snapshot: dict[str, Any]) -> list[DrawCall]:
-        """Return the outlines of benches and obstacles in a snapshot, in Pymunk's colours."""
-        colours = self._recorder
-        bench, obstacle, outline = colours.shape_dynamic_color, colours.shape_static_color, colours.shape_outline_color
-        outlines = self.march.dragon.outlines(np.array(snapshot["poses"])).tolist()
-        calls = [DrawCall("polygon", corners, 0.0, bench, outline) for corners in outlines]
-        for each in snapshot["obstacles"]:
-            x, y, half = each["x"], each["y"], each["size"] / 2
-            if each["shape"] == "round":
-                calls.append(DrawCall("circle", ((x, y),), half, obstacle, outline))
-            else:
-                corners = [(x + half * a, y + half * b) for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
-                calls.append(DrawCall("polygon", tuple(corners), 0.0, obstacle, outline))
-        return calls
-
     def exact(self) -> tuple[Array, Array]:
         """Return the poses (N, 3) of the exact model, and the position errors (N,), m."""
-        states = self.march.at(self._march_time)
+        states = self.march.at(self.march_time)
         return states.poses[0], position_errors(self.march.dragon, self.world.poses, states.positions[0])
 
     def _parts(self) -> tuple[dict[str, Any], dict[str, Array]]:
@@ -249,7 +231,7 @@ class DragonScene(Scene):
         contacts = np.array(rows).reshape(-1, 5)
         parts = {"poses": self.world.poses, "exact": exact, "errors": errors, "forces": forces, "contacts": contacts}
         waits = self._share < 1 and not self._ended
-        header = {"march_time": self._march_time, "touching": touching, "waits": waits}
+        header = {"march_time": self.march_time, "touching": touching, "waits": waits}
         return header, parts
 
 

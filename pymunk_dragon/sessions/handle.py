@@ -161,7 +161,8 @@ def live(
         Address to listen on, by default for programs on this machine only; port, 0 for a free one; and names of hosts
         under which a proxy shows the page.
     record : path, optional
-        File to write when the session is stopped: .json (inputs), .npz (the run of a dragon), .gif, .apng, .webp, .mp4.
+        File to write when the session is stopped: .json (inputs), or of a replay of them .npz (the run of a dragon),
+        .gif, .apng, .webp, .mp4.
 
     Returns
     -------
@@ -202,7 +203,7 @@ def live(
         y_down=y_down,
         units=units,
     )
-    session = Session(source_of(what, play), record=path is not None, running=not paused)
+    session = Session(source_of(what, play), running=not paused)
     return serve(session, host=host, port=port, allow_hosts=allow_hosts, browser=browser, path=path)
 
 
@@ -245,11 +246,10 @@ def serve(
     allow_hosts: Sequence[str],
     browser: bool,
     path: Path | None,
-    front: tuple[str, str] | None = None,
 ) -> Live:
-    """Start a session and its server, which may show another page first, given with its content security policy."""
+    """Start a session and its server."""
     whole("port", port, 0, 65535)
-    found = Live(session, path, host=host, port=port, allowed=allow_hosts, front=front)
+    found = Live(session, path, host=host, port=port, allowed=allow_hosts)
     if not _has_widgets():
         address = found.address
         if browser:

@@ -61,6 +61,8 @@ class Scene:
     """Any Pymunk space, drawn as Pymunk's debug drawing draws it."""
 
     abilities: tuple[str, ...] = ("cut", "obstacles", "until_contact")
+    # What pictures and the page show of Pymunk's debug drawing; contacts are sent apart.
+    drawn = DrawRecorder.DRAW_SHAPES | DrawRecorder.DRAW_CONSTRAINTS
 
     def __init__(self, space: pymunk.Space, play: Play = Play(), values: Mapping[str, float] | None = None) -> None:
         self.space, self.play = space, play
@@ -68,12 +70,12 @@ class Scene:
         self.steps, self.time = 0, 0.0
         self.events: list[str] = []
         self.stops = self.waits_for_contact = False
-        self.obstacles: dict[int, dict[str, Any]] = {}
-        self._obstacle_shapes: dict[int, pymunk.Shape] = {}
+        # Obstacles by number: what the page gets, and the shape.
+        self._obstacles: dict[int, tuple[dict[str, Any], pymunk.Shape]] = {}
         self._hand = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
         self._held: pymunk.PivotJoint | None = None
         self._recorder = DrawRecorder()
-        self._recorder.flags &= ~DrawRecorder.DRAW_COLLISION_POINTS
+        self._recorder.flags = self.drawn
         # Kept, as Pymunk never frees the memory of a buffer.
         self._arbiters, self._bodies = batch.Buffer(), batch.Buffer()
         self.pygame = next((each for each in play.controls if isinstance(each, PygameEvents)), None)
@@ -155,16 +157,15 @@ class Scene:
 
     def press(self, name: str, down: bool) -> None:
         """Call the action of a button or a key that is pressed, or that of a key that is released."""
+        controls = [each for each in self.play.controls if isinstance(each, Button | Key) and each.name == name]
         if self.pygame is not None:
             self.pygame.key(name, down)
-        for control in self.play.controls:
-            if isinstance(control, Button | Key) and control.name == name:
-                action = control.action if down else getattr(control, "up", None)
-                if action is not None:
-                    action(self.space)
-                return
-        if self.pygame is None:
+        elif not controls:
             raise ParameterError("name", name, "a button or a key of this scene")
+        for control in controls[:1]:
+            action = control.action if down else getattr(control, "up", None)
+            if action is not None:
+                action(self.space)
 
     def pointer(self, x: float, y: float, kind: str) -> None:
         """Hand the pointer on to a pygame program, whose window has its origin at the upper left."""
@@ -213,7 +214,7 @@ class Scene:
 
     def obstacle(self, shape: str, x: float, y: float, size: float) -> None:
         """Put a round or square obstacle, `size` in diameter or side, on the ground."""
-        if len(self.obstacles) >= _MAX_OBSTACLES:
+        if len(self._obstacles) >= _MAX_OBSTACLES:
             raise ParameterError("obstacle", shape, f"one of at most {_MAX_OBSTACLES}")
         half = positive("size", size, math.inf, self.play.units) / 2
         ground = self.space.static_body
@@ -221,17 +222,15 @@ class Scene:
         is_round = word("shape", shape, ("round", "square")) == "round"
         found = pymunk.Circle(ground, half, (x, y)) if is_round else pymunk.Poly.create_box_bb(ground, box)
         found.friction = _OBSTACLE_FRICTION
-        number = max(self.obstacles, default=0) + 1
-        self.obstacles[number] = {"id": number, "shape": shape, "x": x, "y": y, "size": 2 * half}
-        self._obstacle_shapes[number] = found
+        number = max(self._obstacles, default=0) + 1
+        self._obstacles[number] = {"id": number, "shape": shape, "x": x, "y": y, "size": 2 * half}, found
         self.space.add(found)
 
     def remove(self, obstacle: int) -> None:
         """Remove an obstacle."""
-        if obstacle not in self.obstacles:
+        if obstacle not in self._obstacles:
             raise ParameterError("obstacle", obstacle, "the number of an obstacle")
-        del self.obstacles[obstacle]
-        self.space.remove(self._obstacle_shapes.pop(obstacle))
+        self.space.remove(self._obstacles.pop(obstacle)[1])
 
     # ---- what is shown
 
@@ -260,7 +259,7 @@ class Scene:
             "contacts": None,
             "free_from": None,
             "cuts": [],
-            "obstacles": list(self.obstacles.values()),
+            "obstacles": [about for about, _ in self._obstacles.values()],
             "values": self.values,
             "waits_for_contact": self.waits_for_contact,
         }
@@ -291,14 +290,6 @@ class Scene:
             held = [*self._held.b.local_to_world(self._held.anchor_b), *self._hand.position]
         more, arrays = self._parts()
         return in_binary({**header, "step": self.steps, "time": self.time, "held": held, **more}, arrays)
-
-    def snapshot(self) -> Any:
-        """Return the present state for a recording as JSON values, which `calls_of` takes."""
-        return [[getattr(call, name) for name in DrawCall.__slots__] for call in self.calls()]
-
-    def calls_of(self, snapshot: Any) -> list[DrawCall]:
-        """Return what is drawn of a snapshot."""
-        return [DrawCall(*call) for call in snapshot]
 
     # ---- parts of a frame
 

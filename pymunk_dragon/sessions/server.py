@@ -99,11 +99,8 @@ class Server:
         host: str,
         port: int,
         allowed: Sequence[str] = (),
-        front: tuple[str, str] | None = None,
     ) -> None:
         self.session, self.host = session, host
-        # A page, and its content security policy, which is shown first; it may have the live page in a frame.
-        self._front = front
         self.token, self._watch_token = secrets.token_urlsafe(_TOKEN_BYTES), secrets.token_urlsafe(_TOKEN_BYTES)
         self._proxies = {name.lower() for name in allowed}
         self._allowed = {*_LOOPBACK, host.lower(), *self._proxies}
@@ -146,7 +143,6 @@ class Server:
     async def _serve(self) -> None:
         application = web.Application(middlewares=[self._check])
         application.router.add_get("/", self._page)
-        application.router.add_get("/live", self._page)
         application.router.add_get("/socket", self._connect)
         application.router.add_get("/inputs", self._inputs)
         application.on_response_prepare.append(_add_headers)
@@ -185,8 +181,7 @@ class Server:
         return self._any_address
 
     async def _page(self, request: web.Request) -> web.Response:
-        live = live_page(self.session.source.title, self._language)
-        page, rules = (self._front or live) if request.path == "/" else live
+        page, rules = live_page(self.session.source.title, self._language)
         return web.Response(text=page, content_type="text/html", headers={"Content-Security-Policy": rules})
 
     async def _inputs(self, request: web.Request) -> web.Response:
