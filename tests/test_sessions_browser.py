@@ -13,7 +13,7 @@ import pymunk
 import pytest
 from browser import english_words, needs_browser, opened
 from browser import wait_until as wait_until_in_time
-from live_sessions import PATIENCE, replayed, served
+from live_sessions import PATIENCE, decoded, replayed, served
 
 from pymunk_dragon._language import in_language, texts
 from pymunk_dragon.model.dragon import Dragon
@@ -131,7 +131,7 @@ def test_page_shows_the_largest_error_and_the_tail_stays_when_its_joint_is_cut_w
         wait_simulated(page, 0.5)
         pause(page, session)
         number, bench = re.fullmatch(r"([\d.]+) \u03bcm, bench (\d+)", page.inner_text("#value-error")).groups()
-        _, errors = session._session.scene.exact()
+        errors = decoded(session._session.scene.frame({})).errors
         assert int(bench) == errors.argmax()
         assert float(number) * 1e-6 == pytest.approx(errors.max(), abs=1e-8)
         page.click("label:has(#tool-cut)")

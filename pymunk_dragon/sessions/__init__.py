@@ -88,10 +88,9 @@ whose y points up have no `y_down`:
 
 ## Recordings
 
-**Film** in the page films the picture. `--record FILE` writes the inputs at the end. Every input is logged with the
-number of the step before which it took effect, so `--replay FILE` repeats a session: to the bit on the same machine
-and versions; elsewhere processors and libraries may round differently, and the program says by how much the last poses
-differ. A film of a recording, as of Pymunk's debug drawing, or the run of a dragon, .npz, is made of such a replay by
+`--record FILE` writes the inputs at the end. Each has the number of the step before which it took effect, so
+`--replay FILE` repeats a session: to the bit on the same machine and versions; elsewhere the program says by how much
+the last poses differ. A film of a recording, or the run of a dragon, .npz, is made of such a replay by
 
 ```sh
 pymunk-dragon live --replay renders/live.json --exit -o replay.gif
@@ -107,12 +106,8 @@ only; with `--host 0.0.0.0` others can connect, and need one of the addresses, w
 
 On two cores, the first frame of 223 benches is there 0.47 s after the start of the process, and Chromium shows 60
 pictures a second of 223 benches, 58 of a pyramid of 325 boxes and 21 of 3,000 circles. 20 clients, one of which
-drags, with 30 obstacles and 20 resets in 5 minutes, get 59 frames a second at 0.99 times real time; the process has
-98 MB after 2 minutes and 104 MB after 5. A body follows the mouse after 50 ms. `tests/bench/bench_live.py` measures
-this.
-
-A `Session` steps a `Scene` in a thread of its own and makes frames, which a `Server` sends to browsers. Physics never
-waits for a browser: a client that takes frames slowly gets fewer of them.
+drags, get 59 frames a second at 0.99 times real time, and the process has 104 MB after 5 minutes. A body follows the
+mouse after 50 ms (`tests/bench/bench_live.py`). A client that takes frames slowly gets fewer of them.
 """
 
 from __future__ import annotations

@@ -64,7 +64,7 @@ class DragonScene(Scene):
         low, high = self._curve.min(axis=0), self._curve.max(axis=0)
         (x, y), (width, height) = (low + high) / 2, high - low + self.march.dragon.lengths.max()
         super().__init__(self.world.space, Play(step=self.world.substep, field=(x, y, width, height)))
-        self._numbers = {body: number for number, body in enumerate(self.world.bodies)}
+        self._numbers: dict[Any, int] = {body: number for number, body in enumerate(self.world.bodies)}
         self.march_time, self._share = start, 1.0
         self._speed = values.get("speed", self.world.top_speed)
         self.time = start
@@ -122,17 +122,12 @@ class DragonScene(Scene):
     def _note_contacts(self) -> None:
         """Tell of contacts that begin, and stop at them if they do so."""
         # An obstacle has the number -1, and comes first.
-        pairs = [sorted((self._number(one), self._number(two))) for one, two in self._touching]
+        pairs = (sorted(self._numbers.get(shape.body, -1) for shape in shapes) for shapes in self._touching)
         touching = {(i, j) for i, j in pairs}
-        for first, j in sorted(touching - self._touched):
-            i = j if first < 0 else first
-            self.events.append(f"bench {i} and an obstacle touch" if first < 0 else f"benches {i} and {j} touch")
+        for i, j in sorted(touching - self._touched):
+            self.events.append(f"bench {j} and an obstacle touch" if i < 0 else f"benches {i} and {j} touch")
             self.stops |= self._contacts_do == "stop"
         self._touched = touching
-
-    def _number(self, shape: pymunk.Shape) -> int:
-        """Return the number of the bench that has a shape; -1 of an obstacle."""
-        return -1 if shape.body is None else self._numbers.get(shape.body, -1)
 
     # ---- what a slider changes
 
@@ -213,13 +208,9 @@ class DragonScene(Scene):
         """Return the poses (N, 3) of the benches: m, m, rad."""
         return self.world.poses
 
-    def exact(self) -> tuple[Array, Array]:
-        """Return the poses (N, 3) of the exact model, and the position errors (N,), m."""
-        states = self.march.at(self.march_time)
-        return states.poses[0], position_errors(self.march.dragon, self.world.poses, states.positions[0])
-
     def _parts(self) -> tuple[dict[str, Any], dict[str, Array]]:
-        exact, errors = self.exact()
+        states, poses = self.march.at(self.march_time), self.world.poses
+        errors = position_errors(self.march.dragon, poses, states.positions[0])
         rows = [
             (*point, *normal, impulse if first else NO_ARROW)
             for points, normal, impulse in self._touching.values()
@@ -229,7 +220,7 @@ class DragonScene(Scene):
         forces[self._cuts] = 0.0
         touching = sorted({number for pair in self._touched for number in pair if number >= 0})
         contacts = np.array(rows).reshape(-1, 5)
-        parts = {"poses": self.world.poses, "exact": exact, "errors": errors, "forces": forces, "contacts": contacts}
+        parts = {"poses": poses, "exact": states.poses[0], "errors": errors, "forces": forces, "contacts": contacts}
         waits = self._share < 1 and not self._ended
         header = {"march_time": self.march_time, "touching": touching, "waits": waits}
         return header, parts

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from inspect import Parameter, signature
 from typing import Any
 
@@ -46,18 +47,14 @@ def ready(name: str) -> Ready:
 def dragon(march: March, *, contacts: str = "resolve", free_from: int | None = None, start: float = 0.0) -> Ready:
     """The scene of a march; `contacts`, `free_from` and `start` are those of `DragonScene`."""
     finite("start", start, -math.inf, math.inf, "s")
-    options = {"contacts": contacts, "free_from": free_from, "start": start}
+    options: dict[str, Any] = {"contacts": contacts, "free_from": free_from, "start": start}
     try:
         plan = {"scenario": Scenario.of(march).to_dict(), **options}
     except ParameterError:  # A curve or a speed of the user's own.
         plan = None
-    return Ready(
-        name="own",
-        title="A march",
-        text="Pull a bench, cut a joint, let the dancers go.",
-        build=lambda values: DragonScene(march, values, contacts=contacts, free_from=free_from, start=start),
-        plan=plan,
-    )
+    text = "Pull a bench, cut a joint, let the dancers go."
+    build = partial(DragonScene, march, **options)
+    return Ready(name="own", title="A march", text=text, build=build, plan=plan)
 
 
 def planned(plan: Mapping[str, Any]) -> Ready:
@@ -250,10 +247,9 @@ def _robot_arm(values: Values) -> Scene:
     return DragonScene(March(arm, Spiral(pitch=0.3), turns=3, speed=0.2), values)
 
 
-def _space(gravity: float = -9.81) -> pymunk.Space:
+def _space() -> pymunk.Space:
     space = pymunk.Space()
-    space.gravity = 0, gravity
-    space.iterations = 20
+    space.gravity, space.iterations = (0, -9.81), 20
     return space
 
 
