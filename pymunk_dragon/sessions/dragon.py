@@ -63,10 +63,10 @@ class DragonScene(Scene):
         self._curve = curve_points(self.march, start, start)
         low, high = self._curve.min(axis=0), self._curve.max(axis=0)
         (x, y), (width, height) = (low + high) / 2, high - low + self.march.dragon.lengths.max()
+        self._speed = values.get("speed", self.world.top_speed)
         super().__init__(self.world.space, Play(step=self.world.substep, field=(x, y, width, height)))
         self._numbers: dict[Any, int] = {body: number for number, body in enumerate(self.world.bodies)}
         self.march_time, self._share = start, 1.0
-        self._speed = values.get("speed", self.world.top_speed)
         self.time = start
         self._lag = _HEAD_LAG * float(self.march.dragon.widths.min())
         # Contacts of the last step, each with points, normal, and impulse in N s; and the pairs that touched before.
@@ -131,9 +131,8 @@ class DragonScene(Scene):
 
     # ---- what a slider changes
 
-    @property
-    def parameters(self) -> dict[str, Slider]:
-        """Sliders with their present values; sizes that differ from bench to bench have none."""
+    def _sliders(self) -> list[Slider]:
+        """Return the sliders of a dragon; sizes that differ from bench to bench have none."""
         dragon, curve, settings, speed = self.march.dragon, self.march.curve, self.world.settings, self.world.top_speed
         step, longest = 1e3 * self.world.substep, 1e3 * MAX_STRIDE / speed
         found = [
@@ -151,10 +150,10 @@ class DragonScene(Scene):
             found.append(Slider("width", 0.05, high, dragon.width, label="Width", unit="m", rebuilds=True))
             many = Slider("benches", 2, MAX_BENCHES, dragon.benches, label="Benches", whole=True, rebuilds=True)
             found.append(many)
-        return {each.name: each for each in found}
+        return found
 
-    def set(self, name: str, value: float) -> None:
-        """Change a value of a slider that does not rebuild."""
+    def _change(self, name: str, value: float) -> None:
+        """Change the speed of the head, or a setting of the engine."""
         if name == "speed":
             self._speed = value
         else:

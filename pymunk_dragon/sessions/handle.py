@@ -239,13 +239,7 @@ def _again(space: pymunk.Space) -> Callable[[], pymunk.Space]:
 
 
 def serve(
-    session: Session,
-    *,
-    host: str,
-    port: int,
-    allow_hosts: Sequence[str],
-    browser: bool,
-    path: Path | None,
+    session: Session, *, host: str, port: int, allow_hosts: Sequence[str], browser: bool, path: Path | None
 ) -> Live:
     """Start a session and its server."""
     whole("port", port, 0, 65535)

@@ -79,9 +79,13 @@ class Scene:
         # Kept, as Pymunk never frees the memory of a buffer.
         self._arbiters, self._bodies = batch.Buffer(), batch.Buffer()
         self.pygame = next((each for each in play.controls if isinstance(each, PygameEvents)), None)
-        self._sliders = {each.name: each for each in play.controls if isinstance(each, Slider)}
-        self._values = dict(values or {})
         self._gravity = space.gravity
+        # Sliders with their present values: those of the user's, and those that the scene has.
+        known = {each.name: each for each in self._sliders()}
+        given = {name: each.value for name, each in known.items()} | dict(values or {})
+        own = [each for each in play.controls if isinstance(each, Slider)]
+        self.parameters = {each.name: replace(each, value=given.get(each.name, each.low)) for each in own}
+        self.parameters |= {name: each for name, each in known.items() if name not in self.parameters}
         self.field: dict[str, list[float]] = {}
         self.fit()
 
@@ -117,23 +121,20 @@ class Scene:
 
     # ---- what controls change
 
-    @property
-    def parameters(self) -> dict[str, Slider]:
-        """Sliders with their present values: those of the user's, and those that any space has."""
+    def _sliders(self) -> list[Slider]:
+        """Return the sliders that any space has."""
         step, space, strength = self.play.step, self.space, self._gravity.length
         known = [
             Slider("iterations", 1, 200, space.iterations, label="Iterations", logarithmic=True, whole=True),
             Slider("damping", 0, 1, space.damping, label="Velocity kept in 1 s"),
         ]
         if step is not None:
-            now, low, high = (1e3 * each for each in (self.step_length, step / 10, step * 10))
+            low, now, high = 1e2 * step, 1e3 * step, 1e4 * step
             known.insert(0, Slider("step", low, high, now, label="Time step", unit="ms", logarithmic=True))
         if strength > 0:
             unit = f"{self.play.units}/s²"
-            known.append(Slider("gravity", 0, 3 * strength, space.gravity.length, label="Gravity", unit=unit))
-        values = {each.name: each.value for each in known} | self._values
-        own = {name: replace(each, value=values.get(name, each.low)) for name, each in self._sliders.items()}
-        return own | {each.name: each for each in known if each.name not in own}
+            known.append(Slider("gravity", 0, 3 * strength, strength, label="Gravity", unit=unit))
+        return known
 
     @property
     def values(self) -> dict[str, float]:
@@ -142,17 +143,21 @@ class Scene:
 
     def set(self, name: str, value: float) -> None:
         """Change a value of a slider that does not rebuild."""
-        slider = self._sliders.get(name)
-        if slider is not None:
-            self._values[name] = value
-        if slider is not None and slider.action is not None:
+        slider = self.parameters[name]
+        self.parameters[name] = replace(slider, value=value)
+        if slider.action is not None:
             slider.action(self.space, value)
-        elif name == "step":
+        else:
+            self._change(name, value)
+
+    def _change(self, name: str, value: float) -> None:
+        """Change the length of a step, or a property of the space."""
+        if name == "step":
             self.step_length = value / 1e3
         elif name == "gravity":
             direction = self._gravity.normalized() if self._gravity.length > 0 else pymunk.Vec2d(0, -1)
             self.space.gravity = value * direction
-        elif name in ("iterations", "damping"):
+        else:
             setattr(self.space, name, value)
 
     def press(self, name: str, down: bool) -> None:

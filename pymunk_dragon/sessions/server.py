@@ -92,14 +92,7 @@ class _Client:
 class Server:
     """Serves a session to browsers, until `stop`."""
 
-    def __init__(
-        self,
-        session: Session,
-        *,
-        host: str,
-        port: int,
-        allowed: Sequence[str] = (),
-    ) -> None:
+    def __init__(self, session: Session, *, host: str, port: int, allowed: Sequence[str] = ()) -> None:
         self.session, self.host = session, host
         self.token, self._watch_token = secrets.token_urlsafe(_TOKEN_BYTES), secrets.token_urlsafe(_TOKEN_BYTES)
         self._proxies = {name.lower() for name in allowed}

@@ -38,8 +38,6 @@ _MAX_LENGTH = 10.0
 MAX_COUNT = 100_000
 # s over which the rate is averaged, and between two values of the charts.
 _RATE_TIME, _PLOT_TIME = 1.0, 0.1
-# Share of a new value in the mean time of a step that is shown.
-_SMOOTHING = 0.1
 # Messages that wait for the thread; a client that floods loses the others.
 _MAX_WAITING = 1000
 # Events of a second that clients get; the others are counted.
@@ -229,7 +227,7 @@ class Session:
         self._single_steps = max(self._single_steps - 1, 0)
         with self.held, self._watched():
             scene.advance()
-            self._step_seconds += _SMOOTHING * (perf_counter() - begin - self._step_seconds)
+            self._step_seconds = perf_counter() - begin
             self._tell_events()
             # A recorded session went on after a stop.
             if scene.stops and not self.replaying:
