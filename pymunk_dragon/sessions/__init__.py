@@ -62,35 +62,28 @@ A pygame program plays on the page with its keys and its mouse when three of its
 `session.step(dt)` in place of `space.step(dt)`. So do these examples of Pymunk's (`python -m pymunk.examples`); those
 whose y points up have no `y_down`:
 
-| example | after this line | in place of this line | y points |
+| examples | after this line | in place of this line | y points |
 | --- | --- | --- | --- |
-| arrows | `space = pymunk.Space()` | `space.step(dt)` | down |
-| balls_and_lines | `space = pymunk.Space()` | `space.step(dt)` | up |
+| arrows, camera, flipper, planet, point_query | `space = pymunk.Space()` | `space.step(dt)` | down |
+| damped_rotary_spring_pointer | `space = pymunk.Space()` | `space.step(dt)` | down |
+| balls_and_lines, breakout, platformer, using_sprites | `space = pymunk.Space()` | `space.step(dt)` | up |
+| contact_with_friction | `space = pymunk.Space()` | `space.step(dt)` | up |
 | bouncing_balls | `self._space = pymunk.Space()` | `self._space.step(self._dt)` | down |
 | box2d_pyramid | `self.space = pymunk.Space()` | `self.space.step(dt)` | up |
-| breakout | `space = pymunk.Space()` | `space.step(dt)` | up |
-| camera | `space = pymunk.Space()` | `space.step(dt)` | down |
 | collisions | `space = pymunk.Space()` | `space.step(1.0 / 60.0)` | down |
 | constraints | `space = pymunk.Space()` | `space.step(1.0 / 60)` | down |
 | contact_and_no_flipy | `space = pm.Space()` | `space.step(dt)` | down |
-| contact_with_friction | `space = pymunk.Space()` | `space.step(dt)` | up |
-| damped_rotary_spring_pointer | `space = pymunk.Space()` | `space.step(dt)` | down |
-| deformable | `space = pymunk.Space()` | `space.step(1.0 / fps)` | down |
-| flipper | `space = pymunk.Space()` | `space.step(dt)` | down |
-| index_video | `space = pymunk.Space()` | `space.step(1.0 / fps)` | down |
+| deformable, index_video | `space = pymunk.Space()` | `space.step(1.0 / fps)` | down |
 | newtons_cradle | `space = pm.Space()` | `space.step(dt)` | up |
-| planet | `space = pymunk.Space()` | `space.step(dt)` | down |
-| platformer | `space = pymunk.Space()` | `space.step(dt)` | up |
 | playground | `self.space = pm.Space()` | `self.space.step(dt)` | up |
-| point_query | `space = pymunk.Space()` | `space.step(dt)` | down |
 | slide_and_pinjoint | `space = pymunk.Space()` | `space.step(1 / 50.0)` | down |
-| using_sprites | `space = pymunk.Space()` | `space.step(dt)` | up |
 
 ## Recordings
 
-`--record FILE` writes the inputs at the end. Each has the number of the step before which it took effect, so
-`--replay FILE` repeats a session: to the bit on the same machine and versions; elsewhere the program says by how much
-the last poses differ. A film of a recording, or the run of a dragon, .npz, is made of such a replay by
+**Film** in the page films the picture. `--record FILE` writes the inputs at the end. Each has the number of the step
+before which it took effect, so `--replay FILE` repeats a session: to the bit on the same machine and versions;
+elsewhere the program says by how much the last poses differ. A film of a recording, or the run of a dragon, .npz, is
+made of such a replay by
 
 ```sh
 pymunk-dragon live --replay renders/live.json --exit -o replay.gif
