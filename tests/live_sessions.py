@@ -17,6 +17,7 @@ import numpy as np
 from pymunk_dragon.sessions.handle import serve, source_of
 from pymunk_dragon.sessions.ready import planned
 from pymunk_dragon.sessions.recording import Log
+from pymunk_dragon.sessions.scene import Play
 from pymunk_dragon.sessions.session import Session
 
 # s that anything may take on a busy machine.
@@ -32,7 +33,9 @@ class Played:
     """A paused session without a server: `do` sends a message, `step` makes steps as fast as they go."""
 
     def __init__(self, source, **options):
-        self.session = Session(source if hasattr(source, "build") else source_of(source), running=False, **options)
+        self.session = Session(
+            source if hasattr(source, "build") else source_of(source, Play()), running=False, **options
+        )
         self.told = []
         self.session.join(listener(self.told))
         self.session.start()
@@ -138,7 +141,7 @@ def decoded(frame: bytes):
 def served(source: object = "pendulum", **options: object):
     """A session with a server, without a browser."""
     given = {"host": "127.0.0.1", "port": 0, "allow_hosts": (), "browser": False, "path": None}
-    session = Session(source if hasattr(source, "build") else source_of(source))
+    session = Session(source if hasattr(source, "build") else source_of(source, Play()))
     found = serve(session, **given | options)
     try:
         yield found

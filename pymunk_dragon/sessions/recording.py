@@ -99,8 +99,6 @@ def record(session: Session, path: str | Path, progress: Callable[[int, int], No
         with written_in_place(destination) as draft:
             draft.write_text(log.to_json())
         return
-    if session.scene.play.step is None:
-        raise ParameterError("record", str(path), "a file .json, where a program makes the steps itself")
     again = Session(session.source)
     again.play_again(log)
     seconds = session.scene.time - again.scene.time

@@ -24,9 +24,6 @@ _HAND_ACCELERATION, _HAND_SIZE = 1000.0, 10.0
 # Share of the distance to the pointer that is left after a second, as in Pymunk's examples.
 _HAND_BIAS = (1 - 0.15) ** 60
 _MAX_OBSTACLES = 100
-# s: the step that is shown before a program makes its first one.
-_DEFAULT_STEP = 1 / 60
-_POINTER_KINDS = ("down", "move", "up")
 _OBSTACLE_FRICTION = 0.4
 # Least width and height of the area that is shown.
 _SMALLEST = 1e-3
@@ -66,7 +63,8 @@ class Scene:
 
     def __init__(self, space: pymunk.Space, play: Play = Play(), values: Mapping[str, float] | None = None) -> None:
         self.space, self.play = space, play
-        self.step_length = play.step or _DEFAULT_STEP
+        # A program makes its first step later.
+        self.step_length = play.step or 1 / 60
         self.steps, self.time = 0, 0.0
         self.events: list[str] = []
         self.stops = self.waits_for_contact = False
@@ -86,7 +84,6 @@ class Scene:
         own = [each for each in play.controls if isinstance(each, Slider)]
         self.parameters = {each.name: replace(each, value=given.get(each.name, each.low)) for each in own}
         self.parameters |= {name: each for name, each in known.items() if name not in self.parameters}
-        self.field: dict[str, list[float]] = {}
         self.fit()
 
     def fit(self) -> None:
@@ -96,7 +93,7 @@ class Scene:
             box = extent(self.space)
             box = box if box.left <= box.right else pymunk.BB(-1, -1, 1, 1)
             field = *box.center(), max(box.right - box.left, _SMALLEST), max(box.top - box.bottom, _SMALLEST)
-        self.field = {"centre": list(field[:2]), "size": list(field[2:])}
+        self.field: dict[str, list[float]] = {"centre": list(field[:2]), "size": list(field[2:])}
 
     # ---- time
 
@@ -176,7 +173,9 @@ class Scene:
         """Hand the pointer on to a pygame program, whose window has its origin at the upper left."""
         if self.pygame is None:
             raise ParameterError("pointer", kind, "sent to a program with PygameEvents")
-        self.pygame.pointer(x, y if self.play.y_down else self.field["size"][1] - y, word("kind", kind, _POINTER_KINDS))
+        self.pygame.pointer(
+            x, y if self.play.y_down else self.field["size"][1] - y, word("kind", kind, ("down", "move", "up"))
+        )
 
     # ---- what a hand does
 

@@ -32,16 +32,12 @@ _LARGEST_DEBT = 0.1
 _TICK, PATIENCE = 0.002, 0.2
 # s that `stop` waits for the thread, which a function of the user's may hold.
 _LONGEST_STOP = 0.5
-# s. Longest step of a program that makes the steps itself.
-_MAX_LENGTH = 10.0
-# Steps at once.
-MAX_COUNT = 100_000
+# s. Longest step.
+MAX_STEP = 10.0
 # s over which the rate is averaged, and between two values of the charts.
 _RATE_TIME, _PLOT_TIME = 1.0, 0.1
-# Messages that wait for the thread; a client that floods loses the others.
-_MAX_WAITING = 1000
-# Events of a second that clients get; the others are counted.
-_MAX_EVENTS = 20
+# Steps at once; messages that wait for the thread, and events of a second that clients get: others are only counted.
+_MAX_COUNT, _MAX_WAITING, _MAX_EVENTS = 100_000, 1000, 20
 
 
 class Session:
@@ -84,7 +80,7 @@ class Session:
         """Make a step of a program that makes the steps itself, when it is due: messages and frames go on meanwhile."""
         if self.scene.play.step is not None:
             raise ParameterError("step", self.scene.play.step, "None for a program that makes the steps itself")
-        self.scene.step_length = finite("dt", length, 0, _MAX_LENGTH, "s")
+        self.scene.step_length = finite("dt", length, 0, MAX_STEP, "s")
         if not self.scene.steps:
             # Now the program has opened its window and filled its space.
             self.scene.fit()
@@ -355,7 +351,7 @@ class Session:
         elif action == "pause":
             self._pause()
         elif action == "step":
-            count = whole("count", message["count"], 1, MAX_COUNT)
+            count = whole("count", message["count"], 1, _MAX_COUNT)
             self._pause()
             self._single_steps, self._failure = count, []
         elif action == "speed":
