@@ -10,6 +10,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -43,6 +44,8 @@ not_under_coverage = pytest.mark.skipif(
     "COVERAGE_PROCESS_CONFIG" in os.environ, reason="coverage writes files and takes locks of its own"
 )
 DATA = Path(__file__).parent / "data"
+# s: only a program that does not end reaches this.
+LIMIT = 300
 # Share of the pixels of a golden picture that another machine's rounding may change.
 SHARE = 0.002
 
@@ -134,11 +137,20 @@ def here(tmp_path, monkeypatch):
     return tmp_path
 
 
+def wait_until(process, state):
+    """Wait until `state()` is true; the process must not end before."""
+    end = time.monotonic() + LIMIT
+    while not state():
+        assert time.monotonic() < end
+        with pytest.raises(subprocess.TimeoutExpired):
+            process.wait(0.02)
+
+
 def read_until(stream, pattern):
     """What comes from a terminal until it matches `pattern`, or until its other side is closed."""
     seen = b""
     while not (pattern and re.search(pattern, seen)):
-        assert select.select([stream], [], [], 300)[0]
+        assert select.select([stream], [], [], LIMIT)[0]
         try:
             seen += os.read(stream, 4096)
         except OSError:  # Linux raises one when the other side is closed.
@@ -174,6 +186,12 @@ def assert_says(error: Exception, *words: str) -> None:
     assert len(message) < 250
     for word in words:
         assert word in message
+
+
+def assert_one_line(err, *words):
+    """`err` is one line of the program that holds `words`."""
+    assert err[-1:] == "\n", err
+    assert_says(Exception(err[:-1]), "pymunk-dragon: ", *words)
 
 
 def refusal(call, *arguments, error=ParameterError, **settings):

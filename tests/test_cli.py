@@ -12,7 +12,7 @@ from pathlib import Path
 
 import openpyxl
 import pytest
-from conftest import assert_says
+from conftest import assert_one_line
 from PIL import Image
 
 from pymunk_dragon import Dragon, March, Run, Scenario, render
@@ -172,7 +172,7 @@ def test_contact_writes_the_contests_sheet(answer, call, tmp_path):
     path.unlink()
     code, out, err = call("contact", "--until", "1", "-o", path)
     assert (code, out) == (1, "")
-    assert_says(Exception(err[:-1]), "no contact until t = 1 s", "result2.xlsx")
+    assert_one_line(err, "no contact until t = 1 s", "result2.xlsx")
     assert os.listdir(tmp_path) == []
 
 

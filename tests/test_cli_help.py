@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 from click.shell_completion import ShellComplete
-from conftest import assert_says
+from conftest import assert_one_line
 
 from pymunk_dragon import Dragon, March, Run
 from pymunk_dragon.cli import COMMANDS, COMPLETE_VARIABLE, PROGRAM, cli, command
@@ -23,8 +23,8 @@ def complaint(call):
 
     def complained(*arguments):
         code, out, err = call(*arguments)
-        assert (code, out, err[-1:]) == (2, "", "\n"), arguments
-        assert_says(Exception(err[:-1]), "pymunk-dragon: ")
+        assert (code, out) == (2, ""), arguments
+        assert_one_line(err)
         return err
 
     return complained
