@@ -81,17 +81,6 @@ def test_benches_keep_their_length_and_both_ends_go_along_with_them(march, when)
     assert front == pytest.approx(rear, rel=1e-9, abs=1e-11)
 
 
-def test_velocities_are_the_rates_of_the_poses_of_rigid_benches(seed_march):
-    times, step = np.array([0, 100, 300, 412.0, 430]), 1e-4
-    states, before, after = seed_march.at(times), seed_march.at(times - step), seed_march.at(times + step)
-    lengths = np.linalg.norm(np.diff(states.positions, axis=1), axis=-1)
-    assert np.abs(lengths / seed_march.dragon.spacings - 1).max() < 1e-12
-    assert np.linalg.norm(states.velocities, axis=-1) == pytest.approx(states.speeds, rel=1e-14)
-    change = (after.poses - before.poses)[:4]
-    change[..., 2] = (change[..., 2] + np.pi) % (2 * np.pi) - np.pi
-    assert change / (2 * step) == pytest.approx(states.pose_velocities[:4], abs=1e-7)
-
-
 def test_states_of_many_times_and_of_the_first_handles_are_those_of_each(seed_march):
     times = np.array([-50, 0, 412.47, 299.9, 432.9, 17])
     together = seed_march.at(times)
@@ -282,12 +271,6 @@ def test_where_the_dragon_is_depends_on_the_way_alone():
     assert there.positions == pytest.approx(same.positions, abs=1e-12)
     assert there.speeds == pytest.approx(same.speeds * table.at(times)[:, None], abs=1e-12)
     assert changing.time(ways) == pytest.approx(times, abs=1e-12)
-    wave = SpeedTable.of(lambda t: 1 + 0.5 * np.sin(t), -5, 5)
-    march, step = March(SMALL, UTurn(pitch=0.8, radius=1.5), speed=wave), 1e-5
-    # Between entries of the table.
-    times = np.array([-2.003, 0.502, 2.503, 4.003])
-    before, after = march.at(times - step).positions, march.at(times + step).positions
-    assert march.at(times).velocities == pytest.approx((after - before) / (2 * step), abs=1e-8)
 
 
 def test_the_first_contact_is_at_the_same_place_however_fast_the_head_goes(seed_march):
