@@ -1,7 +1,5 @@
 """What several test files share."""
 
-from __future__ import annotations
-
 import os
 import pty
 import re
@@ -11,7 +9,6 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import hypothesis
@@ -21,10 +18,9 @@ import sharing
 from browser import chromium
 from gallery import share_off
 from PIL import Image
-from playwright.sync_api import Browser
 from sharing import shared_run
 
-from pymunk_dragon import Dragon, March, ParameterError, Run, simulate
+from pymunk_dragon import Dragon, March, ParameterError, simulate
 from pymunk_dragon.cli import main
 
 # Examples share the machine with whatever else runs there, so none has a time limit of its own. They are the same every
@@ -50,7 +46,7 @@ LIMIT = 300
 SHARE = 0.002
 
 
-def pytest_configure(config: pytest.Config) -> None:
+def pytest_configure(config):
     """Let all test processes share files, and take a seventh of the examples for `make test`."""
     if sharing.FOLDER not in os.environ:
         folder = tempfile.TemporaryDirectory(prefix="pymunk-dragon-tests-")
@@ -60,12 +56,12 @@ def pytest_configure(config: pytest.Config) -> None:
         hypothesis.settings.load_profile("quick")
 
 
-def examples(count: int) -> hypothesis.settings:
+def examples(count):
     """Settings for `count` examples where a test of hypothesis usually has 100."""
     return hypothesis.settings(max_examples=count * hypothesis.settings.default.max_examples // 100)
 
 
-def pytest_addoption(parser: pytest.Parser) -> None:
+def pytest_addoption(parser):
     """Add the flag that writes golden pictures."""
     parser.addoption(
         "--regenerate-golden", action="store_true", help="write tests/data/*/*.png; look at them afterwards"
@@ -73,13 +69,13 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 @pytest.fixture
-def golden(request: pytest.FixtureRequest) -> Callable[..., None]:
+def golden(request):
     """A function that compares a picture with tests/data/<name>.png, as in `golden(image, "debug_draw/cradle")`.
 
     A full path does as well as a name. `share` is the share of pixels that may differ.
     """
 
-    def compare(image: Image.Image, name: str, share: float = SHARE) -> None:
+    def compare(image, name, share=SHARE):
         path = DATA / f"{name}.png"
         if request.config.getoption("--regenerate-golden"):
             path.parent.mkdir(parents=True, exist_ok=True)
@@ -93,26 +89,26 @@ def golden(request: pytest.FixtureRequest) -> Callable[..., None]:
 
 
 @pytest.fixture(scope="session")
-def seed_march() -> March:
+def seed_march():
     """The march of the paper."""
     return March()
 
 
 @pytest.fixture(scope="session")
-def late_run() -> Run:
+def late_run():
     """The paper's dragon as the engine plays it from 400 s, before both near misses, to its first contact."""
     return shared_run("late", lambda: simulate(March(), start=400.0))
 
 
 @pytest.fixture(scope="session")
-def small_run() -> Run:
+def small_run():
     """16 benches as the engine plays them past their first contacts, which are only reported."""
     march = March(Dragon(benches=16), turns=8)
     return shared_run("small", lambda: simulate(march, start=77.5, until=84.5, contacts="report"))
 
 
 @pytest.fixture(scope="session")
-def browser() -> Iterator[Browser]:
+def browser():
     """Chromium, started once for all the tests that need it."""
     with chromium() as started:
         yield started
@@ -179,7 +175,7 @@ def terminal():
 NO_NUMBERS = [float("nan"), float("inf"), float("-inf"), 0, -1, 10**400, "1", "", True, None, 1 + 0j, [1.0], np.eye(30)]
 
 
-def assert_says(error: Exception, *words: str) -> None:
+def assert_says(error, *words):
     """The message is one line of a bearable length and holds `words`."""
     message = str(error)
     assert message == " ".join(message.split())
