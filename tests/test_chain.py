@@ -199,17 +199,6 @@ def test_bounds_hold_for_the_rates_and_their_changes(curve, head):
         assert (np.abs(measured) <= bound + 1e-9).all()
 
 
-@on_every_curve
-def test_whole_chains_are_those_laid_out_bench_by_bench(curve, head):
-    heads, spacings = head + np.linspace(-0.9, 0.9, 41), np.tile(SPACINGS, 2)
-    motion, succeeded = chain._whole_chains(curve, heads, spacings)
-    assert succeeded.all()
-    expected = chain._bench_by_bench(curve, heads, spacings)
-    np.testing.assert_allclose(motion.handles_s, expected, rtol=0, atol=1e-11)
-    for part, other in zip(motion, chain.chain_motion(curve, expected, spacings), strict=True):
-        np.testing.assert_allclose(part, other, rtol=0, atol=1e-11)
-
-
 def test_whole_chains_never_end_on_another_turn(monkeypatch):
     """From an estimate on another turn Newton's method finds other handles at the same distances: they are refused."""
     spiral = Spiral(pitch=0.3)

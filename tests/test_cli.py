@@ -1,7 +1,6 @@
 """The program as people and scripts use it."""
 
 import csv
-import itertools
 import json
 import math
 import os
@@ -94,10 +93,6 @@ def test_scenario_comes_from_files_and_flags_win(answer, tmp_path):
     found = answer("positions", "--scenario", scenario, "--pitch", "0.7", "--times", "0", "--json")
     assert found["handles"][-1] == 16
     assert found["positions"][0][0][0] == pytest.approx(16 * 0.7)
-    scenario.write_text("body_spacing = [1.65, 3.0]\nwidth = [0.2, 0.3, 0.4]\n")
-    found = answer("positions", "--scenario", scenario, "--times", "0", "--handles", "0:3:1", "--json")
-    [places] = found["positions"]
-    assert [math.dist(*pair) for pair in itertools.pairwise(places)] == pytest.approx([2.86, 1.65, 3.0])
     path.write_text("x,y\n" + "".join(f"{10 * x},{x % 3}\n" for x in range(8)))
     speed.write_text("0,1\n10,3\n")
     files = ["--curve", path, "--speed", speed, "--benches", "4"]
