@@ -132,7 +132,6 @@ def test_the_state_at_the_start_is_the_one_along_the_path():
 
 # The equations of rigid chains against finite differences of positions, on curves of several kinds
 
-
 SPACINGS = np.array([2.86, 1.65, 1.65, 1.2])
 # Curves with a coordinate of the head, m, at which all handles are on one piece.
 CURVES = {

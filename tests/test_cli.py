@@ -36,14 +36,6 @@ def answer(call):
     return answered
 
 
-@pytest.fixture(scope="module")
-def run_file(tmp_path_factory):
-    """A run of the exact model past its first contact."""
-    path = tmp_path_factory.mktemp("run") / "run.npz"
-    Run.exact(March(Dragon(benches=16), turns=8), [79, 82]).save(path)
-    return path
-
-
 # positions
 
 
@@ -204,12 +196,14 @@ def test_fine_is_a_substep_of_two_and_a_half_millimetres_at_any_speed(answer):
 # render, report, figure
 
 
-def test_render_takes_the_format_from_the_ending(answer, run_file, tmp_path):
+def test_render_takes_the_format_from_the_ending(answer, tmp_path):
     for ending, expected in {"gif": b"GIF89a", "png": b"\x89PNG\r\n\x1a\n"}.items():
         path = tmp_path / f"film.{ending}"
         options = ["--size", "120"] + ["--fps", "10", "--speedup", "10"] * (ending == "gif")
         assert answer("render", "--until", "2", *options, "-o", path, "--json")["bytes"] == path.stat().st_size
         assert path.read_bytes().startswith(expected), ending
+    run_file = tmp_path / "run.npz"
+    Run.exact(March(Dragon(benches=16), turns=8), [79, 82]).save(run_file)
     assert answer("render", run_file, "-o", tmp_path / "run.html") == ""
     assert (tmp_path / "run.html").read_bytes().startswith(b"<!doctype html>")
 
@@ -248,8 +242,8 @@ def test_film_of_a_march_ends_with_its_first_contact(answer, tmp_path, monkeypat
     assert timings[1].times.tolist() == timings[0].times[-1:].tolist()
 
 
-def test_report_tells_of_a_run_in_the_format_of_its_ending(answer, run_file, here):
-    Path("run.npz").write_bytes(run_file.read_bytes())
+def test_report_tells_of_a_run_in_the_format_of_its_ending(answer, here):
+    Run.exact(March(Dragon(benches=16), turns=8), [79, 82]).save("run.npz")
     assert answer("report", "run.npz") == ""
     assert "Benches 0 and 8 touch at 80.691318 s</h1>" in Path("run.html").read_text(encoding="utf-8")
     found = answer("report", "run.npz", "-o", "r.json", "--json")

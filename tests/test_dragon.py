@@ -136,7 +136,6 @@ def test_errors_pass_between_processes_and_are_one_line():
 
 # How fast the head goes: numbers, tables and functions
 
-
 TABLE = SpeedTable((-50.0, 10.0, 20.0, 20.5, 300.0), (0.5, 1.0, 3.0, 0.2, 1.5))
 speeds = st.floats(0.01, 20)
 

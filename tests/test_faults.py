@@ -143,7 +143,6 @@ def test_package_says_that_it_is_typed_and_which_version_it_is():
 
 # Signals, full disks, closed streams: a documented exit code, at most one line, and whole files only
 
-
 PROGRAM = [sys.executable, "-m", "pymunk_dragon"]
 
 

@@ -164,7 +164,6 @@ def test_impossible_questions_are_refused_by_name(seed_march):
 
 # Dragons on any curve, of any benches, at any speed: against coordinates found by walking back in many digits
 
-
 TURN = March(curve=UTurn())
 
 

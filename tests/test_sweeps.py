@@ -282,7 +282,6 @@ def test_odd_data_are_drawn_twice_the_same(tmp_path):
 
 # Workers, schedulers and programs that are killed, or interrupted: one line, no process left, no finished point again
 
-
 # A sweep of twelve points of which four end, and its table.
 SWEEP = [PYTHON, "-m", "pymunk_dragon", "sweep", *FLAGS, "--quantity", "sweep_functions:logged", "-o", "map.csv"]
 TWELVE = ["--axis", "x=0:11:1", "--workers", "2"]
