@@ -1,7 +1,5 @@
 """What several test files share."""
 
-from __future__ import annotations
-
 import os
 import pty
 import re
@@ -10,7 +8,7 @@ import signal
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Iterator
+import time
 from pathlib import Path
 
 import hypothesis
@@ -20,10 +18,9 @@ import sharing
 from browser import chromium
 from gallery import share_off
 from PIL import Image
-from playwright.sync_api import Browser
 from sharing import shared_run
 
-from pymunk_dragon import Dragon, March, ParameterError, Run, simulate
+from pymunk_dragon import Dragon, March, ParameterError, simulate
 from pymunk_dragon.cli import main
 
 # Examples share the machine with whatever else runs there, so none has a time limit of its own. They are the same every
@@ -43,11 +40,13 @@ not_under_coverage = pytest.mark.skipif(
     "COVERAGE_PROCESS_CONFIG" in os.environ, reason="coverage writes files and takes locks of its own"
 )
 DATA = Path(__file__).parent / "data"
+# s: only a program that does not end reaches this.
+LIMIT = 300
 # Share of the pixels of a golden picture that another machine's rounding may change.
 SHARE = 0.002
 
 
-def pytest_configure(config: pytest.Config) -> None:
+def pytest_configure(config):
     """Let all test processes share files, and take a seventh of the examples for `make test`."""
     if sharing.FOLDER not in os.environ:
         folder = tempfile.TemporaryDirectory(prefix="pymunk-dragon-tests-")
@@ -57,12 +56,12 @@ def pytest_configure(config: pytest.Config) -> None:
         hypothesis.settings.load_profile("quick")
 
 
-def examples(count: int) -> hypothesis.settings:
+def examples(count):
     """Settings for `count` examples where a test of hypothesis usually has 100."""
     return hypothesis.settings(max_examples=count * hypothesis.settings.default.max_examples // 100)
 
 
-def pytest_addoption(parser: pytest.Parser) -> None:
+def pytest_addoption(parser):
     """Add the flag that writes golden pictures."""
     parser.addoption(
         "--regenerate-golden", action="store_true", help="write tests/data/*/*.png; look at them afterwards"
@@ -70,13 +69,13 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 @pytest.fixture
-def golden(request: pytest.FixtureRequest) -> Callable[..., None]:
+def golden(request):
     """A function that compares a picture with tests/data/<name>.png, as in `golden(image, "debug_draw/cradle")`.
 
     A full path does as well as a name. `share` is the share of pixels that may differ.
     """
 
-    def compare(image: Image.Image, name: str, share: float = SHARE) -> None:
+    def compare(image, name, share=SHARE):
         path = DATA / f"{name}.png"
         if request.config.getoption("--regenerate-golden"):
             path.parent.mkdir(parents=True, exist_ok=True)
@@ -90,26 +89,26 @@ def golden(request: pytest.FixtureRequest) -> Callable[..., None]:
 
 
 @pytest.fixture(scope="session")
-def seed_march() -> March:
+def seed_march():
     """The march of the paper."""
     return March()
 
 
 @pytest.fixture(scope="session")
-def late_run() -> Run:
+def late_run():
     """The paper's dragon as the engine plays it from 400 s, before both near misses, to its first contact."""
     return shared_run("late", lambda: simulate(March(), start=400.0))
 
 
 @pytest.fixture(scope="session")
-def small_run() -> Run:
+def small_run():
     """16 benches as the engine plays them past their first contacts, which are only reported."""
     march = March(Dragon(benches=16), turns=8)
     return shared_run("small", lambda: simulate(march, start=77.5, until=84.5, contacts="report"))
 
 
 @pytest.fixture(scope="session")
-def browser() -> Iterator[Browser]:
+def browser():
     """Chromium, started once for all the tests that need it."""
     with chromium() as started:
         yield started
@@ -134,11 +133,20 @@ def here(tmp_path, monkeypatch):
     return tmp_path
 
 
+def wait_until(process, state):
+    """Wait until `state()` is true; the process must not end before."""
+    end = time.monotonic() + LIMIT
+    while not state():
+        assert time.monotonic() < end
+        with pytest.raises(subprocess.TimeoutExpired):
+            process.wait(0.02)
+
+
 def read_until(stream, pattern):
     """What comes from a terminal until it matches `pattern`, or until its other side is closed."""
     seen = b""
     while not (pattern and re.search(pattern, seen)):
-        assert select.select([stream], [], [], 300)[0]
+        assert select.select([stream], [], [], LIMIT)[0]
         try:
             seen += os.read(stream, 4096)
         except OSError:  # Linux raises one when the other side is closed.
@@ -167,13 +175,19 @@ def terminal():
 NO_NUMBERS = [float("nan"), float("inf"), float("-inf"), 0, -1, 10**400, "1", "", True, None, 1 + 0j, [1.0], np.eye(30)]
 
 
-def assert_says(error: Exception, *words: str) -> None:
+def assert_says(error, *words):
     """The message is one line of a bearable length and holds `words`."""
     message = str(error)
     assert message == " ".join(message.split())
     assert len(message) < 250
     for word in words:
         assert word in message
+
+
+def assert_one_line(err, *words):
+    """`err` is one line of the program that holds `words`."""
+    assert err[-1:] == "\n", err
+    assert_says(Exception(err[:-1]), "pymunk-dragon: ", *words)
 
 
 def refusal(call, *arguments, error=ParameterError, **settings):

@@ -39,3 +39,19 @@ ARM = March(
     Sampled(np.stack([2.2 * _SHARES, 0.3 * np.sin(9 * _SHARES) * np.sqrt(_SHARES)], axis=1)),
     speed=0.1,
 )
+
+
+def bent(length, radius, sweep, onward):
+    """Straight on, round to the left by an angle, and straight on."""
+    arc = Arc(centre=(length, radius), radius=radius, begin_angle=-np.pi / 2, sweep=sweep)
+    end, ahead = arc.point(arc.end_s), arc.tangent(arc.end_s)
+    return Composite([Line(stop=(length, 0)), arc, Line(start=end, stop=end + onward * ahead)])
+
+
+# Its legs are closer than a bench is long.
+HAIRPIN = bent(10, 0.6, np.pi, 10)
+# Points of a loop that a hand may have drawn.
+DRAWN = Sampled(
+    [(-12, 0), (-8, 0.3), (-4, -0.2), (0, 0), (3, 1), (4, 4), (1.5, 6), (-1, 4), (-1.5, 1), (-1, -3), (1, -7)]
+)
+TABLE = SpeedTable([0, 4, 9], [0.5, 2, 1])

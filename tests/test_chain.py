@@ -8,7 +8,7 @@ import pytest
 from chain_follower import follow, random_path
 from conftest import refusal
 
-from pymunk_dragon import Arc, Composite, Dragon, Line, March, Sampled, Spiral, UnreachableError, UTurn
+from pymunk_dragon import Arc, Composite, Dragon, Line, March, Sampled, SpeedTable, Spiral, UnreachableError, UTurn
 from pymunk_dragon.model import chain
 
 # Along the x axis, round and back above it at a height of 2 m, and up: a bench of 3 m stands on three of the lines.
@@ -53,16 +53,6 @@ def test_a_head_bench_longer_than_the_turn_is_wide_jackknifes_and_goes_on(pitch,
     assert np.any(np.diff(states[:, 1]) < 0)
     # Not where the first distance that grows all the way leads to.
     assert np.isnan(march.curve.chain(heads, march.dragon.spacings)).any()
-
-
-def test_speeds_in_a_jackknife_are_those_of_the_handles():
-    march = March(Dragon(benches=4), UTurn(ratio=3.0))
-    heads, step = np.arange(10.0, 20.0), 1e-5
-    rates = (march.motion_or_nan(heads + step).handles_s - march.motion_or_nan(heads - step).handles_s) / (2 * step)
-    assert rates.min() < -0.5
-    assert march.at(heads).speeds == pytest.approx(np.abs(rates), abs=1e-8)
-    positions = (march.at(heads + step).positions - march.at(heads - step).positions) / (2 * step)
-    assert march.at(heads).velocities == pytest.approx(positions, abs=1e-7)
 
 
 def test_handle_is_pushed_back_and_motion_ends_for_good_where_the_closed_form_has_them():
@@ -142,7 +132,6 @@ def test_the_state_at_the_start_is_the_one_along_the_path():
 
 # The equations of rigid chains against finite differences of positions, on curves of several kinds
 
-
 SPACINGS = np.array([2.86, 1.65, 1.65, 1.2])
 # Curves with a coordinate of the head, m, at which all handles are on one piece.
 CURVES = {
@@ -153,8 +142,8 @@ CURVES = {
     "spline": (Sampled([(0, 0), (10, 3), (20, -2), (30, 4), (40, 0)]), 25.0),
     "u-turn": (UTurn(), 1.0),
 }
-# m of the head: central differences lose as much to rounding as to curvature.
-STEP = 1e-4
+# s: central differences lose as much to rounding as to curvature.
+STEP = 2e-5
 on_every_curve = pytest.mark.parametrize(("curve", "head"), CURVES.values(), ids=CURVES)
 
 
@@ -164,15 +153,31 @@ def bench_angles(curve, heads):
     return handles_s, *chain.angles(*curve.frame(handles_s), SPACINGS)
 
 
-@on_every_curve
-def test_velocity_ratios_and_angular_rates_are_the_derivatives_of_coordinates_and_angles(curve, head):
-    handles_s, front, rear = bench_angles(curve, np.array([head - STEP, head, head + STEP]))
-    expected = (handles_s[2] - handles_s[0]) / (2 * STEP)
-    np.testing.assert_allclose(chain.velocity_ratios(front.real, rear.real)[1], expected, atol=1e-7)
-    points = curve.point(handles_s)
-    heading = np.unwrap(np.arctan2(*np.moveaxis(points[:, :-1] - points[:, 1:], -1, 0)[::-1]), axis=0)
-    expected = (heading[2] - heading[0]) / (handles_s[2, :-1] - handles_s[0, :-1])
-    np.testing.assert_allclose(chain.angular_rates(front, rear, SPACINGS)[1], expected, atol=1e-7)
+MARCHES = {
+    name: (March(Dragon(body_spacing=[1.65, 1.65, 1.2]), curve, start_s=head), [0.0])
+    for name, (curve, head) in CURVES.items()
+}
+FOUR = Dragon(body_spacing=[1.65, 1.65, 1.2])
+MARCHES = {name: (March(FOUR, curve, start_s=head), [0.0]) for name, (curve, head) in CURVES.items()}
+MARCHES["the paper's"] = March(), [0, 100, 300, 412]
+# Handles go back.
+MARCHES["jackknife"] = March(Dragon(benches=4), UTurn(ratio=3.0)), range(10, 20)
+# Between entries of the table of speeds.
+WAVE = SpeedTable.of(lambda t: 1 + 0.5 * np.sin(t), -5, 5)
+MARCHES["changing speed"] = March(Dragon(benches=4), UTurn(), speed=WAVE), [-2.003, 0.502, 2.503, 4.003]
+
+
+@pytest.mark.parametrize(("march", "times"), MARCHES.values(), ids=MARCHES)
+def test_velocities_are_the_rates_of_coordinates_positions_and_poses(march, times):
+    now, before, after = (march.at(np.add(times, late)) for late in (0, -STEP, STEP))
+    coordinates, positions, poses = (
+        (getattr(after, name) - getattr(before, name)) / (2 * STEP) for name in ("handles_s", "positions", "poses")
+    )
+    poses[..., 2] = (poses[..., 2] + np.pi / 2 / STEP) % (np.pi / STEP) - np.pi / 2 / STEP
+    assert now.speeds == pytest.approx(np.abs(coordinates), abs=2e-8)
+    assert now.speeds == pytest.approx(np.linalg.norm(now.velocities, axis=-1), rel=1e-14)
+    assert now.velocities == pytest.approx(positions, abs=2e-8)
+    assert now.pose_velocities == pytest.approx(poses, abs=2e-8)
 
 
 @on_every_curve
@@ -191,17 +196,6 @@ def test_bounds_hold_for_the_rates_and_their_changes(curve, head):
         (np.diff(omega, axis=0) / along, bounds.omega_change),
     ):
         assert (np.abs(measured) <= bound + 1e-9).all()
-
-
-@on_every_curve
-def test_whole_chains_are_those_laid_out_bench_by_bench(curve, head):
-    heads, spacings = head + np.linspace(-0.9, 0.9, 41), np.tile(SPACINGS, 2)
-    motion, succeeded = chain._whole_chains(curve, heads, spacings)
-    assert succeeded.all()
-    expected = chain._bench_by_bench(curve, heads, spacings)
-    np.testing.assert_allclose(motion.handles_s, expected, rtol=0, atol=1e-11)
-    for part, other in zip(motion, chain.chain_motion(curve, expected, spacings), strict=True):
-        np.testing.assert_allclose(part, other, rtol=0, atol=1e-11)
 
 
 def test_whole_chains_never_end_on_another_turn(monkeypatch):

@@ -1,7 +1,6 @@
 """The program as people and scripts use it."""
 
 import csv
-import itertools
 import json
 import math
 import os
@@ -12,7 +11,7 @@ from pathlib import Path
 
 import openpyxl
 import pytest
-from conftest import assert_says
+from conftest import assert_one_line
 from PIL import Image
 
 from pymunk_dragon import Dragon, March, Run, Scenario, render
@@ -35,14 +34,6 @@ def answer(call):
         return json.loads(out) if "--json" in arguments else out
 
     return answered
-
-
-@pytest.fixture(scope="module")
-def run_file(tmp_path_factory):
-    """A run of the exact model past its first contact."""
-    path = tmp_path_factory.mktemp("run") / "run.npz"
-    Run.exact(March(Dragon(benches=16), turns=8), [79, 82]).save(path)
-    return path
 
 
 # positions
@@ -94,10 +85,6 @@ def test_scenario_comes_from_files_and_flags_win(answer, tmp_path):
     found = answer("positions", "--scenario", scenario, "--pitch", "0.7", "--times", "0", "--json")
     assert found["handles"][-1] == 16
     assert found["positions"][0][0][0] == pytest.approx(16 * 0.7)
-    scenario.write_text("body_spacing = [1.65, 3.0]\nwidth = [0.2, 0.3, 0.4]\n")
-    found = answer("positions", "--scenario", scenario, "--times", "0", "--handles", "0:3:1", "--json")
-    [places] = found["positions"]
-    assert [math.dist(*pair) for pair in itertools.pairwise(places)] == pytest.approx([2.86, 1.65, 3.0])
     path.write_text("x,y\n" + "".join(f"{10 * x},{x % 3}\n" for x in range(8)))
     speed.write_text("0,1\n10,3\n")
     files = ["--curve", path, "--speed", speed, "--benches", "4"]
@@ -172,7 +159,7 @@ def test_contact_writes_the_contests_sheet(answer, call, tmp_path):
     path.unlink()
     code, out, err = call("contact", "--until", "1", "-o", path)
     assert (code, out) == (1, "")
-    assert_says(Exception(err[:-1]), "no contact until t = 1 s", "result2.xlsx")
+    assert_one_line(err, "no contact until t = 1 s", "result2.xlsx")
     assert os.listdir(tmp_path) == []
 
 
@@ -209,12 +196,14 @@ def test_fine_is_a_substep_of_two_and_a_half_millimetres_at_any_speed(answer):
 # render, report, figure
 
 
-def test_render_takes_the_format_from_the_ending(answer, run_file, tmp_path):
+def test_render_takes_the_format_from_the_ending(answer, tmp_path):
     for ending, expected in {"gif": b"GIF89a", "png": b"\x89PNG\r\n\x1a\n"}.items():
         path = tmp_path / f"film.{ending}"
         options = ["--size", "120"] + ["--fps", "10", "--speedup", "10"] * (ending == "gif")
         assert answer("render", "--until", "2", *options, "-o", path, "--json")["bytes"] == path.stat().st_size
         assert path.read_bytes().startswith(expected), ending
+    run_file = tmp_path / "run.npz"
+    Run.exact(March(Dragon(benches=16), turns=8), [79, 82]).save(run_file)
     assert answer("render", run_file, "-o", tmp_path / "run.html") == ""
     assert (tmp_path / "run.html").read_bytes().startswith(b"<!doctype html>")
 
@@ -253,8 +242,8 @@ def test_film_of_a_march_ends_with_its_first_contact(answer, tmp_path, monkeypat
     assert timings[1].times.tolist() == timings[0].times[-1:].tolist()
 
 
-def test_report_tells_of_a_run_in_the_format_of_its_ending(answer, run_file, here):
-    Path("run.npz").write_bytes(run_file.read_bytes())
+def test_report_tells_of_a_run_in_the_format_of_its_ending(answer, here):
+    Run.exact(March(Dragon(benches=16), turns=8), [79, 82]).save("run.npz")
     assert answer("report", "run.npz") == ""
     assert "Benches 0 and 8 touch at 80.691318 s</h1>" in Path("run.html").read_text(encoding="utf-8")
     found = answer("report", "run.npz", "-o", "r.json", "--json")

@@ -216,15 +216,6 @@ def test_path_is_the_spline_to_the_last_digits(points, places):
     assert max(worst_errors(path, truth, np.linspace(0, path.end_s, places)[:-1])) < 1e-12
 
 
-def test_path_through_points_of_a_line_is_the_line():
-    line = Line(start=(3, 4), stop=(-50, 60))
-    path = Sampled(line.point(line.end_s * np.array([0, 0.1, 0.15, 0.5, 0.8, 1])))
-    s = np.linspace(0, 70, 50)
-    assert path.point(s) == pytest.approx(line.point(s), abs=1e-12)
-    assert path.end_s == pytest.approx(line.end_s, rel=1e-15)
-    assert path.max_curvature(0, 70) < 1e-12
-
-
 headings = st.lists(st.tuples(st.floats(0.1, 3), st.floats(-1.5, 1.5)), min_size=4, max_size=12)
 
 

@@ -1,11 +1,7 @@
 """Debug drawing of spaces that no dragon is in."""
 
-from __future__ import annotations
-
 import math
 from collections import Counter
-from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 import pymunk
@@ -23,15 +19,15 @@ BLACK, RED = SpaceDebugColor(0, 0, 0, 255), SpaceDebugColor(255, 0, 0, 255)
 OUTLINE, CONSTRAINT, COLLISION = (44, 62, 80), (142, 68, 173), (231, 76, 60)
 
 
-def white(width: int = 64, height: int = 64) -> Image.Image:
+def white(width=64, height=64):
     return Image.new("RGB", (width, height), "white")
 
 
-def has(image: Image.Image, colour: tuple[int, ...]) -> bool:
+def has(image, colour):
     return bool((np.asarray(image) == colour[:3]).all(axis=-1).any())
 
 
-def painted(name: str, *arguments: Any, image: Image.Image | None = None) -> Image.Image:
+def painted(name, *arguments, image=None):
     """Picture of one call of a drawing method."""
     options = PillowDrawOptions(image or white())
     with options:
@@ -39,7 +35,7 @@ def painted(name: str, *arguments: Any, image: Image.Image | None = None) -> Ima
     return options.image
 
 
-def cradle() -> pymunk.Space:
+def cradle():
     """Newton's cradle with the last ball drawn aside; the balls that hang touch."""
     space = pymunk.Space()
     for i in range(5):
@@ -53,7 +49,7 @@ def cradle() -> pymunk.Space:
     return space
 
 
-def shapes() -> pymunk.Space:
+def shapes():
     """A shape of every kind; the disc has a colour of its own that can be seen through."""
     space = pymunk.Space()
     body, lift = pymunk.Body(1, 1), pymunk.Body(body_type=pymunk.Body.KINEMATIC)
@@ -65,7 +61,7 @@ def shapes() -> pymunk.Space:
     return space
 
 
-def test_every_kind_of_shape_covers_its_area() -> None:
+def test_every_kind_of_shape_covers_its_area():
     random = np.random.default_rng(7)
     x, y = np.meshgrid(np.arange(48), np.arange(48))
     for number in range(12):
@@ -85,7 +81,7 @@ def test_every_kind_of_shape_covers_its_area() -> None:
             assert abs(covered.sum() - truth.sum()) < 0.3 * area.length, (name, number)
 
 
-def test_circles_have_a_line_in_the_direction_of_their_body_in_every_view() -> None:
+def test_circles_have_a_line_in_the_direction_of_their_body_in_every_view():
     x, y = np.meshgrid(np.arange(64) - 31.5, np.arange(64) - 31.5)
     for view in (
         Transform.identity(),
@@ -102,7 +98,7 @@ def test_circles_have_a_line_in_the_direction_of_their_body_in_every_view() -> N
         assert found == pytest.approx((view @ Vec2d(1, 0).rotated(0.7)).normalized(), abs=0.1), view
 
 
-def test_fit_shows_all_of_a_space_as_large_as_it_can() -> None:
+def test_fit_shows_all_of_a_space_as_large_as_it_can():
     space = pymunk.Space()
     space.add(pymunk.Poly(space.static_body, [(1003, -7.5), (1003.06, -7.5), (1003.06, -7.47), (1003, -7.47)]))
     for size, up in (((200, 100), False), ((80, 160), True)):
@@ -121,7 +117,7 @@ def test_fit_shows_all_of_a_space_as_large_as_it_can() -> None:
     assert all(10 <= length <= size - 10 for length, size in zip(options.transform @ (0, 0), (120, 80), strict=True))
 
 
-def test_flags_say_what_is_drawn() -> None:
+def test_flags_say_what_is_drawn():
     for name, colour in (("SHAPES", OUTLINE), ("CONSTRAINTS", CONSTRAINT), ("COLLISION_POINTS", COLLISION)):
         options = PillowDrawOptions(white(300, 240), positive_y_is_up=True, line_width=2)
         options.fit(cradle(), margin=20)
@@ -130,7 +126,7 @@ def test_flags_say_what_is_drawn() -> None:
         assert [other for other in (OUTLINE, CONSTRAINT, COLLISION) if has(options.image, other)] == [colour]
 
 
-def test_alpha_lets_the_background_through() -> None:
+def test_alpha_lets_the_background_through():
     for alpha in (0, 1, 100, 255):
         image = Image.new("RGB", (64, 64), (30, 40, 250))
         painted("draw_circle", Vec2d(32, 32), 0, 20, (*RED[:3], 0), (10, 200, 90, alpha), image=image)
@@ -138,9 +134,9 @@ def test_alpha_lets_the_background_through() -> None:
         assert np.abs(np.array(image.getpixel((32, 40))) - mixed).max() <= 1, alpha
 
 
-def test_bad_images_line_widths_and_areas_are_refused() -> None:
+def test_bad_images_line_widths_and_areas_are_refused():
     options = PillowDrawOptions(white())
-    cases: list[tuple[str, Callable[[Any], Any], list[Any]]] = [
+    cases = [
         ("area", options.fit, [pymunk.Space(), BB(1, 1, 1, 1)]),
         ("margin", lambda margin: options.fit(cradle(), margin), [32]),
         ("image", PillowDrawOptions, [None, "image.png", *(Image.new(mode, (4, 4)) for mode in ("L", "P", "RGBA"))]),
@@ -151,7 +147,7 @@ def test_bad_images_line_widths_and_areas_are_refused() -> None:
             assert refusal(call, value).name == name, value
 
 
-def test_what_is_out_of_sight_or_nowhere_changes_nothing() -> None:
+def test_what_is_out_of_sight_or_nowhere_changes_nothing():
     image = white()
     options = PillowDrawOptions(image)
     places = [(-1e3, 0), (1e5, 1e5), (32, 1e11), (math.nan, 3), (3, math.inf), (1e300, 0), (-1e13, 3)]
@@ -169,7 +165,7 @@ def test_what_is_out_of_sight_or_nowhere_changes_nothing() -> None:
     assert image.tobytes() == white().tobytes()
 
 
-def test_shapes_far_larger_than_the_picture_are_drawn() -> None:
+def test_shapes_far_larger_than_the_picture_are_drawn():
     slope = Vec2d(math.cos(0.4), math.sin(0.4))
     planet = painted("draw_circle", Vec2d(200, 200) - slope * 1e5, 2, 1e5, RED, BLACK, image=white(400, 400))
     x, y = np.meshgrid(np.arange(400) - 199.5, np.arange(400) - 199.5)
@@ -180,7 +176,7 @@ def test_shapes_far_larger_than_the_picture_are_drawn() -> None:
     assert has(painted("draw_segment", Vec2d(-4e8, 32), Vec2d(4e8, 32), BLACK), BLACK)
 
 
-def test_wrong_colour_of_a_shape_is_raised_and_the_options_can_be_used_again(capfd: pytest.CaptureFixture[str]) -> None:
+def test_wrong_colour_of_a_shape_is_raised_and_the_options_can_be_used_again(capfd):
     options = PillowDrawOptions(white())
     space = pymunk.Space()
     circle = pymunk.Circle(space.static_body, 10, (32, 32))
@@ -196,7 +192,7 @@ def test_wrong_colour_of_a_shape_is_raised_and_the_options_can_be_used_again(cap
     assert capfd.readouterr() == ("", "")
 
 
-def test_recorder_has_every_call_in_the_coordinates_of_the_space() -> None:
+def test_recorder_has_every_call_in_the_coordinates_of_the_space():
     recorder = DrawRecorder()
     recorder.transform = Transform.scaling(7)
     shapes().debug_draw(recorder)
@@ -210,7 +206,7 @@ def test_recorder_has_every_call_in_the_coordinates_of_the_space() -> None:
     assert recorder.transform == Transform.scaling(7)
 
 
-def test_pictures_look_as_they_did(golden: Callable[..., None]) -> None:
+def test_pictures_look_as_they_did(golden):
     options = PillowDrawOptions(white(320, 240), positive_y_is_up=True)
     options.fit(cradle())
     cradle().debug_draw(options)

@@ -7,14 +7,13 @@ import signal
 import stat
 import subprocess
 import sys
-import time
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 
 import psutil
 import pytest
-from conftest import assert_says, not_under_coverage, read_until, refusal
+from conftest import LIMIT, assert_one_line, assert_says, not_under_coverage, read_until, refusal, wait_until
 
 import pymunk_dragon
 from pymunk_dragon import FileFormatError, OutputError
@@ -144,10 +143,7 @@ def test_package_says_that_it_is_typed_and_which_version_it_is():
 
 # Signals, full disks, closed streams: a documented exit code, at most one line, and whole files only
 
-
 PROGRAM = [sys.executable, "-m", "pymunk_dragon"]
-# s: only a program that does not end reaches this.
-LIMIT = 300
 
 
 def program(*arguments, before="", after="", folder=None, **environment):
@@ -157,12 +153,6 @@ def program(*arguments, before="", after="", folder=None, **environment):
         command, capture_output=True, text=True, timeout=LIMIT, cwd=folder, env=os.environ | environment
     )
     return ended.returncode, ended.stdout, ended.stderr
-
-
-def assert_one_line(err, *words):
-    """`err` is one line of the program that holds `words`."""
-    assert err.endswith("\n")
-    assert_says(Exception(err[:-1]), "pymunk-dragon: ", *words)
 
 
 def quick_and_all(quick, more):
@@ -300,16 +290,6 @@ def test_command_imports_only_what_it_uses(commands):
 # Films by several processes
 
 
-def wait_for(condition, process):
-    """What `condition()` returns, as soon as it is true; a process must not end before."""
-    end = time.monotonic() + LIMIT
-    while not (found := condition()):
-        assert time.monotonic() < end
-        with pytest.raises((subprocess.TimeoutExpired, psutil.TimeoutExpired)):
-            process.wait(0.05)
-    return found
-
-
 @pytest.mark.thorough
 def test_film_that_is_interrupted_leaves_no_file_and_no_process(tmp_path):
     for name in ("film.gif", "film.mp4"):
@@ -318,7 +298,7 @@ def test_film_that_is_interrupted_leaves_no_file_and_no_process(tmp_path):
         with subprocess.Popen(
             [*PROGRAM, "render", *options], stdout=pipe, stderr=pipe, text=True, start_new_session=True
         ) as process:
-            wait_for(lambda: names(tmp_path), process)
+            wait_until(process, lambda: names(tmp_path))
             children = psutil.Process(process.pid).children(recursive=True)
             os.killpg(process.pid, signal.SIGINT)  # A terminal sends it to all of them.
             _, err = process.communicate(timeout=LIMIT)

@@ -1,14 +1,10 @@
 """Figures: what they draw is true, can be read, and comes out the same again."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import sys
 from functools import cache
 from itertools import combinations
-from pathlib import Path
-from typing import Any
 
 import matplotlib.text
 import numpy as np
@@ -39,37 +35,37 @@ SMALLEST = 8.0
 
 
 @cache
-def run() -> Run:
+def run():
     """The last seconds before the paper's contact, as the engine plays them: quick, and rough."""
     return shared_run("rough", lambda: simulate(March(Dragon(benches=40)), start=400, substep=0.02, iterations=15))
 
 
-def source_of(name: str) -> Run | None:
+def source_of(name):
     return run() if name in ("drift", "impulses") else None
 
 
 @cache
-def drawn(name: str, lang: str = "en") -> Any:
+def drawn(name, lang="en"):
     with in_language(lang):
         return figure(name, source_of(name))
 
 
-def artist(drawing: Any, gid: str) -> Any:
+def artist(drawing, gid):
     return drawing.findobj(lambda part: part.get_gid() == gid)[0]
 
 
-def line(drawing: Any, gid: str) -> np.ndarray:
+def line(drawing, gid):
     return np.asarray(artist(drawing, gid).get_xydata(), dtype=float).T
 
 
-def words(drawing: Any) -> str:
+def words(drawing):
     return "\n".join(text.get_text() for text in drawing.findobj(matplotlib.text.Text))
 
 
 @pytest.mark.parametrize(
     "name", ["grid", *(pytest.param(name, marks=pytest.mark.thorough) for name in FIGURES if name != "grid")]
 )
-def test_figure_has_the_same_bytes_in_each_format_whatever_the_settings(name: str, tmp_path: Path) -> None:
+def test_figure_has_the_same_bytes_in_each_format_whatever_the_settings(name, tmp_path):
     assert FIGURES[name].endings == ((".png", ".svg", ".pdf") if name in CHARTS else (".png", ".pdf"))
     for ending in FIGURES[name].endings:
         file, again = tmp_path / f"{name}{ending}", tmp_path / f"again{ending}"
@@ -88,7 +84,7 @@ def test_figure_has_the_same_bytes_in_each_format_whatever_the_settings(name: st
         assert again.read_bytes() == content
 
 
-def test_spiral_is_that_of_the_paper_with_a_dot_each_minute() -> None:
+def test_spiral_is_that_of_the_paper_with_a_dot_each_minute():
     walked, ahead, dots = (line(drawn("spiral"), name).T for name in ("walked", "ahead", "minutes"))
     for way in (walked, ahead):
         radius = np.hypot(*way.T)
@@ -101,7 +97,7 @@ def test_spiral_is_that_of_the_paper_with_a_dot_each_minute() -> None:
     np.testing.assert_allclose(dots, March().at(60.0 * np.arange(7)).positions[:, 0], atol=1e-9)
 
 
-def test_handles_end_where_the_contact_stops_them_with_the_velocities_of_the_exact_model() -> None:
+def test_handles_end_where_the_contact_stops_them_with_the_velocities_of_the_exact_model():
     states = March().at(CONTACT_TIME)
     places, velocities = states.positions[0, HANDLES], states.velocities[0, HANDLES]
     for handle, place in zip(HANDLES, places, strict=True):
@@ -117,7 +113,7 @@ def test_handles_end_where_the_contact_stops_them_with_the_velocities_of_the_exa
         assert f"handle {handle}: {speed:.3f} m/s" in words(drawn("velocities"))
 
 
-def test_cells_of_the_grid_are_shaded_as_shapely_finds_benches_in_them() -> None:
+def test_cells_of_the_grid_are_shaded_as_shapely_finds_benches_in_them():
     drawing, corners = drawn("grid"), MODEL.dragon.outlines(MODEL.at(CONTACT_TIME).poses[0])
     # The axes are column and row, with the indices at the middle of cells, from the paper's origin.
     outlines = [shapely.Polygon((each - (-8.8, 8.8)) / (0.55, -0.55) - 0.5) for each in corners]
@@ -136,7 +132,7 @@ def test_cells_of_the_grid_are_shaded_as_shapely_finds_benches_in_them() -> None
         assert (to_hex(patch.get_edgecolor()) == Palette().contact) == (bench in (0, 8))
 
 
-def test_gaps_are_those_of_shapely_and_smallest_where_the_exact_model_says() -> None:
+def test_gaps_are_those_of_shapely_and_smallest_where_the_exact_model_says():
     march, drawing = March(), drawn("gap")
     times, gaps = line(drawing, "gap")
     for time, gap in NEAR_MISSES.values():
@@ -152,7 +148,7 @@ def test_gaps_are_those_of_shapely_and_smallest_where_the_exact_model_says() -> 
             assert gap == pytest.approx(min(head.distance(others[bench - 1]) for bench in benches), abs=1e-10)
 
 
-def test_speeds_are_those_of_the_exact_model_at_the_times_beside_their_lines() -> None:
+def test_speeds_are_those_of_the_exact_model_at_the_times_beside_their_lines():
     [axes] = drawn("speeds").axes
     names = [each.get_label() for each in axes.get_lines()]
     assert names == ["0 s", "100 s", "200 s", "300 s", "400 s", "412.47 s"]
@@ -161,7 +157,7 @@ def test_speeds_are_those_of_the_exact_model_at_the_times_beside_their_lines() -
     np.testing.assert_allclose([each.get_ydata() for each in axes.get_lines()], expected, atol=1e-9)
 
 
-def test_drift_and_impulses_are_those_of_the_run() -> None:
+def test_drift_and_impulses_are_those_of_the_run():
     played, drawing = run(), drawn("drift")
     for name, count in (("any-bench", 40), ("first-benches", 12)):
         times, worst = line(drawing, name)
@@ -177,7 +173,7 @@ def test_drift_and_impulses_are_those_of_the_run() -> None:
         np.testing.assert_allclose(line(drawn("impulses"), f"impulse-{rank}")[1], played.joint_impulses[frame] / 0.02)
 
 
-def test_only_the_picture_of_the_collision_shows_a_contact(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_only_the_picture_of_the_collision_shows_a_contact(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "matplotlib", None)  # They need none.
     counts = {}
     for name in STILLS:
@@ -190,11 +186,11 @@ def test_only_the_picture_of_the_collision_shows_a_contact(tmp_path: Path, monke
     assert counts["collision"][1] > counts["collision"][0] / 13 > 0
 
 
-def check_texts(drawing: Any, border: int = 10) -> list[str]:
+def check_texts(drawing, border=10):
     """Return all texts of a figure, after a check that they are within the page, large, and clear of each other."""
     draw, seen = matplotlib.text.Text.draw, []
 
-    def draw_and_note(text: Any, *arguments: Any, **options: Any) -> None:
+    def draw_and_note(text, *arguments, **options):
         draw(text, *arguments, **options)
         if text.get_visible() and text.get_text().strip():
             # Of an annotation without its leader.
@@ -219,14 +215,14 @@ UNITS |= {"gap": "mm", "speeds": "m/s", "drift": "\N{MICRO SIGN}m", "impulses": 
 
 @pytest.mark.parametrize("lang", ["en", pytest.param("zh", marks=pytest.mark.thorough)])
 @pytest.mark.parametrize("name", CHARTS)
-def test_texts_of_a_figure_are_large_do_not_overlap_and_tell_the_units(name: str, lang: str) -> None:
+def test_texts_of_a_figure_are_large_do_not_overlap_and_tell_the_units(name, lang):
     shown = " ".join(check_texts(drawn(name, lang)))
     english = set(re.findall("[A-Za-z]+", shown))
     assert UNITS[name] in shown if lang == "en" else english <= {"m", "mm", "nm", "ms", "s", "N", "x", "y", "i", "j"}
 
 
 @pytest.mark.thorough
-def test_texts_of_other_figures_do_not_overlap(tmp_path: Path) -> None:
+def test_texts_of_other_figures_do_not_overlap(tmp_path):
     for found in (min_pitch(), min_pitch(radius=8.0), max_speed(), u_turn(Dragon(benches=25), search=False)):
         for lang in ("en", "zh"):
             with in_language(lang):
@@ -239,7 +235,7 @@ def test_texts_of_other_figures_do_not_overlap(tmp_path: Path) -> None:
             assert not any(word in told for word in ("spiral", "coil", "inward"))
 
 
-def test_matplotlib_and_pymunk_are_imported_when_they_are_needed_and_pyplot_never() -> None:
+def test_matplotlib_and_pymunk_are_imported_when_they_are_needed_and_pyplot_never():
     program = """
 import sys
 from pymunk_dragon.drawing.figures import figure
@@ -250,9 +246,9 @@ assert "matplotlib" in sys.modules and "matplotlib.pyplot" not in sys.modules
     subprocess.run([sys.executable, "-c", program], check=True)
 
 
-def test_figures_that_cannot_be_drawn_are_refused(tmp_path: Path) -> None:
+def test_figures_that_cannot_be_drawn_are_refused(tmp_path):
     exact = Run.exact(MODEL, [0.0, 1.0])
-    cases: list[tuple[str, str, Any, str]] = [
+    cases = [
         ("spirals", "x.png", None, "figure"),
         ("collision", "x.svg", None, "output"),
         ("spiral", "x.png", "march", "source"),

@@ -9,8 +9,8 @@ import pymunk
 import pytest
 import shapely
 from conftest import NO_NUMBERS, assert_says, refusal
+from marches import DRAWN, HAIRPIN, TABLE
 from sharing import shared_run
-from test_march_curves import DRAWN, HAIRPIN, TABLE
 
 from pymunk_dragon import Arc, Dragon, EngineSettings, Line, March, PathGuide, Run, UTurn, World, simulate
 from pymunk_dragon.errors import DragonError, UnreachableError

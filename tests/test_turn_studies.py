@@ -97,11 +97,6 @@ def test_search_reports_its_progress_and_claims_no_proof(answer):
     assert "not proven" in str(answer)
 
 
-def test_impossible_turns_are_refused_by_name():
-    for radius in (1.8, 4.0):
-        assert_says(refusal(u_turn, Dragon(benches=12), radius=radius, search=False), f"radius is {radius}")
-
-
 def test_contests_sheet_has_all_times_from_before_the_circle_to_after_it(call, tmp_path):
     file = tmp_path / "result4.xlsx"
     status, out, _ = call("study", "u-turn", "--benches", "12", "--no-search", "-o", file, "--json")
@@ -206,6 +201,8 @@ def test_impossible_limits_turns_and_dragons_are_refused_by_name():
     ):
         assert_says(refusal(max_speed, dragon, **sizes), *words)
     refusal(max_speed, radius=4.2, error=UnreachableError)
+    for radius in (1.8, 4.0):
+        assert_says(refusal(u_turn, Dragon(benches=12), radius=radius, search=False), f"radius is {radius}")
 
 
 def test_program_tells_the_limit(call, limit):
