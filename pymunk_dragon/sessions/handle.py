@@ -188,8 +188,9 @@ def live(
     >>> def kick(space):
     ...     space.bodies[0].apply_impulse_at_local_point((0, -500))
     >>> controls = [Slider("gravity", 0, 2000), Slider("balls", 1, 9, rebuilds=True), Button("Kick", kick)]
-    >>> session = live(build, controls=controls, y_down=True, units="px", browser=False)
-    >>> session.stop()
+    >>> with live(build, controls=controls, y_down=True, units="px", browser=False) as session:
+    ...     print(session.address.partition(":")[0])
+    http
     """
     # The steps that a program makes itself cannot be replayed.
     endings = RECORDING_ENDINGS if step is not None else (".json",)
