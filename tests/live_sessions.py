@@ -32,10 +32,8 @@ def listener(told: list[object]):
 class Played:
     """A paused session without a server: `do` sends a message, `step` makes steps as fast as they go."""
 
-    def __init__(self, source, **options):
-        self.session = Session(
-            source if hasattr(source, "build") else source_of(source, Play()), running=False, **options
-        )
+    def __init__(self, source):
+        self.session = Session(source if hasattr(source, "build") else source_of(source, Play()), running=False)
         self.told = []
         self.session.join(listener(self.told))
         self.session.start()
@@ -96,9 +94,9 @@ def greeting(on: Played):
 
 
 @contextmanager
-def played(source: object, **options: object):
+def played(source: object):
     """A `Played` session, which is stopped in the end."""
-    found = Played(source, **options)
+    found = Played(source)
     try:
         yield found
     finally:

@@ -97,8 +97,7 @@ def _write_page(sources: list[Run | March], path: Path, title: str | None) -> No
     run, *others = sources
     if others or not isinstance(run, Run):
         raise click.UsageError("a page plays one run: name one, or write a film")
-    with common.progress("render") as show:
-        write_player(run, path, title=title, progress=show)
+    write_player(run, path, title=title)
 
 
 def _sources(run_files: tuple[str, ...], exact: bool) -> list[Run | March]:

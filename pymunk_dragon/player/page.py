@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Callable
 from dataclasses import asdict
 from html import escape
 from itertools import chain
@@ -44,17 +43,13 @@ DARK = Palette(
 )
 
 
-def write_player(
-    run: Run, path: str | Path, *, title: str | None = None, progress: Callable[[int, int], None] | None = None
-) -> None:
+def write_player(run: Run, path: str | Path, *, title: str | None = None) -> None:
     """Write the page of `player_page` to a file.
 
     Parameters
     ----------
     run, path, title : Run, path, str, optional
         The run, the file, which ends in .html, and the heading. An interruption leaves the old file or none.
-    progress : callable, optional
-        Called after each step with the number of completed steps and the total number of steps.
 
     Raises
     ------
@@ -66,13 +61,10 @@ def write_player(
     >>> from pymunk_dragon import Dragon, March, Run, write_player
     >>> write_player(Run.exact(March(Dragon(benches=8)), [0.0, 1.0]), "run.html")
     """
-    destination, notify = check_destination(path, PLAYER_ENDINGS), progress or (lambda done, total: None)
-    page = player_page(run, title=title)
-    notify(1, 2)
+    destination, page = check_destination(path, PLAYER_ENDINGS), player_page(run, title=title)
     with written_in_place(destination) as draft:
         # Bytes, since text mode would convert line ends, and the hashes of script and style would no longer match.
         draft.write_bytes(page.encode("utf-8"))
-    notify(2, 2)
 
 
 def player_page(run: Run, *, title: str | None = None) -> str:

@@ -16,38 +16,8 @@ time of a step as charts.
 
 ## Any Pymunk space
 
-In Python and notebooks, any space plays in the same page, drawn as Pymunk's debug drawing draws it. Give a function
-that builds the space, so that it can begin anew:
-
-```python
-import pymunk
-
-from pymunk_dragon import Button, Slider, live
-
-
-def build(gravity=900.0, balls=12):
-    space = pymunk.Space()
-    space.gravity = 0, gravity
-    space.add(pymunk.Segment(space.static_body, (0, 400), (600, 380), 5))
-    for i in range(balls):
-        body = pymunk.Body()
-        body.position = 40 * i + 50, 100
-        circle = pymunk.Circle(body, 15)
-        circle.mass, circle.elasticity = 1, 0.8
-        space.add(body, circle)
-    return space
-
-
-def kick(space):
-    for body in space.bodies:
-        body.apply_impulse_at_local_point((0, -500))
-
-
-controls = [Slider("gravity", 0, 2000), Slider("balls", 1, 14, rebuilds=True), Button("Kick", kick)]
-with live(build, controls=controls, y_down=True, units="px", browser=False) as session:
-    print(session.address)  # http://127.0.0.1:.../?token=...
-```
-
+In Python and notebooks, any space plays in the same page, drawn as Pymunk's debug drawing draws it, with sliders,
+buttons and keys of yours. Give a function that builds the space, so that it can begin anew: `live` has an example.
 `on_step` is called before each step, `plots` are shown as charts beside energy and momentum, and an exception in a
 function of yours pauses the session and shows its line on the page.
 

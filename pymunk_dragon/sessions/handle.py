@@ -30,8 +30,6 @@ from pymunk_dragon.sessions.session import MAX_STEP, Session
 if TYPE_CHECKING:
     from pymunk_dragon.sessions.server import Server
 
-# Pixels: height of the page in a notebook, which is as wide as the notebook.
-_FRAME_HEIGHT = 720
 # What `reset` puts back in a space that no function builds. The angle comes first: Pymunk finds the position of a body
 # from that of its centre of mass, with the angle.
 _KEPT = ("angle", "position", "velocity", "angular_velocity", "force", "torque", "gravity", "damping", "iterations")
@@ -111,7 +109,7 @@ class Live:
         hub = os.environ.get("JUPYTERHUB_SERVICE_PREFIX")
         server = self._server
         address = self.address if hub is None else f"{hub}proxy/{server.port}/?token={server.token}"
-        shape = f'width="100%" height="{_FRAME_HEIGHT}" style="border: 0"'
+        shape = 'width="100%" height="720" style="border: 0"'
         return {"text/html": f'<iframe src="{escape(address)}" title="A live session" {shape}></iframe>'}
 
 
@@ -188,20 +186,16 @@ def live(
     >>> def kick(space):
     ...     space.bodies[0].apply_impulse_at_local_point((0, -500))
     >>> controls = [Slider("gravity", 0, 2000), Slider("balls", 1, 9, rebuilds=True), Button("Kick", kick)]
-    >>> session = live(build, controls=controls, y_down=True, units="px", browser=False)
-    >>> session.stop()
+    >>> with live(build, controls=controls, y_down=True, units="px", browser=False) as session:
+    ...     print(session.address.partition(":")[0])
+    http
     """
     # The steps that a program makes itself cannot be replayed.
     endings = RECORDING_ENDINGS if step is not None else (".json",)
     path = None if record is None else check_destination(record, endings)
-    play = Play(
-        step=None if step is None else finite("step", step, 1e-6, MAX_STEP, "s"),
-        on_step=on_step,
-        controls=tuple(controls),
-        plots=dict(plots or {}),
-        y_down=y_down,
-        units=units,
-    )
+    length = None if step is None else finite("step", step, 1e-6, MAX_STEP, "s")
+    given = plots or {}
+    play = Play(step=length, on_step=on_step, controls=tuple(controls), plots=given, y_down=y_down, units=units)
     session = Session(source_of(what, play), running=not paused)
     return serve(session, host=host, port=port, allow_hosts=allow_hosts, browser=browser, path=path)
 

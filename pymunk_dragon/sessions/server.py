@@ -17,6 +17,7 @@ from typing import Any
 from urllib.parse import urlsplit
 
 from aiohttp import WSMsgType, web
+from aiohttp.typedefs import Handler
 
 from pymunk_dragon._language import language
 from pymunk_dragon.errors import ParameterError
@@ -145,10 +146,8 @@ class Server:
 
     async def _serve(self) -> None:
         application = web.Application(middlewares=[self._check])
-        application.router.add_get("/", self._page)
-        application.router.add_get("/live", self._page)
-        application.router.add_get("/socket", self._connect)
-        application.router.add_get("/inputs", self._inputs)
+        pages = {"/": self._page, "/live": self._page, "/socket": self._connect, "/inputs": self._inputs}
+        application.add_routes([web.get(path, handler) for path, handler in pages.items()])
         application.on_response_prepare.append(_add_headers)
         runner = web.AppRunner(application, access_log=None, shutdown_timeout=_STOP_TIME)
         await runner.setup()
@@ -161,7 +160,7 @@ class Server:
             await runner.cleanup()
 
     @web.middleware
-    async def _check(self, request: web.Request, handler: Any) -> web.StreamResponse:
+    async def _check(self, request: web.Request, handler: Handler) -> web.StreamResponse:
         """Refuse requests that come under another name or from another page, or have no token."""
         host, origin = request.headers.get("Host", ""), request.headers.get("Origin")
         if not self._is_known(_parts(f"//{host}")[0]):
@@ -171,18 +170,14 @@ class Server:
             raise web.HTTPForbidden(text="Requests of other pages are refused.\n")
         if not (_has_token(request, self.token) or _has_token(request, self._watch_token)):
             raise web.HTTPForbidden(text="The address needs the token that was printed.\n")
-        response: web.StreamResponse = await handler(request)
-        return response
+        return await handler(request)
 
     def _is_known(self, name: str | None) -> bool:
         """Whether a request may name this host; another name may be that of a page that rebinds it to this machine."""
-        if name is None or name.lower() in self._allowed:
-            return name is not None
-        try:
-            ipaddress.ip_address(name)
-        except ValueError:
-            return False
-        return self._any_address
+        if name is not None and self._any_address:
+            with suppress(ValueError):
+                return bool(ipaddress.ip_address(name))
+        return name is not None and name.lower() in self._allowed
 
     async def _page(self, request: web.Request) -> web.Response:
         if self._front is not None and request.path == "/":
