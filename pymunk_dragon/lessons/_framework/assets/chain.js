@@ -172,8 +172,8 @@ function makeDragon({ benches = 223, head = 2.86, body = 1.65, overhang = 0.275,
 }
 
 // Coordinate of the first point behind `s` at the straight distance `chord`, or ahead with `way` 1. NaN if the curve
-// ends before, or turns back so that the distance shrinks first.
-function neighbour(curve, s, chord, way = -1) {
+// ends before, or turns back so that the distance shrinks first. `guess` is about how far away along the curve it is.
+function neighbour(curve, s, chord, way = -1, guess = 0) {
   const [x, y] = curve.frame(s), room = way < 0 ? s - curve.begin : curve.end - s;
   let distance, growth;
   const evaluate = (offset) => {
@@ -184,7 +184,8 @@ function neighbour(curve, s, chord, way = -1) {
   let low = 0, high = Math.min(chord, room), offset = high;
   for (evaluate(high); distance < chord; evaluate(high)) {
     if (high === room || !(growth > 0)) return NaN;
-    [low, high] = [high, Math.min(high + SEARCH_STEP * chord, room)];
+    const next = high + SEARCH_STEP * chord;
+    [low, high] = [high, Math.min(guess > high && guess < next ? guess : next, room)];
     offset = high;
   }
   for (let pass = 0; pass < 60; pass++) {
@@ -203,7 +204,7 @@ function neighbour(curve, s, chord, way = -1) {
 function chainAt(curve, dragon, head, count = dragon.benches + 1) {
   const chain = { s: [head], points: [curve.frame(head)], ratios: [1] };
   for (let i = 1; i < count; i++) {
-    const s = neighbour(curve, chain.s[i - 1], dragon.spacings[i - 1]);
+    const s = neighbour(curve, chain.s[i - 1], dragon.spacings[i - 1], -1, chain.s[i - 2] - chain.s[i - 1]);
     if (Number.isNaN(s)) break;
     const [fx, fy, ux, uy] = chain.points[i - 1], [x, y, tx, ty] = curve.frame(s);
     chain.s.push(s);
