@@ -33,10 +33,6 @@ class Stage {
     this.afterChange();
   }
 
-  toggleHead() {
-    if (!element("follow").hidden) this.setFollow(this.follow === "head" ? "field" : "head");
-  }
-
   zoom(factor) {
     this.view.zoom(factor);
     if (this.follow === "field") this.follow = null;
@@ -78,7 +74,7 @@ function connectStage(stage, { buttons, keys, pointers, takes }) {
     "zoom-in": () => stage.zoom(ZOOM_STEP),
     "zoom-out": () => stage.zoom(1 / ZOOM_STEP),
     fit: () => stage.setFollow("field"),
-    follow: () => stage.toggleHead(),
+    follow: () => stage.setFollow(stage.follow === "head" ? "field" : "head"),
     language: () => stage.setLanguage(otherLanguage()),
     help: () => element("about").showModal(),
     close: () => element("about").close(),
@@ -89,16 +85,12 @@ function connectStage(stage, { buttons, keys, pointers, takes }) {
     element(`show-${name}`).addEventListener("change", ({ target }) => stage.show(name, target.checked));
   }
   listenToKeys({
-    "+": actions["zoom-in"],
+    ...keysOfElements(),
     "=": actions["zoom-in"], // the key of "+" without shift
-    "-": actions["zoom-out"],
-    0: actions.fit,
-    h: actions.follow,
     w: () => stage.pan(0, -1),
     a: () => stage.pan(-1, 0),
     s: () => stage.pan(0, 1),
     d: () => stage.pan(1, 0),
-    "?": actions.help,
     ...keys,
   }, takes);
   listenToPointers(element("field"), stage.view, {
@@ -111,6 +103,12 @@ function connectStage(stage, { buttons, keys, pointers, takes }) {
   });
   new ResizeObserver(() => stage.requestDraw()).observe(element("field"));
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => stage.recolour());
+}
+
+// Keys that click an element, unless it is hidden.
+function keysOfElements() {
+  const click = (each) => () => each.checkVisibility() && each.click();
+  return Object.fromEntries(withKeys().map(([each, key]) => [key === "Space" ? " " : key.toLowerCase(), click(each)]));
 }
 
 function listenToKeys(actions, takes = () => false) {

@@ -38,7 +38,6 @@ const buttonsOf = (live) => ({
   release: () => live.send({ do: "release", bench: 1 }),
   hold: () => live.send({ do: "hold" }),
   record: () => live.recorder.toggle(),
-  "recorded-close": () => live.recorder.hide(),
 });
 
 function connectFields(live) {
@@ -59,19 +58,9 @@ function changeSpeed(live, direction) {
 }
 
 function keysOf(live) {
-  // A button that is hidden has no key.
-  const click = (id) => () => element(id).checkVisibility() && element(id).click();
   return {
-    " ": click("play"),
-    arrowright: click("step"),
-    r: click("reset"),
-    n: click("until-contact"),
-    l: click("release"),
-    b: click("hold"),
-    c: click("record"),
     "[": () => live.controls && changeSpeed(live, -1),
     "]": () => live.controls && changeSpeed(live, 1),
-    ...Object.fromEntries(TOOLS.map((tool, k) => [k + 1, () => live.tools.choose(tool)])),
     enter: () => live.frame && live.tools.apply(),
     escape: () => live.tools.drop(),
   };
