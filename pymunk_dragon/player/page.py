@@ -22,8 +22,8 @@ from pymunk_dragon.reports.summary import Summary, summarize
 PLAYER_ENDINGS = (".html",)
 # Parts of the script; each uses only those before it.
 SCRIPTS = (
-    *("common", "texts", "decode", "geometry", "motion", "exact", "view", "format", "grid", "marks", "paint", "ghost"),
-    *("picture", "timeline", "slow_motion", "link", "pointer", "stage", "player", "controls", "main"),
+    *("common", "texts", "decode", "geometry", "pane", "motion", "exact", "view", "format", "grid", "marks", "paint"),
+    *("ghost", "picture", "timeline", "slow_motion", "link", "pointer", "stage", "player", "controls", "main"),
 )
 # Parts of the page that the page of a live session has too.
 PARTS = ("zoom", "help_tools", "help")

@@ -69,5 +69,3 @@ function numbersBetween(from, to) {
   const first = Math.floor(from);
   return Array.from({ length: Math.floor(to) - first + 1 }, (_, i) => first + i);
 }
-
-const signed = (number) => String(number).replace("-", "−");

@@ -21,7 +21,7 @@ function drawHandles(painter, benches, visible) {
   const { context, colours, view } = painter;
   const radius = Math.max(SMALLEST_HANDLE, HANDLE_SIZE * painter.payload.dragon.hole * view.scale);
   const path = painter.drawHoles(benches, visible, radius, colours.background);
-  context.strokeStyle = colours.type;
+  context.strokeStyle = colours.text;
   context.lineWidth = Math.min(1.25, 0.4 * radius);
   context.stroke(path);
 }
@@ -78,6 +78,7 @@ function drawNumbers(painter, benches, visible, inContact, aside = 0) {
     return;
   }
   context.font = `${Math.min(0.72 * thickness, 16)}px ${painter.font}`;
+  const upright = context.getTransform();
   for (const i of visible) {
     const [px, py] = view.toScreen(x[i], y[i]);
     // Along the bench, upright.
@@ -87,7 +88,7 @@ function drawNumbers(painter, benches, visible, inContact, aside = 0) {
     context.rotate(turn);
     context.fillStyle = inContact.has(i) || i === motion.benches - 1 ? colours.background : colours.ink;
     context.fillText(String(i), aside && aside + context.measureText(i).width / 2, 0.04 * thickness);
-    context.setTransform(painter.ratio, 0, 0, painter.ratio, 0, 0);
+    context.setTransform(upright);
   }
 }
 

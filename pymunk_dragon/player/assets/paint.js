@@ -10,11 +10,6 @@ const THINNEST_OUTLINE = 0.5; // pixels
 const HEAD_BORDER = 3; // times: border of the head in contact
 const THICKEST_OUTLINE = 1.25; // pixels
 
-// Names of the colours, as in the films' `Palette`.
-const CANVAS_COLOURS = ["background", "curve", "head", "body", "tail", "contact", "ink", "motion", "force", "grid"];
-// Names of further colours of the page.
-const PAGE_COLOURS = ["quiet", "rule", "any"];
-
 class Painter {
   constructor(canvas, motion, view, payload, curve) {
     this.canvas = canvas;
@@ -28,30 +23,16 @@ class Painter {
   }
 
   readColours() {
-    const style = getComputedStyle(document.documentElement);
-    const named = (name) => style.getPropertyValue(name).trim();
-    this.colours = {
-      ...Object.fromEntries(CANVAS_COLOURS.map((name) => [name, named(`--canvas-${name}`)])),
-      ...Object.fromEntries(PAGE_COLOURS.map((name) => [name, named(`--${name}`)])),
-      type: named("--ink"),
-    };
+    this.colours = readColours();
     this.font = getComputedStyle(document.body).fontFamily;
   }
 
-  // Match the canvas to the pixels of the screen.
   resize() {
-    const { width, height } = this.canvas.getBoundingClientRect();
-    const ratio = window.devicePixelRatio || 1;
-    const wide = Math.max(1, Math.round(width * ratio)), high = Math.max(1, Math.round(height * ratio));
-    if (this.canvas.width === wide && this.canvas.height === high && this.ratio === ratio) return;
-    Object.assign(this.canvas, { width: wide, height: high });
-    Object.assign(this.view, { width: Math.max(1, width), height: Math.max(1, height) });
-    this.ratio = ratio;
+    Object.assign(this.view, fitCanvas(this.canvas, this.context));
   }
 
   clear() {
     const { context, view, colours } = this;
-    context.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
     context.fillStyle = colours.background;
     context.fillRect(0, 0, view.width, view.height);
     context.lineJoin = context.lineCap = "round";
@@ -148,7 +129,7 @@ class Painter {
     const { context, colours } = this;
     const path = new Path2D();
     this.outline(path, benches, i);
-    strokeTwice(context, path, colours.background, colours.type, 5, 2);
+    strokeTwice(context, path, colours.background, colours.text, 5, 2);
     context.fillStyle = this.colourOf(i, inContact);
     context.fill(path);
     this.drawHoles(benches, [i], this.payload.dragon.hole / 2 * this.view.scale, colours.ink);
@@ -166,7 +147,7 @@ class Painter {
     context.strokeStyle = colours.background;
     context.lineWidth = 4;
     context.strokeText(text, px, py);
-    context.fillStyle = colours.type;
+    context.fillStyle = colours.text;
     context.fillText(text, px, py);
   }
 }

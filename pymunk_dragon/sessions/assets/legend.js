@@ -25,7 +25,7 @@ function drawLegend(painter) {
   const strip = context.createLinearGradient(LEGEND_LEFT, 0, LEGEND_LEFT + LEGEND_WIDTH, 0);
   RAMP.forEach((colour, k) => strip.addColorStop(k / (RAMP.length - 1), colour));
   context.fillStyle = strip;
-  context.strokeStyle = colours.type;
+  context.strokeStyle = colours.text;
   context.lineWidth = 1;
   context.fillRect(LEGEND_LEFT, top, LEGEND_WIDTH, LEGEND_HEIGHT);
   context.strokeRect(LEGEND_LEFT, top, LEGEND_WIDTH, LEGEND_HEIGHT);
@@ -49,7 +49,7 @@ function drawScaleBar(painter, above) {
   const y = view.height - LEGEND_BOTTOM - above, right = LEGEND_LEFT + length * view.scale;
   const path = new Path2D();
   for (const corner of [[LEGEND_LEFT, y - 5], [LEGEND_LEFT, y], [right, y], [right, y - 5]]) path.lineTo(...corner);
-  strokeTwice(context, path, colours.background, colours.type, 1.5);
+  strokeTwice(context, path, colours.background, colours.text, 1.5);
   context.font = `11px ${painter.font}`;
   context.textAlign = "left";
   context.textBaseline = "alphabetic";

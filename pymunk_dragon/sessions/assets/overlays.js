@@ -116,7 +116,7 @@ function drawHeld({ context, view, colours }, { anchor, target }) {
     path.moveTo(px + radius, py);
     path.arc(px, py, radius, 0, TURN);
   }
-  strokeTwice(context, path, colours.background, colours.type, 2);
+  strokeTwice(context, path, colours.background, colours.text, 2);
 }
 
 // A cross at the point where keys apply the tool.
@@ -127,7 +127,7 @@ function drawAim({ context, view, colours }) {
     path.moveTo(px + 4 * dx, py + 4 * dy);
     path.lineTo(px + 14 * dx, py + 14 * dy);
   }
-  strokeTwice(context, path, colours.background, colours.type, 2);
+  strokeTwice(context, path, colours.background, colours.text, 2);
 }
 
 // What a click would change, and its name. A bench is highlighted where it is drawn.
@@ -138,10 +138,10 @@ function drawTarget(painter, target) {
     const middle = target.joint.ends.map((end) => view.toScreen(...end));
     drawRing(painter, [0, 1].map((axis) => (middle[0][axis] + middle[1][axis]) / 2));
   } else if (target.call) {
-    strokeTwice(context, shapePath(view, target.call), colours.background, colours.type, 2);
+    strokeTwice(context, shapePath(view, target.call), colours.background, colours.text, 2);
   } else if (target.obstacle) {
     context.setLineDash([5, 4]);
-    const colour = target.removes ? colours.contact : colours.type;
+    const colour = target.removes ? colours.contact : colours.text;
     strokeTwice(context, shapePath(view, obstacleCall(target.obstacle)), colours.background, colour, 2);
     context.setLineDash([]);
   }

@@ -105,7 +105,7 @@ function drawCentres({ context, view, colours }, { x, y }) {
     path.moveTo(px, py - CROSS);
     path.lineTo(px, py + CROSS);
   }
-  strokeTwice(context, path, colours.background, colours.type, 1.5);
+  strokeTwice(context, path, colours.background, colours.text, 1.5);
 }
 
 const CROSS = 5; // pixels: half the size of the cross at a centre of mass

@@ -1,7 +1,6 @@
 // The exact chain on a curve, as in the package's model: lengths in m, angles in rad. A curve has its first and last
 // coordinate `begin` and `end`, the arc length along it, and `frame(s)`: x, y, and the unit tangent's x and y there.
 
-const ROUND = 2 * Math.PI;
 // Share of a chord in which its end is sought step by step; a step of Newton's method below the other share is the last.
 const SEARCH_STEP = 1 / 16;
 const STEP_TOLERANCE = 1e-8;
@@ -19,7 +18,7 @@ const GOLDEN = (Math.sqrt(5) - 1) / 2;
 // The spiral r = k theta, travelled inward; the coordinate is the arc length from the centre, negative.
 class Spiral {
   constructor(pitch) {
-    Object.assign(this, { k: pitch / ROUND, begin: -Infinity, end: 0 });
+    Object.assign(this, { k: pitch / TURN, begin: -Infinity, end: 0 });
   }
 
   atAngle(theta) {
@@ -54,7 +53,7 @@ class Spiral {
 // In on a spiral, round inside a circle on two arcs whose radii have a ratio, and out; s is 0 at the entry.
 class UTurn {
   constructor({ pitch = 1.7, radius = 4.5, ratio = 2 } = {}) {
-    const theta = ROUND * radius / pitch, aside = Math.atan(theta), heading = theta - Math.PI + aside;
+    const theta = TURN * radius / pitch, aside = Math.atan(theta), heading = theta - Math.PI + aside;
     // Each arc's chord is twice its radius times the sine of half its angle; together they are the diameter.
     const radii = [ratio, 1].map((share) => radius / Math.sin(aside) * share / (1 + ratio));
     this.points = [1, (1 - ratio) / (1 + ratio), -1].map((share) =>
@@ -228,7 +227,7 @@ function benchesBetween(dragon, points) {
 class March {
   constructor({ pitch = 0.55, ...sizes } = {}) {
     Object.assign(this, { pitch, dragon: makeDragon(sizes), spiral: new Spiral(pitch) });
-    this.begin = this.spiral.atAngle(16 * ROUND);
+    this.begin = this.spiral.atAngle(16 * TURN);
     this.gaps = new Map();
   }
 
