@@ -23,7 +23,7 @@ PLAYER_ENDINGS = (".html",)
 # Parts of the script; each uses only those before it.
 SCRIPTS = (
     *("common", "texts", "decode", "geometry", "pane", "motion", "exact", "view", "format", "grid", "marks", "paint"),
-    *("ghost", "picture", "timeline", "slow_motion", "link", "pointer", "stage", "player", "controls", "main"),
+    *("picture", "timeline", "link", "pointer", "stage", "player", "controls", "main"),
 )
 # Parts of the page that the page of a live session has too.
 PARTS = ("zoom", "help_tools", "help")

@@ -11,7 +11,7 @@ function connect(player) {
     keys: { home: () => player.seek(player.motion.begin), end: () => player.seek(player.motion.end) },
     pointers: {
       tapped(pixel, kind) {
-        player.select(player.benches.at(view.toWorld(...pixel), kind === "mouse" ? 0 : TOUCH_SLIP / view.scale));
+        player.set("selected", player.benches.at(view.toWorld(...pixel), kind === "mouse" ? 0 : TOUCH_SLIP / view.scale));
       },
     },
   });
@@ -45,14 +45,14 @@ function connectFields(player) {
   element("rate").append(...RATES.map((rate) => new Option(`${rate}×`, rate)));
   writeLists(player);
   element("time").addEventListener("input", ({ target }) => player.seek(target.valueAsNumber));
-  element("rate").addEventListener("change", ({ target }) => player.setRate(Number(target.value)));
-  element("slow").addEventListener("change", ({ target }) => player.setSlow(target.checked));
+  element("rate").addEventListener("change", ({ target }) => player.set("rate", Number(target.value)));
+  element("slow").addEventListener("change", ({ target }) => player.set("slow", target.checked));
   element("events").addEventListener("change", ({ target }) => {
     if (target.value !== "") player.seek(player.events[target.value].time);
     target.value = "";
   });
   element("bench").addEventListener("input", ({ target }) => {
-    if (target.value !== "" && target.checkValidity()) player.select(target.valueAsNumber);
+    if (target.value !== "" && target.checkValidity()) player.set("selected", target.valueAsNumber);
   });
 }
 

@@ -3,7 +3,6 @@
 const CURVE_WIDTH = 0.04; // width of the curve over that of a bench, as in the films
 const THINNEST_CURVE = 1; // pixels
 const CURVE_ERROR_SHOWN = 0.3; // pixels: largest error of the drawn curve
-const CURVE_CHUNK = 64; // points of the curve that are tested together for visibility
 const SMALLEST_HOLE = 2.5; // pixels: smallest hole that is drawn
 const OUTLINE_WIDTH = 0.06; // width of outlines over that of a bench
 const THINNEST_OUTLINE = 0.5; // pixels
@@ -50,33 +49,19 @@ class Painter {
     const { context, view, curve } = this;
     // The error of a chord over n intervals is n^2 times that over one.
     const stride = Math.max(1, Math.floor(Math.sqrt(CURVE_ERROR_SHOWN / (view.scale * this.curveError))));
-    const path = new Path2D();
-    const last = curve.length / 2 - 1;
-    for (let begin = 0; begin < last; begin += CURVE_CHUNK * stride) {
-      const end = Math.min(begin + CURVE_CHUNK * stride, last);
-      if (!this.isCurveVisible(begin, end)) continue;
-      path.moveTo(...view.toScreen(curve[2 * begin], curve[2 * begin + 1]));
-      for (let i = begin + stride; i < end + stride; i += stride) {
-        const k = Math.min(i, end);
-        path.lineTo(...view.toScreen(curve[2 * k], curve[2 * k + 1]));
-      }
+    const path = new Path2D(), last = curve.length / 2 - 1;
+    let drawn = null; // the point up to which the curve is drawn
+    for (let from = 0; from < last; from += stride) {
+      const to = Math.min(from + stride, last);
+      const [x, y, nextX, nextY] = [curve[2 * from], curve[2 * from + 1], curve[2 * to], curve[2 * to + 1]];
+      if (!view.isVisible(x, y, Math.hypot(nextX - x, nextY - y))) continue;
+      if (drawn !== from) path.moveTo(...view.toScreen(x, y));
+      path.lineTo(...view.toScreen(nextX, nextY));
+      drawn = to;
     }
     context.strokeStyle = this.colours.curve;
     context.lineWidth = Math.max(THINNEST_CURVE, CURVE_WIDTH * this.motion.narrowest * view.scale);
     context.stroke(path);
-  }
-
-  // Whether the bounding box of a part of the curve is visible.
-  isCurveVisible(begin, end) {
-    let [left, right, bottom, top] = [Infinity, -Infinity, Infinity, -Infinity];
-    for (let i = begin; i <= end; i++) {
-      left = Math.min(left, this.curve[2 * i]);
-      right = Math.max(right, this.curve[2 * i]);
-      bottom = Math.min(bottom, this.curve[2 * i + 1]);
-      top = Math.max(top, this.curve[2 * i + 1]);
-    }
-    const [x0, y0] = this.view.toScreen(left, top), [x1, y1] = this.view.toScreen(right, bottom);
-    return x1 >= 0 && x0 <= this.view.width && y1 >= 0 && y0 <= this.view.height;
   }
 
   outline(path, benches, i) {

@@ -152,13 +152,9 @@ class Player extends Stage {
     this.play();
   }
 
-  setRate(rate) {
-    this.rate = rate;
-    this.afterChange();
-  }
-
-  setSlow(slow) {
-    this.slow = slow;
+  // Set the rate, whether the run is slow near events, or the selected bench.
+  set(name, value) {
+    this[name] = value;
     this.afterChange();
   }
 
@@ -172,11 +168,6 @@ class Player extends Stage {
   showWholeTimeline() {
     this.timeline.showAll();
     this.requestDraw();
-  }
-
-  select(bench) {
-    this.selected = bench;
-    this.afterChange();
   }
 
   // ---- language
