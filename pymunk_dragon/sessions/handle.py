@@ -245,9 +245,9 @@ def serve(
     allow_hosts: Sequence[str],
     browser: bool,
     path: Path | None,
-    front: tuple[str, str] | None = None,
+    front: str | None = None,
 ) -> Live:
-    """Start a session and its server, which may show another page first, given with its content security policy."""
+    """Start a session and its server, which may show another page first."""
     whole("port", port, 0, 65535)
     found = Live(session, path, host=host, port=port, allowed=allow_hosts, front=front)
     if not _has_widgets():

@@ -99,10 +99,10 @@ class Server:
         host: str,
         port: int,
         allowed: Sequence[str] = (),
-        front: tuple[str, str] | None = None,
+        front: str | None = None,
     ) -> None:
         self.session, self.host = session, host
-        # A page, and its content security policy, which is shown first; it may have the live page in a frame.
+        # A page that is shown first, which may have the live page in a frame.
         self._front = front
         self.token, self._watch_token = secrets.token_urlsafe(_TOKEN_BYTES), secrets.token_urlsafe(_TOKEN_BYTES)
         self._proxies = {name.lower() for name in allowed}
@@ -185,8 +185,9 @@ class Server:
         return self._any_address
 
     async def _page(self, request: web.Request) -> web.Response:
-        live = live_page(self.session.source.title, self._language)
-        page, rules = (self._front or live) if request.path == "/" else live
+        if self._front is not None and request.path == "/":
+            return web.Response(text=self._front, content_type="text/html")
+        page, rules = live_page(self.session.source.title, self._language)
         return web.Response(text=page, content_type="text/html", headers={"Content-Security-Policy": rules})
 
     async def _inputs(self, request: web.Request) -> web.Response:
