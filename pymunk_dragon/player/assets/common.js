@@ -40,3 +40,17 @@ function range(from, to, count) {
 function bounded(value, least, most) {
   return Math.min(Math.max(value, least), most);
 }
+
+// Call `action` with the newest value, at most once in `interval` ms.
+function throttled(action, interval) {
+  let timer = null, newest, last = -interval;
+  const run = () => {
+    timer = null;
+    last = performance.now();
+    action(newest);
+  };
+  return (value) => {
+    newest = value;
+    timer ??= setTimeout(run, Math.max(0, last + interval - performance.now()));
+  };
+}

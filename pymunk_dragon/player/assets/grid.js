@@ -17,15 +17,13 @@ function drawGrid(painter, benches, visible) {
   context.fillStyle = context.strokeStyle = colours.grid;
   context.globalAlpha = CELL_OPACITY;
   context.fill(covered);
-  const [west, north] = view.toWorld(0, 0), [east, south] = view.toWorld(view.width, view.height);
+  const [west, north] = view.toWorld(0, 0);
   const lines = new Path2D();
-  for (const row of numbersBetween((origin[1] - north) / cell, (origin[1] - south) / cell)) {
-    const py = corner(row, 0)[1];
+  for (let [, py] = corner(Math.ceil((origin[1] - north) / cell), 0); py <= view.height; py += size) {
     lines.moveTo(0, py);
     lines.lineTo(view.width, py);
   }
-  for (const column of numbersBetween((west - origin[0]) / cell, (east - origin[0]) / cell)) {
-    const px = corner(0, column)[0];
+  for (let [px] = corner(0, Math.ceil((west - origin[0]) / cell)); px <= view.width; px += size) {
     lines.moveTo(px, 0);
     lines.lineTo(px, view.height);
   }
@@ -33,10 +31,4 @@ function drawGrid(painter, benches, visible) {
   context.globalAlpha = LINE_OPACITY;
   context.stroke(lines);
   context.globalAlpha = 1;
-}
-
-// Integers from floor(from) to floor(to).
-function numbersBetween(from, to) {
-  const first = Math.floor(from);
-  return Array.from({ length: Math.floor(to) - first + 1 }, (_, i) => first + i);
 }

@@ -50,20 +50,10 @@ class Stage {
     this.afterChange();
   }
 
-  show(name, shown) {
-    this.shown[name] = shown;
-    this.afterChange();
-  }
-
   showView() {
     element("fit").setAttribute("aria-pressed", this.follow === "field");
     element("follow").setAttribute("aria-pressed", this.follow === "head");
     for (const [name, shown] of Object.entries(this.shown)) element(`show-${name}`).checked = shown;
-  }
-
-  recolour() {
-    this.painter.readColours();
-    this.requestDraw();
   }
 }
 
@@ -82,7 +72,10 @@ function connectStage(stage, { buttons, keys, pointers, takes }) {
   };
   for (const [id, action] of Object.entries(actions)) element(id).addEventListener("click", action);
   for (const name of Object.keys(stage.shown)) {
-    element(`show-${name}`).addEventListener("change", ({ target }) => stage.show(name, target.checked));
+    element(`show-${name}`).addEventListener("change", ({ target }) => {
+      stage.shown[name] = target.checked;
+      stage.afterChange();
+    });
   }
   listenToKeys({
     ...keysOfElements(),
@@ -102,7 +95,10 @@ function connectStage(stage, { buttons, keys, pointers, takes }) {
     ...pointers,
   });
   new ResizeObserver(() => stage.requestDraw()).observe(element("field"));
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => stage.recolour());
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
+    stage.painter.readColours();
+    stage.requestDraw();
+  });
 }
 
 // Keys that click an element, unless it is hidden.

@@ -52,7 +52,6 @@ class Connection {
   constructor({ received, framed, changed }) {
     Object.assign(this, { received, framed, changed });
     this.delay = FIRST_DELAY;
-    this.latency = null; // ms: time from a ping to its answer
     this.open();
     setInterval(() => this.ping(), PING_EVERY);
   }
@@ -75,7 +74,6 @@ class Connection {
   // Wait longer after each attempt that fails; the first message sets the wait back.
   reopen(socket) {
     if (socket !== this.socket) return;
-    this.latency = null;
     this.changed(false);
     setTimeout(() => this.open(), this.delay);
     this.delay = Math.min(LAST_DELAY, this.delay * DELAY_GROWTH);
@@ -89,8 +87,7 @@ class Connection {
       return;
     }
     const message = JSON.parse(data);
-    if (message.kind === "pong") this.latency = performance.now() - this.pinged;
-    else this.received(message);
+    if (message.kind !== "pong") this.received(message);
   }
 
   ping() {
@@ -99,8 +96,7 @@ class Connection {
       this.socket.close();
       return;
     }
-    this.pinged = performance.now();
-    this.send({ do: "ping", id: Math.round(this.pinged) });
+    this.send({ do: "ping", id: Math.round(performance.now()) });
   }
 
   send(message) {

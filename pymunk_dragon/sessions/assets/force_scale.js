@@ -67,21 +67,9 @@ const LEGEND_WIDTH = 168; // pixels
 const LEGEND_ROOM = 50; // pixels: height of the legend, below the scale bar
 const LEGEND_HEIGHT = 9; // pixels
 const BAR_LONGEST = 110; // pixels: longest scale bar
-const BACKING = 0.8; // opacity of the ground behind legend and scale bar
-
-// A ground of the background's colour, so that benches do not hide the numbers.
-function drawBacking({ context, view, colours }, width, height) {
-  context.globalAlpha = BACKING;
-  context.fillStyle = colours.background;
-  context.beginPath();
-  context.roundRect(LEGEND_LEFT - 8, view.height - LEGEND_BOTTOM + 6 - height, width + 16, height, 6);
-  context.fill();
-  context.globalAlpha = 1;
-}
 
 function drawLegend(painter) {
   const { context, view, colours, forceScale } = painter;
-  drawBacking(painter, LEGEND_WIDTH, LEGEND_ROOM);
   const top = view.height - LEGEND_BOTTOM - LEGEND_HEIGHT - 16;
   const strip = context.createLinearGradient(LEGEND_LEFT, 0, LEGEND_LEFT + LEGEND_WIDTH, 0);
   RAMP.forEach((colour, k) => strip.addColorStop(k / (RAMP.length - 1), colour));

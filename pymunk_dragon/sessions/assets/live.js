@@ -137,7 +137,6 @@ class Live extends Stage {
   showConnection(open) {
     element("lost").hidden = open;
     if (!open) this.tools.drop();
-    setText("latency", "");
     showAccess(this);
   }
 

@@ -71,7 +71,7 @@ function showAccess(live) {
   element("role").hidden = role === "";
 }
 
-function showFrame({ frame, state, connection }) {
+function showFrame({ frame, state }) {
   setText("clock", frame.time.toFixed(2));
   setText("march", marchText(frame));
   const known = frame.rate !== null;
@@ -79,7 +79,6 @@ function showFrame({ frame, state, connection }) {
   const rate = known ? `${frame.rate.toFixed(2)}×` : "–";
   setText("achieved", !state.running ? localized("Paused") : slow ? localized("Slow: {rate}", { rate }) : localized("{rate} real time", { rate }));
   element("achieved").classList.toggle("slow", slow);
-  setText("latency", connection.latency === null ? "" : localized("{time} ms away", { time: Math.max(1, Math.round(connection.latency)) }));
 }
 
 // Time of the exact model, or why it stands.
