@@ -32,7 +32,8 @@ CLOSE = 1e-9
 
 def stage_page(stage: str = "", language: str = "en") -> str:
     """A page with all scripts of the stages, and with one stage that is open."""
-    scripts = [LESSONS.parent / "player/assets/geometry.js", ASSETS / "chain.js", ASSETS / "lab.js"]
+    shared = [LESSONS.parent / f"player/assets/{name}.js" for name in ("common", "geometry", "pane")]
+    scripts = [*shared, ASSETS / "chain.js", ASSETS / "lab.js"]
     script = "".join(path.read_text("utf-8") for path in [*scripts, *sorted(LESSONS.glob("*.js"))])
     opening = f'<script>openStage(document.querySelector("[data-stage={stage}]"))</script>' if stage else ""
     return (

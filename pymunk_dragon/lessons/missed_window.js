@@ -7,7 +7,12 @@ stages["missed-window"] = (lab) => {
   const time = { value: 409.2 };
   let march, touching, length;
 
-  const gap = (t) => march.passed(t).gap, points = (...times) => range(...times).map((t) => [t, 1000 * gap(t)]);
+  const gap = (t) => march.gap(t);
+  // Points of the chart at the multiples of a step.
+  const points = (step, [from, to]) => {
+    const [first, last] = [Math.ceil(from / step), Math.floor(to / step)];
+    return range(first, last, last - first).map((k) => [k * step, 1000 * gap(k * step)]);
+  };
   const view = () => {
     const scale = 10 ** zoom.value, half = (end - begin) / 2 / scale, base = 1000 * now.gap * (1 - 1 / scale);
     const middle = bounded(time.value, begin + half, end - half);
@@ -18,9 +23,9 @@ stages["missed-window"] = (lab) => {
   };
   const size = () => 5 / 10 ** (2 * zoom.value), benchesAt = (...given) => march.benches(...given);
   const now = gapPanes(lab, { time, size, benchesAt, view, draw: (pane) => {
-    const [from, to] = view().across, [first, last] = [Math.ceil(from / length), Math.floor(to / length)];
-    pane.line(points(from, to, 120), { colour: "body", width: 2 });
-    const samples = last - first < 100 ? points(first * length, last * length, last - first) : [];
+    const [from, to] = view().across, fine = (end - begin) / 128 / 2 ** Math.round(zoom.value / Math.log10(2));
+    pane.line(points(fine, [from - fine, to + fine]), { colour: "body", width: 2 });
+    const samples = to - from < 100 * length ? points(length, [from, to]) : [];
     for (const sample of samples) pane.dot(sample, { colour: sample[1] > 0 ? "text" : "contact" });
   } });
   lab.label = ["The head beside the bench that it passes; below, its gap, with samples", "龙头和它经过的板凳；下方是空隙和采样"];

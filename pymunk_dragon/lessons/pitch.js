@@ -7,7 +7,7 @@ stages.pitch = (lab) => {
   let march, arrival, stop, time, exact, sampled, sampledBy, points;
 
   // More than a turn back there are no benches that the head passes.
-  const gap = (t) => march.passed(t, 30).gap;
+  const gap = (t) => march.gap(t, 30);
   lab.label = ["The dragon on its way to the circle, as far as it gets", "盘入的板凳龙，停在它能到达的地方"];
   lab.update = () => {
     const pitch = (coarse.value + fine.value) / 1000, length = roundNumber(step.value), same = march?.pitch === pitch;
@@ -21,9 +21,13 @@ stages.pitch = (lab) => {
     if (same && sampledBy === length) return;
     sampledBy = length;
     const first = Math.max(0, Math.floor(arrival) - last), count = Math.ceil((arrival - first) / length) - 1;
-    sampled = Math.min(...range(first, first + count * length, count).map(gap));
     const near = smallestOf(range(first, arrival, 2 * last), gap);
-    exact = Math.min(gap(minimumBetween(gap, near - 0.5, Math.min(near + 0.5, arrival))), gap(arrival));
+    const least = minimumBetween(gap, near - 0.5, Math.min(near + 0.5, arrival));
+    exact = Math.min(gap(least), gap(arrival));
+    // Of dense samples, only those beside the minimum and the last one can be the smallest.
+    const dense = length < 0.1, beside = (k) => Math.abs(first + k * length - least) < 50 * length || k === count;
+    const samples = range(0, count, count).filter((k) => !dense || beside(k));
+    sampled = Math.min(...samples.map((k) => gap(first + k * length)));
   };
   lab.pane(1, () => ({ x: 0, y: 0, size: 19 }), (pane) => {
     pane.line(points, { colour: "curve" });

@@ -16,24 +16,26 @@ stages.robot = (lab) => {
   ];
   let path, begin, stop, hit, total, drawn, chain;
 
-  // Whether each joint has its place on the path, and goes ahead.
-  const whole = (s) => {
-    const { ratios } = chainAt(path, arm, s);
-    return ratios.length === arm.benches + 1 && ratios.every((ratio) => ratio > 0);
-  };
-  // The smallest gap between two links, and which.
-  const nearest = (s) => {
-    const links = benchesBetween(arm, chainAt(path, arm, s).points);
-    return smallestOf(range(0, 15, 15).map((i) => ({ link: i, ...links.nearest(i) })), ({ gap }) => gap);
+  // The arm with its tip at a coordinate: the smallest gap between two links, and which. It is -1 where a joint has no
+  // place on the path, or would go back.
+  const closest = (s) => {
+    const { points: joints, ratios } = chainAt(path, arm, s);
+    if (ratios.length <= arm.benches || !ratios.every((ratio) => ratio > 0)) return { gap: -1, links: [] };
+    const links = benchesBetween(arm, joints);
+    let found = { gap: Infinity };
+    for (let i = 2; i < arm.benches; i++) {
+      const nearer = links.nearest(i, found, i - 1);
+      if (nearer !== found) found = { gap: nearer.gap, links: [nearer.bench, i] };
+    }
+    return found;
   };
   const follow = () => {
     path = new DrawnPath(points);
     // All of the arm is on the path at the start: each joint is the next one ahead of that behind it.
     begin = arm.spacings.reduceRight((s, spacing) => neighbour(path, s, spacing, 1), clear);
     if (Number.isNaN(begin)) return;
-    stop = firstContact((s) => (whole(s) ? nearest(s).gap : -1), begin, path.end, 0.02, 0.01);
-    const { link, bench } = stop !== null && whole(stop) ? nearest(stop) : {};
-    hit = bench === undefined ? [] : [link, bench];
+    stop = firstContact((s) => closest(s).gap, begin, path.end, 0.02, 0.01);
+    hit = stop === null ? [] : closest(stop).links;
     total = (path.length(stop ?? path.end) - path.length(begin)) / speed;
     time.max = Math.ceil(1000 * total) / 1000;
   };

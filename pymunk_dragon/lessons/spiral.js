@@ -8,7 +8,7 @@ stages.spiral = (lab) => {
 
   lab.label = ["The dragon, and the angle of 5 s of its walk seen from the centre", "板凳龙，以及从中心看它走 5 s 所张的角"];
   lab.update = () => {
-    if (spiral?.k !== pitch.value / ROUND) {
+    if (spiral?.k !== pitch.value / TURN) {
       spiral = new Spiral(pitch.value);
       [begin, end] = [8.8, 0.3].map((radius) => spiral.atRadius(radius));
       points = curvePoints(spiral, begin - 55, 0);
@@ -36,7 +36,7 @@ stages.spiral = (lab) => {
   });
   lab.readout = () => {
     const [x, y, tx, ty] = spiral.frame(head), away = Math.hypot(x, y), turning = (y * tx - x * ty) / away ** 2;
-    const [radius, rate, round] = [away.toFixed(2), turning.toFixed(3), (ROUND / turning).toFixed(1)];
+    const [radius, rate, round] = [away.toFixed(2), turning.toFixed(3), (TURN / turning).toFixed(1)];
     return [
       `The head walks at 1 m/s, ${radius} m from you. You turn at ${rate} rad/s: a round in ${round} s.`,
       `龙头以 1 m/s 前进，离你 ${radius} m。你以 ${rate} rad/s 转身：转一圈要 ${round} s。`,

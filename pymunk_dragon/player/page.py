@@ -21,11 +21,11 @@ from pymunk_dragon.reports.summary import Summary, summarize
 PLAYER_ENDINGS = (".html",)
 # Parts of the script; each uses only those before it.
 SCRIPTS = (
-    *("common", "texts", "decode", "geometry", "motion", "exact", "view", "format", "grid", "marks", "paint", "ghost"),
-    *("picture", "timeline", "slow_motion", "link", "table", "pointer", "stage", "player", "controls", "main"),
+    *("common", "texts", "decode", "geometry", "pane", "motion", "exact", "view", "format", "grid", "marks", "paint"),
+    *("picture", "timeline", "link", "pointer", "stage", "player", "controls", "main"),
 )
 # Parts of the page that the page of a live session has too.
-PARTS = ("zoom", "view_keys", "help_tools", "help")
+PARTS = ("zoom", "help_tools", "help")
 # The films' colours.
 LIGHT = Palette()
 # Their counterparts on a dark ground: bright benches with dark outlines have the same contrast there.

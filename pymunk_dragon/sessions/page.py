@@ -10,10 +10,10 @@ from pymunk_dragon._html import asset, embedded_json
 from pymunk_dragon.player.page import catalogue, document
 
 # Parts of the script: those of the player, and those of this page; each uses only those before it.
-_PLAYER_SCRIPTS = ("common", "texts", "geometry", "view", "format", "marks", "paint", "ghost", "pointer", "stage")
+_PLAYER_SCRIPTS = ("common", "texts", "geometry", "pane", "view", "format", "marks", "paint", "pointer", "stage")
 SCRIPTS = (
-    *("frame", "connection", "nearest", "model", "shades", "force_scale", "shapes", "overlays", "legend", "live_paint"),
-    *("charts", "parameters", "live_charts", "tools", "recorder", "live_show", "live", "live_controls", "live_main"),
+    *("connection", "model", "force_scale", "shapes", "overlays", "live_paint", "parameters", "live_charts"),
+    *("tools", "recorder", "live_show", "live", "live_controls"),
 )
 
 

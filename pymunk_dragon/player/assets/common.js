@@ -29,3 +29,28 @@ function roundUp(value) {
   const power = 10 ** Math.floor(Math.log10(value));
   return [1, 2, 5, 10].find((digit) => digit * power >= value) * power;
 }
+
+const signed = (number) => String(number).replace("-", "−");
+
+// Values at equal distances, both limits included.
+function range(from, to, count) {
+  return Array.from({ length: count + 1 }, (_, i) => from + (count && (to - from) * i / count));
+}
+
+function bounded(value, least, most) {
+  return Math.min(Math.max(value, least), most);
+}
+
+// Call `action` with the newest value, at most once in `interval` ms.
+function throttled(action, interval) {
+  let timer = null, newest, last = -interval;
+  const run = () => {
+    timer = null;
+    last = performance.now();
+    action(newest);
+  };
+  return (value) => {
+    newest = value;
+    timer ??= setTimeout(run, Math.max(0, last + interval - performance.now()));
+  };
+}

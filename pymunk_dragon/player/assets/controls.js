@@ -1,6 +1,5 @@
 // Buttons, fields and keys of the player.
 
-const BIG_STEP = 10; // frames
 const TIMELINE_STEP = 2; // times
 const TOUCH_SLIP = 12; // pixels: largest distance of a touch from the bench that it selects
 
@@ -9,10 +8,10 @@ function connect(player) {
   connectFields(player);
   connectStage(player, {
     buttons: buttonsOf(player),
-    keys: keysOf(player),
+    keys: { home: () => player.seek(player.motion.begin), end: () => player.seek(player.motion.end) },
     pointers: {
       tapped(pixel, kind) {
-        player.select(player.benches.at(view.toWorld(...pixel), kind === "mouse" ? 0 : TOUCH_SLIP / view.scale));
+        player.set("selected", player.benches.at(view.toWorld(...pixel), kind === "mouse" ? 0 : TOUCH_SLIP / view.scale));
       },
     },
   });
@@ -29,10 +28,6 @@ function connect(player) {
 }
 
 function buttonsOf(player) {
-  function save(times, name) {
-    element("downloads").hidePopover();
-    download(tableOf(player.motion, times), name);
-  }
   return {
     play: () => player.toggle(),
     back: () => player.step(-1),
@@ -43,8 +38,6 @@ function buttonsOf(player) {
     "timeline-in": () => player.zoomTimeline(TIMELINE_STEP),
     "timeline-out": () => player.zoomTimeline(1 / TIMELINE_STEP),
     "timeline-all": () => player.showWholeTimeline(),
-    "save-moment": () => save([player.time], `dragon_${player.time.toFixed(2)}_s.csv`),
-    "save-run": () => save(player.motion.times, "dragon.csv"),
   };
 }
 
@@ -52,14 +45,14 @@ function connectFields(player) {
   element("rate").append(...RATES.map((rate) => new Option(`${rate}×`, rate)));
   writeLists(player);
   element("time").addEventListener("input", ({ target }) => player.seek(target.valueAsNumber));
-  element("rate").addEventListener("change", ({ target }) => player.setRate(Number(target.value)));
-  element("slow").addEventListener("change", ({ target }) => player.setSlow(target.checked));
+  element("rate").addEventListener("change", ({ target }) => player.set("rate", Number(target.value)));
+  element("slow").addEventListener("change", ({ target }) => player.set("slow", target.checked));
   element("events").addEventListener("change", ({ target }) => {
     if (target.value !== "") player.seek(player.events[target.value].time);
     target.value = "";
   });
   element("bench").addEventListener("input", ({ target }) => {
-    if (target.value !== "" && target.checkValidity()) player.select(target.valueAsNumber);
+    if (target.value !== "" && target.checkValidity()) player.set("selected", target.valueAsNumber);
   });
 }
 
@@ -71,17 +64,3 @@ function writeLists({ events, motion }) {
     + " move on cubic polynomials of time that match the positions and velocities of both. Numbers are shown with the digits"
     + " that are certain.", { error: Number((1e6 * motion.positionError).toPrecision(2)), frames: motion.times.length }));
 }
-
-const keysOf = (player) => ({
-  " ": () => player.toggle(),
-  arrowleft: ({ shiftKey }) => player.step(shiftKey ? -BIG_STEP : -1),
-  arrowright: ({ shiftKey }) => player.step(shiftKey ? BIG_STEP : 1),
-  home: () => player.seek(player.motion.begin),
-  end: () => player.seek(player.motion.end),
-  p: () => player.toEvent(-1),
-  n: () => player.toEvent(1),
-  l: () => player.playLast(),
-  z: () => player.zoomTimeline(TIMELINE_STEP),
-  x: () => player.zoomTimeline(1 / TIMELINE_STEP),
-  c: () => player.showWholeTimeline(),
-});

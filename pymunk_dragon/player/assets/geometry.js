@@ -88,12 +88,12 @@ class Benches {
     return found;
   }
 
-  // The bench closest to bench `i` among those that are not its neighbours; null if there is none.
-  nearest(i) {
+  // The bench closest to bench `i` among those that are not its neighbours, of the first `count`, with the gap; `found` if
+  // that is a smaller one.
+  nearest(i, found = null, count = this.motion.benches) {
     const { x, y } = this.poses;
     const reach = (k) => Math.hypot(this.motion.lengths[k], this.motion.widths[k]) / 2;
-    let found = null;
-    for (let j = 0; j < this.motion.benches; j++) {
+    for (let j = 0; j < count; j++) {
       if (Math.abs(i - j) <= 1) continue;
       // Lower bound of the gap: distance of the centres less half a diagonal each.
       const least = Math.hypot(x[i] - x[j], y[i] - y[j]) - reach(i) - reach(j);

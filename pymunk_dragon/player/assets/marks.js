@@ -4,7 +4,7 @@ const SMALLEST_HANDLE = 2.2; // pixels: least radius of a handle
 const HANDLE_SIZE = 0.8; // radius of a handle over the diameter of a hole
 const ARROW = 0.5; // m: length of an arrow per m/s, as in the films
 const SHORTEST_ARROW = 2; // pixels
-const LONGEST_HEAD = 9; // pixels: longest head of an arrow
+const LONGEST_HEAD = 7; // pixels: longest head of an arrow
 const SHAFT = 0.1; // width of an arrow's shaft over its length at 1 m/s
 const THICKEST_SHAFT = 2; // pixels
 const RIM = 0.9; // pixels: rim around arrows
@@ -16,12 +16,16 @@ const LABEL_OFFSET = 14; // pixels: distance of a label from the centre of its r
 const ZOOM_BUTTONS = 52; // pixels: width of the buttons at the right
 // s: a near miss is shown this long before and after its time.
 const NEAR_MISS_SHOWN = 1.5;
+const GHOST_WIDTH = 1.5; // pixels: width of the lines
+const GHOST_SHARE = 0.16; // largest width of the lines over that of a bench
+const THINNEST_GHOST = 0.75; // pixels
+const RIMMED_BENCH = 10; // pixels: width of a bench from which on the lines have a rim
 
 function drawHandles(painter, benches, visible) {
   const { context, colours, view } = painter;
   const radius = Math.max(SMALLEST_HANDLE, HANDLE_SIZE * painter.payload.dragon.hole * view.scale);
   const path = painter.drawHoles(benches, visible, radius, colours.background);
-  context.strokeStyle = colours.type;
+  context.strokeStyle = colours.text;
   context.lineWidth = Math.min(1.25, 0.4 * radius);
   context.stroke(path);
 }
@@ -30,36 +34,28 @@ function drawVelocities(painter, benches, visible) {
   const { context, colours, motion, view } = painter;
   const velocities = motion.velocitiesOf(benches.poses);
   if (!velocities) return;
-  const shafts = new Path2D(), heads = new Path2D();
+  const path = new Path2D();
   for (const handle of new Set(visible.flatMap((i) => [i, i + 1]))) {
-    const [vx, vy] = velocities[handle], [hx, hy] = benches.handles[handle];
-    const [px, py] = view.toScreen(hx, hy);
-    const [qx, qy] = view.toScreen(hx + ARROW * vx, hy + ARROW * vy);
-    const length = Math.hypot(qx - px, qy - py);
-    if (length < SHORTEST_ARROW) continue;
-    const ux = (qx - px) / length, uy = (qy - py) / length;
-    const head = Math.min(LONGEST_HEAD, 0.45 * length), half = 0.38 * head;
-    shafts.moveTo(px, py);
-    shafts.lineTo(qx - head * ux, qy - head * uy);
-    heads.moveTo(qx, qy);
-    heads.lineTo(qx - head * ux - half * uy, qy - head * uy + half * ux);
-    heads.lineTo(qx - head * ux + half * uy, qy - head * uy - half * ux);
-    heads.closePath();
+    const from = view.toScreen(...benches.handles[handle]), along = velocities[handle].map((each) => ARROW * each * view.scale);
+    if (Math.hypot(...along) >= SHORTEST_ARROW) addArrow(path, from, along[0], -view.up * along[1]);
   }
-  // A rim of the background's colour separates arrows from benches.
-  context.strokeStyle = colours.background;
   const width = Math.min(THICKEST_SHAFT, SHAFT * ARROW * view.scale);
-  context.lineWidth = width + 2 * RIM;
-  context.stroke(shafts);
-  context.stroke(heads);
-  context.strokeStyle = context.fillStyle = colours.motion;
-  context.lineWidth = width;
-  context.stroke(shafts);
-  context.fill(heads);
+  strokeTwice(context, path, colours.background, colours.motion, width, RIM);
 }
 
-// Numbers in the benches, `aside` of their centres in pixels.
-function drawNumbers(painter, benches, visible, inContact, aside = 0) {
+// An arrow from a pixel along a vector in pixels.
+function addArrow(path, [px, py], dx, dy) {
+  const length = Math.hypot(dx, dy), head = Math.min(LONGEST_HEAD, 0.5 * length), half = 0.45 * head;
+  const qx = px + dx, qy = py + dy, ux = dx / length, uy = dy / length;
+  path.moveTo(px, py);
+  path.lineTo(qx, qy);
+  path.moveTo(qx - head * ux - half * uy, qy - head * uy + half * ux);
+  path.lineTo(qx, qy);
+  path.lineTo(qx - head * ux + half * uy, qy - head * uy - half * ux);
+}
+
+// Numbers in the benches.
+function drawNumbers(painter, benches, visible, inContact) {
   const { context, colours, motion, view } = painter;
   const { x, y, angle } = benches.poses;
   const thickness = motion.narrowest * view.scale;
@@ -78,6 +74,7 @@ function drawNumbers(painter, benches, visible, inContact, aside = 0) {
     return;
   }
   context.font = `${Math.min(0.72 * thickness, 16)}px ${painter.font}`;
+  const upright = context.getTransform();
   for (const i of visible) {
     const [px, py] = view.toScreen(x[i], y[i]);
     // Along the bench, upright.
@@ -86,8 +83,8 @@ function drawNumbers(painter, benches, visible, inContact, aside = 0) {
     context.translate(px, py);
     context.rotate(turn);
     context.fillStyle = inContact.has(i) || i === motion.benches - 1 ? colours.background : colours.ink;
-    context.fillText(String(i), aside && aside + context.measureText(i).width / 2, 0.04 * thickness);
-    context.setTransform(painter.ratio, 0, 0, painter.ratio, 0, 0);
+    context.fillText(String(i), 0, 0.04 * thickness);
+    context.setTransform(upright);
   }
 }
 
@@ -124,4 +121,15 @@ function drawRing({ context, colours }, [px, py], inner = 0) {
   const path = new Path2D();
   path.arc(px, py, Math.max(RING, 1.6 * inner), 0, TURN);
   strokeTwice(context, path, colours.background, colours.force, 2, 1.5);
+}
+
+// Outlines of the exact benches `chosen` of `ghosts`, on top of the others.
+function drawGhosts(painter, ghosts, chosen) {
+  const { context, colours, view } = painter;
+  const path = new Path2D();
+  for (const i of chosen) painter.outline(path, ghosts, i);
+  const bench = ghosts.motion.narrowest * view.scale;
+  const width = Math.min(GHOST_WIDTH, Math.max(THINNEST_GHOST, GHOST_SHARE * bench));
+  if (bench >= RIMMED_BENCH) strokeTwice(context, path, colours.background, colours.motion, width);
+  else strokeOnce(context, path, colours.motion, width);
 }

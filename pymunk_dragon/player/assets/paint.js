@@ -3,17 +3,11 @@
 const CURVE_WIDTH = 0.04; // width of the curve over that of a bench, as in the films
 const THINNEST_CURVE = 1; // pixels
 const CURVE_ERROR_SHOWN = 0.3; // pixels: largest error of the drawn curve
-const CURVE_CHUNK = 64; // points of the curve that are tested together for visibility
 const SMALLEST_HOLE = 2.5; // pixels: smallest hole that is drawn
 const OUTLINE_WIDTH = 0.06; // width of outlines over that of a bench
 const THINNEST_OUTLINE = 0.5; // pixels
 const HEAD_BORDER = 3; // times: border of the head in contact
 const THICKEST_OUTLINE = 1.25; // pixels
-
-// Names of the colours, as in the films' `Palette`.
-const CANVAS_COLOURS = ["background", "curve", "head", "body", "tail", "contact", "ink", "motion", "force", "grid"];
-// Names of further colours of the page.
-const PAGE_COLOURS = ["quiet", "rule", "any"];
 
 class Painter {
   constructor(canvas, motion, view, payload, curve) {
@@ -28,30 +22,16 @@ class Painter {
   }
 
   readColours() {
-    const style = getComputedStyle(document.documentElement);
-    const named = (name) => style.getPropertyValue(name).trim();
-    this.colours = {
-      ...Object.fromEntries(CANVAS_COLOURS.map((name) => [name, named(`--canvas-${name}`)])),
-      ...Object.fromEntries(PAGE_COLOURS.map((name) => [name, named(`--${name}`)])),
-      type: named("--ink"),
-    };
+    this.colours = readColours();
     this.font = getComputedStyle(document.body).fontFamily;
   }
 
-  // Match the canvas to the pixels of the screen.
   resize() {
-    const { width, height } = this.canvas.getBoundingClientRect();
-    const ratio = window.devicePixelRatio || 1;
-    const wide = Math.max(1, Math.round(width * ratio)), high = Math.max(1, Math.round(height * ratio));
-    if (this.canvas.width === wide && this.canvas.height === high && this.ratio === ratio) return;
-    Object.assign(this.canvas, { width: wide, height: high });
-    Object.assign(this.view, { width: Math.max(1, width), height: Math.max(1, height) });
-    this.ratio = ratio;
+    Object.assign(this.view, fitCanvas(this.canvas, this.context));
   }
 
   clear() {
     const { context, view, colours } = this;
-    context.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
     context.fillStyle = colours.background;
     context.fillRect(0, 0, view.width, view.height);
     context.lineJoin = context.lineCap = "round";
@@ -69,33 +49,19 @@ class Painter {
     const { context, view, curve } = this;
     // The error of a chord over n intervals is n^2 times that over one.
     const stride = Math.max(1, Math.floor(Math.sqrt(CURVE_ERROR_SHOWN / (view.scale * this.curveError))));
-    const path = new Path2D();
-    const last = curve.length / 2 - 1;
-    for (let begin = 0; begin < last; begin += CURVE_CHUNK * stride) {
-      const end = Math.min(begin + CURVE_CHUNK * stride, last);
-      if (!this.isCurveVisible(begin, end)) continue;
-      path.moveTo(...view.toScreen(curve[2 * begin], curve[2 * begin + 1]));
-      for (let i = begin + stride; i < end + stride; i += stride) {
-        const k = Math.min(i, end);
-        path.lineTo(...view.toScreen(curve[2 * k], curve[2 * k + 1]));
-      }
+    const path = new Path2D(), last = curve.length / 2 - 1;
+    let drawn = null; // the point up to which the curve is drawn
+    for (let from = 0; from < last; from += stride) {
+      const to = Math.min(from + stride, last);
+      const [x, y, nextX, nextY] = [curve[2 * from], curve[2 * from + 1], curve[2 * to], curve[2 * to + 1]];
+      if (!view.isVisible(x, y, Math.hypot(nextX - x, nextY - y))) continue;
+      if (drawn !== from) path.moveTo(...view.toScreen(x, y));
+      path.lineTo(...view.toScreen(nextX, nextY));
+      drawn = to;
     }
     context.strokeStyle = this.colours.curve;
     context.lineWidth = Math.max(THINNEST_CURVE, CURVE_WIDTH * this.motion.narrowest * view.scale);
     context.stroke(path);
-  }
-
-  // Whether the bounding box of a part of the curve is visible.
-  isCurveVisible(begin, end) {
-    let [left, right, bottom, top] = [Infinity, -Infinity, Infinity, -Infinity];
-    for (let i = begin; i <= end; i++) {
-      left = Math.min(left, this.curve[2 * i]);
-      right = Math.max(right, this.curve[2 * i]);
-      bottom = Math.min(bottom, this.curve[2 * i + 1]);
-      top = Math.max(top, this.curve[2 * i + 1]);
-    }
-    const [x0, y0] = this.view.toScreen(left, top), [x1, y1] = this.view.toScreen(right, bottom);
-    return x1 >= 0 && x0 <= this.view.width && y1 >= 0 && y0 <= this.view.height;
   }
 
   outline(path, benches, i) {
@@ -148,7 +114,7 @@ class Painter {
     const { context, colours } = this;
     const path = new Path2D();
     this.outline(path, benches, i);
-    strokeTwice(context, path, colours.background, colours.type, 5, 2);
+    strokeTwice(context, path, colours.background, colours.text, 5, 2);
     context.fillStyle = this.colourOf(i, inContact);
     context.fill(path);
     this.drawHoles(benches, [i], this.payload.dragon.hole / 2 * this.view.scale, colours.ink);
@@ -166,7 +132,7 @@ class Painter {
     context.strokeStyle = colours.background;
     context.lineWidth = 4;
     context.strokeText(text, px, py);
-    context.fillStyle = colours.type;
+    context.fillStyle = colours.text;
     context.fillText(text, px, py);
   }
 }

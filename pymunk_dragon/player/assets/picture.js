@@ -17,7 +17,6 @@ class RunPainter extends Painter {
     if (show.handles) drawHandles(this, benches, visible);
     if (show.velocities) drawVelocities(this, benches, visible);
     if (show.labels) drawNumbers(this, benches, visible, inContact);
-    if (show.grid && this.payload.grid) drawGridNames(this);
     if (show.contacts) drawContacts(this, time, benches, touching);
   }
 }

@@ -28,8 +28,7 @@ class Player extends Stage {
     this.slowTimes = slowTimes(this.events);
     this.playing = false;
     this.selected = null; // a bench
-    this.linkTimer = null;
-    this.written = -LINK_EVERY; // time of the last change of the address, ms
+    this.writeLinkSoon = throttled(() => this.writeLink(), LINK_EVERY);
   }
 
   // ---- drawing
@@ -100,24 +99,21 @@ class Player extends Stage {
     if (this.playing || this.length === 0) return;
     if (this.time >= this.motion.end) this.time = this.motion.begin;
     this.last = null;
-    this.setPlaying(true);
+    this.playing = true;
+    showPlaying(true);
     this.requestDraw();
   }
 
   pause() {
     if (!this.playing) return;
-    this.setPlaying(false);
+    this.playing = false;
+    showPlaying(false);
     this.afterChange();
   }
 
   toggle() {
     if (this.playing) this.pause();
     else this.play();
-  }
-
-  setPlaying(playing) {
-    this.playing = playing;
-    showPlaying(playing);
   }
 
   // Go to a time and pause.
@@ -127,22 +123,18 @@ class Player extends Stage {
     this.afterChange();
   }
 
-  step(frames) {
-    const { times } = this.motion;
-    const here = this.motion.frameFrom(this.time);
-    // Between two frames, `here` is the next one.
-    let frame = here + frames - (frames > 0 && times[here] > this.time ? 1 : 0);
-    frame = Math.min(Math.max(frame, 0), times.length - 1);
-    // Skip frames at the same time.
-    while (times[frame] === this.time && times[frame + Math.sign(frames)] !== undefined) frame += Math.sign(frames);
-    this.seek(times[frame]);
+  // Go to the next of some times, or the one before.
+  toNext(times, direction) {
+    const later = direction > 0;
+    this.seek((later ? times.find((time) => time > this.time) : times.findLast((time) => time < this.time)) ?? this.time);
+  }
+
+  step(direction) {
+    this.toNext(this.motion.times, direction);
   }
 
   toEvent(direction) {
-    const found = direction > 0
-      ? this.events.find((event) => event.time > this.time)
-      : this.events.findLast((event) => event.time < this.time);
-    if (found) this.seek(found.time);
+    this.toNext(this.events.map(({ time }) => time), direction);
   }
 
   // Play the end of the run, with that part on the timeline.
@@ -152,13 +144,9 @@ class Player extends Stage {
     this.play();
   }
 
-  setRate(rate) {
-    this.rate = rate;
-    this.afterChange();
-  }
-
-  setSlow(slow) {
-    this.slow = slow;
+  // Set the rate, whether the run is slow near events, or the selected bench.
+  set(name, value) {
+    this[name] = value;
     this.afterChange();
   }
 
@@ -172,11 +160,6 @@ class Player extends Stage {
   showWholeTimeline() {
     this.timeline.showAll();
     this.requestDraw();
-  }
-
-  select(bench) {
-    this.selected = bench;
-    this.afterChange();
   }
 
   // ---- language
@@ -213,16 +196,12 @@ class Player extends Stage {
     element("field").setAttribute("aria-label", `${seen}. ${description}.`);
   }
 
-  writeLinkSoon() {
-    this.linkTimer ??= setTimeout(() => {
-      this.linkTimer = null;
-      this.written = performance.now();
-      try {
-        history.replaceState(null, "", formatLink(this));
-      } catch {
-        // A page in a notebook's frame has no address of its own.
-      }
-    }, Math.max(0, this.written + LINK_EVERY - performance.now()));
+  writeLink() {
+    try {
+      history.replaceState(null, "", formatLink(this));
+    } catch {
+      // A page in a notebook's frame has no address of its own.
+    }
   }
 
   readLink() {

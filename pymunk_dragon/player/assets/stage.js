@@ -33,10 +33,6 @@ class Stage {
     this.afterChange();
   }
 
-  toggleHead() {
-    if (!element("follow").hidden) this.setFollow(this.follow === "head" ? "field" : "head");
-  }
-
   zoom(factor) {
     this.view.zoom(factor);
     if (this.follow === "field") this.follow = null;
@@ -54,20 +50,10 @@ class Stage {
     this.afterChange();
   }
 
-  show(name, shown) {
-    this.shown[name] = shown;
-    this.afterChange();
-  }
-
   showView() {
     element("fit").setAttribute("aria-pressed", this.follow === "field");
     element("follow").setAttribute("aria-pressed", this.follow === "head");
     for (const [name, shown] of Object.entries(this.shown)) element(`show-${name}`).checked = shown;
-  }
-
-  recolour() {
-    this.painter.readColours();
-    this.requestDraw();
   }
 }
 
@@ -78,7 +64,7 @@ function connectStage(stage, { buttons, keys, pointers, takes }) {
     "zoom-in": () => stage.zoom(ZOOM_STEP),
     "zoom-out": () => stage.zoom(1 / ZOOM_STEP),
     fit: () => stage.setFollow("field"),
-    follow: () => stage.toggleHead(),
+    follow: () => stage.setFollow(stage.follow === "head" ? "field" : "head"),
     language: () => stage.setLanguage(otherLanguage()),
     help: () => element("about").showModal(),
     close: () => element("about").close(),
@@ -86,19 +72,18 @@ function connectStage(stage, { buttons, keys, pointers, takes }) {
   };
   for (const [id, action] of Object.entries(actions)) element(id).addEventListener("click", action);
   for (const name of Object.keys(stage.shown)) {
-    element(`show-${name}`).addEventListener("change", ({ target }) => stage.show(name, target.checked));
+    element(`show-${name}`).addEventListener("change", ({ target }) => {
+      stage.shown[name] = target.checked;
+      stage.afterChange();
+    });
   }
   listenToKeys({
-    "+": actions["zoom-in"],
+    ...keysOfElements(),
     "=": actions["zoom-in"], // the key of "+" without shift
-    "-": actions["zoom-out"],
-    0: actions.fit,
-    h: actions.follow,
     w: () => stage.pan(0, -1),
     a: () => stage.pan(-1, 0),
     s: () => stage.pan(0, 1),
     d: () => stage.pan(1, 0),
-    "?": actions.help,
     ...keys,
   }, takes);
   listenToPointers(element("field"), stage.view, {
@@ -110,7 +95,16 @@ function connectStage(stage, { buttons, keys, pointers, takes }) {
     ...pointers,
   });
   new ResizeObserver(() => stage.requestDraw()).observe(element("field"));
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => stage.recolour());
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
+    stage.painter.readColours();
+    stage.requestDraw();
+  });
+}
+
+// Keys that click an element, unless it is hidden.
+function keysOfElements() {
+  const click = (each) => () => each.checkVisibility() && each.click();
+  return Object.fromEntries(withKeys().map(([each, key]) => [key === "Space" ? " " : key.toLowerCase(), click(each)]));
 }
 
 function listenToKeys(actions, takes = () => false) {

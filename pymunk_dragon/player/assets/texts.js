@@ -5,6 +5,7 @@ const CATALOGUES = { en: {}, ...JSON.parse(element("texts").textContent) };
 const UNTRANSLATED = "script, style, svg, canvas, kbd, code, [translate=no]";
 const HAS_LETTERS = /\p{L}/u;
 const LANGUAGE_NAMES = { en: "English", zh: "中文" };
+const KEY_SIGNS = { ArrowLeft: "←", ArrowRight: "→", "-": "−" };
 const TRANSLATED_ATTRIBUTES = ["aria-label", "title"];
 
 let language = "en";
@@ -38,6 +39,12 @@ function* textElements(parent) {
   }
 }
 
+// Elements that a key clicks, with the key.
+const withKeys = () =>
+  Array.from(document.querySelectorAll("[aria-keyshortcuts]"), (each) => [each, each.getAttribute("aria-keyshortcuts")]);
+
+for (const [each] of withKeys()) each.title ||= each.ariaLabel ?? each.textContent;
+
 // The page's own texts in English, with what sets each of them.
 const STATIC_TEXTS = [
   [document.title, (text) => { document.title = text; }],
@@ -52,8 +59,18 @@ function setLanguage(name) {
   language = name;
   document.documentElement.lang = name;
   for (const [english, write] of STATIC_TEXTS) write(translated(english));
+  showKeys();
   const other = otherLanguage();
   Object.assign(element("language"), { lang: other, textContent: LANGUAGE_NAMES[other] });
+}
+
+// Hints name the keys, and the help lists them.
+function showKeys() {
+  element("keys").replaceChildren(...withKeys().map(([each, key]) => {
+    const sign = key === "Space" ? localized("space") : KEY_SIGNS[key] ?? key, what = each.title;
+    each.title = `${what} (${sign})`;
+    return created("div", {}, created("dt", {}, created("kbd", {}, sign)), created("dd", {}, what));
+  }));
 }
 
 function otherLanguage() {
@@ -62,6 +79,6 @@ function otherLanguage() {
 
 function showPlaying(playing) {
   document.body.classList.toggle("playing", playing);
-  element("play").setAttribute("aria-label", playing ? localized("Pause") : localized("Play"));
-  element("play").title = playing ? localized("Pause (space)") : localized("Play (space)");
+  const what = playing ? localized("Pause") : localized("Play");
+  Object.assign(element("play"), { ariaLabel: what, title: `${what} (${localized("space")})` });
 }

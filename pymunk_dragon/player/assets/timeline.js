@@ -102,16 +102,13 @@ class Timeline {
 
   // Draws only if the strip's size, the part or the colours have changed.
   draw(painter) {
-    const { width, height } = this.strip.getBoundingClientRect();
-    const ratio = window.devicePixelRatio || 1;
-    const state = [width, height, ratio, painter.colours.type, this.from, this.to].join();
+    const context = this.strip.getContext("2d"), { width, height } = fitCanvas(this.strip, context);
+    const state = [width, height, devicePixelRatio, painter.colours.text, this.from, this.to].join();
     if (state === this.drawn) return;
     this.drawn = state;
     this.width = width;
     Object.assign(this.slider, { min: this.from, max: this.to });
-    Object.assign(this.strip, { width: Math.round(width * ratio), height: Math.round(height * ratio) });
-    const context = this.strip.getContext("2d");
-    context.scale(ratio, ratio);
+    context.clearRect(0, 0, width, height);
     this.drawLabels(context, painter);
     const middle = height - MARK - 2;
     const shown = this.events.filter(({ time, end }) => end >= this.from && time <= this.to);
@@ -130,26 +127,46 @@ class Timeline {
       context.lineTo(px - MARK + 1, middle);
       context.closePath();
       context.fillStyle = painter.colours.head;
-      context.strokeStyle = painter.colours.type;
+      context.strokeStyle = painter.colours.text;
       context.lineWidth = 1;
       context.fill();
       context.stroke();
     }
   }
 
-  // Times at the upper side, at multiples of 1, 2 or 5 times a power of ten s.
+  // Round times at the upper side.
   drawLabels(context, { colours, font }) {
-    const step = roundUp(Math.max(LABEL_EVERY * this.length / this.inner, Number.EPSILON));
-    const digits = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
     context.font = `${LABEL_SIZE}px ${font}`;
     context.textBaseline = "top";
     context.textAlign = "center";
     context.fillStyle = context.strokeStyle = colours.quiet;
-    for (let k = Math.ceil(this.from / step); k * step <= this.to; k++) {
-      const px = this.toPixel(k * step), label = (k * step).toFixed(digits).replace("-", "−");
+    for (const time of ticks(this.from, this.to, this.inner / LABEL_EVERY / (this.length || Number.EPSILON))) {
+      const px = this.toPixel(time), label = signed(time);
       const half = context.measureText(label).width / 2;
       if (px - half < 0 || px + half > this.width) continue;
       context.fillText(label, px, 0);
     }
   }
+}
+
+// ---- slow motion near events: the speed falls in proportion to the time to the nearest one, down to a lowest one
+
+const SLOWEST = 1 / 8; // simulated over real time
+const APPROACH = 2; // 1/s: speed over the time to the event
+// s: a contact that begins so soon after another one has no slow motion of its own, as in a pile-up.
+const APART = 2;
+
+// Times of the events that playing slows down at: near misses, and contacts after a time without one.
+function slowTimes(events) {
+  const begins = events.filter(({ kind }) => kind === "contact").map(({ time }) => time);
+  return [
+    ...events.filter(({ kind }) => kind === "near-miss").map(({ time }) => time),
+    ...begins.filter((time, k) => k === 0 || time - begins[k - 1] > APART),
+  ];
+}
+
+// The speed at a time, no higher than the chosen `rate`.
+function slowedRate(rate, time, times) {
+  const distance = times.reduce((least, each) => Math.min(least, Math.abs(each - time)), Infinity);
+  return Math.min(rate, Math.max(SLOWEST, APPROACH * distance));
 }

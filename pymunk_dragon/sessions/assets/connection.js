@@ -52,7 +52,6 @@ class Connection {
   constructor({ received, framed, changed }) {
     Object.assign(this, { received, framed, changed });
     this.delay = FIRST_DELAY;
-    this.latency = null; // ms: time from a ping to its answer
     this.open();
     setInterval(() => this.ping(), PING_EVERY);
   }
@@ -75,7 +74,6 @@ class Connection {
   // Wait longer after each attempt that fails; the first message sets the wait back.
   reopen(socket) {
     if (socket !== this.socket) return;
-    this.latency = null;
     this.changed(false);
     setTimeout(() => this.open(), this.delay);
     this.delay = Math.min(LAST_DELAY, this.delay * DELAY_GROWTH);
@@ -89,8 +87,7 @@ class Connection {
       return;
     }
     const message = JSON.parse(data);
-    if (message.kind === "pong") this.latency = performance.now() - this.pinged;
-    else this.received(message);
+    if (message.kind !== "pong") this.received(message);
   }
 
   ping() {
@@ -99,11 +96,55 @@ class Connection {
       this.socket.close();
       return;
     }
-    this.pinged = performance.now();
-    this.send({ do: "ping", id: Math.round(this.pinged) });
+    this.send({ do: "ping", id: Math.round(performance.now()) });
   }
 
   send(message) {
     if (this.connected) this.socket.send(JSON.stringify(message));
   }
+}
+
+// ---- binary frames: the length of a JSON header, the header, and arrays of 32-bit numbers
+
+const CONTACT_SIZE = 5; // numbers of a contact: point, normal, impulse; less than 0 without an arrow
+const JOINT_SIZE = 5; // numbers of a joint: two ends and the force
+const CALL_HEAD = 7; // numbers of a call before its points
+
+function decodeFrame(buffer) {
+  const length = new DataView(buffer).getUint32(0, true);
+  const header = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length)));
+  const frame = { ...header, poses: [], exact: [], errors: [], forces: [], contacts: [], joints: [], calls: [] };
+  let offset = 4 + length;
+  for (const [name, size] of Object.entries(header.sizes)) {
+    frame[name] = new Float32Array(buffer, offset, size);
+    offset += frame[name].byteLength;
+  }
+  frame.calls = callsOf(frame);
+  return frame;
+}
+
+// What Pymunk draws, as objects: kind, points, radius, angle, colours, and whether the body is dynamic.
+function callsOf({ calls, colours = [] }) {
+  const texts = colours.map(([r, g, b, a]) => `rgba(${r}, ${g}, ${b}, ${a / 255})`);
+  const found = [];
+  for (let k = 0; k < calls.length;) {
+    const count = calls[k + 1], points = [];
+    for (let p = k + CALL_HEAD; p < k + CALL_HEAD + 2 * count; p += 2) points.push([calls[p], calls[p + 1]]);
+    found.push({
+      kind: KINDS[calls[k]], points, radius: calls[k + 2], angle: calls[k + 3],
+      fill: texts[calls[k + 4]], outline: texts[calls[k + 5]], moves: calls[k + 6] === 1,
+      opaque: colours[calls[k + 4]][3] >= 255,
+    });
+    k += CALL_HEAD + 2 * count;
+  }
+  return found;
+}
+
+const KINDS = ["circle", "segment", "polygon", "line", "dot"];
+
+const posesOf = (packed) => posesFrom(packed.length / 3, (i) => packed.subarray(3 * i, 3 * i + 3));
+
+// Rows of an array of numbers, as arrays.
+function* rowsOf(numbers, size) {
+  for (let k = 0; k < numbers.length; k += size) yield numbers.subarray(k, k + size);
 }

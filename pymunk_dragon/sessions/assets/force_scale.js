@@ -1,3 +1,21 @@
+// Colours of bodies and forces, the scale of forces, its legend and the scale bar at the lower border of the canvas.
+
+// Pymunk's debug colours: of static shapes, of outlines and of collision points.
+const STATIC_COLOUR = "#95a5a6";
+const OUTLINE_COLOUR = "#2c3e50";
+const COLLISION_COLOUR = "#e74c3c";
+// Forces from small to large.
+const RAMP = ["#ffffcc", "#fed976", "#fd8d3c", "#e31a1c", "#800026"];
+const SHADES = 32; // colours of discs: those of one shade share a path
+
+// A mixture of two colours: the second has the weight `share`.
+const mixed = (one, two, share) => `color-mix(in srgb, ${one}, ${two} ${100 * share}%)`;
+
+const SHADE_COLOURS = Array.from({ length: SHADES }, (_, shade) => {
+  const place = shade / (SHADES - 1) * (RAMP.length - 1), k = Math.min(Math.floor(place), RAMP.length - 2);
+  return mixed(RAMP[k], RAMP[k + 1], place - k);
+});
+
 // A logarithmic scale whose upper end follows the largest value: it rises at once, and falls after some seconds.
 
 const DECADES = 4; // length of the scale
@@ -42,3 +60,48 @@ function powerText(power) {
 }
 
 const superscript = (number) => [...String(number)].map((digit) => "⁰¹²³⁴⁵⁶⁷⁸⁹"[digit] ?? "⁻").join("");
+
+const LEGEND_LEFT = 14; // pixels from the left side
+const LEGEND_BOTTOM = 14; // pixels from the lower side
+const LEGEND_WIDTH = 168; // pixels
+const LEGEND_ROOM = 50; // pixels: height of the legend, below the scale bar
+const LEGEND_HEIGHT = 9; // pixels
+const BAR_LONGEST = 110; // pixels: longest scale bar
+
+function drawLegend(painter) {
+  const { context, view, colours, forceScale } = painter;
+  const top = view.height - LEGEND_BOTTOM - LEGEND_HEIGHT - 16;
+  const strip = context.createLinearGradient(LEGEND_LEFT, 0, LEGEND_LEFT + LEGEND_WIDTH, 0);
+  RAMP.forEach((colour, k) => strip.addColorStop(k / (RAMP.length - 1), colour));
+  context.fillStyle = strip;
+  context.strokeStyle = colours.text;
+  context.lineWidth = 1;
+  context.fillRect(LEGEND_LEFT, top, LEGEND_WIDTH, LEGEND_HEIGHT);
+  context.strokeRect(LEGEND_LEFT, top, LEGEND_WIDTH, LEGEND_HEIGHT);
+  context.font = `11px ${painter.font}`;
+  context.textBaseline = "alphabetic";
+  context.textAlign = "left";
+  painter.drawText(localized("Force in the joint ({unit})", { unit: painter.model.forceUnit }), LEGEND_LEFT, top - 6);
+  ["left", "center", "right"].forEach((align, k) => {
+    context.textAlign = align;
+    const text = powerText(forceScale.bottom + k * DECADES / 2);
+    painter.drawText(text, LEGEND_LEFT + k * LEGEND_WIDTH / 2, top + LEGEND_HEIGHT + 13);
+  });
+}
+
+// A length of 1, 2 or 5 times a power of ten m, and a line of that length.
+function drawScaleBar(painter, above) {
+  const { context, view, colours } = painter;
+  const longest = BAR_LONGEST / view.scale;
+  const power = 10 ** Math.floor(Math.log10(longest));
+  const length = [5, 2, 1].find((digit) => digit * power <= longest) * power;
+  const y = view.height - LEGEND_BOTTOM - above, right = LEGEND_LEFT + length * view.scale;
+  const path = new Path2D();
+  for (const corner of [[LEGEND_LEFT, y - 5], [LEGEND_LEFT, y], [right, y], [right, y - 5]]) path.lineTo(...corner);
+  strokeTwice(context, path, colours.background, colours.text, 1.5);
+  context.font = `11px ${painter.font}`;
+  context.textAlign = "left";
+  context.textBaseline = "alphabetic";
+  const short = painter.model.units === "m" && length < 1;
+  painter.drawText(short ? `${Number((1000 * length).toPrecision(1))} mm` : `${length} ${painter.model.units}`, right + 6, y);
+}

@@ -7,7 +7,7 @@ const SCALE_BAR_ROOM = 24; // pixels at the lower border that the fitted view le
 const BUILDING_AFTER = 100; // ms
 const ANNOUNCE_EVERY = 1500; // ms: events in between are not announced to screen readers
 const SLOW = 0.9; // less than this fraction of the chosen speed is marked as slow
-const SWITCHES = ["curve", "handles", "labels", "ghost", "forces", "contacts", "centres"];
+const SWITCHES = ["curve", "handles", "labels", "ghost", "forces", "contacts"];
 const SHOWN_BY_DEFAULT = ["curve", "ghost", "contacts"];
 const STAGE = new URLSearchParams(location.hash.slice(1)).get("stage"); // scene that the page of a lesson shows in a frame
 
@@ -137,7 +137,6 @@ class Live extends Stage {
   showConnection(open) {
     element("lost").hidden = open;
     if (!open) this.tools.drop();
-    setText("latency", "");
     showAccess(this);
   }
 

@@ -1,18 +1,76 @@
-// The three charts: position error, tension along the chain, and the time that a step takes.
+// Charts of the last seconds: position error, tension along the chain, the time that a step takes, and quantities of the
+// scene.
 
+const CHART_SECONDS = 20;
+const LONGEST_GAP = 250; // ms: a longer pause between two frames counts as this
+const MARGINS = { left: 56, right: 6, above: 6, below: 6 }; // pixels
+const CHART_EVERY = 100; // ms between two drawings of the charts
 const ERROR_KNOWN = 1e-8; // m: errors are shown to a hundredth of a micrometre.
+const MOST_ROWS = 100000; // rows of a table: three hours
+
+// A chart with a canvas of its own, and values of the last seconds, in which pauses leave no gap.
+class Chart extends Pane {
+  constructor(canvas, painter) {
+    super(canvas.getContext("2d"), painter);
+    Object.assign(this, { canvas, top: 0, size: 11 });
+    this.clear();
+  }
+
+  clear() {
+    Object.assign(this, { samples: [], clock: 0, last: null });
+  }
+
+  add(value, now) {
+    this.clock += Math.min(now - (this.last ?? now), LONGEST_GAP) / 1000;
+    this.last = now;
+    this.samples.push([this.clock, value]);
+    const old = this.samples.findIndex(([at]) => at >= this.begin);
+    if (old > 100) this.samples.splice(0, old);
+  }
+
+  get begin() {
+    return this.clock - CHART_SECONDS;
+  }
+
+  // The values that are finite.
+  get values() {
+    return this.samples.map(([, value]) => value).filter(Number.isFinite);
+  }
+
+  get shown() {
+    return this.canvas.getClientRects().length > 0;
+  }
+
+  // Clear the canvas and draw the axes.
+  start(up, tick, across = [this.begin, this.clock]) {
+    this.context.reset();
+    Object.assign(this, fitCanvas(this.canvas, this.context));
+    this.axes({ across, up, tick, apart: 18, margins: MARGINS });
+  }
+
+  track(points = this.samples) {
+    this.line(points, { colour: "any", width: 1.5 });
+  }
+}
+
+// The decades around positive values, at least two of them: powers of ten of the lower and the upper end.
+function decadesAround(values) {
+  const logs = values.filter((value) => value > 0).map(Math.log10);
+  if (!logs.length) return [-2, 0];
+  const high = Math.ceil(Math.max(...logs));
+  return [Math.min(Math.floor(Math.min(...logs)), high - 2), high];
+}
 
 class LiveCharts {
   constructor(painter) {
     this.painter = painter;
-    this.history = new History();
     this.charts = Object.fromEntries(["error", "force", "step"].map((name) => [name, new Chart(element(`chart-${name}`), painter)]));
     this.drawn = 0;
   }
 
   setModel(model) {
     this.model = model;
-    this.history = new History();
+    for (const chart of Object.values(this.charts)) chart.clear();
     element("charts-error").hidden = !model.can("ghost");
     this.quantities = model.scene.plots.map((name) => new Quantity(name, model.unitOf(name), this.painter));
     element("charts-own").replaceChildren(...this.quantities.map(({ figure }) => figure));
@@ -27,7 +85,8 @@ class LiveCharts {
 
   add(frame) {
     const now = performance.now();
-    this.history.add({ error: frame.errors.length ? 1000 * largestOf(frame.errors) : NaN, step: 1000 * frame.step_time }, now);
+    this.charts.error.add(frame.errors.length ? 1000 * largestOf(frame.errors) : NaN, now);
+    this.charts.step.add(1000 * frame.step_time, now);
     if (frame.plots) this.quantities.forEach((quantity, k) => quantity.add(frame.time, frame.plots[k], now));
   }
 
@@ -52,42 +111,31 @@ class LiveCharts {
   }
 
   drawErrors(chart, { errors }) {
-    const track = this.history.track("error");
-    const [low, high] = decadesAround(track.map(([, value]) => value));
-    chart.begin(decadeTicks([low, high]));
-    chart.line(track.map(([across, value]) => [across, value > 0 ? (Math.log10(value) - low) / (high - low) : NaN]));
+    chart.start(decadesAround(chart.values), powerText);
+    chart.track(chart.samples.map(([at, value]) => [at, Math.log10(value)]));
     const worst = errors.reduce((one, value, i) => (value > (errors[one] ?? -1) ? i : one), -1);
     setText("value-error", worst < 0 ? "–" : localized("{error}, bench {i}", { error: formatError(errors[worst], ERROR_KNOWN), i: worst }));
   }
 
   drawForces(chart, frame, cuts) {
-    const forces = this.model.benches ? frame.forces : Array.from(rowsOf(frame.joints, JOINT_SIZE), (row) => row[4]);
+    const { benches } = this.model, { bottom, top } = this.painter.forceScale;
+    const forces = Array.from(benches ? frame.forces : rowsOf(frame.joints, JOINT_SIZE), (each) => (benches ? each : each[4]));
     element("charts-force").hidden = forces.length === 0;
-    const { colours, forceScale } = this.painter;
-    const last = Math.max(1, forces.length - 1);
     const valid = (j) => forces[j] > 0 && !cuts.has(j);
-    chart.begin(decadeTicks([forceScale.bottom, forceScale.top]));
-    if (this.model.benches) {
-      chart.line(Array.from(forces, (force, j) => [j / last, valid(j) ? forceScale.share(force) : NaN]));
-    } else {
-      forces.forEach((force, j) => {
-        const across = (j + 0.5) / forces.length;
-        if (valid(j)) chart.line([[across, 0], [across, forceScale.share(force)]], colours.any, 4);
-      });
-    }
-    for (const j of cuts) chart.line([[j / last, 0], [j / last, 1]], colours.contact, 1);
+    chart.start([bottom, top], powerText, [-0.5, Math.max(1, forces.length) - 0.5]);
+    const points = forces.map((force, j) => [j, valid(j) ? Math.max(Math.log10(force), bottom) : NaN]);
+    if (benches) chart.track(points);
+    else for (const [j, up] of points) chart.line([[j, bottom], [j, up]], { colour: "any", width: 4 });
+    for (const j of cuts) chart.line([[j, bottom], [j, top]], { colour: "contact" });
     const worst = forces.reduce((one, value, j) => (valid(j) && value > (forces[one] ?? 0) ? j : one), -1);
     setText("value-force", worst < 0 ? "–" : localized("{force}, joint {i}", { force: this.model.forceText(forces[worst]), i: worst }));
   }
 
   drawSteps(chart, { step_time }, budget) {
-    const stepTime = 1000 * step_time;
-    const track = this.history.track("step");
-    const top = roundUp(track.reduce((one, [, value]) => Math.max(one, value || 0), 1.05 * budget));
-    chart.begin([0, 0.5, 1].map((share) => [share, String(Number((share * top).toPrecision(2)))]));
-    chart.horizontal(budget / top, this.painter.colours.contact, 1.25);
-    chart.line(track.map(([across, value]) => [across, value / top]));
-    setText("value-step", localized("{time} of {limit}", { time: formatTime(stepTime), limit: formatTime(budget) }));
+    chart.start([0, roundUp(Math.max(...chart.values, 1.05 * budget))]);
+    chart.line([[chart.begin, budget], [chart.clock, budget]], { colour: "contact", width: 1.25 });
+    chart.track();
+    setText("value-step", localized("{time} of {limit}", { time: formatTime(1000 * step_time), limit: formatTime(budget) }));
   }
 }
 
@@ -98,34 +146,30 @@ class Quantity {
   constructor(name, unit, painter) {
     this.name = unit ? `${name} (${unit})` : name;
     this.rows = []; // [time, value] since the scene began, for the table
-    this.history = new History();
     this.value = created("span", {}, "–");
-    const canvas = created("canvas", { ariaHidden: "true" });
-    this.figure = created("figure", {}, created("figcaption", {}, created("span", {}, unit ? `${translated(name)} (${unit})` : name), " ", this.value), canvas);
+    const canvas = created("canvas", { ariaHidden: "true" }), title = unit ? `${translated(name)} (${unit})` : name;
+    this.figure = created("figure", {}, created("figcaption", {}, created("span", {}, title), " ", this.value), canvas);
     this.chart = new Chart(canvas, painter);
   }
 
   add(time, value, now) {
     this.rows.push([time, value]);
     if (this.rows.length > MOST_ROWS) this.rows.shift();
-    this.history.add({ value: value ?? NaN }, now);
+    this.chart.add(value ?? NaN, now);
   }
 
   draw() {
-    if (!this.chart.shown) return;
-    const track = this.history.track("value");
-    const values = track.map(([, value]) => value).filter(Number.isFinite);
-    if (!values.length) return;
+    const { chart } = this, { values } = chart;
+    if (!chart.shown || !values.length) return;
     let [low, high] = [Math.min(...values), Math.max(...values)];
     // A constant quantity has a line in the middle; noise in its last digits does not fill the chart.
     const least = Math.max(Math.abs(low), Math.abs(high)) * 1e-4 || 1;
     if (high - low < least) [low, high] = [(low + high - least) / 2, (low + high + least) / 2];
     // Enough digits to tell the ticks apart.
     const digits = Math.max(2, Math.ceil(Math.log10(2 * Math.max(Math.abs(low), Math.abs(high)) / (high - low))));
-    this.chart.begin([0, 0.5, 1].map((share) => [share, numberText(low + share * (high - low), digits)]));
-    this.chart.line(track.map(([across, value]) => [across, (value - low) / (high - low)]));
+    const margin = (high - low) / 50;
+    chart.start([low - margin, high + margin], (value) => numberText(value, digits));
+    chart.track();
     this.value.textContent = numberText(values.at(-1));
   }
 }
-
-const MOST_ROWS = 100000; // rows of a table: three hours

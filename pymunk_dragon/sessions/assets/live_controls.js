@@ -7,7 +7,7 @@ function connect(live) {
   connectFields(live);
   connectStage(live, {
     buttons: buttonsOf(live),
-    keys: keysOf(live),
+    keys: { enter: () => live.frame && tools.apply(), escape: () => tools.drop() },
     pointers: {
       hovered(pixel) {
         live.pixel = pixel;
@@ -38,7 +38,6 @@ const buttonsOf = (live) => ({
   release: () => live.send({ do: "release", bench: 1 }),
   hold: () => live.send({ do: "hold" }),
   record: () => live.recorder.toggle(),
-  "recorded-close": () => live.recorder.hide(),
 });
 
 function connectFields(live) {
@@ -51,32 +50,6 @@ function connectFields(live) {
   element("obstacle-size").addEventListener("input", () => tools.showSize());
 }
 
-// The next speed of the list, upward or downward.
-function changeSpeed(live, direction) {
-  const faster = SPEEDS.find((speed) => speed > live.state.speed), slower = SPEEDS.findLast((speed) => speed < live.state.speed);
-  const value = direction > 0 ? faster : slower;
-  if (value) live.send({ do: "speed", value });
-}
-
-function keysOf(live) {
-  // A button that is hidden has no key.
-  const click = (id) => () => element(id).checkVisibility() && element(id).click();
-  return {
-    " ": click("play"),
-    arrowright: click("step"),
-    r: click("reset"),
-    n: click("until-contact"),
-    l: click("release"),
-    b: click("hold"),
-    c: click("record"),
-    "[": () => live.controls && changeSpeed(live, -1),
-    "]": () => live.controls && changeSpeed(live, 1),
-    ...Object.fromEntries(TOOLS.map((tool, k) => [k + 1, () => live.tools.choose(tool)])),
-    enter: () => live.frame && live.tools.apply(),
-    escape: () => live.tools.drop(),
-  };
-}
-
 // Send a key of the scene's own; it does nothing else.
 function takesKey(live, event) {
   const keys = live.scene?.keys ?? [];
@@ -85,4 +58,32 @@ function takesKey(live, event) {
   event.preventDefault();
   if (!event.repeat) live.send({ do: "press", name: event.key, down: event.type === "keydown" });
   return true;
+}
+
+// ---- the start, and what tests read
+
+function start() {
+  const live = new Live();
+  connect(live);
+  setLanguage(chosenLanguage());
+  return publicLive(live);
+}
+
+function publicLive(live) {
+  return Object.freeze({
+    get scene() { return live.scene; },
+    get state() { return live.state; },
+    get frame() { return live.frame; },
+    get drawn() { return live.drawn; },
+    // Pixel of the canvas at a point in m.
+    pixel: (x, y) => live.view.toScreen(x, y),
+    send: (message) => live.send(message),
+  });
+}
+
+try {
+  globalThis.live = start();
+} catch (error) {
+  showFailure(error);
+  throw error;
 }

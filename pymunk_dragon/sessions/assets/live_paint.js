@@ -39,8 +39,7 @@ class LivePainter extends Painter {
       this.drawDragon({ frame, benches, visible, inContact, state, show, target });
     } else drawCalls(this, frame.calls);
     if (show.forces) drawForces(this, joints);
-    if (show.centres) drawCentres(this, poses);
-    if (show.labels) drawNumbers(this, benches, visible, inContact, show.centres ? CROSS + 3 : 0);
+    if (show.labels) drawNumbers(this, benches, visible, inContact);
     drawCuts(this, poses, state.cuts);
     if (show.contacts) drawImpulses(this, frame);
     if (held) drawHeld(this, held);
@@ -57,7 +56,7 @@ class LivePainter extends Painter {
     this.pale = false;
     this.drawBenches(benches, visible.filter((i) => !free(i)), inContact);
     if (target?.bench !== undefined) this.drawPointed(benches, target.bench, inContact);
-    if (show.ghost) drawErrors(this, frame, benches);
+    if (show.ghost) drawErrors(this, frame);
     if (show.handles) drawHandles(this, benches, visible);
   }
 }

@@ -18,8 +18,8 @@ function showScene(live) {
   setText("title", title);
   setText("text", translated(scene.text));
   setText("lesson", scene.lesson ? localized("Lesson: {name}", { name: scene.lesson }) : "");
-  const command = `pymunk-dragon demo ${scene.lesson}${language === "en" ? "" : ` --lang ${language}`}`;
-  element("lesson").title = scene.lesson ? command : "";
+  const flag = language === "en" ? "" : ` --lang ${language}`;
+  element("lesson").title = scene.lesson ? `pymunk-dragon demo ${scene.lesson}${flag}` : "";
   const list = element("scene");
   list.replaceChildren(...scene.scenes.map((each) => new Option(translated(each.title), each.name)));
   list.value = scene.name;
@@ -71,7 +71,7 @@ function showAccess(live) {
   element("role").hidden = role === "";
 }
 
-function showFrame({ frame, state, connection }) {
+function showFrame({ frame, state }) {
   setText("clock", frame.time.toFixed(2));
   setText("march", marchText(frame));
   const known = frame.rate !== null;
@@ -79,7 +79,6 @@ function showFrame({ frame, state, connection }) {
   const rate = known ? `${frame.rate.toFixed(2)}×` : "–";
   setText("achieved", !state.running ? localized("Paused") : slow ? localized("Slow: {rate}", { rate }) : localized("{rate} real time", { rate }));
   element("achieved").classList.toggle("slow", slow);
-  setText("latency", connection.latency === null ? "" : localized("{time} ms away", { time: Math.max(1, Math.round(connection.latency)) }));
 }
 
 // Time of the exact model, or why it stands.

@@ -1,7 +1,6 @@
 // Overlays: exact benches, joint forces, contacts, cut joints, the held body and what the tool points at.
 
 const GHOST_SHOWN = 0.75; // pixels: least distance between a bench and the exact one that is drawn
-const ERROR_LABELLED = 3; // pixels: least distance with a label
 const SMALLEST_DISC = 2; // pixels: radius at a joint with a small force
 const DISC_GROWTH = 4.5; // pixels: a large force adds so much
 const SHORTEST_IMPULSE = 8; // pixels: arrow of a small impulse
@@ -12,25 +11,11 @@ const MOST_ARROWS = 800; // more contacts have no arrows
 const CUT_MARK = 5; // pixels: half the size of the cross at a cut joint
 
 // Outlines of exact benches that differ visibly from those of the engine.
-function drawErrors(painter, { exact, errors }, benches) {
+function drawErrors(painter, { exact, errors }) {
   const { view, model } = painter;
   const ghosts = new Benches(model, posesOf(exact));
   const apart = Array.from(ghosts.poses.x.keys()).filter((i) => errors[i] * view.scale >= GHOST_SHOWN);
-  if (!apart.length) return;
   drawGhosts(painter, ghosts, apart.filter((i) => view.isVisible(ghosts.poses.x[i], ghosts.poses.y[i], model.lengths[i])));
-  const worst = apart.reduce((one, i) => (errors[i] > errors[one] ? i : one));
-  if (errors[worst] * view.scale >= ERROR_LABELLED) drawError(painter, ghosts, benches, worst, errors[worst]);
-}
-
-// A line from the exact bench to the engine's, and its length.
-function drawError(painter, ghosts, { poses }, i, error) {
-  const { context, colours, view } = painter;
-  const [gx, gy] = view.toScreen(ghosts.poses.x[i], ghosts.poses.y[i]);
-  const path = new Path2D();
-  path.moveTo(gx, gy);
-  path.lineTo(...view.toScreen(poses.x[i], poses.y[i]));
-  strokeTwice(context, path, colours.background, colours.motion, 2);
-  drawLabel(painter, localized("bench {i}: {error}", { i, error: formatLength(error, 0) }), gx, gy);
 }
 
 // A disc at each joint: colour and size show the force.
@@ -71,7 +56,7 @@ function drawImpulses(painter, frame) {
     if (impulse < 0 || count > MOST_ARROWS) continue;
     const longest = many ? LONGEST_OF_MANY : LONGEST_IMPULSE;
     const length = SHORTEST_IMPULSE + (longest - SHORTEST_IMPULSE) * impulseScale.share(impulse);
-    addArrow(path, px, py, nx, -ny * view.up, length);
+    addArrow(path, [px, py], length * nx, -length * ny * view.up);
     if (impulse > (largest?.impulse ?? 0)) largest = { impulse, px, py };
   }
   strokeTwice(context, path, colours.background, COLLISION_COLOUR, 2);
@@ -79,16 +64,6 @@ function drawImpulses(painter, frame) {
 }
 
 const formatImpulse = (impulse) => (impulse >= 0.001 ? String(Number(impulse.toPrecision(2))) : "< 0.001");
-
-function addArrow(path, px, py, ux, uy, length) {
-  const qx = px + length * ux, qy = py + length * uy;
-  const head = Math.min(7, 0.5 * length), half = 0.45 * head;
-  path.moveTo(px, py);
-  path.lineTo(qx, qy);
-  path.moveTo(qx - head * ux - half * uy, qy - head * uy + half * ux);
-  path.lineTo(qx, qy);
-  path.lineTo(qx - head * ux + half * uy, qy - head * uy - half * ux);
-}
 
 // A cross at both holes of each cut joint.
 function drawCuts({ context, view, model, colours }, poses, cuts) {
@@ -116,7 +91,7 @@ function drawHeld({ context, view, colours }, { anchor, target }) {
     path.moveTo(px + radius, py);
     path.arc(px, py, radius, 0, TURN);
   }
-  strokeTwice(context, path, colours.background, colours.type, 2);
+  strokeTwice(context, path, colours.background, colours.text, 2);
 }
 
 // A cross at the point where keys apply the tool.
@@ -127,7 +102,7 @@ function drawAim({ context, view, colours }) {
     path.moveTo(px + 4 * dx, py + 4 * dy);
     path.lineTo(px + 14 * dx, py + 14 * dy);
   }
-  strokeTwice(context, path, colours.background, colours.type, 2);
+  strokeTwice(context, path, colours.background, colours.text, 2);
 }
 
 // What a click would change, and its name. A bench is highlighted where it is drawn.
@@ -138,10 +113,10 @@ function drawTarget(painter, target) {
     const middle = target.joint.ends.map((end) => view.toScreen(...end));
     drawRing(painter, [0, 1].map((axis) => (middle[0][axis] + middle[1][axis]) / 2));
   } else if (target.call) {
-    strokeTwice(context, shapePath(view, target.call), colours.background, colours.type, 2);
+    strokeTwice(context, shapePath(view, target.call), colours.background, colours.text, 2);
   } else if (target.obstacle) {
     context.setLineDash([5, 4]);
-    const colour = target.removes ? colours.contact : colours.type;
+    const colour = target.removes ? colours.contact : colours.text;
     strokeTwice(context, shapePath(view, obstacleCall(target.obstacle)), colours.background, colour, 2);
     context.setLineDash([]);
   }

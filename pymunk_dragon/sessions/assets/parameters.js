@@ -23,20 +23,6 @@ function scaleOf({ low, high, logarithmic, whole }) {
   };
 }
 
-// Call `action` with the newest value, at most once in `interval` ms.
-function throttled(action, interval) {
-  let timer = null, newest, last = -interval;
-  const run = () => {
-    timer = null;
-    last = performance.now();
-    action(newest);
-  };
-  return (value) => {
-    newest = value;
-    timer ??= setTimeout(run, Math.max(0, last + interval - performance.now()));
-  };
-}
-
 class Slider {
   constructor(parameter, send) {
     this.parameter = parameter;

@@ -7,7 +7,6 @@ class Recorder {
   constructor(live) {
     this.live = live;
     this.film = null;
-    this.address = null;
   }
 
   toggle() {
@@ -22,30 +21,18 @@ class Recorder {
   }
 
   begin() {
-    this.hide();
     const canvas = element("field");
     const type = FILM_TYPES.find((each) => globalThis.MediaRecorder?.isTypeSupported(each));
     if (!type || !canvas.captureStream) return;
     const parts = [];
     this.film = new MediaRecorder(canvas.captureStream(FILM_RATE), { mimeType: type });
     this.film.addEventListener("dataavailable", ({ data }) => parts.push(data));
-    this.film.addEventListener("stop", () => this.offer(new Blob(parts, { type })));
+    this.film.addEventListener("stop", () => {
+      this.film = null;
+      this.show();
+      download(new Blob(parts, { type }), `live.${type.slice("video/".length)}`);
+    });
     this.film.start();
     this.live.requestDraw(); // the stream begins with the next picture
-  }
-
-  offer(blob) {
-    this.film = null;
-    this.address = URL.createObjectURL(blob);
-    const name = `live.${blob.type.includes("mp4") ? "mp4" : "webm"}`;
-    Object.assign(element("film"), { href: this.address, download: name });
-    element("recorded").hidden = false;
-    this.show();
-  }
-
-  hide() {
-    element("recorded").hidden = true;
-    if (this.address) URL.revokeObjectURL(this.address);
-    this.address = null;
   }
 }

@@ -93,19 +93,3 @@ function obstacleCall({ shape, x, y, size }) {
   return { kind: round ? "circle" : "polygon", points: round ? [[x, y]] : square, radius: round ? half : 0, angle: 0,
     fill: STATIC_COLOUR, outline: OUTLINE_COLOUR, opaque: true };
 }
-
-// Centres of mass: the positions of the benches.
-function drawCentres({ context, view, colours }, { x, y }) {
-  const path = new Path2D();
-  for (let i = 0; i < x.length; i++) {
-    if (!view.isVisible(x[i], y[i], 0)) continue;
-    const [px, py] = view.toScreen(x[i], y[i]);
-    path.moveTo(px - CROSS, py);
-    path.lineTo(px + CROSS, py);
-    path.moveTo(px, py - CROSS);
-    path.lineTo(px, py + CROSS);
-  }
-  strokeTwice(context, path, colours.background, colours.type, 1.5);
-}
-
-const CROSS = 5; // pixels: half the size of the cross at a centre of mass

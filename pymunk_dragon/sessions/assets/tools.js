@@ -135,6 +135,9 @@ class Tools {
     const { model, view, poses, frame, state, controls } = this.live;
     if (!controls) return null;
     const point = view.toWorld(...pixel);
+    if (this.chosen === "drag") {
+      return model.bodyAt(point, (this.live.pixel ? MOUSE_SLIP : BODY_SLIP) / view.scale, frame, poses);
+    }
     if (this.chosen === "cut") {
       const joint = model.jointAt(point, JOINT_SLIP / view.scale, model.joints(frame, poses, state.cuts));
       return joint && { joint, point };
@@ -155,7 +158,7 @@ class Tools {
   }
 
   tap(pixel, kind) {
-    const target = this.targetAt(pixel, kind === "mouse" ? 0 : BODY_SLIP);
+    const target = this.chosen !== "drag" && this.targetAt(pixel, kind === "mouse" ? 0 : BODY_SLIP);
     const message = target && this.messageFor(target);
     if (message) this.live.send(message);
   }
@@ -183,15 +186,8 @@ class Tools {
   // What the mouse or the cross of the keys points at, with its name.
   get target() {
     if (this.carried || !(this.live.pixel || this.live.aims)) return null;
-    const target = this.chosen === "drag" ? this.bodyAtAim() : this.targetAt(this.aim, this.live.pixel ? 0 : BODY_SLIP);
+    const target = this.targetAt(this.aim, this.live.pixel ? 0 : BODY_SLIP);
     return target && { ...target, pixel: this.aim, label: this.labelOf(target) };
-  }
-
-  // The body that would be dragged: a bench or another one.
-  bodyAtAim() {
-    const { model, view, frame, poses } = this.live;
-    const slip = this.live.pixel ? MOUSE_SLIP : BODY_SLIP;
-    return model.bodyAt(view.toWorld(...this.aim), slip / view.scale, frame, poses);
   }
 
   labelOf({ joint, bench }) {

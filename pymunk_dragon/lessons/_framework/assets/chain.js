@@ -1,23 +1,24 @@
 // The exact chain on a curve, as in the package's model: lengths in m, angles in rad. A curve has its first and last
 // coordinate `begin` and `end`, the arc length along it, and `frame(s)`: x, y, and the unit tangent's x and y there.
 
-const ROUND = 2 * Math.PI;
-// Share of a chord in which its end is sought step by step, and to which it is then found.
+// Share of a chord in which its end is sought step by step; a step of Newton's method below the other share is the last.
 const SEARCH_STEP = 1 / 16;
-const STEP_TOLERANCE = 1e-11;
+const STEP_TOLERANCE = 1e-8;
 // Cells between two points of a drawn path, and nodes and weights of the integral of the length in a cell.
 const CELLS = 8;
 const GAUSS = [
   [0, 0.5688888888888889], [-0.5384693101056831, 0.47862867049936647], [0.5384693101056831, 0.47862867049936647],
   [-0.906179845938664, 0.23692688505618908], [0.906179845938664, 0.23692688505618908],
 ];
+// Width of an interval in which a root is found, m or s.
+const ROOT_TOLERANCE = 1e-12;
 // Ratio of the golden section.
 const GOLDEN = (Math.sqrt(5) - 1) / 2;
 
 // The spiral r = k theta, travelled inward; the coordinate is the arc length from the centre, negative.
 class Spiral {
   constructor(pitch) {
-    Object.assign(this, { k: pitch / ROUND, begin: -Infinity, end: 0 });
+    Object.assign(this, { k: pitch / TURN, begin: -Infinity, end: 0 });
   }
 
   atAngle(theta) {
@@ -36,7 +37,8 @@ class Spiral {
     for (let pass = 0; pass < 20; pass++) {
       const rise = Math.sqrt(theta * theta + 1), step = (theta * rise + Math.log(theta + rise) - target) / (2 * rise);
       theta = Math.max(theta - step, 0);
-      if (Math.abs(step) <= 1e-8 * theta + 1e-12) break;
+      // The error that is left is the square of the step over twice the angle.
+      if (Math.abs(step) <= 1e-7 * theta) break;
     }
     return theta;
   }
@@ -51,7 +53,7 @@ class Spiral {
 // In on a spiral, round inside a circle on two arcs whose radii have a ratio, and out; s is 0 at the entry.
 class UTurn {
   constructor({ pitch = 1.7, radius = 4.5, ratio = 2 } = {}) {
-    const theta = ROUND * radius / pitch, aside = Math.atan(theta), heading = theta - Math.PI + aside;
+    const theta = TURN * radius / pitch, aside = Math.atan(theta), heading = theta - Math.PI + aside;
     // Each arc's chord is twice its radius times the sine of half its angle; together they are the diameter.
     const radii = [ratio, 1].map((share) => radius / Math.sin(aside) * share / (1 + ratio));
     this.points = [1, (1 - ratio) / (1 + ratio), -1].map((share) =>
@@ -94,16 +96,24 @@ class DrawnPath {
     for (const chord of chords) this.knots.push(this.knots.at(-1) + chord);
     this.cubics = [0, 1].map((axis) => splineCubics(points.map((point) => point[axis]), chords));
     [this.begin, this.end] = [0, this.knots.at(-1)];
+    // The lengths up to the knots.
+    this.lengths = [0];
+    for (const knot of this.knots.slice(1)) this.lengths.push(this.length(knot));
   }
 
-  // Position and derivative, as x, y, and x and y.
-  motion(s) {
-    const later = this.knots.findIndex((knot) => s < knot);
-    const i = later < 0 ? this.knots.length - 2 : Math.max(later - 1, 0);
-    const w = s - this.knots[i], pieces = this.cubics.map((each) => each[i]);
+  // The number of the piece with a coordinate.
+  piece(s) {
+    let i = 0;
+    while (i < this.knots.length - 2 && s >= this.knots[i + 1]) i++;
+    return i;
+  }
+
+  // Position and derivative, as x, y, and x and y, with the cubic of a piece.
+  motion(s, i = this.piece(s)) {
+    const w = s - this.knots[i], [a, b, c, d] = this.cubics[0][i], [e, f, g, h] = this.cubics[1][i];
     return [
-      ...pieces.map(([a, b, c, d]) => a + w * (b + w * (c + w * d))),
-      ...pieces.map(([, b, c, d]) => b + w * (2 * c + 3 * w * d)),
+      a + w * (b + w * (c + w * d)), e + w * (f + w * (g + w * h)),
+      b + w * (2 * c + 3 * w * d), f + w * (2 * g + 3 * w * h),
     ];
   }
 
@@ -113,15 +123,13 @@ class DrawnPath {
   }
 
   length(s) {
-    let sum = 0;
-    for (let i = 0; this.knots[i] < s; i++) {
-      const half = (Math.min(this.knots[i + 1] ?? s, s) - this.knots[i]) / 2 / CELLS;
-      for (let cell = 0; cell < CELLS; cell++) {
-        const middle = this.knots[i] + (2 * cell + 1) * half;
-        for (const [node, weight] of GAUSS) {
-          const [, , dx, dy] = this.motion(middle + half * node);
-          sum += weight * half * Math.sqrt(dx * dx + dy * dy);
-        }
+    const i = Math.min(this.piece(s), this.lengths.length - 1), half = (s - this.knots[i]) / 2 / CELLS;
+    let sum = this.lengths[i];
+    for (let cell = 0; cell < CELLS; cell++) {
+      const middle = this.knots[i] + (2 * cell + 1) * half;
+      for (const [node, weight] of GAUSS) {
+        const [, , dx, dy] = this.motion(middle + half * node, i);
+        sum += weight * half * Math.sqrt(dx * dx + dy * dy);
       }
     }
     return sum;
@@ -163,28 +171,29 @@ function makeDragon({ benches = 223, head = 2.86, body = 1.65, overhang = 0.275,
 }
 
 // Coordinate of the first point behind `s` at the straight distance `chord`, or ahead with `way` 1. NaN if the curve
-// ends before, or turns back so that the distance shrinks first.
-function neighbour(curve, s, chord, way = -1) {
+// ends before, or turns back so that the distance shrinks first. `guess` is about how far away along the curve it is.
+function neighbour(curve, s, chord, way = -1, guess = 0) {
   const [x, y] = curve.frame(s), room = way < 0 ? s - curve.begin : curve.end - s;
-  const at = (offset) => {
+  let distance, growth;
+  const evaluate = (offset) => {
     const [px, py, tx, ty] = curve.frame(s + way * offset);
-    const distance = Math.sqrt((px - x) ** 2 + (py - y) ** 2);
-    return { distance, growth: way * ((px - x) * tx + (py - y) * ty) / distance };
+    distance = Math.sqrt((px - x) ** 2 + (py - y) ** 2);
+    growth = way * ((px - x) * tx + (py - y) * ty) / distance;
   };
-  let low = 0, high = Math.min(chord, room);
-  for (let next = at(high); next.distance < chord; next = at(high)) {
-    if (high === room || !(next.growth > 0)) return NaN;
-    [low, high] = [high, Math.min(high + SEARCH_STEP * chord, room)];
+  let low = 0, high = Math.min(chord, room), offset = high;
+  for (evaluate(high); distance < chord; evaluate(high)) {
+    if (high === room || !(growth > 0)) return NaN;
+    const next = high + SEARCH_STEP * chord;
+    [low, high] = [high, Math.min(guess > high && guess < next ? guess : next, room)];
+    offset = high;
   }
-  let offset = low || high;
   for (let pass = 0; pass < 60; pass++) {
-    const { distance, growth } = at(offset);
+    const newton = offset + (chord - distance) / growth, trusted = newton >= low && newton <= high;
+    const step = trusted ? newton - offset : (low + high) / 2 - offset;
+    offset += step;
+    if (Math.abs(step) <= (trusted ? STEP_TOLERANCE : Number.EPSILON) * chord) break;
+    evaluate(offset);
     [low, high] = distance < chord ? [offset, high] : [low, offset];
-    const newton = offset + (chord - distance) / growth;
-    const better = newton >= low && newton <= high ? newton : (low + high) / 2;
-    const step = Math.abs(better - offset);
-    offset = better;
-    if (step <= STEP_TOLERANCE * chord) break;
   }
   return s + way * offset;
 }
@@ -194,7 +203,7 @@ function neighbour(curve, s, chord, way = -1) {
 function chainAt(curve, dragon, head, count = dragon.benches + 1) {
   const chain = { s: [head], points: [curve.frame(head)], ratios: [1] };
   for (let i = 1; i < count; i++) {
-    const s = neighbour(curve, chain.s[i - 1], dragon.spacings[i - 1]);
+    const s = neighbour(curve, chain.s[i - 1], dragon.spacings[i - 1], -1, chain.s[i - 2] - chain.s[i - 1]);
     if (Number.isNaN(s)) break;
     const [fx, fy, ux, uy] = chain.points[i - 1], [x, y, tx, ty] = curve.frame(s);
     chain.s.push(s);
@@ -218,7 +227,8 @@ function benchesBetween(dragon, points) {
 class March {
   constructor({ pitch = 0.55, ...sizes } = {}) {
     Object.assign(this, { pitch, dragon: makeDragon(sizes), spiral: new Spiral(pitch) });
-    this.begin = this.spiral.atAngle(16 * ROUND);
+    this.begin = this.spiral.atAngle(16 * TURN);
+    this.gaps = new Map();
   }
 
   chain(t, handles) {
@@ -232,6 +242,12 @@ class March {
   // The bench closest to the head, of those that it passes, and the gap.
   passed(t, handles = 14) {
     return this.benches(t, handles).nearest(0);
+  }
+
+  // Only the gap; each time is computed once.
+  gap(t, handles) {
+    if (!this.gaps.has(t)) this.gaps.set(t, this.passed(t, handles).gap);
+    return this.gaps.get(t);
   }
 }
 
@@ -251,21 +267,39 @@ function gridPairs(benches, grid) {
   return { cells, entries, pairs: Array.from(pairs, (code) => [Math.floor(code / count), code % count]) };
 }
 
-// A root of a function between `before`, where it is positive, and `after`, where it is not.
+// A root of a function between `before`, where it is positive, and `after`, where it is not; the end of the last interval
+// where it is not (T. R. Chandrupatla, Advances in Engineering Software 28, 1997).
 function rootBetween(f, before, after) {
-  for (let pass = 0; pass < 46; pass++) {
-    const middle = (before + after) / 2;
-    if (f(middle) > 0) before = middle;
-    else after = middle;
+  let [a, b, fa, fb, share] = [before, after, f(before), f(after), 0.5];
+  for (let pass = 0; pass < 100; pass++) {
+    const x = a + share * (b - a), fx = f(x);
+    let [c, fc] = [a, fa];
+    if (fx > 0 !== fa > 0) [c, fc, b, fb] = [b, fb, a, fa];
+    [a, fa] = [x, fx];
+    const least = ROOT_TOLERANCE / Math.abs(b - a);
+    if (least > 0.5 || fx === 0) break;
+    // Inverse quadratic interpolation where three points allow it, and otherwise bisection.
+    const xi = (a - b) / (c - b), phi = (fa - fb) / (fc - fb);
+    share = phi ** 2 < xi && (1 - phi) ** 2 < 1 - xi
+      ? fa / (fb - fa) * fc / (fb - fc) + (c - a) / (b - a) * fa / (fc - fa) * fb / (fc - fb) : 0.5;
+    share = Math.min(Math.max(share, least), 1 - least);
   }
-  return after;
+  return fa > 0 ? b : a;
 }
 
 // Where a function is smallest between two arguments, if it has one minimum there.
 function minimumBetween(f, a, b) {
+  let [c, d] = [b - GOLDEN * (b - a), a + GOLDEN * (b - a)], [fc, fd] = [f(c), f(d)];
   for (let pass = 0; pass < 36; pass++) {
-    const c = b - GOLDEN * (b - a), d = a + GOLDEN * (b - a);
-    [a, b] = f(c) < f(d) ? [a, d] : [c, b];
+    if (fc < fd) {
+      [b, d, fd] = [d, c, fc];
+      c = b - GOLDEN * (b - a);
+      fc = f(c);
+    } else {
+      [a, c, fc] = [c, d, fd];
+      d = a + GOLDEN * (b - a);
+      fd = f(d);
+    }
   }
   return (a + b) / 2;
 }

@@ -4,10 +4,8 @@
 
 const stages = {};
 
-const SCENE_COLOURS = ["background", "curve", "head", "body", "tail", "contact"];
 const LONGEST_FRAME = 0.1; // s: what one picture adds at most where a slider plays
 const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowDown: [0, -1], ArrowUp: [0, 1] };
-const CHART_MARGINS = { left: 52, right: 22, above: 26, below: 36 }; // pixels
 
 function openStage(div) {
   const lab = new Lab(div);
@@ -18,12 +16,6 @@ function openStage(div) {
   lab.readColours();
 }
 
-function made(tag, properties, ...children) {
-  const element = Object.assign(document.createElement(tag), properties);
-  element.append(...children);
-  return element;
-}
-
 // Set a property only if it changes: a change costs the browser more than drawing does.
 function write(element, name, value) {
   if (element[name] !== value) element[name] = value;
@@ -31,10 +23,10 @@ function write(element, name, value) {
 
 class Lab {
   constructor(div) {
-    this.canvas = made("canvas", { role: "img" });
-    this.scene = made("div", { className: "scene" }, this.canvas);
-    this.output = made("output", { className: "readout" });
-    this.controls = made("div", { className: "controls" });
+    this.canvas = created("canvas", { role: "img" });
+    this.scene = created("div", { className: "scene" }, this.canvas);
+    this.output = created("output", { className: "readout" });
+    this.controls = created("div", { className: "controls" });
     div.replaceChildren(this.scene, this.output, this.controls);
     this.context = this.canvas.getContext("2d", { alpha: false });
     [this.rows, this.panes, this.knobs, this.painted] = [[], [], [], 0];
@@ -45,11 +37,7 @@ class Lab {
   }
 
   readColours() {
-    const style = getComputedStyle(this.scene), named = (name) => style.getPropertyValue(name).trim();
-    this.colours = Object.fromEntries(SCENE_COLOURS.map((name) => [name, named(`--canvas-${name}`)]));
-    Object.assign(this.colours, { outline: named("--canvas-ink"), text: named("--ink") });
-    Object.assign(this.colours, { quiet: named("--quiet"), rule: named("--rule") });
-    this.font = `13px ${style.fontFamily}`;
+    Object.assign(this, { colours: readColours(), font: getComputedStyle(this.scene).fontFamily });
     this.changed();
   }
 
@@ -69,17 +57,17 @@ class Lab {
   // A slider; `show` writes its value, by default with so many `digits` and a unit. One with `play()`, the change of
   // its value in a second, has a button that moves it.
   slider(label, { min, max, step, value, unit = "", digits, play, show }) {
-    const input = made("input", { type: "range", min, max, step, value });
-    const [name, shown] = [made("span"), made("span", { className: "value" })];
+    const input = created("input", { type: "range", min, max, step, value });
+    const [name, shown] = [created("span"), created("span", { className: "value" })];
     const row = { label, input, name, shown, play, plays: false };
     row.show = show ?? ((given) => `${digits ? given.toFixed(digits) : given} ${unit}`);
-    const div = made("div", { className: "slider" }, made("label", {}, name, input), shown);
+    const div = created("div", { className: "slider" }, created("label", {}, name, input), shown);
     input.addEventListener("input", () => {
       row.plays = false;
       this.changed();
     });
     if (play) {
-      row.button = made("button", { type: "button", className: "play" });
+      row.button = created("button", { type: "button", className: "play" });
       row.button.addEventListener("click", () => {
         row.plays = !row.plays;
         row.exact = Number(input.value) < Number(input.max) ? Number(input.value) : Number(input.min);
@@ -99,16 +87,16 @@ class Lab {
     };
   }
 
-  // A part of the canvas below those before, with a share of its height; `draw` takes the pane. See `Pane`.
+  // A part of the canvas below those before, with a share of its height; `draw` takes the pane. See `StagePane`.
   pane(share, view, draw) {
-    this.panes.push(new Pane(this, share, view, draw));
+    this.panes.push(new StagePane(this, share, view, draw));
     return this.panes.at(-1);
   }
 
   // A thing to drag at the point `at()` of a pane. `moved` takes the point to which it goes, and from an arrow key,
   // which moves it by `step`, also 1 (right, up) or -1; with Shift 10 or -10.
   knob(label, { pane = this.panes[0], at, moved, step = 0.05, small = false }) {
-    const knob = made("button", { type: "button", className: small ? "small knob" : "knob" });
+    const knob = created("button", { type: "button", className: small ? "small knob" : "knob" });
     const change = (...to) => {
       moved(...to);
       this.changed();
@@ -152,10 +140,7 @@ class Lab {
   paint(now) {
     this.play(Math.min((now - this.painted) / 1000, LONGEST_FRAME));
     this.painted = now;
-    const { canvas, context, scene: { clientWidth: width, clientHeight: height } } = this;
-    const wide = Math.round(width * devicePixelRatio), high = Math.round(height * devicePixelRatio);
-    if (canvas.width !== wide || canvas.height !== high) Object.assign(canvas, { width: wide, height: high });
-    context.setTransform(devicePixelRatio, 0, 0, devicePixelRatio, 0, 0);
+    const { canvas, context } = this, { width, height } = fitCanvas(canvas, context);
     Object.assign(context, { fillStyle: this.colours.background, lineJoin: "round" });
     context.fillRect(0, 0, width, height);
     this.update?.();
@@ -200,103 +185,32 @@ class Lab {
   }
 }
 
-// A part of the canvas with coordinates of its own, y up. `view()` is {x, y, size}: the middle of the floor in view and
-// its height in m, and `wide`, its width, if that differs; or of a chart {across, up, name}: the ranges of its axes and
-// a name; `tick` writes their values.
-class Pane {
+// A part of the stage's canvas. `view()` is {x, y, size}: the middle of the floor in view and its height in m, and `wide`,
+// its width, if that differs; or of a chart {across, up, name, tick} as in `axes`, with a name in both languages.
+class StagePane extends Pane {
   constructor(lab, share, view, draw) {
-    Object.assign(this, { lab, share, view, draw, context: lab.context });
+    super(lab.context, lab);
+    Object.assign(this, { share, view, draw });
   }
 
   paint(top, width, height) {
-    const { context } = this, { x, y, size, wide = size, ...chart } = this.view();
+    const { context, look: lab } = this, { x, y, size, wide = size, ...chart } = this.view();
     Object.assign(this, { top, width, height });
     context.save();
     context.beginPath();
     context.rect(0, top, width, height);
     context.clip();
-    // The point (x0, y0) is at the pixel (left, ceiling), and a unit is so many pixels along either axis.
     const scale = Math.min(width / wide, height / size);
     if (size) Object.assign(this, { x0: x, y0: y, sx: scale, sy: scale, left: width / 2, ceiling: top + height / 2 });
-    else this.axes(chart);
+    else this.axes({ ...chart, name: lab.say(chart.name) });
     this.draw(this);
     context.restore();
-  }
-
-  axes({ across: [x0, x1], up: [y0, y1], name, tick = String }) {
-    const { left, right, above, below } = CHART_MARGINS;
-    const wide = this.width - left - right, high = this.height - above - below;
-    Object.assign(this, { x0, y0: y1, sx: wide / (x1 - x0), sy: high / (y1 - y0), left, ceiling: this.top + above });
-    for (const x of ticks(x0, x1, this.sx / 80)) {
-      this.line([[x, y0], [x, y1]], { colour: "rule" });
-      this.text([x, y0], tick(x), { dy: 15, colour: "quiet" });
-    }
-    for (const y of ticks(y0, y1, this.sy / 32)) {
-      this.line([[x0, y], [x1, y]], { colour: "rule" });
-      this.text([x0, y], tick(y), { dx: -8, align: "right", colour: "quiet" });
-    }
-    this.text([x0, y1], this.lab.say(name), { dx: -44, dy: -14, align: "left" });
-    this.context.beginPath();
-    this.context.rect(left, this.top + above, wide, high);
-    this.context.clip();
-  }
-
-  toScreen([x, y]) {
-    return [this.left + (x - this.x0) * this.sx, this.ceiling + (this.y0 - y) * this.sy];
-  }
-
-  toWorld([px, py]) {
-    return [this.x0 + (px - this.left) / this.sx, this.y0 - (py - this.ceiling) / this.sy];
-  }
-
-  colour(name) {
-    return this.lab.colours[name] ?? name;
-  }
-
-  path(points) {
-    const path = new Path2D();
-    for (const point of points) path.lineTo(...this.toScreen(point));
-    return path;
-  }
-
-  line(points, { colour = "text", width = 1, dash = [] } = {}) {
-    const { context } = this;
-    Object.assign(context, { strokeStyle: this.colour(colour), lineWidth: width });
-    context.setLineDash(dash);
-    context.stroke(this.path(points));
-    context.setLineDash([]);
-  }
-
-  fill(points, { colour, alpha = 1 }) {
-    const { context } = this;
-    Object.assign(context, { fillStyle: this.colour(colour), globalAlpha: alpha });
-    context.fill(this.path(points));
-    context.globalAlpha = 1;
-  }
-
-  // A dot with a radius in pixels.
-  dot(point, { colour = "text", radius = 4 } = {}) {
-    const { context } = this;
-    context.beginPath();
-    context.arc(...this.toScreen(point), radius, 0, ROUND);
-    Object.assign(context, { fillStyle: this.colour(colour), strokeStyle: this.colour("background"), lineWidth: 1 });
-    context.fill();
-    context.stroke();
-  }
-
-  // A text with a rim, moved by pixels.
-  text(point, text, { dx = 0, dy = 0, align = "center", colour = "text" } = {}) {
-    const { context } = this, [px, py] = this.toScreen(point);
-    Object.assign(context, { font: this.lab.font, textAlign: align, textBaseline: "middle", lineWidth: 4 });
-    Object.assign(context, { strokeStyle: this.colour("background"), fillStyle: this.colour(colour) });
-    context.strokeText(text, px + dx, py + dy);
-    context.fillText(text, px + dx, py + dy);
   }
 
   // Benches in the colours that `colour` has for their numbers, each above those behind it.
   benches(benches, colour = (i) => (i === 0 ? "head" : "body"), alpha = 1) {
     const { context } = this;
-    Object.assign(context, { strokeStyle: this.colour("outline"), globalAlpha: alpha });
+    Object.assign(context, { strokeStyle: this.colour("ink"), globalAlpha: alpha });
     context.lineWidth = bounded(0.02 * this.sx, 0.5, 1.25);
     for (let i = benches.motion.benches - 1; i >= 0; i--) {
       const path = this.path(benches.corners(i));
@@ -309,13 +223,6 @@ class Pane {
   }
 }
 
-// Round numbers between two limits, not more than `density` for each 1.
-function ticks(first, last, density) {
-  const place = range(-30, 30, 60).find((each) => roundNumber(each) * density >= 1), step = roundNumber(place);
-  const [from, to] = [Math.ceil(first / step - 1e-9), Math.floor(last / step + 1e-9)];
-  return range(from, to, to - from).map((each) => Number((each * step).toPrecision(12)));
-}
-
 // 1, 2, 5, 10 and so on by their place, and for negative places 0.5, 0.2, 0.1.
 function roundNumber(place) {
   return Number(`${[1, 2, 5][((place % 3) + 3) % 3]}e${Math.floor(place / 3)}`);
@@ -325,22 +232,13 @@ const roundSeconds = (place) => `${roundNumber(place)} s`;
 
 const magnification = (exponent) => `× ${(10 ** exponent).toFixed(0)}`;
 
-// Values at equal distances, both limits included.
-function range(from, to, count) {
-  return Array.from({ length: count + 1 }, (_, i) => from + (count && (to - from) * i / count));
-}
-
-function bounded(value, least, most) {
-  return Math.min(Math.max(value, least), most);
-}
-
 // Points of a curve between two coordinates, and of a circle.
 function curvePoints(curve, from, to, step = 0.1) {
   return range(from, to, Math.max(Math.ceil((to - from) / step), 1)).map((s) => curve.frame(s).slice(0, 2));
 }
 
 function circlePoints([x, y], radius) {
-  return range(0, ROUND, 180).map((angle) => [x + radius * Math.cos(angle), y + radius * Math.sin(angle)]);
+  return range(0, TURN, 180).map((angle) => [x + radius * Math.cos(angle), y + radius * Math.sin(angle)]);
 }
 
 // The coordinate of a curve between two others that is closest to a point.

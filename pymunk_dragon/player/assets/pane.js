@@ -1,0 +1,120 @@
+// A part of a canvas with coordinates of its own, y up: lines, dots and texts in them, and the axes of a chart.
+
+const CHART_MARGINS = { left: 52, right: 22, above: 26, below: 36 }; // pixels
+const TICKS_ACROSS = 80; // pixels: least distance of values along the axis
+
+// Names of the colours of the canvas, as in the films' `Palette`, and of further ones of the page.
+const CANVAS_COLOURS = ["background", "curve", "head", "body", "tail", "contact", "ink", "motion", "force", "grid"];
+const PAGE_COLOURS = ["quiet", "rule", "any"];
+
+// The colours by name; `text` is that of the page's texts.
+function readColours() {
+  const style = getComputedStyle(document.documentElement), named = (name) => style.getPropertyValue(name).trim();
+  return {
+    ...Object.fromEntries(CANVAS_COLOURS.map((name) => [name, named(`--canvas-${name}`)])),
+    ...Object.fromEntries(PAGE_COLOURS.map((name) => [name, named(`--${name}`)])),
+    text: named("--ink"),
+  };
+}
+
+// Match a canvas to the pixels of the screen; returns its size in those of the page, in which one draws then.
+function fitCanvas(canvas, context) {
+  const { width, height } = canvas.getBoundingClientRect(), ratio = window.devicePixelRatio || 1;
+  const [wide, high] = [width, height].map((size) => Math.max(1, Math.round(size * ratio)));
+  if (canvas.width !== wide || canvas.height !== high) Object.assign(canvas, { width: wide, height: high });
+  context.setTransform(ratio, 0, 0, ratio, 0, 0);
+  return { width: Math.max(1, width), height: Math.max(1, height) };
+}
+
+// `look` has `colours` by their names, and a `font`. The pane reaches from `top` down over `width` and `height`; there
+// the point (x0, y0) is at the pixel (left, ceiling), and a unit is `sx` and `sy` pixels along the axes. Texts have `size`
+// pixels.
+class Pane {
+  constructor(context, look) {
+    Object.assign(this, { context, look, size: 13 });
+  }
+
+  // Axes of a chart with the ranges `across` and `up`; what is drawn next is clipped to them. `tick` writes a value, and
+  // those of the vertical axis are at least `apart` pixels apart. Only a chart with a name has values below it.
+  axes({ across: [x0, x1], up: [y0, y1], name, tick = signed, apart = 32, margins = CHART_MARGINS }) {
+    const { left, right, above, below } = margins;
+    const wide = this.width - left - right, high = this.height - above - below;
+    Object.assign(this, { x0, y0: y1, sx: wide / (x1 - x0), sy: high / (y1 - y0), left, ceiling: this.top + above });
+    for (const x of name ? ticks(x0, x1, this.sx / TICKS_ACROSS) : []) {
+      this.line([[x, y0], [x, y1]], { colour: "rule" });
+      this.text([x, y0], tick(x), { dy: 15, colour: "quiet" });
+    }
+    for (const y of ticks(y0, y1, this.sy / apart)) {
+      this.line([[x0, y], [x1, y]], { colour: "rule" });
+      this.text([x0, y], tick(y), { dx: -8, align: "right", colour: "quiet" });
+    }
+    if (name) this.text([x0, y1], name, { dx: -44, dy: -14, align: "left" });
+    this.context.beginPath();
+    this.context.rect(left, this.top + above, wide, high);
+    this.context.clip();
+  }
+
+  toScreen([x, y]) {
+    return [this.left + (x - this.x0) * this.sx, this.ceiling + (this.y0 - y) * this.sy];
+  }
+
+  toWorld([px, py]) {
+    return [this.x0 + (px - this.left) / this.sx, this.y0 - (py - this.ceiling) / this.sy];
+  }
+
+  colour(name) {
+    return this.look.colours[name] ?? name;
+  }
+
+  // A path through points; one that is not finite interrupts it.
+  path(points) {
+    const path = new Path2D();
+    let next = "moveTo";
+    for (const point of points) {
+      const [px, py] = this.toScreen(point), valid = Number.isFinite(px + py);
+      if (valid) path[next](px, py);
+      next = valid ? "lineTo" : "moveTo";
+    }
+    return path;
+  }
+
+  line(points, { colour = "text", width = 1, dash = [] } = {}) {
+    const { context } = this;
+    Object.assign(context, { strokeStyle: this.colour(colour), lineWidth: width });
+    context.setLineDash(dash);
+    context.stroke(this.path(points));
+    context.setLineDash([]);
+  }
+
+  fill(points, { colour, alpha = 1 }) {
+    const { context } = this;
+    Object.assign(context, { fillStyle: this.colour(colour), globalAlpha: alpha });
+    context.fill(this.path(points));
+    context.globalAlpha = 1;
+  }
+
+  // A dot with a radius in pixels.
+  dot(point, { colour = "text", radius = 4 } = {}) {
+    const { context } = this;
+    context.beginPath();
+    context.arc(...this.toScreen(point), radius, 0, TURN);
+    Object.assign(context, { fillStyle: this.colour(colour), strokeStyle: this.colour("background"), lineWidth: 1 });
+    context.fill();
+    context.stroke();
+  }
+
+  // A text with a rim, moved by pixels.
+  text(point, text, { dx = 0, dy = 0, align = "center", colour = "text" } = {}) {
+    const { context } = this, [px, py] = this.toScreen(point);
+    Object.assign(context, { font: `${this.size}px ${this.look.font}`, textAlign: align, textBaseline: "middle", lineWidth: 4 });
+    Object.assign(context, { strokeStyle: this.colour("background"), fillStyle: this.colour(colour) });
+    context.strokeText(text, px + dx, py + dy);
+    context.fillText(text, px + dx, py + dy);
+  }
+}
+
+// Round numbers between two limits, not more than `density` for each 1.
+function ticks(first, last, density) {
+  const step = roundUp(1 / density), from = Math.ceil(first / step - 1e-9), to = Math.floor(last / step + 1e-9);
+  return range(from, to, to - from).map((each) => Number((each * step).toPrecision(12)));
+}
