@@ -181,6 +181,14 @@ def test_velocities_are_the_rates_of_coordinates_positions_and_poses(march, time
 
 
 @on_every_curve
+def test_angular_rates_are_the_derivatives_of_the_angles_of_benches(curve, head):
+    handles_s, front, rear = bench_angles(curve, np.array([head - STEP, head, head + STEP]))
+    along = np.diff(curve.point(handles_s), axis=1) @ [-1, -1j]
+    expected = np.angle(along[2] / along[0]) / (handles_s[2, :-1] - handles_s[0, :-1])
+    np.testing.assert_allclose(chain.angular_rates(front, rear, SPACINGS)[1], expected, atol=2e-8)
+
+
+@on_every_curve
 def test_bounds_hold_for_the_rates_and_their_changes(curve, head):
     """With the curvature's own bound; the changes are differences between heads a step apart."""
     handles_s, front, rear = bench_angles(curve, head + np.linspace(-0.5, 0.5, 201))

@@ -11,7 +11,7 @@ from conftest import assert_says, refusal
 from marches import ARM, TRACTOR
 from PIL import Image
 
-from pymunk_dragon import Camera, Contact, Dragon, Film, March, Run, SpeedTable, UTurn, first_contact, render
+from pymunk_dragon import Camera, Dragon, Film, March, Run, SpeedTable, UTurn, first_contact, render
 from pymunk_dragon._language import in_language
 from pymunk_dragon.drawing import FILM_ENDINGS, lettering, still
 from pymunk_dragon.drawing.film.formats import WRITERS, Frames
@@ -40,11 +40,6 @@ def seed():
     """The paper's march until its contact."""
     run = Run.exact(March(), np.append(np.arange(0, 412.4, 0.2), CONTACT))
     contact = replace(first_contact(run.march, start=405).contact, time=CONTACT)
-    return replace(run, first_contact=contact, outcome="contact")
-
-
-def with_contact(run, time):
-    contact = Contact(time=time, raw_time=time, benches=(0, 8), point=(1.5, 2.1), normal=(0, 1), depth=0)
     return replace(run, first_contact=contact, outcome="contact")
 
 
@@ -200,7 +195,7 @@ def test_events_are_the_near_misses_and_contacts_of_each_run_once(seed):
     # An unguided run does not have those of the exact model.
     unguided = replace(seed, provenance={"player": "pymunk", "guide": "none"})
     assert [event.time for event in events_of([unguided], (400, 412.5))] == [CONTACT]
-    later = with_contact(replace(seed, first_contact=None), CONTACT - 1e-4)
+    later = replace(seed, first_contact=replace(seed.first_contact, time=CONTACT - 1e-4))
     assert events_of([seed, later, seed.march], (0, CONTACT)) == events_of([later], (0, CONTACT))
 
 
