@@ -92,7 +92,7 @@ renders/first_contact.gif renders/exact.gif renders/marks.png: renders/first_con
 renders/guides.gif: renders/unguided.npz
 renders/u-turn.gif: renders/u-turn.npz
 renders/report.html: renders/report.npz
-renders/lessons.html: $(wildcard pymunk_dragon/lessons/*.py)
+renders/lessons.html: $(wildcard pymunk_dragon/lessons/*.py pymunk_dragon/lessons/*.js pymunk_dragon/lessons/zh.toml pymunk_dragon/lessons/_framework/assets/*)
 $(FIGURES:%=renders/%) renders/$(MAP) renders/report.html renders/lessons.html: | $(VENV)/extras
 -include $(FILES:%=$(COMMANDS)/%.d)
 
@@ -114,6 +114,7 @@ demos: renders/lessons.html ## run all lessons, and put them on one page: render
 screenshot: renders/march.html renders/lessons.html $(VENV)/tools ## pictures of the pages, in Chromium: renders/player.png, lessons.png, live.gif
 	$(BIN)/python tests/bench/screenshot.py renders/march.html "#t=409.8&follow=head" renders/player.png
 	$(BIN)/python tests/bench/screenshot.py renders/lessons.html "#spiral" renders/lessons.png
+	set -e; for name in chain sat near-miss speed-limit; do $(BIN)/python tests/bench/screenshot.py renders/lessons.html "#$$name" renders/lesson-$$name.png; done
 	$(BIN)/python tests/bench/film_live.py renders/live.gif
 
 # The pages, and the arguments that make each picture and its run, for the gallery.

@@ -12,8 +12,8 @@ from pymunk_dragon._display import width
 from pymunk_dragon._language import font, in_language, language, text, texts
 from pymunk_dragon.drawing.figures import figure
 from pymunk_dragon.errors import MissingExtraError, ParameterError
-from pymunk_dragon.lessons import LESSONS, Terminal, play
-from pymunk_dragon.lessons._framework import translations
+from pymunk_dragon.lessons import LESSONS, play
+from pymunk_dragon.lessons._framework import lesson
 
 CHINESE = re.compile("[\u4e00-\u9fff]")
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]\d+)?")
@@ -23,7 +23,7 @@ def outputs(call, capsys, language):
     """A command's result, the text of a figure, and a lesson in a terminal, in a language."""
     with in_language(language):
         drawn = figure("speeds", March(Dragon(benches=9), turns=8)).axes[0].get_xlabel()
-    play(LESSONS["spiral"], Terminal(language=language))
+    play(LESSONS["spiral"], language=language)
     played = capsys.readouterr().out
     return {
         "result": call("contact", "--benches", "9", "--until", "9", "--lang", language)[1],
@@ -38,14 +38,13 @@ def test_main_outputs_are_chinese_where_there_is_a_translation_or_english(call, 
         assert not CHINESE.search(english[name]), name
         assert CHINESE.search(chinese[name]), name
     # The program of a lesson, and so what it prints, is English.
-    assert "turning 0.1136 rad/s" in chinese["lesson"]
+    assert "turning 0.114 rad/s" in chinese["lesson"]
     assert call("demo", "spiral", "-o", tmp_path / "page.html", "--lang", "zh")[0] == 0
     page = (tmp_path / "page.html").read_text(encoding="utf-8")
     assert '<html lang="zh">' in page
-    assert LESSONS["spiral"].in_language("zh").title in page
-    english_words = translations._texts("en")["words"]
+    assert LESSONS["spiral"].sections("zh")["Title"] in page
     monkeypatch.setattr("pymunk_dragon._language.texts", lambda name: {})
-    monkeypatch.setattr(translations, "_texts", lambda name: {"words": english_words})
+    monkeypatch.setattr(lesson, "_chinese", dict)
     without = outputs(call, capsys, "zh")
     assert without["lesson"].replace(" --lang zh", "") == english["lesson"]
     assert without | {"lesson": ""} == english | {"lesson": ""}

@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-import ast
 import json
-import os
 import re
 import subprocess
 import sys
 import tempfile
-from base64 import b64encode
 from io import BytesIO
 from pathlib import Path
 
-import matplotlib
 import nbclient
 import nbformat
 import pytest
@@ -21,30 +17,35 @@ from conftest import assert_says
 from lesson_runs import played
 from PIL import Image
 
-from pymunk_dragon._display import width
-from pymunk_dragon.errors import MissingExtraError, ParameterError
-from pymunk_dragon.lessons import LANGUAGES, LESSONS, LessonFile, Terminal, play, record, write_lessons
-from pymunk_dragon.lessons._framework import PARTS, lesson_file, make_notebook
-from pymunk_dragon.lessons._framework.lines import wrapped
-from pymunk_dragon.lessons._framework.markup import in_mathml, in_unicode, pieces, plain
+from pymunk_dragon.errors import DragonError, MissingExtraError
+from pymunk_dragon.lessons import LESSONS, Lesson, play, record, write_lessons
+from pymunk_dragon.lessons._framework import lesson, make_notebook
+from pymunk_dragon.lessons._framework.lesson import blocks
+from pymunk_dragon.lessons._framework.markup import html, plain
 
-# In the order in which a class hears them.
-ORDER = ["question", "predict", "code", "picture", "answer", "check", "change"]
-# A lesson of a student's own, with everything that a page shows.
-OWN = """from pymunk_dragon.lessons import Lesson
-lesson = Lesson("own", "My own")
-lesson.question("Why?")
-lesson.predict("So?", ("How many?", "one", "two"))
+LANGUAGES = ("en", "zh")
+SECTIONS = ["Title", "Question", "Guess", "Answer", "Check", "Try", "Change", "Teacher"]
+# A lesson of a student's own.
+OWN = """# %% [markdown] order=1
+# # My own
+# Why?
+# %%
+import matplotlib.pyplot as plt
 print(6 * 7)
-figure, axes = lesson.subplots()
-lesson.show(figure)
-lesson.answer("Because.", ("two", "2"))
+plt.savefig("own.png")
+# %% [markdown]
+# ## Answer
+# Because.
+#
+# How many?
+# - One: it is the first number.
+# - **Two**: 2.
 """
 
 
 def figures(text):
-    """Numbers of a text as they are written."""
-    return re.findall(r"\d+(?:\.\d+)?", text)
+    """Numbers of a text as they are written, without the commas of English ones."""
+    return re.findall(r"\d+(?:\.\d+)?", re.sub(r"(\d),(\d{3})\b", r"\1\2", text))
 
 
 def flat(text):
@@ -52,33 +53,30 @@ def flat(text):
     return re.sub(r"\s+", "", text)
 
 
-def said(lesson):
-    """All that a lesson says in a terminal."""
-    texts = [lesson.text(part) for part in PARTS]
-    texts += [text for each in lesson.guesses for text in (each.question, *each.lettered(), each.result())]
-    return [flat(plain(text)) for text in texts]
+def lines(lesson, name, language="en"):
+    """Paragraphs and items of a section."""
+    return [line for text, items in blocks(lesson.sections(language)[name]) for line in (text, *items) if line]
 
 
 @pytest.fixture
 def own(tmp_path):
     path = tmp_path / "own.py"
     path.write_text(OWN, encoding="utf-8")
-    return LessonFile.read(path)
+    return Lesson.read(path)
 
 
 def test_lesson_is_added_by_one_file_at_the_place_of_its_order(tmp_path, monkeypatch):
     for name, order in (("last", 20), ("first", 10), ("between", 15.5)):
-        text = f'from pymunk_dragon.lessons import Lesson\n\nlesson = Lesson("{name}", "Of its own", order={order})\n'
-        (tmp_path / f"{name}.py").write_text(text, encoding="utf-8")
+        (tmp_path / f"{name}.py").write_text(f"# %% [markdown] order={order}\n# # Title\n", encoding="utf-8")
     (tmp_path / "_helper.py").write_text("")
-    monkeypatch.setattr(lesson_file, "FOLDER", tmp_path)
-    assert list(lesson_file.lesson_files.__wrapped__()) == ["first", "between", "last"]
+    monkeypatch.setattr(lesson, "FOLDER", tmp_path)
+    assert list(lesson.lessons.__wrapped__()) == ["first", "between", "last"]
 
 
 def test_lesson_without_translations_is_english_everywhere(own, tmp_path, capsys):
-    play(own, Terminal(tmp_path, language="zh"))
+    play(own, tmp_path, language="zh")
     printed = capsys.readouterr().out
-    assert all(flat(text) in flat(printed) for text in ("My own", "Why?", "b) two (2)", "Because.", "42", "问题"))
+    assert all(text in printed for text in ("My own", "Why?", "- **Two**: 2.", "Because.", "42", "答案"))
     for ending in (".html", ".ipynb", ".py"):
         write_lessons([own], tmp_path / f"out{ending}", language="zh")
         text = (tmp_path / f"out{ending}").read_text(encoding="utf-8")
@@ -86,119 +84,89 @@ def test_lesson_without_translations_is_english_everywhere(own, tmp_path, capsys
         assert "Because." in text
 
 
-def test_guess_whose_translation_has_other_choices_is_english(own, monkeypatch):
-    [guess] = own.guesses
-    for texts in ([["几个？", "一", "二", "三"]], [], [["几个？", "一", "二"]]):
-        monkeypatch.setattr(
-            "pymunk_dragon.lessons._framework.translations.translations", lambda *_, texts=texts: {"guesses": texts}
-        )
-        [found] = own.in_language("zh").guesses
-        assert (found.question == "几个？") == (texts == [["几个？", "一", "二"]])
-        assert (found.right, found.measured) == (guess.right, guess.measured)
-
-
-def test_each_lesson_asks_before_it_runs_and_has_formulas_that_can_be_read():
-    for name, lesson in LESSONS.items():
-        kinds = [kind for kind, text in lesson.blocks if text.split("\n")[-1][:9] != "lesson = "]
-        assert kinds == ORDER, name
-        assert lesson.guesses, name
+def test_each_lesson_has_all_sections_in_both_languages_with_the_same_choices_and_numbers():
+    for name, each in LESSONS.items():
+        assert list(each.sections("en")) == list(each.sections("zh")) == SECTIONS, name
+        english, chinese = each.guesses("en"), each.guesses("zh")
+        assert len(english) == len(chinese) >= 1, name
+        for one, other in zip(english, chinese, strict=True):
+            assert (one.right, len(one.choices)) == (other.right, len(other.choices)), name
+            for guess in (one, other):
+                assert len(set(guess.choices)) == len(guess.choices) >= 2, name
+                # Each choice has what comes of it.
+                assert all(len(item) > len(choice) + 3 for choice, item in zip(guess.choices, guess.items, strict=True))
+        for section in ("Answer", "Check"):
+            found = [set(figures(each.sections(language)[section])) for language in LANGUAGES]
+            assert {number for number in found[0] ^ found[1] if "." in number} == set(), (name, section)
         for language in LANGUAGES:
-            found = lesson.in_language(language)
-            for each in found.guesses:
-                assert len(set(each.choices)) == len(each.choices) >= 2, name
-            for kind, piece in (each for part in PARTS for each in pieces(found.text(part))):
-                shown = in_unicode(piece) if kind == "formula" else piece
-                assert kind == "code" or not re.search(r"[\\{}$]", shown), (name, piece)
-                assert kind != "formula" or in_mathml(piece).startswith("<math"), (name, piece)
+            for line in (line for section in SECTIONS[1:] for line in lines(each, section, language)):
+                assert not re.search(r"[\\${}]|\*\*", re.sub("<code>.*?</code>", "", html(line))), line
+                assert not re.search(r"[\\${}]", re.sub("`[^`]*`", "", plain(line))), line
 
 
 @pytest.mark.thorough
-def test_picture_of_each_lesson_is_small_and_its_number_to_check_is_printed():
-    for name, lesson in LESSONS.items():
+def test_picture_of_each_lesson_is_small_and_its_numbers_to_check_are_printed():
+    for name, each in LESSONS.items():
         found = played(name)
         with Image.open(BytesIO(found.picture)) as picture:
             assert min(picture.size) >= 200, name
-            assert (getattr(picture, "n_frames", 1) > 10) == (found.file.suffix == ".gif"), name
         assert len(found.picture) < 900_000, name
-        printed = figures(found.printed)
-        for language in LANGUAGES:
-            texts = lesson.in_language(language)
-            assert set(figures(texts.text("check"))) & set(printed), name
-            for each in texts.guesses:
-                assert set(figures(each.measured)) <= {*printed, *figures(lesson.text("answer"))}, name
+        assert any(number in found.printed for number in figures(each.sections()["Check"]) if "." in number), name
 
 
-def test_result_is_one_of_the_choices(tmp_path):
-    own = tmp_path / "own.py"
-    own.write_text('lesson.predict("Count.", ("How many?", "one", "two"))\nlesson.answer("Three.", ("three", "3"))\n')
-    with pytest.raises(ParameterError) as caught:
-        LessonFile.read(own)
-    assert_says(caught.value, "right is 'three'", "one, two")
-
-
-def test_lesson_leaves_the_settings_of_matplotlib_alone():
-    before = dict(matplotlib.rcParams)
-    for name in ("spiral", "sat"):  # a picture with axes, and a film of them
-        record(LESSONS[name])
-        assert dict(matplotlib.rcParams) == before
-
-
-def run_program(path, *arguments, **options):
-    """Run a lesson's own program where there is no screen."""
-    environment = {key: value for key, value in os.environ.items() if key not in ("DISPLAY", "MPLBACKEND")}
-    command = [sys.executable, str(path), *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, env=environment, check=False, **options)
+def test_program_that_fails_or_has_no_picture_is_one_line(own):
+    for old, new, words in (("6 * 7", "1 / 0", "ZeroDivisionError"), ('plt.savefig("own.png")', "", "own.gif or .png")):
+        own.path.write_text(OWN.replace(old, new), encoding="utf-8")
+        with pytest.raises(DragonError) as caught:
+            record(Lesson.read(own.path))
+        assert_says(caught.value, words)
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("name", ["spiral", "callbacks", "robot"])
-def test_program_copied_out_and_notebook_do_the_same_as_the_lesson(name, tmp_path):
-    found, lesson, copy = played(name), LESSONS[name], tmp_path / "copied.py"
-    write_lessons([lesson], copy)
-    done = run_program(copy, "--save", tmp_path / "kept", "--lang", "zh", cwd=tmp_path)
-    assert (done.returncode, done.stderr) == (0, "")
-    [picture] = (tmp_path / "kept").iterdir()
-    assert picture.read_bytes() == found.picture
-    assert found.printed in done.stdout
-    assert all(text in flat(done.stdout) for text in said(lesson.in_language("zh")))
-    made = nbformat.reads(make_notebook(lesson), as_version=4)
-    nbclient.NotebookClient(made, timeout=300, resources={"metadata": {"path": tmp_path / "kept"}}).execute()
+def test_program_copied_out_and_notebook_with_a_live_scene_do_the_same_as_the_lesson(tmp_path):
+    found, copy = played("near-miss"), tmp_path / "copied.py"
+    write_lessons([LESSONS["near-miss"]], copy)
+    done = subprocess.run([sys.executable, copy], capture_output=True, text=True, cwd=tmp_path, check=True)
+    assert (done.stdout, done.stderr) == (found.printed, "")
+    assert (tmp_path / "near-miss.png").exists()
+    made = nbformat.reads(make_notebook(LESSONS["near-miss"]), as_version=4)
+    nbclient.NotebookClient(made, timeout=300, resources={"metadata": {"path": tmp_path}}).execute()
     outputs = [output for cell in made.cells if cell.cell_type == "code" for output in cell.outputs]
     assert "".join(output.text for output in outputs if output.get("name") == "stdout") == found.printed
-    # As HTML, which also a page has that is made from the notebook.
-    [html] = [output.data["text/html"] for output in outputs if "text/html" in output.get("data", {})]
-    assert b64encode(found.picture).decode() in html
+    assert any("image/png" in output.get("data", {}) for output in outputs)
+    # The live scene shows itself.
+    assert outputs[-1].data
 
 
 def test_notebook_has_the_lessons_code_and_words_and_folds_the_answer():
-    lesson = LESSONS["callbacks"].in_language("zh")
-    found = nbformat.reads(make_notebook(lesson), as_version=4).cells
-    install, *programs = [cell.source for cell in found if cell.cell_type == "code"]
-    assert '%pip install --quiet "pymunk-dragon[demos]"' in install
-    assert ast.dump(ast.parse("\n\n".join(programs))) == ast.dump(ast.parse(lesson.code))
-    prose = re.sub(r"\\([^\w\s])", r"\1", "\n".join(cell.source for cell in found if cell.cell_type == "markdown"))
-    assert all(lesson.text(part) in prose for part in PARTS)
-    assert all(choice in prose for each in lesson.guesses for choice in each.lettered())
-    *_, answer, live, following = found
-    assert answer.source.startswith("<details><summary>")
-    assert f"`pymunk-dragon live {lesson.live} --lang zh`" in live.source
-    assert " --lang zh`" in following.source
+    each = LESSONS["unguided"]
+    found = nbformat.reads(make_notebook(each, "zh"), as_version=4).cells
+    *programs, live = [cell.source for cell in found if cell.cell_type == "code"]
+    assert tuple(programs) == each.cells
+    assert live == 'from pymunk_dragon import live\n\nlive("unguided")'
+    opening, *_, ending = [cell.source for cell in found if cell.cell_type == "markdown"]
+    said = each.sections("zh")
+    assert all(text in opening for text in (said["Title"], said["Question"], *each.guesses("zh")[0].choices))
+    answer, rest = ending.split("</details>")
+    assert answer.startswith("<details><summary>")
+    assert said["Answer"] in answer
+    assert all(said[name] in rest for name in ("Check", "Change"))
 
 
 def test_program_lists_plays_and_writes_lessons(call, tmp_path):
-    lesson = LESSONS["spiral"].in_language("zh")
-    titles = {each.name: each.in_language("zh").title for each in LESSONS.values()}
+    titles = {name: each.sections("zh")["Title"] for name, each in LESSONS.items()}
     assert json.loads(call("demo", "--lang", "zh", "--json")[1]) == {"lessons": titles}
     assert all(title in call("demo", "--lang", "zh")[1] for title in titles.values())
     code, out, err = call("demo", "1", "--save", tmp_path, "--lang", "zh")
     assert (code, err) == (0, "")
-    assert all(text in flat(out) for text in said(lesson))
+    for name in ("Question", "Guess", "Answer", "Check", "Change"):
+        assert all(flat(plain(line)) in flat(out) for line in lines(LESSONS["spiral"], name, "zh"))
+    assert played("spiral").printed in out
     assert str(tmp_path / "spiral.png") in out
-    assert out.endswith(f" demo {list(LESSONS)[1]} --lang zh\n")
+    assert f" demo {list(LESSONS)[1]} --lang zh\n" in out
     found = json.loads(call("demo", "spiral", "--json", "--save", tmp_path, "--lang", "zh")[1])
-    assert found["said"] == {part: lesson.text(part) for part in PARTS}
-    [guess] = found["guesses"]
-    assert guess["measured"] == "17.1 s"
+    assert found["said"] == LESSONS["spiral"].sections("zh")
+    assert [(guess["right"], guess["choices"][1]) for guess in found["guesses"]] == [(1, "约 17 s")]
     assert found["printed"] == played("spiral").printed
     assert Path(found["picture"]).read_bytes() == played("spiral").picture
     assert call("demo", "chain", "-o", tmp_path / "a.py", "--lang", "zh")[0] == 0
@@ -210,22 +178,15 @@ def test_bad_input_is_one_line(call, monkeypatch, tmp_path):
         (["dragon"], "'dragon'", "spiral"),
         (["spiral", "--lang", "fr"], "lang is 'fr'", "en, zh"),
         (["spiral", "--save", __file__], "save is", "a folder that can be written"),
-        (["spiral", "--save", ""], "save is ''"),
         (["--save", "pictures"], "--save"),
         (["spiral", "--pause", "-o", "spiral.html"], "--pause"),
+        (["all", "--json"], "--json"),
         (["-o", "all.ipynb"], "-o is 'all.ipynb'", ".html"),
         (["spiral", "-o", "spiral.pdf"], "-o is 'spiral.pdf'", ".html or .ipynb or .py"),
     ):
         code, out, err = call("demo", *arguments)
         assert (code, out, err.count("\n")) == (2, "", 1), arguments
         assert_says(Exception(err.strip()), "pymunk-dragon: ", *words)
-    for arguments in (["--lang", "fr"], ["--save", __file__], ["x"]):
-        done = run_program(LESSONS["spiral"].path, *arguments)
-        assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1), arguments
-    monkeypatch.setenv("PYTHONIOENCODING", "ascii")
-    done = run_program("-m", "pymunk_dragon", "demo", "spiral", "--lang", "zh")
-    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
-    assert_says(Exception(done.stderr.strip()), "lang is 'zh'", "ascii", "PYTHONIOENCODING=utf-8")
 
     def refused(dir):
         raise PermissionError(13, "Permission denied")
@@ -237,12 +198,11 @@ def test_bad_input_is_one_line(call, monkeypatch, tmp_path):
     assert_says(Exception(err.strip()), "save is", str(tmp_path), "Permission denied")
 
 
-def test_without_a_library_one_line_names_the_extra(tmp_path):
+def test_without_a_library_one_line_names_the_extra(call, monkeypatch, tmp_path):
     for missing, ending, extra in (
         (["nbformat"], ".ipynb", "demos"),
         (["latex2mathml.converter", "latex2mathml"], ".html", "demos"),
         (["jinja2"], ".html", "report"),
-        (["jinja2", "pygments", "nbformat"], ".html", "demos"),
     ):
         with pytest.MonkeyPatch.context() as patch:
             for library in missing:
@@ -251,23 +211,12 @@ def test_without_a_library_one_line_names_the_extra(tmp_path):
                 write_lessons([LESSONS["spiral"]], tmp_path / f"out{ending}")
         assert_says(caught.value, f"pymunk-dragon[{extra}]")
     assert list(tmp_path.iterdir()) == []
-    own = tmp_path / "own.py"
-    own.write_text("import there_is_none\n", encoding="utf-8")
-    with pytest.raises(ModuleNotFoundError, match="there_is_none"):
-        play(LessonFile.read(own), Terminal())
-
-
-@pytest.mark.thorough
-@pytest.mark.parametrize("name", ["tension", "robot", "u-turn"])
-def test_without_the_extras_a_lesson_is_played_or_names_one(name, tmp_path):
-    """As where only the core is installed."""
-    blocked = "import sys; sys.modules |= dict.fromkeys(['matplotlib', 'scipy']); sys.argv[0] = 'pymunk-dragon'; "
-    done = run_program("-c", f"{blocked}from pymunk_dragon.cli import main; main()", "demo", name, "--save", tmp_path)
-    if name == "u-turn":
-        assert [file.name for file in tmp_path.iterdir()] == ["u-turn.gif"]
-    else:
-        assert (done.returncode, done.stderr.count("\n")) == (2, 1)
-        assert f"pymunk-dragon[{'curves' if name == 'robot' else 'figures'}]" in done.stderr
+    # A module that fails as where matplotlib is not installed.
+    (tmp_path / "matplotlib.py").write_text("""raise ModuleNotFoundError("No module named 'matplotlib'")""")
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path), prepend=":")
+    code, _, err = call("demo", "spiral")
+    assert (code, err.count("\n")) == (2, 1)
+    assert "pymunk-dragon[figures]" in err
 
 
 def test_lesson_waits_for_the_class_and_can_be_interrupted(call, monkeypatch, tmp_path):
@@ -288,24 +237,8 @@ def test_lesson_waits_for_the_class_and_can_be_interrupted(call, monkeypatch, tm
     assert call(*command)[0] == 0
 
 
-def test_heads_are_bold_in_a_terminal(terminal, tmp_path):
-    assert "\x1b[1mQuestion\x1b[0m" in terminal("demo", "spiral", "--save", tmp_path)
-    assert "\x1b" not in run_program("-m", "pymunk_dragon", "demo", "spiral", "--save", tmp_path).stdout
-
-
-def test_terminal_text_fits_its_width(monkeypatch, capsys):
-    monkeypatch.setenv("COLUMNS", "60")
-    for language in LANGUAGES:
-        for name, lesson in LESSONS.items():
-            for part in PARTS[:-1]:
-                guesses = lesson.guesses if part in ("predict", "answer") else ()
-                Terminal(language=language).say(name, part, lesson.text(part), guesses)
-    assert all(width(line) <= 60 for line in capsys.readouterr().out.splitlines())
-    text = "龙头沿螺线（等距螺线）前进，速度是 1 m/s。The head goes at 1 m/s, for 412 s. 把手呢？" * 9
-    for columns in range(12, 60, 5):
-        lines = list(wrapped(text, columns))
-        assert flat("".join(lines)) == flat(text)
-        for line in lines:
-            assert line[0] not in "，。）？ "
-            assert line[-1] not in "（ "
-            assert not line[-1].isdigit()
+def test_heads_are_bold_in_a_terminal_and_lines_are_short(terminal, call, tmp_path):
+    assert "\x1b[1mAnswer\x1b[0m" in terminal("demo", "spiral", "--save", tmp_path)
+    out = call("demo", "spiral", "--save", tmp_path)[1]
+    assert "\x1b" not in out
+    assert max(map(len, out.splitlines())) <= 88

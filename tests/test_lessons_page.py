@@ -10,12 +10,20 @@ from browser import needs_browser, opened, wait_until
 from lesson_runs import played
 from sharing import shared
 
-from pymunk_dragon.lessons import LANGUAGES, LESSONS, write_lessons
-from pymunk_dragon.lessons._framework import PARTS, export, make_notebook, make_page
-from pymunk_dragon.lessons._framework.notes import notes
+from pymunk_dragon.lessons import LESSONS, write_lessons
+from pymunk_dragon.lessons._framework import make_notebook, make_page, page
+from pymunk_dragon.lessons._framework.lesson import blocks
+from pymunk_dragon.sessions.handle import serve
+from pymunk_dragon.sessions.ready import ready
+from pymunk_dragon.sessions.session import Session
 
 ALL = list(LESSONS.values())
-UNFOLD = "document.querySelectorAll('details').forEach((details) => details.open = true)"
+LANGUAGES = ("en", "zh")
+UNFOLD = """for (const lesson of document.querySelectorAll('.lesson')) {
+  lesson.querySelector('.cover [formnovalidate]').click();
+  lesson.querySelector('.show').click();
+  lesson.querySelector('details').open = true;
+}"""
 
 
 @pytest.fixture(scope="module")
@@ -30,75 +38,75 @@ def address():
 def seen(browser, address):
     with opened(browser, address, 1280, 900) as found:
         yield found
+        assert found.complaints == []
 
 
 def longest(text):
-    """The longest part of a text without a formula, of which a browser's text is another one; without spaces."""
-    parts = ["".join(part.split()) for part in re.split(r"\$[^$]*\$", text.replace("`", ""))]
+    """The longest part of a text without a formula or bold letters, without spaces."""
+    parts = ["".join(part.split()) for part in re.split(r"\$[^$]*\$|\*\*", text.replace("`", ""))]
     return max(parts, key=len)
 
 
+def texts(lesson, section, language):
+    """What identifies the paragraphs and items of a section."""
+    found = blocks(lesson.sections(language)[section])
+    lines = [longest(line.split(": ")[-1]) for text, items in found for line in (text, *items)]
+    return [line for line in lines if len(line) > 3]
+
+
+def shown(seen, selector="body"):
+    """The visible text of a part of the page, without spaces."""
+    return "".join("".join(seen.page.locator(selector).all_inner_texts()).split())
+
+
 def test_page_is_written_with_progress_the_same_every_time_or_not_at_all(tmp_path, monkeypatch):
-    told, page = [], tmp_path / "two.html"
+    told, path = [], tmp_path / "two.html"
     chosen = [LESSONS["spiral"], LESSONS["chain"]]
-    write_lessons(chosen, page, progress=lambda *steps: told.append(steps))
+    write_lessons(chosen, path, progress=lambda *steps: told.append(steps))
     assert told == [(1, 2), (2, 2)]
-    written = page.read_text(encoding="utf-8")
+    written = path.read_text(encoding="utf-8")
     assert written == make_page([played("spiral"), played("chain")])
-    # One picture serves both languages.
-    assert written.count(base64.b64encode(played("chain").picture).decode()) == 1
 
     def interrupted(lesson):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(export, "record", interrupted)
+    monkeypatch.setattr(page, "record", interrupted)
     with pytest.raises(KeyboardInterrupt):
-        write_lessons(chosen, page)
+        write_lessons(chosen, path)
     assert [(file.name, file.read_text(encoding="utf-8")) for file in tmp_path.iterdir()] == [("two.html", written)]
 
 
 @pytest.mark.thorough
 @needs_browser
-def test_page_is_no_wider_than_the_window_requests_nothing_and_shows_all_pictures(browser, address):
+def test_page_is_small_no_wider_than_the_window_requests_nothing_and_shows_all_pictures(browser, address):
     for media, width in (("screen", 1280), ("screen", 390), ("print", 688)):
         for language in LANGUAGES:
             with opened(browser, f"{address}?{language}", width, 900, is_mobile=width < 600) as seen:
-                seen.page.emulate_media(media=media)
+                assert len(seen.page.content()) < 6_000_000
                 seen.page.evaluate(UNFOLD)
+                seen.page.emulate_media(media=media)
                 assert seen.page.evaluate("[innerWidth, document.documentElement.scrollWidth]") == [width, width]
                 wait_until(seen.page, "[...document.images].every((image) => image.complete && image.naturalWidth > 0)")
                 assert seen.complaints == []
-                requested = {url for url in seen.addresses if not url.startswith(("data:", "blob:"))}
-                assert requested == {f"{address}?{language}"}
+                assert {url for url in seen.addresses if not url.startswith("data:")} == {f"{address}?{language}"}
 
 
 @pytest.mark.thorough
 @needs_browser
-def test_one_language_is_seen_and_heard_at_a_time_with_the_same_programs(seen):
-    for language in LANGUAGES:
+def test_one_language_is_seen_at_a_time_with_the_same_programs(seen):
+    seen.page.evaluate(UNFOLD)
+    for language, other in (("en", "zh"), ("zh", "en")):
         seen.page.click(f".languages button[value={language}]")
-        seen.page.evaluate(UNFOLD)
-        text = "".join("".join(seen.page.locator("header, section").all_inner_texts()).split())
+        text = shown(seen)
         for lesson in ALL:
-            for part in PARTS[1:]:  # A program, which is English, has the title.
-                shown = longest(lesson.in_language(language).text(part))
-                others = {longest(lesson.in_language(each).text(part)) for each in LANGUAGES} - {shown}
-                assert [each in text for each in (shown, *others)] == [True, *(False for _ in others)], lesson.name
+            for section in ("Question", "Guess", "Answer", "Check", "Try", "Change"):
+                assert all(each in text for each in texts(lesson, section, language)), (lesson.name, section)
+                assert longest(lesson.sections(other)[section]) not in text
             assert "".join(played(lesson.name).printed.split()) in text, lesson.name
-            assert seen.page.locator(f"#{lesson.name} .code pre").inner_text().strip() == lesson.code
-        commands = [
-            each for each in seen.page.locator("code:visible").all_inner_texts() if "pymunk-dragon demo" in each
-        ]
-        option = "" if language == "en" else f" --lang {language}"
-        assert set(commands) >= {f"pymunk-dragon demo {lesson.name}{option}" for lesson in ALL}
-        images = "[...document.querySelectorAll('section figure > img:first-child')].map((image) => image.alt)"
-        heard = [alt.replace("\u00a0", " ") for alt in seen.page.evaluate(images)]
-        assert heard == [lesson.in_language(language).text("picture").replace("`", "") for lesson in ALL]
-        found = notes(language)
-        for each in [*(part for entry in found.glossary.values() for part in entry), *found.references.values()]:
-            assert longest(each) in text
+        option = "" if language == "en" else " --lang zh"
+        assert f"pymunk-dragon demo robot{option}" in seen.page.inner_text("#robot .files")
         assert seen.page.title() == seen.page.inner_text("h1")
-    assert "$" not in "".join(seen.page.locator("section p, section li, section dd").all_inner_texts())
+    assert "$" not in "".join(seen.page.locator("section p, section li").all_inner_texts())
     assert seen.page.locator("#spiral .answer [lang=en] msqrt").count() == 3
 
 
@@ -113,40 +121,67 @@ def test_address_names_the_language_and_the_lesson_and_remembers_the_choice(brow
         seen.page.reload()
         assert seen.page.evaluate("document.documentElement.lang") == "en"
         links = seen.page.evaluate("[...document.querySelectorAll('.contents a')].map((a) => a.getAttribute('href'))")
-        assert links == [f"#{name}" for name in (*LESSONS, "glossary", "references")]
+        assert links == [f"#{name}" for name in (*LESSONS, "glossary")]
         assert all(seen.page.locator(link).count() == 1 for link in links)
-        assert seen.complaints == []
 
 
 @pytest.mark.thorough
 @needs_browser
-def test_answers_are_folded_and_films_begin_anew_when_they_are_unfolded(seen):
-    assert not seen.page.locator("section figure").first.is_visible()
-    assert not seen.page.locator("#spiral .answer p").first.is_visible()
-    seen.page.click("#spiral .answer summary")
-    assert longest(LESSONS["spiral"].text("answer")) in "".join(seen.page.inner_text("#spiral .answer").split())
-    film = "document.querySelector('#sat .film')"
-    assert not seen.page.evaluate(f"{film}.hasAttribute('src')")
-    addresses = set()
-    for _ in range(2):
-        seen.page.click("#sat .run summary")
-        wait_until(seen.page, f"{film}.complete && {film}.naturalWidth > 0")
-        addresses.add(seen.page.evaluate(f"{film}.src"))
-        seen.page.click("#sat .run summary")
-        wait_until(seen.page, f"!{film}.hasAttribute('src')")
-    # A new address each time: with the old one a browser would go on where it was.
-    assert len(addresses) == 2
-    assert seen.complaints == []
+def test_nothing_of_the_answer_is_seen_before_the_experiment_is_opened(seen):
+    text = shown(seen)
+    for lesson in ALL:
+        assert all(each in text for each in texts(lesson, "Question", "en"))
+        for section in ("Answer", "Check", "Try", "Change", "Teacher"):
+            asked = [longest(guess.text) for guess in lesson.guesses()]
+            assert not any(each in text for each in texts(lesson, section, "en") if each not in asked), lesson.name
+        assert not seen.page.locator(f"#{lesson.name} :is(pre, img, canvas)").locator("visible=true").count()
 
 
 @pytest.mark.thorough
 @needs_browser
-def test_without_script_films_and_text_are_there_all_the_same(browser, address):
+def test_course_with_the_keyboard_guess_experiment_answer_and_again(seen):
+    lesson = seen.page.locator("#spiral")
+    opens, answer = lesson.locator(".cover .main"), lesson.locator(".answer")
+    opens.focus()
+    seen.page.keyboard.press("Enter")
+    assert lesson.get_attribute("data-state") == "guess"  # Without a choice it does not open.
+    lesson.locator("input").first.focus()
+    seen.page.keyboard.press("Space")
+    opens.focus()
+    seen.page.keyboard.press("Enter")
+    assert lesson.get_attribute("data-state") == "open"
+    assert lesson.locator("input[name^=spiral]").first.is_disabled()
+    assert lesson.locator("canvas").is_visible()
+    assert not answer.is_visible()
+    lesson.locator(".show").press("Enter")
+    [guess] = LESSONS["spiral"].guesses()
+    sides = lesson.locator(".sides").inner_text().replace("\u00a0", " ").split("\n")
+    assert " ".join(" ".join(sides).split()) == "Your guess: Still 55 s Result: About 17 s"
+    assert lesson.locator("li.chosen").inner_text().replace("\u00a0", " ") == guess.items[0]
+    assert lesson.locator("li.right").count() == 1
+    lesson.locator(".again").press("Enter")
+    assert lesson.get_attribute("data-state") == "guess"
+    assert not lesson.locator("input[name^=spiral]:checked").count()
+    lesson.locator(".cover [formnovalidate]").press("Enter")
+    assert lesson.get_attribute("data-state") == "open"
+    assert lesson.locator("canvas").count() == 1
+
+
+@pytest.mark.thorough
+@needs_browser
+def test_lesson_of_the_engine_shows_its_recorded_run_and_how_to_play_it_live(seen):
+    lesson = seen.page.locator("#unguided")
+    lesson.locator(".cover [formnovalidate]").click()
+    assert lesson.locator(".stage[data-live=unguided] img").is_visible()
+    assert "pymunk-dragon demo --live" in lesson.locator(".stage").inner_text()
+
+
+@pytest.mark.thorough
+@needs_browser
+def test_without_script_all_texts_are_there(browser, address):
     with opened(browser, address, java_script_enabled=False) as seen:
-        seen.page.click("#sat .run summary")
-        film = seen.page.locator("#sat .film >> visible=true")
-        assert film.get_attribute("src").startswith("data:image/gif;base64,")
-        assert not seen.page.locator(".languages").is_visible()
+        assert longest(LESSONS["spiral"].sections()["Check"]) in shown(seen)
+        assert not seen.page.locator(".cover, .languages").locator("visible=true").count()
 
 
 @pytest.mark.thorough
@@ -156,48 +191,48 @@ def test_programs_and_notebooks_can_be_taken_from_the_page(seen):
         links = seen.page.locator(f"#{lesson.name} .files a")
         files = links.evaluate_all("(all) => all.map((a) => [a.download, a.lang, a.href])")
         content = {(name, lang): base64.b64decode(href.split(",", 1)[1]).decode() for name, lang, href in files}
-        notebooks = {(f"{lesson.name}.ipynb", each): make_notebook(lesson.in_language(each)) for each in LANGUAGES}
+        notebooks = {(f"{lesson.name}.ipynb", each): make_notebook(lesson, each) for each in LANGUAGES}
         assert content == {(lesson.path.name, ""): lesson.source} | notebooks
-
-
-@pytest.mark.thorough
-@needs_browser
-def test_guess_is_checked_with_the_keyboard_alone(seen):
-    [guess] = LESSONS["spiral"].guesses
-    verdict, choices = seen.page.locator("#spiral .verdict"), seen.page.locator("#spiral .guesses input")
-    choices.first.focus()
-    for right in (False, True, False):
-        seen.page.keyboard.press("Space")
-        assert not verdict.is_visible()
-        seen.page.keyboard.press("Enter")
-        words = "Right." if right else "The run shows otherwise."
-        assert verdict.inner_text().split() == f"{words} {guess.result()}".split()
-        seen.page.keyboard.press("ArrowDown")
-    seen.page.reload()
-    seen.page.click("#chain .guesses button")  # Without a choice there is no verdict.
-    assert not seen.page.locator("#chain .verdict").first.is_visible()
-    assert seen.complaints == []
 
 
 @pytest.mark.thorough
 @needs_browser
 def test_sheets_for_the_class_have_no_answers_and_those_for_the_teacher_do(seen):
     # What would be on paper when a button prints; a hidden button is clicked by the page itself.
-    seen.page.evaluate(
-        "window.print = () => { dispatchEvent(new Event('beforeprint'));"
-        " window.paper = document.body.innerText; dispatchEvent(new Event('afterprint')); }"
-    )
+    seen.page.evaluate("window.print = () => { window.paper = document.body.innerText; }")
     for language, kind, one in (("en", "class", True), ("en", "teacher", False), ("zh", "class", False)):
         seen.page.click(f".languages button[value={language}]")
         seen.page.emulate_media(media="print")
         seen.page.evaluate(f"document.querySelector('{'#grid' if one else 'header'} .sheets [value={kind}]').click()")
         paper = "".join(seen.page.evaluate("window.paper").split())
-        for lesson in (each.in_language(language) for each in ALL):
+        for lesson in ALL:
             printed = not one or lesson.name == "grid"
-            for part in ("question", "answer", "check", "change"):
-                mine = kind == ("class" if part == "question" else "teacher")
-                assert (longest(lesson.text(part)) in paper) == (printed and mine), (lesson.name, part)
-        # Afterwards the page is as it was.
+            for section in ("Question", "Try", "Check", "Teacher"):
+                mine = kind == ("class" if section in ("Question", "Try") else "teacher")
+                for text in texts(lesson, section, language):
+                    assert (text in paper) == (printed and mine), (lesson.name, section)
+        assert "importnumpy" not in paper
         seen.page.emulate_media(media="screen")
         assert seen.page.locator("header").is_visible()
-        assert seen.page.evaluate("document.querySelectorAll('details[open]').length") == 0
+
+
+@pytest.mark.thorough
+@needs_browser
+def test_experiments_with_pymunk_are_live_on_a_live_server(browser):
+    page = make_page([played("callbacks"), played("tension")], live=True)
+    session = Session(ready("unguided"))
+    with (
+        serve(session, host="127.0.0.1", port=0, allow_hosts=(), browser=False, path=None, front=page) as running,
+        opened(browser, f"{running.address}&zh") as seen,
+    ):
+        for name in ("callbacks", "tension"):
+            seen.page.click(f"#{name} .cover [formnovalidate]")
+            live = seen.page.wait_for_selector(f"#{name} iframe").content_frame()
+            wait_until(live, f"globalThis.live?.frame?.step > 0 && live.scene.name === {name!r}")
+            assert live.evaluate("document.documentElement.lang") == "zh"
+            # The page of the lesson has the other experiments closed.
+            assert seen.page.locator("iframe").count() == 1
+        seen.page.click(".languages button[value=en]")
+        wait_until(live, "document.documentElement.lang === 'en'")
+        assert seen.page.url == f"{running.address}&en"
+        assert seen.complaints == []

@@ -28,7 +28,7 @@ def printed(name):
 
 
 def said(name, part):
-    return numbers(LESSONS[name].text(part))
+    return numbers(LESSONS[name].sections()[part])
 
 
 def found_in(name, pattern):
@@ -49,7 +49,7 @@ def test_turning_is_the_pace_over_the_root_and_the_walk_is_steady():
         angle = float(oracle.head_angle(time, mp.mpf("0.55"), 16, 1))
         rate = 1 / (K * math.hypot(angle, 1))
         assert r == pytest.approx(K * angle, abs=5.1e-4)
-        assert turning == pytest.approx(rate, abs=5.1e-5)
+        assert turning == pytest.approx(rate, abs=5.1e-4)
         assert a_round == pytest.approx(2 * math.pi / rate, abs=0.051)
         assert walking == 1
 
@@ -58,14 +58,14 @@ def test_next_handle_is_the_one_in_many_digits_and_its_arc_is_longer():
     positions, _ = oracle.solve(300, **MARCH, benches=2, difference=False)
     (_, arc, r, x, y), *_ = (row for row in found_in("chain", "turns back") if 0 < row[0] < 0.5)
     expected = [float(part) for part in positions[1]]
-    assert [x, y] == pytest.approx(expected, abs=1e-6)
-    assert numbers(played("chain").printed.splitlines()[-1])[-2:] == pytest.approx(expected, abs=5.1e-7)
+    assert [x, y] == pytest.approx(expected, abs=5.1e-5)
+    assert numbers(played("chain").printed.splitlines()[-1])[-2:] == pytest.approx(expected, abs=5.1e-5)
     before, after = (oracle.arc_length(mp.hypot(*place) / K, 0.55) for place in positions[:2])
     assert arc == pytest.approx(float(after - before), abs=5.1e-4)
     assert arc - 2.86 == pytest.approx(0.04, abs=0.001)
     # By hand.
     radius = (4.992 + 5.043) / 2
-    assert round(2 * radius * math.asin(2.86 / (2 * radius)), 3) == arc == said("chain", "check")[0]
+    assert round(2 * radius * math.asin(2.86 / (2 * radius)), 3) == arc == said("chain", "Check")[0]
     assert r == 5.043
 
 
@@ -80,7 +80,7 @@ def test_speeds_are_those_in_many_digits_and_the_papers():
         assert speed == pytest.approx(float(mp.hypot(*velocities[int(handle)])), abs=5.1e-7)
         assert math.floor(1000 * speed) / 1000 == paper[int(handle)]
     tail = table[-1][1]
-    assert tail in said("velocity", "answer")
+    assert round(tail, 4) in said("velocity", "Answer")
     assert 1000 * (1 - tail) == pytest.approx(3.5, abs=0.05)
 
 
@@ -92,7 +92,7 @@ def test_speed_of_handle_1_is_the_ratio_of_the_cosines():
     front, rear, ratio = found_in("velocity", "^head bench")[0]
     assert [front, rear] == pytest.approx(angles, abs=5.1e-5)
     assert front > rear
-    speed, front, rear = said("velocity", "check")[1:4]
+    speed, front, rear = said("velocity", "Check")[1:4]
     assert speed == ratio == found_in("velocity", "^handle   1")[0][1]
     assert round(math.cos(math.radians(front)) / math.cos(math.radians(rear)), 6) == speed
 
@@ -105,8 +105,10 @@ def test_turn_has_the_length_and_the_angles_of_many_digits_whatever_the_ratio():
         with mp.workdps(DIGITS):
             radii, _, sweeps, _, length = s_turn(mp.mpf("1.7"), mp.mpf("4.5"), mp.mpf(ratio))
             exact = [*radii, *(mp.degrees(abs(sweep)) for sweep in sweeps), length]
-        assert row[:4] == pytest.approx([float(part) for part in exact[:4]], abs=5.1e-4)
-        assert row[4] == pytest.approx(float(exact[4]), abs=5.1e-7)
+        assert row[:2] == pytest.approx([float(part) for part in exact[:2]], abs=5.1e-4)
+        assert row[2:4] == pytest.approx([float(part) for part in exact[2:4]], abs=0.051)
+        assert row[4] == pytest.approx(float(exact[4]), abs=5.1e-5)
+        assert round(row[4], 2) == said("u-turn", "Answer")[0]
 
 
 def test_limit_is_the_one_in_many_digits():
@@ -117,11 +119,11 @@ def test_limit_is_the_one_in_many_digits():
         way = mp.mpf(time) * mp.mpf(speed)
         before, after = (walked_chain(truth, way + sign * tiny, spacings) for sign in (-1, 1))
         ratios = [float((b - a) / (2 * tiny)) for a, b in zip(before, after, strict=True)]
-    # The time is printed to 0.1 ms, and close to a top the speed hardly depends on it.
-    assert ratios[3:8] == pytest.approx([ratio] * 5, abs=1e-6)
+    # Close to a top the ratio hardly depends on time and speed, which are rounded.
+    assert ratios[3:8] == pytest.approx([ratio] * 5, abs=1e-4)
     assert max(ratios[:3] + ratios[8:]) < ratio - 0.01
-    assert speed == pytest.approx(limit / ratio, abs=1e-10)
-    assert [1.6048, speed] == said("speed-limit", "answer")[2:4]
+    assert speed == pytest.approx(limit / ratio, abs=1e-4)
+    assert [round(ratio, 3), round(speed, 3)] == said("speed-limit", "Answer")[2:4]
 
 
 def sizes(**changed):
@@ -182,7 +184,7 @@ def test_near_misses_are_those_of_many_digits():
         least = min(gap(near + k / 1000, pair) for k in range(0, 100, 4))
         assert shown == pytest.approx(least, abs=5.1e-4)
         assert gap(time, pair) == pytest.approx(least, abs=1e-4)
-        assert shown in said("near-miss", "answer")
+        assert round(shown, 1) in said("near-miss", "Answer")
     assert numbers(printed("near-miss")[2])[0] == round(contact_time(412.4738, (0, 8)), 3) == 412.474
     assert printed("near-miss")[3].split()[3:] == printed("near-miss")[2].split()[1:]
 
@@ -201,14 +203,14 @@ def test_window_is_that_of_many_digits():
     assert window[:2] == [round(end - begin, 3), round(depth, 3)]
     # Bisection stops a microsecond behind it.
     assert seconds[0] == pytest.approx(contact_time(412.4422, (0, 8), **WIDER), abs=2e-6)
-    assert {round(begin, 3), *window[:2]} <= set(said("missed-window", "answer"))
+    assert {round(begin, 3), *window[:2]} <= set(said("missed-window", "Answer"))
 
 
 def test_smallest_pitch_and_the_time_of_its_touch_are_those_of_many_digits():
     time, pitch = oracle.grazing((0, 19), 216.338, sizes(pitch="0.45033739"))
     shown = numbers(printed("pitch")[0])
-    assert shown == [round(float(pitch), 9), 0, 19, round(float(time), 3)]
-    assert shown[0] == said("pitch", "answer")[0]
+    assert shown == [round(float(pitch), 6), 0, 19, round(float(time), 1)]
+    assert round(shown[0], 5) == said("pitch", "Answer")[0]
 
 
 @pytest.mark.thorough
@@ -221,7 +223,7 @@ def test_pitch_of_looks_each_second_is_where_one_of_them_sees_no_gap():
     assert seen[-2] == truth[-2] == round(float(pitch), 6)
     deepest = min(gap(216.2 + k / 100, (0, 19), pitch=mp.nstr(pitch, 20)) for k in range(15))
     assert truth[-1] == round(deepest, 3)
-    assert {seen[-2], -truth[-1]} <= set(said("pitch", "answer"))
+    assert {round(seen[-2], 5), -truth[-1]} <= set(said("pitch", "Answer"))
 
 
 def rectangle(x, y, angle, length, width):
@@ -233,14 +235,14 @@ def rectangle(x, y, angle, length, width):
 
 
 def drifts():
-    """Printed drifts in µm, by number of tries, from long steps to short ones."""
-    lines = [line for line in printed("engine") if " tries" in line]
+    """Printed drifts in µm, by number of iterations, from long steps to short ones."""
+    lines = [line for line in printed("engine") if " iterations" in line]
     found = {int(line.split()[0]): [float(d) for d in re.findall(r"([\d.]+) µm", line)] for line in lines}
     assert list(found) == [5, 15, 60, 240]
     return found
 
 
-def test_each_halving_of_the_steps_leaves_about_a_quarter_of_the_error_and_more_tries_help_up_to_sixty():
+def test_each_halving_of_the_steps_leaves_about_a_quarter_of_the_error_and_more_iterations_help_up_to_sixty():
     found = np.array(list(drifts().values()))
     assert np.all(abs(found[:, 1:] / found[:, :-1] - 0.25) < 0.06)
     assert np.all(found[1:3] < found[:2] / 2)
@@ -255,7 +257,7 @@ def test_the_groove_keeps_its_part_of_what_would_stop_the_hole():
     _, kept = np.linalg.solve(response, [-1, 0])
     (kick,) = re.findall(r"GrooveJoint.*?(-[\d.]+) m/s", played("engine").printed)
     assert float(kick) == pytest.approx(kept, abs=0.0005)
-    assert kick in LESSONS["engine"].text("check")
+    assert kick in LESSONS["engine"].sections()["Check"]
 
 
 IMPULSE = r"step (\d+)   impulse ([\d.]+) N s   (\w+)"
@@ -289,8 +291,7 @@ def test_the_impulse_is_that_of_two_bodies_that_bounce_with_a_quarter_of_their_s
     # The push is upright; benches of 10 kg and 5 kg m² give way to it, and turn.
     impulse = (1 + 0.5 * 0.5) * 1.0 / (2 / 10 + (lever**2 + other**2) / 5)
     found = max(impulse for _, impulse, _ in calls(printed("callbacks")))
-    assert found == pytest.approx(impulse, rel=1e-3)
-    assert numbers(LESSONS["callbacks"].text("check"))[0] == found
+    assert found == pytest.approx(impulse, abs=0.0051) == said("callbacks", "Check")[0]
 
 
 def test_an_error_in_begin_is_lost_and_one_in_simulate_is_raised():
@@ -312,9 +313,14 @@ def forces(lines, name):
 def test_each_joint_carries_the_drag_of_all_benches_behind_it():
     drag = 10 * (1 - 0.5**0.01) / 0.01
     for joint, force in forces(printed("tension"), "on the ground").items():
-        assert force == pytest.approx((24 - joint) * drag, abs=0.001)
+        assert force == pytest.approx((24 - joint) * drag, abs=0.051)
     for joint, force in forces(printed("tension"), "with 12 dancers").items():
         alone = sum(1 for bench in range(joint + 1, 25) if bench % 2)
-        assert force == pytest.approx(alone * drag, abs=0.001)
+        assert force == pytest.approx(alone * drag, abs=0.051)
     assert set(forces(printed("tension"), "on ice").values()) == {0}
-    assert numbers(LESSONS["tension"].text("check"))[0] == forces(printed("tension"), "on the ground")[0]
+    # A speed that falls to a half in a second falls at the rate ln 2; in a step the engine takes a little less.
+    continuous = 10 * math.log(2)
+    assert numbers(printed("tension")[0]) == pytest.approx([1, continuous, 0.01, drag], abs=5.1e-4)
+    said_drag, _, said_sum = said("tension", "Check")[3:6]
+    assert [said_drag, said_sum] == pytest.approx([continuous, 24 * continuous], abs=0.051)
+    assert forces(printed("tension"), "on the ground")[0] in said("tension", "Check")

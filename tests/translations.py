@@ -5,7 +5,6 @@ from __future__ import annotations
 import ast
 import json
 import re
-import tomllib
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
@@ -14,13 +13,12 @@ from bs4 import BeautifulSoup, Tag
 from pymunk_dragon._language import texts
 from pymunk_dragon.drawing.figures import FIGURES
 from pymunk_dragon.lessons import LESSONS
-from pymunk_dragon.lessons._framework import PARTS
+from pymunk_dragon.lessons._framework.lesson import _chinese
 from pymunk_dragon.sessions.ready import SCENES
 from pymunk_dragon.studies import STUDIES
 from pymunk_dragon.sweeps.quantities import QUANTITIES
 
 PACKAGE = Path(__file__).parent.parent / "pymunk_dragon"
-FRAMEWORK = PACKAGE / "lessons" / "_framework"
 UNTRANSLATED = {"script", "style", "svg", "canvas", "kbd", "code"}
 LETTER = re.compile(r"[^\W\d_]")
 # A literal, or a sum of them, as the first argument of `localized` in a script.
@@ -28,8 +26,8 @@ LOCALIZED = re.compile(r'\blocalized\(\s*("(?:[^"\\]|\\.)*"(?:\s*\+\s*"(?:[^"\\]
 
 
 def sources(ending: str) -> list[str]:
-    """Contents of the files of the package with an ending, but for the page of the lessons."""
-    return [path.read_text() for path in PACKAGE.rglob(f"*{ending}") if FRAMEWORK not in path.parents]
+    """Contents of the files of the package with an ending."""
+    return [path.read_text() for path in PACKAGE.rglob(f"*{ending}")]
 
 
 def report(what: str, wanted: Iterable[str], found: Iterable[str]) -> None:
@@ -75,22 +73,20 @@ def html_texts(page: str) -> set[str]:
 trees = [ast.parse(source) for source in sources(".py")]
 calls = [node for tree in trees for node in ast.walk(tree) if isinstance(node, ast.Call) and node.args]
 wanted = set().union(*(strings(call.args[0]) for call in calls if getattr(call.func, "id", "") == "text"))
-wanted = wanted.union(*(re.findall(r'\btext\("([^"]+)"\)', source) for source in sources(".j2")))
+wanted = wanted.union(*(re.findall(r'\b(?:text|name|words)\("([^"]+)"\)', source) for source in sources(".j2")))
 wanted = wanted.union(*map(script_texts, sources(".js")))
 wanted = wanted.union(*(html_texts(page) for page in sources(".html") if "<body" in page))
 wanted |= {words for scene in SCENES.values() for words in (scene.title, scene.text)}
 wanted |= {known.summary for known in (*STUDIES.values(), *QUANTITIES.values())}
 wanted |= {kind.shows for kind in FIGURES.values()}
+wanted = wanted.union(*(lesson.options.get("axes", "").split("|") for lesson in LESSONS.values()))
+wanted -= {"", "x (m)", "y (m)"}
 # Texts that are looked up by a variable: other strings of the code, and names of columns and parameters.
 names = {name for quantity in QUANTITIES.values() for name in quantity.parameters}.union(*map(strings, trees))
 others = names | {name.replace("_", mark) for name in names for mark in " -"}
+others = others.union(*(re.findall('"([^"\n]*)"', source.replace(r"\\", "\\")) for source in sources(".j2")))
 report("text", wanted | (others & set(texts("zh"))), texts("zh"))
 
-english, chinese = (tomllib.loads((FRAMEWORK / f"{each}.toml").read_text()) for each in ("en", "zh"))
-report("word of lessons", english["words"], chinese.pop("words"))
-report("texts of lesson", LESSONS, chinese)
-for name, found in chinese.items():
-    report(f"text of lesson {name}", (*PARTS, "guesses", "measured"), found)
-english, chinese = (tomllib.loads((FRAMEWORK / f"notes.{each}.toml").read_text()) for each in ("en", "zh"))
-for part in english:
-    report(f"note in {part}", LESSONS if part == "lessons" else english[part], chinese[part])
+report("texts of lesson", LESSONS, _chinese())
+for name, found in _chinese().items():
+    report(f"text of lesson {name}", LESSONS[name].texts, found)

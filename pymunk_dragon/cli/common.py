@@ -89,6 +89,22 @@ def flags_given(*names: str) -> list[str]:
     return [option.opts[0] for option in options if context.get_parameter_source(str(option.name)) is given]
 
 
+# Hosts at which only this machine reaches a page.
+LOCAL = ("127.0.0.1", "localhost", "::1")
+
+
+def address_options(function: F) -> F:
+    """Add the options of a server to a command."""
+    for option in (
+        click.option("--no-browser", "browser", flag_value=False, default=True, help="Do not open a browser."),
+        click.option("--allow-host", "allow_hosts", multiple=True, metavar="NAME", help="Name of a proxy; repeatable."),
+        click.option("--host", default=LOCAL[0], metavar="ADDRESS", help="Address to listen on.  [this machine only]"),
+        click.option("--port", type=int, default=0, metavar="N", help="Port.  [a free one]"),
+    ):
+        option(function)
+    return function
+
+
 _LANGUAGE = click.Option(
     ["--lang", "language"],
     metavar="LANG",

@@ -18,8 +18,6 @@ from pymunk_dragon.sessions.session import Session
 
 # Options of a dragon of the user's.
 OWN = ("start", "contacts", "free_from")
-# Hosts at which only this machine reaches the page.
-LOCAL = ("127.0.0.1", "localhost", "::1")
 _RECORD = "File to write at the end: inputs, .json, the run of a dragon, .npz, or a film, as .gif."
 EXAMPLES = ("", "near-miss", "--benches 60 --from 300 -o live.json", "--replay live.json --exit -o live.gif")
 
@@ -33,10 +31,7 @@ EXAMPLES = ("", "near-miss", "--benches 60 --from 300 -o live.json", "--replay l
 @click.option("--replay", metavar="FILE", type=click.Path(), help="Play a recording again, .json.")
 @click.option("--exit", "ends", is_flag=True, help="Play the recording without a page, as fast as possible, and exit.")
 @click.option("-o", "--record", "output", metavar="FILE", type=click.Path(), help=_RECORD)
-@click.option("--port", type=int, default=0, metavar="N", help="Port.  [a free one]")
-@click.option("--host", default=LOCAL[0], metavar="ADDRESS", help="Address to listen on.  [this machine only]")
-@click.option("--allow-host", "allow_hosts", multiple=True, metavar="NAME", help="Name of a proxy; repeatable.")
-@click.option("--no-browser", "browser", flag_value=False, default=True, help="Do not open a browser.")
+@common.address_options
 def live(scene: str | None, replay: str | None, ends: bool, output: str | None, **choices: Any) -> None:
     """Play the dragon in real time, and touch it in a browser. A scene has its own dragon."""
     if [bool(each) for each in (scene, common.flags_given("scenario", *common.chosen(), *OWN), replay)].count(True) > 1:
@@ -55,7 +50,7 @@ def live(scene: str | None, replay: str | None, ends: bool, output: str | None, 
     if ends:
         _replay(session, log, path)
     else:
-        _serve(session, log, path, **choices)
+        serve(session, log, path, **choices)
 
 
 def _source(scene: str | None, log: Log | None) -> Ready | None:
@@ -67,13 +62,13 @@ def _source(scene: str | None, log: Log | None) -> Ready | None:
     return planned(log.plan)
 
 
-def _serve(session: Session, log: Log | None, path: Path | None, **address: Any) -> None:
+def serve(session: Session, log: Log | None, path: Path | None, **address: Any) -> None:
     """Show a session on a page until it ends, and write what was recorded, also where it was interrupted."""
-    from pymunk_dragon.sessions.handle import serve
+    from pymunk_dragon.sessions import handle
 
-    running = serve(session, path=None, **address)
+    running = handle.serve(session, path=None, **address)
     try:
-        if address["host"] not in LOCAL:
+        if address["host"] not in common.LOCAL:
             click.echo(text("Anybody who can reach this address and knows it can control the session:"), err=True)
         click.echo(text("control: {address}").format(address=running.address))
         click.echo(text("watch:   {address}").format(address=running.watch_address))

@@ -1,44 +1,37 @@
 """The lessons: one file each, which is also a program of its own. `_framework` runs and writes them.
 
-Short programs for a class, or for yourself, from the spiral to a robot's arm. Each asks a question, lets you guess,
-runs for one to five seconds (`python tests/bench/bench.py lessons`), and then gives the answer, a number to check by
-hand and something to change. `make demos` runs all of them and writes [one page](renders/lessons.html), which needs
-no network, reads on a phone as well as on paper, and holds the films, the code and the notebooks. The texts are in
-English and Chinese; programs, and what they print and draw, are English.
+Short experiments for a class, or for yourself, from the spiral to a robot's arm. Each asks a question, lets you guess,
+opens a stage on which you try, and then gives the answer and a number to check by hand. `make demos` puts all of them
+on [one page](renders/lessons.html), which needs no network, reads on a phone as well as on paper, and holds sheets to
+print, programs and notebooks. The texts are in English and Chinese; programs and what they print are English.
 
 ```console
 $ pymunk-dragon demo
 $ pymunk-dragon demo near-miss --save pictures --lang zh
-$ pymunk-dragon demo near-miss -o near_miss.py
+$ pymunk-dragon demo near-miss -o near-miss.py
 $ pymunk-dragon demo near-miss -o near-miss.ipynb
 ```
 
-![The first lesson on the page, with what it prints](renders/lessons.png)
+![The first lesson on the page: you drag the head](renders/lessons.png)
+![Where the next handle goes: you drag it](renders/lesson-chain.png)
+![Shadows of two benches on four walls](renders/lesson-sat.png)
+![The gap of the head, with coordinates that can be cut](renders/lesson-near-miss.png)
+![Speeds in the turn, as colours](renders/lesson-speed-limit.png)
 
 ## A lesson of your own
 
-A new lesson is one file in this folder, in the form of the others: `Lesson` with a name, a title and an order, a
-question, a prediction with guesses, code that shows one picture, what the picture shows, an answer with the results of
-the guesses, a check and a change. `order` sorts the lessons; a value between those of two others puts it there.
-Formulas are LaTeX between dollar signs. Chinese texts in `_framework/zh.toml`, and notes for teachers in
-`_framework/notes.en.toml` and `notes.zh.toml`, are optional.
+A lesson is one file in this folder, in the percent format of Jupytext: texts in cells of Markdown with fixed headings,
+and a program that prints and writes a picture `NAME.png` or `NAME.gif`. Its first line has `order`, by which lessons
+are sorted, and may have `scene`, a ready scene of `pymunk-dragon live`, and `axes` for the sheet of the class. In
+"Answer" each question has a list of its choices with what comes of them; the right one is bold. Formulas are LaTeX
+between dollar signs. A stage is a file of JavaScript beside it; Chinese texts, in `zh.toml`, are optional.
 """
 
 from collections.abc import Mapping
 
-from pymunk_dragon.lessons._framework import (
-    LANGUAGES,
-    Lesson,
-    LessonFile,
-    Recording,
-    Terminal,
-    lesson_files,
-    play,
-    record,
-    write_lessons,
-)
+from pymunk_dragon.lessons._framework import Lesson, Recording, lessons, play, record, write_lessons
 
-__all__ = ["LANGUAGES", "LESSONS", "Lesson", "LessonFile", "Recording", "Terminal", "play", "record", "write_lessons"]
+__all__ = ["LESSONS", "Lesson", "Recording", "play", "record", "write_lessons"]
 
 # The lessons of the package by name, in their order.
-LESSONS: Mapping[str, LessonFile] = lesson_files()
+LESSONS: Mapping[str, Lesson] = lessons()

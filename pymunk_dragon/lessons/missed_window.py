@@ -1,23 +1,16 @@
-"""How often a march must be sampled for its first contact."""
+# %% [markdown] order=70 axes="time (s)|gap (mm)"
+# # Is a check each second enough?
+# Make all benches one millimetre wider: 0.301 m. A program that checks each second whether any two overlap finds the
+# head, bench 0, in bench 8, and traces this contact back to its beginning at 412.442 s. Is it the first one?
+# ## Guess
+# In the lesson before, benches of 0.300 m passed each other with 3.0 mm and with 0.9 mm to spare.
 
+# %%
+import matplotlib.pyplot as plt
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from pymunk_dragon import Dragon, March, first_contact, scan, separation
-from pymunk_dragon.drawing.figures.style import BLUE, CANDIDATE, COLOURS
-from pymunk_dragon.lessons import Lesson
-
-lesson = Lesson("missed-window", "How long must a contact last to be seen?", order=70)
-
-lesson.question(
-    "Make all benches one millimetre wider: 0.301 m. A program that checks each second whether any two overlap finds "
-    "the head, bench 0, in bench 8, and traces it back to 412.442 s. Has nothing touched before?"
-)
-lesson.predict(
-    "In the lesson before, the head passed two benches with a few millimetres to spare, or less than one.",
-    ("What touched before 412.442 s?", "nothing", "there was one short contact", "there were many contacts"),
-    ("How often must you sample?", "every tenth of a second", "every thousandth", "no step is short enough"),
-)
 
 march = March(Dragon(width=0.301))
 for name, hit in {"scan": scan(march, step=1), "first_contact": first_contact(march)}.items():
@@ -30,6 +23,7 @@ def gap(times: ArrayLike) -> NDArray[np.float64]:
     return np.array(1000 * separation(benches[:, :1], benches[:, 2:]).distance.min(axis=1))
 
 
+# %%
 # A search of our own. Holes go at 1 m/s at most; corners are 0.31 m from them, on benches that turn at less than
 # 0.5 rad/s, so they are slower than 1.2 m/s. Within a time interval no gap is smaller than in its middle by more than
 # two benches move in half of it. An interval in which that could close the gap is split into its halves.
@@ -44,6 +38,7 @@ for halvings in range(31):
     begins = begins[begins < until]
 print(f"{'this search':14}{until:.6f} s  none before {begins[0]:.5f} s  {samples} samples")
 
+# %%
 # How long and how deep the contact is, and the angle between the two benches when it is deepest.
 times = until + np.linspace(-0.07, 0.27, 34_001)
 touching, deepest = times[gap(times) <= 0], gap(times).argmin()
@@ -51,34 +46,41 @@ _, bench = hit.contact.benches
 angle = np.degrees(np.ptp(march.at(times[deepest]).poses[0, [0, bench], 2]))
 print(f"{np.ptp(touching):.3f} s long  {-gap(times)[deepest]:.3f} mm deep  at an angle of {angle:.2f} degrees")
 
-figure, charts = lesson.subplots(2, figsize=(5.2, 5.0))
-for chart, moments in zip(charts, (np.linspace(404.9, 413.1, 2000), times), strict=True):
-    chart.plot(moments, gap(moments), color=BLUE)
-    whole = np.arange(np.ceil(moments[0]), moments[-1])
-    chart.plot(whole, gap(whole), "o", color=COLOURS.ink)
-    chart.axhspan(-20, 0, color=CANDIDATE, alpha=0.4, lw=0)
-    chart.set(ylabel="gap (mm)", xlim=(moments[0], moments[-1]))
-charts[0].set(ylim=(-15, 32))
-charts[0].text(406, -8, "overlap")
-charts[1].set(ylim=(-0.1, 0.32), xlabel="time (s)")
-lesson.show(figure)
+plt.figure(figsize=(5, 3))
+plt.plot(times, gap(times))
+plt.plot(410, gap([410]), "o", label="check each second")
+plt.axhline(0, color="black", lw=0.8)
+plt.xlabel("time (s)")
+plt.ylabel("gap of the head (mm)")
+plt.legend()
+plt.savefig("missed-window.png", bbox_inches="tight")
 
-lesson.picture(
-    "The head's gap to the benches that it passes, and a sample each second as dots; below, the same from close by."
-)
-lesson.answer(
-    "The head touches bench 11 at 409.776 s, for 0.109 s and 0.023 mm deep, and at 410 s there is a gap again. No "
-    "step is short enough, as the next contact may be shorter; but if you know how fast a gap can close, each sample "
-    "clears a time interval, and you sample again only where a doubt is left, as above, and as `first_contact` does.",
-    ("there was one short contact", "0.109 s long"),
-    ("no step is short enough", "4665 samples where they are needed"),
-)
-lesson.check(
-    "The depth of 0.023 mm: benches of 0.300 m leave 0.865 mm, as in the lesson before. Half a millimetre more on "
-    r"either side brings the edge of bench 11 nearer by 0.5 mm, and the head's corner by 0.5 mm times $\cos "
-    r"39.05^\circ$."
-)
-lesson.change(
-    "With which `step` does the scan find bench 11: 0.5, 0.2 or 0.1? Then set `width` to 0.30098: how long is the "
-    "contact now, and does the scan with a step of 0.1 still find it?"
-)
+# %% [markdown]
+# ## Answer
+# The head touches bench 11 at 409.776 s, for 0.109 s and 0.023 mm deep, and at 410 s there is a gap again. No step is
+# short enough, as the next contact may be shorter; but if you know how fast a gap can close, each sample clears a time
+# interval, and you sample again only where a doubt is left, as above, and as `first_contact` does.
+#
+# What touched before 412.442 s?
+# - Nothing: what is traced back to its beginning seems to be the first, but only this contact is traced.
+# - **There was one short contact**: with bench 11, 0.109 s long.
+# - There were many contacts: a millimetre on each of 223 benches seems much, but it closes only the gap of 0.9 mm.
+#
+# How often must you check?
+# - Every tenth of a second: that finds this one, which lasts 0.109 s, but not the next, shorter one.
+# - Every thousandth: a thousand checks a second feel safe, but there is no shortest contact.
+# - **No step is short enough**: only a bound on the speed makes samples a proof, here some 4,700 where they are needed.
+# ## Check
+# The depth of 0.023 mm: benches of 0.300 m leave 0.865 mm, as in the lesson before. Half a millimetre more on either
+# side brings the edge of bench 11 nearer by 0.5 mm, and the head's corner by 0.5 mm times $\cos 39.05^\circ$.
+# ## Try
+# Change the step, and note which contacts are missed. Which is the longest step that finds all of them here? Would you
+# rely on it for benches a hair narrower?
+# ## Change
+# Set `width` to 0.30098: how long is the contact now, and does `scan` with `step=0.1` still find it?
+# ## Teacher
+# - From grade 11; the lesson near-miss, a bound on a speed. 45 minutes: 10 to guess, 20 on the stage, 15 to compare.
+# - Goal: samples prove nothing about the time between them. Together with a bound on the speed they do: conservative
+#   advancement.
+# - Try: samples every 0.1 s find all contacts here, but not with benches of 300.98 mm.
+# - Mistakes: a finer step is taken for a proof; the first contact found is taken for the first.

@@ -1,33 +1,28 @@
-"""How closely the head passes two benches before it hits one."""
+# %% [markdown] order=60 scene="near-miss" axes="time (s)|gap (mm)"
+# # A hit or a near miss?
+# As the head, bench 0, marches inward, it comes very close to benches of the next turn: to bench 9 at 406.8 s, to bench
+# 11 at 409.8 s, to bench 8 at 412.5 s. A bench is 300 mm wide. Which one does it touch first, and how exact must a
+# program be to find that out?
+# ## Guess
+# Beside the exact model, three other programs compute the march: one checks every 10 s, one cuts positions to whole
+# millimetres, and one is a physics engine that takes long steps.
 
+# %%
+import matplotlib.pyplot as plt
 import numpy as np
 
-from pymunk_dragon import Camera, Dragon, March, Spiral, first_contact, render, scan, separation, simulate
-from pymunk_dragon.lessons import Lesson
+from pymunk_dragon import March, first_contact, scan, separation, simulate
 from pymunk_dragon.model.dragon import bench_poses
 
-lesson = Lesson("near-miss", "A hit or a near miss?", order=60, live="near-miss")
-
-lesson.question(
-    "As it marches inward, the head, bench 0, passes bench 9, then bench 11, and then runs into bench 8. A bench is "
-    "300 mm wide. How much room is left when it passes?"
-)
-lesson.predict(
-    "Beside the exact model, three other programs compute the march: one samples every 10 s, one cuts positions to "
-    "whole millimetres, and one is a physics engine that takes long steps.",
-    ("How wide is the gap to bench 11?", "a hand's width", "a finger's width", "a bank card's thickness"),
-    ("Which of the three report a false collision?", "none", "only the engine", "the last two", "all of them"),
-)
-
-# The exact model: the near misses, and the first contact. Then samples every 10 s, and bisection where benches
-# overlap.
-march = March(Dragon(), Spiral(pitch=0.55), turns=16, speed=1.0)
+# The exact model: the near misses, and the first contact. Then checks every 10 s, and bisection where benches overlap.
+march = March()
 hit, sampled = first_contact(march), scan(march, until=420, step=10)
 for miss in hit.near_misses:
     print(f"{'exact':15}{miss.time:.3f} s  benches {miss.benches}  gap {1000 * miss.gap:.3f} mm")
 print(f"{'exact':15}{hit.time:.3f} s  benches {hit.benches}  contact")
 print(f"{'every 10 s':15}{sampled.time:.3f} s  benches {sampled.benches}  contact")
 
+# %%
 # The same march, but x and y of all handles are cut after three decimals, as in the paper's tables.
 times = np.arange(405, 413, 0.001)
 handles = np.trunc(1000 * march.at(times, handles=13).positions) / 1000
@@ -36,38 +31,57 @@ overlaps = separation(benches[:, 0], benches[:, 11]).distance < 0
 for time in times[overlaps][:1]:  # the first one, if there is any
     print(f"{'cut to 1 mm':15}{time:.3f} s  benches (0, 11)  contact")
 
+# %%
 # Pymunk: by default it takes 50 steps a second, and in each of them the solver goes over all joints 10 times. The
-# sloppy one takes 10 steps, and goes over them once.
-careful = simulate(march, start=398, frame_interval=0.02)
-sloppy = simulate(march, start=398, until=413, substep=0.1, iterations=1)
-for name, run in (("careful engine", careful), ("sloppy engine", sloppy)):
-    contact, off = run.first_contact, 1000 * run.max_drift
-    print(f"{name:15}{contact.time:.3f} s  benches {contact.benches}  contact, up to {off:.3f} mm off")
+# coarse one takes 10 steps, and goes over them once.
+coarse = simulate(march, start=398, until=413, substep=0.1, iterations=1)
+for name, run in (("careful engine", simulate(march, start=398)), ("coarse engine", coarse)):
+    print(f"{name:15}{run.first_contact.time:.3f} s  benches {run.first_contact.benches}  contact  ", end="")
+    print(f"off by up to {1000 * run.max_drift:.4g} mm")
 
+# %%
 # For the check: where the head's rear left corner and two handles are at the last near miss.
 state = march.at(miss.time)
 for name, (x, y) in zip("CAB", (march.dragon.outlines(state.poses)[0, 0, 3], *state.positions[0, 11:13]), strict=True):
     print(f"{name} ({x:.6f}, {y:.6f}) m")
 
-film = lesson.file(".gif")
-render(careful, film, camera=Camera(follow="head", span=5), start=406, speedup=1.5, size=290)
-lesson.show(film)
+poses = march.at(times, handles=17).poses
+gaps = separation(march.dragon.outlines(poses)[:, :1], march.dragon.outlines(poses)[:, 2:]).distance.min(axis=1)
+plt.figure(figsize=(5, 3))
+plt.plot(times, 1000 * gaps)
+plt.xlabel("time (s)")
+plt.ylabel("gap of the head (mm)")
+plt.axis((405, 413, 0, 30))
+plt.savefig("near-miss.png", bbox_inches="tight")
 
-lesson.picture("The head slips past benches 9 and 11 and meets bench 8; the gap is written below.")
-lesson.answer(
-    "The head passes bench 9 with 2.957 mm and bench 11 with 0.865 mm to spare, hardly more than a bank card is "
-    "thick, and runs into bench 8 at 412.474 s. Looking every 10 s does no harm here, but positions that are cut to "
-    "1 mm let the head hit bench 11 at 409.712 s, and the sloppy engine, whose joints come loose, lets benches 200 "
-    "and 203 meet at 401.591 s: collisions that never happen.",
-    ("a bank card's thickness", "0.865 mm"),
-    ("the last two", "at 409.712 s and 401.591 s"),
-)
-lesson.check(
-    "The gap of 0.865 mm: $C$ is the head's rear left corner then, $A$ and $B$ are handles 11 and 12, on the middle "
-    "line of bench 11. From that line $C$ is $|(x_B - x_A)(y_C - y_A) - (y_B - y_A)(x_C - x_A)| / 1.65$ m away; take "
-    "off half a width, 0.15 m."
-)
-lesson.change(
-    "Set `iterations` of the sloppy engine to 2, 5 or 60, or `substep` to 0.05: how little work is enough for the "
-    "right benches, and for the right time? And cut positions to 0.1 mm: does the head still hit bench 11?"
-)
+# %% [markdown]
+# ## Answer
+# The head passes bench 9 with 3.0 mm and bench 11 with 0.9 mm to spare, hardly more than a bank card is thick, and runs
+# into bench 8 at 412.474 s. Positions that are cut to 1 mm let it hit bench 11 at 409.712 s, and the coarse engine,
+# whose joints come loose, lets benches 200 and 203 meet at 401.6 s: collisions that never happen.
+#
+# Which bench does the head touch first?
+# - Bench 9: it comes first, and in a film a gap of 3 mm cannot be seen.
+# - Bench 11: with 0.9 mm it is so close that a millimetre more or less decides.
+# - **Bench 8**: at 412.474 s, after 3.0 mm to bench 9 and 0.9 mm to bench 11.
+#
+# Which of the three programs find it?
+# - All of them: a millimetre seems little on benches of two metres, but the gap is smaller.
+# - Only the engine: it knows forces and contacts, but its joints are only as exact as its steps.
+# - **Only the one that checks every 10 s**: here it has luck, as it computes positions exactly, and traces what it
+#   finds back to its beginning.
+# ## Check
+# The gap to bench 11 is 0.865 mm: $C$ is the head's rear left corner then, $A$ and $B$ are handles 11 and 12, on the
+# middle line of bench 11. Subtract $(y_B - y_A)(x_C - x_A)$ from $(x_B - x_A)(y_C - y_A)$, and divide by 1.65 m: but
+# for its sign, this is the distance of $C$ from that line. Take off half a width, 0.15 m.
+# ## Try
+# Go to each of the three times, zoom in and read the gap. Then cut the coordinates, to hundredths of a millimetre at
+# first: from where on does a false contact appear, and at which bench?
+# ## Change
+# Set `iterations` of the coarse engine to 2, 5 or 60, or `substep` to 0.05: how little work is enough for the right
+# benches, and for the right time?
+# ## Teacher
+# - From grade 10; distance of a point from a line. 45 minutes: 5 to guess, 25 on the stage, 15 to compare.
+# - Goal: less than a millimetre decides between a contact and none, so a result needs a bound on its error.
+# - Try: cut to 0.1 mm, the head still hits bench 8 first; cut to 1 mm bench 11, and cut to 10 mm bench 9.
+# - Mistakes: rounding is taken for harmless because it is small against the benches, not against the gap.

@@ -1,22 +1,16 @@
-"""A robot's arm that goes where its tip went: the dragon's code on a curve of one's own."""
+# %% [markdown] order=150 scene="robot-arm" axes="x (m)|y (m)"
+# # Does the arm reach the end of its path?
+# A snake arm gets into engines where no hand can reach: its 16 links go where the tip went before. You draw a path, and
+# the tip follows it at a constant speed; how fast do the joints go, and does the arm block itself?
+# ## Guess
+# The tip goes at 0.2 m/s along a drawn curve, with bends to both sides and a narrow loop at its end.
 
+# %%
+import matplotlib.pyplot as plt
 import numpy as np
 
-from pymunk_dragon import Dragon, March, first_contact, render, simulate
-from pymunk_dragon.lessons import Lesson
+from pymunk_dragon import Dragon, March, first_contact, simulate
 from pymunk_dragon.model.curves import Sampled
-
-lesson = Lesson("robot", "Does the arm reach the end of its path?", order=150, live="robot-arm")
-
-lesson.question(
-    "A snake arm looks into engines where no hand can reach: its 16 links go where the tip went before. You draw a "
-    "path, and the tip follows it at a constant speed; how fast do the joints go, and does the arm block itself?"
-)
-lesson.predict(
-    "The tip goes at 0.2 m/s along a drawn curve, with bends to both sides and a narrow loop at its end.",
-    ("In a bend, how fast is a joint compared with the tip?", "half as fast", "as fast to 3 %", "twice as fast"),
-    ("Does the tip get past the links that are still coming in?", "yes", "no"),
-)
 
 # Links from the tip to the base, in m: slender and short in front, wide and long behind.
 arm = Dragon(
@@ -30,12 +24,13 @@ points = [(-1.9, 0), (-1.6, 0), (-1.3, 0), (-1, 0), (-0.75, 0.08), (-0.5, 0.25),
 points += [(0.1, -0.1), (0.32, -0.25), (0.55, -0.15), (0.6, 0.1), (0.42, 0.28), (0.2, 0.22), (0.05, 0.05), (-0.1, -0.1)]
 march = March(arm, Sampled(np.array(points)), speed=0.2)
 
+# %%
 # As for the dragon: does it run into itself, exactly and in Pymunk, ...
 hit = first_contact(march)
 run = simulate(march, frame_interval=0.1)
-print(f"exact    t = {hit.time:.4f} s   " + (f"contact   links {hit.benches}" if hit.benches else "clear"))
+print(f"exact    t = {hit.time:.3f} s   " + (f"contact   links {hit.benches}" if hit.benches else "clear"))
 touch = run.first_contact
-print(f"engine   t = {run.times[-1]:.4f} s   " + (f"contact   links {touch.benches}" if touch else "clear"))
+print(f"engine   t = {run.times[-1]:.3f} s   " + (f"contact   links {touch.benches}" if touch else "clear"))
 
 # ... and where is each joint, and how fast?
 states = march.at(np.arange(0.1, hit.time - 0.1, 0.1))
@@ -46,24 +41,37 @@ for time in (states.times[now] - 0.1, states.times[now] + 0.1):  # where the slo
     x, y = march.at(time).positions[0, joint]
     print(f"         joint {joint:2d}   t = {time:.1f} s   at ({x:.4f}, {y:.4f}) m")
 
-film = lesson.file(".gif")
-render(run, film, speedup=1, size=(540, 300))
-lesson.show(film)
+plt.figure(figsize=(5, 3))
+plt.plot(*march.curve.point(np.linspace(march.curve.begin_s, march.curve.end_s, 500)).T, color="silver")
+for link in arm.outlines(run.poses_at(hit.time)):
+    plt.fill(*link.T, alpha=0.7)
+plt.axis("equal")
+plt.savefig("robot.png", bbox_inches="tight")
+run
 
-lesson.picture("The arm's 16 links follow the tip along a curve that was drawn by hand, until it runs into link 13.")
-lesson.answer(
-    "No joint is more than some 3 % faster or slower than the tip: both ends of a link go equally fast along it, so "
-    "the faster one is the one that goes more across it. But after 8.668 s the tip runs into link 13, so this arm "
-    "cannot follow this path.",
-    ("as fast to 3 %", "0.194 m/s to 0.204 m/s"),
-    ("no", "it meets link 13 at 8.6677 s"),
-)
-lesson.check(
-    "The slowest speed of 0.194 m/s: it is printed where that joint was 0.1 s before and 0.1 s after. Divide the "
-    "distance between the two positions by 0.2 s."
-)
-lesson.change(
-    "Let `points` end in (0.1, 0.05), (0.2, 0), and the tip slips past. Then draw a path of your own: the "
-    "documentation of scenario files (`make docs`) describes the file that holds a dragon and its curve, and "
-    "`pymunk-dragon study` lists what else to ask."
-)
+# %% [markdown]
+# ## Answer
+# No joint is more than some 3 % faster or slower than the tip: both ends of a link go equally fast along it, so the
+# faster one is the one that goes more across it. But after 8.67 s the tip runs into link 13, so this arm cannot follow
+# this path.
+#
+# In a bend, how fast is a joint compared with the tip?
+# - Half as fast: on the inside of a bend the way is shorter, but all joints go the same way.
+# - **As fast to 3 %**: from 0.194 m/s to 0.204 m/s.
+# - Twice as fast: in the dragon's turn one handle is 1.6 times as fast, but there the curvature jumps.
+#
+# Does the tip get past the links that are still coming in?
+# - Yes: a point would get past, but links have a width.
+# - **No**: it meets link 13 after 8.67 s.
+# ## Check
+# The slowest speed of 0.194 m/s: it is printed where that joint was 0.1 s before and 0.1 s after. Divide the distance
+# between the two positions by 0.2 s.
+# ## Try
+# Draw a path on which the arm gets to the end, and one on which it does not. How narrow may a bend be?
+# ## Change
+# Let `points` end in (0.1, 0.05), (0.2, 0), and the tip slips past. The documentation of scenario files (`make docs`)
+# describes the file that holds a dragon and its curve, for a path of your own.
+# ## Teacher
+# - From grade 11; Python, the lesson velocity. 60 minutes: 10 to guess, 25 on the stage, 25 to compare.
+# - Goal: a model that is not tied to its first example serves others: any chain on any smooth curve.
+# - Mistakes: the joints of an arm are taken to turn only, and not to move along; a path is checked for its tip only.

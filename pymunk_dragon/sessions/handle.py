@@ -232,11 +232,18 @@ def _again(space: pymunk.Space) -> Callable[[], pymunk.Space]:
 
 
 def serve(
-    session: Session, *, host: str, port: int, allow_hosts: Sequence[str], browser: bool, path: Path | None
+    session: Session,
+    *,
+    host: str,
+    port: int,
+    allow_hosts: Sequence[str],
+    browser: bool,
+    path: Path | None,
+    front: str | None = None,
 ) -> Live:
-    """Start a session and its server."""
+    """Start a session and its server, which may show another page first."""
     whole("port", port, 0, 65535)
-    found = Live(session, path, host=host, port=port, allowed=allow_hosts)
+    found = Live(session, path, host=host, port=port, allowed=allow_hosts, front=front)
     if not _has_widgets():
         address = found.address
         if browser:

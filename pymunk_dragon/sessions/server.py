@@ -93,8 +93,12 @@ class _Client:
 class Server:
     """Serves a session to browsers, until `stop`."""
 
-    def __init__(self, session: Session, *, host: str, port: int, allowed: Sequence[str] = ()) -> None:
+    def __init__(
+        self, session: Session, *, host: str, port: int, allowed: Sequence[str] = (), front: str | None = None
+    ) -> None:
         self.session, self.host = session, host
+        # A page that is shown first, which may have the live page in a frame.
+        self._front = front
         self.token, self._watch_token = secrets.token_urlsafe(_TOKEN_BYTES), secrets.token_urlsafe(_TOKEN_BYTES)
         self._proxies = {name.lower() for name in allowed}
         self._allowed = {*_LOOPBACK, host.lower(), *self._proxies}
@@ -136,7 +140,7 @@ class Server:
 
     async def _serve(self) -> None:
         application = web.Application(middlewares=[self._check])
-        pages = {"/": self._page, "/socket": self._connect, "/inputs": self._inputs}
+        pages = {"/": self._page, "/live": self._page, "/socket": self._connect, "/inputs": self._inputs}
         application.add_routes([web.get(path, handler) for path, handler in pages.items()])
         application.on_response_prepare.append(_add_headers)
         runner = web.AppRunner(application, access_log=None, shutdown_timeout=_STOP_TIME)
@@ -170,6 +174,8 @@ class Server:
         return name is not None and name.lower() in self._allowed
 
     async def _page(self, request: web.Request) -> web.Response:
+        if self._front is not None and request.path == "/":
+            return web.Response(text=self._front, content_type="text/html")
         page, rules = live_page(self.session.source.title, self._language)
         return web.Response(text=page, content_type="text/html", headers={"Content-Security-Policy": rules})
 

@@ -264,8 +264,8 @@ def lessons() -> None:
     """Each lesson as a process of its own (`lessons`)."""
     with tempfile.TemporaryDirectory() as folder:
         names = sized(list(LESSONS), ["spiral"])
-        commands = {name: [sys.executable, str(LESSONS[name].path), "--save", folder] for name in names}
-        play = partial(subprocess.run, check=True, stdout=subprocess.DEVNULL)
+        commands = {name: [sys.executable, "-P", str(LESSONS[name].path)] for name in names}
+        play = partial(subprocess.run, check=True, stdout=subprocess.DEVNULL, cwd=folder)
         compare({name: partial(play, command) for name, command in commands.items()}, 1)
 
 

@@ -31,7 +31,7 @@ if __name__ == "__main__":
         with chromium() as started, opened(started, address, WIDTH, HEIGHT) as found:
             page = found.page
             page.evaluate("window.dragon")  # of a player: once it has drawn
-            page.evaluate("document.querySelectorAll(':target details.run').forEach((folded) => folded.open = true)")
+            page.evaluate("document.querySelector(':target .cover [formnovalidate]')?.click()")
             page.wait_for_timeout(500)
             if height := page.evaluate("document.querySelector('section:target')?.getBoundingClientRect().height"):
                 page.set_viewport_size({"width": WIDTH, "height": round(height) + MARGIN})

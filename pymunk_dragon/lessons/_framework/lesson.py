@@ -1,198 +1,138 @@
-"""The class whose methods the file of a lesson calls."""
+"""A lesson as its file describes it, read without running it."""
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Sequence
-from contextlib import ExitStack
+import json
+import re
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from types import MappingProxyType
+from typing import Any, NamedTuple
 
-from pymunk_dragon._extras import optional_imports
-from pymunk_dragon._files import written_in_place
-from pymunk_dragon.drawing.lettering import pillow_font
-from pymunk_dragon.lessons._framework.guess import Guess
-from pymunk_dragon.lessons._framework.notebook import NotebookOutput
-from pymunk_dragon.lessons._framework.play import current_output
-from pymunk_dragon.lessons._framework.terminal import Terminal
+from pymunk_dragon._checks import word
+from pymunk_dragon._language import LANGUAGES
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-# Inches. Default size of a figure: small enough for its text to be legible on a phone.
-FIGURE_SIZE = (5.2, 3.7)
+FOLDER = Path(__file__).parent.parent
+# A line that begins a cell of a percent file, and the options behind it; a heading of Markdown.
+CELL = re.compile(r"^# %%(.*)\n", re.MULTILINE)
+OPTION = re.compile(r'(\w+)=("[^"]*"|\S+)')
+HEADING = re.compile(r"^##? (.+)\n", re.MULTILINE)
 
 
+class Block(NamedTuple):
+    """A paragraph, and the items of the list below it.
+
+    Below a question there is an item for each choice: what the run shows, or why it tempts. The right one is bold.
+    """
+
+    text: str
+    items: tuple[str, ...]
+
+    @property
+    def choices(self) -> list[str]:
+        """The choices: what stands before the colon."""
+        return [re.split("[:：]", item)[0].strip("*") for item in self.items]  # noqa: RUF001  # That of Chinese.
+
+    @property
+    def right(self) -> int:
+        """Number of the right choice."""
+        return [item.startswith("**") for item in self.items].index(True)
+
+
+@dataclass(frozen=True)
 class Lesson:
-    """A lesson that is running: its file calls a method for each text, and runs its code between them.
+    """The file of a lesson: a program in the percent format of Jupytext, with texts in cells of Markdown.
 
-    Run as a program, ``python near_miss.py --save pictures``, it prints to the terminal. In a notebook it
-    shows its picture.
-
-    Parameters
+    Attributes
     ----------
-    name : str
-        Name of the lesson on the command line and in the files of translations.
-    title : str
-        Title.
-    order : float, optional
-        The lessons of the package are listed by increasing order; steps of ten leave room for more. It has no effect
-        while the lesson runs.
-    live : str, optional
-        Name of the ready scene of `pymunk-dragon live` on the lesson.
-
-    Notes
-    -----
-    Name, title, order, scene and texts must be literals: they are also read from the file without running it.
+    path : Path
+        The file.
+    texts : mapping of str to str
+        The Markdown of each section in English: "Title", "Question", and those below headings, as "Guess".
+    cells : tuple of str
+        The code of each cell.
+    options : mapping of str to Any
+        Options of the first cell: `order`, by which lessons are sorted; `scene`, the name of a ready scene of
+        `pymunk-dragon live`; and `axes`, on which the class draws its guess: two labels with "|" between.
 
     Examples
     --------
-    The file of a lesson in short, without a figure. Each call with a text prints it:
-
-    >>> import math
-    >>> lesson = Lesson("pendulum", "The period of a pendulum", order=160)
-    The period of a pendulum
-    >>> lesson.question("How long does a pendulum of 1 m take?")
-    <BLANKLINE>
-    Question
-      How long does a pendulum of 1 m take?
-    >>> lesson.predict("Count aloud.", ("How long?", "one second", "two seconds"))
-    <BLANKLINE>
-    Predict
-      Count aloud.
-    <BLANKLINE>
-      How long?
-      a) one second
-      b) two seconds
-    <BLANKLINE>
-    >>> print(f"{2 * math.pi * (1 / 9.81) ** 0.5:.3f} s")
-    2.006 s
-    >>> lesson.answer("The mass does not matter.", ("two seconds", "2.006 s"))
-    <BLANKLINE>
-    Answer
-      The mass does not matter.
-    <BLANKLINE>
-      How long?
-      b) two seconds (2.006 s)
-    >>> lesson.check("2.006 s: count ten periods.")
-    <BLANKLINE>
-    Check
-      2.006 s: count ten periods.
-    >>> lesson.change("Make it four times as long.")
-    <BLANKLINE>
-    Change and try
-      Make it four times as long.
+    >>> from pymunk_dragon.lessons import LESSONS
+    >>> lesson = LESSONS["near-miss"]
+    >>> lesson.path.name, lesson.options["order"]
+    ('near_miss.py', 60)
+    >>> lesson.sections("zh")["Title"]
+    '碰上了，还是擦肩而过？'
+    >>> lesson.guesses()[0].choices
+    ['Bench 9', 'Bench 11', 'Bench 8']
     """
 
-    def __init__(self, name: str, title: str, *, order: float | None = None, live: str | None = None) -> None:
-        self.name = name
-        self.order = order
-        self.live = live
-        self._style = ExitStack()
-        self._output = current_output.get() or (
-            NotebookOutput() if "ipykernel" in sys.modules else Terminal.of_program()
-        )
-        self._guesses: tuple[Guess, ...] = ()
-        self._output.say(name, "title", title)
+    path: Path
+    texts: Mapping[str, str]
+    cells: tuple[str, ...]
+    options: Mapping[str, Any]
 
-    def question(self, text: str) -> None:
-        """Print the question of the lesson."""
-        self._output.say(self.name, "question", text)
+    @classmethod
+    def read(cls, path: Path) -> Lesson:
+        """The lesson in a file."""
+        _, *parts = CELL.split(path.read_text(encoding="utf-8"))
+        cells = list(zip(parts[::2], parts[1::2], strict=True))
+        markdown = "".join(re.sub("^# ?", "", text, flags=re.M) for mark, text in cells if "[markdown]" in mark)
+        code = tuple(text.strip("\n") for mark, text in cells if "[markdown]" not in mark)
+        options = {name: json.loads(value) for name, value in OPTION.findall(parts[0])}
+        _, title, question, *more = HEADING.split(markdown)
+        headings = {name: text.strip() for name, text in zip(more[::2], more[1::2], strict=True)}
+        return cls(path, {"Title": title, "Question": question.strip(), **headings}, code, options)
 
-    def predict(self, text: str, *guesses: tuple[str, ...]) -> None:
-        """Print what the class guesses before the code runs: a text, and questions, each a tuple with its choices."""
-        self._guesses = Guess.of_texts(guesses)
-        self._output.say(self.name, "predict", text, self._guesses)
+    @property
+    def name(self) -> str:
+        """Name of the lesson on the command line."""
+        return self.path.stem.replace("_", "-")
 
-    def picture(self, text: str) -> None:
-        """Print what the picture shows."""
-        self._output.say(self.name, "picture", text)
+    @property
+    def source(self) -> str:
+        """The whole program."""
+        return self.path.read_text(encoding="utf-8")
 
-    def answer(self, text: str, *results: tuple[str, str]) -> None:
-        """Print the answer, two sentences, and for each guess a tuple of its right choice and what the run shows.
+    def sections(self, language: str = "en") -> Mapping[str, str]:
+        """The Markdown of each section; one without a translation is English."""
+        word("language", language, LANGUAGES)
+        return {**self.texts, **(_chinese().get(self.name, {}) if language == "zh" else {})}
 
-        Raises
-        ------
-        ParameterError
-            If it is not one of the choices.
-        """
-        guesses = [guess.with_result(*result) for guess, result in zip(self._guesses, results, strict=True)]
-        self._output.say(self.name, "answer", text, guesses)
+    def guesses(self, language: str = "en") -> list[Block]:
+        """The questions that the class guesses: those in "Answer" with a list below."""
+        return [block for block in blocks(self.sections(language).get("Answer", "")) if block.items]
 
-    def check(self, text: str) -> None:
-        """Print how to check one of the printed numbers by hand."""
-        self._output.say(self.name, "check", text)
+    def guess(self, language: str = "en") -> str:
+        """The section "Guess" with the questions and their choices, but without what comes of them."""
+        asked = ["\n- ".join([each.text, *each.choices]) for each in self.guesses(language)]
+        return "\n\n".join([self.sections(language).get("Guess", ""), *asked])
 
-    def change(self, text: str) -> None:
-        """Print what to change in the code and try; the last text of the lesson."""
-        self._output.say(self.name, "change", text)
 
-    def file(self, ending: str) -> Path:
-        """File for the lesson's picture or film: the name of the lesson with an ending, as ".gif"."""
-        return self._output.folder() / f"{self.name}{ending}"
+def blocks(markdown: str) -> list[Block]:
+    """Paragraphs and lists, each text on one line."""
+    found = []
+    for block in markdown.split("\n\n"):
+        text, *items = (" ".join(part.split()) for part in re.split("^- ", block, flags=re.MULTILINE))
+        found.append(Block(text, tuple(items)))
+    return found
 
-    def font(self, size: float) -> Any:
-        """A font of Pillow, `size` pixels high."""
-        return pillow_font(size)
 
-    def subplots(
-        self,
-        rows: int = 1,
-        columns: int = 1,
-        *,
-        figsize: tuple[float, float] = FIGURE_SIZE,
-        sharex: bool = False,
-        sharey: bool = False,
-        width_ratios: Sequence[float] | None = None,
-        height_ratios: Sequence[float] | None = None,
-        subplot_kw: dict[str, Any] | None = None,
-    ) -> tuple[Any, Any]:
-        """A new figure and its axes, as of `matplotlib.pyplot.subplots`, in the colours and fonts of the figures.
+@cache
+def lessons() -> Mapping[str, Lesson]:
+    """The lessons of the package by name, in their order."""
+    found = sorted(map(Lesson.read, FOLDER.glob("[!_]*.py")), key=lambda lesson: lesson.options["order"])
+    return MappingProxyType({lesson.name: lesson for lesson in found})
 
-        Parameters
-        ----------
-        rows, columns : int
-            Numbers of rows and columns of axes.
-        figsize : (float, float)
-            Width and height, inches.
-        sharex, sharey, width_ratios, height_ratios, subplot_kw
-            As in `matplotlib.pyplot.subplots`.
 
-        Returns
-        -------
-        figure : matplotlib.figure.Figure
-        axes : matplotlib.axes.Axes or array of them
-
-        Raises
-        ------
-        MissingExtraError
-            If matplotlib is not installed.
-        """
-        from pymunk_dragon.drawing.figures.style import chart, styled
-
-        self._style.enter_context(styled())
-        with optional_imports():
-            import matplotlib
-        # The font has no minus sign for powers of ten, which a student's axes may have.
-        matplotlib.rcParams["axes.unicode_minus"] = False
-        figure = chart(*figsize)
-        axes = figure.subplots(
-            rows,
-            columns,
-            sharex=sharex,
-            sharey=sharey,
-            width_ratios=width_ratios,
-            height_ratios=height_ratios,
-            subplot_kw=subplot_kw,
-        )
-        return figure, axes
-
-    def show(self, picture: Path | Figure) -> None:
-        """Show the picture of the lesson: a film written to `file`, or a figure."""
-        # The style of `subplots` also applies to a film of a figure. It ends here: what is drawn next has its own.
-        with self._style:
-            if not isinstance(picture, Path):
-                figure, picture = picture, self.file(".png")
-                with written_in_place(picture) as draft:
-                    figure.savefig(draft)
-            self._output.show(self.name, picture)
+@cache
+def _chinese() -> dict[str, dict[str, str]]:
+    """The sections of each lesson in Chinese, in which a line that is no item is a paragraph of its own."""
+    found = tomllib.loads((FOLDER / "zh.toml").read_text(encoding="utf-8"))["lessons"]
+    return {
+        lesson: {name: re.sub(r"\n(?!- )", "\n\n", text) for name, text in sections.items()}
+        for lesson, sections in found.items()
+    }

@@ -1,93 +1,62 @@
-r"""The markup of the lessons' texts: `code` between backticks and formulas between dollar signs, in simple LaTeX.
-
-A page has formulas as MathML, a notebook as they stand, a terminal in Unicode.
-"""
+r"""The markup of the lessons' texts: `code`, **bold**, and formulas between dollar signs, in simple LaTeX."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
-from typing import Literal
+from html import escape
 
 from pymunk_dragon._extras import library
 
-Kind = Literal["text", "code", "formula"]
-# Code or a formula with the marks around it.
-MARKED = re.compile(r"`[^`]*`|\$[^$]*\$")
-KINDS: dict[str, Kind] = {"`": "code", "$": "formula"}
+# Code, or a formula with the stops behind it, before which browsers would end a line.
+MARKED = re.compile(r"(`[^`]*`|\$[^$]*\$[,.;:?!)，。；：？！）]*)")  # noqa: RUF001  # Those of Chinese.
+BOLD = re.compile(r"\*\*(.*?)\*\*")
 # Name of a function in MathML, unless a bracket follows.
-FUNCTION = re.compile(r"(<mi>(?:arc)?(?:sin|cos|tan)</mi>)(?!<mo)")
-# LaTeX commands of the formulas as characters; those of functions, as \cos, are their own names.
-SYMBOLS = {
-    r"\theta": "θ",
-    r"\pi": "π",
-    r"\cdot": "·",
-    r"\approx": "≈",
-    r"\circ": "°",
-    r"\,": " ",
-}
-SUPERSCRIPTS = str.maketrans("0123456789+-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻")
-SUBSCRIPTS = str.maketrans("0123456789+-", "₀₁₂₃₄₅₆₇₈₉₊₋")
+FUNCTION = re.compile(r"(<mi>(?:arc)?(?:sin|cos|tan|ln)</mi>)(?!<mo)")
+# LaTeX in a terminal; the commands of functions, as \cos, are their own names.
+UNICODE = [
+    (r"\\mathrm\{(\w+)\}", r"\1"),
+    (r"\\sqrt\{([^{}]*)\}", r"√(\1)"),
+    (r"\^\\circ", "°"),
+    (r"\\cdot", "·"),
+    (r"\\theta", "θ"),
+    (r"\\pi", "π"),
+    (r"\\,", " "),
+    (r"\^2", "²"),
+    (r"[\\{}]", ""),
+]
 
 
-def pieces(text: str) -> Iterator[tuple[Kind, str]]:
-    """Kind and content of the parts of a text, without the marks around code and formulas.
+def html(text: str) -> str:
+    r"""A text as HTML, with formulas as MathML.
 
     Examples
     --------
-    >>> list(pieces("Set `t` to $2 k$."))
-    [('text', 'Set '), ('code', 't'), ('text', ' to '), ('formula', '2 k'), ('text', '.')]
+    >>> html("**Set** `t` to 1 s.")
+    '<strong>Set</strong> <code>t</code> to 1\xa0s.'
     """
-    begin = 0
-    for marked in MARKED.finditer(text):
-        if begin < marked.start():
-            yield "text", text[begin : marked.start()]
-        yield KINDS[marked[0][0]], marked[0][1:-1]
-        begin = marked.end()
-    if begin < len(text):
-        yield "text", text[begin:]
+    return BOLD.sub(r"<strong>\1</strong>", "".join(map(_part, MARKED.split(text))))
+
+
+def _part(part: str) -> str:
+    """A piece of code, a formula with stops, or text, in which no line ends between a number and its unit."""
+    if part.startswith("`"):
+        return f"<code>{escape(part[1:-1])}</code>"
+    if part.startswith("$"):
+        _, formula, stops = part.split("$")
+        # With a thin space behind the name of a function, which browsers leave out.
+        made = FUNCTION.sub(r'\1<mspace width="0.167em" />', library("latex2mathml.converter").convert(formula))
+        return f'<span class="formula">{made}{stops}</span>'
+    return re.sub(r"(?<=\d) (?=\w)", "\u00a0", escape(part, quote=False))
 
 
 def plain(text: str) -> str:
-    r"""A text with its formulas in Unicode; code keeps its backticks.
+    r"""A text for a terminal, with formulas in Unicode.
 
     Examples
     --------
-    >>> plain(r"`s` is $k \sqrt{\theta^2 + 1}$")
-    '`s` is k √(θ² + 1)'
+    >>> plain(r"As $k \sqrt{\theta^2 + 1}$ and $\cos 30^\circ$")
+    'As k √(θ² + 1) and cos 30°'
     """
-    written: dict[Kind, Callable[[str], str]] = {"text": str, "code": "`{}`".format, "formula": in_unicode}
-    return "".join(written[kind](piece) for kind, piece in pieces(text))
-
-
-def in_unicode(formula: str) -> str:
-    r"""A LaTeX formula as plain text.
-
-    Examples
-    --------
-    >>> in_unicode(r"\mathrm{d}s = k \sqrt{\theta^2 + 1}\,\mathrm{d}\theta")
-    'ds = k √(θ² + 1) dθ'
-    >>> in_unicode(r"x_A \cos 30^\circ / 0.5^{0.01}")
-    'x_A cos 30° / 0.5^0.01'
-    """
-    text = re.sub(r"\\mathrm\{(\w+)\}", r"\1", formula)
-    text = re.sub(r"\\sqrt\{([^{}]*)\}", r"√(\1)", text)
-    text = text.replace(r"^\circ", "°")
-    for command, symbol in SYMBOLS.items():
-        text = text.replace(command, symbol)
-    text = re.sub(r"\\([a-z]+)", r"\1", text)
-    text = re.sub(r"\^(?:\{([\d+-]+)\}|(\d))", lambda power: (power[1] or power[2]).translate(SUPERSCRIPTS), text)
-    text = re.sub(r"_(\d)", lambda index: index[1].translate(SUBSCRIPTS), text)
-    return re.sub(r"[{}]", "", text)
-
-
-def in_mathml(formula: str) -> str:
-    """A LaTeX formula as MathML, with a thin space behind the name of a function, which browsers leave out.
-
-    Raises
-    ------
-    MissingExtraError
-        If latex2mathml is not installed.
-    """
-    made = str(library("latex2mathml.converter").convert(formula))
-    return FUNCTION.sub(r'\1<mspace width="0.167em" />', made)
+    for pattern, character in UNICODE:
+        text = re.sub(r"\$[^$]*\$", lambda found: re.sub(pattern, character, found[0]), text)  # noqa: B023
+    return text.replace("$", "")

@@ -1,61 +1,107 @@
-"""A page of lessons: one HTML file with their texts in all languages, films and code, which loads nothing else."""
+"""A page of lessons: one HTML file with stages, texts in all languages, programs and notebooks; it loads nothing."""
 
 from __future__ import annotations
 
-import tempfile
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict
-from functools import cache
-from html import escape
+from collections.abc import Callable, Sequence
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 from pymunk_dragon._extras import library, optional_imports
+from pymunk_dragon._files import check_destination, written_in_place
 from pymunk_dragon._html import asset, data_address, filled, policy
-from pymunk_dragon._language import in_language
-from pymunk_dragon.drawing import Film, render
-from pymunk_dragon.drawing.film import size_and_last_frame
-from pymunk_dragon.lessons._framework.guess import Guess
-from pymunk_dragon.lessons._framework.lines import closing, unbroken
-from pymunk_dragon.lessons._framework.markup import in_mathml, pieces
+from pymunk_dragon._language import LANGUAGES, in_language, text
+from pymunk_dragon.lessons._framework.lesson import Lesson, blocks
+from pymunk_dragon.lessons._framework.markup import html
 from pymunk_dragon.lessons._framework.notebook import make_notebook
-from pymunk_dragon.lessons._framework.notes import notes
-from pymunk_dragon.lessons._framework.play import MEDIA_TYPES, Recording
-from pymunk_dragon.lessons._framework.translations import LANGUAGES, PARTS, heading, option
-from pymunk_dragon.model.march import March
+from pymunk_dragon.lessons._framework.recording import Recording, record
+from pymunk_dragon.player.page import colour_variables
 
-# Texts of the page itself in the files of translations.
-PAGE_WORDS = (
-    *("live", "page_title", "page_subtitle", "dragon", "contents", "run", "code", "top", "glossary", "references"),
-    *("check_guess", "right", "wrong", "because", "notes", "for_teacher", "level", "needs", "minutes", "unit", "idea"),
-    *("print_class", "print_teacher", "print_class_all", "print_teacher_all"),
-)
-# Film at the top of the page: the last 52 s before the first contact. Its step of 0.6 m a frame is short against a
-# bench, and its file has some 1.1 MB. No legend: the film has no words in any language.
-FILM = Film(start=360, until=412.474, speedup=12, fps=20, size=330, hold=2.5, legend=False)
+PAGE, NOTEBOOK, PROGRAM = ".html", ".ipynb", ".py"
+ASSETS = "lessons/_framework/assets"
+MEDIA_TYPES = {".gif": "image/gif", ".png": "image/png", ".py": "text/x-python", ".ipynb": "application/x-ipynb+json"}
+# Scripts of the page, between the last two of which the stages of the lessons stand; and its styles.
+SCRIPTS = ("player/assets/geometry.js", f"{ASSETS}/chain.js", f"{ASSETS}/lab.js", f"{ASSETS}/lessons.js")
+STYLES = (f"{ASSETS}/lessons.css", f"{ASSETS}/lab.css")
 
 
-def check_libraries() -> None:
-    """Check that the libraries of `make_page` are installed, before lessons are run for it."""
-    # Those of the extra [demos] first: it brings all of them.
+def endings(lessons: Sequence[Lesson]) -> tuple[str, ...]:
+    """Endings of the files that `write_lessons` writes for these lessons: only a page holds several."""
+    return (PAGE, NOTEBOOK, PROGRAM) if len(lessons) == 1 else (PAGE,)
+
+
+def write_lessons(
+    lessons: Sequence[Lesson],
+    path: str | Path,
+    *,
+    language: str = "en",
+    progress: Callable[[int, int], None] | None = None,
+) -> None:
+    """Write one lesson as a notebook or as its program, or any number of lessons as one page.
+
+    Parameters
+    ----------
+    lessons : sequence of Lesson
+        The lessons; for a page each of them is run.
+    path : path
+        File to write, ending in .html, .ipynb or .py. An interrupted call leaves the old file or none.
+    language : str
+        "en" or "zh": that of the texts of a notebook, or in which a page opens. A program is English.
+    progress : callable, optional
+        Called with the number of lessons that were run, and of all, after each one.
+
+    Raises
+    ------
+    ParameterError
+        If the file cannot be written, or the language is unknown.
+    MissingExtraError
+        If a library for pages or notebooks, or one that a lesson uses, is not installed.
+    OutputError
+        If writing fails.
+
+    Examples
+    --------
+    >>> from pymunk_dragon.lessons import LESSONS, write_lessons
+    >>> write_lessons([LESSONS["spiral"]], "lessons.html", language="zh")
+    """
+    destination = check_destination(path, endings(lessons))
+    ending = destination.suffix.lower()
+    if ending == PROGRAM:
+        written = lessons[0].source
+    elif ending == NOTEBOOK:
+        written = make_notebook(lessons[0], language)
+    else:
+        written = run_page(lessons, language, progress)
+    with written_in_place(destination) as draft:
+        draft.write_bytes(written.encode("utf-8"))
+
+
+def run_page(
+    lessons: Sequence[Lesson], language: str, progress: Callable[[int, int], None] | None = None, *, live: bool = False
+) -> str:
+    """Run lessons, and return their page; see `write_lessons` and `make_page`."""
+    # Before the lessons are run.
     for name in ("pygments", "nbformat", "latex2mathml", "jinja2"):
         library(name)
+    recordings = []
+    for done, lesson in enumerate(lessons, start=1):
+        recordings.append(record(lesson))
+        if progress is not None:
+            progress(done, len(lessons))
+    return make_page(recordings, language, live=live)
 
 
-def make_page(recordings: Sequence[Recording], language: str = "en") -> str:
-    """Lessons that were run as the text of one HTML page, with their texts in all languages.
+def make_page(recordings: Sequence[Recording], language: str = "en", *, live: bool = False) -> str:
+    """Lessons that were run as the text of one HTML page.
 
     Parameters
     ----------
     recordings : sequence of Recording
-        For each lesson its printed lines and picture.
+        The lessons, with what their programs printed.
     language : str
-        The language in which the page opens.
-
-    Returns
-    -------
-    str
-        The page.
+        "en" or "zh": the language in which the page opens.
+    live : bool
+        Whether a live server has the page, which then shows live scenes instead of recorded runs.
 
     Raises
     ------
@@ -65,101 +111,72 @@ def make_page(recordings: Sequence[Recording], language: str = "en") -> str:
     Examples
     --------
     >>> from pymunk_dragon.lessons import LESSONS, record
-    >>> text = make_page([record(LESSONS["spiral"])], "zh")
+    >>> page = make_page([record(LESSONS["spiral"])], "zh")
     """
-    style, script = asset(__package__, "assets/lessons.css"), asset(__package__, "assets/lessons.js")
+    stages = [found.lesson.path.with_suffix(".js") for found in recordings]
+    own = [stage.read_text(encoding="utf-8") for stage in stages if stage.exists()]
+    *shared, last = (asset("pymunk_dragon", name) for name in SCRIPTS)
+    script = "\n".join([*shared, *own, last])
+    style = "\n".join([colour_variables(), *(asset("pymunk_dragon", name) for name in STYLES)])
     return filled(
         __package__,
         "assets/lessons.html.j2",
         language=language,
-        languages={each: heading("language", each) for each in LANGUAGES},
-        options={each: option(each) for each in LANGUAGES},
-        words={name: {each: heading(name, each) for each in LANGUAGES} for name in (*PAGE_WORDS, *PARTS[1:])},
-        lessons=[_values(recording) for recording in recordings],
-        film=_film(_dragon(), ".gif"),
-        glossary=[
-            [{each: _pieces(notes(each).glossary[key][part]) for each in LANGUAGES} for part in range(2)]
-            for key in notes("en").glossary
-        ],
-        references=[
-            {each: _pieces(notes(each).references[key]) for each in LANGUAGES} for key in notes("en").references
-        ],
-        policy=policy(style, script, pictures="data: blob:"),
+        languages={"en": "English", "zh": "中文"},
+        words=words,
+        blocks=blocks,
+        html=html,
+        spiral=_spiral(),
+        lessons=[_values(recording, live) for recording in recordings],
+        policy=policy(style, script) + "; frame-src 'self'" * live,
         style=style,
         script=script,
     )
 
 
-def _values(recording: Recording) -> dict[str, Any]:
-    """Values of a lesson in the template."""
-    english = recording.lesson
-    lessons = {each: english.in_language(each) for each in LANGUAGES}
-    program = english.source.encode()
-    return {
-        "name": english.name,
-        "live": english.live,
-        "texts": {part: {each: _pieces(lesson.text(part)) for each, lesson in lessons.items()} for part in PARTS},
-        "guesses": [
-            _guess(dict(zip(LANGUAGES, versions, strict=True)))
-            for versions in zip(*(lesson.guesses for lesson in lessons.values()), strict=True)
-        ],
-        "teacher": _teachers_notes(english.name),
-        "printed": recording.printed.strip("\n"),
-        "film": _film(recording.picture, recording.file.suffix),
-        "code": _highlighted(english.code),
-        "program": {"name": english.path.name, "address": _address(program, ".py")},
-        "notebooks": {each: _address(make_notebook(lesson).encode(), ".ipynb") for each, lesson in lessons.items()},
-    }
-
-
-def _guess(versions: Mapping[str, Guess]) -> dict[str, Any]:
-    """Values of a guess in the template, from the guess in each language."""
-    return {
-        "right": versions["en"].right,
-        "question": {each: _pieces(guess.question) for each, guess in versions.items()},
-        "choices": [
-            {each: _pieces(choice) for each, choice in zip(versions, choices, strict=True)}
-            for choices in zip(*(guess.lettered() for guess in versions.values()), strict=True)
-        ],
-        "result": {each: _pieces(guess.result()) for each, guess in versions.items()},
-    }
-
-
-def _teachers_notes(name: str) -> dict[str, Any] | None:
-    """The notes on a lesson for teachers in all languages; None for one that is not of the package."""
-    if name not in notes("en").lessons:
-        return None
-    found = {each: asdict(notes(each).lessons[name]) for each in LANGUAGES}
-    return {part: {each: _pieces(str(found[each][part])) for each in LANGUAGES} for part in found["en"]}
-
-
-def _pieces(text: str) -> list[tuple[str, str]]:
-    """Kind and content of the parts of a text; formulas as MathML, each with the stops behind it."""
-    written: dict[str, Callable[[str], str]] = {"text": unbroken, "code": str, "formula": in_mathml}
-    found: list[tuple[str, str]] = []
-    for kind, piece in pieces(text):
-        # Browsers end a line between a formula and a stop.
-        stops = closing(piece) if kind == "text" and found and found[-1][0] == "formula" else ""
-        if stops:
-            found[-1] = "formula", found[-1][1] + escape(stops)
-        found.append((kind, written[kind](piece[len(stops) :])))
+def words(english: str) -> dict[str, str]:
+    """A text of the page in all languages."""
+    found = {}
+    for each in LANGUAGES:
+        with in_language(each):
+            found[each] = html(text(english))
     return found
 
 
-def _film(picture: bytes, ending: str) -> dict[str, Any]:
-    """A film, with its last frame, or a picture, and its size."""
-    size, last = size_and_last_frame(picture)
-    last_frame = _address(last, ".png") if ending == ".gif" else None
-    return {"picture": _address(picture, ending), "size": size, "last_frame": last_frame}
+def _values(recording: Recording, live: bool) -> dict[str, Any]:
+    """Values of a lesson in the template."""
+    lesson = recording.lesson
+    return {
+        "file": lesson,
+        "stage": _stage(lesson, live),
+        "printed": recording.printed.rstrip(),
+        "picture": _picture(recording),
+        "code": _highlighted("\n\n".join(lesson.cells)),
+        "program": _address(lesson.source.encode(), PROGRAM),
+        "notebooks": {each: _address(make_notebook(lesson, each).encode(), NOTEBOOK) for each in LANGUAGES},
+    }
 
 
-@cache
-def _dragon() -> bytes:
-    """The film at the top of the page: the march of the reference scenario into its first contact."""
-    with tempfile.TemporaryDirectory(prefix="pymunk-dragon-") as folder, in_language("en"):
-        file = Path(folder) / "march.gif"
-        render(March(), file, FILM)
-        return file.read_bytes()
+def _stage(lesson: Lesson, live: bool) -> dict[str, Any]:
+    """What the stage of a lesson shows: its own JavaScript, or a live scene, of which a file has the recorded run."""
+    if lesson.path.with_suffix(".js").exists():
+        return {"own": True}
+    return {"own": False, "scene": lesson.options.get("scene", ""), "recorded": not live}
+
+
+def _picture(recording: Recording) -> dict[str, Any]:
+    """Address and size of a picture, so that the page does not move when it is unfolded."""
+    with library("PIL.Image").open(BytesIO(recording.picture)) as opened:
+        return {"address": _address(recording.picture, recording.ending), "size": opened.size}
+
+
+def _spiral() -> str:
+    """Points of a spiral of 16 turns to draw on, in the coordinates of an SVG of 100 x 100."""
+    import numpy as np
+
+    angle = np.linspace(0, 32 * np.pi, 961)
+    points = 50 + 48 * angle / angle[-1] * [np.cos(angle), -np.sin(angle)]
+    return " ".join(f"{x:.1f},{y:.1f}" for x, y in points.T)
 
 
 def _highlighted(code: str) -> str:

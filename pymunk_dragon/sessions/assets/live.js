@@ -83,7 +83,7 @@ class Live extends Stage {
       this.follow = "field";
       this.events = [];
       this.showEvents();
-      for (const name of scene.show) this.shown[name] = true;
+      for (const name of SWITCHES) this.shown[name] = [...SHOWN_BY_DEFAULT, ...scene.show].includes(name);
       setText("announcement", translated(scene.title));
     }
     showScene(this);

@@ -3,54 +3,78 @@
 // Languages: a button for each, and the address remembers which (lessons.html?zh#chain).
 const root = document.documentElement;
 const buttons = [...document.querySelectorAll(".languages button")];
+const languages = buttons.map((button) => button.value);
 
 function speak(language) {
   root.lang = language;
   document.title = document.querySelector(`h1 [lang="${language}"]`).textContent;
   for (const button of buttons) button.setAttribute("aria-pressed", button.value === language);
-  for (const figure of document.querySelectorAll("figure")) {
-    const alt = figure.querySelector(`figcaption [lang="${language}"]`).textContent;
-    for (const image of figure.querySelectorAll("img:first-child")) image.alt = alt;
-  }
+  document.dispatchEvent(new Event("languagechange"));
 }
 
 for (const button of buttons) {
   button.addEventListener("click", () => {
     speak(button.value);
-    history.replaceState(null, "", `?${button.value}${location.hash}`);
+    // Other parts stay, as the token of a live server.
+    const others = location.search.slice(1).split("&").filter((part) => part && !languages.includes(part));
+    history.replaceState(null, "", `?${[...others, button.value].join("&")}${location.hash}`);
   });
 }
-const asked = location.search.slice(1);
-speak(buttons.some((button) => button.value === asked) ? asked : root.lang);
+speak(location.search.slice(1).split("&").find((part) => languages.includes(part)) ?? root.lang);
 
-// A film begins anew each time that it is unfolded: a browser plays on what it has shown before, unless its address is new.
-for (const details of document.querySelectorAll("details.run")) {
-  const film = details.querySelector(".film");
-  if (!film) continue;
-  const [type, data] = film.src.slice("data:".length).split(";base64,");
-  const bytes = Uint8Array.from(atob(data), (character) => character.charCodeAt(0));
-  film.removeAttribute("src");
-  details.addEventListener("toggle", () => {
-    URL.revokeObjectURL(film.src);
-    if (details.open) film.src = URL.createObjectURL(new Blob([bytes], { type }));
-    else film.removeAttribute("src");
-  });
+// The live scene of a stage, where a live server has this page. One is open, as all belong to one session.
+function openScene(stage) {
+  for (const frame of document.querySelectorAll("iframe")) frame.remove();
+  const frame = document.createElement("iframe");
+  const address = () => `live${location.search}#stage=${stage.dataset.live}&lang=${root.lang}`;
+  frame.title = stage.closest(".lesson").querySelector("h2").textContent.trim();
+  frame.src = address();
+  document.addEventListener("languagechange", () => { frame.src = address(); });
+  stage.replaceChildren(frame);
 }
 
-// A guess is checked once the form is complete; another choice takes the verdict away.
-for (const form of document.querySelectorAll(".guesses")) {
-  const show = (shown) => {
-    for (const fieldset of form.querySelectorAll("fieldset")) {
-      const verdict = fieldset.querySelector(".verdict");
-      verdict.classList.toggle("hit", fieldset.querySelector("input:checked")?.value === fieldset.dataset.right);
-      verdict.hidden = !shown;
-    }
+// The course of a lesson: guess, experiment, answer.
+for (const lesson of document.querySelectorAll(".lesson")) {
+  const form = lesson.querySelector(".guesses");
+  const fieldsets = [...form.querySelectorAll("fieldset")];
+  const stage = lesson.querySelector(".stage");
+  const answer = lesson.querySelector(".answer");
+  let opened = false;
+
+  const enter = (state) => {
+    lesson.dataset.state = state;
+    for (const fieldset of fieldsets) fieldset.disabled = state !== "guess";
   };
+
   form.addEventListener("submit", (event) => {
     event.preventDefault();
-    show(true);
+    enter("open");
+    if (stage.dataset.live && !stage.querySelector("figure, iframe")) openScene(stage);
+    if (!opened && stage.dataset.stage) openStage(stage);
+    opened = true;
+    const first = stage.querySelector("input, button, [tabindex]") ?? lesson.querySelector(".show");
+    first.focus({ preventScroll: true });
   });
-  form.addEventListener("change", () => show(false));
+
+  // Guess and result side by side, and what comes of each choice.
+  lesson.querySelector(".show").addEventListener("click", () => {
+    for (const [i, result] of [...lesson.querySelectorAll(".result")].entries()) {
+      const chosen = fieldsets[i].querySelector("input:checked");
+      const words = chosen ? [...chosen.parentElement.querySelectorAll("span[lang]")].map((each) => each.cloneNode(true)) : ["–"];
+      result.querySelector(".mine").replaceChildren(...words);
+      for (const [choice, item] of [...result.querySelectorAll("li")].entries()) {
+        item.classList.toggle("chosen", Number(chosen?.value ?? -1) === choice);
+      }
+    }
+    enter("answered");
+    answer.focus();
+  });
+
+  lesson.querySelector(".again").addEventListener("click", () => {
+    form.reset();
+    enter("guess");
+    form.querySelector("input")?.focus();
+  });
 }
 
 // Sheets to print: for the class or for the teacher, of one lesson or of all.
@@ -66,13 +90,3 @@ for (const button of document.querySelectorAll(".sheets button")) {
     lesson?.classList.remove("chosen");
   });
 }
-
-// On paper everything is unfolded.
-let folded = [];
-addEventListener("beforeprint", () => {
-  folded = [...document.querySelectorAll("details:not([open])")];
-  for (const details of folded) details.open = true;
-});
-addEventListener("afterprint", () => {
-  for (const details of folded) details.open = false;
-});

@@ -1,0 +1,106 @@
+"""Running the program of a lesson: what it printed, and its picture."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from pymunk_dragon._extras import FEATURES, missing_extra
+from pymunk_dragon.errors import DragonError, OutputError, ParameterError
+from pymunk_dragon.lessons._framework.lesson import Lesson
+
+MISSING = re.compile(r"ModuleNotFoundError: No module named '(\w+)")
+
+
+@dataclass(frozen=True)
+class Recording:
+    """A lesson that was run, what its program printed, and the content and ending of its picture, ".png" or ".gif"."""
+
+    lesson: Lesson
+    printed: str
+    picture: bytes
+    ending: str
+
+
+def run(lesson: Lesson, folder: Path) -> Iterator[str]:
+    """Run the program of a lesson in a folder, where it writes its picture: the lines that it prints.
+
+    Raises
+    ------
+    MissingExtraError
+        If a library that the lesson uses is not installed.
+    DragonError
+        If the program fails, as where its picture cannot be written.
+    """
+    # Not by its folder on the path: a module of Python could have the name of a lesson.
+    command = [sys.executable, "-P", "-u", str(lesson.path)]
+    environment = os.environ | {"MPLBACKEND": "agg", "PYTHONIOENCODING": "utf-8"}
+    with subprocess.Popen(
+        command,
+        cwd=folder,
+        env=environment,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        encoding="utf-8",
+    ) as process:
+        assert process.stdout is not None
+        try:
+            yield from process.stdout
+            _, errors = process.communicate()
+        finally:
+            process.kill()
+    if process.returncode:
+        missing = MISSING.search(errors)
+        if missing and missing[1] in FEATURES:
+            raise missing_extra(missing[1])
+        if unwritten := re.search(r"OSError: \[Errno \d+\] (.+)", errors):
+            raise OutputError("the picture of the lesson", unwritten[1])
+        raise DragonError(f"the program of the lesson {lesson.name!r} failed: {errors.strip().splitlines()[-1]}")
+
+
+def picture(lesson: Lesson, folder: Path) -> Path:
+    """The picture that the program of a lesson wrote in a folder, by the lesson's name."""
+    for ending in (".gif", ".png"):
+        if (file := folder / f"{lesson.name}{ending}").exists():
+            return file
+    raise DragonError(f"the lesson {lesson.name!r} writes no picture {lesson.name}.gif or .png")
+
+
+def record(lesson: Lesson) -> Recording:
+    """Run a lesson, and return what its program printed and its picture.
+
+    Raises
+    ------
+    MissingExtraError
+        If a library that the lesson uses is not installed.
+    DragonError
+        If its program fails or writes no picture.
+
+    Examples
+    --------
+    >>> from pymunk_dragon.lessons import LESSONS, record
+    >>> record(LESSONS["spiral"]).printed.splitlines()[0]
+    't =   0 s  r = 8.800 m  walking 1.000 m/s  turning 0.114 rad/s, a round in 55.3 s'
+    """
+    with tempfile.TemporaryDirectory(prefix="pymunk-dragon-") as name:
+        folder = Path(name)
+        printed = "".join(run(lesson, folder))
+        file = picture(lesson, folder)
+        return Recording(lesson, printed, file.read_bytes(), file.suffix)
+
+
+def make_folder(path: str | Path) -> Path:
+    """The folder `path`, made if it does not exist; a ParameterError if it cannot be made or written."""
+    try:
+        Path(path).mkdir(parents=True, exist_ok=True)
+        tempfile.TemporaryFile(dir=path).close()
+    except OSError as error:
+        raise ParameterError("save", str(path), f"a folder that can be written ({error.strerror})") from error
+    return Path(path)
