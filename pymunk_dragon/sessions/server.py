@@ -94,13 +94,7 @@ class Server:
     """Serves a session to browsers, until `stop`."""
 
     def __init__(
-        self,
-        session: Session,
-        *,
-        host: str,
-        port: int,
-        allowed: Sequence[str] = (),
-        front: str | None = None,
+        self, session: Session, *, host: str, port: int, allowed: Sequence[str] = (), front: str | None = None
     ) -> None:
         self.session, self.host = session, host
         # A page that is shown first, which may have the live page in a frame.
