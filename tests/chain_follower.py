@@ -4,11 +4,9 @@ It uses nothing of the package but points and tangents of a curve. Each rear han
 where it was a step before; where the method fails or jumps, motion has ended.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
-from pymunk_dragon.model.curves import Arc, Composite, Line
+from pymunk_dragon import Arc, Composite, Line
 
 # m. The head's step, and what a rear handle may move in it at most.
 STEP, JUMP = 5e-3, 0.3

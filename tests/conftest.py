@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import os
 import pty
+import re
+import select
 import signal
 import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Iterator
-from contextlib import suppress
 from pathlib import Path
 
 import hypothesis
@@ -22,9 +23,8 @@ from PIL import Image
 from playwright.sync_api import Browser
 from sharing import shared_run
 
-from pymunk_dragon import Dragon, March, Run, simulate
+from pymunk_dragon import Dragon, March, ParameterError, Run, simulate
 from pymunk_dragon.cli import main
-from pymunk_dragon.errors import ParameterError
 
 # Examples share the machine with whatever else runs there, so none has a time limit of its own. They are the same every
 # time, so that a failure comes from a change; `--hypothesis-profile=explore` throws the dice.
@@ -128,6 +128,25 @@ def call(capsys):
 
 
 @pytest.fixture
+def here(tmp_path, monkeypatch):
+    """An empty working directory."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def read_until(stream, pattern):
+    """What comes from a terminal until it matches `pattern`, or until its other side is closed."""
+    seen = b""
+    while not (pattern and re.search(pattern, seen)):
+        assert select.select([stream], [], [], 300)[0]
+        try:
+            seen += os.read(stream, 4096)
+        except OSError:  # Linux raises one when the other side is closed.
+            break
+    return seen
+
+
+@pytest.fixture
 def terminal():
     """Call the program in a terminal: what the terminal shows, with exit code 0."""
 
@@ -136,10 +155,7 @@ def terminal():
         command = [sys.executable, "-m", "pymunk_dragon", *map(str, arguments)]
         with subprocess.Popen(command, stdin=theirs, stdout=theirs, stderr=theirs) as process:
             os.close(theirs)
-            shown = b""
-            with suppress(OSError):  # Linux raises one when the other side is closed.
-                while part := os.read(mine, 4096):
-                    shown += part
+            shown = read_until(mine, None)
         os.close(mine)
         assert process.returncode == 0, shown
         return shown.decode().replace("\r\n", "\n")

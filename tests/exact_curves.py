@@ -3,11 +3,9 @@
 Each is a function of arc length that gives x, y, the direction's x and y, and the signed curvature, as mpf.
 """
 
-from __future__ import annotations
-
-from itertools import pairwise
-
 import mpmath as mp
+import numpy as np
+from scipy.interpolate import CubicSpline
 
 DIGITS = 34
 # m. Steps of the walk back, in which no distance here passes a bench's length and falls below it again.
@@ -30,17 +28,19 @@ def arc(centre, radius, begin_angle, sweep):
     return at
 
 
+def arc_length(theta, pitch):
+    """Of the path r = k theta from its centre: the closed form of the integral of k sqrt(theta^2 + 1)."""
+    return pitch / (4 * mp.pi) * (theta * mp.sqrt(theta**2 + 1) + mp.asinh(theta))
+
+
 def spiral(pitch, rotation=0, outward=False, mirrored=False):
     """The path r = k theta about the origin, by its arc length from the centre, negative on the way in."""
-    k, side = mp.mpf(pitch) / (2 * mp.pi), -1 if mirrored else 1
+    pitch, side = mp.mpf(pitch), -1 if mirrored else 1
+    k = pitch / (2 * mp.pi)
 
     def at(s):
         length = s if outward else -s
-
-        def miss(theta):
-            return k / 2 * (theta * mp.sqrt(theta**2 + 1) + mp.asinh(theta)) - length
-
-        theta = mp.findroot(miss, mp.sqrt(2 * length / k) + mp.mpf("1e-9"))
+        theta = mp.findroot(lambda theta: arc_length(theta, pitch) - length, mp.sqrt(2 * length / k) + mp.mpf("1e-9"))
         return _of_parameter(lambda p: k * p * mp.expj(side * p + rotation), theta, 1 if outward else -1)
 
     return at
@@ -82,10 +82,9 @@ def s_turn(pitch, radius, ratio):
 
 def u_turn(pitch=1.7, radius=4.5, ratio=2):
     """The path of question 4, by what it is made of."""
-    pitch, radius, ratio = mp.mpf(repr(pitch)), mp.mpf(radius), mp.mpf(ratio)
+    pitch, radius, ratio = exact(pitch), mp.mpf(radius), mp.mpf(ratio)
     radii, centres, sweeps, points, _ = s_turn(pitch, radius, ratio)
-    theta = 2 * mp.pi * radius / pitch
-    entry = pitch / (4 * mp.pi) * (theta * mp.sqrt(theta**2 + 1) + mp.asinh(theta))
+    entry = arc_length(2 * mp.pi * radius / pitch, pitch)
     first, second = (
         arc((centre.real, centre.imag), r, mp.arg(point - centre), sweep)
         for centre, r, point, sweep in zip(centres, radii, points[:2], sweeps, strict=True)
@@ -104,52 +103,57 @@ def u_turn(pitch=1.7, radius=4.5, ratio=2):
     return at
 
 
-def walked_back(truth, s, chord):
-    """The place where the straight distance from `s` first passes `chord`; None where it falls first."""
-    x, y = truth(s)[:2]
+def exact(number):
+    """A parameter as the decimal number that its user wrote; an mpf as it is."""
+    return number if isinstance(number, mp.mpf) else mp.mpf(repr(float(number)))
+
+
+class UnplaceableError(Exception):
+    """The handle of this number has no place."""
+
+
+def walked_chain(truth, begin, spacings, step=-STEP):
+    """Parameters of the handles from that of the head on, walking in steps of the parameter."""
+    places = [mp.mpf(begin)]
+    for i, spacing in enumerate(spacings):
+        place = _walked(truth, places[-1], exact(spacing), step)
+        if place is None:
+            raise UnplaceableError(i + 1)
+        places.append(place)
+    return places
+
+
+def _walked(truth, begin, chord, step):
+    """The parameter where the straight distance from `begin` first passes `chord`; None where it falls first."""
+    here = mp.mpc(*truth(begin)[:2])
 
     def away(place):
-        u, v = truth(place)[:2]
-        return mp.hypot(u - x, v - y)
+        return abs(mp.mpc(*truth(place)[:2]) - here)
 
-    place, reached = s, mp.mpf(0)
-    while True:
-        place -= STEP
-        further = away(place)
-        if further < reached:
-            return None
-        reached = further
-        if reached >= chord:
-            ends = (place, place + STEP)
-            return mp.findroot(lambda u: away(u) - chord, ends, solver="anderson", tol=1e-60, verify=False)
-
-
-def walked_chain(truth, s, spacings):
-    places = [mp.mpf(s)]
-    for spacing in spacings:
-        places.append(walked_back(truth, places[-1], mp.mpf(repr(float(spacing)))))
-    return places
+    with mp.workdps(15):
+        place, reached, further = begin, mp.mpf(0), mp.mpf(0)
+        while reached <= further < chord:
+            place, reached = place + step, further
+            further = away(place)
+        first, last = place - step, place
+        if further < chord:
+            # A step may have passed a top that reaches the chord: it is looked up.
+            first = place - 2 * step
+            low, high = first, place
+            for _ in range(80):
+                left, right = low + (high - low) / 3, high - (high - low) / 3
+                low, high = (left, high) if away(left) < away(right) else (low, right)
+            last = low
+            if away(last) < chord:
+                return None
+    return mp.findroot(lambda place: away(place) - chord, (first, last), solver="anderson", tol=1e-84, verify=False)
 
 
 def spline(points):
     """The not-a-knot cubic spline by chord length through points, and its length."""
-    with mp.workdps(DIGITS):
-        nodes = [mp.mpc(x, y) for x, y in points]
-        n = len(nodes)
-        h = [abs(b - a) for a, b in pairwise(nodes)]
-        rises = [(b - a) / step for (a, b), step in zip(pairwise(nodes), h, strict=True)]
-        # Unknown: second derivatives at the nodes. First and last row: the third derivative does not jump.
-        matrix, right = mp.zeros(n), mp.zeros(n, 1)
-        for row, at in ((0, 0), (n - 1, n - 3)):
-            matrix[row, at], matrix[row, at + 1], matrix[row, at + 2] = h[at + 1], -(h[at] + h[at + 1]), h[at]
-        for i in range(1, n - 1):
-            matrix[i, i - 1], matrix[i, i], matrix[i, i + 1] = h[i - 1], 2 * (h[i - 1] + h[i]), h[i]
-            right[i] = 6 * (rises[i] - rises[i - 1])
-        second = mp.lu_solve(matrix, right)
-
-    def cubic(i):
-        slope = rises[i] - h[i] * (2 * second[i] + second[i + 1]) / 6
-        return nodes[i], slope, second[i] / 2, (second[i + 1] - second[i]) / h[i] / 6
+    h = np.hypot(*np.diff(points, axis=0).T).tolist()
+    coefficients = CubicSpline(np.cumsum([0, *h]), np.asarray(points) @ [1, 1j]).c[::-1].T
+    cubics, n = [[mp.mpc(each) for each in cubic] for cubic in coefficients.tolist()], len(points)
 
     def path(i, p):
         zero, one, two, three = cubics[i]
@@ -163,7 +167,6 @@ def spline(points):
         return mp.quad(lambda q: speed(i, q), mp.linspace(0, p, 7))
 
     with mp.workdps(DIGITS):
-        cubics = [cubic(i) for i in range(n - 1)]
         lengths = [length(i, h[i]) for i in range(n - 1)]
 
     def at(s):

@@ -17,6 +17,7 @@ import numpy as np
 from pymunk_dragon.sessions.handle import serve, source_of
 from pymunk_dragon.sessions.ready import planned
 from pymunk_dragon.sessions.recording import Log
+from pymunk_dragon.sessions.scene import Play
 from pymunk_dragon.sessions.session import Session
 
 # s that anything may take on a busy machine.
@@ -32,7 +33,9 @@ class Played:
     """A paused session without a server: `do` sends a message, `step` makes steps as fast as they go."""
 
     def __init__(self, source, **options):
-        self.session = Session(source if hasattr(source, "build") else source_of(source), running=False, **options)
+        self.session = Session(
+            source if hasattr(source, "build") else source_of(source, Play()), running=False, **options
+        )
         self.told = []
         self.session.join(listener(self.told))
         self.session.start()
@@ -106,8 +109,7 @@ def replay_session(log: Log, before: Callable[[Session], object] = lambda sessio
     """A session that has begun a replay, as fast as it goes, and what it tells; `before` is called with it first."""
     session, told = Session(planned(log.plan)), []
     session.join(listener(told))
-    session.speed = 20.0
-    session.play_again(log.inputs, log.values, log.steps)
+    session.play_again(log)
     before(session)
     session.start()
     return session, told
@@ -115,11 +117,10 @@ def replay_session(log: Log, before: Callable[[Session], object] = lambda sessio
 
 def replayed(log: Log):
     """The last poses of a replay and its session."""
-    session, _ = replay_session(log)
-    try:
-        return session.wait_for_replay(), session
-    finally:
-        session.stop()
+    session = Session(planned(log.plan))
+    session.play_again(log)
+    session.replay_until(np.inf)
+    return session.wait_for_replay(), session
 
 
 def decoded(frame: bytes):
@@ -140,7 +141,7 @@ def decoded(frame: bytes):
 def served(source: object = "pendulum", **options: object):
     """A session with a server, without a browser."""
     given = {"host": "127.0.0.1", "port": 0, "allow_hosts": (), "browser": False, "path": None}
-    session = Session(source if hasattr(source, "build") else source_of(source))
+    session = Session(source if hasattr(source, "build") else source_of(source, Play()))
     found = serve(session, **given | options)
     try:
         yield found

@@ -1,15 +1,10 @@
 """Marches that are not the paper's: other curves, speeds that change, benches that differ."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
 
-from pymunk_dragon.model.curves import Arc, Composite, Line, Sampled, UTurn
-from pymunk_dragon.model.dragon import Dragon
-from pymunk_dragon.model.march import March
-from pymunk_dragon.model.speed import SpeedTable
+from pymunk_dragon import Arc, Composite, Dragon, Line, March, Sampled, SpeedTable, UTurn
 
 # The contest's question 4, with a shorter dragon: it comes from infinity, and goes there.
 U_TURN = March(Dragon(benches=30), UTurn())

@@ -6,21 +6,14 @@ Velocities are central differences of positions in 50 digits. Nothing here is cl
 the same way as in the package.
 """
 
-from __future__ import annotations
-
-import math
-
 import mpmath as mp
+from exact_curves import UnplaceableError, arc_length, exact, walked_chain
 
 DIGITS = 50
 # Radians. Far below the half turn over which the distance first rises and falls.
-SCAN_STEP = 0.004
+STEP = 0.01
 # Seconds. The central difference is off by its square, and 50 digits leave 30 after dividing by it.
 TIME_STEP = mp.mpf("1e-18")
-
-
-class UnplaceableError(Exception):
-    """The handle of this number has no place."""
 
 
 def spiral_point(theta, pitch):
@@ -28,81 +21,17 @@ def spiral_point(theta, pitch):
     return radius * mp.cos(theta), radius * mp.sin(theta)
 
 
-def arc_length(theta, pitch):
-    """From the centre, as the closed form of the integral of k sqrt(theta^2 + 1)."""
-    return pitch / (4 * mp.pi) * (theta * mp.sqrt(theta**2 + 1) + mp.asinh(theta))
-
-
 def head_angle(time, pitch, turns, speed):
     left = arc_length(2 * mp.pi * turns, pitch) - speed * time
     if left < 0:
         raise UnplaceableError(0)
-    guess = mp.sqrt(4 * mp.pi * left / pitch + mp.mpf("1e-40"))
-    return mp.findroot(
-        lambda theta: arc_length(theta, pitch) - left, (0, 1.01 * guess), solver="anderson", tol=1e-80, verify=False
-    )
-
-
-def distance(theta, phi, pitch):
-    x0, y0 = spiral_point(theta, pitch)
-    x1, y1 = spiral_point(theta + phi, pitch)
-    return mp.sqrt((x1 - x0) ** 2 + (y1 - y0) ** 2)
-
-
-def first_bracket(theta, pitch, chord):
-    """Walk outward in doubles: an interval of phi in which the distance first passes the chord; None if it turns back.
-
-    Where it turns back the scan may have stepped over a top that reaches the chord, so the top is looked up.
-    """
-    k = pitch / (2 * math.pi)
-    x0, y0 = k * theta * math.cos(theta), k * theta * math.sin(theta)
-
-    def reach(phi):
-        angle = theta + phi
-        return math.hypot(k * angle * math.cos(angle) - x0, k * angle * math.sin(angle) - y0)
-
-    phi, before = 0.0, 0.0
-    while phi < 2 * math.pi:
-        phi += SCAN_STEP
-        now = reach(phi)
-        if now >= chord:
-            return phi - SCAN_STEP, phi
-        if now < before:
-            low, high = max(phi - 2 * SCAN_STEP, 0.0), phi
-            for _ in range(80):
-                left, right = low + (high - low) / 3, high - (high - low) / 3
-                low, high = (left, high) if reach(left) < reach(right) else (low, right)
-            return (phi - 2 * SCAN_STEP, low) if reach(low) >= chord else None
-        before = now
-    return None
-
-
-def next_angle(theta, pitch, chord):
-    """Angle of the handle behind the one at `theta`."""
-    bracket = first_bracket(float(theta), float(pitch), float(chord))
-    if bracket is None:
-        raise UnplaceableError
-    low, high = mp.mpf(bracket[0]), mp.mpf(bracket[1])
-
-    def miss(phi):
-        return distance(theta, phi, pitch) - chord
-
-    return theta + mp.findroot(miss, (low, high), solver="anderson", tol=1e-84, verify=False)
+    ends = (0, 1.01 * mp.sqrt(4 * mp.pi * left / pitch + mp.mpf("1e-40")))
+    return mp.findroot(lambda p: arc_length(p, pitch) - left, ends, solver="anderson", tol=1e-80, verify=False)
 
 
 def angles(time, *, spacings, pitch, turns, speed):
-    theta = [head_angle(time, pitch, turns, speed)]
-    for i, spacing in enumerate(spacings):
-        try:
-            theta.append(next_angle(theta[-1], pitch, spacing))
-        except UnplaceableError:
-            raise UnplaceableError(i + 1) from None
-    return theta
-
-
-def exact(number):
-    """A parameter as the decimal number that its user wrote."""
-    return mp.mpf(repr(float(number)))
+    head = head_angle(time, pitch, turns, speed)
+    return walked_chain(lambda theta: spiral_point(theta, pitch), head, spacings, STEP)
 
 
 def solve(time, *, benches, head_spacing, body_spacing, pitch, turns, speed, difference=True):

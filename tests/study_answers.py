@@ -10,8 +10,8 @@ from typing import Any
 import pytest
 from sharing import shared
 
-from pymunk_dragon.model.dragon import Dragon
-from pymunk_dragon.studies import Sensitivity, sensitivity
+from pymunk_dragon import Dragon, sensitivity
+from pymunk_dragon.studies import Sensitivity
 
 
 def answer(name: str, make: Callable[[], Any]) -> Any:

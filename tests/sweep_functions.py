@@ -8,7 +8,7 @@ from threading import Event
 
 import numpy as np
 
-from pymunk_dragon.model.march import March
+from pymunk_dragon import March
 
 FLAGS = ("--benches", "4", "--turns", "5")
 SMALL = {"benches": 4, "turns": 5}

@@ -1,7 +1,5 @@
 """Every benchmark runs; the thorough tests run each at a small size, so that its figures can be measured again."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import sys

@@ -1,6 +1,4 @@
-"""Help of the commands, hints after mistakes, what a terminal says of files, and what a shell completes."""
-
-from __future__ import annotations
+"""Help of the commands, what a terminal says of files, what a shell completes, and what is said of bad input."""
 
 import os
 import re
@@ -11,11 +9,25 @@ from pathlib import Path
 
 import pytest
 from click.shell_completion import ShellComplete
+from conftest import assert_says
 
+from pymunk_dragon import Dragon, March, Run
 from pymunk_dragon.cli import COMMANDS, COMPLETE_VARIABLE, PROGRAM, cli, command
 from pymunk_dragon.cli.common import SCENARIO_OPTIONS
-from pymunk_dragon.model.march import March
-from pymunk_dragon.model.run import Run
+from pymunk_dragon.drawing.figures import FIGURES
+
+
+@pytest.fixture
+def complaint(call):
+    """Call the program with bad input: what it says, once it is sure that it was one line and exit code 2."""
+
+    def complained(*arguments):
+        code, out, err = call(*arguments)
+        assert (code, out, err[-1:]) == (2, "", "\n"), arguments
+        assert_says(Exception(err[:-1]), "pymunk-dragon: ")
+        return err
+
+    return complained
 
 
 def examples_of(text):
@@ -52,38 +64,10 @@ def test_program_without_a_command_shows_its_help_and_version(call):
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("name", ["positions", "contact", "render", "report"])
-def test_examples_of_the_help_run(call, late_run, name, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_examples_of_the_help_run(call, late_run, name, here):
     late_run.save("run.npz")
     for arguments in examples_of(call(name, "--help")[1]):
         assert call(*arguments)[0] == 0, arguments
-
-
-# Mistakes, and what was meant.
-MEANT = {
-    "figure spirl": "spiral",
-    "study minpitch": "min-pitch",
-    "demo spirall": "spiral",
-    "sweep --axis pitch=0.4,0.5 --quantity contact-tim": "contact-time",
-    "sweep --axis pich=0.4,0.5": "pitch",
-    "positions --curve uturn": "u-turn",
-    "positions --scenario s.toml": "pitch",
-    "simulate --pich 3": "--pitch",
-    "simulat": "simulate",
-    "simulate --guide rail": "rails",
-    "contact --method exat": "exact",
-    "live nearmiss": "near-miss",
-}
-
-
-def test_mistake_gets_the_word_that_was_meant(call, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    Path("s.toml").write_text("pich = 0.6\n")
-    for arguments, meant in MEANT.items():
-        code, out, err = call(*arguments.split())
-        assert (code, out, err.count("\n")) == (2, "", 1), arguments
-        assert meant in err, arguments
-    assert os.listdir(tmp_path) == ["s.toml"]
 
 
 # What a terminal says of the file beside its size.
@@ -96,8 +80,7 @@ WRITTEN = {
 
 
 @pytest.mark.thorough
-def test_terminal_says_which_file_was_written(terminal, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_terminal_says_which_file_was_written(terminal, here):
     Run.exact(March(turns=8), [79, 80, 81]).save("run.npz")
     for arguments, name in WRITTEN.items():
         said = terminal(*arguments.split())
@@ -148,3 +131,148 @@ def test_program_answers_the_shell():
     assert answered("bash_complete", **words) == "plain,near-miss\n"
     assert "complete -o nosort -F" in answered("bash_source")
     assert PROGRAM in answered("zsh_source")
+
+
+# Bad input
+
+# Command lines, and words that the message has: the value or name, and what is allowed or was meant.
+ONE = "sweep --axis pitch=0.5"
+BAD_INPUT = {
+    "positions --pitch 0.25": "pitch 0.25 width",
+    "positions --ratio 1": "--ratio u-turn",
+    "positions --curve u-turn --turns 3": "--turns Spiral",
+    "positions --curve circle": "--curve 'circle' spiral u-turn .csv",
+    "positions --speed nowhere.csv": "--speed 'nowhere.csv'",
+    "positions --speed fast": "--speed 'fast'",
+    "contact --curve u-turn": "until",
+    "positions --times 0:1": "--times '0:1' 0:300:1",
+    "positions --times 0:1e9:0.001": "times",
+    "positions --times 443": "443 handle",
+    "positions --handles 224": "--handles '224' 223",
+    "positions --handles 0 -o r.xlsx": "--handles",
+    "positions --scenario /dev/zero": "/dev/zero 4",
+    "positions --scenario s.toml": "head_spacing 30.0",
+    "positions --speed v.csv": "v.csv: line 2",
+    "positions -o f.txt": "-o 'f.txt'",
+    "positions --paper --times 3": "--paper --times",
+    "positions --colour red": "--colour",
+    "simulate --from 441": "441 handle",
+    "simulate --from 2 --until 1": "--until 1.0",
+    "simulate --guide ropes": "--guide 'ropes' rails",
+    "simulate --fine --iterations 9": "--fine --iterations",
+    "contact --from 1e300": "--from 1e+300",
+    "contact --method guess": "method guess",
+    "contact --step 2": "--step grid",
+    "demo --lang fr": "lang 'fr'",
+    "render nowhere.npz -o f.gif": "nowhere.npz",
+    "render junk.npz -o f.gif": "junk.npz",
+    "render run.npz --pitch 1 -o f.gif": "scenario",
+    "render -o f.png --from 5": "--from",
+    "render -o f.html --speedup 2": "--speedup",
+    "render -o f.html": "a page plays one run",
+    "render -o f.gif --from -1e9": "times",
+    "render -o f.gif --from 5 --until 1": "--until 1.0",
+    "render -o f.gif --title 板凳龙": "title 板",
+    "render -o f.gif --exact": "--exact run",
+    "render -o f.gif --impulses": "impulses engine",
+    "render -o f.gif --size big": "--size 'big'",
+    "render -o f.gif --camera tail": "--camera 'tail' head",
+    "report -o r.html": "RUN.npz",
+    "figure nothing -o f.png": "'nothing' spiral",
+    "figure drift -o f.png": "run engine",
+    "frobnicate": "frobnicate",
+    "demo 99": "99",
+    "simulate --benches 9 --head-force 300": "--head-force",
+    "simulat": "simulate",
+    "simulate --pich 3": "--pitch",
+    "simulate --guide rail": "rails",
+    "contact --method exat": "exact",
+    "positions --curve uturn": "u-turn",
+    "positions --scenario pich.toml": "pitch",
+    "figure spirl": "spiral",
+    "demo spirall": "spiral",
+    "study minpitch": "min-pitch",
+    "study nothing": "nothing min-pitch",
+    "study min-pitch --radius many": "radius many",
+    "study min-pitch --pitch 0.5": "pitch",
+    "study min-pitch --benches 5": "benches 5",
+    "study min-pitch -o answer.gif": "-o answer.gif .json .png .svg .pdf",
+    **{f"study max-speed --limit {value}": f"limit {value}" for value in ("0", "-1", "nan", "21")},
+    "sweep": "axis None",
+    **{f"sweep --axis pitch={bad}": f"'pitch={bad}'" for bad in ("wide", "0.6:0.5:0.1", "", "nan")},
+    "sweep --axis pitch=-2,-1": "'pitch=-2'",
+    "sweep --axis pich=0.4,0.5": "pitch",
+    "sweep --axis benches=2.5": "'benches=2.5'",
+    "sweep --axis pitch=5,6 --axis width=0.1,0.2 --axis turns=8,9 -o map.png": "-o 'map.png'",
+    **{f"{ONE} --quantity {name}": f"--quantity '{name}'" for name in ("math:none", "failing:f", "broken:f", "f:")},
+    f"{ONE} --quantity contact-tim": "contact-time",
+    f"{ONE} --benches 1": "--benches 1",
+    f"{ONE} --workers 0": "--workers 0",
+    f"{ONE} --scheduler localhost": "--scheduler 'localhost'",
+    **{f"{ONE} -o {name}": f"-o '{name}'" for name in ("map.txt", "folder.csv")},
+    f"{ONE} --resume": "--resume",
+}
+
+
+def test_bad_input_is_named_in_one_line_and_nothing_is_written(call, complaint, here, monkeypatch):
+    monkeypatch.setattr(sys, "path", list(sys.path))
+    files = {
+        "s.toml": "head_spacing = 30\n",
+        "pich.toml": "pich = 0.6\n",
+        "v.csv": "0,1\n1\n",
+        "junk.npz": "PK\x03\x04",
+    }
+    for name, content in (files | {"failing.py": "1 / 0\n", "broken.py": "def f(:\n"}).items():
+        Path(name).write_text(content)
+    Path("folder.csv").mkdir()
+    before = sorted(os.listdir())
+    for line, words in BAD_INPUT.items():
+        said = complaint(*line.split())
+        missing = [word for word in words.split() if word not in said]
+        assert not missing, (line, said)
+    # The list of scenes is longer than another message may be.
+    code, out, said = call("live", "nearmiss")
+    assert (code, out, said.count("\n"), "'near-miss'" in said) == (2, "", 1, True)
+    for name in SCENARIO_OPTIONS:
+        for value in ("nan", "inf", "-inf", "0", "-1", "1e300", "abc", ""):
+            said = complaint("positions", "--" + name.replace("_", "-"), value)
+            assert name in said.replace("-", "_")
+    assert sorted(os.listdir()) == before
+
+
+def test_output_that_cannot_be_written_is_refused_before_the_work(complaint, here, monkeypatch):
+    monkeypatch.setattr(March, "at", None)  # Any work would fail on it.
+    for name, ending in (("positions", "csv"), ("contact", "json"), ("simulate", "npz"), ("render", "gif")):
+        assert "nowhere" in complaint(name, "-o", f"nowhere/x.{ending}")
+        assert ".docx" in complaint(name, "-o", "x.docx")
+        Path(f"folder.{ending}").mkdir()
+        assert "folder" in complaint(name, "-o", f"folder.{ending}")
+    assert not [path for path in here.rglob("*") if path.is_file()]
+
+
+# Libraries that are absent, commands that need them, and the extra that the message names.
+MISSING = [
+    ("xlsxwriter", "contact -o c.xlsx", "report"),
+    ("xlsxwriter", "positions -o p.xlsx", "report"),
+    ("jinja2", "report run.npz -o r.html", "report"),
+    ("scipy.interpolate", "positions --curve path.csv", "curves"),
+    ("scipy.optimize", "study u-turn", "studies"),
+    ("matplotlib", "study min-pitch -o answer.png", "figures"),
+    ("matplotlib", f"{ONE} -o map.png", "figures"),
+    *(("matplotlib", f"figure {name} run.npz", "figures") for name, kind in FIGURES.items() if ".svg" in kind.endings),
+    ("distributed", f"{ONE} --scheduler tcp://a:1", "cluster"),
+    ("no library", "render -o film.mp4", "mp4"),
+]
+
+
+def test_missing_library_is_named_and_by_studies_before_any_work(complaint, here, monkeypatch):
+    Run.exact(March(Dragon(benches=16), turns=8), [79, 82]).save("run.npz")
+    Path("path.csv").write_text("0,0\n50,0\n100,9\n200,0\n400,9\n")
+    monkeypatch.setattr("imageio_ffmpeg._io.get_ffmpeg_exe", lambda: "nothing")
+    for library, line, extra in MISSING:
+        with monkeypatch.context() as without:
+            without.setitem(sys.modules, library, None)
+            if line.startswith("study"):
+                without.setattr(March, "motion_or_nan", None)  # Any work would fail on it.
+            assert f"pymunk-dragon[{extra}]" in complaint(*line.split()), line
+    assert sorted(os.listdir()) == ["path.csv", "run.npz"]

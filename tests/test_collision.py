@@ -1,7 +1,5 @@
 """Both phases: separations of rectangles against Shapely, walks of edges by hand, pairs by brute force."""
 
-from __future__ import annotations
-
 from itertools import combinations
 
 import numpy as np
@@ -11,10 +9,7 @@ from conftest import NO_NUMBERS, assert_says, examples, refusal
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pymunk_dragon.collision import Grid, separation
-from pymunk_dragon.model.curves import Spiral
-from pymunk_dragon.model.dragon import Dragon
-from pymunk_dragon.model.march import March
+from pymunk_dragon import Dragon, Grid, March, Spiral, separation
 
 # m. Closer to touching than this Shapely's own rounding decides, and nothing is asked.
 UNDECIDED = 1e-9

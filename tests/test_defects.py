@@ -5,11 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from pymunk_dragon import Arc, Composite, Dragon, Line, March, Sampled, first_contact, simulate
-from pymunk_dragon.model.contact import Contact
+from pymunk_dragon import Arc, Composite, Contact, Dragon, Line, March, Sampled, first_contact, max_speed, simulate
 from pymunk_dragon.model.curves import sampled
 from pymunk_dragon.physics.callbacks import Motion, refined_contact
-from pymunk_dragon.studies import max_speed
 
 
 def equal(benches, spacing, overhang, width=0.3):

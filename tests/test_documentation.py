@@ -1,7 +1,5 @@
 """The site that `make docs` builds: complete, without a network, and without a broken link."""
 
-from __future__ import annotations
-
 import os
 import shlex
 import subprocess

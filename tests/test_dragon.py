@@ -1,7 +1,5 @@
 """Benches, holes, poses and outlines."""
 
-from __future__ import annotations
-
 import math
 import pickle
 from dataclasses import FrozenInstanceError, replace
@@ -13,9 +11,8 @@ from conftest import NO_NUMBERS, assert_says, refusal
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pymunk_dragon import errors
-from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.model.dragon import Dragon, bench_poses, outlines
+from pymunk_dragon import Dragon, ParameterError, errors, outlines
+from pymunk_dragon.model.dragon import bench_poses
 
 LENGTHS = ("head_spacing", "body_spacing", "overhang", "width")
 TRACTOR = {

@@ -1,7 +1,5 @@
 """Films in every format: what is in the file, how long it plays, which part it shows, and what stands side by side."""
 
-from __future__ import annotations
-
 import subprocess
 from dataclasses import replace
 
@@ -9,16 +7,21 @@ import imageio.v3 as iio
 import imageio_ffmpeg
 import numpy as np
 import pytest
-from conftest import refusal
+from conftest import assert_says, refusal
+from marches import ARM, TRACTOR
 from PIL import Image
 
-from pymunk_dragon import Camera, Contact, Dragon, March, Run, SpeedTable
-from pymunk_dragon.drawing import FILM_ENDINGS, Film, render, still
+from pymunk_dragon import Camera, Contact, Dragon, Film, March, Run, SpeedTable, UTurn, first_contact, render
+from pymunk_dragon._language import in_language
+from pymunk_dragon.drawing import FILM_ENDINGS, lettering, still
 from pymunk_dragon.drawing.film.formats import WRITERS, Frames
 from pymunk_dragon.drawing.film.layout import Canvas
 from pymunk_dragon.drawing.film.timing import events_of
-from pymunk_dragon.drawing.palette import colour_table
-from pymunk_dragon.errors import DragonError, ParameterError
+from pymunk_dragon.drawing.overlay import impulses, touches, velocities
+from pymunk_dragon.drawing.palette import BLOCK, COLOURS, colour_table
+from pymunk_dragon.drawing.scene import smallest_gap
+from pymunk_dragon.drawing.sources import states
+from pymunk_dragon.errors import DragonError
 
 MARCH = March(Dragon(benches=16), turns=4)
 HEAD = Camera(follow="head")
@@ -30,13 +33,15 @@ CONTACT = 412.4738
 
 @pytest.fixture(scope="module")
 def run():
-    return Run.exact(MARCH, np.linspace(0, 10, 101))
+    return Run.exact(MARCH, np.linspace(0, 10, 1001))
 
 
 @pytest.fixture(scope="module")
-def reference():
+def seed():
     """The paper's march until its contact."""
-    return with_contact(Run.exact(March(), np.append(np.arange(0, 412.0, 2.0), CONTACT)), CONTACT)
+    run = Run.exact(March(), np.append(np.arange(0, 412.4, 0.2), CONTACT))
+    contact = replace(first_contact(run.march, start=405).contact, time=CONTACT)
+    return replace(run, first_contact=contact, outcome="contact")
 
 
 def with_contact(run, time):
@@ -142,17 +147,16 @@ def test_bad_parameters_are_refused(run, tmp_path):
     calls += [("source", source, "film.gif", {"until": 1}) for source in ([], "run.npz", [1], [MARCH] * 5, None)]
     for name, source, file, options in calls:
         assert refusal(render, source, tmp_path / file, **options).name == name, options
-    with pytest.raises(DragonError):  # past the end of the curve
-        render(MARCH, tmp_path / "film.gif", until=1000)
+    refusal(render, MARCH, tmp_path / "film.gif", until=1000, error=DragonError)  # past the end of the curve
     # More than the memory holds.
-    with pytest.raises(ParameterError, match="238 "):
-        render(run, tmp_path / "film.apng", size=2048, speedup=0.4, legend=False)
+    large = {"size": 2048, "speedup": 0.4, "legend": False}
+    assert_says(refusal(render, run, tmp_path / "film.apng", **large), "238 ")
     assert list(tmp_path.iterdir()) == []
     render(run, tmp_path / "film.webp", fps=60, until=0.5, speedup=1, size=64)
 
 
-def test_film_of_the_paper_s_march_is_short_and_slows_down_towards_near_misses_and_contact(reference):
-    timing = Film().timing([reference])
+def test_film_of_the_paper_s_march_is_short_and_slows_down_towards_near_misses_and_contact(seed):
+    timing = Film().timing([seed])
     assert 8 <= timing.ends[-1] <= 20
     assert timing.fps >= 20
     travel = np.diff(timing.times)  # of the head per frame, m, at 1 m/s
@@ -167,13 +171,13 @@ def test_film_of_the_paper_s_march_is_short_and_slows_down_towards_near_misses_a
     assert np.abs(np.diff(travel)).max() < travel.max() / 8
 
 
-def test_given_parameters_of_the_time_are_kept(reference, run):
-    timing = Film(start=0).timing([reference])
+def test_given_parameters_of_the_time_are_kept(seed, run):
+    timing = Film(start=0).timing([seed])
     assert timing.times[0] == 0
     assert np.diff(timing.times).max() <= 0.8
-    assert np.diff(Film(camera=HEAD).timing([reference]).times).max() <= 0.2
-    assert Film(fps=10).timing([reference]).fps == 10
-    np.testing.assert_allclose(np.diff(Film(speedup=20).timing([reference]).times)[:-1], 1)
+    assert np.diff(Film(camera=HEAD).timing([seed]).times).max() <= 0.2
+    assert Film(fps=10).timing([seed]).fps == 10
+    np.testing.assert_allclose(np.diff(Film(speedup=20).timing([seed]).times)[:-1], 1)
     np.testing.assert_allclose(Film(fps=10, speedup=10, start=3, until=6).timing([run]).times, [3, 4, 5, 6])
 
 
@@ -190,15 +194,15 @@ def test_films_of_short_and_long_and_changing_marches_have_a_bearable_length(run
     assert np.diff(Film(until=60).timing([March(small, turns=16)]).times).max() <= 0.08
 
 
-def test_events_are_the_near_misses_and_contacts_of_each_run_once(reference):
-    for source in (reference, March()):
-        events = events_of([source], (400 * (source is reference), 412.4738376821))
+def test_events_are_the_near_misses_and_contacts_of_each_run_once(seed):
+    for source in (seed, March()):
+        events = events_of([source], (400 * (source is seed), 412.4738376821))
         assert [event.time for event in events] == pytest.approx([*NEAR_MISSES, CONTACT], abs=1e-3)
     # An unguided run does not have those of the exact model.
-    unguided = replace(reference, provenance={"player": "pymunk", "guide": "none"})
+    unguided = replace(seed, provenance={"player": "pymunk", "guide": "none"})
     assert [event.time for event in events_of([unguided], (400, 412.5))] == [CONTACT]
-    later = with_contact(replace(reference, first_contact=None), CONTACT - 1e-4)
-    assert events_of([reference, later, reference.march], (0, CONTACT)) == events_of([later], (0, CONTACT))
+    later = with_contact(replace(seed, first_contact=None), CONTACT - 1e-4)
+    assert events_of([seed, later, seed.march], (0, CONTACT)) == events_of([later], (0, CONTACT))
 
 
 def test_two_runs_stand_side_by_side_from_the_same_distance_until_both_are_over(run, tmp_path):
@@ -222,3 +226,170 @@ def test_title_and_caption_stand_outside_the_picture_in_as_many_lines_as_they_ne
     heights = [len(still(run, 4.0, Film(size=200, caption=text))) for text in ("word ", "word " * 40, "w" * 60)]
     assert heights[0] < min(heights[1:])
     assert "\N{GREEK SMALL LETTER THETA}" in str(refusal(still, run, 4.0, Film(title="\N{GREEK SMALL LETTER THETA}")))
+
+
+# Pictures of the dragon: colours, sizes, texts, marks, and other marches than the paper's
+
+
+@pytest.fixture
+def texts(monkeypatch):
+    """Lines that are written into pictures."""
+    written = []
+    line = lettering.line
+    monkeypatch.setattr(lettering, "line", lambda text, height: written.append(text) or line(text, height))
+    return written
+
+
+def displaced(run):
+    """A run with position errors that grow towards the tail."""
+    poses = run.poses.copy()
+    poses[..., 0] += np.linspace(0, 20e-6, poses.shape[1])
+    drift = np.abs(poses[..., 0] - run.poses[..., 0])
+    return replace(run, poses=poses, drift=drift, provenance={"player": "pymunk", "guide": "rails"})
+
+
+def shown(source, time, film):
+    """A picture, and where points of the ground lie on it."""
+    [scene], [state] = Canvas([source], np.array([time]), film).scenes, states(source, np.array([time]))
+    layer = scene.layer(*state)
+    return still(source, time, film), lambda points: layer.pixels(points) / BLOCK
+
+
+def colour_at(picture, xy):
+    x, y = (int(v) for v in xy)
+    return "#" + bytes(picture[y, x].tolist()).hex()
+
+
+def count(picture, name):
+    """How many pixels of a picture have a colour of the palette."""
+    return int(np.all(picture == np.rint(COLOURS.rgb(name)), axis=-1).sum())
+
+
+def near(picture, xy, size=1):
+    """Pixels at `xy` and beside it."""
+    x, y = (int(v) for v in xy)
+    return picture[max(y - size, 0) : y + size + 1, max(x - size, 0) : x + size + 1]
+
+
+def test_table_of_films_has_every_colour_of_pictures(seed):
+    assert len(colour_table()) <= 255
+    table = colour_table().astype(int)
+    for camera in (Camera(), HEAD):
+        pixels = still(seed, CONTACT, Film(camera=camera)).reshape(-1, 3)
+        colours, counts = np.unique(pixels, axis=0, return_counts=True)
+        off = np.abs(colours[:, None] - table).max(axis=-1).min(axis=-1)
+        # But for rare mixtures of three colours.
+        assert (off.max() <= 32, counts[off > 16].sum() < len(pixels) / 1000) == (True, True)
+
+
+def test_no_two_bench_colours_look_alike_to_anyone_or_in_grey():
+    # Machado, Oliveira and Fernandes 2009, severity 1, on linear light.
+    visions = {
+        "normal": np.eye(3),
+        "deuteranope": np.array([[0.367, 0.861, -0.228], [0.280, 0.673, 0.047], [-0.012, 0.043, 0.969]]),
+        "protanope": np.array([[0.152, 1.053, -0.205], [0.115, 0.786, 0.099], [-0.004, -0.048, 1.052]]),
+    }
+    colours = np.array([COLOURS.rgb(name) for name in ("head", "body", "tail", "contact", "background")])
+    for vision, matrix in visions.items():
+        seen = 255 * np.clip((colours / 255) ** 2.2 @ matrix.T, 0, 1) ** (1 / 2.2)
+        distances = np.linalg.norm(seen[:, None] - seen[None], axis=-1)[np.triu_indices(len(seen), 1)]
+        assert distances.min() > 60, vision
+    assert np.diff(np.sort(colours @ (0.299, 0.587, 0.114))).min() > 255 / 7
+
+
+def test_bad_cameras_marks_and_times_are_refused(run, tmp_path):
+    cases = [(name, Camera, {name: value}) for name, value in [("span", 0), ("span", float("inf")), ("follow", "tail")]]
+    cases += [("time", still, {"source": run, "time": 11.0})]
+    cases += [("until", render, {"source": run, "until": 11.0, "path": tmp_path / "still.png"})]
+    for mark in ("contacts", "normals", "impulses"):
+        cases += [("show", still, {"source": MARCH, "time": 1.0, "film": Film(show=(mark,))})]
+    for name, call, arguments in cases:
+        assert refusal(call, **arguments).name == name
+    render(run, tmp_path / "still.png", size=120, until=4.0)
+    np.testing.assert_array_equal(iio.imread(tmp_path / "still.png"), still(run, 4.0, Film(size=120)))
+
+
+def test_camera_stays_above_the_head_or_shows_every_bench(run):
+    for time in (0.0, 3.3, 10.0):
+        picture, _ = shown(run, time, Film(size=200, camera=HEAD))
+        assert colour_at(picture, (100, 100)) == COLOURS.head
+        _, place = shown(run, time, Film(size=(300, 200)))
+        corners = place(MARCH.dragon.outlines(run.poses_at([time])[0])).reshape(-1, 2)
+        assert np.all((corners > 0) & (corners < (300, 200)))
+    for march, metres in ((MARCH, 6.0), (TRACTOR, 36.0), (ARM, 1.0)):
+        _, place = shown(march, 0.5, Film(size=600, camera=HEAD))
+        (x0, _), (x1, _) = place([(0.0, 0.0), (1.0, 0.0)])
+        assert 600 / (x1 - x0) == pytest.approx(metres)
+
+
+def test_legend_and_scale_bar_are_below_the_picture(texts):
+    film = Film(size=480, camera=Camera(follow="head", span=6.0))
+    with_legend, without = still(MARCH, 1.0, film), still(MARCH, 1.0, replace(film, legend=False))
+    assert without.shape == still(MARCH, 1.0, Film(size=480, legend=False)).shape == (480, 480, 3)
+    np.testing.assert_array_equal(with_legend[:480], without)
+    assert all(count(with_legend[480:], name) > 50 for name in ("head", "body", "tail"))
+    assert {"head", "body", "tail", "1 m", "head 1.00 m/s"} <= set(texts)
+    assert not {"in contact", "turning circle"} & set(texts)
+    # The longest horizontal line of the strip, with its ends, is as long as it says.
+    strip = np.all(with_legend[480:] == np.rint(COLOURS.rgb("ink")), axis=-1)
+    longest = max(len(run) for row in strip for run in "".join(" x"[int(pixel)] for pixel in row).split())
+    assert longest - 1 == round(480 / 6.0)
+    assert still(MARCH, 1.0, Film(size=200)).shape == (200, 200, 3)  # too narrow for a legend
+
+
+def test_contact_and_near_misses_are_named(seed, texts):
+    still(seed, CONTACT, Film(size=400))
+    assert {"in contact", "contact: benches 0 and 8"} <= set(texts)
+    run = replace(seed, first_contact=None)
+    for time, bench, gap in ((406.8466, 9, 3.0), (409.8320, 11, 0.9)):
+        found = smallest_gap(seed.march.dragon, seed.march.at(time).poses[0])
+        assert (found[0], found[1]) == (bench, pytest.approx(gap / 1000, abs=5e-5))
+        still(run, time, Film(size=440, legend=False))
+        assert f"gap {gap} mm to bench {bench}" in texts
+
+
+def test_exact_model_beside_a_run_shows_the_position_errors_of_the_run(run, texts):
+    for camera, factor in ((Camera(), "80,000"), (HEAD, "20,000")):
+        picture = still([displaced(run), MARCH], 5.0, Film(size=300, camera=camera))
+        assert f"position error x {factor}" in texts
+        assert count(picture[:260, :300], "motion") == 0
+        assert count(picture[:260, 302:], "motion") > 100
+
+
+def test_velocities_of_a_run_are_those_of_its_march(run):
+    [state] = states(run, np.array([4.321]))
+    np.testing.assert_allclose(velocities(run, *state), MARCH.at([4.321]).velocities[0], atol=2e-3)
+
+
+def test_pictures_look_as_they_did(seed, golden):
+    films = {
+        "field": (seed, Film(size=330, show=("velocities", "grid"))),
+        "contact": (seed, Film(size=330, camera=HEAD, show=("grid", "contacts", "normals"))),
+        "u-turn": (March(Dragon(benches=40), UTurn()), Film(size=(330, 200), title="A turn", camera=Camera(span=20.0))),
+    }
+    for name, (source, film) in films.items():
+        time = CONTACT if source is seed else 20.0
+        golden(Image.fromarray(still(source, time, film)), f"films/{name}")
+    with in_language("zh"):
+        film = Film(size=330, camera=HEAD, title="\u677f\u51f3\u9f99")
+        golden(Image.fromarray(still([displaced(seed), seed.march], 410.0, film)), "films/errors")
+
+
+def test_contacts_are_shown_while_benches_touch(seed, small_run):
+    assert touches(seed, CONTACT) == [([seed.first_contact.point], seed.first_contact.normal)]
+    [window] = [window for window in small_run.events.windows() if window.end is not None]
+    assert touches(small_run, (window.begin + window.end) / 2)
+    assert not touches(small_run, window.begin - 0.05)
+
+
+def test_area_of_a_disc_is_in_proportion_to_the_impulse_of_the_frame_before(run):
+    sizes = np.full((len(run.times), 15), 1.0)
+    sizes[:, 0] = 4.0
+    film = Film(size=1200, camera=Camera(follow="head", span=8.0), show=("impulses",))
+    picture, place = shown(replace(run, joint_impulses=sizes), 5.0, film)
+    _, rear = MARCH.dragon.holes(run.poses_at([5.0])[0])
+    areas = [count(near(picture, xy, 40), "force") for xy in place(rear[:2])]
+    assert areas[0] / areas[1] == pytest.approx(4.0, rel=0.1)
+    rising = replace(run, joint_impulses=np.repeat(np.arange(len(run.times), dtype=float)[:, None], 15, axis=1))
+    for time, frame in ((0.0, 0), (0.0149, 1), (9.999, 999), (10.0, 1000)):
+        assert impulses(rising, time)[0] == frame

@@ -1,7 +1,5 @@
 """The first contact: against many digits, against Shapely, and where looking every so often goes wrong."""
 
-from __future__ import annotations
-
 from dataclasses import FrozenInstanceError, replace
 
 import mpmath as mp
@@ -15,13 +13,10 @@ from hypothesis import assume, given, reject
 from hypothesis import strategies as st
 from test_march_curves import bent
 
-from pymunk_dragon.collision import first_contact, scan
+from pymunk_dragon import Dragon, March, Spiral, first_contact, outlines, scan
 from pymunk_dragon.collision.bounds import UNPROVEN_ROUNDING, Intervals, MotionBounds
 from pymunk_dragon.collision.first_contact import _near_misses
 from pymunk_dragon.errors import DragonError, ParameterError, UnreachableError
-from pymunk_dragon.model.curves import Spiral
-from pymunk_dragon.model.dragon import Dragon, outlines
-from pymunk_dragon.model.march import March
 
 # A bench that is 1 mm wider touches bench 11 where the seed's passes it; this one for 4 ms.
 TOUCHING_WIDTH = 0.3009741

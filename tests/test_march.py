@@ -1,76 +1,29 @@
-"""Exact kinematics: the paper's tables, an independent solution in many digits, and what rigid benches demand."""
+"""Exact kinematics: an independent solution in many digits, and what rigid benches demand."""
 
-from __future__ import annotations
-
-import csv
-import math
 import warnings
-from decimal import ROUND_DOWN, Decimal
-from pathlib import Path
 
 import mpmath as mp
 import numpy as np
 import oracle
 import pytest
 from conftest import NO_NUMBERS, assert_says, refusal
+from exact_curves import UnplaceableError
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from test_first_contact import marches
 
-from pymunk_dragon.errors import UnreachableError
-from pymunk_dragon.model.curves import Spiral
-from pymunk_dragon.model.dragon import Dragon
-from pymunk_dragon.model.march import March
+from pymunk_dragon import Dragon, March, Spiral, UnreachableError
 
-DATA = Path(__file__).parent / "data"
 # s. The last time at which the paper's dragon can be placed, to 1e-7 s; see the test that finds it.
 LAST = 432.9179242
 SMALL = Dragon(benches=12, head_spacing=0.5, body_spacing=0.3, overhang=0.05, width=0.1)
 STATES = ("times", "handles_s", "positions", "velocities", "speeds", "poses", "pose_velocities")
 
 
-def table(name):
-    with (DATA / name).open(newline="") as file:
-        return list(csv.DictReader(file))
-
-
-def cut(value):
-    """As the paper cuts: the exact value without what follows its third decimal.
-
-    A double that is a hair short of such a decimal (8.8 m, 1 m/s, 0 m) is that decimal: the hair is 1e-11.
-    """
-    whole = Decimal(float(value) + math.copysign(1e-11, value)).quantize(Decimal("0.001"), ROUND_DOWN)
-    return str(abs(whole) if whole == 0 else whole)
-
-
 def unreachable(march, times):
     """Time and handle which the march cannot place at `times`, and the message."""
     error = refusal(march.at, times, error=UnreachableError)
     return error.time, error.handle, str(error)
-
-
-def test_tables_1_and_2_match_to_the_digit(seed_march):
-    times = ["0", "60", "120", "180", "240", "300"]
-    states = seed_march.at([float(time) for time in times])
-    positions, speeds = table("table1.csv"), table("table2.csv")
-    assert len(positions) + len(speeds) == 126 / len(times)
-    for row in positions + speeds:
-        handle = int(row["handle"])
-        ours = states.positions[:, handle, "xy".index(row["axis"])] if "axis" in row else states.speeds[:, handle]
-        assert [cut(value) for value in ours] == [row[time] for time in times], row
-
-
-def test_table_3_is_one_moment_close_to_412_47_seconds(seed_march):
-    times = np.arange(412.465, 412.48, 1e-5)
-    states = seed_march.at(times)
-    matches = np.full(times.size, True)
-    for row in table("table3.csv"):
-        handle = int(row["handle"])
-        ours = (*states.positions[:, handle].T, states.speeds[:, handle])
-        for name, values in zip(("x", "y", "speed"), ours, strict=True):
-            matches &= [cut(value) == row[name] for value in values]
-    window = times[matches]
-    assert 412.473 < window.min() < window.max() < min(412.475, window.min() + 1e-3)
 
 
 @pytest.mark.parametrize(
@@ -164,7 +117,7 @@ def test_speeds_by_difference_converge_to_the_exact_ones_at_first_order(seed_mar
 def test_seed_dragon_cannot_be_placed_from_432_918_seconds_on(seed_march):
     seed_march.handles_s(LAST)
     assert unreachable(seed_march, LAST + 1e-7)[1] == 1
-    with pytest.raises(oracle.UnplaceableError) as independent:
+    with pytest.raises(UnplaceableError) as independent:
         oracle.solve(LAST + 1e-7, benches=1, head_spacing=2.86, body_spacing=1.65, pitch=0.55, turns=16, speed=1)
     assert independent.value.args == (1,)
 

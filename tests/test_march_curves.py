@@ -1,7 +1,5 @@
 """Dragons on any curve, of any benches, at any speed: held against places found by walking back in many digits."""
 
-from __future__ import annotations
-
 import mpmath as mp
 import numpy as np
 import pytest
@@ -9,13 +7,9 @@ from conftest import assert_says, refusal
 from exact_curves import DIGITS, u_turn, walked_chain
 from test_curve_kinds import LogarithmicSpiral
 
-from pymunk_dragon.collision import first_contact
+from pymunk_dragon import Dragon, March, SpeedTable, first_contact, simulate
 from pymunk_dragon.errors import UnreachableError
 from pymunk_dragon.model.curves import Arc, Composite, Line, Sampled, Section, Spiral, UTurn
-from pymunk_dragon.model.dragon import Dragon
-from pymunk_dragon.model.march import March
-from pymunk_dragon.model.speed import SpeedTable
-from pymunk_dragon.physics import simulate
 
 TURN = March(curve=UTurn())
 SMALL = Dragon(benches=12, head_spacing=0.5, body_spacing=0.3, overhang=0.05, width=0.1)

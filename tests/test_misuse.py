@@ -1,7 +1,5 @@
 """Curves of a user's own class that return nonsense, and arguments of the wrong kind: one clear error."""
 
-from __future__ import annotations
-
 import contextlib
 import math
 
@@ -9,13 +7,12 @@ import numpy as np
 from conftest import assert_says, refusal
 from test_curve_kinds import LogarithmicSpiral
 
-from pymunk_dragon import Dragon, March, Run, Scenario, SpeedTable, World, first_contact, player_page, simulate
+from pymunk_dragon import Dragon, March, Run, Scenario, SpeedTable, World, first_contact, player_page, report, simulate
 from pymunk_dragon.collision import Grid, scan
 from pymunk_dragon.drawing import render
 from pymunk_dragon.errors import DragonError
 from pymunk_dragon.model.curves import Arc, Composite, Curve, Line, Reversed, Sampled, Spiral, UTurn, check_curve
 from pymunk_dragon.model.dragon import bench_poses, outlines
-from pymunk_dragon.reports import report
 
 SMALL = Dragon(benches=4)
 

@@ -1,13 +1,13 @@
-"""The page that plays a run, as a text: what is in it, and what is not."""
-
-from __future__ import annotations
+"""The page that plays a run, as a text: what is in it, and what is not; and what a notebook shows of results."""
 
 import json
 import zlib
 from base64 import b64decode, b64encode
 from dataclasses import replace
 from hashlib import sha256
+from html import unescape
 from importlib import import_module
+from io import BytesIO
 
 import numpy as np
 import pytest
@@ -17,14 +17,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from marches import ARM, TRACTOR, U_TURN
+from PIL import Image
 from shapely import LineString, points
 
-from pymunk_dragon import Dragon, March, Run, player_page, write_player
+from pymunk_dragon import Contact, Dragon, March, Run, first_contact, player_page, write_player
 from pymunk_dragon._language import in_language
-from pymunk_dragon.model.contact import Contact, ContactEvent, ContactLog
+from pymunk_dragon.drawing import Palette
+from pymunk_dragon.model.contact import ContactEvent, ContactLog
 from pymunk_dragon.player.data import contact_windows, curve_points, exact_offsets, handle_vectors, pack
 
-SMALL = March(Dragon(benches=16), turns=4)
+SMALL = March(Dragon(benches=16), turns=8)
 MARKUP = "</script><img src=http://127.0.0.1:9/x onerror=alert(1)><!--<script>{{style}}&amp;"
 # Bytes of a page of the whole march.
 MAX_PAGE = 2_000_000
@@ -164,7 +166,10 @@ def test_policy_allows_the_pages_own_script_and_style_and_nothing_else(page):
 
 
 def test_title_is_what_happened_unless_one_is_given(run, page, tmp_path):
-    assert page.text.startswith("The dragon from 0.000 s to 10.000 s")
+    assert page.text.startswith("No contact from 0.000 s to 10.000 s")
+    # The exact model has no first contact of benches that overlap at the start.
+    overlapping = Run.exact(replace(SMALL, turns=4), [0.0, 1.0])
+    assert Page(player_page(overlapping)).text.startswith("The dragon from 0.000 s to 1.000 s")
     assert Page(player_page(run, title="Lesson 1")).text.startswith("Lesson 1")
     write_player(run, tmp_path / "run.html", title="a\ud800b")
     assert "a?b" in (tmp_path / "run.html").read_text(encoding="utf-8")
@@ -218,7 +223,7 @@ def test_windows_begin_at_the_first_contact(run, seed_march):
 def test_texts_of_the_page_and_of_its_run_are_in_both_languages(run, page):
     texts = json.loads(page.blocks["texts"])
     assert set(texts) == {"zh"}
-    assert texts["zh"]["The dragon from 0.000 s to 10.000 s"] == "0.000 s 至 10.000 s 的板凳龙"
+    assert texts["zh"]["No contact from 0.000 s to 10.000 s"] == "0.000 s 至 10.000 s 没有碰撞"
     assert texts["zh"]["Head bench, hole to hole"] == "龙头两孔间距"
     with in_language("zh"):
         chinese = player_page(run)
@@ -240,3 +245,46 @@ def test_offsets_of_the_exact_model_come_back_within_half_a_micrometre(small_run
     assert exact_offsets(replace(run, drift=drift * np.nan)) is None
     assert exact_offsets(replace(run, times=run.times + 0.1)) is None
     assert page.payload["exact"] is None
+
+
+# What a notebook shows of a run, a march and a figure
+
+
+def opened(png):
+    return Image.open(BytesIO(png)).convert("RGB")
+
+
+def has(picture, part):
+    return np.any(np.all(np.asarray(picture) == Palette().rgb(part), axis=-1))
+
+
+def test_small_run_is_a_player_in_a_frame_that_nothing_leaves(run):
+    evil = '"></iframe><script>alert(1)</script>'
+    for shown in (run, replace(run, provenance={"player": evil, evil: evil})):
+        [frame] = BeautifulSoup(shown._repr_html_(), "html.parser").find_all(True)
+        assert (frame.name, frame["srcdoc"]) == ("iframe", player_page(shown))
+        assert set(frame["sandbox"]) == {"allow-scripts", "allow-downloads"}
+
+
+def test_run_too_large_for_a_notebook_is_a_picture_of_its_end(run):
+    long = Run.exact(SMALL, np.linspace(0, 10, 15_000))
+    assert long._repr_html_() is None
+    assert opened(long._repr_png_()).size == opened(run._repr_png_()).size
+    assert not has(opened(run._repr_png_()), "contact")
+    contact = Contact(time=10.0, raw_time=10.0, benches=(0, 8), point=(1.0, 2.0), normal=(0.0, 1.0), depth=0.0)
+    assert has(opened(replace(run, first_contact=contact, outcome="contact")._repr_png_()), "contact")
+
+
+def test_march_is_a_picture_of_its_start_and_has_a_figure(run):
+    assert SMALL._repr_html_() is None
+    assert all(has(opened(SMALL._repr_png_()), part) for part in ("head", "body", "tail"))
+    for shown in (SMALL, run):
+        picture = opened(shown.plot()._repr_png_())
+        assert picture.width == 800
+        assert has(picture, "background")
+
+
+def test_first_contact_is_its_text():
+    found = first_contact(SMALL, until=1.0)
+    assert unescape(found._repr_html_()) == f"<pre>{found}</pre>"
+    assert str(found) == "no contact until t = 1 s"

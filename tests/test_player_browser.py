@@ -1,7 +1,5 @@
 """The player in a real browser: it plays, shows what the run and the exact model say, and uses no network."""
 
-from __future__ import annotations
-
 from contextlib import contextmanager
 from dataclasses import replace
 

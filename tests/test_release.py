@@ -1,7 +1,5 @@
 """What a release consists of: both archives are complete, and work where nothing else is installed."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 import tarfile

@@ -1,7 +1,5 @@
 """What a player produced: contacts, frames and what is between them, and files that come back whole or not at all."""
 
-from __future__ import annotations
-
 import io
 import json
 import math
@@ -18,13 +16,10 @@ from conftest import assert_says, examples, refusal
 from hypothesis import given
 from hypothesis import strategies as st
 
+from pymunk_dragon import Contact, ContactEvent, ContactLog, Dragon, EngineSettings, March, Run, Spiral
 from pymunk_dragon.errors import DragonError, FileFormatError
-from pymunk_dragon.model.contact import Contact, ContactEvent, ContactLog, ContactWindow
-from pymunk_dragon.model.curves import Spiral
-from pymunk_dragon.model.dragon import Dragon
-from pymunk_dragon.model.march import March
-from pymunk_dragon.model.run import Run
-from pymunk_dragon.model.settings import EngineSettings, versions
+from pymunk_dragon.model.contact import ContactWindow
+from pymunk_dragon.model.settings import versions
 
 MARCH = March(Dragon(benches=4, width=0.29), Spiral(pitch=0.6), turns=9.5, speed=1.25)
 TOUCH = {

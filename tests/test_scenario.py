@@ -1,7 +1,5 @@
 """A user's choice as plain numbers: from a mapping, from TOML, and back from a march."""
 
-from __future__ import annotations
-
 import json
 import math
 
@@ -10,13 +8,10 @@ import pytest
 from conftest import NO_NUMBERS, assert_says, refusal
 from test_curve_kinds import LogarithmicSpiral
 
+from pymunk_dragon import Dragon, March, Run, Scenario
 from pymunk_dragon.errors import FileFormatError
 from pymunk_dragon.model import curves
 from pymunk_dragon.model.curves import Arc, Composite, Curve, Line, Reversed, Sampled, Section, Spiral, UTurn
-from pymunk_dragon.model.dragon import Dragon
-from pymunk_dragon.model.march import March
-from pymunk_dragon.model.run import Run
-from pymunk_dragon.model.scenario import Scenario
 
 NUMBERS = ["benches", "head_spacing", "body_spacing", "overhang", "width", "pitch", "turns", "speed"]
 # A bend to the right and one to the left, m.

@@ -1,7 +1,5 @@
 """How fast the head goes: numbers, tables and functions."""
 
-from __future__ import annotations
-
 import itertools
 import math
 import pickle
@@ -12,9 +10,8 @@ from conftest import NO_NUMBERS, assert_says, refusal
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pymunk_dragon.errors import FileFormatError
-from pymunk_dragon.model.march import March
-from pymunk_dragon.model.speed import SpeedTable, speed_of
+from pymunk_dragon import FileFormatError, March, SpeedTable
+from pymunk_dragon.model.speed import speed_of
 
 TABLE = SpeedTable((-50.0, 10.0, 20.0, 20.5, 300.0), (0.5, 1.0, 3.0, 0.2, 1.5))
 speeds = st.floats(0.01, 20)

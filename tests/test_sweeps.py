@@ -1,31 +1,34 @@
 """Sweeps: rows and their values, points, files, the partial table, what is refused, and figures."""
 
-from __future__ import annotations
-
 import csv
 import json
 import os
 import re
+import signal
 import subprocess
 import sys
+import time
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from contextlib import contextmanager, suppress
 from multiprocessing import get_context
 from pathlib import Path
 
 import matplotlib.text
 import numpy as np
+import psutil
 import pytest
 import sweep_functions as functions
-from conftest import assert_says
+from conftest import assert_says, refusal
 from sweep_functions import FLAGS, RAISED, SMALL, UNFIT, VALUES
 
-from pymunk_dragon import March, Scenario, first_contact, sweep
+from pymunk_dragon import Dragon, March, Scenario, first_contact, max_speed, min_pitch, sweep
 from pymunk_dragon.errors import FileFormatError, OutputError, ParameterError
-from pymunk_dragon.model.dragon import Dragon
-from pymunk_dragon.studies import max_speed, min_pitch
 from pymunk_dragon.sweeps.quantities import contact_time
 
 THREAD = ThreadPoolExecutor(1)
+PYTHON = sys.executable
+# Programs find the quantities of the tests.
+ENVIRONMENT = os.environ | {"PYTHONPATH": f"{Path(__file__).parent}{os.pathsep}{os.environ.get('PYTHONPATH', '.')}"}
 # A dragon whose head runs into it after 13 s: an exact search takes a tenth of a second.
 SHORT = {"benches": 10, "turns": 5}
 X = {"x": [-1.5, 0.0, 1.0, 2.0, 2.5, 3.0]}
@@ -71,8 +74,7 @@ def test_scenario_and_quantity_are_given_in_any_form():
         found = sweep(scenario, {"width": [0.3]}, quantity, THREAD)
         assert (found.column("contact_time")[0], found.reference) == (expected, {"width": 0.3}), scenario
     for options in ({"quantity": lambda march: {}}, {"executor": 3}, {"axes": {"x": [[0.5], [1, 2]]}}, {"axes": {}}):
-        with pytest.raises(ParameterError):
-            sweep(**{"axes": {"width": [0.3]}, "executor": THREAD} | options)
+        refusal(sweep, **{"axes": {"width": [0.3]}, "executor": THREAD} | options)
 
 
 def test_table_is_in_the_order_of_the_grid_wherever_points_are_evaluated(tmp_path):
@@ -113,16 +115,14 @@ def test_failing_point_is_a_row_with_the_reason_and_harms_no_other(tmp_path):
 
 
 def test_program_writes_the_table_or_prints_it_only_whatever_functions_print(tmp_path):
+    axes = ["--axis", "pitch=0.10:0.70:0.3", "--axis", "x=7", "--axis", "head-spacing=2.50", "--axis", "x=5:6:1"]
+    command = [PYTHON, "-m", "pymunk_dragon", "sweep", *FLAGS, *axes, "--workers", "1", "--quantity", "mine:printing"]
+
     def program(*arguments):
-        axes = ["--axis", "pitch=0.10:0.70:0.3", "--axis", "x=7", "--axis", "head-spacing=2.50", "--axis", "x=5:6:1"]
-        command = [sys.executable, "-m", "pymunk_dragon", "sweep", *FLAGS, *axes, *arguments, "--workers", "1"]
-        path = os.pathsep.join([str(Path(__file__).parent), os.environ.get("PYTHONPATH", ".")])
-        return subprocess.run(
-            command, capture_output=True, text=True, cwd=tmp_path, env=os.environ | {"PYTHONPATH": path}
-        )
+        return subprocess.run([*command, *arguments], capture_output=True, text=True, cwd=tmp_path, env=ENVIRONMENT)
 
     (tmp_path / "mine.py").write_text("from sweep_functions import printing")
-    done = program("--quantity", "mine:printing", "--json", "-o", "map.csv")
+    done = program("--json", "-o", "map.csv")
     assert done.returncode == 1
     assert {"printed by the quantity", "printed by a program"} <= set(done.stderr.splitlines())
     told = json.loads(done.stdout)
@@ -133,45 +133,7 @@ def test_program_writes_the_table_or_prints_it_only_whatever_functions_print(tmp
     assert re.fullmatch(r'0.1,7,2.5,,,"?pitch is 0.1, .*', rows[0])
     assert rows[6:] == [f"0.7,{x},2.5,{x},0.7 2.5," for x in (7, 5, 6)]
     assert names(tmp_path) == ["map.csv", "mine.py"]
-    assert program("--quantity", "mine:printing").stdout == (tmp_path / "map.csv").read_text()
-
-
-ONE = ["--axis", "pitch=0.5"]
-# Arguments, and what the message names.
-REFUSED = [
-    ([], "axis is None"),
-    *((["--axis", f"pitch={bad}"], f"'pitch={bad}'") for bad in ("wide", "0.6:0.5:0.1", "")),
-    (["--axis", "pitch=nan"], "'pitch=nan'"),
-    (["--axis", "pitch=-2,-1"], "'pitch=-2'"),
-    (["--axis", "benches=2.5"], "'benches=2.5'"),
-    ([*ONE, "--benches", "1"], "--benches is 1"),
-    *(([*ONE, "--quantity", name], f"--quantity is '{name}'") for name in ("math:none", "failing:f", "broken:f", "f:")),
-    ([*ONE, "--workers", "0"], "--workers is 0"),
-    ([*ONE, "--scheduler", "localhost"], "--scheduler is 'localhost'"),
-    *(([*ONE, "-o", name], f"-o is '{name}'") for name in ("map.txt", "folder.csv")),
-    (["--axis", "pitch=5,6", "--axis", "width=0.1,0.2", "--axis", "turns=8,9", "-o", "map.png"], "-o is 'map.png'"),
-    ([*ONE, "--resume"], "--resume"),
-]
-# Libraries that are absent, arguments, and the extra that the message names.
-ABSENT = [
-    ("matplotlib", [*ONE, "-o", "map.png"], "dragon[figures]"),
-    ("distributed", [*ONE, "--scheduler", "tcp://a:1"], "dragon[cluster]"),
-]
-
-
-def test_bad_input_and_missing_libraries_are_one_line_with_what_is_wrong(tmp_path, call, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(sys, "path", list(sys.path))
-    (tmp_path / "folder.csv").mkdir()
-    (tmp_path / "failing.py").write_text("1 / 0\n")
-    (tmp_path / "broken.py").write_text("def f(:\n")
-    for module, arguments, word in [*(("no library", *each) for each in REFUSED), *ABSENT]:
-        with monkeypatch.context() as without:
-            without.setitem(sys.modules, module, None)
-            code, out, err = call("sweep", *FLAGS, *arguments)
-        assert (code, out, err.count("\n")) == (2, "", 1), (arguments, err)
-        assert_says(Exception(err.rstrip("\n")), "pymunk-dragon: ", word)
-    assert names(tmp_path) == ["broken.py", "failing.py", "folder.csv"]
+    assert program().stdout == (tmp_path / "map.csv").read_text()
 
 
 class Case:
@@ -317,3 +279,150 @@ def test_odd_data_are_drawn_twice_the_same(tmp_path):
         # Warnings are errors.
         sweep(SMALL, axes, quantity, THREAD, [tmp_path / "a.png", tmp_path / "b.png"])
         assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
+
+
+# Workers, schedulers and programs that are killed, or interrupted: one line, no process left, no finished point again
+
+
+# s: no program of this file works for longer, whatever happens to it.
+LIMIT = 60
+# A sweep of twelve points of which four end, and its table.
+SWEEP = [PYTHON, "-m", "pymunk_dragon", "sweep", *FLAGS, "--quantity", "sweep_functions:logged", "-o", "map.csv"]
+TWELVE = ["--axis", "x=0:11:1", "--workers", "2"]
+TABLE = "".join(["x,square,side,error\n", *(f"{x},{x * x},{'left' if x < 3 else 'right'},\n" for x in range(12))])
+KEPT = " of 12 points are in map.csv.partial"
+
+
+@contextmanager
+def program(folder, *arguments, command=SWEEP):
+    """The program that sweeps in a folder, in a process group of its own as a shell in a terminal has it."""
+    environment = ENVIRONMENT | {"SWEEP_LOG": str(folder / "points.log")}
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    running = subprocess.Popen([*command, *arguments], cwd=folder, env=environment, process_group=0, **pipes)
+    try:
+        yield running
+    finally:
+        with suppress(ProcessLookupError):
+            os.killpg(running.pid, signal.SIGKILL)
+        running.communicate()
+
+
+def finished(folder):
+    partial = folder / "map.csv.partial"
+    return partial.read_bytes().count(b"\n") - 1 if partial.exists() else 0
+
+
+def begun(folder):
+    log = folder / "points.log"
+    return sorted(map(int, log.read_text().split())) if log.exists() else []
+
+
+def wait_until(running, state):
+    """Wait until `state()` is true, and return the worker processes; the program must not end before."""
+    end = time.monotonic() + LIMIT
+    while not state():
+        assert time.monotonic() < end
+        with pytest.raises(subprocess.TimeoutExpired):
+            running.wait(0.02)
+    return workers(running)
+
+
+def workers(running):
+    found = []
+    for child in psutil.Process(running.pid).children(recursive=True):
+        with suppress(psutil.Error):  # It may have ended.
+            found += [child] * ("spawn_main" in " ".join(child.cmdline()))
+    return found
+
+
+def assert_ended(running, code, *words, processes=()):
+    """The program ends with a code and one line, and its processes with it."""
+    out, err = running.communicate(timeout=LIMIT)
+    assert (running.returncode, out, err.count("\n")) == (code, "", 1), err
+    assert_says(Exception(err.rstrip("\n")), "pymunk-dragon: ", *words)
+    assert psutil.wait_procs(processes, timeout=LIMIT)[1] == []
+
+
+def assert_resumed(folder, *arguments):
+    before = finished(folder)
+    (folder / "points.log").write_text("")
+    (folder / "points.log.go").touch()
+    with program(folder, *TWELVE, "--resume", *arguments) as running:
+        out, err = running.communicate(timeout=LIMIT)
+    assert (running.returncode, err, f"{before} resumed" in out) == (0, "", True)
+    assert len(set(begun(folder))) == len(begun(folder)) == 12 - before
+    assert (folder / "map.csv").read_text() == TABLE
+    assert sorted(os.listdir(folder)) == ["map.csv", "points.log", "points.log.go"]
+
+
+# A terminal sends Ctrl-C, and SIGHUP when it is closed, to all processes.
+@pytest.mark.parametrize(
+    ("number", "send"),
+    [
+        (signal.SIGINT, os.killpg),
+        pytest.param(signal.SIGTERM, os.kill, marks=pytest.mark.thorough),
+        pytest.param(signal.SIGHUP, os.killpg, marks=pytest.mark.thorough),
+    ],
+)
+def test_signal_keeps_the_partial_table_and_waits_for_no_point(tmp_path, number, send):
+    with program(tmp_path, *TWELVE, command=["env", "--default-signal=HUP", *SWEEP]) as running:
+        processes = wait_until(running, lambda: finished(tmp_path) == 4 and len(begun(tmp_path)) == 6)
+        assert len(processes) == 2
+        send(running.pid, number)
+        assert_ended(running, 128 + number, KEPT, processes=processes)
+    assert_resumed(tmp_path, "--workers", "1")
+
+
+def test_two_points_end_at_ctrl_c_while_their_workers_start_or_evaluate_them(tmp_path):
+    for state in (workers, lambda running: begun(tmp_path) == [8, 9]):
+        (tmp_path / "points.log").write_text("")
+        with program(tmp_path, "--axis", "x=8,9", "--workers", "2") as running:
+            processes = wait_until(running, lambda state=state, running=running: state(running))
+            os.killpg(running.pid, signal.SIGINT)
+            assert_ended(running, 130, "interrupted", processes=processes)
+        assert os.listdir(tmp_path) == ["points.log"]
+
+
+@pytest.mark.parametrize("killed", ["worker", pytest.param("program", marks=pytest.mark.thorough)])
+def test_killed_worker_ends_the_sweep_and_killed_program_its_workers(tmp_path, killed):
+    with program(tmp_path, *TWELVE) as running:
+        processes = wait_until(running, lambda: finished(tmp_path) == 4)
+        if killed == "worker":
+            processes[0].kill()
+            assert_ended(running, 1, KEPT, processes=processes)
+        else:
+            running.kill()
+            assert psutil.wait_procs(processes, timeout=LIMIT)[1] == []
+    assert_resumed(tmp_path)
+
+
+def test_python_that_cannot_be_executed_is_an_error(tmp_path):
+    code = "import multiprocessing, sys; from pymunk_dragon.cli import main; multiprocessing.set_executable('/none');"
+    with program(tmp_path, *TWELVE, command=[PYTHON, "-c", f"{code} main(sys.argv[1:])", *SWEEP[3:]]) as running:
+        assert_ended(running, 1, "/none")
+    assert os.listdir(tmp_path) == []
+
+
+CLUSTER = """
+import distributed, threading
+with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
+    print(cluster.scheduler_address, flush=True)
+    threading.Event().wait()
+"""
+
+
+@pytest.mark.thorough
+def test_sweep_on_dask_is_the_same_and_ends_when_its_scheduler_does(tmp_path):
+    with program(tmp_path, command=[PYTHON, "-c", CLUSTER]) as cluster:
+        dask = ["--scheduler", cluster.stdout.readline().strip()]
+        with program(tmp_path, *TWELVE, *dask) as running:
+            wait_until(running, lambda: finished(tmp_path) == 4)
+            os.killpg(running.pid, signal.SIGINT)
+            assert_ended(running, 130, KEPT)
+        assert_resumed(tmp_path, *dask)
+        (tmp_path / "points.log.go").unlink()
+        with program(tmp_path, *TWELVE, *dask) as running:
+            wait_until(running, lambda: finished(tmp_path) == 4)
+            os.killpg(cluster.pid, signal.SIGKILL)
+            assert_ended(running, 1, KEPT)
+    assert_resumed(tmp_path)

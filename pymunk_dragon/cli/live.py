@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -13,12 +14,12 @@ from pymunk_dragon.cli import common
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.sessions.ready import SCENES, Ready, dragon, planned, ready
 from pymunk_dragon.sessions.recording import RECORDING_ENDINGS, Log, record
-from pymunk_dragon.sessions.session import SPEEDS, Session
+from pymunk_dragon.sessions.session import Session
 
 # Options of a dragon of the user's.
 OWN = ("start", "contacts", "free_from")
 _RECORD = "File to write at the end: inputs, .json, the run of a dragon, .npz, or a film, as .gif."
-EXAMPLES = ("", "near-miss", "--benches 60 --from 300 -o live.npz", "--replay live.npz")
+EXAMPLES = ("", "near-miss", "--benches 60 --from 300 -o live.json", "--replay live.json --exit -o live.gif")
 
 
 @click.command(cls=common.DragonCommand, examples=EXAMPLES)
@@ -27,7 +28,7 @@ EXAMPLES = ("", "near-miss", "--benches 60 --from 300 -o live.npz", "--replay li
 @common.start_option
 @click.option("--contacts", type=common.CONTACTS, default="resolve", help="What contacts do.  [resolve]")
 @click.option("--free-from", type=int, metavar="N", help="First bench without dancers.  [all have dancers]")
-@click.option("--replay", metavar="FILE", type=click.Path(), help="Play a recording again, .npz or .json.")
+@click.option("--replay", metavar="FILE", type=click.Path(), help="Play a recording again, .json.")
 @click.option("--exit", "ends", is_flag=True, help="Play the recording without a page, as fast as possible, and exit.")
 @click.option("-o", "--record", "output", metavar="FILE", type=click.Path(), help=_RECORD)
 @common.address_options
@@ -43,9 +44,9 @@ def live(scene: str | None, replay: str | None, ends: bool, output: str | None, 
     log = None if replay is None else Log.load(replay)
     settings = {name: choices.pop(name) for name in OWN}
     source = _source(scene, log) or dragon(common.march(), **settings)
-    session = Session(source, record=path is not None)
+    session = Session(source)
     if log is not None:
-        session.play_again(log.inputs, log.values, log.steps)
+        session.play_again(log)
     if ends:
         _replay(session, log, path)
     else:
@@ -80,12 +81,8 @@ def serve(session: Session, log: Log | None, path: Path | None, **address: Any) 
 
 def _replay(session: Session, log: Log | None, path: Path | None) -> None:
     """Play a recording without a page, and write it as another file."""
-    session.speed = SPEEDS[1]
-    session.start()
-    try:
-        _wait_for_replay(session, log)
-    finally:
-        session.stop()
+    session.replay_until(math.inf)
+    _wait_for_replay(session, log)
     _write(session, path)
 
 

@@ -21,7 +21,6 @@ from pymunk_dragon._arrays import Array
 from pymunk_dragon.collision import Grid
 from pymunk_dragon.drawing.scene import hole_diameter
 from pymunk_dragon.errors import UnreachableError
-from pymunk_dragon.model.contact import Contact
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
@@ -30,13 +29,11 @@ from pymunk_dragon.reports.summary import Summary
 # Steps as fractions of a bench's width: 0.2 micrometres of positions at the contest's 0.3 m, so that a gap between two
 # benches is known to a thousandth of a millimetre, and 0.5 of the exact model's offsets, or a share of the largest.
 STEP, _EXACT_STEP, _EXACT_SHARE = 1 / 1_500_000, 1 / 600_000, 1e-5
-# Step of velocities times the frame interval, in steps of positions. The rounding of velocities then changes
-# interpolated positions by no more than the rounding of positions does.
+# Step of velocities times the frame interval, in steps of positions: both change interpolated positions equally.
 _VELOCITY_STEP = 4
 # Differences between the offsets' lengths and the position errors of a run, m, that come from rounding.
 ROUNDING = 1e-9
-# Order of the differences. The paper's run in steps of 0.2 micrometres takes 2.7 MB at order 2, 1.8 MB at order 3
-# and 1.1 MB at order 4.
+# Order of the differences. The paper's run takes 2.7 MB at order 2, 1.8 MB at order 3 and 1.1 MB at order 4.
 ORDER = 4
 # Steps from the origin in either direction: the range of 32 bits, less one for rounding.
 MAX_COUNT = 2**31 - 2
@@ -58,14 +55,19 @@ def player_data(summary: Summary) -> tuple[dict[str, Any], dict[str, str]]:
     narrowest = float(dragon.widths.min())
     begin, end = run.times[[0, -1]].tolist()
     positions, position_error = _pack_handles(dragon.holes(run.poses), STEP * narrowest)
-    step = positions[0]["step"] * _VELOCITY_STEP / _interval(run.times)
+    interval = float(np.median(np.diff(run.times))) if len(run.times) > 1 else 1.0
+    step = positions[0]["step"] * _VELOCITY_STEP / interval
     velocities, velocity_error = _pack_handles(dragon.hole_velocities(run.poses, run.pose_velocities), step)
+    exact: Packed = {}, ""
+    if (offsets := exact_offsets(run)) is not None:
+        step = max(_EXACT_STEP * narrowest, _EXACT_SHARE * float(np.abs(offsets).max()))
+        exact = pack(offsets, step, from_zero=True)
     # The exact model's near misses do not apply to a dragon without a guide.
     near_misses = () if run.guide == "none" else summary.near_misses or ()
     packed: dict[str, Packed] = {
         "handles": positions,
         "velocities": velocities,
-        "exact": _pack_exact(run, narrowest),
+        "exact": exact,
         "curve": pack(curve_points(run.march, begin, end)[:, None], STEP * narrowest),
     }
     payload = {name: shape or None for name, (shape, _) in packed.items()} | {
@@ -87,8 +89,7 @@ def pack(vectors: Array, step: float, *, from_zero: bool = False) -> Packed:
     half a step.
     """
     low, high = vectors.min(axis=(0, 1)), vectors.max(axis=(0, 1))
-    # Halved first: the sum of two large numbers may overflow.
-    origin = np.zeros(2) if from_zero else low / 2 + high / 2
+    origin = np.zeros(2) if from_zero else (low + high) / 2
     reach = np.maximum(high - origin, origin - low)
     step = max(step, float(reach.max()) / MAX_COUNT)
     # By point, coordinate and time, so that the differences of one track are adjacent.
@@ -115,21 +116,16 @@ def contact_windows(run: Run) -> list[dict[str, Any]]:
     The log begins a window at the end of a substep. The window of the first contact begins at the contact's time, and
     exists even if no event was logged. Windows with impossible benches or times, as in an edited file, are left out.
     """
-    windows = [asdict(window) for window in run.events.windows()]
-    if run.first_contact is not None:
-        _begin_with(run.first_contact, windows)
+    windows, first = [asdict(window) for window in run.events.windows()], run.first_contact
+    if first is not None:
+        its = [each for each in windows if each["benches"] == first.benches and each["begin"] >= first.time]
+        if not its:
+            its = [{"benches": first.benches, "end": None}]
+            windows += its
+        its[0]["begin"] = first.time
     possible = [each for each in windows if each["benches"][1] < run.march.dragon.benches]
     possible = [each for each in possible if isfinite(each["begin"] + (each["end"] or 0))]
     return sorted(possible, key=lambda window: (window["begin"], window["benches"]))
-
-
-def _begin_with(first: Contact, windows: list[dict[str, Any]]) -> None:
-    """Have the first window of a contact begin at its time."""
-    its = [each for each in windows if each["benches"] == first.benches and each["begin"] >= first.time]
-    if not its:
-        its = [{"benches": first.benches, "end": None}]
-        windows += its
-    its[0]["begin"] = first.time
 
 
 def curve_points(march: March, start: float, end: float) -> Array:
@@ -161,9 +157,11 @@ def position_errors(dragon: Dragon, poses: Array, exact: Array) -> Array:
 def exact_offsets(run: Run) -> Array | None:
     """Vectors (K, H, 2) in m from the handles to the exact model's, in the first K frames, where the model has a state.
 
-    None if there are none, or if the run's position errors refer to other times, as after a change of the speed in a
-    live session.
+    None in a run of the exact model, and if the run's position errors are unknown or refer to other times, as after a
+    change of the speed in a live session.
     """
+    if run.player == "exact":
+        return None
     known = int(np.isfinite(run.drift).all(axis=1).cumprod().sum())
     try:
         exact = run.march.at(run.times[:known]).positions
@@ -172,21 +170,6 @@ def exact_offsets(run: Run) -> Array | None:
     dragon, poses = run.march.dragon, run.poses[:known]
     same = np.allclose(position_errors(dragon, poses, exact), run.drift[:known], rtol=1e-6, atol=ROUNDING)
     return exact - handle_vectors(*dragon.holes(poses)) if same and known else None
-
-
-def _interval(times: Array) -> float:
-    """Median of the times between frames, s."""
-    intervals = np.diff(times)
-    apart = intervals[intervals > 0]
-    return float(np.median(apart)) if apart.size else 1.0
-
-
-def _pack_exact(run: Run, narrowest: float) -> Packed:
-    """Offsets of the exact model, if it has them, and if the run is not one of it."""
-    offsets = None if run.player == "exact" else exact_offsets(run)
-    if offsets is None:
-        return {}, ""
-    return pack(offsets, max(_EXACT_STEP * narrowest, _EXACT_SHARE * float(np.abs(offsets).max())), from_zero=True)
 
 
 def _pack_handles(holes: tuple[Array, Array], step: float) -> tuple[Packed, float]:

@@ -16,7 +16,7 @@ from pymunk_dragon.drawing import Palette
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.run import Run
 from pymunk_dragon.player.data import player_data
-from pymunk_dragon.reports.document import Section, headline, provenance, subtitle
+from pymunk_dragon.reports.document import headline, provenance, subtitle
 from pymunk_dragon.reports.summary import Summary, summarize
 
 PLAYER_ENDINGS = (".html",)
@@ -66,8 +66,7 @@ def write_player(
     >>> from pymunk_dragon import Dragon, March, Run, write_player
     >>> write_player(Run.exact(March(Dragon(benches=8)), [0.0, 1.0]), "run.html")
     """
-    destination = check_destination(path, PLAYER_ENDINGS)
-    notify = progress or (lambda done, total: None)
+    destination, notify = check_destination(path, PLAYER_ENDINGS), progress or (lambda done, total: None)
     page = player_page(run, title=title)
     notify(1, 2)
     with written_in_place(destination) as draft:
@@ -109,23 +108,18 @@ def player_page(run: Run, *, title: str | None = None) -> str:
         raise ParameterError("title", title, "a text")
     summary = summarize(run)
     payload, packed = player_data(summary)
-    # A file cannot hold halves of surrogate pairs.
-    given = title and title.encode("utf-8", "replace").decode("utf-8")
-    with in_language("en"):
-        heading, origin = given or headline(summary), provenance(summary)
-        english = _texts_of(summary, origin)
-        below = subtitle(summary)
-    with in_language("zh"):
-        chinese = _texts_of(summary, provenance(summary))
+    english, chinese = (_texts_of(summary, code) for code in ("en", "zh"))
     own = {one: two for one, two in zip(english, chinese, strict=True) if one != two}
+    # A file cannot hold halves of surrogate pairs.
+    heading = title.encode("utf-8", "replace").decode("utf-8") if title else english[0]
     page, _ = document(
         asset(__package__, "assets/player.html"),
         asset(__package__, "assets/layout.css"),
         "".join(asset(__package__, f"assets/{name}.js") for name in SCRIPTS),
         language=language(),
         title=escape(heading),
-        subtitle=escape(below),
-        provenance=_provenance_html(origin),
+        subtitle=escape(english[1]),
+        provenance=_provenance_html(summary),
         last_bench=str(run.march.dragon.benches - 1),
         texts=embedded_json({"zh": catalogue(__package__) | own}),
         payload=embedded_json(payload),
@@ -157,16 +151,19 @@ def colour_variables() -> str:
     return f":root {{{light} }}\n@media (prefers-color-scheme: dark) {{ :root {{{dark} }} }}\n"
 
 
-def _texts_of(summary: Summary, origin: Section) -> list[str]:
-    """Texts about the run in the present language: headline, subtitle and provenance."""
-    facts = [text for heading, table in origin.tables.items() for text in (heading, *chain.from_iterable(table.rows))]
-    return [headline(summary), subtitle(summary), *facts]
+def _texts_of(summary: Summary, code: str) -> list[str]:
+    """Texts about the run in a language: headline, subtitle and provenance."""
+    with in_language(code):
+        tables = provenance(summary).tables.items()
+        facts = [text for heading, table in tables for text in (heading, *chain.from_iterable(table.rows))]
+        return [headline(summary), subtitle(summary), *facts]
 
 
-def _provenance_html(section: Section) -> str:
+@in_language("en")
+def _provenance_html(summary: Summary) -> str:
     """Provenance of the run, as in reports."""
     html = ""
-    for heading, table in section.tables.items():
+    for heading, table in provenance(summary).tables.items():
         rows = "".join(f"<div><dt>{escape(name)}</dt><dd>{escape(value)}</dd></div>" for name, value in table.rows)
         html += f"<div><h3>{escape(heading)}</h3><dl>{rows}</dl></div>"
     return html

@@ -129,6 +129,7 @@ def summarize(run: Run) -> Summary:
 
     Examples
     --------
+    >>> from pymunk_dragon import March, Run
     >>> [miss.benches for miss in summarize(Run.exact(March(), [405, 410])).near_misses]
     [(0, 9), (0, 11)]
     """

@@ -4,7 +4,7 @@
 
 ```sh
 pymunk-dragon live              # the dragon; or live unguided, near-miss, jam, pendulum, cradle, boxes ...
-pymunk-dragon live --benches 40 --pitch 0.45 --record session.npz
+pymunk-dragon live --benches 40 --pitch 0.45 --record session.json
 ```
 
 opens a page on which Pymunk plays in real time. Drag any bench with the mouse or a finger, cut joints, let the
@@ -62,36 +62,28 @@ A pygame program plays on the page with its keys and its mouse when three of its
 `session.step(dt)` in place of `space.step(dt)`. So do these examples of Pymunk's (`python -m pymunk.examples`); those
 whose y points up have no `y_down`:
 
-| example | after this line | in place of this line | y points |
+| examples | after this line | in place of this line | y points |
 | --- | --- | --- | --- |
-| arrows | `space = pymunk.Space()` | `space.step(dt)` | down |
-| balls_and_lines | `space = pymunk.Space()` | `space.step(dt)` | up |
+| arrows, camera, flipper, planet, point_query | `space = pymunk.Space()` | `space.step(dt)` | down |
+| damped_rotary_spring_pointer | `space = pymunk.Space()` | `space.step(dt)` | down |
+| balls_and_lines, breakout, platformer, using_sprites | `space = pymunk.Space()` | `space.step(dt)` | up |
+| contact_with_friction | `space = pymunk.Space()` | `space.step(dt)` | up |
 | bouncing_balls | `self._space = pymunk.Space()` | `self._space.step(self._dt)` | down |
 | box2d_pyramid | `self.space = pymunk.Space()` | `self.space.step(dt)` | up |
-| breakout | `space = pymunk.Space()` | `space.step(dt)` | up |
-| camera | `space = pymunk.Space()` | `space.step(dt)` | down |
 | collisions | `space = pymunk.Space()` | `space.step(1.0 / 60.0)` | down |
 | constraints | `space = pymunk.Space()` | `space.step(1.0 / 60)` | down |
 | contact_and_no_flipy | `space = pm.Space()` | `space.step(dt)` | down |
-| contact_with_friction | `space = pymunk.Space()` | `space.step(dt)` | up |
-| damped_rotary_spring_pointer | `space = pymunk.Space()` | `space.step(dt)` | down |
-| deformable | `space = pymunk.Space()` | `space.step(1.0 / fps)` | down |
-| flipper | `space = pymunk.Space()` | `space.step(dt)` | down |
-| index_video | `space = pymunk.Space()` | `space.step(1.0 / fps)` | down |
+| deformable, index_video | `space = pymunk.Space()` | `space.step(1.0 / fps)` | down |
 | newtons_cradle | `space = pm.Space()` | `space.step(dt)` | up |
-| planet | `space = pymunk.Space()` | `space.step(dt)` | down |
-| platformer | `space = pymunk.Space()` | `space.step(dt)` | up |
 | playground | `self.space = pm.Space()` | `self.space.step(dt)` | up |
-| point_query | `space = pymunk.Space()` | `space.step(dt)` | down |
 | slide_and_pinjoint | `space = pymunk.Space()` | `space.step(1 / 50.0)` | down |
-| using_sprites | `space = pymunk.Space()` | `space.step(dt)` | up |
 
 ## Recordings
 
-**Film** in the page films the picture. `--record FILE` writes the inputs (.json), the run of a dragon (.npz) or a film
-at the end. Every input is logged with the number of the step before which it took effect, so
-`--replay FILE` repeats a session: to the bit on the same machine and versions; elsewhere processors and libraries may
-round differently, and the program says by how much the last poses differ. A film of a recording is made by
+**Film** in the page films the picture. `--record FILE` writes the inputs at the end. Each has the number of the step
+before which it took effect, so `--replay FILE` repeats a session: to the bit on the same machine and versions;
+elsewhere the program says by how much the last poses differ. A film of a recording, or the run of a dragon, .npz, is
+made of such a replay by
 
 ```sh
 pymunk-dragon live --replay renders/live.json --exit -o replay.gif
@@ -107,12 +99,8 @@ only; with `--host 0.0.0.0` others can connect, and need one of the addresses, w
 
 On two cores, the first frame of 223 benches is there 0.47 s after the start of the process, and Chromium shows 60
 pictures a second of 223 benches, 58 of a pyramid of 325 boxes and 21 of 3,000 circles. 20 clients, one of which
-drags, with 30 obstacles and 20 resets in 5 minutes, get 59 frames a second at 0.99 times real time; the process has
-98 MB after 2 minutes and 104 MB after 5. A body follows the mouse after 50 ms. `tests/bench/bench_live.py` measures
-this.
-
-A `Session` steps a `Scene` in a thread of its own and makes frames, which a `Server` sends to browsers. Physics never
-waits for a browser: a client that takes frames slowly gets fewer of them.
+drags, get 59 frames a second at 0.99 times real time, and the process has 104 MB after 5 minutes. A body follows the
+mouse after 50 ms (`tests/bench/bench_live.py`). A client that takes frames slowly gets fewer of them.
 """
 
 from __future__ import annotations

@@ -116,13 +116,12 @@ class PygameEvents:
     """
 
     def __init__(self) -> None:
-        self._pygame = library("pygame")
+        self._pygame = pygame = library("pygame")
         self._keys: defaultdict[int, bool] = defaultdict(bool)
         self._place, self._button = (0, 0), False
-        self._pygame.key.get_pressed = lambda: self._keys
-        self._pygame.key.get_mods = self._modifiers
-        self._pygame.mouse.get_pos = lambda: self._place
-        self._pygame.mouse.get_pressed = lambda num_buttons=3: (self._button, False, False)
+        pygame.key.get_pressed = lambda: self._keys
+        pygame.mouse.get_pos = lambda: self._place
+        pygame.mouse.get_pressed = lambda num_buttons=3: (self._button, False, False)
 
     @property
     def field(self) -> tuple[float, float, float, float] | None:
@@ -135,31 +134,25 @@ class PygameEvents:
 
     def key(self, name: str, down: bool) -> None:
         """Post the event of a key with a name of the browser's."""
+        pygame, keys = self._pygame, self._keys
         try:
-            code = self._pygame.key.key_code(_KEY_NAMES.get(name, name.removeprefix("Arrow")))
+            code = pygame.key.key_code(_KEY_NAMES.get(name, name.removeprefix("Arrow")))
         except ValueError:  # A key that pygame does not have.
             return
-        self._keys[code] = down
-        kind = self._pygame.KEYDOWN if down else self._pygame.KEYUP
+        keys[code] = down
+        pygame.key.set_mods(pygame.KMOD_SHIFT * keys[pygame.K_LSHIFT] | pygame.KMOD_CTRL * keys[pygame.K_LCTRL])
         character = name if down and len(name) == 1 else ""
-        self._post(kind, key=code, mod=self._modifiers(), unicode=character, scancode=0)
+        kind = pygame.KEYDOWN if down else pygame.KEYUP
+        self._post(kind, key=code, mod=pygame.key.get_mods(), unicode=character, scancode=0)
 
     def pointer(self, x: float, y: float, kind: str) -> None:
         """Post the event of the pointer at a pixel of pygame's window: "down", "up" or "move"."""
         before, self._place = self._place, (round(x), round(y))
-        if kind == "move":
-            relative = (self._place[0] - before[0], self._place[1] - before[1])
-            self._post(self._pygame.MOUSEMOTION, pos=self._place, rel=relative, buttons=(int(self._button), 0, 0))
-            return
-        self._button = kind == "down"
-        event = self._pygame.MOUSEBUTTONDOWN if self._button else self._pygame.MOUSEBUTTONUP
-        self._post(event, pos=self._place, button=1)
-
-    def _modifiers(self) -> int:
-        pygame = self._pygame
-        return (pygame.KMOD_SHIFT if self._keys[pygame.K_LSHIFT] else 0) | (
-            pygame.KMOD_CTRL if self._keys[pygame.K_LCTRL] else 0
-        )
+        self._button = kind == "down" or (kind == "move" and self._button)
+        moved = {"rel": (self._place[0] - before[0], self._place[1] - before[1]), "buttons": (int(self._button), 0, 0)}
+        names = {"down": "MOUSEBUTTONDOWN", "up": "MOUSEBUTTONUP", "move": "MOUSEMOTION"}
+        more = moved if kind == "move" else {"button": 1}
+        self._post(getattr(self._pygame, names[kind]), pos=self._place, **more)
 
     def _post(self, kind: int, **values: object) -> None:
         self._pygame.event.post(self._pygame.event.Event(kind, **values))

@@ -10,7 +10,7 @@ import pymunk
 
 from pymunk_dragon._arrays import Array
 from pymunk_dragon._checks import word
-from pymunk_dragon.drawing.debug_draw import DrawCall
+from pymunk_dragon.drawing.debug_draw import DrawRecorder
 from pymunk_dragon.drawing.scene import hole_diameter
 from pymunk_dragon.errors import UnreachableError
 from pymunk_dragon.model.march import March
@@ -43,6 +43,8 @@ class DragonScene(Scene):
     """A dragon whose head is pulled along a march; see `Scene` and `World`."""
 
     abilities = ("dancers", "cut", "obstacles", "contacts", "ghost")
+    # Not the joints of the dancers.
+    drawn = DrawRecorder.DRAW_SHAPES
 
     def __init__(
         self,
@@ -61,10 +63,10 @@ class DragonScene(Scene):
         self._curve = curve_points(self.march, start, start)
         low, high = self._curve.min(axis=0), self._curve.max(axis=0)
         (x, y), (width, height) = (low + high) / 2, high - low + self.march.dragon.lengths.max()
-        super().__init__(self.world.space, Play(step=self.world.substep, field=(x, y, width, height)))
-        self._numbers = {body: number for number, body in enumerate(self.world.bodies)}
-        self._march_time, self._share = start, 1.0
         self._speed = values.get("speed", self.world.top_speed)
+        super().__init__(self.world.space, Play(step=self.world.substep, field=(x, y, width, height)))
+        self._numbers: dict[Any, int] = {body: number for number, body in enumerate(self.world.bodies)}
+        self.march_time, self._share = start, 1.0
         self.time = start
         self._lag = _HEAD_LAG * float(self.march.dragon.widths.min())
         # Contacts of the last step, each with points, normal, and impulse in N s; and the pairs that touched before.
@@ -84,21 +86,21 @@ class DragonScene(Scene):
         self._share = min(max(self._share + change * world.top_speed * world.substep, 0.0), 1.0)
         share = self._share * self._speed / world.top_speed
         try:
-            states = self.march.at(self._march_time + share * world.substep, handles=2)
-            self._march_time += share * world.substep
+            states = self.march.at(self.march_time + share * world.substep, handles=2)
+            self.march_time += share * world.substep
         except UnreachableError:
             if not self._ended:
                 self.events.append("the head is at the end of its path")
             self._ended = self.stops = True
-            states, share = self.march.at(self._march_time, handles=2), 0.0
+            states, share = self.march.at(self.march_time, handles=2), 0.0
         if share == 0 and self._held is None:
             # A motor alone would push a long chain back along its path for minutes.
             pose = states.poses[0, 0].tolist()
             ahead = (world.bodies[0].position - pymunk.Vec2d(*pose[:2])).dot(pymunk.Vec2d.from_polar(1, pose[2]))
             shift = _RECOVERING * world.substep * ahead / world.top_speed
-            self._march_time = max(self._march_time + shift, world.start)
+            self.march_time = max(self.march_time + shift, world.start)
         if world.returning:
-            world.carry(self.march.at(self._march_time), share)
+            world.carry(self.march.at(self.march_time), share)
         world.prepare(states, share=share)
         self._touching.clear()
         world.space.step(world.substep)
@@ -120,23 +122,17 @@ class DragonScene(Scene):
     def _note_contacts(self) -> None:
         """Tell of contacts that begin, and stop at them if they do so."""
         # An obstacle has the number -1, and comes first.
-        pairs = [sorted((self._number(one), self._number(two))) for one, two in self._touching]
+        pairs = (sorted(self._numbers.get(shape.body, -1) for shape in shapes) for shapes in self._touching)
         touching = {(i, j) for i, j in pairs}
-        for first, j in sorted(touching - self._touched):
-            i = j if first < 0 else first
-            self.events.append(f"bench {i} and an obstacle touch" if first < 0 else f"benches {i} and {j} touch")
+        for i, j in sorted(touching - self._touched):
+            self.events.append(f"bench {j} and an obstacle touch" if i < 0 else f"benches {i} and {j} touch")
             self.stops |= self._contacts_do == "stop"
         self._touched = touching
 
-    def _number(self, shape: pymunk.Shape) -> int:
-        """Return the number of the bench that has a shape; -1 of an obstacle."""
-        return -1 if shape.body is None else self._numbers.get(shape.body, -1)
-
     # ---- what a slider changes
 
-    @property
-    def parameters(self) -> dict[str, Slider]:
-        """Sliders with their present values; sizes that differ from bench to bench have none."""
+    def _sliders(self) -> list[Slider]:
+        """Return the sliders of a dragon; sizes that differ from bench to bench have none."""
         dragon, curve, settings, speed = self.march.dragon, self.march.curve, self.world.settings, self.world.top_speed
         step, longest = 1e3 * self.world.substep, 1e3 * MAX_STRIDE / speed
         found = [
@@ -154,10 +150,10 @@ class DragonScene(Scene):
             found.append(Slider("width", 0.05, high, dragon.width, label="Width", unit="m", rebuilds=True))
             many = Slider("benches", 2, MAX_BENCHES, dragon.benches, label="Benches", whole=True, rebuilds=True)
             found.append(many)
-        return {each.name: each for each in found}
+        return found
 
-    def set(self, name: str, value: float) -> None:
-        """Change a value of a slider that does not rebuild."""
+    def _change(self, name: str, value: float) -> None:
+        """Change the speed of the head, or a setting of the engine."""
         if name == "speed":
             self._speed = value
         else:
@@ -211,33 +207,9 @@ class DragonScene(Scene):
         """Return the poses (N, 3) of the benches: m, m, rad."""
         return self.world.poses
 
-    def snapshot(self) -> dict[str, Any]:
-        """Return the present state for a recording: time of the march, obstacles, and poses, as JSON values."""
-        obstacles = [dict(each) for each in self.obstacles.values()]
-        return {"march_time": self._march_time, "obstacles": obstacles, "poses": self.poses().tolist()}
-
-    def calls_of(self, snapshot: dict[str, Any]) -> list[DrawCall]:
-        """Return the outlines of benches and obstacles in a snapshot, in Pymunk's colours."""
-        colours = self._recorder
-        bench, obstacle, outline = colours.shape_dynamic_color, colours.shape_static_color, colours.shape_outline_color
-        outlines = self.march.dragon.outlines(np.array(snapshot["poses"])).tolist()
-        calls = [DrawCall("polygon", corners, 0.0, bench, outline) for corners in outlines]
-        for each in snapshot["obstacles"]:
-            x, y, half = each["x"], each["y"], each["size"] / 2
-            if each["shape"] == "round":
-                calls.append(DrawCall("circle", ((x, y),), half, obstacle, outline))
-            else:
-                corners = [(x + half * a, y + half * b) for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
-                calls.append(DrawCall("polygon", tuple(corners), 0.0, obstacle, outline))
-        return calls
-
-    def exact(self) -> tuple[Array, Array]:
-        """Return the poses (N, 3) of the exact model, and the position errors (N,), m."""
-        states = self.march.at(self._march_time)
-        return states.poses[0], position_errors(self.march.dragon, self.world.poses, states.positions[0])
-
     def _parts(self) -> tuple[dict[str, Any], dict[str, Array]]:
-        exact, errors = self.exact()
+        states, poses = self.march.at(self.march_time), self.world.poses
+        errors = position_errors(self.march.dragon, poses, states.positions[0])
         rows = [
             (*point, *normal, impulse if first else NO_ARROW)
             for points, normal, impulse in self._touching.values()
@@ -247,9 +219,9 @@ class DragonScene(Scene):
         forces[self._cuts] = 0.0
         touching = sorted({number for pair in self._touched for number in pair if number >= 0})
         contacts = np.array(rows).reshape(-1, 5)
-        parts = {"poses": self.world.poses, "exact": exact, "errors": errors, "forces": forces, "contacts": contacts}
+        parts = {"poses": poses, "exact": states.poses[0], "errors": errors, "forces": forces, "contacts": contacts}
         waits = self._share < 1 and not self._ended
-        header = {"march_time": self._march_time, "touching": touching, "waits": waits}
+        header = {"march_time": self.march_time, "touching": touching, "waits": waits}
         return header, parts
 
 

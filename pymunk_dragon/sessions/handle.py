@@ -25,7 +25,7 @@ from pymunk_dragon.sessions.controls import Button, Key, PygameEvents, Slider
 from pymunk_dragon.sessions.ready import Ready, dragon, program, ready
 from pymunk_dragon.sessions.recording import RECORDING_ENDINGS, record
 from pymunk_dragon.sessions.scene import Play
-from pymunk_dragon.sessions.session import Session
+from pymunk_dragon.sessions.session import MAX_STEP, Session
 
 if TYPE_CHECKING:
     from pymunk_dragon.sessions.server import Server
@@ -35,9 +35,6 @@ _FRAME_HEIGHT = 720
 # What `reset` puts back in a space that no function builds. The angle comes first: Pymunk finds the position of a body
 # from that of its centre of mass, with the angle.
 _KEPT = ("angle", "position", "velocity", "angular_velocity", "force", "torque", "gravity", "damping", "iterations")
-# s. Longest step of a space.
-_MAX_STEP = 10.0
-DEFAULT = Play()
 
 
 class Live:
@@ -161,7 +158,8 @@ def live(
         Address to listen on, by default for programs on this machine only; port, 0 for a free one; and names of hosts
         under which a proxy shows the page.
     record : path, optional
-        File to write when the session is stopped: .json (inputs), .npz (the run of a dragon), .gif, .apng, .webp, .mp4.
+        File to write when the session is stopped: .json (inputs), or of a replay of them .npz (the run of a dragon),
+        .gif, .apng, .webp, .mp4.
 
     Returns
     -------
@@ -193,20 +191,22 @@ def live(
     >>> session = live(build, controls=controls, y_down=True, units="px", browser=False)
     >>> session.stop()
     """
-    path = None if record is None else check_destination(record, RECORDING_ENDINGS)
+    # The steps that a program makes itself cannot be replayed.
+    endings = RECORDING_ENDINGS if step is not None else (".json",)
+    path = None if record is None else check_destination(record, endings)
     play = Play(
-        step=None if step is None else finite("step", step, 1e-6, _MAX_STEP, "s"),
+        step=None if step is None else finite("step", step, 1e-6, MAX_STEP, "s"),
         on_step=on_step,
         controls=tuple(controls),
         plots=dict(plots or {}),
         y_down=y_down,
         units=units,
     )
-    session = Session(source_of(what, play), record=path is not None, running=not paused)
+    session = Session(source_of(what, play), running=not paused)
     return serve(session, host=host, port=port, allow_hosts=allow_hosts, browser=browser, path=path)
 
 
-def source_of(what: object, play: Play = DEFAULT) -> Ready:
+def source_of(what: object, play: Play) -> Ready:
     """Return how the scene of a march, a space, a function or a name is made."""
     if what is None or isinstance(what, str):
         return ready(what or "dragon")

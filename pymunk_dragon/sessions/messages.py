@@ -19,8 +19,8 @@ from pymunk_dragon._checks import finite, number
 from pymunk_dragon.drawing.debug_draw import DrawCall
 from pymunk_dragon.errors import ParameterError
 
-# Characters of a message.
-MAX_MESSAGE = 4096
+# Characters of a message; and inputs that are kept: two hours of a mouse that never rests.
+MAX_MESSAGE, MAX_INPUTS = 4096, 500_000
 # Arguments that are lengths are not larger, so that products stay finite.
 _MAX_COORDINATE, _LENGTHS = 1e6, ("x", "y", "slip", "size")
 # Actions on a scene, each with its arguments: they are logged with the number of the step before which they act.

@@ -1,17 +1,14 @@
-"""What happened in a session: inputs, from which it is played again, the run of a dragon, and films."""
+"""What happened in a session: inputs, from which it is played again, also as the run of a dragon or a film."""
 
 from __future__ import annotations
 
 import io
 import json
 import math
-import tempfile
-import weakref
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from itertools import islice
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pymunk
@@ -20,33 +17,24 @@ from PIL import Image
 from pymunk_dragon._checks import finite, whole
 from pymunk_dragon._files import check_destination, read_text, written_in_place
 from pymunk_dragon.drawing.debug_draw import PillowDrawOptions
-from pymunk_dragon.drawing.film import formats, render
+from pymunk_dragon.drawing.film import formats
 from pymunk_dragon.errors import DragonError, FileFormatError, ParameterError
-from pymunk_dragon.model.run import Run, opened_archive
+from pymunk_dragon.model.run import Run
 from pymunk_dragon.model.settings import engine_provenance
 from pymunk_dragon.player.data import position_errors
 from pymunk_dragon.sessions.dragon import DragonScene
-from pymunk_dragon.sessions.messages import INPUTS, checked
+from pymunk_dragon.sessions.messages import INPUTS, MAX_INPUTS, checked
 from pymunk_dragon.sessions.ready import planned
 from pymunk_dragon.sessions.scene import Scene
-
-if TYPE_CHECKING:
-    from pymunk_dragon.sessions.session import Session
+from pymunk_dragon.sessions.session import Session
 
 RECORDING_ENDINGS = (".json", ".npz", *formats.WRITERS)
-# Inputs that are kept: two hours of a mouse that never rests. Bytes of as many as JSON.
-MAX_INPUTS = 500_000
+# Bytes of a recording with as many inputs as are kept.
 _MAX_SIZE = 200 * MAX_INPUTS
 # Steps of a recording, at most.
 _MAX_STEPS = 100_000_000
-# Simulated s between frames.
-_INTERVAL = 1 / 30
-# Frames a second of a film, and pixels of one by Pymunk's debug drawing.
-_FPS, _SIZE = 20, (640, 480)
-# Inputs whose effects a run does not show.
-_NOT_IN_RUNS = {"cut", "obstacle"}
-# Colours of such a film: one index means transparent. Pictures from which they are chosen.
-_COLOURS, _SAMPLES = 255, 8
+# Frames a second of a run and of a film, pixels of a film, and its colours: one index means transparent.
+_RUN_FPS, _FPS, _SIZE, _COLOURS = 30, 20, (640, 480), 255
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,12 +56,8 @@ class Log:
 
     @classmethod
     def load(cls, path: str | Path) -> Log:
-        """Read the log in a run that `record` wrote as .npz, or in .json, which the page saves too."""
-        if str(path).endswith(".json"):
-            text = read_text(path, "replay", _MAX_SIZE)
-        else:
-            with opened_archive(path, "replay") as (notes, _):
-                text = json.dumps(notes["provenance"].get("live"))
+        """Read the log in a file .json, as `record` and the page write it."""
+        text = read_text(path, "replay", _MAX_SIZE)
         try:
             return cls._of(json.loads(text))
         except Exception as error:  # Whatever it is, the content is to blame.
@@ -105,97 +89,75 @@ class Log:
         return json.dumps(vars(self))
 
 
-class Frames:
-    """Times and snapshots of a scene, in a file without a name, which is gone with the session."""
-
-    def __init__(self, scene: Scene) -> None:
-        self.times: list[float] = []
-        self._file = tempfile.TemporaryFile()  # noqa: SIM115 (it is closed with the frames)
-        weakref.finalize(self, self._file.close)
-        self._steps_of_frame = max(1, round(_INTERVAL / scene.step_length))
-
-    def keep(self, scene: Scene, *, last: bool = False) -> None:
-        """Add the present state of the scene if a frame is due, or if it is the last one and not there yet."""
-        if self.times[-1:] != [scene.time] if last else scene.steps % self._steps_of_frame == 0:
-            self._file.write(json.dumps(scene.snapshot()).encode() + b"\n")
-            self._file.flush()
-            self.times.append(scene.time)
-
-    def __iter__(self) -> Iterator[Any]:
-        self._file.seek(0)
-        yield from map(json.loads, self._file)
-
-
 def record(session: Session, path: str | Path, progress: Callable[[int, int], None] | None = None) -> None:
     """Write what happened in a session since its scene was built: inputs as .json, a dragon's run as .npz, a film.
 
-    The session must not step meanwhile.
+    Runs and films show a replay of the inputs. The session must not step meanwhile.
     """
-    destination = check_destination(path, RECORDING_ENDINGS)
-    scene, log, ending = session.scene, Log.of(session), destination.suffix.lower()
-    if ending == ".json":
+    destination, log = check_destination(path, RECORDING_ENDINGS), Log.of(session)
+    if destination.suffix == ".json":
         with written_in_place(destination) as draft:
             draft.write_text(log.to_json())
         return
-    session.keep_frame(last=True)
-    frames = session.frames
-    if frames is None or (ending != ".npz" and len(frames.times) < 2):
-        raise ParameterError("record", str(path), "a file of a session of which at least two frames were kept")
-    done = {message["do"] for _, message in log.inputs}
-    if ending == ".npz":
-        _run(scene, log, frames).save(destination)
-    elif isinstance(scene, DragonScene) and not scene.obstacles and _NOT_IN_RUNS.isdisjoint(done):
-        render(_run(scene, log, frames), destination, progress=progress, speedup=1, fps=_FPS)
+    again = Session(session.source)
+    again.play_again(log)
+    seconds = session.scene.time - again.scene.time
+    if destination.suffix == ".npz":
+        _run(again, log, seconds).save(destination)
     else:
-        _film(scene, frames, destination, progress)
+        _film(again, seconds, session.scene, destination, progress)
 
 
 def still(session: Session) -> bytes:
     """Return a picture of the present state as the bytes of a PNG."""
     file = io.BytesIO()
     with session.held:
-        _picture(session.scene, session.scene.snapshot()).save(file, "png")
+        _picture(session.scene).save(file, "png")
     return file.getvalue()
 
 
-def _run(scene: Scene, log: Log, frames: Frames) -> Run:
-    """Return frames of a dragon as a run, with errors against the exact model at the times of the march."""
+def _run(session: Session, log: Log, seconds: float) -> Run:
+    """Return a replay of a dragon as a run, with errors against the exact model at the times of the march."""
+    scene = session.scene
     if not isinstance(scene, DragonScene):
         raise ParameterError("record", ".npz", ".json or a film: only a dragon's session is a run")
-    times, snapshots = np.array(frames.times), list(frames)
-    march_times = np.array([snapshot["march_time"] for snapshot in snapshots])
-    poses = np.array([snapshot["poses"] for snapshot in snapshots])
+    frames = {}
+    for due in scene.time + np.arange(math.ceil(seconds * _RUN_FPS) + 1) / _RUN_FPS:
+        session.replay_until(due)
+        frames[scene.time] = scene.march_time, scene.poses()
+    times, (march_times, poses) = np.array(list(frames)), map(np.array, zip(*frames.values(), strict=True))
     errors = position_errors(scene.march.dragon, poses, scene.march.at(march_times).positions)
     span = {"start": float(times[0]), "until": float(times[-1])}
     notes = engine_provenance(scene.world.settings, guide="rails", substeps=log.steps, **span)
-    provenance = {**notes, "live": {**vars(log), "march_times": march_times.tolist()}}
-    return Run(march=scene.march, times=times, poses=poses, drift=errors, provenance=provenance)
+    return Run(march=scene.march, times=times, poses=poses, drift=errors, provenance=notes)
 
 
-def _film(scene: Scene, frames: Frames, destination: Path, progress: Callable[[int, int], None] | None) -> None:
-    """Write a film by Pymunk's debug drawing."""
-    times = np.array(frames.times)
-    samples = islice(frames, 0, None, max(1, len(times) // _SAMPLES))
-    table = Image.fromarray(np.concatenate([np.asarray(_picture(scene, each)) for each in samples])).quantize(_COLOURS)
+def _film(
+    session: Session, seconds: float, last: Scene, destination: Path, progress: Callable[[int, int], None] | None
+) -> None:
+    """Write a film of a replay, which ends like the scene `last`, by Pymunk's debug drawing."""
+    ends = np.arange(1, math.ceil(seconds * _FPS) + 2) / _FPS
+    begin, samples = session.scene.time, [np.asarray(_picture(each)) for each in (session.scene, last)]
+    table = Image.fromarray(np.concatenate(samples)).quantize(_COLOURS)
 
     def pictures() -> Iterator[Image.Image]:
-        for done, snapshot in enumerate(frames, start=1):
-            yield _picture(scene, snapshot).quantize(palette=table, dither=Image.Dither.NONE)
+        for done in range(len(ends)):
+            session.replay_until(begin + done / _FPS)
+            yield _picture(session.scene).quantize(palette=table, dither=Image.Dither.NONE)
             if progress is not None:
-                progress(done, len(times))
+                progress(done + 1, len(ends))
 
-    ends = np.append(times[1:], 2 * times[-1] - times[-2]) - times[0]
     with written_in_place(destination) as draft:
         film = formats.Frames(pictures=pictures(), ends=ends.tolist(), size=_SIZE, fps=_FPS)
         formats.WRITERS[destination.suffix.lower()](draft, film)
 
 
-def _picture(scene: Scene, snapshot: Any) -> Image.Image:
-    """Return the picture of a snapshot by Pymunk's debug drawing."""
+def _picture(scene: Scene) -> Image.Image:
+    """Return the picture of a scene by Pymunk's debug drawing."""
     picture = Image.new("RGB", _SIZE, "white")
     options = PillowDrawOptions(picture, positive_y_is_up=not scene.play.y_down)
+    options.flags = scene.drawn
     (x, y), (width, height) = scene.field["centre"], scene.field["size"]
     options.fit(pymunk.BB(x - width / 2, y - height / 2, x + width / 2, y + height / 2))
-    with options:
-        options.calls += scene.calls_of(snapshot)
+    scene.space.debug_draw(options)
     return picture

@@ -24,9 +24,6 @@ _HAND_ACCELERATION, _HAND_SIZE = 1000.0, 10.0
 # Share of the distance to the pointer that is left after a second, as in Pymunk's examples.
 _HAND_BIAS = (1 - 0.15) ** 60
 _MAX_OBSTACLES = 100
-# s: the step that is shown before a program makes its first one.
-_DEFAULT_STEP = 1 / 60
-_POINTER_KINDS = ("down", "move", "up")
 _OBSTACLE_FRICTION = 0.4
 # Least width and height of the area that is shown.
 _SMALLEST = 1e-3
@@ -61,26 +58,32 @@ class Scene:
     """Any Pymunk space, drawn as Pymunk's debug drawing draws it."""
 
     abilities: tuple[str, ...] = ("cut", "obstacles", "until_contact")
+    # What pictures and the page show of Pymunk's debug drawing; contacts are sent apart.
+    drawn = DrawRecorder.DRAW_SHAPES | DrawRecorder.DRAW_CONSTRAINTS
 
     def __init__(self, space: pymunk.Space, play: Play = Play(), values: Mapping[str, float] | None = None) -> None:
         self.space, self.play = space, play
-        self.step_length = play.step or _DEFAULT_STEP
+        # A program makes its first step later.
+        self.step_length = play.step or 1 / 60
         self.steps, self.time = 0, 0.0
         self.events: list[str] = []
         self.stops = self.waits_for_contact = False
-        self.obstacles: dict[int, dict[str, Any]] = {}
-        self._obstacle_shapes: dict[int, pymunk.Shape] = {}
+        # Obstacles by number: what the page gets, and the shape.
+        self._obstacles: dict[int, tuple[dict[str, Any], pymunk.Shape]] = {}
         self._hand = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
         self._held: pymunk.PivotJoint | None = None
         self._recorder = DrawRecorder()
-        self._recorder.flags &= ~DrawRecorder.DRAW_COLLISION_POINTS
+        self._recorder.flags = self.drawn
         # Kept, as Pymunk never frees the memory of a buffer.
         self._arbiters, self._bodies = batch.Buffer(), batch.Buffer()
         self.pygame = next((each for each in play.controls if isinstance(each, PygameEvents)), None)
-        self._sliders = {each.name: each for each in play.controls if isinstance(each, Slider)}
-        self._values = dict(values or {})
         self._gravity = space.gravity
-        self.field: dict[str, list[float]] = {}
+        # Sliders with their present values: those of the user's, and those that the scene has.
+        known = {each.name: each for each in self._sliders()}
+        given = {name: each.value for name, each in known.items()} | dict(values or {})
+        own = [each for each in play.controls if isinstance(each, Slider)]
+        self.parameters = {each.name: replace(each, value=given.get(each.name, each.low)) for each in own}
+        self.parameters |= {name: each for name, each in known.items() if name not in self.parameters}
         self.fit()
 
     def fit(self) -> None:
@@ -90,7 +93,7 @@ class Scene:
             box = extent(self.space)
             box = box if box.left <= box.right else pymunk.BB(-1, -1, 1, 1)
             field = *box.center(), max(box.right - box.left, _SMALLEST), max(box.top - box.bottom, _SMALLEST)
-        self.field = {"centre": list(field[:2]), "size": list(field[2:])}
+        self.field: dict[str, list[float]] = {"centre": list(field[:2]), "size": list(field[2:])}
 
     # ---- time
 
@@ -115,23 +118,20 @@ class Scene:
 
     # ---- what controls change
 
-    @property
-    def parameters(self) -> dict[str, Slider]:
-        """Sliders with their present values: those of the user's, and those that any space has."""
+    def _sliders(self) -> list[Slider]:
+        """Return the sliders that any space has."""
         step, space, strength = self.play.step, self.space, self._gravity.length
         known = [
             Slider("iterations", 1, 200, space.iterations, label="Iterations", logarithmic=True, whole=True),
             Slider("damping", 0, 1, space.damping, label="Velocity kept in 1 s"),
         ]
         if step is not None:
-            now, low, high = (1e3 * each for each in (self.step_length, step / 10, step * 10))
+            low, now, high = 1e2 * step, 1e3 * step, 1e4 * step
             known.insert(0, Slider("step", low, high, now, label="Time step", unit="ms", logarithmic=True))
         if strength > 0:
             unit = f"{self.play.units}/s²"
-            known.append(Slider("gravity", 0, 3 * strength, space.gravity.length, label="Gravity", unit=unit))
-        values = {each.name: each.value for each in known} | self._values
-        own = {name: replace(each, value=values.get(name, each.low)) for name, each in self._sliders.items()}
-        return own | {each.name: each for each in known if each.name not in own}
+            known.append(Slider("gravity", 0, 3 * strength, strength, label="Gravity", unit=unit))
+        return known
 
     @property
     def values(self) -> dict[str, float]:
@@ -140,37 +140,42 @@ class Scene:
 
     def set(self, name: str, value: float) -> None:
         """Change a value of a slider that does not rebuild."""
-        slider = self._sliders.get(name)
-        if slider is not None:
-            self._values[name] = value
-        if slider is not None and slider.action is not None:
+        slider = self.parameters[name]
+        self.parameters[name] = replace(slider, value=value)
+        if slider.action is not None:
             slider.action(self.space, value)
-        elif name == "step":
+        else:
+            self._change(name, value)
+
+    def _change(self, name: str, value: float) -> None:
+        """Change the length of a step, or a property of the space."""
+        if name == "step":
             self.step_length = value / 1e3
         elif name == "gravity":
             direction = self._gravity.normalized() if self._gravity.length > 0 else pymunk.Vec2d(0, -1)
             self.space.gravity = value * direction
-        elif name in ("iterations", "damping"):
+        else:
             setattr(self.space, name, value)
 
     def press(self, name: str, down: bool) -> None:
         """Call the action of a button or a key that is pressed, or that of a key that is released."""
+        controls = [each for each in self.play.controls if isinstance(each, Button | Key) and each.name == name]
         if self.pygame is not None:
             self.pygame.key(name, down)
-        for control in self.play.controls:
-            if isinstance(control, Button | Key) and control.name == name:
-                action = control.action if down else getattr(control, "up", None)
-                if action is not None:
-                    action(self.space)
-                return
-        if self.pygame is None:
+        elif not controls:
             raise ParameterError("name", name, "a button or a key of this scene")
+        for control in controls[:1]:
+            action = control.action if down else getattr(control, "up", None)
+            if action is not None:
+                action(self.space)
 
     def pointer(self, x: float, y: float, kind: str) -> None:
         """Hand the pointer on to a pygame program, whose window has its origin at the upper left."""
         if self.pygame is None:
             raise ParameterError("pointer", kind, "sent to a program with PygameEvents")
-        self.pygame.pointer(x, y if self.play.y_down else self.field["size"][1] - y, word("kind", kind, _POINTER_KINDS))
+        self.pygame.pointer(
+            x, y if self.play.y_down else self.field["size"][1] - y, word("kind", kind, ("down", "move", "up"))
+        )
 
     # ---- what a hand does
 
@@ -213,7 +218,7 @@ class Scene:
 
     def obstacle(self, shape: str, x: float, y: float, size: float) -> None:
         """Put a round or square obstacle, `size` in diameter or side, on the ground."""
-        if len(self.obstacles) >= _MAX_OBSTACLES:
+        if len(self._obstacles) >= _MAX_OBSTACLES:
             raise ParameterError("obstacle", shape, f"one of at most {_MAX_OBSTACLES}")
         half = positive("size", size, math.inf, self.play.units) / 2
         ground = self.space.static_body
@@ -221,17 +226,15 @@ class Scene:
         is_round = word("shape", shape, ("round", "square")) == "round"
         found = pymunk.Circle(ground, half, (x, y)) if is_round else pymunk.Poly.create_box_bb(ground, box)
         found.friction = _OBSTACLE_FRICTION
-        number = max(self.obstacles, default=0) + 1
-        self.obstacles[number] = {"id": number, "shape": shape, "x": x, "y": y, "size": 2 * half}
-        self._obstacle_shapes[number] = found
+        number = max(self._obstacles, default=0) + 1
+        self._obstacles[number] = {"id": number, "shape": shape, "x": x, "y": y, "size": 2 * half}, found
         self.space.add(found)
 
     def remove(self, obstacle: int) -> None:
         """Remove an obstacle."""
-        if obstacle not in self.obstacles:
+        if obstacle not in self._obstacles:
             raise ParameterError("obstacle", obstacle, "the number of an obstacle")
-        del self.obstacles[obstacle]
-        self.space.remove(self._obstacle_shapes.pop(obstacle))
+        self.space.remove(self._obstacles.pop(obstacle)[1])
 
     # ---- what is shown
 
@@ -260,7 +263,7 @@ class Scene:
             "contacts": None,
             "free_from": None,
             "cuts": [],
-            "obstacles": list(self.obstacles.values()),
+            "obstacles": [about for about, _ in self._obstacles.values()],
             "values": self.values,
             "waits_for_contact": self.waits_for_contact,
         }
@@ -291,14 +294,6 @@ class Scene:
             held = [*self._held.b.local_to_world(self._held.anchor_b), *self._hand.position]
         more, arrays = self._parts()
         return in_binary({**header, "step": self.steps, "time": self.time, "held": held, **more}, arrays)
-
-    def snapshot(self) -> Any:
-        """Return the present state for a recording as JSON values, which `calls_of` takes."""
-        return [[getattr(call, name) for name in DrawCall.__slots__] for call in self.calls()]
-
-    def calls_of(self, snapshot: Any) -> list[DrawCall]:
-        """Return what is drawn of a snapshot."""
-        return [DrawCall(*call) for call in snapshot]
 
     # ---- parts of a frame
 

@@ -192,14 +192,14 @@ class Server:
 
     async def _inputs(self, request: web.Request) -> web.Response:
         """What was done so far, as JSON from which the session is played again."""
-        found: Future[Log] = Future()
+        found: Future[str] = Future()
 
         def take() -> None:
             if found.set_running_or_notify_cancel():
-                found.set_result(Log.of(self.session))
+                found.set_result(Log.of(self.session).to_json())
 
         self.session.call(take)
-        text = (await asyncio.wait_for(asyncio.wrap_future(found), _SAVE_TIME)).to_json()
+        text = await asyncio.wait_for(asyncio.wrap_future(found), _SAVE_TIME)
         headers = {"Content-Disposition": 'attachment; filename="live.json"'}
         return web.Response(text=text, content_type="application/json", headers=headers)
 

@@ -5,20 +5,22 @@ from __future__ import annotations
 import json
 import threading
 from collections import deque
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Future
 from contextlib import contextmanager, suppress
 from functools import partial
 from time import perf_counter, sleep
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pymunk_dragon._checks import finite, whole, word
 from pymunk_dragon.errors import DragonError, ParameterError
 from pymunk_dragon.sessions.controls import Slider
-from pymunk_dragon.sessions.messages import INPUTS, MAX_MESSAGE, parsed, without_nan
+from pymunk_dragon.sessions.messages import INPUTS, MAX_INPUTS, MAX_MESSAGE, parsed, without_nan
 from pymunk_dragon.sessions.ready import SCENES, Ready, ready
-from pymunk_dragon.sessions.recording import MAX_INPUTS, Frames
 from pymunk_dragon.sessions.user_code import callbacks_raise, described
+
+if TYPE_CHECKING:
+    from pymunk_dragon.sessions.recording import Log
 
 # Simulated over real time.
 SPEEDS = 0.1, 20.0
@@ -30,24 +32,18 @@ _LARGEST_DEBT = 0.1
 _TICK, PATIENCE = 0.002, 0.2
 # s that `stop` waits for the thread, which a function of the user's may hold.
 _LONGEST_STOP = 0.5
-# s. Longest step of a program that makes the steps itself.
-_MAX_LENGTH = 10.0
-# Steps at once.
-MAX_COUNT = 100_000
+# s. Longest step.
+MAX_STEP = 10.0
 # s over which the rate is averaged, and between two values of the charts.
 _RATE_TIME, _PLOT_TIME = 1.0, 0.1
-# Share of a new value in the mean time of a step that is shown.
-_SMOOTHING = 0.1
-# Messages that wait for the thread; a client that floods loses the others.
-_MAX_WAITING = 1000
-# Events of a second that clients get; the others are counted.
-_MAX_EVENTS = 20
+# Steps at once; messages that wait for the thread, and events of a second that clients get: others are only counted.
+_MAX_COUNT, _MAX_WAITING, _MAX_EVENTS = 100_000, 1000, 20
 
 
 class Session:
     """A scene in motion, which a thread of its own steps, or a program by `step`."""
 
-    def __init__(self, source: Ready, *, record: bool = False, running: bool = True) -> None:
+    def __init__(self, source: Ready, *, running: bool = True) -> None:
         self.source = self._own = source
         # Pages: `tell` sends one a text, `show` a frame, and `controls` is whether it may change anything.
         self.clients: tuple[Any, ...] = ()
@@ -55,8 +51,6 @@ class Session:
         # The client whose hand holds a body.
         self._holder: object = None
         self.running, self.speed, self.generation = running, 1.0, 0
-        self._records = record
-        self.frames: Frames | None = None
         # Inputs of a recording that wait for their steps, and the step after which the replay ends.
         self._replay: deque[tuple[int, dict[str, Any]]] | None = None
         self._replay_end = 0
@@ -68,7 +62,6 @@ class Session:
         self._due = self._frame_due = self._shown = perf_counter()
         self._step_seconds = self._plotted = 0.0
         self._second, self._events = 0.0, 0
-        self._failed: tuple[int, int, str] | None = None
         self._failure: list[dict[str, Any]] = []
         # Held while a step is made or messages are taken: a program that holds it may change the space.
         self.held, self._ended = threading.RLock(), threading.Event()
@@ -87,7 +80,7 @@ class Session:
         """Make a step of a program that makes the steps itself, when it is due: messages and frames go on meanwhile."""
         if self.scene.play.step is not None:
             raise ParameterError("step", self.scene.play.step, "None for a program that makes the steps itself")
-        self.scene.step_length = finite("dt", length, 0, _MAX_LENGTH, "s")
+        self.scene.step_length = finite("dt", length, 0, MAX_STEP, "s")
         if not self.scene.steps:
             # Now the program has opened its window and filled its space.
             self.scene.fit()
@@ -159,19 +152,29 @@ class Session:
     def state(self) -> dict[str, Any]:
         """Return what changes now and then."""
         own = {name: getattr(self, name) for name in ("generation", "running", "speed")}
-        own |= {"clients": len(self.clients), "replaying": self._replay is not None}
+        own |= {"clients": len(self.clients), "replaying": self.replaying}
         return dict(without_nan({"kind": "state", **own, **self.scene.state()}))
 
     # ---- replays
 
-    def play_again(self, inputs: Sequence[tuple[int, dict[str, Any]]], values: Mapping[str, float], steps: int) -> None:
-        """Build the scene with these values, and carry out inputs before the steps of these numbers, up to `steps`.
+    @property
+    def replaying(self) -> bool:
+        """Whether a replay goes on."""
+        return self._replay is not None
 
-        Only before `start`.
-        """
-        self._build(self.source, values)
-        self._replay, self._replay_end = deque(inputs), steps
-        self._go_on_with_replay()
+    def play_again(self, log: Log) -> None:
+        """Build the scene of a log, and carry out its inputs before the steps at which they came; before `start`."""
+        self._build(self.source, log.values)
+        self._replay, self._replay_end = deque(log.inputs), log.steps
+        with self._watched():
+            self._go_on_with_replay()
+
+    def replay_until(self, time: float) -> None:
+        """Make the steps of a replay up to a time, as fast as they go, in place of the thread."""
+        while self.replaying and self.scene.time < time:
+            self._step()
+        if not self.replaying:
+            self._replayed.result()
 
     def wait_for_replay(self) -> list[list[float]] | None:
         """Wait for the end of a replay, and return its last poses, or None if it was cancelled."""
@@ -181,30 +184,12 @@ class Session:
 
     def _go_on_with_replay(self) -> None:
         """Carry out the inputs of a replay that belong before the next step; after its last step it ends."""
-        replay = self._replay
-        while replay and replay[0][0] <= self.scene.steps:
-            step, message = replay.popleft()
-            try:
-                self._apply(message)
-            except DragonError as error:
-                reason = f"the replay ends before step {step}, which has an input that is impossible: {error}"
-                self._end_replay(error=reason)
-                return
-        if replay is not None and self.scene.steps >= self._replay_end:
+        while self._replay and self._replay[0][0] <= self.scene.steps:
+            self._apply(self._replay.popleft()[1])
+        if self.replaying and self.scene.steps >= self._replay_end:
             self._pause()
-            self._end_replay(poses=self.scene.poses().tolist())
-
-    def _end_replay(self, *, poses: list[list[float]] | None = None, error: str | None = None) -> None:
-        """End a replay, if there is one, with the last poses, with an error, or with neither if it is cancelled."""
-        if self._replay is None:
-            return
-        self._replay = None
-        if error is None:
-            self._replayed.set_result(poses)
-        else:
-            self._pause()
-            self.tell({"kind": "error", "text": error})
-            self._replayed.set_exception(DragonError(error))
+            self._replay = None
+            self._replayed.set_result(self.scene.poses().tolist())
 
     # ---- time
 
@@ -238,11 +223,10 @@ class Session:
         self._single_steps = max(self._single_steps - 1, 0)
         with self.held, self._watched():
             scene.advance()
-            self._step_seconds += _SMOOTHING * (perf_counter() - begin - self._step_seconds)
-            self.keep_frame()
+            self._step_seconds = perf_counter() - begin
             self._tell_events()
             # A recorded session went on after a stop.
-            if scene.stops and self._replay is None:
+            if scene.stops and not self.replaying:
                 self._pause()
             scene.stops = False
             self._go_on_with_replay()
@@ -264,15 +248,16 @@ class Session:
         except Exception as error:
             if answer is not None and isinstance(error, DragonError):
                 answer(str(error))
-            elif self._replay is not None:
-                self._end_replay(error=f"the replay ends at step {self.scene.steps}: {error}")
-            else:
-                self._pause()
-                # Not again in each frame of a session that is paused by it.
-                now = self.generation, self.scene.steps, str(error)
-                if now != self._failed:
-                    self._failed, self._failure = now, [described(error)]
-                    self.tell(self._failure[0])
+                return
+            self._pause()
+            failure = described(error)
+            if self.replaying:
+                self._replay = None
+                self._replayed.set_exception(DragonError(f"the replay ends at step {self.scene.steps}: {error}"))
+            # Not again in each frame of a session that is paused by it.
+            if self._failure != [failure]:
+                self._failure = [failure]
+                self.tell(failure)
 
     # ---- what clients get
 
@@ -323,68 +308,57 @@ class Session:
         session = {"kind": "scene", "role": "control", "generation": self.generation, "scenes": scenes}
         self._description = without_nan({**session, **own, **self.scene.to_dict()})
 
-    def keep_frame(self, *, last: bool = False) -> None:
-        """Keep the present state for a recording if a frame is due, or as its last frame."""
-        try:
-            if self.frames is not None:
-                self.frames.keep(self.scene, last=last)
-        except OSError as error:
-            self.frames = None
-            self.tell({"kind": "error", "text": f"frames are no longer kept: {error.strerror}"})
-
     # ---- messages
 
     def _take(self, message: dict[str, Any], answer: Callable[[str], None]) -> None:
-        """Carry out a message."""
+        """Carry out a message, or note the wish for a new scene: wishes that wait together are carried out as one."""
         with self._watched(answer):
             action = message["do"]
             # The place of the hand is in each frame.
             self._changed |= action != "drag"
-            if self._wishes(message):
-                return
-            self._build_wanted()
-            if action in INPUTS:
-                if self._replay is not None or len(self.inputs) >= MAX_INPUTS:
-                    bound = f"sent after a replay, and one of at most {MAX_INPUTS} inputs until a reset"
-                    raise ParameterError("message", action, bound)
-                self._apply(message)
-            elif action == "play":
-                self.running, self._failure = True, []
-            elif action == "pause":
-                self._pause()
-            elif action == "step":
-                count = whole("count", message["count"], 1, MAX_COUNT)
-                self._pause()
-                self._single_steps = count
-            elif action == "speed":
-                self.speed = finite("speed", message["value"], *SPEEDS, "times")
-                self._pace.clear()
-            elif action == "until_contact":
-                self.running = self.scene.waits_for_contact = True
-
-    def _wishes(self, message: dict[str, Any]) -> bool:
-        """Note the wish for a new scene, if a message is one: those that wait together are carried out as one."""
-        action = message["do"]
-        if action in ("scene", "reset") and self.scene.play.step is None:
-            raise ParameterError("message", action, "another one: this program builds its space itself")
-        if action == "scene":
-            name = message["name"]
-            self._wanted = (self._own if name == self._own.name else ready(name)), {}
-            self.running = True
-        elif action == "reset":
-            self._wanted = self._wanted or (self.source, self.values)
-        elif action == "set" and self._replay is None:
-            if self._wanted is not None and self._wanted[0] is not self.source:
-                # It has other sliders.
+            if action in ("scene", "reset") and self.scene.play.step is None:
+                raise ParameterError("message", action, "another one: this program builds its space itself")
+            if action == "scene":
+                name = message["name"]
+                self._wanted = (self._own if name == self._own.name else ready(name)), {}
+                self.running = True
+            elif action == "reset":
+                self._wanted = self._wanted or (self.source, self.values)
+            elif action != "set" or self.replaying or not self._wishes_value(message):
                 self._build_wanted()
-            slider = self._slider(message["name"])
-            if not slider.rebuilds:
-                return False
+                self._act(action, message)
+
+    def _wishes_value(self, message: dict[str, Any]) -> bool:
+        """Note the wish for a scene with another value of a slider, if the slider rebuilds."""
+        if self._wanted is not None and self._wanted[0] is not self.source:
+            # It has other sliders.
+            self._build_wanted()
+        slider = self._slider(message["name"])
+        if slider.rebuilds:
             values = self.scene.values if self._wanted is None else self._wanted[1]
             self._wanted = self.source, {**values, slider.name: slider.checked(message["value"])}
-        else:
-            return False
-        return True
+        return slider.rebuilds
+
+    def _act(self, action: str, message: dict[str, Any]) -> None:
+        """Carry out a message that needs no new scene."""
+        if action in INPUTS:
+            if self.replaying or len(self.inputs) >= MAX_INPUTS:
+                bound = f"sent after a replay, and one of at most {MAX_INPUTS} inputs until a reset"
+                raise ParameterError("message", action, bound)
+            self._apply(message)
+        elif action == "play":
+            self.running, self._failure = True, []
+        elif action == "pause":
+            self._pause()
+        elif action == "step":
+            count = whole("count", message["count"], 1, _MAX_COUNT)
+            self._pause()
+            self._single_steps, self._failure = count, []
+        elif action == "speed":
+            self.speed = finite("speed", message["value"], *SPEEDS, "times")
+            self._pace.clear()
+        elif action == "until_contact":
+            self.running = self.scene.waits_for_contact = True
 
     def _apply(self, message: dict[str, Any]) -> None:
         """Change the scene, and log the input."""
@@ -423,12 +397,12 @@ class Session:
         self.source, self.scene, self.values = source, scene, dict(values)
         self.generation += 1
         self.inputs: list[str] = []
-        self._end_replay()
+        if self.replaying:
+            self._replay = None
+            self._replayed.set_result(None)
         self._single_steps, self._failure = 0, []
         # The time in which a scene is built is not played.
         self._due = perf_counter()
         self._pace.clear()
         self._describe()
-        self.frames = Frames(scene) if self._records else None
-        self.keep_frame()
         self._changed = True

@@ -39,7 +39,6 @@ class LiveWidget(AnyWidget):
         self.still = f"live-{self.model_id}"
         self._session, self._lock = session, RLock()
         self._sent = self._drawn = 0
-        self._newest: bytes | None = None
         self._heard = 0.0
         self.on_msg(self._receive)
 
@@ -62,19 +61,13 @@ class LiveWidget(AnyWidget):
         self.send({"text": json.dumps(message, allow_nan=False)})
 
     def show(self, frame: bytes) -> None:
-        """Send a frame, unless a newer one comes before the page has drawn those before it."""
+        """Send a frame, unless the page has to draw those before it."""
         with self._lock:
             if perf_counter() - self._heard > SILENCE:
                 self._session.leave(self)
-                return
-            self._newest = frame
-            self._send_newest()
-
-    def _send_newest(self) -> None:
-        if self._newest is not None and self._sent - self._drawn < MOST_FRAMES:
-            self._sent += 1
-            self.send({"frame": self._sent}, [self._newest])
-            self._newest = None
+            elif self._sent - self._drawn < MOST_FRAMES:
+                self._sent += 1
+                self.send({"frame": self._sent}, [frame])
 
     def _receive(self, widget: object, content: object, buffers: object) -> None:
         with self._lock:
@@ -82,10 +75,9 @@ class LiveWidget(AnyWidget):
             if content == 0 or self not in self._session.clients:
                 # A page that begins anew has none of the frames that were sent before, and holds no body.
                 self._session.leave(self)
-                self._drawn, self._newest = self._sent, None
+                self._drawn = self._sent
                 self._session.join(self)
             if isinstance(content, str):
                 self._session.receive(self, content)
             elif isinstance(content, int):
                 self._drawn = max(self._drawn, content)
-                self._send_newest()

@@ -4,8 +4,6 @@
 same.
 """
 
-from __future__ import annotations
-
 import io
 import json
 import os
@@ -22,10 +20,9 @@ import numpy as np
 import pytest
 from hypothesis import strategies as st
 
-from pymunk_dragon import Dragon, March, Run, simulate
+from pymunk_dragon import Arc, Composite, Dragon, Line, March, Run, simulate
 from pymunk_dragon.cli import status
 from pymunk_dragon.drawing.figures import FIGURES
-from pymunk_dragon.model.curves import Arc, Composite, Line
 
 CASES = int(os.environ.get("FUZZ_CASES", "0"))
 # s of processor time, after which a case is ended.

@@ -1,6 +1,7 @@
 // Buttons, fields and keys of the player.
 
 const TIMELINE_STEP = 2; // times
+const WHOLE_TIMELINE = 1e-9; // times: so little is the whole run
 const TOUCH_SLIP = 12; // pixels: largest distance of a touch from the bench that it selects
 
 function connect(player) {
@@ -37,7 +38,7 @@ function buttonsOf(player) {
     last: () => player.playLast(),
     "timeline-in": () => player.zoomTimeline(TIMELINE_STEP),
     "timeline-out": () => player.zoomTimeline(1 / TIMELINE_STEP),
-    "timeline-all": () => player.showWholeTimeline(),
+    "timeline-all": () => player.zoomTimeline(WHOLE_TIMELINE),
   };
 }
 

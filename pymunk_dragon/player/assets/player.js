@@ -77,7 +77,6 @@ class Player extends Stage {
     element("time").value = time;
     // Only while paused: screen readers would announce every change.
     if (!this.playing) element("time").setAttribute("aria-valuetext", localized("{time} seconds", { time: time.toFixed(2) }));
-    element("timeline-in").disabled = timeline.isShortest;
     element("timeline-out").disabled = element("timeline-all").disabled = timeline.isWhole;
   }
 
@@ -154,11 +153,6 @@ class Player extends Stage {
 
   zoomTimeline(factor) {
     this.timeline.zoomAround(factor, this.time);
-    this.requestDraw();
-  }
-
-  showWholeTimeline() {
-    this.timeline.showAll();
     this.requestDraw();
   }
 

@@ -39,10 +39,6 @@ class Timeline {
     return this.length >= this.motion.end - this.motion.begin;
   }
 
-  get isShortest() {
-    return this.length <= SHORTEST_PART;
-  }
-
   // Show from a time on so many seconds, within the run.
   setPart(from, length) {
     const { begin, end } = this.motion;
