@@ -19,6 +19,7 @@ class Player extends Stage {
     this.exact = exact && new Exact(this.motion, exact);
     this.painter = new RunPainter(element("field"), this.motion, this.view, payload, vectorsOf(curve));
     this.events = eventsOf(payload);
+    this.eventTimes = this.events.map(({ time }) => time);
     this.timeline = new Timeline(element("strip"), element("time"), this.motion, this.events);
     this.time = this.motion.begin;
     this.length = this.motion.end - this.motion.begin;
@@ -126,14 +127,6 @@ class Player extends Stage {
   toNext(times, direction) {
     const later = direction > 0;
     this.seek((later ? times.find((time) => time > this.time) : times.findLast((time) => time < this.time)) ?? this.time);
-  }
-
-  step(direction) {
-    this.toNext(this.motion.times, direction);
-  }
-
-  toEvent(direction) {
-    this.toNext(this.events.map(({ time }) => time), direction);
   }
 
   // Play the end of the run, with that part on the timeline.
