@@ -21,7 +21,7 @@ from pymunk_dragon.reports.summary import Summary, summarize
 PLAYER_ENDINGS = (".html",)
 # Parts of the script; each uses only those before it.
 SCRIPTS = (
-    *("common", "texts", "decode", "geometry", "pane", "motion", "exact", "view", "format", "grid", "marks", "paint"),
+    *("common", "texts", "decode", "geometry", "pane", "motion", "exact", "view", "format", "marks", "paint"),
     *("picture", "timeline", "link", "pointer", "stage", "player", "controls", "main"),
 )
 # Parts of the page that the page of a live session has too.

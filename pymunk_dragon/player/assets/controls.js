@@ -1,6 +1,7 @@
 // Buttons, fields and keys of the player.
 
 const TIMELINE_STEP = 2; // times
+const WHOLE_TIMELINE = 1e-9; // times: so little is the whole run
 const TOUCH_SLIP = 12; // pixels: largest distance of a touch from the bench that it selects
 
 function connect(player) {
@@ -27,19 +28,17 @@ function connect(player) {
   addEventListener("hashchange", () => player.readLink());
 }
 
-function buttonsOf(player) {
-  return {
-    play: () => player.toggle(),
-    back: () => player.step(-1),
-    forward: () => player.step(1),
-    previous: () => player.toEvent(-1),
-    next: () => player.toEvent(1),
-    last: () => player.playLast(),
-    "timeline-in": () => player.zoomTimeline(TIMELINE_STEP),
-    "timeline-out": () => player.zoomTimeline(1 / TIMELINE_STEP),
-    "timeline-all": () => player.showWholeTimeline(),
-  };
-}
+const buttonsOf = (player) => ({
+  play: () => player.toggle(),
+  back: () => player.toNext(player.motion.times, -1),
+  forward: () => player.toNext(player.motion.times, 1),
+  previous: () => player.toNext(player.eventTimes, -1),
+  next: () => player.toNext(player.eventTimes, 1),
+  last: () => player.playLast(),
+  "timeline-in": () => player.zoomTimeline(TIMELINE_STEP),
+  "timeline-out": () => player.zoomTimeline(1 / TIMELINE_STEP),
+  "timeline-all": () => player.zoomTimeline(WHOLE_TIMELINE),
+});
 
 function connectFields(player) {
   element("rate").append(...RATES.map((rate) => new Option(`${rate}×`, rate)));

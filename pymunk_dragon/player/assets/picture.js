@@ -1,4 +1,38 @@
-// Draws a moment of a run, with its overlays.
+// Draws a moment of a run with its overlays, and the paper's grid for the search for contacts: its lines, and the cells
+// that benches cover.
+
+const SMALLEST_CELL = 5; // pixels: smallest cell that is drawn
+const CELL_OPACITY = 0.1; // of covered cells, as in the films
+const LINE_OPACITY = 0.28; // of lines, as in the films
+
+function drawGrid(painter, benches, visible) {
+  const { context, colours, view, payload } = painter;
+  const { cell, origin } = payload.grid;
+  const size = cell * view.scale;
+  if (size < SMALLEST_CELL) return;
+  const corner = (row, column) => view.toScreen(origin[0] + column * cell, origin[1] - row * cell);
+  const covered = new Path2D();
+  for (const i of visible) {
+    for (const [row, column] of benches.cells(i, payload.grid)) covered.rect(...corner(row, column), size, size);
+  }
+  context.fillStyle = context.strokeStyle = colours.grid;
+  context.globalAlpha = CELL_OPACITY;
+  context.fill(covered);
+  const [west, north] = view.toWorld(0, 0);
+  const lines = new Path2D();
+  for (let [, py] = corner(Math.ceil((origin[1] - north) / cell), 0); py <= view.height; py += size) {
+    lines.moveTo(0, py);
+    lines.lineTo(view.width, py);
+  }
+  for (let [px] = corner(0, Math.ceil((west - origin[0]) / cell)); px <= view.width; px += size) {
+    lines.moveTo(px, 0);
+    lines.lineTo(px, view.height);
+  }
+  context.lineWidth = 1;
+  context.globalAlpha = LINE_OPACITY;
+  context.stroke(lines);
+  context.globalAlpha = 1;
+}
 
 class RunPainter extends Painter {
   // Draw `benches` at `time` with the overlays in `show` and the bench `pointed` highlighted. The exact benches are drawn

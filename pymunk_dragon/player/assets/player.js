@@ -19,6 +19,7 @@ class Player extends Stage {
     this.exact = exact && new Exact(this.motion, exact);
     this.painter = new RunPainter(element("field"), this.motion, this.view, payload, vectorsOf(curve));
     this.events = eventsOf(payload);
+    this.eventTimes = this.events.map(({ time }) => time);
     this.timeline = new Timeline(element("strip"), element("time"), this.motion, this.events);
     this.time = this.motion.begin;
     this.length = this.motion.end - this.motion.begin;
@@ -77,7 +78,6 @@ class Player extends Stage {
     element("time").value = time;
     // Only while paused: screen readers would announce every change.
     if (!this.playing) element("time").setAttribute("aria-valuetext", localized("{time} seconds", { time: time.toFixed(2) }));
-    element("timeline-in").disabled = timeline.isShortest;
     element("timeline-out").disabled = element("timeline-all").disabled = timeline.isWhole;
   }
 
@@ -129,14 +129,6 @@ class Player extends Stage {
     this.seek((later ? times.find((time) => time > this.time) : times.findLast((time) => time < this.time)) ?? this.time);
   }
 
-  step(direction) {
-    this.toNext(this.motion.times, direction);
-  }
-
-  toEvent(direction) {
-    this.toNext(this.events.map(({ time }) => time), direction);
-  }
-
   // Play the end of the run, with that part on the timeline.
   playLast() {
     this.timeline.setPart(this.motion.end - LAST_PART, LAST_PART);
@@ -154,11 +146,6 @@ class Player extends Stage {
 
   zoomTimeline(factor) {
     this.timeline.zoomAround(factor, this.time);
-    this.requestDraw();
-  }
-
-  showWholeTimeline() {
-    this.timeline.showAll();
     this.requestDraw();
   }
 

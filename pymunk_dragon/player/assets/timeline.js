@@ -39,10 +39,6 @@ class Timeline {
     return this.length >= this.motion.end - this.motion.begin;
   }
 
-  get isShortest() {
-    return this.length <= SHORTEST_PART;
-  }
-
   // Show from a time on so many seconds, within the run.
   setPart(from, length) {
     const { begin, end } = this.motion;
@@ -149,7 +145,7 @@ class Timeline {
   }
 }
 
-// ---- slow motion near events: the speed falls in proportion to the time to the nearest one, down to a lowest one
+// ---- slow motion near events: the speed falls in proportion to the time to the nearest one
 
 const SLOWEST = 1 / 8; // simulated over real time
 const APPROACH = 2; // 1/s: speed over the time to the event

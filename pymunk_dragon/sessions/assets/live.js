@@ -199,7 +199,7 @@ class Live extends Stage {
     if (!this.scene) return;
     this.showEvents();
     this.charts.setTexts();
-    this.sliders.rebuild(this.scene.parameters);
+    this.sliders.setParameters(this.scene.parameters);
     showScene(this);
     if (this.state) this.setState(this.state);
   }

@@ -5,8 +5,6 @@ const PALE = 0.55; // weight of the background in the colour of benches whose da
 class LivePainter extends Painter {
   constructor(canvas, view) {
     super(canvas, null, view, {}, []);
-    this.forceScale = new LogScale();
-    this.impulseScale = new LogScale();
   }
 
   setModel(model) {

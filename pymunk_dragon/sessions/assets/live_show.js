@@ -18,8 +18,8 @@ function showScene(live) {
   setText("title", title);
   setText("text", translated(scene.text));
   setText("lesson", scene.lesson ? localized("Lesson: {name}", { name: scene.lesson }) : "");
-  const flag = language === "en" ? "" : ` --lang ${language}`;
-  element("lesson").title = scene.lesson ? `pymunk-dragon demo ${scene.lesson}${flag}` : "";
+  const command = `pymunk-dragon demo ${scene.lesson}${language === "en" ? "" : ` --lang ${language}`}`;
+  element("lesson").title = scene.lesson ? command : "";
   const list = element("scene");
   list.replaceChildren(...scene.scenes.map((each) => new Option(translated(each.title), each.name)));
   list.value = scene.name;

@@ -12,10 +12,8 @@ const CUT_MARK = 5; // pixels: half the size of the cross at a cut joint
 
 // Outlines of exact benches that differ visibly from those of the engine.
 function drawErrors(painter, { exact, errors }) {
-  const { view, model } = painter;
-  const ghosts = new Benches(model, posesOf(exact));
-  const apart = Array.from(ghosts.poses.x.keys()).filter((i) => errors[i] * view.scale >= GHOST_SHOWN);
-  drawGhosts(painter, ghosts, apart.filter((i) => view.isVisible(ghosts.poses.x[i], ghosts.poses.y[i], model.lengths[i])));
+  const ghosts = new Benches(painter.model, posesOf(exact)), apart = (i) => errors[i] * painter.view.scale >= GHOST_SHOWN;
+  drawGhosts(painter, ghosts, painter.visible(ghosts).filter(apart));
 }
 
 // A disc at each joint: colour and size show the force.

@@ -85,21 +85,15 @@ class Sliders {
     this.sliders = [];
   }
 
-  // A rebuilt scene with the same parameters keeps its sliders, and with them the focus.
+  // A rebuilt scene with the same parameters keeps its sliders, and with them the focus; not in another language.
   setParameters(parameters) {
-    const shape = JSON.stringify(parameters.map(({ value, ...rest }) => rest));
+    const shape = JSON.stringify([language, ...parameters.map(({ value, ...rest }) => rest)]);
     if (shape !== this.shape) {
       this.shape = shape;
       this.sliders = parameters.map((parameter) => new Slider(parameter, this.send));
       this.container.replaceChildren(...this.sliders.map(({ element: made }) => made));
     }
     this.setValues(Object.fromEntries(parameters.map(({ name, value }) => [name, value])));
-  }
-
-  // After a change of the language.
-  rebuild(parameters) {
-    this.shape = null;
-    this.setParameters(parameters);
   }
 
   setValues(values) {
