@@ -124,8 +124,9 @@ class DragonScene(Scene):
         # An obstacle has the number -1, and comes first.
         pairs = (sorted(self._numbers.get(shape.body, -1) for shape in shapes) for shapes in self._touching)
         touching = {(i, j) for i, j in pairs}
-        for i, j in sorted(touching - self._touched):
-            self.events.append(f"bench {j} and an obstacle touch" if i < 0 else f"benches {i} and {j} touch")
+        for first, second in sorted(touching - self._touched):
+            i, j = (second, first) if first < 0 else (first, second)
+            self.events.append(f"bench {i} and an obstacle touch" if j < 0 else f"benches {i} and {j} touch")
             self.stops |= self._contacts_do == "stop"
         self._touched = touching
 

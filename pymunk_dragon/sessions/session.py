@@ -294,8 +294,8 @@ class Session:
         now, texts = perf_counter(), list(self.scene.events)
         self.scene.events.clear()
         if now - self._second >= 1:
-            if self._events > _MAX_EVENTS:
-                texts.insert(0, f"{self._events - _MAX_EVENTS} further events in a second")
+            if (i := self._events - _MAX_EVENTS) > 0:
+                texts.insert(0, f"{i} further events in a second")
             self._second, self._events = now, 0
         for text in texts[: max(_MAX_EVENTS - self._events, 0)]:
             self.tell({"kind": "event", "time": self.scene.time, "text": text})
