@@ -133,11 +133,7 @@ def grid_of_page(page, march, time, cell):
           const { cells, entries, pairs } = gridPairs(benches, grid);
           return [[...cells].flatMap(([cell, filed]) => filed.map((i) => `${cell},${i}`)), entries, pairs];
         }""",
-        [
-            march.head_start + time,
-            march.dragon.benches,
-            {"cell": cell, "origin": [-8.8, 8.8]},
-        ],
+        [march.head_start + time, march.dragon.benches, {"cell": cell, "origin": [-8.8, 8.8]}],
     )
 
 
@@ -264,10 +260,8 @@ def test_grid_says_how_many_pairs_share_a_cell(visit):
             set_slider(page, "size of a cell", cell)
             set_slider(page, "benches", benches)
             pairs, entries = Grid(cell=cell).pairs(outlines[:benches]), Grid(cell=cell).file(outlines[:benches])[1]
-            expected = (
-                f"{len(pairs)} of {(benches - 1) * (benches - 2) // 2} pairs share a cell; {len(entries)} entries"
-            )
-            assert expected in readout(page)
+            every = (benches - 1) * (benches - 2) // 2
+            assert f"{len(pairs)} of {every} pairs share a cell; {len(entries)} entries" in readout(page)
         assert f"Bench 8: {np.sum(pairs == 8)} to test." in readout(page)
         page.get_by_role("button", name="The bench that is picked").press("ArrowLeft")
         assert f"Bench 7: {np.sum(pairs == 7)} to test." in readout(page)

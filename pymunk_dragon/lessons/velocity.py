@@ -42,8 +42,7 @@ plt.savefig("velocity.png", bbox_inches="tight")
 # A rigid bench keeps its length, so both its handles go equally fast along it; the front one goes at a slightly larger
 # angle to it, because the spiral is more curved there, and so has to be faster: 223 such benches leave the tail with
 # 0.9965 m/s. Two positions tell the same, with an error that shrinks with the step, until they are so close, at some 10
-# microseconds (30 on the stage, which rounds more), that most of their digits are equal and the rounding of the last
-# ones takes over.
+# microseconds (30 on the stage), that most of their digits are equal and the rounding of the last ones takes over.
 #
 # How fast is the tail?
 # - As fast as the head: so it is on a straight line and on a circle, where all angles are equal.
@@ -60,8 +59,7 @@ plt.savefig("velocity.png", bbox_inches="tight")
 # degrees. The paper's table 2 has 0.999, as it cuts off what follows.
 # ## Try
 # Make the time step shorter and shorter, and note the error: by how much does it fall when the step is a tenth, and
-# from where on does it rise? Then let the dragon march on: the redder a bench is, the slower. Where along the dragon is
-# speed lost?
+# from where on does it rise? Then let the dragon march on, redder where it is slower: where is speed lost?
 # ## Change
 # Set `t` to 412: how much slower is the tail now, and which bench loses most? Then put `[0, 0]` for `.max()`, the
 # head's own error: why does rounding take over later than along the whole dragon?
