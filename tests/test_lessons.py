@@ -19,9 +19,10 @@ from PIL import Image
 
 from pymunk_dragon.errors import DragonError, MissingExtraError
 from pymunk_dragon.lessons import LESSONS, Lesson, play, record, write_lessons
-from pymunk_dragon.lessons._framework import lesson, make_notebook
+from pymunk_dragon.lessons._framework import lesson
 from pymunk_dragon.lessons._framework.lesson import blocks
 from pymunk_dragon.lessons._framework.markup import html, plain
+from pymunk_dragon.lessons._framework.notebook import make_notebook
 
 LANGUAGES = ("en", "zh")
 SECTIONS = ["Title", "Question", "Guess", "Answer", "Check", "Try", "Change", "Teacher"]

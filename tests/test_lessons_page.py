@@ -11,8 +11,10 @@ from lesson_runs import played
 from sharing import shared
 
 from pymunk_dragon.lessons import LESSONS, write_lessons
-from pymunk_dragon.lessons._framework import make_notebook, make_page, page
+from pymunk_dragon.lessons._framework import page
 from pymunk_dragon.lessons._framework.lesson import blocks
+from pymunk_dragon.lessons._framework.notebook import make_notebook
+from pymunk_dragon.lessons._framework.page import make_page
 from pymunk_dragon.sessions.handle import serve
 from pymunk_dragon.sessions.ready import ready
 from pymunk_dragon.sessions.session import Session

@@ -13,7 +13,8 @@ from pymunk_dragon._files import check_destination
 from pymunk_dragon._language import language
 from pymunk_dragon.cli import common
 from pymunk_dragon.lessons import LESSONS, Lesson, play, write_lessons
-from pymunk_dragon.lessons._framework import endings, make_folder, picture, run, run_page
+from pymunk_dragon.lessons._framework.page import endings, run_page
+from pymunk_dragon.lessons._framework.recording import make_folder, picture, run
 
 # Instead of a lesson's name.
 ALL = "all"

@@ -29,7 +29,10 @@ between dollar signs. A stage is a file of JavaScript beside it; Chinese texts, 
 
 from collections.abc import Mapping
 
-from pymunk_dragon.lessons._framework import Lesson, Recording, lessons, play, record, write_lessons
+from pymunk_dragon.lessons._framework.lesson import Lesson, lessons
+from pymunk_dragon.lessons._framework.page import write_lessons
+from pymunk_dragon.lessons._framework.recording import Recording, record
+from pymunk_dragon.lessons._framework.terminal import play
 
 __all__ = ["LESSONS", "Lesson", "Recording", "play", "record", "write_lessons"]
 

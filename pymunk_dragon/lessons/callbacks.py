@@ -77,11 +77,12 @@ frames[40]
 # ## Check
 # The impulse of 3.29 N s is what sets the bench in motion: divide it by 10 kg, and compare the speed.
 # ## Try
-# Make contacts, and watch the events come: which come once, and which again and again? What is the impulse of a contact
-# that lasts?
+# Watch the events, then drag one bench against the other and hold it there: which events come once, and which again and
+# again? What is the impulse of a contact that lasts? What becomes of the error is in the output below.
 # ## Change
 # Set `elasticity`, their bounce, to 0. Why is there less of an impulse, but more of the calls?
 # ## Teacher
 # - A course in programming; functions and exceptions in Python. 45 minutes: 5 to guess, 20 on the stage, 20 to compare.
 # - Goal: a library that calls back decides when, and with which state. An exception does not cross C code by itself.
+# - Try: while a contact lasts, each step has the impulse of the force of the hand, without the blow of the first.
 # - Mistakes: the impulse is read before it is computed; an error that nobody sees is taken for no error.

@@ -62,13 +62,13 @@ plt.savefig("chain.png", bbox_inches="tight")
 # How long is the path from one handle to the other?
 # - 2.86 m as well: that is the bench, a chord; the path between its ends is bent.
 # - **4 cm longer**: 2.900 m.
-# - 40 cm longer: so much it would be on a circle of 1.9 m; here the radius is 5 m.
+# - 40 cm longer: so much it would be on a circle with a radius of 1.9 m; here it is 5 m.
 # ## Check
 # The arc, 2.900 m: the path is nearly a circle of the radius $R = (4.992 + 5.043) / 2$ m, and the arc over a chord of
 # 2.86 m is $2 R \arcsin(2.86 / (2 R))$, with the arcsine in radians.
 # ## Try
-# Drag the next handle to where you expect it, first far from the centre, then near it: how large is your error? Find a
-# second point on the spiral at the right distance: why is it not the next handle?
+# Drag the next handle to where you expect it: how large is your error? Change the time until handle 0 is near the
+# centre, and try again. Find a second point on the spiral at the right distance: why is it not the next handle?
 # ## Change
 # Set `bench` to 1.65, as of all benches but the head: how many points are there, and how much longer is the arc? Then
 # put it back and set `t` to 400: now the centre lies within the circle, and the number is odd. Why?

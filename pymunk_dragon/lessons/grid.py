@@ -66,8 +66,8 @@ plt.savefig("grid.png", bbox_inches="tight")
 # The walk takes 6 cells: the first, and one more for each grid line that the edge crosses. Between columns 17.568 and
 # 20.501 there are the lines 18, 19 and 20, and between rows 11.130 and 13.850 the lines 12 and 13.
 # ## Try
-# Change the size of the cells, and note pairs and entries: which size leaves the fewest pairs, and which one the least
-# work in all?
+# Change the size of a cell, and note the pairs and the entries, one for each bench in each of its cells: which size
+# leaves the fewest pairs, and which one the least work in all?
 # ## Change
 # Walk along another edge, as `benches[8, 2:]`: through how many cells does it lead?
 # ## Teacher

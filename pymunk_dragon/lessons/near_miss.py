@@ -76,12 +76,14 @@ plt.savefig("near-miss.png", bbox_inches="tight")
 # for its sign, this is the distance of $C$ from that line. Take off half a width, 0.15 m.
 # ## Try
 # Go to each of the three times, zoom in and read the gap. Then cut the coordinates, to hundredths of a millimetre at
-# first: from where on does a false contact appear, and at which bench?
+# first: from where on does a false contact appear on the chart, which has a value every 10 ms, and at which bench? What
+# does a check at 410 s see? What the engine finds is in the output of the program below.
 # ## Change
 # Set `iterations` of the coarse engine to 2, 5 or 60, or `substep` to 0.05: how little work is enough for the right
 # benches, and for the right time?
 # ## Teacher
 # - From grade 10; distance of a point from a line. 45 minutes: 5 to guess, 25 on the stage, 15 to compare.
 # - Goal: less than a millimetre decides between a contact and none, so a result needs a bound on its error.
-# - Try: cut to 0.1 mm, the head still hits bench 8 first; cut to 1 mm bench 11, and cut to 10 mm bench 9.
+# - Try: cut to 0.1 mm, the head still hits bench 8 first; cut to 1 mm bench 11, and cut to 10 mm bench 9. The chart
+#   skips overlaps of less than 10 ms, and shows 409.79 s, not 409.712 s.
 # - Mistakes: rounding is taken for harmless because it is small against the benches, not against the gap.

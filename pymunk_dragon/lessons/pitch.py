@@ -69,12 +69,13 @@ plt.savefig("pitch.png", bbox_inches="tight")
 # radius of $(7.205 + 4.5) / 2$ m. Multiply their length by the turns: that are metres, and at 1 m/s as many seconds.
 # ## Try
 # Move the pitch until the dragon just gets in, to a millimetre. Which bench does the head touch if it is a little too
-# small, and where?
+# small, and where? Then stay at 450 mm, and use the fine adjustment: from where on do samples every 1 s see no overlap,
+# and from where on is there none?
 # ## Change
 # Set `interval` to 0.5 or 0.1: does the pitch ever come out too large? Then ask for the smallest pitch of wider
 # benches, `min_pitch(Dragon(width=0.31))`: does 10 mm of width take 10 mm of pitch?
 # ## Teacher
 # - From grade 11; bisection, the lesson missed-window. 45 minutes: 10 to guess, 20 on the stage, 15 to compare.
 # - Goal: bisection with a test that misses contacts converges to a wrong answer, with as many digits as the right one.
-# - Try: 451 mm is enough, 450 mm is not: then the head touches bench 19, some 5 m before its end.
+# - Try: 451 mm; at 450 mm it meets bench 19, 4.58 m from the centre. Samples miss that from 450.28 to 450.33 mm.
 # - Mistakes: the pitch is taken to be the width of a bench; many digits are taken for a small error.

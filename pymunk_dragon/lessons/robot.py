@@ -74,4 +74,5 @@ run
 # ## Teacher
 # - From grade 11; Python, the lesson velocity. 60 minutes: 10 to guess, 25 on the stage, 25 to compare.
 # - Goal: a model that is not tied to its first example serves others: any chain on any smooth curve.
+# - Try: a path that keeps away from itself is free; no link can lie in a bend of a radius below half of its length.
 # - Mistakes: the joints of an arm are taken to turn only, and not to move along; a path is checked for its tip only.

@@ -60,8 +60,8 @@ stages.sat = (lab) => {
     const [size, most] = [Math.abs(distance), Math.max(...lights)].map((each) => each.toFixed(3));
     const lit = n === 0 ? [`Light on none of ${all} walls.`, `${all} 面墙上都没有光。`]
       : [`Light on ${n} of ${all} walls, up to ${most} m wide.`, `${all} 面墙中 ${n} 面有光，最宽 ${most} m。`];
-    const verdict = distance > 0 ? [`The benches are ${size} m apart.`, `两节板凳相距 ${size} m。`]
-      : [`The benches overlap by ${size} m.`, `两节板凳重叠 ${size} m。`];
-    return [`${lit[0]} ${verdict[0]}`, `${lit[1]}${verdict[1]}`];
+    const turned = Math.round((poses[1][2] - poses[0][2]) / Math.PI * 180 + 720) % 180;
+    const verdict = distance > 0 ? [`are ${size} m apart.`, `相距 ${size} m。`] : [`overlap by ${size} m.`, `重叠 ${size} m。`];
+    return [`${lit[0]} The benches, at ${turned}°, ${verdict[0]}`, `${lit[1]}两节板凳成 ${turned}°，${verdict[1]}`];
   };
 };

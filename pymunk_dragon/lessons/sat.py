@@ -68,5 +68,5 @@ plt.savefig("sat.png", bbox_inches="tight")
 # ## Teacher
 # - From grade 9; rectangles, sine and cosine. 40 minutes: 5 to guess, 20 on the stage, 15 to compare.
 # - Goal: two convex polygons are disjoint exactly if their projections on the normal of one of their edges are.
-# - Try: just before they touch there is light on one wall. With two walls a gap on the other two is missed.
+# - Try: just before they touch there is light on one wall (two if parallel). Two walls miss gaps on the others.
 # - Mistakes: an overlap of the shadows in one direction is taken for a contact; x and y are taken to be enough.

@@ -48,8 +48,8 @@ plt.savefig("spiral.png", bbox_inches="tight")
 # The last rate, 0.367 rad/s: divide 1 m/s by $k \sqrt{\theta^2 + 1}$, which is $\sqrt{r^2 + k^2}$, with $r = 2.724$ m
 # and $k = 0.55 / (2 \pi) = 0.0875$ m.
 # ## Try
-# Drag the head along the spiral, and note the time of a round at three distances: by which rule do they depend on each
-# other? Then change the pitch: does the rule stay?
+# The shaded angle is that of 5 s of walking. Drag the head, and note the time of a round at three distances: by which
+# rule do they depend on each other? Then change the pitch, the distance from turn to turn: does it stay?
 # ## Change
 # With `speed` = 0.5 and `until` = 800 the head walks the same distance: which of the numbers are halved?
 # ## Teacher

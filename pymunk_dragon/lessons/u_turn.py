@@ -41,7 +41,7 @@ plt.savefig("u-turn.png", bbox_inches="tight")
 # is half the angle of an arc. So an arc is $a / \sin a$ times as long as its chord, both chords together are 9 m, and
 # the length is $9 a / \sin a$.
 # ## Try
-# Drag the point at which your arcs meet: how do their lengths and the sum of both change? Then let both dragons march.
+# Drag the point at which your arcs meet: what becomes of their lengths, and of the sum? Who is out of the circle first?
 # ## Change
 # Set `pitch` to 0.5 and to 5: does the length still not depend on the ratio?
 # ## Teacher

@@ -50,10 +50,12 @@ alone
 # The head is 8.69 m from the middle both times, so it is not to blame. It has gone 10.9 m in a lane 0.55 m wide, which
 # is the ring from 8.8 m in to its own distance $r$: $\pi (8.8^2 - r^2) = 0.55 \cdot 10.9$.
 # ## Try
-# Let go, and watch which benches meet. Then let the dancers back at some benches only: how few are enough for a round?
+# Press "Let all go", and watch which benches meet, and when. Start again, choose the tool "Let go" and tap a bench:
+# only its dancers and those behind it let go. Does that go well for longer?
 # ## Change
 # Make it a short dragon: `Dragon(benches=20)`, and `some = [0, 4, 8, 16]`. Whom does the head meet now?
 # ## Teacher
 # - From grade 8; forces along a rope. 25 minutes: 5 to guess, 10 on the stage, 10 to compare.
 # - Goal: a chain transmits only tension, along itself. To follow a bend it needs forces across it, from the dancers.
+# - Try: no. From bench 60 on benches touch within half a second, as the next turn of the dragon is in their way.
 # - Mistakes: a centrifugal force is expected to drive it outwards; a link is taken to copy the path of the one before.

@@ -1,7 +1,8 @@
 // Drag the time step: how wrong is a speed from two positions, and how fast is the tail?
 stages.velocity = (lab) => {
   const time = lab.slider(["time", "时间"], { min: 0, max: 412, step: 1, value: 300, unit: "s", play: () => 10 });
-  const show = (exponent) => `${Number((10 ** exponent).toPrecision(2))} s`;
+  const show = (exponent, unit = Math.ceil(-exponent / 3)) =>
+    `${Number((10 ** (exponent + 3 * unit)).toPrecision(2))} ${["s", "ms", "µs", "ns", "ps"][unit]}`;
   const step = lab.slider(["time step", "时间步长"], { min: -10, max: 0, step: 0.1, value: 0, show });
   const march = new March(), { spiral, dragon } = march, points = curvePoints(spiral, march.begin - 370, 0);
   let chain, speeds, error, tried, triedAt;
@@ -39,7 +40,7 @@ stages.velocity = (lab) => {
   });
   lab.readout = () => {
     const [tail, slower] = [1000 * speeds.at(-1), 1000 - 1000 * speeds.at(-1)].map((speed) => speed.toFixed(3));
-    const [length, wrong] = [show(step.value), Number(error.toPrecision(2))];
+    const [digits, power] = error.toExponential(1).split("e"), wrong = `${digits}·${tick(power)}`, length = show(step.value);
     return [
       `The tail: ${tail} mm/s, ${slower} mm/s slower than the head. From positions ${length} apart: ${wrong} m/s off.`,
       `龙尾 ${tail} mm/s，比龙头慢 ${slower} mm/s。由相隔 ${length} 的两个位置求得：误差 ${wrong} m/s。`,

@@ -3,7 +3,8 @@
 # All 223 benches are rigid and hang together, and the head walks at 1 m/s. How fast is the tail, five minutes after the
 # start? And can you find its speed from two positions, a moment apart?
 # ## Guess
-# Two positions a time step apart give a speed: the distance between them over that time.
+# Two positions a time step apart give a speed: the angle between them, seen from the centre, times the metres in a
+# radian there, over that time.
 
 # %%
 import matplotlib.pyplot as plt
@@ -41,7 +42,7 @@ plt.savefig("velocity.png", bbox_inches="tight")
 # A rigid bench keeps its length, so both its handles go equally fast along it; the front one goes at a slightly larger
 # angle to it, because the spiral is more curved there, and so has to be faster: 223 such benches leave the tail with
 # 0.9965 m/s. Two positions tell the same, with an error that shrinks with the step, until they are so close, at some 10
-# microseconds, that most of their digits are equal and the rounding of the last ones takes over.
+# microseconds (30 on the stage), that most of their digits are equal and the rounding of the last ones takes over.
 #
 # How fast is the tail?
 # - As fast as the head: so it is on a straight line and on a circle, where all angles are equal.
@@ -57,8 +58,8 @@ plt.savefig("velocity.png", bbox_inches="tight")
 # Handle 1's speed, 0.999709 m/s: type $\cos 16.5892^\circ / \cos 16.5332^\circ$ into a calculator that reckons in
 # degrees. The paper's table 2 has 0.999, as it cuts off what follows.
 # ## Try
-# Make the step shorter and shorter, and note the error: by how much does it fall when the step is a tenth, and from
-# where on does it rise? Then let the dragon march on: where along it are the speeds lost?
+# Make the time step shorter and shorter, and note the error: by how much does it fall when the step is a tenth, and
+# from where on does it rise? Then let the dragon march on, redder where it is slower: where is speed lost?
 # ## Change
 # Set `t` to 412: how much slower is the tail now, and which bench loses most? Then put `[0, 0]` for `.max()`, the
 # head's own error: why does rounding take over later than along the whole dragon?

@@ -39,7 +39,6 @@ for (const lesson of document.querySelectorAll(".lesson")) {
   const fieldsets = [...form.querySelectorAll("fieldset")];
   const stage = lesson.querySelector(".stage");
   const answer = lesson.querySelector(".answer");
-  let opened = false;
 
   const enter = (state) => {
     lesson.dataset.state = state;
@@ -50,8 +49,7 @@ for (const lesson of document.querySelectorAll(".lesson")) {
     event.preventDefault();
     enter("open");
     if (stage.dataset.live && !stage.querySelector("figure, iframe")) openScene(stage);
-    if (!opened && stage.dataset.stage) openStage(stage);
-    opened = true;
+    if (stage.dataset.stage && !stage.hasChildNodes()) openStage(stage);
     const first = stage.querySelector("input, button, [tabindex]") ?? lesson.querySelector(".show");
     first.focus({ preventScroll: true });
   });
