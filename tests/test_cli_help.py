@@ -70,7 +70,7 @@ def test_examples_of_the_help_run(call, late_run, name, here):
         assert call(*arguments)[0] == 0, arguments
 
 
-# What a terminal says of the file beside its size.
+# Commands, and the file that each one writes.
 WRITTEN = {
     "render run.npz --size 64": "run.gif",
     "simulate --until 1 --benches 9 -o r.npz": "r.npz",
@@ -84,7 +84,7 @@ def test_terminal_says_which_file_was_written(terminal, here):
     Run.exact(March(turns=8), [79, 80, 81]).save("run.npz")
     for arguments, name in WRITTEN.items():
         said = terminal(*arguments.split())
-        assert re.search(rf"^wrote {re.escape(name)}: \d+\.\d [kM]B$", said, re.MULTILINE), said
+        assert re.search(rf"^wrote {re.escape(name)}$", said, re.MULTILINE), said
         assert Path(name).stat().st_size
 
 
@@ -159,7 +159,6 @@ BAD_INPUT = {
     "simulate --from 441": "441 handle",
     "simulate --from 2 --until 1": "--until 1.0",
     "simulate --guide ropes": "--guide 'ropes' rails",
-    "simulate --fine --iterations 9": "--fine --iterations",
     "contact --from 1e300": "--from 1e+300",
     "contact --method guess": "method guess",
     "contact --step 2": "--step grid",

@@ -224,7 +224,7 @@ def test_texts_of_the_page_and_of_its_run_are_in_both_languages(run, page):
     texts = json.loads(page.blocks["texts"])
     assert set(texts) == {"zh"}
     assert texts["zh"]["No contact from 0.000 s to 10.000 s"] == "0.000 s 至 10.000 s 没有碰撞"
-    assert texts["zh"]["Head bench, hole to hole"] == "龙头两孔间距"
+    assert texts["zh"]["Scenario"] == "场景"
     with in_language("zh"):
         chinese = player_page(run)
     assert chinese.replace('lang="zh"', 'lang="en"', 1) == player_page(run)

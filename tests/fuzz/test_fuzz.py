@@ -53,7 +53,7 @@ COMMANDS = [
     "contact --until 5 --benches 5",
     "contact --until 5 --method grid --step 0.5 --benches 5 -o old.json",
     "simulate --until 0.1 --substep 0.01 --iterations 20 --frame-interval 0.05 --benches 4 -o new.npz",
-    "simulate --until 0.1 --from -0.1 --guide none --contacts report --fine --benches 4",
+    "simulate --until 0.1 --from -0.1 --guide none --contacts report --iterations 60 --benches 4",
     "render run.npz --size 64x80 --fps 2 --speedup 5 --camera head --span 3 --hold 1 -o old.gif",
     "render exact.npz run.npz --size 64 --velocities --grid --contacts --title T --caption C --lang zh -o new.png",
     "render --until 1 --size 64 --fps 2 --exact --benches 4 -o new.webp",
