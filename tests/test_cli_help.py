@@ -101,7 +101,6 @@ def test_shell_completes_names_flags_and_files():
     for line, found in {
         "sim": ["simulate"],
         "demo sp": ["spiral", "speed-limit"],
-        "demo al": ["all"],
         "figure col": ["collision"],
         "study m": ["min-pitch", "max-speed"],
         "study --lim": ["--limit"],

@@ -28,8 +28,6 @@ PROGRAM = "pymunk-dragon"
 _MAX_LIST = 100_000
 # Libraries of formats, of which a missing one is named before the work.
 _LIBRARIES = {".xlsx": "xlsxwriter"} | dict.fromkeys((".png", ".svg", ".pdf"), "matplotlib")
-# What a contact does to a run.
-CONTACTS = click.Choice(["stop", "report", "resolve"])
 # Steps of a progress bar.
 _STEPS = 1000
 

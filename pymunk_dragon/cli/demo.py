@@ -13,28 +13,22 @@ from pymunk_dragon.cli import common
 from pymunk_dragon.lessons import LESSONS, Lesson, play, write_lessons
 from pymunk_dragon.lessons._framework import endings, record, run_page
 
-# Instead of a lesson's name.
-ALL = "all"
-NUMBERS = {str(number): name for number, name in enumerate(LESSONS, start=1)}
-
-EXAMPLES = ("", "spiral", "3 --lang zh", "all -o lessons.html", "--live")
-# A lesson's number stands for its name.
-SETTINGS = {"token_normalize_func": lambda token: NUMBERS.get(token, token)}
+EXAMPLES = ("", "spiral", "chain --lang zh", "-o lessons.html", "--live")
 
 
-@click.command(cls=common.DragonCommand, examples=EXAMPLES, context_settings=SETTINGS)
-@click.argument("name", metavar="[LESSON]", required=False, type=click.Choice([*LESSONS, ALL]))
+@click.command(cls=common.DragonCommand, examples=EXAMPLES)
+@click.argument("name", metavar="[LESSON]", required=False, type=click.Choice(list(LESSONS)))
 @click.option("--save", metavar="DIR", type=click.Path(), help="Folder for the picture.  [a temporary one]")
 @click.option("--live", is_flag=True, help="Show the lessons on a page whose experiments with Pymunk are live.")
 @common.address_options
 @common.output_option(".html, a page of the lesson, or of all; .ipynb, its notebook; .py, its program")
 def demo(name: str | None, save: str | None, output: str | None, live: bool, **address: Any) -> None:
-    """Play a lesson by its name or number, or all lessons.
+    """Play a lesson.
 
     Without a name, list them. Each has a question, a guess, a run, the answer, a number to check and something to
     change.
     """
-    lessons = list(LESSONS.values()) if name in (None, ALL) else [LESSONS[str(name)]]
+    lessons = list(LESSONS.values()) if name is None else [LESSONS[name]]
     if save is not None and (name is None or output is not None or live or common.wants_json()):
         raise click.UsageError("--save is for a lesson that is played: give its name, and no -o, --live or --json")
     if common.flags_given(*address) and not live:
@@ -46,12 +40,11 @@ def demo(name: str | None, save: str | None, output: str | None, live: bool, **a
     elif output is not None:
         _write(lessons, output)
     elif name is None:
-        _list(lessons)
+        common.listing("lessons", {each.name: each.sections(language())["Title"] for each in lessons})
     elif common.wants_json():
-        common.answer({"printed": {lesson.name: record(lesson).printed for lesson in lessons}})
+        common.answer({"printed": record(LESSONS[name]).printed})
     else:
-        for lesson in lessons:
-            play(lesson, save, language=language())
+        play(LESSONS[name], save, language=language())
 
 
 def _serve(lessons: list[Lesson], address: dict[str, Any]) -> None:
@@ -73,10 +66,3 @@ def _write(lessons: list[Lesson], output: str) -> None:
     with common.progress("demo") as show:
         write_lessons(lessons, destination, language=language(), progress=show)
     common.answer_with_file(destination)
-
-
-def _list(lessons: list[Lesson]) -> None:
-    """Print the names and titles of the lessons."""
-    titles = {lesson.name: lesson.sections(language())["Title"] for lesson in lessons}
-    rows = (f"{number:>2}  {name:<14} {title}" for number, (name, title) in enumerate(titles.items(), start=1))
-    common.answer({"lessons": titles}, "\n".join(rows))

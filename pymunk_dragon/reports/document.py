@@ -111,7 +111,7 @@ def sections(summary: Summary) -> list[Section]:
     calls = text("Collision callbacks of the engine, in the order in which they came: {count}.")
     log = summary.run.events
     return [
-        Section("first-contact", text("First contact"), _comparison(summary), _contacts(summary)),
+        Section("first-contact", text("First contact"), _comparison(summary), _contact(summary.run.first_contact)),
         Section("near-misses", text("Near misses"), near, _table(summary.near_misses or (), near_misses, left=(1,))),
         Section("windows", text("Contact windows"), times, _table(log.windows(), windows, left=(0,))),
         Section("drift", text("Position error"), error, {"": Table(_drift(summary))}),
@@ -147,7 +147,7 @@ def _comparison(summary: Summary) -> str:
     if error := _time_error(summary):
         same = text("The same benches touch in the exact model; the contact of the run is {error}.")
         notes.append(same.format(error=error))
-    elif exact is not None and (run.player != "exact" or not run.first_contact):
+    if exact is not None and (run.player != "exact" or not run.first_contact):
         result = contact_text(exact.status, exact.benches, exact.point, exact.time)
         notes.append(text("The exact model: {result}.").format(result=result))
     return " ".join(notes)
@@ -163,28 +163,20 @@ def _time_error(summary: Summary) -> str | None:
     return template.format(error=_number(abs(error), 3))
 
 
-def _contacts(summary: Summary) -> dict[str, Table]:
-    """First contacts of the run and of the exact model."""
-    first, exact, tables = summary.run.first_contact, summary.exact_contact, {}
-    if first is not None:
-        tables[text("In this run")] = Table(_contact_rows(first, 6))
-    if exact is not None and summary.run.player != "exact":
-        tables[text("In the exact model")] = Table(_contact_rows(exact, 9))
-    return tables
-
-
-def _contact_rows(contact: Contact, decimals: int) -> list[Row]:
-    """Rows on a contact; `decimals` are those of its time."""
+def _contact(contact: Contact | None) -> dict[str, Table]:
+    """Table on the first contact of the run."""
+    if contact is None:
+        return {}
     rows = [
         (text("Benches that touch"), pair(contact.benches)),
-        (text("Time"), _number(contact.time, decimals, " s")),
+        (text("Time"), _number(contact.time, 6, " s")),
         (text("Point"), f"{_vector(contact.point, 6)} m"),
         (text("Normal, from the first to the second"), _vector(contact.normal, 6)),
         (text("Detected at the end of a substep"), _number(contact.raw_time, 6, " s")),
         (text("Depth when detected"), _size(contact.depth)),
     ]
     # Only the engine detects contacts by an overlap.
-    return [*rows] if contact.depth else [*rows[:4]]
+    return {"": Table(rows if contact.depth else rows[:4])}
 
 
 def _table(entries: Sequence[Entry], cells: Cells[Entry], left: Sequence[int]) -> dict[str, Table]:
