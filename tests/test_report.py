@@ -166,7 +166,7 @@ def test_run_is_compared_with_the_exact_contact_if_a_guide_kept_it_on_its_path(s
     off = RUNS["nobody on the path"](small_run)
     for run in (RUNS["no contact"](small_run), other, off):
         said = markdown(summarize(run))
-        assert "t = 80.691318 s: benches 0 and 8 " in said
+        assert "t = 80.691317692 s: benches 0 and 8 " in said
         assert "The same benches" not in said
         assert ("No guide kept this dragon on its path" in said) == (run is off)
 

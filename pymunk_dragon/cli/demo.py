@@ -38,7 +38,10 @@ def demo(name: str | None, save: str | None, output: str | None, live: bool, **a
             raise click.UsageError("--live shows the lessons: leave out -o")
         _serve(lessons, address)
     elif output is not None:
-        _write(lessons, output)
+        destination = check_destination(output, endings(lessons))
+        with common.progress("demo") as show:
+            write_lessons(lessons, destination, language=language(), progress=show)
+        common.answer_with_file(destination)
     elif name is None:
         common.listing("lessons", {each.name: each.sections(language())["Title"] for each in lessons})
     elif common.wants_json():
@@ -58,11 +61,3 @@ def _serve(lessons: list[Lesson], address: dict[str, Any]) -> None:
         page = run_page(lessons, language(), show, live=True)
     session = Session(ready(next((each.options["scene"] for each in lessons if "scene" in each.options), "dragon")))
     serve(session, None, None, front=page, **address)
-
-
-def _write(lessons: list[Lesson], output: str) -> None:
-    """Write a page, a notebook or a program."""
-    destination = check_destination(output, endings(lessons))
-    with common.progress("demo") as show:
-        write_lessons(lessons, destination, language=language(), progress=show)
-    common.answer_with_file(destination)

@@ -148,7 +148,7 @@ def _comparison(summary: Summary) -> str:
         same = text("The same benches touch in the exact model; the contact of the run is {error}.")
         notes.append(same.format(error=error))
     if exact is not None and (run.player != "exact" or not run.first_contact):
-        result = contact_text(exact.status, exact.benches, exact.point, exact.time)
+        result = contact_text(exact.status, exact.benches, exact.point, exact.time, 9)
         notes.append(text("The exact model: {result}.").format(result=result))
     return " ".join(notes)
 

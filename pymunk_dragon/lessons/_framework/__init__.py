@@ -3,7 +3,7 @@
 from pymunk_dragon.lessons._framework.lesson import Lesson, lessons
 from pymunk_dragon.lessons._framework.notebook import make_notebook
 from pymunk_dragon.lessons._framework.page import endings, make_page, run_page, write_lessons
-from pymunk_dragon.lessons._framework.recording import Recording, make_folder, picture, record, run
+from pymunk_dragon.lessons._framework.recording import Recording, record
 from pymunk_dragon.lessons._framework.terminal import play
 
 __all__ = [
@@ -11,13 +11,10 @@ __all__ = [
     "Recording",
     "endings",
     "lessons",
-    "make_folder",
     "make_notebook",
     "make_page",
-    "picture",
     "play",
     "record",
-    "run",
     "run_page",
     "write_lessons",
 ]
