@@ -1,4 +1,4 @@
-"""How results are shown: tables of text, and pictures and players in notebooks."""
+"""How results are shown: tables of text, and pictures in notebooks."""
 
 from __future__ import annotations
 
@@ -9,15 +9,12 @@ from html import escape
 from importlib import import_module
 from typing import Any
 
-# Handle positions over all frames up to which a run is played in a notebook, which keeps the page in its file: some
-# 400 kB. That is the last two minutes of the paper's 223 benches, or twenty minutes of 16.
-_MAX_POSITIONS = 250_000
-# Pixels: height of a player, and the side of a picture, shown at half of it on screens with two pixels to the point.
+# Pixels: the side of a picture, shown at half of it on screens with two pixels to the point.
 _SIZE = 640
 
 
 class Displayed:
-    """Base class of runs and marches, which notebooks show as a picture, and a run that is not long as a player."""
+    """Base class of runs and marches, which notebooks show as a picture."""
 
     # Packages are imported by their names, because they are above the classes of what they show.
 
@@ -29,17 +26,6 @@ class Displayed:
         """A run as it ended, or a march as it begins."""
         drawing, times = import_module("pymunk_dragon.drawing"), getattr(self, "times", (0.0,))
         return drawing.still_png(self, float(times[-1]), drawing.Film(size=_SIZE))
-
-    def _repr_html_(self: Any) -> str | None:
-        """A frame, which keeps the player's script from the notebook's."""
-        frames = len(getattr(self, "times", ()))
-        if not frames or frames * self.march.dragon.handles > _MAX_POSITIONS:
-            return None
-        page = escape(import_module("pymunk_dragon.player").player_page(self))
-        return (
-            f'<iframe srcdoc="{page}" title="A run of the bench dragon" width="100%" height="{_SIZE}" '
-            'style="border: 0" sandbox="allow-scripts allow-downloads"></iframe>'
-        )
 
 
 class Printed:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from importlib import import_module
 from typing import Any
 
@@ -25,17 +23,6 @@ FEATURES = {
     "xlsxwriter": ("an XLSX file", "report"),
     "zhplot": ("Chinese in a picture", "chinese"),
 }
-
-
-@contextmanager
-def optional_imports() -> Iterator[None]:
-    """Context of ordinary import statements: if a library is not installed, the error names its extra."""
-    try:
-        yield
-    except ModuleNotFoundError as error:
-        if error.name is None or error.name.partition(".")[0] not in FEATURES:
-            raise
-        raise missing_extra(error.name) from error
 
 
 def library(name: str) -> Any:

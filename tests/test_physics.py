@@ -14,7 +14,6 @@ from sharing import shared_run
 
 from pymunk_dragon import Arc, Dragon, EngineSettings, Line, March, PathGuide, Run, UTurn, World, simulate
 from pymunk_dragon.errors import DragonError, UnreachableError
-from pymunk_dragon.model.settings import FINE_ITERATIONS, FINE_STRIDE
 from pymunk_dragon.physics import Rails
 from pymunk_dragon.physics.callbacks import Recorder
 
@@ -124,7 +123,7 @@ def test_engine_takes_nothing_but_the_heads_pose_from_the_exact_model(monkeypatc
     [
         # The curvature jumps.
         (March(Dragon(benches=40), UTurn()), {"start": 10.0, "until": 20.0}, 150e-6),
-        (March(), {"start": 412.2, "until": 412.5, "substep": FINE_STRIDE, "iterations": FINE_ITERATIONS}, 1e-6),
+        (March(), {"start": 412.2, "until": 412.5, "substep": 1 / 400, "iterations": 60}, 1e-6),
         # A motor pulls the head.
         (SIXTEEN, {"start": 405.0, "until": 406.0, "contacts": "resolve"}, 5e-6),
         (March(Dragon(benches=3)), {"until": 20.0, "contacts": "resolve", "substep": 0.02}, 100e-6),

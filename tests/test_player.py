@@ -222,7 +222,7 @@ def test_texts_of_the_page_and_of_its_run_are_in_both_languages(run, page):
     texts = json.loads(page.blocks["texts"])
     assert set(texts) == {"zh"}
     assert texts["zh"]["No contact from 0.000 s to 10.000 s"] == "0.000 s 至 10.000 s 没有碰撞"
-    assert texts["zh"]["Head bench, hole to hole"] == "龙头两孔间距"
+    assert texts["zh"]["Scenario"] == "场景"
     with in_language("zh"):
         chinese = player_page(run)
     assert chinese.replace('lang="zh"', 'lang="en"', 1) == player_page(run)
@@ -256,25 +256,13 @@ def has(picture, part):
     return np.any(np.all(np.asarray(picture) == Palette().rgb(part), axis=-1))
 
 
-def test_small_run_is_a_player_in_a_frame_that_nothing_leaves(run):
-    evil = '"></iframe><script>alert(1)</script>'
-    for shown in (run, replace(run, provenance={"player": evil, evil: evil})):
-        [frame] = BeautifulSoup(shown._repr_html_(), "html.parser").find_all(True)
-        assert (frame.name, frame["srcdoc"]) == ("iframe", player_page(shown))
-        assert set(frame["sandbox"]) == {"allow-scripts", "allow-downloads"}
-
-
-def test_run_too_large_for_a_notebook_is_a_picture_of_its_end(run):
-    long = Run.exact(SMALL, np.linspace(0, 10, 15_000))
-    assert long._repr_html_() is None
-    assert opened(long._repr_png_()).size == opened(run._repr_png_()).size
+def test_run_is_a_picture_of_its_end(run):
     assert not has(opened(run._repr_png_()), "contact")
     contact = Contact(time=10.0, raw_time=10.0, benches=(0, 8), point=(1.0, 2.0), normal=(0.0, 1.0), depth=0.0)
     assert has(opened(replace(run, first_contact=contact, outcome="contact")._repr_png_()), "contact")
 
 
 def test_march_is_a_picture_of_its_start_and_has_a_figure(run):
-    assert SMALL._repr_html_() is None
     assert all(has(opened(SMALL._repr_png_()), part) for part in ("head", "body", "tail"))
     for shown in (SMALL, run):
         picture = opened(shown.plot()._repr_png_())

@@ -20,7 +20,7 @@ import sweep_functions as functions
 from conftest import LIMIT, assert_one_line, refusal, wait_until
 from sweep_functions import FLAGS, RAISED, SMALL, UNFIT, VALUES
 
-from pymunk_dragon import Dragon, March, Scenario, first_contact, max_speed, min_pitch, sweep
+from pymunk_dragon import Dragon, Scenario, first_contact, max_speed, min_pitch, sweep
 from pymunk_dragon.errors import FileFormatError, OutputError, ParameterError
 from pymunk_dragon.sweeps.quantities import contact_time
 
@@ -49,12 +49,9 @@ def test_contact_time_is_that_of_first_contact():
 
 
 @pytest.mark.thorough
-def test_values_are_those_of_the_studies_and_of_near_misses():
+def test_values_are_those_of_the_studies():
     dragon = Dragon(benches=20)
-    # The dragon passes two benches closely in the last 7 s before its first contact.
-    nearest = min(first_contact(March(dragon), start=405).near_misses, key=lambda miss: miss.gap)
     for quantity, axes, expected in (
-        ("nearest-gap", {"start": [405]}, [nearest.gap, nearest.time, *nearest.benches, "contact"]),
         ("min-pitch", {"radius": [5]}, [(found := min_pitch(dragon, radius=5)).pitch, *found.benches]),
         ("max-speed", {"limit": [1.5]}, [(found := max_speed(dragon, limit=1.5)).speed, found.handle, found.ratio]),
     ):

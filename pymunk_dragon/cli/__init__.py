@@ -13,14 +13,9 @@ lessons; help and errors are English.
 | 2 | bad input: one line names the flag, the value and what is allowed |
 | 130, 143, 129 | interrupted by Ctrl-C, SIGTERM or SIGHUP |
 
-The shell completes commands and flags after one of these lines, for bash, zsh or fish, in the file that it reads at its
-start (`~/.bashrc`, `~/.zshrc`, `~/.config/fish/completions/pymunk-dragon.fish`):
-
-```sh
-eval "$(_PYMUNK_DRAGON_COMPLETE=bash_source pymunk-dragon)"
-eval "$(_PYMUNK_DRAGON_COMPLETE=zsh_source pymunk-dragon)"
-_PYMUNK_DRAGON_COMPLETE=fish_source pymunk-dragon | source
-```
+The shell completes commands and flags after `eval "$(_PYMUNK_DRAGON_COMPLETE=bash_source pymunk-dragon)"` in
+`~/.bashrc`, the same with `zsh_source` in `~/.zshrc`, or `_PYMUNK_DRAGON_COMPLETE=fish_source pymunk-dragon | source`
+in `~/.config/fish/completions/pymunk-dragon.fish`.
 """
 
 from __future__ import annotations
@@ -47,7 +42,7 @@ COMMANDS = {
     "report": "Report on a run, as a document or a table.",
     "study": "Run a study of many marches.",
     "sweep": "Compute a quantity at many values of parameters, in parallel.",
-    "demo": "Play a lesson by its name or number, or all lessons.",
+    "demo": "Play a lesson.",
     "live": "Play the dragon in real time, and touch it in a browser.",
 }
 # Modules of commands that are not in the module of their name.

@@ -28,8 +28,6 @@ PROGRAM = "pymunk-dragon"
 _MAX_LIST = 100_000
 # Libraries of formats, of which a missing one is named before the work.
 _LIBRARIES = {".xlsx": "xlsxwriter"} | dict.fromkeys((".png", ".svg", ".pdf"), "matplotlib")
-# What a contact does to a run.
-CONTACTS = click.Choice(["stop", "report", "resolve"])
 # Steps of a progress bar.
 _STEPS = 1000
 
@@ -221,11 +219,9 @@ def progress(label: str, begin: float = 0.0) -> Iterator[Callable[[float, float]
 
 
 def wrote(path: Path) -> None:
-    """Print on a terminal which file was written and its size."""
-    if sys.stderr.isatty() and path.is_file():  # Not a device or a FIFO, which has no size.
-        count = path.stat().st_size
-        size = f"{count / 1e6:.1f} MB" if count >= 1e6 else f"{count / 1e3:.1f} kB"
-        click.echo(text("wrote {path}: {size}").format(path=path, size=size), err=True)
+    """Print on a terminal which file was written."""
+    if sys.stderr.isatty() and path.is_file():  # Not a device or a FIFO.
+        click.echo(text("wrote {path}").format(path=path), err=True)
 
 
 def answer_with_file(path: Path) -> None:

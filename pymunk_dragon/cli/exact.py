@@ -41,7 +41,12 @@ def positions(times: str, handles: str | None, paper: bool, output: str | None) 
     elif common.flags_given("times", "handles", "json", "output"):
         raise click.UsageError("--paper prints all of its tables: leave out --times, --handles, --json and -o")
     else:
-        click.echo(_paper_tables(march))
+        from pymunk_dragon.collision import first_contact
+        from pymunk_dragon.reports import paper_tables
+
+        # On a curve without end there is no last time for the search.
+        hit = first_contact(march).contact if isfinite(march.end) else None
+        click.echo(paper_tables(march, None if hit is None else hit.time))
 
 
 def _answer(march: March, times: str, handles: str | None, output: str | None) -> None:
@@ -76,15 +81,6 @@ def _handles(given: str, last: int) -> list[int]:
     if not all(number.is_integer() and 0 <= number <= last for number in numbers):
         raise ParameterError("handles", given, f"whole numbers from 0 to {last}")
     return [int(number) for number in numbers]
-
-
-def _paper_tables(march: March) -> str:
-    from pymunk_dragon.collision import first_contact
-    from pymunk_dragon.reports import paper_tables
-
-    # On a curve without end there is no last time for the search.
-    hit = first_contact(march) if isfinite(march.end) else None
-    return paper_tables(march, hit.time if hit is not None and hit.status == "contact" else None)
 
 
 @click.command(cls=common.DragonCommand, examples=("", "--pitch 0.5 --json", "--from 400 --method engine"))

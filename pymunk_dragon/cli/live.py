@@ -16,8 +16,6 @@ from pymunk_dragon.sessions.ready import SCENES, Ready, dragon, planned, ready
 from pymunk_dragon.sessions.recording import RECORDING_ENDINGS, Log, record
 from pymunk_dragon.sessions.session import Session
 
-# Options of a dragon of the user's.
-OWN = ("start", "contacts", "free_from")
 _RECORD = "File to write at the end: inputs, .json, the run of a dragon, .npz, or a film, as .gif."
 EXAMPLES = ("", "near-miss", "--benches 60 --from 300 -o live.json", "--replay live.json --exit -o live.gif")
 
@@ -26,15 +24,14 @@ EXAMPLES = ("", "near-miss", "--benches 60 --from 300 -o live.json", "--replay l
 @click.argument("scene", required=False, type=click.Choice(list(SCENES)))
 @common.scenario_options
 @common.start_option
-@click.option("--contacts", type=common.CONTACTS, default="resolve", help="What contacts do.  [resolve]")
-@click.option("--free-from", type=int, metavar="N", help="First bench without dancers.  [all have dancers]")
 @click.option("--replay", metavar="FILE", type=click.Path(), help="Play a recording again, .json.")
 @click.option("--exit", "ends", is_flag=True, help="Play the recording without a page, as fast as possible, and exit.")
 @click.option("-o", "--record", "output", metavar="FILE", type=click.Path(), help=_RECORD)
 @common.address_options
-def live(scene: str | None, replay: str | None, ends: bool, output: str | None, **choices: Any) -> None:
+def live(scene: str | None, start: float, replay: str | None, ends: bool, output: str | None, **address: Any) -> None:
     """Play the dragon in real time, and touch it in a browser. A scene has its own dragon."""
-    if [bool(each) for each in (scene, common.flags_given("scenario", *common.chosen(), *OWN), replay)].count(True) > 1:
+    own = common.flags_given("scenario", *common.chosen(), "start")
+    if sum(map(bool, (scene, own, replay))) > 1:
         raise click.UsageError("a ready scene and a recording have their own dragon: leave out the other options")
     if ends and replay is None:
         raise click.UsageError("--exit ends a replay: give a recording with --replay")
@@ -42,15 +39,15 @@ def live(scene: str | None, replay: str | None, ends: bool, output: str | None, 
         library("aiohttp")
     path = common.destination_of(output, RECORDING_ENDINGS)
     log = None if replay is None else Log.load(replay)
-    settings = {name: choices.pop(name) for name in OWN}
-    source = _source(scene, log) or dragon(common.march(), **settings)
-    session = Session(source)
+    session = Session(_source(scene, log) or dragon(common.march(), start=start))
     if log is not None:
         session.play_again(log)
     if ends:
-        _replay(session, log, path)
+        session.replay_until(math.inf)
+        _wait_for_replay(session, log)
+        _write(session, path)
     else:
-        serve(session, log, path, **choices)
+        serve(session, log, path, **address)
 
 
 def _source(scene: str | None, log: Log | None) -> Ready | None:
@@ -77,13 +74,6 @@ def serve(session: Session, log: Log | None, path: Path | None, **address: Any) 
     finally:
         running.stop()
         _write(session, path)
-
-
-def _replay(session: Session, log: Log | None, path: Path | None) -> None:
-    """Play a recording without a page, and write it as another file."""
-    session.replay_until(math.inf)
-    _wait_for_replay(session, log)
-    _write(session, path)
 
 
 def _wait_for_replay(session: Session, log: Log | None) -> None:

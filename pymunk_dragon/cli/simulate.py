@@ -9,12 +9,12 @@ import click
 from pymunk_dragon.cli import common
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
-from pymunk_dragon.model.settings import FINE_ITERATIONS, FINE_STRIDE, EngineSettings
+from pymunk_dragon.model.settings import EngineSettings
 from pymunk_dragon.physics import GUIDES
 from pymunk_dragon.physics import simulate as play
-from pymunk_dragon.physics.world import top_speed
 
-EXAMPLES = ("-o run.npz", "--from 400 --until 415 --fine -o run.npz", "--guide none --until 20")
+CONTACTS = ("stop", "report", "resolve")
+EXAMPLES = ("-o run.npz", "--from 400 --substep 0.0025 --iterations 60", "--guide none --until 20")
 
 
 @click.command(cls=common.DragonCommand, examples=EXAMPLES)
@@ -22,23 +22,17 @@ EXAMPLES = ("-o run.npz", "--from 400 --until 415 --fine -o run.npz", "--guide n
 @common.start_option
 @common.until_option
 @click.option("--guide", type=click.Choice(list(GUIDES)), default="rails", help="What keeps it on the path.  [rails]")
-@click.option("--contacts", type=common.CONTACTS, default="stop", help="What contacts do.  [stop]")
+@click.option("--contacts", type=click.Choice(CONTACTS), default="stop", help="What contacts do.  [stop]")
 @click.option("--head-force", type=float, metavar="F", help="Largest force at contacts, N.  [twice the ground drag]")
 @click.option("--substep", type=float, metavar="T", help="Substep, s.  [20 mm of the head, or 5 mm to resolve]")
 @click.option("--iterations", type=int, metavar="N", help="Solver iterations.  [10, or 60 if contacts are resolved]")
-@click.option("--fine", is_flag=True, help="The substep in which the head goes 2.5 mm, and 60 iterations.")
 @click.option("--frame-interval", type=float, metavar="T", help="Time between frames, s.  [until the head goes 0.1 m]")
 @common.output_option(".npz, which keeps the run")
-def simulate(fine: bool, output: str | None, **choices: Any) -> None:
+def simulate(output: str | None, **choices: Any) -> None:
     """Play the march in Pymunk until the dragon runs into itself."""
     march = common.march()
     path = common.destination_of(output, (".npz",))
-    if fine and common.flags_given("substep", "iterations"):
-        raise click.UsageError("--fine chooses the substep and the iterations: leave out --substep and --iterations")
     interval = {name: choices.pop(name) for name in ("start", "until", "guide")}
-    if fine:
-        substep = FINE_STRIDE / top_speed(march, interval["start"], interval["until"])
-        choices |= {"substep": substep, "iterations": FINE_ITERATIONS}
     run = played(march, settings=EngineSettings(**choices), **interval)
     found = run.to_dict()
     common.save(path, found, run.save)

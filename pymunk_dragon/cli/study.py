@@ -8,7 +8,6 @@ from typing import Any
 
 import click
 
-from pymunk_dragon._extras import library
 from pymunk_dragon.cli import common
 from pymunk_dragon.model.scenario import Scenario
 from pymunk_dragon.studies import STUDIES
@@ -40,9 +39,6 @@ def study(name: str | None, output: str | None, **options: float | bool | None) 
         return common.listing("studies", {each.name: each.summary for each in STUDIES.values()})
     values = _values(name, options)
     path = common.destination_of(output, STUDIES[name].formats)
-    if path is not None and path.suffix.lower() != ".json":
-        # A missing library is named before the study runs.
-        library("xlsxwriter" if path.suffix.lower() == ".xlsx" else "matplotlib")
     with common.progress("study") as show:
         found = STUDIES[name].answer(values, show)
     result = found.to_dict()

@@ -20,8 +20,6 @@ _Contacts = Literal["stop", "report", "resolve"]
 _STRIDE, _ITERATIONS = 1 / 50, 10
 # The same where contacts are resolved: with 10 iterations gaps in the loaded joints are five times as wide.
 _RESOLVE_STRIDE, _RESOLVE_ITERATIONS = 1 / 200, 60
-# The same for a drift below a micrometre on the reference march.
-FINE_STRIDE, FINE_ITERATIONS = 1 / 400, 60
 # m. Longer substeps skip over a bench; shorter ones than the least take days for a march.
 MAX_STRIDE, _MIN_STRIDE = 0.1, 1e-5
 # Metres that the head travels between recorded frames; between them poses are interpolated to a micrometre.

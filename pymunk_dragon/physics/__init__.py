@@ -26,8 +26,8 @@ time of the bare steps on top (`pymunk-dragon simulate --json` and `python tests
 
 ![Drift over time](renders/figures/drift.png)
 
-Drift and error of the contact time by substep and iterations, from 400 s on (`python tests/bench/bench.py drift`);
-`--fine` takes an eighth of the default substep and 60 iterations:
+Drift and error of the contact time by substep and iterations, from 400 s on (`python tests/bench/bench.py drift`;
+`--substep` and `--iterations` choose others):
 
 | substep | iterations | drift of the first twelve, µm | of any, µm | error of the contact time, ms |
 | --- | --- | --- | --- | --- |
@@ -41,8 +41,8 @@ Drift and error of the contact time by substep and iterations, from 400 s on (`p
 | 1/400 s | 60 | 0.01 | 0.07 | +0.000 |
 
 In the turn of question 4 the drift is larger, because the curvature of the path jumps there, and with it every
-acceleration: 128 µm in the first twelve benches and 133 µm anywhere; with `--fine`, 2 and 4 µm
-(`pymunk-dragon simulate --curve u-turn --from -100 --until 100`).
+acceleration: 128 µm in the first twelve benches and 133 µm anywhere; with a substep of 1/400 s and 60 iterations, 2
+and 4 µm (`pymunk-dragon simulate --curve u-turn --from -100 --until 100`).
 
 ## What makes the engine exact
 

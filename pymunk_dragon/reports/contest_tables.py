@@ -32,22 +32,7 @@ _ROUNDING_TOLERANCE = 1e-11
 
 
 def write_tables(march: March, times: ArrayLike, path: str | Path) -> None:
-    """Write positions and speeds of every handle, to six decimals, as the contest's result1.xlsx and result4.xlsx.
-
-    Parameters
-    ----------
-    march : March
-        March with the handles.
-    times : array_like, shape (T,)
-        Times in s; one column each.
-    path : path
-        File to write, ending in .xlsx.
-
-    Raises
-    ------
-    ParameterError, UnreachableError, MissingExtraError, OutputError
-        If there are no times or too many for a worksheet, or the file cannot be created; if a handle has no position
-        at a time; if XlsxWriter is not installed; if writing fails.
+    """Write positions and speeds of every handle at times in s as the contest's result1.xlsx and result4.xlsx.
 
     Examples
     --------
@@ -72,10 +57,7 @@ def write_tables(march: March, times: ArrayLike, path: str | Path) -> None:
 
 
 def write_contact_table(march: March, impact_time: float, path: str | Path) -> None:
-    """Write positions and speeds of every handle at one time as the contest's result2.xlsx.
-
-    Parameters and errors are those of `write_tables`, with one time, that of the first contact, s.
-    """
+    """Write positions and speeds of every handle at the time of the first contact, s, as the contest's result2.xlsx."""
     destination = check_destination(path, (".xlsx",))
     states = march.at([impact_time])
     values = np.column_stack([states.positions[0], states.speeds[0]])
@@ -84,11 +66,7 @@ def write_contact_table(march: March, impact_time: float, path: str | Path) -> N
 
 
 def paper_tables(march: March, impact_time: float | None) -> str:
-    """Tables 1 to 3 of the paper as text: seven handles at six times, and at the first contact if there is one, s.
-
-    Values are truncated to three decimals, not rounded, as in the paper. `UnreachableError` where a handle has no
-    position at one of the times.
-    """
+    """Tables 1 to 3 of the paper as text, truncated to three decimals as there; the third one at a first contact, s."""
     handles = march.dragon.representatives
     states = march.at(_TABLE_TIMES)
     times = [f"{time:g} s" for time in _TABLE_TIMES]

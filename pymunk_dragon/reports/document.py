@@ -1,4 +1,4 @@
-"""Text of a report, the same in Markdown and HTML: headline, subtitle, key figures, and sections with tables."""
+"""Text of a report, the same in Markdown and HTML: headline, subtitle, and sections with tables."""
 
 from __future__ import annotations
 
@@ -21,24 +21,10 @@ CURVES |= {"Line": "straight line", "Arc": "circular arc"}
 # The sizes of a curve in sentences, and the players.
 SIZES = {"pitch": ", pitch {size} m", "radius": ", in a circle of {size} m", "length": " of {size} m"}
 PLAYERS = {"pymunk": "played by Pymunk", "exact": "played by the exact model", None: "of an unknown player"}
-# Labels and units of the parameters of a scenario.
-SCENARIO = {
-    "benches": ("Benches", ""),
-    "head_spacing": ("Head bench, hole to hole", " m"),
-    "body_spacing": ("Other benches, hole to hole", " m"),
-    "overhang": ("Hole to the end of a bench", " m"),
-    "width": ("Width of a bench", " m"),
-    "curve": ("Curve", ""),
-    "pitch": ("Pitch", " m"),
-    "turns": ("Start on turn", ""),
-    "speed": ("Speed of the head", ""),
-    "radius": ("Radius of the turning circle", " m"),
-    "ratio": ("First arc's radius over the second's", ""),
-    "length": ("Length of the curve", " m"),
-    "start_s": ("Start of the head, along the curve", " m"),
-}
-# Units of settings, where they have one.
-UNITS = {"start": " s", "until": " s", "substep": " s", "frame_interval": " s", "drag": " 1/m", "head_force": " N"}
+# Units of parameters and settings, where they have one.
+UNITS = dict.fromkeys(("head_spacing", "body_spacing", "overhang", "width", "pitch", "radius", "length"), " m")
+UNITS |= dict.fromkeys(("start", "until", "substep", "frame_interval"), " s")
+UNITS |= {"start_s": " m", "drag": " 1/m", "head_force": " N"}
 
 Row = Sequence[str]
 Entry = TypeVar("Entry")
@@ -96,22 +82,6 @@ def subtitle(summary: Summary) -> str:
     )
 
 
-def key_figures(summary: Summary) -> Sequence[Row]:
-    """Names and values of the most important numbers of the run."""
-    begin, end = summary.run.times[[0, -1]].tolist()
-    rows = [(text("simulated"), text("{begin} to {end}").format(begin=_number(begin, 2), end=_number(end, 2, " s")))]
-    if error := _time_error(summary):
-        rows.append((text("against the exact first contact"), error))
-    if summary.near_misses:
-        closest = min(summary.near_misses, key=lambda miss: miss.gap)
-        rows.append((text("closest near miss, benches {pair}").format(pair=pair(closest.benches)), _size(closest.gap)))
-    if summary.run.player != "exact":
-        drift = summary.drift
-        first = text("largest position error, first {count} benches").format(count=drift["head_benches"])
-        rows += [(first, _size(drift["head"])), (text("largest position error, any bench"), _size(drift["max"]))]
-    return rows
-
-
 def sections(summary: Summary) -> list[Section]:
     """Sections of a report, in order."""
     near_misses: Cells[NearMiss] = {
@@ -141,7 +111,7 @@ def sections(summary: Summary) -> list[Section]:
     calls = text("Collision callbacks of the engine, in the order in which they came: {count}.")
     log = summary.run.events
     return [
-        Section("first-contact", text("First contact"), _comparison(summary), _contacts(summary)),
+        Section("first-contact", text("First contact"), _comparison(summary), _contact(summary.run.first_contact)),
         Section("near-misses", text("Near misses"), near, _table(summary.near_misses or (), near_misses, left=(1,))),
         Section("windows", text("Contact windows"), times, _table(log.windows(), windows, left=(0,))),
         Section("drift", text("Position error"), error, {"": Table(_drift(summary))}),
@@ -151,19 +121,16 @@ def sections(summary: Summary) -> list[Section]:
 
 
 def provenance(summary: Summary) -> Section:
-    """Scenario, settings and versions of the run, with all digits."""
-    scenario = []
-    for name, value in summary.scenario.items():
-        label, unit = SCENARIO.get(name, (name, ""))
-        if value is not None:
-            scenario.append((text(label), _speed(value) if name == "speed" else _value(value) + unit))
+    """Scenario, settings and versions of the run, under their names in Python and with all digits."""
+    scenario = summary.scenario | {"speed": _speed(summary.scenario["speed"])}
     versions = json_values(summary.run.versions) | {text("report format"): VERSION}
-    groups = {
-        text("Scenario"): scenario,
-        text("Settings"): [(name, _value(value) + UNITS.get(name, "")) for name, value in summary.settings.items()],
-        text("Versions"): [(name, _value(value)) for name, value in versions.items()],
+    groups = {text("Scenario"): scenario, text("Settings"): summary.settings, text("Versions"): versions}
+    tables = {
+        title: Table([(name, _value(value) + UNITS.get(name, "")) for name, value in group.items()])
+        for title, group in groups.items()
+        if group
     }
-    return Section("provenance", text("Provenance"), "", {name: Table(rows) for name, rows in groups.items() if rows})
+    return Section("provenance", text("Provenance"), "", tables)
 
 
 def pair(benches: Sequence[int]) -> str:
@@ -180,8 +147,8 @@ def _comparison(summary: Summary) -> str:
     if error := _time_error(summary):
         same = text("The same benches touch in the exact model; the contact of the run is {error}.")
         notes.append(same.format(error=error))
-    elif exact is not None and (run.player != "exact" or not run.first_contact):
-        result = contact_text(exact.status, exact.benches, exact.point, exact.time)
+    if exact is not None and (run.player != "exact" or not run.first_contact):
+        result = contact_text(exact.status, exact.benches, exact.point, exact.time, 9)
         notes.append(text("The exact model: {result}.").format(result=result))
     return " ".join(notes)
 
@@ -196,28 +163,20 @@ def _time_error(summary: Summary) -> str | None:
     return template.format(error=_number(abs(error), 3))
 
 
-def _contacts(summary: Summary) -> dict[str, Table]:
-    """First contacts of the run and of the exact model."""
-    first, exact, tables = summary.run.first_contact, summary.exact_contact, {}
-    if first is not None:
-        tables[text("In this run")] = Table(_contact_rows(first, 6))
-    if exact is not None and summary.run.player != "exact":
-        tables[text("In the exact model")] = Table(_contact_rows(exact, 9))
-    return tables
-
-
-def _contact_rows(contact: Contact, decimals: int) -> list[Row]:
-    """Rows on a contact; `decimals` are those of its time."""
+def _contact(contact: Contact | None) -> dict[str, Table]:
+    """Table on the first contact of the run."""
+    if contact is None:
+        return {}
     rows = [
         (text("Benches that touch"), pair(contact.benches)),
-        (text("Time"), _number(contact.time, decimals, " s")),
+        (text("Time"), _number(contact.time, 6, " s")),
         (text("Point"), f"{_vector(contact.point, 6)} m"),
         (text("Normal, from the first to the second"), _vector(contact.normal, 6)),
         (text("Detected at the end of a substep"), _number(contact.raw_time, 6, " s")),
         (text("Depth when detected"), _size(contact.depth)),
     ]
     # Only the engine detects contacts by an overlap.
-    return [*rows] if contact.depth else [*rows[:4]]
+    return {"": Table(rows if contact.depth else rows[:4])}
 
 
 def _table(entries: Sequence[Entry], cells: Cells[Entry], left: Sequence[int]) -> dict[str, Table]:

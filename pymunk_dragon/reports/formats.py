@@ -69,12 +69,9 @@ def report(run: Run, path: str | Path) -> None:
 def _csv_text(summary: Summary) -> str:
     """Near misses, first contacts and callbacks by time as CSV (RFC 4180): SI units, a column for each coordinate."""
     values = summary.to_dict()
-    kinds = {
-        "near_miss": values["near_misses"] or (),
-        "exact_contact": [values["exact"]] if summary.exact_contact else (),
-        "first_contact": filter(None, [values["first_contact"]]),
-    }
-    found = [(kind, entry) for kind, entries in kinds.items() for entry in entries]
+    found = [("near_miss", miss) for miss in values["near_misses"] or ()]
+    found += [("exact_contact", values["exact"])] if summary.exact_contact else []
+    found += [("first_contact", values["first_contact"])] if summary.run.first_contact else []
     found += [(event["phase"], event) for event in values["events"]]
     found.sort(key=lambda entry: entry[1]["time"])
     content = io.StringIO(newline="")
@@ -87,7 +84,6 @@ def _csv_text(summary: Summary) -> str:
 def markdown(summary: Summary) -> str:
     """Report as Markdown with GitHub's tables."""
     parts = [f"# {_escaped(document.headline(summary))}", _escaped(document.subtitle(summary) + text("."))]
-    parts += _markdown_table("", document.Table(document.key_figures(summary)))
     for section in document.sections(summary):
         parts += [f"## {section.title}", _escaped(section.note)]
         for heading, table in section.tables.items():

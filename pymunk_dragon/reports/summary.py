@@ -26,14 +26,9 @@ _EXACT_FIELDS = ("status", "time", "benches", "point", "normal")
 
 @dataclass(frozen=True, kw_only=True)
 class Summary:
-    """Summary of a run; `summarize` makes it.
+    """A run, and the first contact and near misses of the exact model, None if the search is not possible.
 
-    Attributes
-    ----------
-    run : Run
-        The run. A run of the exact model includes a frame at the exact first contact.
-    exact : FirstContact or None
-        First contact and near misses of the exact model; None if the search is not possible.
+    A run of the exact model includes a frame at its first contact.
     """
 
     run: Run
@@ -114,19 +109,6 @@ class Summary:
 def summarize(run: Run) -> Summary:
     """Compute the summary of a run, the data of the reports.
 
-    The first contact of a guided run may be slightly before or after the exact one. If a guided run has one, the search
-    in the exact model continues after the end of the run, for at most the duration of the run.
-
-    Parameters
-    ----------
-    run : Run
-        Run to summarize. If the exact model played it, its exact first contact is added, with a frame at its time.
-
-    Raises
-    ------
-    ParameterError
-        If `run` is not a Run.
-
     Examples
     --------
     >>> from pymunk_dragon import March, Run
@@ -136,6 +118,7 @@ def summarize(run: Run) -> Summary:
     if not isinstance(run, Run):
         raise ParameterError("run", run, "a Run")
     start, until = run.times[[0, -1]].tolist()
+    # The first contact of a guided run may be slightly before the exact one.
     if run.first_contact and run.guide != "none":
         until = min(run.march.end, max(until, 2 * until - start))
     exact = None

@@ -12,8 +12,8 @@ $ pymunk-dragon sweep --quantity max-speed --axis ratio=1:2:0.25 --axis radius=4
 
 - **Axes** are parameters of the dragon, its curve and the quantity, as `start`, `until` or `limit`: ranges with both
   ends, `0.4:0.8:0.01`, or lists, `50,100,200`.
-- **Quantities** are `contact-time`, `nearest-gap`, `min-pitch` and `max-speed`, or a function of yours of a march that
-  returns names and numbers: `--quantity mine:longest_gap` of `mine.py` in this folder.
+- **Quantities** are `contact-time`, `min-pitch` and `max-speed`, or a function of yours of a march that returns names
+  and numbers: `--quantity mine:longest_gap` of `mine.py` in this folder.
 - **The table** has a row for each point, in the order of the grid: the axes, the values, and `error`, the reason why a
   point has no values, as on a spiral narrower than the benches; the exit code is then 1.
 - **Nothing is lost.** After Ctrl-C, a power cut or a full disk `--resume` goes on from `a.csv.partial`.

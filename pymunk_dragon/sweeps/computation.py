@@ -37,8 +37,6 @@ UNDER_WAY = 256
 # Processors for this process, of which each gets a worker process, and such processes at most.
 _CORES = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 _MAX_WORKERS = 1000
-# s until a Dask scheduler must answer.
-_CONNECT_TIMEOUT = 10
 
 
 def sweep(
@@ -269,7 +267,7 @@ def _cluster(distributed: Any, scheduler: str) -> Iterator[Executor]:
     try:
         # A client with an address of another form waits for itself when it is closed.
         distributed.comm.get_address_host_port(scheduler)
-        client = distributed.Client(scheduler, timeout=_CONNECT_TIMEOUT, set_as_default=False)
+        client = distributed.Client(scheduler, timeout=10, set_as_default=False)
     except (OSError, ValueError, TypeError) as error:
         bound = "the address of a Dask scheduler that answers, such as tcp://HOST:8786"
         raise ParameterError("scheduler", scheduler, bound) from error

@@ -114,14 +114,6 @@ def contact_time(march: March, *, start: float = 0.0, until: float | None = None
     return {"contact_time": time, **_benches(hit.benches), "status": hit.status}
 
 
-def nearest_gap(march: March, *, start: float = 0.0, until: float | None = None) -> Values:
-    """Gap of the nearest miss before the first contact."""
-    hit = first_contact(march, start=start, until=until)
-    miss = min(hit.near_misses or (), key=lambda each: each.gap, default=None)
-    gap, time, benches = (miss.gap, miss.time, miss.benches) if miss else (None, None, None)
-    return {"nearest_gap": gap, "time": time, **_benches(benches), "status": hit.status}
-
-
 def min_pitch(march: March, *, turns: float = 16.0, speed: float = 1.0, radius: float = 4.5) -> Values:
     """Smallest pitch at which the head reaches the circle."""
     found = smallest_pitch(march.dragon, turns=turns, speed=speed, radius=radius)
@@ -138,5 +130,5 @@ def max_speed(
 
 # All quantities with a name of their own. Their values are in SI units.
 _FUNCTIONS: Mapping[str, Callable[..., Values]]
-_FUNCTIONS = {"contact-time": contact_time, "nearest-gap": nearest_gap, "min-pitch": min_pitch, "max-speed": max_speed}
+_FUNCTIONS = {"contact-time": contact_time, "min-pitch": min_pitch, "max-speed": max_speed}
 QUANTITIES = {name: Quantity(name, function) for name, function in _FUNCTIONS.items()}

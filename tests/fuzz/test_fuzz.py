@@ -53,7 +53,7 @@ COMMANDS = [
     "contact --until 5 --benches 5",
     "contact --until 5 --method grid --step 0.5 --benches 5 -o old.json",
     "simulate --until 0.1 --substep 0.01 --iterations 20 --frame-interval 0.05 --benches 4 -o new.npz",
-    "simulate --until 0.1 --from -0.1 --guide none --contacts report --fine --benches 4",
+    "simulate --until 0.1 --from -0.1 --guide none --contacts report --iterations 60 --benches 4",
     "render run.npz --size 64x80 --fps 2 --speedup 5 --camera head --span 3 --hold 1 -o old.gif",
     "render exact.npz run.npz --size 64 --velocities --grid --contacts --title T --caption C --lang zh -o new.png",
     "render --until 1 --size 64 --fps 2 --exact --benches 4 -o new.webp",
@@ -87,7 +87,7 @@ EXTREMES = {
     "--step": "1e-300 1e-12 1e300",
     "--size": "63 1024 64x1024 1e3 64x64x64 2049",
     "--axis": "pitch= none=1 pitch width=0.1,0.2,x benches=2:4:1 benches=2.5 = pitch=0.5,0.5",
-    "--quantity": "contact-time nearest-gap none math:pi none:none",
+    "--quantity": "contact-time min-pitch none math:pi none:none",
 }
 # Whole scenarios and tables, and commands that read them.
 CURVES = [

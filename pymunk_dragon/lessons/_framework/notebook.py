@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pymunk_dragon._extras import optional_imports
+from pymunk_dragon._extras import library
 from pymunk_dragon._language import in_language, text
 from pymunk_dragon.lessons._framework.lesson import Lesson
 
@@ -23,8 +23,8 @@ def make_notebook(lesson: Lesson, language: str = "en") -> str:
     >>> cells[0]["source"][0].strip()
     '# How fast do you turn to watch the head?'
     """
-    with optional_imports():
-        from nbformat import v4, validate, writes
+    nbformat = library("nbformat")
+    v4 = nbformat.v4
     said = lesson.sections(language)
     with in_language(language):
         needs = text("The kernel needs the package with its extras: pymunk-dragon[demos,live,notebook].")
@@ -42,5 +42,5 @@ def make_notebook(lesson: Lesson, language: str = "en") -> str:
         cell["id"] = f"{lesson.name}-{number}"
     kernel = {"name": "python3", "display_name": "Python 3", "language": "python"}
     made = v4.new_notebook(cells=cells, metadata={"kernelspec": kernel, "language_info": {"name": "python"}})
-    validate(made)
-    return f"{writes(made)}\n"
+    nbformat.validate(made)
+    return f"{nbformat.writes(made)}\n"

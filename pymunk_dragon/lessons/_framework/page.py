@@ -7,7 +7,7 @@ from io import BytesIO
 from pathlib import Path
 from typing import Any
 
-from pymunk_dragon._extras import library, optional_imports
+from pymunk_dragon._extras import library
 from pymunk_dragon._files import check_destination, written_in_place
 from pymunk_dragon._html import asset, data_address, filled, policy
 from pymunk_dragon._language import LANGUAGES, in_language, text
@@ -184,11 +184,8 @@ def _spiral() -> str:
 
 def _highlighted(code: str) -> str:
     """Python code as HTML with a class for each kind of token."""
-    with optional_imports():
-        from pygments import highlight
-        from pygments.formatters import HtmlFormatter
-        from pygments.lexers import PythonLexer
-    return str(highlight(code, PythonLexer(), HtmlFormatter(nowrap=True)))
+    formatter = library("pygments.formatters").HtmlFormatter(nowrap=True)
+    return str(library("pygments").highlight(code, library("pygments.lexers").PythonLexer(), formatter))
 
 
 def _address(content: bytes, ending: str) -> str:

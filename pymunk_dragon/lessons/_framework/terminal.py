@@ -6,7 +6,6 @@ import os
 import sys
 import tempfile
 import textwrap
-from contextlib import suppress
 from itertools import pairwise
 from pathlib import Path
 
@@ -19,7 +18,7 @@ from pymunk_dragon.lessons._framework.recording import make_folder, picture, run
 COLUMNS = 88
 
 
-def play(lesson: Lesson, save: str | Path | None = None, *, pause: bool = False, language: str = "en") -> None:
+def play(lesson: Lesson, save: str | Path | None = None, *, language: str = "en") -> None:
     """Print the texts of a lesson on stdout, and what its program prints.
 
     Parameters
@@ -28,8 +27,6 @@ def play(lesson: Lesson, save: str | Path | None = None, *, pause: bool = False,
         The lesson.
     save : path, optional
         Folder for the picture, made if it does not exist; by default a new one for temporary files.
-    pause : bool
-        Whether to wait for Enter after the guess.
     language : str
         Language of the texts, "en" or "zh".
 
@@ -56,10 +53,6 @@ def play(lesson: Lesson, save: str | Path | None = None, *, pause: bool = False,
     with in_language(language):
         _say(said["Title"], said["Question"])
         _say(text("Guess"), lesson.guess(language))
-        # Without a stdin, or at its end, Enter cannot be pressed.
-        if pause and sys.stdin is not None:
-            with suppress(EOFError):
-                input(text("Press Enter to see what happens.") + " ")
         for line in run(lesson, folder):
             print(line, end="", flush=True)
         _say(f"\n{text('Picture')}", str(picture(lesson, folder)))
