@@ -56,7 +56,7 @@ The contest's own sheets are written by `positions --times 0:300:1 -o result1.xl
 - **The largest speed.** Branch and bound over the distance of the head, with derivatives from interval arithmetic: no
   handle is faster at any time, sampled or not.
 - **The sensitivity.** `study sensitivity` prints how much a millimetre of each size moves the first contact and the
-  smallest pitch, from central differences of the exact answers, and where other benches touch.
+  smallest pitch, from central differences of the exact answers.
 
 ![The head touches the bench that it passes, at the smallest pitch](renders/figures/min-pitch.png)
 
@@ -80,7 +80,7 @@ from pymunk_dragon.studies.max_speed import MaxSpeed, max_speed
 from pymunk_dragon.studies.min_pitch import STUDY as MIN_PITCH
 from pymunk_dragon.studies.min_pitch import MinPitch, min_pitch
 from pymunk_dragon.studies.sensitivity import STUDY as SENSITIVITY
-from pymunk_dragon.studies.sensitivity import Sensitivity, Slope, sensitivity
+from pymunk_dragon.studies.sensitivity import Sensitivity, sensitivity
 from pymunk_dragon.studies.u_turn import STUDY as U_TURN
 from pymunk_dragon.studies.u_turn import TurnResult, u_turn
 
@@ -90,7 +90,6 @@ __all__ = [
     "MinPitch",
     "Result",
     "Sensitivity",
-    "Slope",
     "Study",
     "TurnResult",
     "max_speed",
