@@ -6,7 +6,7 @@ touch within a step, there is no derivative.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -15,7 +15,7 @@ import numpy as np
 from pymunk_dragon._display import table
 from pymunk_dragon._language import text
 from pymunk_dragon.collision import FirstContact, first_contact
-from pymunk_dragon.errors import DragonError, ParameterError
+from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.curves import Spiral
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
@@ -28,9 +28,6 @@ SIZES = ("width", "overhang", "head_spacing", "body_spacing")
 # are below the last digit printed.
 STEP = 1e-5
 
-# A time, s, or a pitch, m, and the two benches that touch; None where none touch.
-Answer = tuple[float, tuple[int, int] | None]
-
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Sensitivity(Result):
@@ -41,8 +38,8 @@ class Sensitivity(Result):
     contact, smallest : FirstContact, MinPitch
         The first contact and the smallest pitch.
     times, pitches : dict
-        Derivatives of the first contact's time, s per m, by each of the `SIZES` and by the pitch, and of the smallest
-        pitch, m per m; None where other benches touch, or none, within a hundredth of a millimetre. Where the benches
+        Derivatives of the first contact's time, s per m, by each of the `SIZES`, and of the smallest pitch,
+        m per m; None where other benches touch, or none, within a hundredth of a millimetre. Where the benches
         differ, all change by the same amount.
     """
 
@@ -63,9 +60,9 @@ class Sensitivity(Result):
         time = text("first contact at t = {time:.9f} s").format(time=self.contact.time)
         pitch = text("smallest pitch {pitch:.12f} m").format(pitch=self.smallest.pitch)
         heads = (text("size"), text("s per mm"), text("mm per mm"))
-        per_mm = {name: None if slope is None else slope / 1e3 for name, slope in self.times.items()}
-        flags = {name: name.replace("_", "-") for name in per_mm}
-        rows = [(text(flags[name]), slope, self.pitches.get(name)) for name, slope in per_mm.items()]
+        flags = {name: name.replace("_", "-") for name in self.times}
+        per_mm = [None if slope is None else slope / 1e3 for slope in self.times.values()]
+        rows = zip(map(text, flags.values()), per_mm, self.pitches.values(), strict=True)
         return [time, pitch, *table(heads, ("<13", "+10.7f", "+10.7f"), rows)]
 
 
@@ -99,45 +96,25 @@ def sensitivity(
     """
     dragon = dragon or Dragon()
 
-    def contact(name: str, change: float) -> FirstContact:
-        spiral = Spiral(pitch=pitch + change * (name == "pitch"))
-        return first_contact(March(_changed(dragon, name, change), spiral, turns=turns, speed=speed))
+    def answers(name: str, change: float) -> tuple[FirstContact, MinPitch]:
+        """Both answers with a size of all benches that have it changed, m."""
+        size: Any = (np.array(getattr(dragon, name)) + change).tolist()
+        changed = replace(dragon, **{name: size})
+        march = March(changed, Spiral(pitch=pitch), turns=turns, speed=speed)
+        return first_contact(march), min_pitch(changed, turns=turns, speed=speed, radius=radius)
 
-    def time(name: str, change: float) -> Answer:
-        found = contact(name, change)
-        return found.time, found.benches
-
-    def limit(name: str, change: float) -> Answer:
-        found = min_pitch(_changed(dragon, name, change), turns=turns, radius=radius)
-        return found.pitch, found.benches
-
-    first = contact("", 0.0)
-    if first.status != "contact":
+    contact, smallest = answers("width", 0.0)
+    if contact.status != "contact":
         raise ParameterError("pitch", pitch, "one at which the dragon runs into itself")
-    smallest = min_pitch(dragon, turns=turns, speed=speed, radius=radius)
-    times, pitches = {"pitch": _slope("pitch", first.benches, time)}, dict[str, float | None]()
+    times, pitches = dict[str, float | None](), dict[str, float | None]()
     for done, name in enumerate(SIZES, 1):
-        times[name] = _slope(name, first.benches, time)
-        pitches[name] = _slope(name, smallest.benches, limit)
+        (contact_before, before), (contact_after, after) = answers(name, -STEP), answers(name, STEP)
+        same = contact_before.benches == contact_after.benches == contact.benches
+        times[name] = (contact_after.time - contact_before.time) / (2 * STEP) if same else None
+        same = before.benches == after.benches == smallest.benches
+        pitches[name] = (after.pitch - before.pitch) / (2 * STEP) if same else None
         progress(done, len(SIZES))
-    return Sensitivity(contact=first, smallest=smallest, times=times, pitches=pitches)
-
-
-def _changed(dragon: Dragon, name: str, change: float) -> Dragon:
-    """A dragon with one of the `SIZES` changed by `change` m, on all benches that have the size."""
-    if name not in SIZES:
-        return dragon
-    changed: Any = (np.array(getattr(dragon, name)) + change).tolist()
-    return replace(dragon, **{name: changed})
-
-
-def _slope(name: str, benches: tuple[int, int] | None, answer: Callable[[str, float], Answer]) -> float | None:
-    """Derivative by a size of the answers to changes of this size, if the same benches touch on both sides."""
-    try:
-        (less, before), (more, after) = answer(name, -STEP), answer(name, STEP)
-    except DragonError:  # No such dragon, march or contact.
-        return None
-    return (more - less) / (2 * STEP) if before == after == benches else None
+    return Sensitivity(contact=contact, smallest=smallest, times=times, pitches=pitches)
 
 
 _SUMMARY = "effect of each size of the benches on first contact and that pitch"
