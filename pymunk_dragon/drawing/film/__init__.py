@@ -43,7 +43,7 @@ def render(
     source : Run or March, or a sequence of them
         Several sources are shown side by side at the same simulated time; a run that has ended keeps its last frame.
     path : path
-        File to write: .gif, .apng, .webp, or .mp4 with the extra `mp4`; a picture is .png. If writing is
+        File to write: .gif, or .mp4 with the extra `mp4`; a picture is .png. If writing is
         interrupted, an old file is kept and no incomplete file is left.
     film : Film, optional
         Speed, size, window, camera, marks and texts.
@@ -71,7 +71,7 @@ def render(
     Examples
     --------
     >>> from pymunk_dragon import Dragon, March, render
-    >>> timing = render(March(Dragon(benches=16)), "march.webp", size=320, until=60, title="16 benches")
+    >>> timing = render(March(Dragon(benches=16)), "march.gif", size=320, until=60, title="16 benches")
     >>> timing.fps, float(timing.ends[-1])  # frames per second, and length of the film in s
     (20, 8.0)
     """

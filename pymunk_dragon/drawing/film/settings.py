@@ -30,7 +30,7 @@ _SIZES = 64, 2048
 _MAX_FRAMES = 20_000
 # Simulated seconds per second of film: at a higher factor any march ends within its first frame.
 _MAX_SPEEDUP = 1e6
-# s: below the longest delay of an APNG, 65 s.
+# s: a longer one is taken for a typing error.
 _MAX_HOLD = 60.0
 
 
