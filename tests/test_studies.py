@@ -110,7 +110,7 @@ def test_impossible_sizes_are_refused_by_name():
         (lambda: min_pitch(Dragon(benches=2)), "benches", "2"),
         (lambda: min_pitch(Dragon(benches=3, body_spacing=0.7)), "run into itself"),
         (lambda: min_pitch(Dragon(body_spacing=0.56)), "body_spacing", "0.56"),
-        (lambda: sensitivity(Dragon(benches=2)), "pitch", "runs into itself"),
+        (lambda: sensitivity(Dragon(benches=25), pitch=5.0), "pitch", "runs into itself"),
         (lambda: STUDIES["min-pitch"].answer({"ratio": 2}), "ratio", "radius"),
     ):
         assert_says(refusal(make), *words)
