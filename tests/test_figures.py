@@ -66,7 +66,7 @@ def words(drawing):
     "name", ["grid", *(pytest.param(name, marks=pytest.mark.thorough) for name in FIGURES if name != "grid")]
 )
 def test_figure_has_the_same_bytes_in_each_format_whatever_the_settings(name, tmp_path):
-    assert FIGURES[name].endings == ((".png", ".svg", ".pdf") if name in CHARTS else (".png", ".pdf"))
+    assert FIGURES[name].endings == ((".png", ".svg", ".pdf") if name in CHARTS else (".png",))
     for ending in FIGURES[name].endings:
         file, again = tmp_path / f"{name}{ending}", tmp_path / f"again{ending}"
         write_figure(name, file, source_of(name))

@@ -7,7 +7,7 @@ import imageio.v3 as iio
 import imageio_ffmpeg
 import numpy as np
 import pytest
-from conftest import assert_says, refusal
+from conftest import refusal
 from marches import ARM, TRACTOR
 from PIL import Image
 
@@ -24,8 +24,6 @@ from pymunk_dragon.errors import DragonError
 
 MARCH = March(Dragon(benches=16), turns=4)
 HEAD = Camera(follow="head")
-# Every pixel is stored as it was drawn, and a file says how long each frame stays.
-LOSSLESS = [".gif", ".apng", ".webp"]
 NEAR_MISSES = (406.8466, 409.8320)
 CONTACT = 412.4738
 
@@ -44,7 +42,7 @@ def seed():
 
 
 def frames(path):
-    """Every frame of a lossless film as RGB, and how long it stays in ms."""
+    """Every frame of a GIF as RGB, and how long it stays in ms."""
     with Image.open(path) as film:
         assert film.info["loop"] == 0  # for ever
         for i in range(film.n_frames):
@@ -58,18 +56,17 @@ def drawn(source, film):
 
 
 def test_file_shows_exactly_what_was_drawn_for_as_long_as_it_should(run, tmp_path):
-    for ending in LOSSLESS:
-        for size, fps in (((160, 120), 10), ((97, 131), 7), ((64, 64), 24)):
-            path, told = tmp_path / f"film{ending}", []
-            film = Film(size=size, fps=fps, speedup=5, hold=1.5, camera=HEAD, show=("velocities", "grid"))
-            render(run, path, film, progress=lambda *step, told=told: told.append(step))
-            shown, expected = list(frames(path)), drawn(run, film)
-            assert sum(ms for _, ms in shown) == 10 / 5 * 1000 + 1500, (ending, fps)
-            assert told == [(i + 1, len(expected)) for i in range(len(expected))]
-            for (picture, _), frame in zip(shown, expected, strict=True):
-                # But for mixtures of colours that are not in the table.
-                error = np.abs(picture - frame)
-                assert (error.max() <= 32, error.mean() < 1) == (True, True)
+    for size, fps in (((160, 120), 10), ((97, 131), 7), ((64, 64), 24)):
+        path, told = tmp_path / "film.gif", []
+        film = Film(size=size, fps=fps, speedup=5, hold=1.5, camera=HEAD, show=("velocities", "grid"))
+        render(run, path, film, progress=lambda *step, told=told: told.append(step))
+        shown, expected = list(frames(path)), drawn(run, film)
+        assert sum(ms for _, ms in shown) == 10 / 5 * 1000 + 1500, fps
+        assert told == [(i + 1, len(expected)) for i in range(len(expected))]
+        for (picture, _), frame in zip(shown, expected, strict=True):
+            # But for mixtures of colours that are not in the table.
+            error = np.abs(picture - frame)
+            assert (error.max() <= 32, error.mean() < 1) == (True, True)
 
 
 def test_same_film_twice_is_the_same_file(run, tmp_path):
@@ -84,13 +81,11 @@ def test_equal_frames_stay_as_long_as_they_should(tmp_path):
     second.paste(5, (11, 11, 12, 12))
     for picture in (first, second):
         picture.putpalette(colour_table().tobytes())
-    for ending in LOSSLESS:
-        path = tmp_path / f"film{ending}"
-        pictures = iter((first, first, first, second, second))
-        WRITERS[ending](path, Frames(pictures=pictures, ends=[0.1, 0.2, 0.3, 0.4, 0.5], size=first.size, fps=10))
-        for picture, expected in ((first, 300), (second, 200)):
-            pixels = np.asarray(picture.convert("RGB"))
-            assert sum(ms for frame, ms in frames(path) if np.array_equal(frame, pixels)) == expected
+    path, pictures = tmp_path / "film.gif", iter((first, first, first, second, second))
+    WRITERS[".gif"](path, Frames(pictures=pictures, ends=[0.1, 0.2, 0.3, 0.4, 0.5], size=first.size, fps=10))
+    for picture, expected in ((first, 300), (second, 200)):
+        pixels = np.asarray(picture.convert("RGB"))
+        assert sum(ms for frame, ms in frames(path) if np.array_equal(frame, pixels)) == expected
 
 
 def test_mp4_is_h264_and_shows_the_frames_in_their_colours(run, tmp_path):
@@ -132,21 +127,18 @@ def test_bad_parameters_are_refused(run, tmp_path):
     cases += [("speedup", value) for value in (0, float("nan"), 1e-5)]
     cases += [("size", value) for value in (63, 5000, (640, 0), (640, 640, 3), 640.5)]
     cases += [("hold", -1), ("hold", float("inf")), ("start", -1), ("start", float("nan")), ("until", 11)]
-    cases += [("title", 3), ("title", "\u9f99"), ("caption", "x" * 501), ("camera", "head")]
+    cases += [("title", 3), ("title", "\u9f99"), ("camera", "head")]
     cases += [("headings", value) for value in (("a", None), ("one", "too many"), ("\u9f99",))]
     cases += [("show", value) for value in (("shadows",), "grid", ("impulses",))]
     calls = [(name, run, "film.gif", {name: value}) for name, value in cases]
     calls += [("until", run, "film.gif", {"start": 5, "until": 4}), ("until", MARCH, "film.gif", {})]
     calls += [("output", run, name, {}) for name in ("film.avi", "film", "nowhere/film.gif")]
-    calls += [("source", source, "film.gif", {"until": 1}) for source in ([], "run.npz", [1], [MARCH] * 5, None)]
+    calls += [("source", source, "film.gif", {"until": 1}) for source in ([], "run.npz", [1], None)]
     for name, source, file, options in calls:
         assert refusal(render, source, tmp_path / file, **options).name == name, options
     refusal(render, MARCH, tmp_path / "film.gif", until=1000, error=DragonError)  # past the end of the curve
-    # More than the memory holds.
-    large = {"size": 2048, "speedup": 0.4, "legend": False}
-    assert_says(refusal(render, run, tmp_path / "film.apng", **large), "238 ")
     assert list(tmp_path.iterdir()) == []
-    render(run, tmp_path / "film.webp", fps=60, until=0.5, speedup=1, size=64)
+    render(run, tmp_path / "film.mp4", fps=60, until=0.5, speedup=1, size=64)
 
 
 def test_film_of_the_paper_s_march_is_short_and_slows_down_towards_near_misses_and_contact(seed):
@@ -295,7 +287,7 @@ def test_bad_cameras_marks_and_times_are_refused(run, tmp_path):
     cases = [(name, Camera, {name: value}) for name, value in [("span", 0), ("span", float("inf")), ("follow", "tail")]]
     cases += [("time", still, {"source": run, "time": 11.0})]
     cases += [("until", render, {"source": run, "until": 11.0, "path": tmp_path / "still.png"})]
-    for mark in ("contacts", "normals", "impulses"):
+    for mark in ("contacts", "impulses"):
         cases += [("show", still, {"source": MARCH, "time": 1.0, "film": Film(show=(mark,))})]
     for name, call, arguments in cases:
         assert refusal(call, **arguments).name == name
@@ -356,7 +348,7 @@ def test_velocities_of_a_run_are_those_of_its_march(run):
 def test_pictures_look_as_they_did(seed, golden):
     films = {
         "field": (seed, Film(size=330, show=("velocities", "grid"))),
-        "contact": (seed, Film(size=330, camera=HEAD, show=("grid", "contacts", "normals"))),
+        "contact": (seed, Film(size=330, camera=HEAD, show=("grid", "contacts"))),
         "u-turn": (March(Dragon(benches=40), UTurn()), Film(size=(330, 200), title="A turn", camera=Camera(span=20.0))),
     }
     for name, (source, film) in films.items():

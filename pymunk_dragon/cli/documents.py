@@ -131,7 +131,7 @@ def _refuse(what: str, *names: str) -> None:
 @click.argument("name", metavar="[FIGURE]", required=False, type=click.Choice(list(FIGURES)))
 @click.argument("run_file", metavar="[RUN.npz]", required=False, type=click.Path())
 @common.scenario_options
-@common.output_option(".png or .pdf, or .svg where the figure has axes", "NAME.png")
+@common.output_option(".png, or .svg or .pdf where the figure has axes", "NAME.png")
 def figure(name: str | None, run_file: str | None, output: str | None) -> None:
     """Draw one of the paper's figures, or one beyond it.
 

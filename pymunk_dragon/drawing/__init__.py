@@ -1,13 +1,13 @@
 """Rendering: pictures of a dragon's state, films, figures and debug drawing.
 
-`render` and `pymunk-dragon render` take the format from the file's ending: a GIF, an APNG, a WebP, an MP4 (with
-`pip install 'pymunk-dragon[mp4]'`), or a PNG or PDF of one moment. The program also writes the page of
+`render` and `pymunk-dragon render` take the format from the file's ending: a GIF, an MP4 (with
+`pip install 'pymunk-dragon[mp4]'`), or a PNG of one moment. The program also writes the page of
 `pymunk_dragon.player`, `.html`. Several runs stand side by side, and `--exact` puts the exact model beside a run.
 
 ```console
 $ pymunk-dragon simulate --from 405 -o run.npz
 $ pymunk-dragon render run.npz -o head.gif --camera head --speedup 2 --from 409
-$ pymunk-dragon render run.npz --exact -o both.webp --camera head --from 411 --speedup 1
+$ pymunk-dragon render run.npz --exact -o both.gif --camera head --from 411 --speedup 1
 $ pymunk-dragon render run.npz -o marks.png --camera head --velocities --grid --impulses --contacts
 ```
 

@@ -60,7 +60,7 @@ from pymunk.space_debug_draw_options import SpaceDebugColor as Colour
 from pymunk_dragon._checks import finite
 from pymunk_dragon.errors import ParameterError
 
-__all__ = ["DrawCall", "DrawRecorder", "PillowDrawOptions"]
+__all__ = ["PillowDrawOptions"]
 
 Point = tuple[float, float]
 
@@ -70,8 +70,6 @@ _COLLISION_MARK = 5.0
 SAMPLES = 2
 # Drawn pixels: ImageDraw also fills the pixels on a polygon's edge, so every radius is smaller by this.
 _EDGE_INSET = 0.4
-# Most chords per radian of an arc.
-_MAX_CHORDS = 1000.0
 # Drawn pixels: what reaches farther is not drawn, because ImageDraw has integers of 32 bits.
 _MAX_REACH = 1e9
 
@@ -99,17 +97,6 @@ class DrawRecorder(pymunk.SpaceDebugDrawOptions):
 
     Chipmunk is written in C, and Python only prints an exception in a function that C calls. That of a shape with a
     wrong `color` is raised by `debug_draw`.
-
-    Examples
-    --------
-    >>> import pymunk
-    >>> from pymunk_dragon.drawing.debug_draw import DrawRecorder
-    >>> space = pymunk.Space()
-    >>> space.add(pymunk.Circle(space.static_body, 0.5, offset=(2, 1)))
-    >>> recorder = DrawRecorder()
-    >>> space.debug_draw(recorder)
-    >>> recorder.calls[0].name, recorder.calls[0].points, recorder.calls[0].radius
-    ('circle', (Vec2d(2.0, 1.0),), 0.5)
     """
 
     def __init__(self) -> None:
@@ -251,7 +238,7 @@ def _paint(draw: ImageDraw.ImageDraw, view: pymunk.Transform, line: float, call:
     radius = call.radius * (line if call.name == "dot" else math.sqrt(abs(view.a * view.d - view.b * view.c)))
     if not all(abs(number) < _MAX_REACH for point in points for number in (*point, radius)):
         return
-    fill, width = _rounded(call.fill), round(line)
+    fill, width = tuple(map(round, call.fill)), round(line)
     if call.name == "contact":
         middle, reach = (points[0] + points[1]) / 2, _COLLISION_MARK * line * (points[1] - points[0]).normalized()
         points = [middle - reach, middle + reach]
@@ -265,7 +252,7 @@ def _paint(draw: ImageDraw.ImageDraw, view: pymunk.Transform, line: float, call:
     across = [[y * math.cos(heading) - x * math.sin(heading) for x, y in corners] for heading in headings]
     # An outline would cover a thin shape.
     thin = 2 * radius + min(max(row) - min(row) for row in across) <= 4 * line
-    outline = _rounded(call.outline) if call.outline and not thin else None
+    outline = tuple(map(round, call.outline)) if call.outline and not thin else None
     draw.polygon(_pixels(_around(corners, headings, max(radius - _EDGE_INSET, 0.0))), fill, outline, width)
     if call.name == "circle" and outline:
         tip = pymunk.Vec2d(*call.points[0]) + pymunk.Vec2d.from_polar(call.radius, call.angle)
@@ -289,7 +276,7 @@ def _around(corners: Sequence[Point], headings: Sequence[float], distance: float
         # At a straight corner, rounding can give an angle just below a full circle. A point has one.
         turn = math.tau if len(corners) == 1 else turn if turn < 1.5 * math.pi else 0.0
         # The chords are within 0.13 drawn pixels of the arc.
-        chords = 1 + int(turn * min(1 + math.sqrt(distance), _MAX_CHORDS))
+        chords = 1 + int(turn * (1 + math.sqrt(distance)))
         # The outer normal of a side is a quarter turn clockwise from its heading.
         angles = [headings[i - 1] - math.pi / 2 + turn * k / chords for k in range(chords + 1)]
         polygon += [(x + distance * math.cos(angle), y + distance * math.sin(angle)) for angle in angles]
@@ -299,7 +286,3 @@ def _around(corners: Sequence[Point], headings: Sequence[float], distance: float
 def _pixels(points: Sequence[Point]) -> list[tuple[int, int]]:
     """Return points in the coordinates of ImageDraw, whose origin is the centre of the first pixel."""
     return [(round(x - 0.5), round(y - 0.5)) for x, y in points]
-
-
-def _rounded(colour: Sequence[float]) -> tuple[int, ...]:
-    return tuple(round(part) for part in colour)

@@ -20,14 +20,9 @@ _UNASSIGNED_CHARACTER = "\U0010ffff"
 _Font = ImageFont.FreeTypeFont | ImageFont.ImageFont
 
 
-def pillow_font(size: float) -> _Font:
-    """Font of Pillow, `size` pixels high, with the characters of the present language."""
-    return _font(size, language_font())
-
-
 def check(name: str, text: str) -> None:
     """Raise a `ParameterError` if the font lacks a character of the parameter `name`."""
-    font = pillow_font(16)
+    font = _font(16, language_font())
     missing = bytes(font.getmask(_UNASSIGNED_CHARACTER))
     for character in "".join(text.split()):
         if bytes(font.getmask(character)) == missing:

@@ -1,4 +1,4 @@
-"""Overlays of a picture: velocities, joint impulses, contacts, normals, the grid of the broad phase, position errors.
+"""Overlays of a picture: velocities, joint impulses, contacts, the grid of the broad phase, position errors.
 
 An overlay is a function that draws it, and an entry in `OVERLAYS`, from which films and the command line have its name.
 """
@@ -163,15 +163,11 @@ def _draw_impulses(layer: Layer) -> None:
 
 def _draw_contacts(layer: Layer) -> None:
     assert isinstance(layer.source, Run)  # Marches are refused.
-    for points, _ in touches(layer.source, layer.time):
-        for centre in layer.pixels(points).tolist():
-            layer.disc(centre, _CONTACT_RADIUS)
-
-
-def _draw_normals(layer: Layer) -> None:
-    assert isinstance(layer.source, Run)  # Marches are refused.
     for points, normal in touches(layer.source, layer.time):
-        begin = layer.pixels(points).mean(axis=0)
+        centres = layer.pixels(points)
+        for centre in centres.tolist():
+            layer.disc(centre, _CONTACT_RADIUS)
+        begin = centres.mean(axis=0)
         # y points downwards in a picture.
         layer.arrow(begin.tolist(), (begin + _NORMAL_LENGTH * np.array(normal) * (1, -1)).tolist(), COLOURS.force)
 
@@ -199,7 +195,6 @@ def _draw_grid(layer: Layer) -> None:
 OVERLAYS: Mapping[str, Overlay] = {
     "velocities": Overlay(shows="Arrows to where the handles would be in half a second.", draw=_draw_velocities),
     "grid": Overlay(shows="The cells of the broad phase, darker where a bench is filed.", draw=_draw_grid, below=True),
-    "contacts": Overlay(shows="Contact points.", needs="events", draw=_draw_contacts),
-    "normals": Overlay(shows="Contact normals.", needs="events", draw=_draw_normals),
+    "contacts": Overlay(shows="Contact points and normals.", needs="events", draw=_draw_contacts),
     "impulses": Overlay(shows="Impulses in the joints, as discs.", needs="joint_impulses", draw=_draw_impulses),
 }

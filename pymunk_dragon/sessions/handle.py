@@ -157,7 +157,7 @@ def live(
         under which a proxy shows the page.
     record : path, optional
         File to write when the session is stopped: .json (inputs), or of a replay of them .npz (the run of a dragon),
-        .gif, .apng, .webp, .mp4.
+        .gif, .mp4.
 
     Returns
     -------

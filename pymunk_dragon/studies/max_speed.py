@@ -69,8 +69,6 @@ class MaxSpeed(Result):
         All handles with that speed; `handle` is the foremost one.
     time, distance : float
         Time from the entry of the circle to the maximum, s, and distance travelled by the head until then, m.
-    evaluations : int
-        Number of positions of the head at which the ratios were evaluated.
     curve, dragon : UTurn, Dragon
         The path and the dragon.
 
@@ -87,7 +85,6 @@ class MaxSpeed(Result):
     handles: tuple[int, ...]
     time: float
     distance: float
-    evaluations: int
     curve: UTurn
     dragon: Dragon
 
@@ -98,7 +95,7 @@ class MaxSpeed(Result):
 
     def to_dict(self) -> dict[str, Any]:
         """Values in SI units, as `study max-speed --json` prints them."""
-        names = ("speed", "handle", "time", "limit", "ratio", "excess", "handles", "distance", "evaluations")
+        names = ("speed", "handle", "time", "limit", "ratio", "excess", "handles", "distance")
         return {name: getattr(self, name) for name in names}
 
     def _lines(self) -> list[str]:
@@ -109,11 +106,11 @@ class MaxSpeed(Result):
             "{time:.4f} s after it entered the circle, {distance:.4f} m into it"
         ).format(subject=subject, ratio=self.ratio, time=self.time, distance=self.distance)
         first = text("largest speed of the head {speed:.10f} m/s: no handle exceeds {limit:g} m/s")
-        excess = text("no handle exceeds that by more than {excess:.2g} of it ({count} evaluations)")
+        excess = text("no handle exceeds that by more than {excess:.2g} of it").format(excess=self.excess)
         return [
             first.format(speed=self.speed, limit=self.limit),
             *labelled(text("limit:"), limit),
-            *labelled(text("certified:"), excess.format(excess=self.excess, count=self.evaluations)),
+            *labelled(text("certified:"), excess),
         ]
 
     def _draw(self) -> Figure:
@@ -198,7 +195,6 @@ def max_speed(
         handles=tuple(np.flatnonzero(speeds > found.ratio * (1 - _EQUAL)).tolist()),
         time=found.travelled * found.ratio / limit,
         distance=found.travelled,
-        evaluations=found.evaluations,
         curve=curve,
         dragon=dragon,
     )
@@ -221,7 +217,6 @@ def _largest_ratio(dragon: Dragon, curve: UTurn) -> tuple[_Search, float]:
     # The head has left the turn, so the benches behind it move as a chain of equal benches: periodically.
     followers = _Search(replace(dragon, head_spacing=body), curve, curve.joints[-1], search.ratio / gain)
     followers.run(0.0, followers.exit_distance(1, body))
-    search.evaluations += followers.evaluations
     if not followers.found:
         return search, gain
     if whole / (INTERVAL * body) * dragon.benches > _WORK:
@@ -247,7 +242,6 @@ class _Search:
         except ParameterError as error:
             raise _too_narrow(curve) from error
         self.ratio, self.found, self.travelled, self.handles = lower, False, 0.0, 1
-        self.evaluations = 0
 
     def exit_distance(self, handle: int, step: float) -> float:
         """Distance travelled by the head, m, at which `handle` has passed the exit of the turn by up to `step`.
@@ -274,7 +268,6 @@ class _Search:
         parts = [self.march.handles_s(travelled, handles) for travelled in (edges[:-1], middles, edges[1:])]
         while middles.size:
             first, middle, last = parts
-            self.evaluations += middles.size
             ratios, most = self._ratios(first, middle, last)
             largest = ratios.max(axis=1)
             best = int(largest.argmax())

@@ -45,7 +45,7 @@ FILES = {
 }
 NAMES = [*FILES, "folder", "folder/new.json", "none/new.json", ".", "..", "../up.json", "new", "x" * 300 + ".json"]
 NAMES += ["é.json", "a b.csv", "a\nb.json", "-.json", ".json", "/dev/null", "\udcff.npz"]
-NAMES += [f"new.{ending}" for ending in ("json", "csv", "npz", "gif", "svg", "html", "md", "xlsx", "apng", "mp4")]
+NAMES += [f"new.{ending}" for ending in ("json", "csv", "npz", "gif", "svg", "html", "md", "xlsx", "mp4")]
 # Right command lines that take little work. Every value is replaced now and then.
 COMMANDS = [
     "positions --benches 5 --times 0,1:3:1 --handles 0:3:1",
@@ -56,7 +56,7 @@ COMMANDS = [
     "simulate --until 0.1 --from -0.1 --guide none --contacts report --iterations 60 --benches 4",
     "render run.npz --size 64x80 --fps 2 --speedup 5 --camera head --span 3 --hold 1 -o old.gif",
     "render exact.npz run.npz --size 64 --velocities --grid --contacts --title T --caption C --lang zh -o new.png",
-    "render --until 1 --size 64 --fps 2 --exact --benches 4 -o new.webp",
+    "render --until 1 --size 64 --fps 2 --exact --benches 4 -o new.gif",
     "render run.npz -o new.html",
     "render run.npz run.npz --exact -o new.png --size 64x64",
     "report run.npz -o old.json",

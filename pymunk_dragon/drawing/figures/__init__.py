@@ -118,7 +118,7 @@ def styled_figure(draw: Callable[[], Figure]) -> Figure:
 
 
 def write_figure(name: str, path: str | Path, source: Run | March | None = None) -> None:
-    """Write one of `FIGURES` as PNG or PDF, or as SVG if it has axes.
+    """Write one of `FIGURES` as PNG, or as SVG or PDF if it has axes.
 
     `name` and `source` are those of `figure`. If writing is interrupted, an old file is kept and no incomplete file is
     left; if it fails, an `OutputError` is raised.

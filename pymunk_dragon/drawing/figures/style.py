@@ -19,7 +19,7 @@ from pymunk_dragon._arrays import Array
 from pymunk_dragon._extras import library
 from pymunk_dragon._language import font, language, text
 from pymunk_dragon.collision import FirstContact, first_contact
-from pymunk_dragon.drawing.palette import Palette
+from pymunk_dragon.drawing.palette import COLOURS as COLOURS
 from pymunk_dragon.errors import OutputError, ParameterError
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-COLOURS = Palette()
 # Lines and text: darker than the palette's blue and amber, for a contrast of at least 4.5 to 1 on the background.
 BLUE, AMBER = "#3a71a3", "#9a5f00"
 # Secondary text: a contrast of 5 to 1. Lines of less importance: 3 to 1.
@@ -41,8 +40,8 @@ SHARED, CANDIDATE = "#d3dfe8", "#efb037"
 _DPI = 200
 # Inches: sides of a figure that fills a slide, and the distance from its edges to its text.
 _SLIDE_WIDTH, _SLIDE_HEIGHT, _MARGIN = 8.0, 4.5, 0.3
-# Inches from a slide's top to its title, and to its subtitle; height of a line of a title; spacing in font sizes.
-_TITLE_TOP, _SUBTITLE_TOP, _TITLE_LINE, LINE_SPACING = 0.24, 0.56, 0.28, 1.25
+# Inches from a slide's top to its title, and to its subtitle.
+_TITLE_TOP, _SUBTITLE_TOP = 0.24, 0.56
 # Points: size of a title, smallest size of text, and width of the halo of text over a line.
 _TITLE_SIZE, SMALL, _HALO = 16, 10.5, 3.0
 # Area of a slide below its title, as left, bottom, width and height in fractions of the page; inches between panels.
@@ -117,12 +116,11 @@ def chart(width: float, height: float) -> Figure:
 
 
 def slide(title: str, subtitle: str) -> Figure:
-    """Create a figure that fills a slide, with a title and a subtitle, of any number of lines, in its upper left."""
+    """Create a figure that fills a slide, with a title and a subtitle in its upper left."""
     figure = _figure_type()(figsize=(_SLIDE_WIDTH, _SLIDE_HEIGHT), dpi=_DPI)
-    down = _SUBTITLE_TOP + _TITLE_LINE * title.count("\n")
-    aligned: dict[str, Any] = {"x": _MARGIN / _SLIDE_WIDTH, "va": "top", "linespacing": LINE_SPACING}
+    aligned: dict[str, Any] = {"x": _MARGIN / _SLIDE_WIDTH, "va": "top"}
     figure.text(y=1 - _TITLE_TOP / _SLIDE_HEIGHT, s=title, size=_TITLE_SIZE, **aligned)
-    figure.text(y=1 - down / _SLIDE_HEIGHT, s=subtitle, color=QUIET, **aligned)
+    figure.text(y=1 - _SUBTITLE_TOP / _SLIDE_HEIGHT, s=subtitle, color=QUIET, **aligned)
     return figure
 
 

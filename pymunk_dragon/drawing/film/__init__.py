@@ -7,14 +7,14 @@ scenes, which draw the states of a source at these times), and `formats` (file).
 from __future__ import annotations
 
 import io
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image, ImageSequence
+from PIL import Image
 
 from pymunk_dragon._checks import finite
 from pymunk_dragon._files import check_destination, written_in_place
@@ -25,15 +25,8 @@ from pymunk_dragon.drawing.film.timing import Timing
 from pymunk_dragon.drawing.palette import colour_table
 from pymunk_dragon.drawing.sources import Source
 
-# A picture in a PDF: pixels per inch, of which a page of 8 inches has 1600; a JPEG quality without visible artefacts;
-# and no properties that would give equal pictures different bytes.
-_PDF = {"resolution": 200.0, "quality": 95, "subsampling": 0, "title": None, "creationDate": None, "modDate": None}
-_STILLS: Mapping[str, Mapping[str, Any]] = {
-    ".png": {"format": "PNG", "optimize": True},
-    ".pdf": {"format": "PDF", **_PDF},
-}
 # All endings of films and of still pictures, in lower case.
-FILM_ENDINGS, STILL_ENDINGS = tuple(WRITERS), tuple(_STILLS)
+FILM_ENDINGS, STILL_ENDINGS = tuple(WRITERS), (".png",)
 
 
 def render(
@@ -50,7 +43,7 @@ def render(
     source : Run or March, or a sequence of them
         Several sources are shown side by side at the same simulated time; a run that has ended keeps its last frame.
     path : path
-        File to write: .gif, .apng, .webp, or .mp4 with the extra `mp4`; a picture is .png or .pdf. If writing is
+        File to write: .gif, or .mp4 with the extra `mp4`; a picture is .png. If writing is
         interrupted, an old file is kept and no incomplete file is left.
     film : Film, optional
         Speed, size, window, camera, marks and texts.
@@ -78,15 +71,15 @@ def render(
     Examples
     --------
     >>> from pymunk_dragon import Dragon, March, render
-    >>> timing = render(March(Dragon(benches=16)), "march.webp", size=320, until=60, title="16 benches")
+    >>> timing = render(March(Dragon(benches=16)), "march.gif", size=320, until=60, title="16 benches")
     >>> timing.fps, float(timing.ends[-1])  # frames per second, and length of the film in s
     (20, 8.0)
     """
     film = replace(film or Film(), **parameters)
     sources = checked_sources(source)
-    destination = check_destination(path, (*WRITERS, *_STILLS))
+    destination = check_destination(path, (*FILM_ENDINGS, *STILL_ENDINGS))
     ending = destination.suffix.lower()
-    if ending in _STILLS:
+    if ending in STILL_ENDINGS:
         film = replace(film, start=film.window(sources)[1])
     timing = film.timing(sources)
     canvas, colours = Canvas(sources, timing.times, film), Image.new("P", (1, 1))
@@ -100,8 +93,8 @@ def render(
 
     frames = Frames(pictures=pictures(), ends=timing.ends.tolist(), size=canvas.size, fps=timing.fps)
     with written_in_place(destination) as draft:
-        if ending in _STILLS:
-            draft.write_bytes(_file(next(canvas.frames()), ending))
+        if ending in STILL_ENDINGS:
+            draft.write_bytes(_png(next(canvas.frames())))
         else:
             WRITERS[ending](draft, frames)
     return timing
@@ -109,7 +102,7 @@ def render(
 
 def still_png(source: Source | Sequence[Source], time: float, film: Film | None = None) -> bytes:
     """Return the content of a PNG file of the picture of `still`."""
-    return _file(Image.fromarray(still(source, time, film)), ".png")
+    return _png(Image.fromarray(still(source, time, film)))
 
 
 def still(source: Source | Sequence[Source], time: float, film: Film | None = None) -> NDArray[np.uint8]:
@@ -136,15 +129,8 @@ def still(source: Source | Sequence[Source], time: float, film: Film | None = No
     return np.asarray(next(Canvas(sources, np.array([time], dtype=float), film or Film()).frames()))
 
 
-def size_and_last_frame(content: bytes) -> tuple[tuple[int, int], bytes]:
-    """Return width and height, pixels, and the last frame as PNG, of a film or picture from the content of its file."""
-    with Image.open(io.BytesIO(content)) as film:
-        *_, last = (frame.convert("RGB") for frame in ImageSequence.Iterator(film))
-        return film.size, _file(last, ".png")
-
-
-def _file(picture: Image.Image, ending: str) -> bytes:
-    """Return the content of a file of a picture."""
+def _png(picture: Image.Image) -> bytes:
+    """Return the content of a PNG file of a picture."""
     content = io.BytesIO()
-    picture.save(content, **_STILLS[ending])
+    picture.save(content, "PNG", optimize=True)
     return content.getvalue()

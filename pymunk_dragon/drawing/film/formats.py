@@ -1,4 +1,4 @@
-"""Writers of film files: Pillow's for WebP and APNG, Pillow's compression of frames for GIF, and FFmpeg for MP4.
+"""Writers of film files: Pillow's compression of frames for GIF, and FFmpeg for MP4.
 
 Pillow's own writer of GIFs keeps all frames in memory.
 """
@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -23,8 +22,6 @@ _MAX_GIF_FPS = 50
 _TRANSPARENT = 255
 # GIF disposal method: the next frame is drawn over this one.
 _KEEP = 1
-# Pixels of all frames of a WebP or APNG, which Pillow keeps in memory: 1 GB, or 5000 frames of the default size.
-_MAX_PIXELS = 1_000_000_000
 # x264 options. CRF 18 has no visible loss. The preset "veryfast" takes 8 ms per frame of 640 x 640 pixels with 223
 # benches on 2 cores; the default preset takes 14 ms and saves a seventh. One thread makes the file independent of the
 # number of cores; a look-ahead of 5 frames saves memory.
@@ -79,20 +76,6 @@ def _write_gif(path: Path, frames: Frames) -> None:
         file.write(b";")
 
 
-def _write_with_pillow(path: Path, frames: Frames, *, format: str, **options: float) -> None:
-    """Write a film whose frames are all in memory; Pillow merges equal ones. A ParameterError if it is too large."""
-    width, height = frames.size
-    most = _MAX_PIXELS // (width * height)
-    if len(frames.ends) > most:
-        bound = f"at most {most} in a file {path.suffix} of {width} x {height} pixels, or in a GIF or MP4"
-        raise ParameterError("number of frames", len(frames.ends), bound)
-    first, *others = frames.pictures
-    options |= {"save_all": True, "loop": 0}
-    # Pillow leaves a file open that it opened itself if Ctrl-C interrupts it.
-    with path.open("wb") as file:
-        first.save(file, format, append_images=others, duration=frames.durations(1000), **options)
-
-
 def _write_mp4(path: Path, frames: Frames) -> None:
     """Write an MP4 with a constant frame rate; one frame is in memory. A frame that is shown longer is repeated.
 
@@ -121,11 +104,5 @@ def _write_mp4(path: Path, frames: Frames) -> None:
         raise OSError("FFmpeg failed")
 
 
-# Writer of each format, by the ending of its files in lower case. Films repeat without end. WebP is lossless, and
-# written as fast as libwebp can.
-WRITERS: dict[str, Callable[[Path, Frames], None]] = {
-    ".gif": _write_gif,
-    ".apng": partial(_write_with_pillow, format="PNG"),
-    ".webp": partial(_write_with_pillow, format="WEBP", lossless=True, method=0, quality=0, kmin=0, kmax=0),
-    ".mp4": _write_mp4,
-}
+# Writer of each format, by the ending of its files in lower case. A GIF repeats without end.
+WRITERS: dict[str, Callable[[Path, Frames], None]] = {".gif": _write_gif, ".mp4": _write_mp4}
