@@ -110,11 +110,11 @@ def test_u_turn_has_the_contests_positions(answer):
 
 def test_help_tells_the_true_defaults(answer):
     for name, (kind, _, text) in SCENARIO_OPTIONS.items():
-        assert kind(text.split("[")[1].rstrip("]")) == getattr(Scenario(), name)
+        assert kind(text.split("[")[1].rstrip("]")) == Scenario().values()[name]
     shown = " ".join(answer("positions", "--help").split())
     for name, curves in {"pitch": ("spiral", "u-turn"), "radius": ("u-turn",), "ratio": ("u-turn",)}.items():
         for curve in curves:
-            assert f"[{getattr(Scenario(curve=curve), name):g} of a {curve}]" in shown
+            assert f"[{Scenario(curve=curve).values()[name]:g} of a {curve}]" in shown
 
 
 # contact, simulate

@@ -80,13 +80,13 @@ def test_curve_is_consistent_in_itself(arguments):
         (ARC, arc((1.5, -20.0), 7.3, 0.4, -9.1)),
         (Spiral(pitch=0.021), spiral(0.021)),
         (Spiral(pitch=0.5, rotation=1.3, outward=True), spiral(0.5, 1.3, outward=True)),
-        (Spiral(pitch=1.7, rotation=-2.5, mirrored=True), spiral(1.7, -2.5, mirrored=True)),
+        (Spiral(pitch=1.7, rotation=-2.5), spiral(1.7, -2.5)),
         *(
             (UTurn(pitch=pitch, radius=radius, ratio=ratio), u_turn(pitch, radius, ratio))
             for pitch, radius, ratio in ((1.7, 4.5, 2.0), (0.55, 3.0, 0.3), (2.5, 7.0, 4.0), (0.7, 20.0, 1.0))
         ),
     ],
-    ids=["line", "arc", "inward", "outward", "mirrored", "turn", "narrow turn", "wide turn", "large turn"],
+    ids=["line", "arc", "inward", "outward", "turned", "turn", "narrow turn", "wide turn", "large turn"],
 )
 def test_points_are_right_to_8_last_digits_of_the_largest_coordinate(curve, truth):
     """The certificate of a first contact rests on this (`collision/bounds.py`)."""
@@ -125,7 +125,6 @@ def test_impossible_curves_are_refused_by_the_name_of_the_parameter():
         (lambda value: UTurn(ratio=value), "ratio", "0.02 to 50", NO_NUMBERS),
         (lambda value: Spiral(pitch=value), "pitch", "0.001 to 1000 m", [*NO_NUMBERS, 1e-9, 1000.001, 1e308]),
         (lambda value: Spiral(rotation=value), "rotation", "-1000 to 1000 rad", [math.nan, 10**400, "1", True, 1j]),
-        (lambda value: Spiral(mirrored=value), "mirrored", "True or False", [1]),
         (lambda value: Spiral(outward=value), "outward", "True or False", [1]),
         (lambda value: Section(LINE, value, 5), "begin_s", "m", [-1, math.nan]),
         (lambda value: Section(LINE, 3, value), "end_s", "m", [3, math.inf]),

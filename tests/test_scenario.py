@@ -27,7 +27,7 @@ HAIRPIN = Composite(
 MARCHES = {
     "the paper's": {},
     "an outward spiral": {"outward": True, "turns": 20, "benches": 20},
-    "a mirrored spiral": {"mirrored": True, "rotation": 0.7, "start_s": -400.0, "benches": 20},
+    "a turned spiral": {"rotation": 0.7, "start_s": -400.0, "benches": 20},
     "the u-turn": {"curve": "u-turn", "benches": 20},
     "another u-turn": {"curve": "u-turn", "pitch": 2.0, "radius": 5.0, "ratio": 1.0, "start_s": -3.0, "benches": 20},
     "a path": {"curve": "sampled", "points": POINTS, "benches": 5},
@@ -53,7 +53,7 @@ def of_toml(folder, content):
 def test_default_scenario_is_the_papers_march_and_is_written_as_ever():
     assert Scenario().march() == March() == March(Dragon(), Spiral(), turns=16, speed=1.0)
     sizes = {"benches": 223, "head_spacing": 2.86, "body_spacing": 1.65, "overhang": 0.275, "width": 0.3}
-    spiral = {"kind": "spiral", "pitch": 0.55, "rotation": 0.0, "mirrored": False, "outward": False}
+    spiral = {"kind": "spiral", "pitch": 0.55, "rotation": 0.0, "outward": False}
     expected = {"dragon": sizes, "curve": spiral, "turns": 16.0, "speed": 1.0}
     assert json.dumps(Scenario().to_dict()) == json.dumps(expected)
     numbers = [223, 2.86, 1.65, 0.275, 0.3, 0.55, 16.0, 1.0]

@@ -51,8 +51,8 @@ def _values(name: str, options: dict[str, Any]) -> dict[str, Any]:
     values: dict[str, Any] = {}
     if in_file := common.file_values():
         # The whole file is checked, also the values that the study does not take.
-        scenario = Scenario.from_dict(in_file)
-        values = {given: getattr(scenario, given, None) for given in STUDIES[name].parameters}
+        known = Scenario.from_dict(in_file).values()
+        values = {given: known.get(given) for given in STUDIES[name].parameters}
     values |= common.chosen() | options
     if isinstance(values.get("speed"), str | tuple):
         values["speed"] = Scenario(speed=values["speed"]).march().speed

@@ -52,7 +52,7 @@ from pymunk_dragon._files import read_text
 from pymunk_dragon.errors import FileFormatError, ParameterError
 from pymunk_dragon.model.curves import Curve, Sampled
 from pymunk_dragon.model.curves.base import parameters_of
-from pymunk_dragon.model.dragon import Dragon, Sizes
+from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March, check_march
 from pymunk_dragon.model.speed import SpeedTable
 
@@ -65,15 +65,12 @@ _DRAGON = tuple(f.name for f in fields(Dragon))
 # Kind of the curve of a scenario that names none.
 _DEFAULT_CURVE = "spiral"
 # Parameters of curves that may stand at the top level of a file, beside the name of the curve.
-_SHORT = ("pitch", "rotation", "mirrored", "outward", "radius", "ratio", "points")
-
-# Points x, y in m, or times in s and speeds in m/s.
-_Pairs = tuple[tuple[float, float], ...]
+_SHORT = ("pitch", "rotation", "outward", "radius", "ratio", "points")
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, init=False)
 class Scenario:
-    """A dragon on a curve, as plain values; the defaults are the paper's, and what a curve does not have is None.
+    """A dragon on a curve, as plain values; what is not given has the paper's value, or the curve's default.
 
     Parameters
     ----------
@@ -83,7 +80,7 @@ class Scenario:
         "spiral", "u-turn", "sampled" for a `Sampled` path through `points`, or a CSV file of these points. Any other
         registered curve is given as itself or as a table, ``{kind = "line", start = [0, 0], stop = [40, 0]}`` in
         TOML; the tables of a `Composite` are its ``pieces``.
-    pitch, rotation, mirrored, outward, radius, ratio, points
+    pitch, rotation, outward, radius, ratio, points
         As in `Spiral`, `UTurn` and `Sampled`.
     speed : float, sequence of (float, float) or str
         In m/s, as in `March`, or a table of times in s and speeds in m/s, or a CSV file of it.
@@ -94,32 +91,29 @@ class Scenario:
     0.45
     """
 
-    benches: int = None  # type: ignore[assignment]  # A number after `__post_init__`, as in `Dragon`.
-    head_spacing: float = 2.86
-    body_spacing: Sizes = 1.65
-    overhang: Sizes = 0.275
-    width: Sizes = 0.30
-    curve: str | Curve | None = None
-    pitch: float | None = None
-    rotation: float | None = None
-    mirrored: bool | None = None
-    outward: bool | None = None
-    radius: float | None = None
-    ratio: float | None = None
-    points: _Pairs | None = None
-    turns: float | None = None
-    start_s: float | None = None
-    speed: float | _Pairs | str = 1.0
+    _march: March
 
-    def __post_init__(self) -> None:
-        for name, value in (dict.fromkeys(vars(self)) | _values(self.march())).items():
-            object.__setattr__(self, name, value)
+    def __init__(self, **values: Any) -> None:
+        known = parameters()
+        for name, value in values.items():
+            if name not in known:
+                raise ParameterError(name, value, f"absent: the parameters are {', '.join(known)}")
+        dragon = Dragon(**{name: values[name] for name in _DRAGON if name in values})
+        speed = values.get("speed", 1.0)
+        if _is_file(speed):
+            speed = SpeedTable.read(speed)
+        elif isinstance(speed, list | tuple):
+            speed = SpeedTable(*numbers("speed", speed, len(speed), 2).T)
+        start = {name: values.get(name) for name in ("turns", "start_s")}
+        others = {*_DRAGON, *start, "curve", "speed"}
+        given = {name: value for name, value in values.items() if name not in others and value is not None}
+        object.__setattr__(self, "_march", March(dragon, _curve(values.get("curve"), given), **start, speed=speed))
 
     @classmethod
     def of(cls, march: March) -> Scenario:
         """The scenario of a march; an error if its curve is of a class of your own without a kind."""
         check_march(march)
-        return cls(**_values(march))
+        return cls.from_dict(_tables(march))
 
     @classmethod
     def from_dict(cls, values: Mapping[str, Any], *, files: bool = True) -> Scenario:
@@ -129,22 +123,12 @@ class Scenario:
 
         Examples
         --------
-        >>> Scenario.from_dict({"dragon": {"benches": 5}, "curve": {"kind": "u-turn", "ratio": 3}}).radius
+        >>> Scenario.from_dict({"dragon": {"benches": 5}, "curve": {"kind": "u-turn", "ratio": 3}}).values()["radius"]
         4.5
         """
         flat = flat_values(values)
-        flags = [name for name in flat if name in {*_SHORT}.union(*(kind.flags for kind in Curve.kinds.values()))]
-        curve = flat.get("curve")
-        if isinstance(curve, Mapping) or not set(flags) <= set(_SHORT):
-            # Flags of curves that are no parameters of a `Scenario` are entries of a table.
-            table = curve if isinstance(curve, Mapping) else {"kind": curve or _DEFAULT_CURVE}
-            flat["curve"] = {**table, **{name: flat.pop(name) for name in flags}}
-        known = [f.name for f in fields(cls)]
-        for name, value in flat.items():
-            if name not in known:
-                hint = f": the parameters are {', '.join(known)}" if files else ""
-                raise ParameterError(name, value, "absent" + hint)
-            if not files and _is_file(value):
+        for name, value in {} if files else flat.items():
+            if _is_file(value):
                 raise ParameterError(name, value, "something else than the name of another file")
         return cls(**flat)
 
@@ -166,13 +150,7 @@ class Scenario:
 
     def march(self) -> March:
         """The march that these values describe."""
-        dragon = Dragon(**{name: getattr(self, name) for name in _DRAGON})
-        speed: Any = self.speed
-        if _is_file(speed):
-            speed = SpeedTable.read(speed)
-        elif isinstance(speed, list | tuple):
-            speed = SpeedTable(*numbers("speed", speed, len(speed), 2).T)
-        return March(dragon, self._curve(), turns=self.turns, start_s=self.start_s, speed=speed)
+        return self._march
 
     def to_dict(self) -> dict[str, Any]:
         """Nested tables of plain values, of which `from_dict` makes the same scenario.
@@ -180,37 +158,19 @@ class Scenario:
         Examples
         --------
         >>> Scenario(benches=5, pitch=0.6).to_dict()["curve"]
-        {'kind': 'spiral', 'pitch': 0.6, 'rotation': 0.0, 'mirrored': False, 'outward': False}
+        {'kind': 'spiral', 'pitch': 0.6, 'rotation': 0.0, 'outward': False}
         """
-        march = self.march()
-        start = {name: getattr(march, name) for name in ("turns", "start_s") if getattr(march, name) is not None}
-        return {"dragon": asdict(march.dragon), "curve": march.curve.to_dict(), **start, "speed": self.speed}
+        return _tables(self._march)
 
     def values(self) -> dict[str, Any]:
         """The same values by the names of all parameters, without those that the curve does not have."""
         return flat_values(self.to_dict())
 
-    def _curve(self) -> Curve:
-        given = {name: getattr(self, name) for name in _SHORT if getattr(self, name) is not None}
-        kind: Any = self.curve
-        whole = isinstance(kind, Mapping | Curve)
-        for name, value in given.items():
-            if whole or (name == "points" and _is_file(kind)):
-                raise ParameterError(name, value, "absent where the curve is a table or a file, which has it")
-        if whole:
-            return kind if isinstance(kind, Curve) else Curve.from_dict(kind)
-        if kind is None:
-            kind = "sampled" if "points" in given else _DEFAULT_CURVE
-        elif _is_file(kind):
-            kind, given["points"] = "sampled", Sampled.read(kind).points
-        if not (isinstance(kind, str) and kind in Curve.kinds):
-            known = named_curves()
-            bound = f"a name, {' or '.join(known)}, a file of points, which ends in {_CSV}, or a table with its kind"
-            raise ParameterError("curve", kind, bound)
-        try:
-            return Curve.from_dict({"kind": kind} | given)
-        except ParameterError as error:
-            raise ParameterError(error.name.removeprefix("curve."), error.value, error.bound) from error
+
+def parameters() -> list[str]:
+    """Names of all parameters of a `Scenario`, with those of curves of your own that are flags."""
+    flags = [flag for kind in Curve.kinds.values() for flag in kind.flags]
+    return [*dict.fromkeys((*_DRAGON, "curve", *_SHORT, *flags, "turns", "start_s", "speed"))]
 
 
 def named_curves() -> list[str]:
@@ -239,16 +199,38 @@ def flat_values(values: Mapping[str, Any]) -> dict[str, Any]:
     return {**dragon, **flat}
 
 
-def _values(march: March) -> dict[str, Any]:
-    """Names and values of a scenario that makes `march`."""
+def _tables(march: March) -> dict[str, Any]:
+    """What `Scenario.to_dict` returns."""
     speed = march.speed
-    curve = flat_values({"curve": march.curve.to_dict()})
-    if not isinstance(curve["curve"], str):
-        curve = {"curve": march.curve}
-    elif "points" in curve:
-        curve["points"] = tuple(map(tuple, curve["points"]))
     table = tuple(zip(speed.times, speed.speeds, strict=True)) if isinstance(speed, SpeedTable) else speed
-    return asdict(march.dragon) | curve | {"turns": march.turns, "start_s": march.start_s, "speed": table}
+    start = {name: getattr(march, name) for name in ("turns", "start_s") if getattr(march, name) is not None}
+    return {"dragon": asdict(march.dragon), "curve": march.curve.to_dict(), **start, "speed": table}
+
+
+def _curve(curve: Any, given: Mapping[str, Any]) -> Curve:
+    """The curve of a name, a file, a table or a curve, and of the parameters that are given beside it."""
+    for name, value in given.items():
+        if isinstance(curve, Curve) or (name == "points" and _is_file(curve)):
+            raise ParameterError(name, value, "absent where the curve is one already, or a file of points")
+    if isinstance(curve, Curve):
+        return curve
+    if isinstance(curve, Mapping):
+        table = {**curve, **given}
+    elif _is_file(curve):
+        table = {"kind": "sampled", **given, "points": Sampled.read(curve).points}
+    elif curve is None or (isinstance(curve, str) and curve in Curve.kinds):
+        table = {"kind": curve or ("sampled" if "points" in given else _DEFAULT_CURVE), **given}
+    else:
+        bound = (
+            f"a name, {' or '.join(named_curves())}, a file of points, which ends in {_CSV}, or a table with its kind"
+        )
+        raise ParameterError("curve", curve, bound)
+    try:
+        return Curve.from_dict(table)
+    except ParameterError as error:
+        short = error.name.removeprefix("curve.")
+        name = error.name if isinstance(curve, Mapping) and short not in given else short
+        raise ParameterError(name, error.value, error.bound) from error
 
 
 def _is_file(value: object) -> bool:

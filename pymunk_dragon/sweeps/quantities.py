@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Mapping
-from dataclasses import fields
 from inspect import getdoc, signature
 from pkgutil import resolve_name
 from typing import Any
@@ -14,9 +12,8 @@ import numpy as np
 from pymunk_dragon._checks import word
 from pymunk_dragon.collision import first_contact
 from pymunk_dragon.errors import DragonError, ParameterError, one_line
-from pymunk_dragon.model.curves import Curve
 from pymunk_dragon.model.march import March
-from pymunk_dragon.model.scenario import Scenario
+from pymunk_dragon.model.scenario import Scenario, parameters
 from pymunk_dragon.studies import max_speed as largest_speed
 from pymunk_dragon.studies import min_pitch as smallest_pitch
 
@@ -24,9 +21,8 @@ Values = Mapping[str, Any]
 # Values of one point by name, or None and the reason.
 Outcome = tuple[Values | None, str | None]
 
-# Parameters of a scenario that are numbers, and those of curves that are flags.
-SCENARIO = [each.name for each in fields(Scenario) if re.match("int|float|Sizes|Speeds", str(each.type))]
-SCENARIO += [name for curve in Curve.kinds.values() for name in curve.flags if name not in SCENARIO]
+# Parameters of a scenario that are numbers.
+SCENARIO = [name for name in parameters() if name not in ("curve", "outward", "points")]
 # Characters of an error message in a table.
 MAX_MESSAGE = 300
 

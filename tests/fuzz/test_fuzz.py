@@ -93,7 +93,7 @@ EXTREMES = {
 CURVES = [
     '{kind = "line", start = [0, 0], stop = [40, 0]}',
     '{kind = "arc", radius = 9, sweep = 3, centre = [1, 2], begin_angle = 0.5}',
-    '{kind = "spiral", pitch = 0.6, rotation = 1, mirrored = true, outward = false}',
+    '{kind = "spiral", pitch = 0.6, rotation = 1, outward = false}',
     '{kind = "u-turn", pitch = 1.7, radius = 4.5, ratio = 2}',
     '{kind = "reversed", curve = {kind = "section", begin = 1, end = 30, curve = {kind = "line", stop = [40, 0]}}}',
     '{kind = "composite", pieces = [{kind = "line", stop = [9, 0]}, {kind = "line", start = [9, 0], stop = [30, 0]}]}',

@@ -38,9 +38,6 @@ class Spiral(PackageCurve, kind="spiral"):
     rotation : float
         Angle by which the spiral is turned about the origin, counter-clockwise, rad, from -1000 to 1000. At 0 it leaves
         the centre along the x axis.
-    mirrored : bool
-        Whether it winds clockwise outward; the paper's winds clockwise inward. It is mirrored in the x axis first and
-        turned then.
     outward : bool
         Whether it is travelled from the centre out; the paper's goes in.
 
@@ -56,15 +53,13 @@ class Spiral(PackageCurve, kind="spiral"):
 
     pitch: float = 0.55
     rotation: float = 0.0
-    mirrored: bool = False
     outward: bool = False
 
     def __post_init__(self) -> None:
         pitch = finite("pitch", self.pitch, _MIN_PITCH, MAX_PITCH, "m")
         self._set(pitch=pitch, rotation=finite("rotation", self.rotation, -1000.0, 1000.0, "rad"))
-        for name in ("mirrored", "outward"):
-            if not isinstance(getattr(self, name), bool):
-                raise ParameterError(name, getattr(self, name), "True or False")
+        if not isinstance(self.outward, bool):
+            raise ParameterError("outward", self.outward, "True or False")
         begin_s, end_s = (0.0, np.inf) if self.outward else (-np.inf, 0.0)
         self._set(begin_s=begin_s, end_s=end_s, turn_width=pitch, inward=not self.outward)
 
@@ -116,9 +111,8 @@ class Spiral(PackageCurve, kind="spiral"):
         return as_vectors(points), as_vectors(derivatives)
 
     def _curvature(self, s: Array) -> Array:
-        """The paper's spiral curves to the right."""
         rise = _rise(self.angle(s))
-        return (1 if self.outward != self.mirrored else -1) * (rise + 1 / rise) / (self.k * rise**2)
+        return self._sign * (rise + 1 / rise) / (self.k * rise**2)
 
     def _max_curvature(self, lower: Array, upper: Array) -> Array:
         """The curvature at the inner end: it decreases outward."""
@@ -129,7 +123,7 @@ class Spiral(PackageCurve, kind="spiral"):
 
         Guides call this at every substep, and most of its time is NumPy's for each call: so there are few, in place.
         """
-        z = self._unplaced(as_complex(numbers("points", points, 2)))
+        z = _turned(as_complex(numbers("points", points, 2)), -self.rotation)
         theta = np.arctan2(z.imag, z.real)
         # The angle at `near` to a few hundredths, except on the innermost turn: enough to identify the turn.
         turns = np.sqrt(2 / self.k * np.abs(numbers("near", near)))
@@ -147,7 +141,7 @@ class Spiral(PackageCurve, kind="spiral"):
         ahead *= z
         theta *= self.k
         theta /= radius
-        return coordinate, as_vectors(self._placed(theta * z)), as_vectors(self._placed(ahead))
+        return coordinate, as_vectors(_turned(theta * z, self.rotation)), as_vectors(_turned(ahead, self.rotation))
 
     def _parameter(self, s: Array) -> Array:
         """Polar angles (...), negative on an inward spiral (eq. 10, 12, 13)."""
@@ -194,21 +188,12 @@ class Spiral(PackageCurve, kind="spiral"):
         derivatives *= self._sign * self.k
         points = parameter * derivatives
         derivatives += self._sign * 1j * points
-        return self._placed(points), self._placed(derivatives)
+        return _turned(points, self.rotation), _turned(derivatives, self.rotation)
 
-    def _placed(self, vectors: Complex) -> Complex:
-        """Vectors (...) of the plane, from those of a spiral that is neither mirrored nor turned."""
-        if self.mirrored:
-            vectors = vectors.conj()
-        if self.rotation:
-            vectors = vectors * np.exp(1j * self.rotation)
-        return vectors
 
-    def _unplaced(self, vectors: Complex) -> Complex:
-        """The inverse of `_placed`."""
-        if self.rotation:
-            vectors = vectors * np.exp(-1j * self.rotation)
-        return vectors.conj() if self.mirrored else vectors
+def _turned(vectors: Complex, angle: float) -> Complex:
+    """Vectors (...) of the plane, turned by an angle."""
+    return vectors * np.exp(1j * angle) if angle else vectors
 
 
 def _rise(theta: Array) -> Array:
