@@ -52,7 +52,7 @@ class UnreachableError(DragonError):
 
     def __init__(self, time: float, handle: int, reason: str) -> None:
         super().__init__(time, handle, reason)
-        self.time = time
+        self.time, self.handle, self.reason = time, handle, reason
 
 
 class FileFormatError(DragonError, ValueError):

@@ -19,8 +19,6 @@ from pymunk_dragon.player import PLAYER_ENDINGS, write_player
 from pymunk_dragon.reports import REPORT_ENDINGS
 from pymunk_dragon.reports import report as write_report
 
-# s: default length of a film of a march without contact.
-_MARCH_FILM = 60.0
 # Options that only films have, and those that only films and pictures have.
 _OF_FILMS = ("start", "speedup", "fps", "hold")
 _OF_PICTURES = ("exact", "size", "follow", "span", "caption", "legend", *OVERLAYS)
@@ -111,14 +109,14 @@ def _sources(run_files: tuple[str, ...], exact: bool) -> list[Run | March]:
 
 
 def _end(march: March, start: float) -> float:
-    """Default last time of a march, s: the first contact on a curve with an end."""
+    """Default last time of a march, s: the first contact on a curve with an end, or 60 s after the start."""
     from pymunk_dragon.collision import first_contact
 
     if start < march.end < math.inf:
         found = first_contact(march, start=start)
         if found.status == "contact":
             return found.time
-    return min(start + _MARCH_FILM, march.end)
+    return min(start + 60.0, march.end)
 
 
 def _refuse(what: str, *names: str) -> None:

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
 
 # The times of the paper's tables.
 TABLE_TIMES = "0:300:60"
-# Heads of the columns of a table in a file.
-COLUMNS = ("time_s", "handle", "x_m", "y_m", "speed_m_s")
 # Positions in one table: more fill the memory, and are probably a typing error.
 _MAX_TABLE = 20_000_000
 
@@ -60,7 +58,7 @@ def _answer(march: March, times: str, handles: str | None, output: str | None) -
         raise click.UsageError("the contest's sheets have all handles: leave out --handles, or write .csv or .json")
     states = march.at(at)
     result = states.to_dict(selected)
-    common.save(path, result, lambda path: _write(path, march, at, [COLUMNS, *states.rows(selected)]))
+    common.save(path, result, lambda path: _write(path, march, at, states.rows(selected)))
     if path is None or common.wants_json():
         common.answer(result, states.text(selected))
 
@@ -73,7 +71,7 @@ def _write(path: Path, march: March, times: list[float], rows: Iterable[Sequence
         write_tables(march, times, path)
     else:
         with written_in_place(path) as draft, draft.open("w", newline="", encoding="utf-8") as file:
-            csv.writer(file).writerows(rows)
+            csv.writer(file).writerows([("time_s", "handle", "x_m", "y_m", "speed_m_s"), *rows])
 
 
 def _handles(given: str, last: int) -> list[int]:
