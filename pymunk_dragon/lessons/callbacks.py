@@ -78,7 +78,7 @@ frames[40]
 # The impulse of 3.29 N s is what sets the bench in motion: divide it by 10 kg, and compare the speed.
 # ## Try
 # Watch the events, then drag one bench against the other and hold it there: which events come once, and which again and
-# again? What is the impulse of a contact that lasts? What becomes of the error is in the output below.
+# again? What is the impulse of a contact that lasts? What becomes of the error is in the program's output.
 # ## Change
 # Set `elasticity`, their bounce, to 0. Why is there less of an impulse, but more of the calls?
 # ## Teacher

@@ -77,7 +77,7 @@ plt.savefig("near-miss.png", bbox_inches="tight")
 # ## Try
 # Go to each of the three times, zoom in and read the gap. Then cut the coordinates, to hundredths of a millimetre at
 # first: from where on does a false contact appear on the chart, which has a value every 10 ms, and at which bench? What
-# does a check at 410 s see? What the engine finds is in the output of the program below.
+# does a check at 410 s see? What the engine finds is in the program's output.
 # ## Change
 # Set `iterations` of the coarse engine to 2, 5 or 60, or `substep` to 0.05: how little work is enough for the right
 # benches, and for the right time?

@@ -77,5 +77,5 @@ plt.savefig("pitch.png", bbox_inches="tight")
 # ## Teacher
 # - From grade 11; bisection, the lesson missed-window. 45 minutes: 10 to guess, 20 on the stage, 15 to compare.
 # - Goal: bisection with a test that misses contacts converges to a wrong answer, with as many digits as the right one.
-# - Try: 451 mm; at 450 mm it meets bench 19, 4.58 m from the centre. Samples miss that from 450.28 to 450.33 mm.
+# - Try: 451 mm; at 450 mm the head hits bench 19, 4.58 m from the centre. Samples miss it from 450.28 to 450.33 mm.
 # - Mistakes: the pitch is taken to be the width of a bench; many digits are taken for a small error.

@@ -49,7 +49,7 @@ plt.savefig("spiral.png", bbox_inches="tight")
 # and $k = 0.55 / (2 \pi) = 0.0875$ m.
 # ## Try
 # The shaded angle is that of 5 s of walking. Drag the head, and note the time of a round at three distances: by which
-# rule do they depend on each other? Then change the pitch, the distance from turn to turn: does it stay?
+# rule do they depend on each other? Change the pitch, the distance from turn to turn: does the rule stay?
 # ## Change
 # With `speed` = 0.5 and `until` = 800 the head walks the same distance: which of the numbers are halved?
 # ## Teacher
