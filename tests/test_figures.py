@@ -18,8 +18,8 @@ from sharing import shared_run
 
 from pymunk_dragon import Dragon, March, Run, max_speed, min_pitch, simulate, u_turn
 from pymunk_dragon._language import in_language
-from pymunk_dragon.drawing import Palette
 from pymunk_dragon.drawing.figures import FIGURES, figure, write_figure
+from pymunk_dragon.drawing.palette import Palette
 
 CHARTS = [name for name, kind in FIGURES.items() if ".svg" in kind.endings]
 STILLS = [name for name in FIGURES if name not in CHARTS]

@@ -13,7 +13,7 @@ from PIL import Image
 
 from pymunk_dragon import Camera, Dragon, Film, March, Run, SpeedTable, UTurn, first_contact, render
 from pymunk_dragon._language import in_language
-from pymunk_dragon.drawing import FILM_ENDINGS, lettering, still
+from pymunk_dragon.drawing import FILM_ENDINGS, lettering, still_png
 from pymunk_dragon.drawing.film.formats import WRITERS, Frames
 from pymunk_dragon.drawing.film.layout import Canvas
 from pymunk_dragon.drawing.film.timing import events_of
@@ -39,6 +39,10 @@ def seed():
     run = Run.exact(March(), np.append(np.arange(0, 412.4, 0.2), CONTACT))
     contact = replace(first_contact(run.march, start=405).contact, time=CONTACT)
     return replace(run, first_contact=contact, outcome="contact")
+
+
+def still(source, time, film=None):
+    return iio.imread(still_png(source, time, film))
 
 
 def frames(path):

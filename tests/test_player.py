@@ -23,7 +23,7 @@ from shapely import LineString, points
 
 from pymunk_dragon import Contact, Dragon, March, Run, first_contact, player_page, write_player
 from pymunk_dragon._language import in_language
-from pymunk_dragon.drawing import Palette
+from pymunk_dragon.drawing.palette import Palette
 from pymunk_dragon.model.contact import ContactEvent, ContactLog
 from pymunk_dragon.player.data import contact_windows, curve_points, exact_offsets, handle_vectors, pack
 

@@ -22,12 +22,6 @@ class Palette:
     `background` and `curve` are the ground and the path; `head`, `body` and `tail` the benches, `contact` those in
     contact; `ink` outlines, holes and text; `motion` velocities and position errors; `force` impulses, contact points
     and normals; `grid` the cells of the broad phase.
-
-    Examples
-    --------
-    >>> from pymunk_dragon.drawing import Palette
-    >>> Palette(head="#d94801").rgb("head")
-    (217, 72, 1)
     """
 
     background: str = "#fbf8f1"

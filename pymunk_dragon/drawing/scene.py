@@ -163,14 +163,6 @@ def smallest_gap(dragon: Dragon, poses: Array) -> Nearest | None:
     """Return the bench closest to the head bench at `poses` (N, 3), its neighbour excluded; None if there is none.
 
     The distance is 0 if the benches overlap.
-
-    Examples
-    --------
-    >>> from pymunk_dragon import March
-    >>> march = March()
-    >>> nearest = smallest_gap(march.dragon, march.at(409.8).poses[0])
-    >>> nearest.bench, round(1000 * nearest.distance, 2)
-    (11, 0.87)
     """
     if dragon.benches < 3:
         return None

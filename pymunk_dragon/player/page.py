@@ -11,7 +11,7 @@ from pathlib import Path
 from pymunk_dragon._files import check_destination, written_in_place
 from pymunk_dragon._html import asset, embedded_json, policy, substituted
 from pymunk_dragon._language import in_language, language
-from pymunk_dragon.drawing import Palette
+from pymunk_dragon.drawing.palette import Palette
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.run import Run
 from pymunk_dragon.player.data import player_data

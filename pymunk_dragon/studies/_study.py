@@ -83,12 +83,6 @@ class Study:
         Those of its parameters that no scenario has, as flags of the program: placeholder of the value and description.
     formats : tuple of str
         Endings of the files that the result can be written to: .xlsx if it has a `march` and `times`.
-
-    Examples
-    --------
-    >>> def widest(dragon, *, margin=0.0, progress=silent): ...
-    >>> Study(name="widest", summary="the widest bench", run=widest).parameters[-1]
-    'margin'
     """
 
     name: str

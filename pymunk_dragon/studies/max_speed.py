@@ -71,11 +71,6 @@ class MaxSpeed(Result):
         Time from the entry of the circle to the maximum, s, and distance travelled by the head until then, m.
     curve, dragon : UTurn, Dragon
         The path and the dragon.
-
-    Examples
-    --------
-    >>> max_speed(limit=1.0)
-    <MaxSpeed: largest speed of the head 0.6231331791 m/s: no handle exceeds 1 m/s>
     """
 
     speed: float

@@ -217,8 +217,6 @@ def u_turn(
     13.621245 m
     """
     dragon = dragon or Dragon()
-    if not isinstance(search, bool):
-        raise ParameterError("search", search, "True or False")
     if search:
         library("scipy.optimize")
     turn = UTurn(pitch=pitch, radius=radius, ratio=ratio)

@@ -32,9 +32,10 @@ import oracle
 from pymunk_dragon import Dragon, EngineSettings, Film, Grid, March, Run, UTurn, World, first_contact
 from pymunk_dragon._arrays import Array
 from pymunk_dragon._extras import library
-from pymunk_dragon.drawing import Palette, render
+from pymunk_dragon.drawing import render
 from pymunk_dragon.drawing.debug_draw import PillowDrawOptions
 from pymunk_dragon.drawing.film.layout import Canvas
+from pymunk_dragon.drawing.palette import Palette
 from pymunk_dragon.lessons import LESSONS
 from pymunk_dragon.physics import simulate
 from pymunk_dragon.player import write_player

@@ -1,7 +1,7 @@
 """Named figures: those of the paper, and others.
 
-`pymunk-dragon figure NAME` draws a figure as PNG, SVG or PDF (`pip install 'pymunk-dragon[figures]'`), and
-`pymunk-dragon figure` lists all.
+`pymunk-dragon figure NAME` draws a figure as PNG, or as SVG or PDF if it has axes (`pip install
+'pymunk-dragon[figures]'`), and `pymunk-dragon figure` lists all.
 
 Sixteen benches at the start, as they close a loop, and at their first contact (figures 3 to 5 of the paper); the
 spiral (figure 2), and the trajectories and velocities of seven handles (figures 7 and 8); speeds along the dragon; and

@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from PIL import Image
 
 from pymunk_dragon._checks import finite
@@ -101,12 +100,7 @@ def render(
 
 
 def still_png(source: Source | Sequence[Source], time: float, film: Film | None = None) -> bytes:
-    """Return the content of a PNG file of the picture of `still`."""
-    return _png(Image.fromarray(still(source, time, film)))
-
-
-def still(source: Source | Sequence[Source], time: float, film: Film | None = None) -> NDArray[np.uint8]:
-    """Return the picture (height, width, 3) of a run or march, or of several side by side, at one time, s.
+    """Return the content of a PNG file of a run or march, or of several side by side, at one time, s.
 
     The film has size, camera, marks and texts; its time window is ignored.
 
@@ -120,13 +114,13 @@ def still(source: Source | Sequence[Source], time: float, film: Film | None = No
     Examples
     --------
     >>> from pymunk_dragon import Dragon, March
-    >>> from pymunk_dragon.drawing import Film, still
-    >>> still(March(Dragon(benches=16)), 60.0, Film(size=(320, 240), legend=False)).shape
-    (240, 320, 3)
+    >>> from pymunk_dragon.drawing import Film, still_png
+    >>> still_png(March(Dragon(benches=16)), 60.0, Film(size=320))[1:4]
+    b'PNG'
     """
     sources = checked_sources(source)
     finite("time", time, *shared_window(sources), "s")
-    return np.asarray(next(Canvas(sources, np.array([time], dtype=float), film or Film()).frames()))
+    return _png(next(Canvas(sources, np.array([time], dtype=float), film or Film()).frames()))
 
 
 def _png(picture: Image.Image) -> bytes:

@@ -32,8 +32,6 @@ _NEAR_MISS_TIME, _CONTACT_TIME = 1.0, 2.0
 _EVENT_WIDTH = 0.45
 # Points at which the time of the film is computed. Between them it is linear.
 _POINTS = 20_001
-# Frames: a remainder of the window below this is rounding error and gets no frame of its own.
-_ROUNDING = 1e-6
 
 
 @dataclass(frozen=True)
@@ -58,14 +56,6 @@ class Event:
     time: float
     added: float
     width: float
-
-
-def constant(window: tuple[float, float], step: float) -> Array:
-    """Times of a film of a window (first and last time, s) with a constant step, s. The last one is always there."""
-    start, until = window
-    count = math.ceil((until - start) / step - _ROUNDING)
-    times: Array = np.minimum(start + step * np.arange(count + 1), until)
-    return times
 
 
 def slowed(sources: Sequence[Source], window: tuple[float, float], advance: float, fps: int, *, late: bool) -> Array:
