@@ -68,7 +68,7 @@ class Grid:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "cell", finite("cell", self.cell, *CELLS, "m"))
-        x, y = coordinates("origin", self.origin, (2,), 0).tolist()
+        x, y = coordinates("origin", self.origin, 2, axes=1).tolist()
         object.__setattr__(self, "origin", (x, y))
 
     @classmethod
@@ -86,17 +86,13 @@ class Grid:
 
     def walk(self, start: ArrayLike, end: ArrayLike) -> _Cells:
         """Cells (K, 2) as (i, j) that the edge from `start` (2,) to `end` (2,) in m touches, from its start on."""
-        u0, v0 = self._in_cells("start", coordinates("start", start, (2,), 0))
-        u1, v1 = self._in_cells("end", coordinates("end", end, (2,), 0))
-        # Within a column, an edge touches all rows from a first to a last one.
-        first, last = _range(np.minimum(u0, u1), np.maximum(u0, u1))
-        columns = np.arange(int(first), int(last) + 1)
-        top, bottom = _range(*_rows(u0, v0, u1, v1, columns))
-        owner, rows = _runs(top, bottom - top + 1)
-        cells = np.stack([rows, columns[owner]], axis=-1)
-        # Towards smaller indices the order is reversed, for rows and columns separately.
-        order = np.lexsort((rows if v1 >= v0 else -rows, owner if u1 >= u0 else -owner))
-        return cells[order]
+        one, two = coordinates("start", start, 2, axes=1), coordinates("end", end, 2, axes=1)
+        for name, point in (("start", one), ("end", two)):
+            self._in_cells(name, point)
+        # The cells of an outline without a width.
+        rows, columns = self.file([[one, one, two, two]])[0].T
+        order = np.lexsort((rows if two[1] <= one[1] else -rows, columns if two[0] >= one[0] else -columns))
+        return np.stack([rows, columns], axis=-1)[order]
 
     def file(self, outlines: ArrayLike) -> tuple[_Cells, _Cells]:
         """File N benches under the cells that they touch or cover.
@@ -113,7 +109,7 @@ class Grid:
         benches : ndarray, shape (K,)
             Whose cell it is: rising, and within a bench by column and row.
         """
-        corners = coordinates("outlines", outlines, (4, 2), 1)
+        corners = coordinates("outlines", outlines, 4, 2, axes=3)
         u, v = (np.ascontiguousarray(cells.T) for cells in self._in_cells("outlines", corners))  # (4, N)
         first, last = _range(u.min(axis=0), u.max(axis=0))
         counts = last - first + 1

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from pymunk_dragon._arrays import Array, Complex, Indices, as_complex, as_vectors, read_only
+from pymunk_dragon._arrays import Array, Complex, as_complex, as_vectors, read_only
 from pymunk_dragon._checks import finite, numbers, whole
 from pymunk_dragon.errors import ParameterError
 
@@ -130,19 +130,11 @@ class Dragon:
     def outlines_between(self, handles: Complex) -> Complex:
         """The same (..., M, 4) between `handles` (..., M + 1), as complex numbers."""
         points = np.atleast_1d(numbers("handles", handles, kind=complex))
-        return self.corners(points[..., :-1], points[..., 1:], np.arange(points.shape[-1] - 1))
-
-    def corners(self, fronts: Complex, rears: Complex, benches: Indices) -> Complex:
-        """The same (..., 4) of `benches` (...), by their numbers, between their front and rear handles (...)."""
-        chosen = numbers("benches", benches, kind=int)
-        for number in (chosen.min(), chosen.max()) if chosen.size else ():
-            whole("benches", int(number), 0, self.benches - 1)
-        front, rear = numbers("fronts", fronts, kind=complex), numbers("rears", rears, kind=complex)
-        _check_together(fronts=front, rears=rear, benches=chosen)
-        along = front - rear
-        centres = rear + along / 2
-        along = along * (self.lengths[chosen] / 2 / np.abs(along))
-        left = along * (1j * self.widths[chosen] / self.lengths[chosen])
+        benches = whole("number of handles", points.shape[-1], 1, self.handles) - 1
+        along = points[..., :-1] - points[..., 1:]
+        centres = points[..., 1:] + along / 2
+        along = along * (self.lengths[:benches] / 2 / np.abs(along))
+        left = along * (1j * self.widths[:benches] / self.lengths[:benches])
         return _rectangles(centres, along, left)
 
     def holes(self, poses: ArrayLike) -> tuple[Array, Array]:
