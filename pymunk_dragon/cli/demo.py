@@ -16,17 +16,17 @@ from pymunk_dragon.lessons import LESSONS, Lesson, play, write_lessons
 from pymunk_dragon.lessons._framework import endings, make_folder, picture, run, run_page
 
 # Instead of a lesson's name.
-ALL = "all"
-NUMBERS = {str(number): name for number, name in enumerate(LESSONS, start=1)}
+_ALL = "all"
+_NUMBERS = {str(number): name for number, name in enumerate(LESSONS, start=1)}
 
 
 EXAMPLES = ("", "spiral", "3 --lang zh", "all -o lessons.html", "--live")
 # A lesson's number stands for its name.
-SETTINGS = {"token_normalize_func": lambda token: NUMBERS.get(token, token)}
+_SETTINGS = {"token_normalize_func": lambda token: _NUMBERS.get(token, token)}
 
 
-@click.command(cls=common.DragonCommand, examples=EXAMPLES, context_settings=SETTINGS)
-@click.argument("name", metavar="[LESSON]", required=False, type=click.Choice([*LESSONS, ALL]))
+@click.command(cls=common.DragonCommand, examples=EXAMPLES, context_settings=_SETTINGS)
+@click.argument("name", metavar="[LESSON]", required=False, type=click.Choice([*LESSONS, _ALL]))
 @click.option("--save", metavar="DIR", type=click.Path(), help="Folder for the picture.  [a temporary one]")
 @click.option("--pause", is_flag=True, help="Wait for Enter once the class has made its guess.")
 @click.option("--live", is_flag=True, help="Show the lessons on a page whose experiments with Pymunk are live.")
@@ -38,7 +38,7 @@ def demo(name: str | None, save: str | None, pause: bool, output: str | None, li
     Without a name, list them. Each has a question, a guess, a run, the answer, a number to check and something to
     change.
     """
-    lessons = list(LESSONS.values()) if name in (None, ALL) else [LESSONS[str(name)]]
+    lessons = list(LESSONS.values()) if name in (None, _ALL) else [LESSONS[str(name)]]
     if (save is not None or pause) and (name is None or output is not None):
         raise click.UsageError("--save and --pause are for a lesson that is played: give its name, and no -o")
     if common.flags_given(*address) and not live:

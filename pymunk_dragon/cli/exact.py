@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from pymunk_dragon.model.march import March
 
 # The times of the paper's tables.
-TABLE_TIMES = "0:300:60"
+_TABLE_TIMES = "0:300:60"
 # Heads of the columns of a table in a file.
 COLUMNS = ("time_s", "handle", "x_m", "y_m", "speed_m_s")
 # Positions in one table: more fill the memory, and are probably a typing error.
@@ -29,7 +29,7 @@ EXAMPLES = ("", "--times 0,60,120 --handles 0,1,223", "--times 0:300:1 -o result
 
 @click.command(cls=common.DragonCommand, examples=EXAMPLES)
 @common.scenario_options
-@click.option("--times", metavar="LIST", default=TABLE_TIMES, help=f"Times, s: 0,60,120 or 0:300:1.  [{TABLE_TIMES}]")
+@click.option("--times", metavar="LIST", default=_TABLE_TIMES, help=f"Times, s: 0,60,120 or 0:300:1.  [{_TABLE_TIMES}]")
 @click.option("--handles", metavar="LIST", help="Handles.  [those of the paper's tables]")
 @click.option("--paper", is_flag=True, help="Print the paper's tables 1 to 3 instead, cut as the paper cuts them.")
 @common.output_option(".csv, .json, or .xlsx for the contest's sheets with all handles")

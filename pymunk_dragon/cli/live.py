@@ -17,7 +17,7 @@ from pymunk_dragon.sessions.recording import RECORDING_ENDINGS, Log, record
 from pymunk_dragon.sessions.session import Session
 
 # Options of a dragon of the user's.
-OWN = ("start", "contacts", "free_from")
+_OWN = ("start", "contacts", "free_from")
 _RECORD = "File to write at the end: inputs, .json, the run of a dragon, .npz, or a film, as .gif."
 EXAMPLES = ("", "near-miss", "--benches 60 --from 300 -o live.json", "--replay live.json --exit -o live.gif")
 
@@ -34,7 +34,9 @@ EXAMPLES = ("", "near-miss", "--benches 60 --from 300 -o live.json", "--replay l
 @common.address_options
 def live(scene: str | None, replay: str | None, ends: bool, output: str | None, **choices: Any) -> None:
     """Play the dragon in real time, and touch it in a browser. A scene has its own dragon."""
-    if [bool(each) for each in (scene, common.flags_given("scenario", *common.chosen(), *OWN), replay)].count(True) > 1:
+    if [bool(each) for each in (scene, common.flags_given("scenario", *common.chosen(), *_OWN), replay)].count(
+        True
+    ) > 1:
         raise click.UsageError("a ready scene and a recording have their own dragon: leave out the other options")
     if ends and replay is None:
         raise click.UsageError("--exit ends a replay: give a recording with --replay")
@@ -42,7 +44,7 @@ def live(scene: str | None, replay: str | None, ends: bool, output: str | None, 
         library("aiohttp")
     path = common.destination_of(output, RECORDING_ENDINGS)
     log = None if replay is None else Log.load(replay)
-    settings = {name: choices.pop(name) for name in OWN}
+    settings = {name: choices.pop(name) for name in _OWN}
     source = _source(scene, log) or dragon(common.march(), **settings)
     session = Session(source)
     if log is not None:

@@ -14,13 +14,13 @@ from pymunk_dragon.reports.summary import VERSION, Summary, json_values
 # Text of a missing value.
 MISSING = "\u2013"
 # Rows of a table: more would not be read, and 1000 rows already are half a megabyte of HTML.
-MAX_ROWS = 1000
+_MAX_ROWS = 1000
 # Names of curves in sentences; others appear under the name of their class.
-CURVES = {"Spiral": "spiral", "UTurn": "U-turn", "Sampled": "smooth path", "Composite": "path of several pieces"}
-CURVES |= {"Line": "straight line", "Arc": "circular arc"}
+_CURVES = {"Spiral": "spiral", "UTurn": "U-turn", "Sampled": "smooth path", "Composite": "path of several pieces"}
+_CURVES |= {"Line": "straight line", "Arc": "circular arc"}
 # The sizes of a curve in sentences, and the players.
 SIZES = {"pitch": ", pitch {size} m", "radius": ", in a circle of {size} m", "length": " of {size} m"}
-PLAYERS = {"pymunk": "played by Pymunk", "exact": "played by the exact model", None: "of an unknown player"}
+_PLAYERS = {"pymunk": "played by Pymunk", "exact": "played by the exact model", None: "of an unknown player"}
 # Labels and units of the parameters of a scenario.
 SCENARIO = {
     "benches": ("Benches", ""),
@@ -84,7 +84,7 @@ def subtitle(summary: Summary) -> str:
     """Dragon, speed, curve and player of the run in one line."""
     scenario, player = summary.scenario, json_values(summary.run.player)
     kind = scenario["curve"]
-    curve = text(CURVES.get(kind, kind.lower()))
+    curve = text(_CURVES.get(kind, kind.lower()))
     for name, template in SIZES.items():
         if scenario.get(name) is not None:
             curve += text(template).format(size=f"{scenario[name]:g}")
@@ -92,7 +92,7 @@ def subtitle(summary: Summary) -> str:
         benches=scenario["benches"],
         speed=_speed(scenario["speed"]),
         curve=curve,
-        player=text(PLAYERS.get(player, "played by {player}")).format(player=player),
+        player=text(_PLAYERS.get(player, "played by {player}")).format(player=player),
     )
 
 
@@ -221,11 +221,11 @@ def _contact_rows(contact: Contact, decimals: int) -> list[Row]:
 
 
 def _table(entries: Sequence[Entry], cells: Cells[Entry], left: Sequence[int]) -> dict[str, Table]:
-    """Table with a row for each entry, up to `MAX_ROWS`, and a column for each of `cells`."""
-    rows, note = [[cell(entry) for cell in cells.values()] for entry in entries[:MAX_ROWS]], ""
-    if len(entries) > MAX_ROWS:
+    """Table with a row for each entry, up to `_MAX_ROWS`, and a column for each of `cells`."""
+    rows, note = [[cell(entry) for cell in cells.values()] for entry in entries[:_MAX_ROWS]], ""
+    if len(entries) > _MAX_ROWS:
         template = text("These are the first {shown} of {count} rows; all are in the JSON report.")
-        note = template.format(shown=MAX_ROWS, count=len(entries))
+        note = template.format(shown=_MAX_ROWS, count=len(entries))
     return {"": Table(rows, [*cells], left, note)}
 
 

@@ -42,7 +42,7 @@ _DPI = 200
 # Inches: sides of a figure that fills a slide, and the distance from its edges to its text.
 _SLIDE_WIDTH, _SLIDE_HEIGHT, _MARGIN = 8.0, 4.5, 0.3
 # Inches from a slide's top to its title, and to its subtitle; height of a line of a title; spacing in font sizes.
-_TITLE_TOP, _SUBTITLE_TOP, _TITLE_LINE, LINE_SPACING = 0.24, 0.56, 0.28, 1.25
+_TITLE_TOP, _SUBTITLE_TOP, _TITLE_LINE, _LINE_SPACING = 0.24, 0.56, 0.28, 1.25
 # Points: size of a title, smallest size of text, and width of the halo of text over a line.
 _TITLE_SIZE, SMALL, _HALO = 16, 10.5, 3.0
 # Area of a slide below its title, as left, bottom, width and height in fractions of the page; inches between panels.
@@ -120,7 +120,7 @@ def slide(title: str, subtitle: str) -> Figure:
     """Create a figure that fills a slide, with a title and a subtitle, of any number of lines, in its upper left."""
     figure = _figure_type()(figsize=(_SLIDE_WIDTH, _SLIDE_HEIGHT), dpi=_DPI)
     down = _SUBTITLE_TOP + _TITLE_LINE * title.count("\n")
-    aligned: dict[str, Any] = {"x": _MARGIN / _SLIDE_WIDTH, "va": "top", "linespacing": LINE_SPACING}
+    aligned: dict[str, Any] = {"x": _MARGIN / _SLIDE_WIDTH, "va": "top", "linespacing": _LINE_SPACING}
     figure.text(y=1 - _TITLE_TOP / _SLIDE_HEIGHT, s=title, size=_TITLE_SIZE, **aligned)
     figure.text(y=1 - down / _SLIDE_HEIGHT, s=subtitle, color=QUIET, **aligned)
     return figure
