@@ -11,7 +11,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pymunk_dragon import FileFormatError, March, SpeedTable
-from pymunk_dragon.model.speed import speed_of
 
 TABLE = SpeedTable((-50.0, 10.0, 20.0, 20.5, 300.0), (0.5, 1.0, 3.0, 0.2, 1.5))
 speeds = st.floats(0.01, 20)
@@ -24,14 +23,14 @@ def tables(draw):
 
 
 def test_a_number_is_a_constant_speed_and_what_is_none_is_refused():
-    speed, times = speed_of(0.7), np.array([-3.0, 0.0, 412.473])
-    assert (speed, speed_of(TABLE)) == (SpeedTable([0], [0.7]), TABLE)
+    speed, times = March(speed=0.7).speed_profile, np.array([-3.0, 0.0, 412.473])
+    assert (speed, March(speed=TABLE).speed_profile) == (SpeedTable([0], [0.7]), TABLE)
     assert speed.distance(times).tolist() == (0.7 * times).tolist()
     assert speed.time([1.0, -2.0]).tolist() == [1 / 0.7, -2 / 0.7]
     assert speed.at(times).tolist() == [0.7] * 3
     assert speed.fastest(0.0, 9.0) == 0.7
     for value in [*NO_NUMBERS, 1e-7, 20.1]:
-        assert_says(refusal(speed_of, value), "speed is ", "from 1e-06 to 20 m/s")
+        assert_says(refusal(March, speed=value), "speed is ", "from 1e-06 to 20 m/s")
 
 
 def test_a_tables_way_is_the_integral_of_its_speed():
@@ -115,7 +114,7 @@ def test_a_function_is_tabulated_in_equal_steps():
 
 @pytest.mark.parametrize("value", [0.5, TABLE], ids=["number", "table"])
 def test_shapes_are_kept_and_what_is_infinite_or_nan_stays_so(value):
-    speed = speed_of(value)
+    speed = March(speed=value).speed_profile
     for shape in ((), (0,), (3,), (2, 3)):
         zeros = np.zeros(shape)
         for answer in (speed.at(zeros), speed.distance(zeros), speed.time(zeros)):

@@ -1,15 +1,12 @@
 """Broad phase: which benches are close enough to be worth a test (paper, section 2.2 and figure 6).
 
-The floor is cut into square cells, every bench is filed under the cells that it touches, and only benches that share a
-cell are candidates for a collision. Which cells an edge passes through is found by a digital differential analyser
-(DDA): it follows the edge from column to column and works out at each where the edge comes in and goes out. The walk of
-J. Amanatides and A. Woo ("A Fast Voxel Traversal Algorithm for Ray Tracing", Eurographics 1987) reaches the same cells
-by adding up step widths; here each crossing is computed from the edge's two ends, so errors do not accumulate.
+Every bench is filed under the square cells that it touches, and only benches that share a cell are candidates for a
+collision. A digital differential analyser (DDA; J. Amanatides and A. Woo, "A Fast Voxel Traversal Algorithm for Ray
+Tracing", Eurographics 1987) follows each edge from column to column; each crossing is computed from the edge's two
+ends, so errors do not accumulate.
 
-Cells are closed: a cell owns its sides and its corners. An edge along a grid line is filed on both sides of it, and one
-through a corner of the grid in all four cells there, so two benches that merely touch always share a cell. A bench is
-also filed under the cells that it covers without its outline passing through, so one that lies wholly inside another
-shares a cell with it too.
+A cell owns its sides and its corners, so two benches that merely touch always share a cell. A bench is also filed
+under the cells that lie inside its outline, so one that lies wholly inside another shares a cell with it too.
 """
 
 from __future__ import annotations

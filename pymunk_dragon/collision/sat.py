@@ -1,9 +1,8 @@
 """Narrow phase: whether two benches touch, and how far apart they are (paper, section 2.2).
 
-The paper's test is the separating axis theorem: two convex shapes are apart exactly where a line fits between them. For
-two rectangles, lines along their edges suffice. So the projections of both are compared on four axes: the length and
-the width of each. If the projections leave a gap on any axis, the rectangles are apart. If they overlap on all four,
-the rectangles overlap, and the shortest translation that separates them is along the axis of the smallest overlap
+By the separating axis theorem, two rectangles are apart exactly where their projections leave a gap on one of four
+axes: the length and the width of each. Otherwise the shortest translation that separates them is along the axis of the
+smallest overlap
 (S. Gottschalk et al., "OBBTree", SIGGRAPH 1996; C. Ericson, "Real-Time Collision Detection", 2005, section 4.4.1).
 
 The widest gap is the distance only where an edge faces the other rectangle. Two rectangles that are nearest corner to

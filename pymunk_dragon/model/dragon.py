@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from pymunk_dragon._arrays import Array, Complex, as_complex, as_vectors, read_only
 from pymunk_dragon._checks import finite, numbers, whole
@@ -185,7 +185,11 @@ def outlines(poses: ArrayLike, lengths: ArrayLike, width: ArrayLike) -> Array:
     [[-1.0, -0.5], [1.0, -0.5], [1.0, 0.5], [-1.0, 0.5]]
     """
     pose, length, across = numbers("poses", poses, 3), numbers("lengths", lengths), numbers("width", width)
-    _check_together(poses=pose[..., 0], lengths=length, width=across)
+    shapes = pose.shape[:-1], length.shape, across.shape
+    try:
+        np.broadcast_shapes(*shapes)
+    except ValueError as error:
+        raise ParameterError("the shapes of poses, lengths and width", shapes, "ones that go together") from error
     along = _headings(pose) * length / 2
     left = along * (1j * across / length)
     return as_vectors(_rectangles(as_complex(pose[..., :2]), along, left))
@@ -210,15 +214,6 @@ def _sizes(name: str, value: Any, count: int) -> Sizes:
         bound = "a number from {:g} to {:g} m, or {} of them, one for each bench".format(*_LENGTHS, count)
         raise ParameterError(name, value, bound)
     return tuple(finite(f"{name}[{i}]", size, *_LENGTHS, "m") for i, size in enumerate(value))
-
-
-def _check_together(**arrays: NDArray[Any]) -> None:
-    """Raise a ParameterError if the shapes of arrays cannot be broadcast together."""
-    shapes = [array.shape for array in arrays.values()]
-    try:
-        np.broadcast_shapes(*shapes)
-    except ValueError as error:
-        raise ParameterError(f"the shapes of {', '.join(arrays)}", shapes, "ones that go together") from error
 
 
 def _headings(poses: Array) -> Complex:

@@ -192,14 +192,7 @@ class Run(ArrayRecord, Displayed):
 
     @classmethod
     def exact(cls, march: March, times: ArrayLike) -> Run:
-        """Run of the exact model with frames at `times` (F,), s, without a search for contacts.
-
-        Examples
-        --------
-        >>> from pymunk_dragon import March
-        >>> Run.exact(March(), [0, 60, 120])
-        Run(223 benches, 3 frames from 0 s to 120 s, clear)
-        """
+        """Run of the exact model with frames at `times` (F,), s, without a search for contacts."""
         check_march(march)
         states = march.at(times)
         return cls(

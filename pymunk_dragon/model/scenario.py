@@ -153,13 +153,7 @@ class Scenario:
         return self._march
 
     def to_dict(self) -> dict[str, Any]:
-        """Nested tables of plain values, of which `from_dict` makes the same scenario.
-
-        Examples
-        --------
-        >>> Scenario(benches=5, pitch=0.6).to_dict()["curve"]
-        {'kind': 'spiral', 'pitch': 0.6, 'rotation': 0.0, 'outward': False}
-        """
+        """Nested tables of plain values, of which `from_dict` makes the same scenario."""
         return _tables(self._march)
 
     def values(self) -> dict[str, Any]:
