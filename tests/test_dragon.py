@@ -14,7 +14,6 @@ from hypothesis import strategies as st
 
 from pymunk_dragon import Dragon, FileFormatError, March, ParameterError, SpeedTable, errors, outlines
 from pymunk_dragon.model.dragon import bench_poses
-from pymunk_dragon.model.speed import speed_of
 
 LENGTHS = ("head_spacing", "body_spacing", "overhang", "width")
 TRACTOR = {
@@ -147,8 +146,8 @@ def tables(draw):
 
 
 def test_a_number_is_a_constant_speed():
-    speed, times = speed_of(0.7), np.array([-3.0, 0.0, 412.473])
-    assert (speed, speed_of(TABLE)) == (SpeedTable([0], [0.7]), TABLE)
+    speed, times = March(speed=0.7).speed_profile, np.array([-3.0, 0.0, 412.473])
+    assert (speed, March(speed=TABLE).speed_profile) == (SpeedTable([0], [0.7]), TABLE)
     assert speed.distance(times).tolist() == (0.7 * times).tolist()
     assert speed.time([1.0, -2.0]).tolist() == [1 / 0.7, -2 / 0.7]
     assert speed.at(times).tolist() == [0.7] * 3
@@ -236,7 +235,7 @@ def test_a_function_is_tabulated_in_equal_steps():
 
 @pytest.mark.parametrize("value", [0.5, TABLE], ids=["number", "table"])
 def test_shapes_are_kept_and_what_is_infinite_or_nan_stays_so(value):
-    speed = speed_of(value)
+    speed = March(speed=value).speed_profile
     for shape in ((), (0,), (3,), (2, 3)):
         zeros = np.zeros(shape)
         for answer in (speed.at(zeros), speed.distance(zeros), speed.time(zeros)):

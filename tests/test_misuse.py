@@ -87,7 +87,6 @@ CALLS = [
     (MARCH.at([0, 1]).to_dict, {"handles": [1]}),
     (SMALL.outlines, {"poses": POSES}),
     (SMALL.outlines_between, {"handles": np.arange(5)}),
-    (SMALL.corners, {"fronts": [1j, 2], "rears": [3, 4], "benches": [0, 1]}),
     (SMALL.holes, {"poses": POSES}),
     (SMALL.hole_velocities, {"poses": POSES, "velocities": POSES}),
     (bench_poses, {"handles": np.zeros((5, 2))}),

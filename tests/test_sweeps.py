@@ -174,7 +174,7 @@ class Case:
 @pytest.fixture
 def case(tmp_path, monkeypatch):
     # One point at a time, so that a row is written before the next point begins.
-    monkeypatch.setattr("pymunk_dragon.sweeps.computation.UNDER_WAY", 1)
+    monkeypatch.setattr("pymunk_dragon.sweeps.computation._UNDER_WAY", 1)
     return Case(tmp_path)
 
 

@@ -216,7 +216,7 @@ def test_program_tells_the_limit(call, limit):
 
 
 def test_contests_turn_is_the_best_where_the_search_finds_no_shorter_one(monkeypatch):
-    monkeypatch.setattr(sys.modules["pymunk_dragon.studies.u_turn"], "STEPS", 0)
+    monkeypatch.setattr(sys.modules["pymunk_dragon.studies.u_turn"], "_STEPS", 0)
     found = u_turn(Dragon(benches=4))
     assert found.shortest.path == found.turn
     assert "no turn" in str(found)

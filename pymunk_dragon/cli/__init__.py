@@ -46,21 +46,21 @@ COMMANDS = {
     "live": "Play the dragon in real time, and touch it in a browser.",
 }
 # Modules of commands that are not in the module of their name.
-MODULES = dict.fromkeys(("positions", "contact"), "exact")
-MODULES |= dict.fromkeys(("render", "figure", "report"), "documents")
+_MODULES = dict.fromkeys(("positions", "contact"), "exact")
+_MODULES |= dict.fromkeys(("render", "figure", "report"), "documents")
 # Environment variable with which a shell demands completions, as Click names it.
 COMPLETE_VARIABLE = "_PYMUNK_DRAGON_COMPLETE"
 # Commands for the start, in the help of the program.
 EXAMPLES = ("demo spiral", "contact", "simulate --from 400 -o run.npz", "render run.npz", "report run.npz")
 # Exit codes.
-DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
+_DONE, _FAILED, _BAD_INPUT, _INTERRUPTED = 0, 1, 2, 130
 # Errors of the user's input, or of the installation; others of the package are failures.
 _INPUT_ERRORS = (errors.ParameterError, errors.UnreachableError, errors.FileFormatError, errors.MissingExtraError)
 
 
 def command(name: str) -> click.Command:
     """Import a command."""
-    found: click.Command = getattr(import_module(f"{__name__}.{MODULES.get(name, name)}"), name)
+    found: click.Command = getattr(import_module(f"{__name__}.{_MODULES.get(name, name)}"), name)
     return found
 
 
@@ -101,20 +101,20 @@ def status(arguments: list[str] | None = None) -> int:
     try:
         return _run(sys.argv[1:] if arguments is None else arguments)
     except click.ClickException as error:
-        return _complain(error.format_message(), BAD_INPUT)
+        return _complain(error.format_message(), _BAD_INPUT)
     except errors.DragonError as error:
-        return _complain(str(error), BAD_INPUT if isinstance(error, _INPUT_ERRORS) else FAILED, error)
+        return _complain(str(error), _BAD_INPUT if isinstance(error, _INPUT_ERRORS) else _FAILED, error)
     except KeyboardInterrupt as end:
-        return _complain("interrupted", INTERRUPTED, end)
+        return _complain("interrupted", _INTERRUPTED, end)
     except BrokenPipeError:
         # The reader of stdout has closed it, as `head` does.
         return _drop_output()
     except OSError as error:
         # Nearly always stdout: functions that read and write files raise errors of the package.
         _drop_output()
-        return _complain(f"cannot write the output: {error.strerror or error}", FAILED)
+        return _complain(f"cannot write the output: {error.strerror or error}", _FAILED)
     except MemoryError:
-        return _complain("not enough memory for a dragon of this size", FAILED)
+        return _complain("not enough memory for a dragon of this size", _FAILED)
 
 
 def _run(arguments: list[str]) -> int:
@@ -129,9 +129,9 @@ def _run(arguments: list[str]) -> int:
         return end.exit_code
     except click.exceptions.NoArgsIsHelpError as error:
         error.show()
-        return BAD_INPUT
+        return _BAD_INPUT
     sys.stdout.flush()
-    return DONE
+    return _DONE
 
 
 def _open_streams() -> None:
@@ -148,7 +148,7 @@ def _drop_output() -> int:
     """Discard what stdout could not write, or Python would report it again when it flushes at exit."""
     with suppress(OSError):  # A test may have replaced the stream.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-    return FAILED
+    return _FAILED
 
 
 def _complain(message: str, code: int, error: BaseException | None = None) -> int:

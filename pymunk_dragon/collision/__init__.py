@@ -10,7 +10,7 @@ paper's method; `Grid` and `separation` are the two phases of both.
 
 | method | first contact, s | samples | pairs of benches | seconds |
 | --- | --- | --- | --- | --- |
-| `exact` | 412.473837682 | 4754 | 37241 | 0.17 |
+| `exact` | 412.473837682 | 3926 | 41367 | 0.17 |
 | `grid` | 412.473837852 | 434 | 224489 | 0.41 |
 | `engine` | 412.473849741 | 20624 | - | 8.39 |
 
@@ -55,11 +55,6 @@ first contact at t = 412.442193 s: benches 0 and 8 at (1.445751, 2.132263) m
 
 The result has a status, as the time-of-impact queries of physics engines have: `contact`, `clear`, `overlapping` (at
 the start) or `unreachable` (the chain cannot follow the path any farther).
-
-## Measurements
-
-Medians on two cores (`python tests/bench/bench.py contact`): the exact answer for 223 benches takes 0.11 s, filing
-them in the grid and pairing them 0.6 ms. The whole process `pymunk-dragon contact` takes 0.39 s.
 """
 
 from pymunk_dragon.collision.first_contact import first_contact

@@ -62,11 +62,11 @@ class Intervals(NamedTuple):
     last_s: Array
 
     @classmethod
-    def between(cls, march: March, times: Array, handles: int | None = None) -> Intervals:
+    def between(cls, march: March, times: Array) -> Intervals:
         """Intervals between consecutive `times`, up to the first time at which a handle has no coordinate."""
         all_times = np.empty(2 * times.size - 1)
         all_times[::2], all_times[1::2] = times, (times[:-1] + times[1:]) / 2
-        motion = march.motion_or_nan(all_times, handles)
+        motion = march.motion_or_nan(all_times)
         # If a handle has no coordinate, the last one has none.
         lost = np.isnan(motion.handles_s[:, -1])
         count = (int(lost.argmax()) - 1) // 2 if lost.any() else times.size - 1
@@ -284,34 +284,6 @@ class MotionBounds:
             pairs = pairs[tested[row, pairs[:, 0]]]
             found.append((np.full(len(pairs), row), pairs))
         return np.concatenate([rows for rows, _ in found]), np.concatenate([pairs for _, pairs in found])
-
-
-def handles_in_reach(march: March, first: float, last: float, near: float) -> int:
-    """Number of the foremost handles whose benches may come within `near` m of benches 0 and 1 from `first` to `last`.
-
-    All handles unless the curve goes inward, as `Curve.inward` says. There, the coordinate of handle j is at most the
-    head's less the spacings between, because an arc is no shorter than its chord. The outline of its bench stays
-    sqrt(r^2 - q^2) away from the centre, less half the width, where r is the radius at that handle, and q half the
-    spacing or the overhang, whichever is longer. Benches 0 and 1 stay within the largest radius of handle 2, plus the
-    overhang and the width.
-    """
-    dragon, curve = march.dragon, march.curve
-    if not (curve.inward and dragon.alike):
-        return dragon.handles
-    ends = march.motion_or_nan([first, last], 3).handles_s
-    if np.isnan(ends).any():
-        return dragon.handles
-    lows, _ = march.continuation.ranges(ends[:1], ends[1:])
-    widest = float(dragon.widths.max())
-    outer = float(np.hypot(*curve.point(lows[0, 2]))) + dragon.overhangs.max() + widest + near
-    highest = ends[1, 0] - np.concatenate([[0.0], np.cumsum(dragon.spacings)])
-    radii = np.hypot(*curve.point(highest[:-1]).T)
-    halves = np.maximum(dragon.spacings / 2, dragon.overhangs)
-    inner = np.sqrt(np.maximum(radii**2 - halves**2, 0.0)) - widest / 2
-    # Where the path is less curved than a circle with the bench as its diameter, each handle behind moves forward too.
-    needed = (inner <= outer) | (curve.max_curvature(highest[:-1], highest[:-1]) * dragon.spacings >= 2)
-    needed[:3] = True
-    return min(int(np.flatnonzero(needed)[-1]) + 2, dragon.handles)
 
 
 def near_pairs(centres: Complex, radii: Array) -> Indices:

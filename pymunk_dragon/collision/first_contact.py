@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 
 from pymunk_dragon._arrays import Array, Flags, Indices, as_complex, as_vectors
-from pymunk_dragon.collision.bounds import UNPROVEN_ROUNDING, Intervals, MotionBounds, handles_in_reach, near_pairs
+from pymunk_dragon.collision.bounds import UNPROVEN_ROUNDING, Intervals, MotionBounds, near_pairs
 from pymunk_dragon.collision.result import FirstContact, NearMiss, Status
 from pymunk_dragon.collision.sat import deepest_overlap, separation
 from pymunk_dragon.model.march import March, checked_times
@@ -55,7 +55,7 @@ _INTERVAL, _ALL_PAIRS_INTERVAL = 1.2, 0.3
 _FEWEST_INTERVALS, _MOST_INTERVALS = 16, 128
 # Intervals that are not cleared are divided into so many parts that there are about as many pairs to test as this, for
 # NumPy's overhead per call dominates with fewer; and bounds on the number of parts.
-_PAIRS, _FEWEST_PARTS, _MOST_PARTS = 300, 2, 256
+_PAIRS, _FEWEST_PARTS, _MOST_PARTS = 200, 2, 256
 # Points per pass in the search for the last time at which the chain has a state.
 _LAST_POINTS = 33
 
@@ -200,11 +200,8 @@ class _Search:
 
     def _clear(self, times: Array) -> float:
         """Clear the intervals between `times` up to the last one with a state of the chain, which is returned."""
-        march, handles = self._march, self._march.dragon.handles
-        if times[0] >= self._warm_up_end:
-            # After the warm-up only pairs with bench 0 or 1 are tested: benches too far from these are not computed.
-            handles = handles_in_reach(march, float(times[0]), float(times[-1]), self._near)
-        intervals = Intervals.between(march, times, handles)
+        march = self._march
+        intervals = Intervals.between(march, times)
         last = float(times[intervals.begins.size])
         if not intervals.begins.size:
             return last

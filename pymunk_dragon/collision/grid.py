@@ -1,15 +1,12 @@
 """Broad phase: which benches are close enough to be worth a test (paper, section 2.2 and figure 6).
 
-The floor is cut into square cells, every bench is filed under the cells that it touches, and only benches that share a
-cell are candidates for a collision. Which cells an edge passes through is found by a digital differential analyser
-(DDA): it follows the edge from column to column and works out at each where the edge comes in and goes out. The walk of
-J. Amanatides and A. Woo ("A Fast Voxel Traversal Algorithm for Ray Tracing", Eurographics 1987) reaches the same cells
-by adding up step widths; here each crossing is computed from the edge's two ends, so errors do not accumulate.
+Every bench is filed under the square cells that it touches, and only benches that share a cell are candidates for a
+collision. A digital differential analyser (DDA; J. Amanatides and A. Woo, "A Fast Voxel Traversal Algorithm for Ray
+Tracing", Eurographics 1987) follows each edge from column to column; each crossing is computed from the edge's two
+ends, so errors do not accumulate.
 
-Cells are closed: a cell owns its sides and its corners. An edge along a grid line is filed on both sides of it, and one
-through a corner of the grid in all four cells there, so two benches that merely touch always share a cell. A bench is
-also filed under the cells that it covers without its outline passing through, so one that lies wholly inside another
-shares a cell with it too.
+A cell owns its sides and its corners, so two benches that merely touch always share a cell. A bench is also filed
+under the cells that lie inside its outline, so one that lies wholly inside another shares a cell with it too.
 """
 
 from __future__ import annotations
@@ -68,7 +65,7 @@ class Grid:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "cell", finite("cell", self.cell, *CELLS, "m"))
-        x, y = coordinates("origin", self.origin, (2,), 0).tolist()
+        x, y = coordinates("origin", self.origin, 2, axes=1).tolist()
         object.__setattr__(self, "origin", (x, y))
 
     @classmethod
@@ -86,17 +83,13 @@ class Grid:
 
     def walk(self, start: ArrayLike, end: ArrayLike) -> _Cells:
         """Cells (K, 2) as (i, j) that the edge from `start` (2,) to `end` (2,) in m touches, from its start on."""
-        u0, v0 = self._in_cells("start", coordinates("start", start, (2,), 0))
-        u1, v1 = self._in_cells("end", coordinates("end", end, (2,), 0))
-        # Within a column, an edge touches all rows from a first to a last one.
-        first, last = _range(np.minimum(u0, u1), np.maximum(u0, u1))
-        columns = np.arange(int(first), int(last) + 1)
-        top, bottom = _range(*_rows(u0, v0, u1, v1, columns))
-        owner, rows = _runs(top, bottom - top + 1)
-        cells = np.stack([rows, columns[owner]], axis=-1)
-        # Towards smaller indices the order is reversed, for rows and columns separately.
-        order = np.lexsort((rows if v1 >= v0 else -rows, owner if u1 >= u0 else -owner))
-        return cells[order]
+        one, two = coordinates("start", start, 2, axes=1), coordinates("end", end, 2, axes=1)
+        for name, point in (("start", one), ("end", two)):
+            self._in_cells(name, point)
+        # The cells of an outline without a width.
+        rows, columns = self.file([[one, one, two, two]])[0].T
+        order = np.lexsort((rows if two[1] <= one[1] else -rows, columns if two[0] >= one[0] else -columns))
+        return np.stack([rows, columns], axis=-1)[order]
 
     def file(self, outlines: ArrayLike) -> tuple[_Cells, _Cells]:
         """File N benches under the cells that they touch or cover.
@@ -113,7 +106,7 @@ class Grid:
         benches : ndarray, shape (K,)
             Whose cell it is: rising, and within a bench by column and row.
         """
-        corners = coordinates("outlines", outlines, (4, 2), 1)
+        corners = coordinates("outlines", outlines, 4, 2, axes=3)
         u, v = (np.ascontiguousarray(cells.T) for cells in self._in_cells("outlines", corners))  # (4, N)
         first, last = _range(u.min(axis=0), u.max(axis=0))
         counts = last - first + 1

@@ -1,9 +1,8 @@
 """Narrow phase: whether two benches touch, and how far apart they are (paper, section 2.2).
 
-The paper's test is the separating axis theorem: two convex shapes are apart exactly where a line fits between them. For
-two rectangles, lines along their edges suffice. So the projections of both are compared on four axes: the length and
-the width of each. If the projections leave a gap on any axis, the rectangles are apart. If they overlap on all four,
-the rectangles overlap, and the shortest translation that separates them is along the axis of the smallest overlap
+By the separating axis theorem, two rectangles are apart exactly where their projections leave a gap on one of four
+axes: the length and the width of each. Otherwise the shortest translation that separates them is along the axis of the
+smallest overlap
 (S. Gottschalk et al., "OBBTree", SIGGRAPH 1996; C. Ericson, "Real-Time Collision Detection", 2005, section 4.4.1).
 
 The widest gap is the distance only where an edge faces the other rectangle. Two rectangles that are nearest corner to
@@ -22,7 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pymunk_dragon._arrays import Array, Complex, Indices, as_vectors, read_only
-from pymunk_dragon._checks import MAX_COORDINATE
+from pymunk_dragon._checks import MAX_COORDINATE, numbers
 from pymunk_dragon.errors import ParameterError
 
 __all__ = ["Separation", "separation"]
@@ -86,7 +85,7 @@ def separation(first: ArrayLike, second: ArrayLike) -> Separation:
     >>> float(apart.distance), apart.normal.tolist(), apart.point[0].item()
     (2.0, [1.0, 0.0], 1.5)
     """
-    sides = [coordinates(name, side, (4, 2)) for name, side in (("first", first), ("second", second))]
+    sides = [coordinates(name, side, 4, 2) for name, side in (("first", first), ("second", second))]
     try:
         shape = np.broadcast_shapes(*(side.shape[:-2] for side in sides))
     except ValueError as error:
@@ -113,22 +112,14 @@ def deepest_overlap(outlines: Array, pairs: Indices) -> tuple[int, int] | None:
     return first, second
 
 
-def coordinates(name: str, value: ArrayLike, tail: tuple[int, ...], leading: int | None = None) -> Array:
-    """`value` as a contiguous array (..., *tail) of coordinates in m, with `leading` axes before if that is given."""
-    shape = ", ".join(map(str, ("..." if leading is None else "N" * leading, *tail)))
-    bound = f"coordinates ({shape}) in m, finite and within {MAX_COORDINATE:g} m"
-    try:
-        array = np.asarray(value)
-    except ValueError as error:  # of ragged lists
-        raise ParameterError(name, value, bound) from error
-    if array.dtype.kind not in "iuf":
-        raise ParameterError(name, value, bound)
-    if array.shape[-len(tail) :] != tail or leading not in (None, array.ndim - len(tail)):
-        raise ParameterError(name, f"of shape {array.shape}", bound)
-    array = np.ascontiguousarray(array, dtype=float)
+def coordinates(name: str, value: ArrayLike, *tail: int, axes: int | None = None) -> Array:
+    """`value` as a contiguous array (..., *tail) of coordinates in m, with so many `axes` in all if that is given."""
+    array: Array = np.ascontiguousarray(numbers(name, value, *tail))
+    if axes not in (None, array.ndim):
+        raise ParameterError(name, f"of shape {array.shape}", f"coordinates in m with {axes} axes")
     inside = np.abs(array) <= MAX_COORDINATE
     if not inside.all():
-        raise ParameterError(name, array[~inside][0].item(), bound)
+        raise ParameterError(name, array[~inside][0].item(), f"finite and within {MAX_COORDINATE:g} m")
     return array
 
 

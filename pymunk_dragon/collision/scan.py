@@ -20,6 +20,8 @@ from pymunk_dragon.model.march import March, checked_times
 
 __all__ = ["scan"]
 
+# s. Length of the interval that bisection ends with: a head at 1 m/s moves by a micrometre in it.
+_TOLERANCE = 1e-6
 # Samples computed together.
 _BATCH = 64
 # About a day of computing.
@@ -32,10 +34,9 @@ def scan(
     start: float = 0.0,
     until: float | None = None,
     step: float = 1.0,
-    tolerance: float = 1e-6,
     progress: Callable[[float, float], None] | None = None,
 ) -> FirstContact:
-    """First contact among samples every `step`, bisected to `tolerance`.
+    """First contact among samples every `step`, bisected to a microsecond.
 
     Parameters
     ----------
@@ -45,15 +46,13 @@ def scan(
         Times of the first and the last sample, s; without `until`, the last is at the end of the curve.
     step : float
         Time between samples, s. The paper gives the second in which the dragon collides.
-    tolerance : float
-        Length of the interval that bisection ends with, s. By default a head at 1 m/s moves by a micrometre in it.
     progress : callable, optional
         Called with the time of the last sample, and with `until`, s.
 
     Returns
     -------
     FirstContact
-        Its time is one at which the benches overlap, at most `tolerance` after one at which none do. Near misses and
+        Its time is one at which the benches overlap, at most a microsecond after one at which none do. Near misses and
         resolution are None: gaps are not measured.
 
     Raises
@@ -68,7 +67,7 @@ def scan(
     (0, 8)
     """
     start, until = checked_times(march, start, until)
-    step, tolerance = (positive(*given, np.inf, "s") for given in (("step", step), ("tolerance", tolerance)))
+    step = positive("step", step, np.inf, "s")
     end = min(until, march.end)
     if (end - start) / step > _MAX_SAMPLES:
         raise ParameterError("step", step, f"long enough for at most {_MAX_SAMPLES:,} samples until {end:g} s")
@@ -91,7 +90,7 @@ def scan(
         pair = overlapping(poses)
         if pair is not None:
             # Bisection between a time at which no benches overlap and one at which `pair` does.
-            while after - before > tolerance and before < (middle := (before + after) / 2) < after:
+            while after - before > _TOLERANCE and before < (middle := (before + after) / 2) < after:
                 found = overlapping(march.at(middle).poses[0])
                 before, after, pair = (middle, after, pair) if found is None else (before, middle, found)
             return result("contact", after, pair)

@@ -9,13 +9,4 @@ $ pymunk-dragon positions --paper
 ```
 
 The second command prints tables 1 to 3 of the paper, all 147 entries, cut after three decimals as the paper cuts them.
-
-Medians from one run of `python tests/bench/bench.py march` on two cores, where the plain recursion goes from handle to
-handle, vectorised over the times:
-
-| 301 times x 224 handles, positions and velocities | ms | share |
-| --- | --- | --- |
-| plain recursion with NumPy | 17.1 | 1 |
-| `March.at` | 5.8 | 0.34 |
-| the same on the U-turn, from -100 s to 100 s | 17.8 | 1.04 |
 """

@@ -8,9 +8,9 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from pymunk_dragon._arrays import Array, Complex, Indices, as_complex, as_vectors, read_only
+from pymunk_dragon._arrays import Array, Complex, as_complex, as_vectors, read_only
 from pymunk_dragon._checks import finite, numbers, whole
 from pymunk_dragon.errors import ParameterError
 
@@ -130,19 +130,11 @@ class Dragon:
     def outlines_between(self, handles: Complex) -> Complex:
         """The same (..., M, 4) between `handles` (..., M + 1), as complex numbers."""
         points = np.atleast_1d(numbers("handles", handles, kind=complex))
-        return self.corners(points[..., :-1], points[..., 1:], np.arange(points.shape[-1] - 1))
-
-    def corners(self, fronts: Complex, rears: Complex, benches: Indices) -> Complex:
-        """The same (..., 4) of `benches` (...), by their numbers, between their front and rear handles (...)."""
-        chosen = numbers("benches", benches, kind=int)
-        for number in (chosen.min(), chosen.max()) if chosen.size else ():
-            whole("benches", int(number), 0, self.benches - 1)
-        front, rear = numbers("fronts", fronts, kind=complex), numbers("rears", rears, kind=complex)
-        _check_together(fronts=front, rears=rear, benches=chosen)
-        along = front - rear
-        centres = rear + along / 2
-        along = along * (self.lengths[chosen] / 2 / np.abs(along))
-        left = along * (1j * self.widths[chosen] / self.lengths[chosen])
+        benches = whole("number of handles", points.shape[-1], 1, self.handles) - 1
+        along = points[..., :-1] - points[..., 1:]
+        centres = points[..., 1:] + along / 2
+        along = along * (self.lengths[:benches] / 2 / np.abs(along))
+        left = along * (1j * self.widths[:benches] / self.lengths[:benches])
         return _rectangles(centres, along, left)
 
     def holes(self, poses: ArrayLike) -> tuple[Array, Array]:
@@ -193,7 +185,11 @@ def outlines(poses: ArrayLike, lengths: ArrayLike, width: ArrayLike) -> Array:
     [[-1.0, -0.5], [1.0, -0.5], [1.0, 0.5], [-1.0, 0.5]]
     """
     pose, length, across = numbers("poses", poses, 3), numbers("lengths", lengths), numbers("width", width)
-    _check_together(poses=pose[..., 0], lengths=length, width=across)
+    shapes = pose.shape[:-1], length.shape, across.shape
+    try:
+        np.broadcast_shapes(*shapes)
+    except ValueError as error:
+        raise ParameterError("the shapes of poses, lengths and width", shapes, "ones that go together") from error
     along = _headings(pose) * length / 2
     left = along * (1j * across / length)
     return as_vectors(_rectangles(as_complex(pose[..., :2]), along, left))
@@ -218,15 +214,6 @@ def _sizes(name: str, value: Any, count: int) -> Sizes:
         bound = "a number from {:g} to {:g} m, or {} of them, one for each bench".format(*_LENGTHS, count)
         raise ParameterError(name, value, bound)
     return tuple(finite(f"{name}[{i}]", size, *_LENGTHS, "m") for i, size in enumerate(value))
-
-
-def _check_together(**arrays: NDArray[Any]) -> None:
-    """Raise a ParameterError if the shapes of arrays cannot be broadcast together."""
-    shapes = [array.shape for array in arrays.values()]
-    try:
-        np.broadcast_shapes(*shapes)
-    except ValueError as error:
-        raise ParameterError(f"the shapes of {', '.join(arrays)}", shapes, "ones that go together") from error
 
 
 def _headings(poses: Array) -> Complex:

@@ -20,7 +20,7 @@ from pymunk_dragon.model.continuation import Continuation
 from pymunk_dragon.model.curves import Curve, Reversed, Spiral
 from pymunk_dragon.model.curves.base import required_curve
 from pymunk_dragon.model.dragon import Dragon, bench_poses
-from pymunk_dragon.model.speed import SpeedTable, speed_of
+from pymunk_dragon.model.speed import MAX_SPEED, MIN_SPEED, SpeedTable
 
 # m before the start. At this distance a double still resolves 0.1 nm.
 _MAX_RETREAT = 1e5
@@ -205,7 +205,12 @@ class March(Displayed):
     @cached_property
     def speed_profile(self) -> SpeedTable:
         """The speed as a table, which converts between times and distances."""
-        return speed_of(self.speed)
+        speed: Any = self.speed
+        if isinstance(speed, SpeedTable):
+            return speed
+        if callable(speed):
+            raise ParameterError("speed", speed, "a number or a table: SpeedTable.of(function, start, until) makes one")
+        return SpeedTable([0.0], [finite("speed", speed, MIN_SPEED, MAX_SPEED, "m/s")])
 
     @cached_property
     def continuation(self) -> Continuation:

@@ -192,14 +192,7 @@ class Run(ArrayRecord, Displayed):
 
     @classmethod
     def exact(cls, march: March, times: ArrayLike) -> Run:
-        """Run of the exact model with frames at `times` (F,), s, without a search for contacts.
-
-        Examples
-        --------
-        >>> from pymunk_dragon import March
-        >>> Run.exact(March(), [0, 60, 120])
-        Run(223 benches, 3 frames from 0 s to 120 s, clear)
-        """
+        """Run of the exact model with frames at `times` (F,), s, without a search for contacts."""
         check_march(march)
         states = march.at(times)
         return cls(
@@ -280,7 +273,7 @@ class Run(ArrayRecord, Displayed):
     @classmethod
     def load(cls, path: str | Path) -> Run:
         """Read a run that `save` wrote; a file that is damaged or of another format raises a FileFormatError."""
-        with opened_archive(path) as (notes, stored):
+        with _opened(path) as (notes, stored):
             march = Scenario.from_dict(notes["scenario"], files=False).march()
             first, benches = notes["first_contact"], march.dragon.benches
             arrays: Any = {name: stored[name] for name in _KINDS if name != "joint_impulses" or name in stored}
@@ -298,13 +291,13 @@ class Run(ArrayRecord, Displayed):
 
 
 @contextmanager
-def opened_archive(path: str | Path, name: str = "run") -> Iterator[tuple[dict[str, Any], Mapping[str, NDArray[Any]]]]:
+def _opened(path: str | Path) -> Iterator[tuple[dict[str, Any], Mapping[str, NDArray[Any]]]]:
     """Notes and arrays in a file that `Run.save` wrote; what is raised inside is the fault of its contents."""
     try:
         file = Path(path).open("rb")  # noqa: SIM115 (closed below, where what is wrong is the content)
     except (OSError, ValueError, TypeError) as error:
         reason = (isinstance(error, OSError) and error.strerror) or error
-        raise ParameterError(name, str(path), f"a readable file ({reason})") from error
+        raise ParameterError("run", str(path), f"a readable file ({reason})") from error
     try:
         # Of a pipe, whose end may never come, no more than a run can hold.
         content = file if file.seekable() else io.BytesIO(file.read(_MAX_UNPACKED))

@@ -97,7 +97,7 @@ class Scenario:
         known = parameters()
         for name, value in values.items():
             if name not in known:
-                raise ParameterError(name, value, f"absent: the parameters are {', '.join(known)}")
+                raise ParameterError(name, value, f"absent; known are {', '.join(known)}")
         dragon = Dragon(**{name: values[name] for name in _DRAGON if name in values})
         speed = values.get("speed", 1.0)
         if _is_file(speed):
@@ -153,13 +153,7 @@ class Scenario:
         return self._march
 
     def to_dict(self) -> dict[str, Any]:
-        """Nested tables of plain values, of which `from_dict` makes the same scenario.
-
-        Examples
-        --------
-        >>> Scenario(benches=5, pitch=0.6).to_dict()["curve"]
-        {'kind': 'spiral', 'pitch': 0.6, 'rotation': 0.0, 'outward': False}
-        """
+        """Nested tables of plain values, of which `from_dict` makes the same scenario."""
         return _tables(self._march)
 
     def values(self) -> dict[str, Any]:
@@ -189,7 +183,7 @@ def flat_values(values: Mapping[str, Any]) -> dict[str, Any]:
         raise ParameterError("dragon", dragon, "a table with parameters of the dragon")
     for name, value in dragon.items():
         if name not in _DRAGON:
-            raise ParameterError(f"dragon.{name}", value, "absent: the parameters are " + ", ".join(_DRAGON))
+            raise ParameterError(f"dragon.{name}", value, "absent; known are " + ", ".join(_DRAGON))
     curve = flat.get("curve")
     if isinstance(curve, Mapping) and set(curve) <= {"kind", *_SHORT}:
         parameters = dict(curve)

@@ -6,7 +6,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -136,12 +135,3 @@ class SpeedTable:
         zero = int(np.searchsorted(times, 0.0))
         distances = np.concatenate([-np.cumsum(steps[:zero][::-1])[::-1], [0.0], np.cumsum(steps[zero:])])
         return times, speeds, accelerations, distances
-
-
-def speed_of(value: Any) -> SpeedTable:
-    """`value`, a number in m/s or a `SpeedTable`, as a table."""
-    if isinstance(value, SpeedTable):
-        return value
-    if callable(value):
-        raise ParameterError("speed", value, "a number or a table: SpeedTable.of(function, start, until) makes one")
-    return SpeedTable([0.0], [finite("speed", value, MIN_SPEED, MAX_SPEED, "m/s")])

@@ -10,7 +10,6 @@ import numpy as np
 import pymunk
 
 from pymunk_dragon._arrays import Array, Complex, as_vectors
-from pymunk_dragon._checks import word
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.march import States
 
@@ -158,11 +157,6 @@ class Rails(PathGuide):
 
 # Guides that have a name, as in `simulate(guide=...)`.
 GUIDES: dict[str, type[PathGuide]] = {"rails": Rails, "none": PathGuide}
-
-
-def guide_of(guide: str | PathGuide) -> PathGuide:
-    """The guide with a name, or the given one."""
-    return guide if isinstance(guide, PathGuide) else GUIDES[word("guide", guide, GUIDES)]()
 
 
 def guide_name(guide: PathGuide) -> str:

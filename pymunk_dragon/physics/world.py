@@ -14,11 +14,11 @@ from pymunk import batch
 from pymunk.batch import BodyFields
 
 from pymunk_dragon._arrays import Array
-from pymunk_dragon._checks import finite, whole
+from pymunk_dragon._checks import finite, whole, word
 from pymunk_dragon.errors import ParameterError, UnreachableError
 from pymunk_dragon.model.march import March, States, check_march
 from pymunk_dragon.model.settings import EngineSettings
-from pymunk_dragon.physics.guides import PathGuide, check_parts, guide_of
+from pymunk_dragon.physics.guides import GUIDES, PathGuide, check_parts
 from pymunk_dragon.physics.warm_start import balanced_impulses, set_impulses
 
 # kg per square metre: planks of pine, 4 cm thick. It is the same for all benches, so it only scales impulses.
@@ -110,7 +110,8 @@ class World:
         start = finite("start", start, -_MAX_TIME, _MAX_TIME, "s")
         if until is not None and finite("until", until, -_MAX_TIME, _MAX_TIME, "s") <= start:
             raise ParameterError("until", until, f"later than the start, {start:g} s")
-        self.march, self.start, self.guide = march, start, guide_of(guide)
+        self.march, self.start = march, start
+        self.guide = guide if isinstance(guide, PathGuide) else GUIDES[word("guide", guide, GUIDES)]()
         self.top_speed = top_speed(march, start, until)
         dragon = march.dragon
         self.masses = _AREA_DENSITY * dragon.lengths * dragon.widths

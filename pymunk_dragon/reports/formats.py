@@ -25,7 +25,7 @@ from pymunk_dragon.reports import document
 from pymunk_dragon.reports.summary import Summary, summarize
 
 # Characters with a meaning in Markdown, embedded HTML or GitHub's dialect.
-MARKUP = re.compile(r"[\\`*_{}\[\]<>|&~$#@!]")
+_MARKUP = re.compile(r"[\\`*_{}\[\]<>|&~$#@!]")
 _CSV_COLUMNS = ["time_s", "what", "bench_i", "bench_j", "point1_x_m", "point1_y_m", "point2_x_m", "point2_y_m"]
 _CSV_COLUMNS += ["normal_x", "normal_y", "depth_m", "relative_velocity_x_m_s", "relative_velocity_y_m_s"]
 _CSV_COLUMNS += ["impulse_x_N_s", "impulse_y_N_s", "gap_m"]
@@ -130,7 +130,7 @@ def _markdown_table(heading: str, table: document.Table) -> list[str]:
 
 def _escaped(text: str) -> str:
     """`text` on one line, with Markdown characters escaped by backslashes."""
-    return MARKUP.sub(r"\\\g<0>", " ".join(text.split()))
+    return _MARKUP.sub(r"\\\g<0>", " ".join(text.split()))
 
 
 def _stills(run: Run) -> list[tuple[str, bytes]]:

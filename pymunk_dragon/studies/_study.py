@@ -20,15 +20,15 @@ if TYPE_CHECKING:
 Progress = Callable[[float, float], None]
 
 # Names of the sizes of a dragon, which all studies take.
-DRAGON = ("benches", "head_spacing", "body_spacing", "overhang", "width")
+_DRAGON = ("benches", "head_spacing", "body_spacing", "overhang", "width")
 # Columns of the labels of a text.
-LABEL = 11
+_LABEL = 11
 
 
 def labelled(label: str, lines: str) -> list[str]:
     """Lines of a text beside a label."""
     first, *rest = lines.split("\n")
-    return [label + " " * (LABEL - width(label)) + first, *(" " * LABEL + line for line in rest)]
+    return [label + " " * (_LABEL - width(label)) + first, *(" " * _LABEL + line for line in rest)]
 
 
 def silent(done: float, total: float) -> None:
@@ -94,13 +94,13 @@ class Study:
     @property
     def parameters(self) -> tuple[str, ...]:
         """Names of all parameters, including the dragon's sizes."""
-        return *DRAGON, *(name for name in list(signature(self.run).parameters)[1:] if name != "progress")
+        return *_DRAGON, *(name for name in list(signature(self.run).parameters)[1:] if name != "progress")
 
     def answer(self, values: Mapping[str, Any], progress: Progress = silent) -> Any:
         """Run with `values` of its `parameters` by name; a wrong name or value is a `ParameterError`."""
         for name, value in values.items():
             if name not in self.parameters:
                 raise ParameterError(name, value, f"left out: {self.name} takes " + ", ".join(self.parameters))
-        sizes = {name: value for name, value in values.items() if name in DRAGON}
-        rest = {name: value for name, value in values.items() if name not in DRAGON}
+        sizes = {name: value for name, value in values.items() if name in _DRAGON}
+        rest = {name: value for name, value in values.items() if name not in _DRAGON}
         return self.run(Dragon(**sizes), **rest, progress=progress)

@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 # Length of the initial intervals in spacings, and m of the head's distance below which they are not halved: rounding.
-INTERVAL, _MIN_INTERVAL = 1 / 16, 1e-12
+_INTERVAL, _MIN_INTERVAL = 1 / 16, 1e-12
 # Initial intervals times benches up to which a whole dragon is followed through the turn: some seconds of work.
 _WORK = 100_000
 # Relative width of the enclosure: the search takes longer below it. Relative difference up to which the speeds of two
@@ -214,7 +214,7 @@ def _largest_ratio(dragon: Dragon, curve: UTurn) -> tuple[_Search, float]:
     followers.run(0.0, followers.exit_distance(1, body))
     if not followers.found:
         return search, gain
-    if whole / (INTERVAL * body) * dragon.benches > _WORK:
+    if whole / (_INTERVAL * body) * dragon.benches > _WORK:
         # A period of the followers behind one bench on the outward spiral; behind more they gain little.
         search.run(first, search.exit_distance(2, head + body))
         return search, followers.ratio * gain
@@ -255,7 +255,7 @@ class _Search:
 
     def run(self, begin: float, end: float) -> None:
         """Enclose the largest ratio while the head travels from `begin` to `end`, m."""
-        edges = np.linspace(begin, end, int(np.ceil((end - begin) / (INTERVAL * self.spacings.min()))) + 1)
+        edges = np.linspace(begin, end, int(np.ceil((end - begin) / (_INTERVAL * self.spacings.min()))) + 1)
         # The handles further back are on the inward spiral, and no faster than the last of these handles.
         ahead = int(np.count_nonzero(self.march.handles_s(self.march.time(end))[0] > 0))
         handles = min(max(2, ahead + 1), self.march.dragon.handles)

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 # long, and the search takes minutes.
 RADIUS, _MAX_RADIUS = 4.5, 100.0
 # Largest turn of the start: a spiral has at most a thousand turns.
-MAX_TURNS = 900.0
+_MAX_TURNS = 900.0
 # m. Distance from the limit at which pitches are certified: a thousand times the error of the limit.
 _CERTIFIED = 1e-9
 # Least pitch over the width, which no march's pitch may equal; ratio of successive pitches from out of reach down.
@@ -41,7 +41,7 @@ _MIN_PITCH_RATIO, _PITCH_RATIO = 1 + 1e-6, 1.06
 # Share of a step of the secant method by which it stays above the limit.
 _MARGIN = 0.01
 # Marches near the limit, at most: some seven suffice, and bisection alone takes 25.
-MAX_STEPS = 60
+_MAX_STEPS = 60
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -189,7 +189,7 @@ def min_pitch(
     ...
     """
     dragon = dragon or Dragon()
-    turns = positive("turns", turns, MAX_TURNS, "")
+    turns = positive("turns", turns, _MAX_TURNS, "")
     # Inside the longest spacing a handle may have no position, and beyond the largest start there is no spiral.
     radius = finite("radius", radius, float(dragon.spacings.max()), min(_MAX_RADIUS, MAX_PITCH * turns), "m")
     # Turns are not closer than the width, and the start is not inside the circle.
@@ -258,7 +258,7 @@ def _limit(
 
     The secant method on the gap of the benches that touch first as the pitch falls, and bisection without such benches.
     """
-    for _ in range(MAX_STEPS):
+    for _ in range(_MAX_STEPS):
         zeros = (_zero(wider, free, benches) for benches in {*free.near, *blocked.near})
         middle = (blocked.pitch + free.pitch) / 2
         pitch = max((zero for zero in zeros if blocked.pitch < zero < free.pitch), default=middle)

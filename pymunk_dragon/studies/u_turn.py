@@ -41,21 +41,21 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 # m travelled by the head after it enters the circle: at 1 m/s, the times in s that the contest's table requires.
-DISTANCES = tuple(float(distance) for distance in range(-100, 101))
+_DISTANCES = tuple(float(distance) for distance in range(-100, 101))
 # Start of the search: short, sharp arcs at both ends, and long ones between.
-START = (0.95, -0.1, 0.4, -0.2, -0.5, 0.2, -2.5)
+_START = (0.95, -0.1, 0.4, -0.2, -0.5, 0.2, -2.5)
 # m. Least radius and length of an arc: smaller radii save centimetres, and slow down the certificate of first contact.
-MIN_RADIUS, _MIN_ARC = 0.5, 0.02
+_MIN_RADIUS, _MIN_ARC = 0.5, 0.02
 # m travelled by the head between chains in the search, and beyond the turn; m behind the circle up to which handles are
 # included; samples of the speeds from one kink to the next; and positions of handles for the speeds of a result.
 _SAMPLING, _HEAD_MARGIN, _CHAIN_MARGIN, SAMPLES, POSITIONS = 0.02, 9.0, 3.0, 8, 200_000
 # Steps at most; and first, largest and least size of the trust region, in units of the unknowns, of which the last one
 # may change by more; and factors on the size after a better turn and after any other.
-STEPS, _FIRST_SIZE, MAX_SIZE, _MIN_SIZE, _GROWTH, _SHRINKAGE = 80, 0.1, 0.2, 1e-5, 1.6, 1 / 3
+_STEPS, _FIRST_SIZE, _MAX_SIZE, _MIN_SIZE, _GROWTH, _SHRINKAGE = 80, 0.1, 0.2, 1e-5, 1.6, 1 / 3
 _SCALES = np.array([1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 5.0])
 # m per unit of a violated constraint: several times the Lagrange multiplier of the speed. Violation by a bench that is
 # pushed back or has no position.
-_PENALTY, STUCK = 4.0, 10.0
+_PENALTY, _STUCK = 4.0, 10.0
 # Constraints closer to their limits than this are linearised; and step of the differences.
 _NEAR, _DIFFERENCE = 0.4, 1e-7
 # First distance kept from the limits; and searches, at most, each with a wider distance.
@@ -154,7 +154,7 @@ class TurnResult(Result):
             "{length:.4f} m on {arcs} arcs with radii of at least {radius:g} m:\n"
             "best found, not proven to be the shortest"
         )
-        best = best.format(length=self.shortest.length, arcs=len(self.shortest.path.pieces) - 2, radius=MIN_RADIUS)
+        best = best.format(length=self.shortest.length, arcs=len(self.shortest.path.pieces) - 2, radius=_MIN_RADIUS)
         return [*lines, *labelled(text("shorter:"), best), *self.shortest.lines()]
 
     def _draw(self) -> Figure:
@@ -224,7 +224,7 @@ def u_turn(
     peak = _peak_ratio(turn, spacings)
     if not math.isfinite(peak):
         raise ParameterError("radius", radius, "large enough for the dragon to get round the turn")
-    times = tuple(March(dragon, turn, speed=speed).time(DISTANCES).tolist())
+    times = tuple(March(dragon, turn, speed=speed).time(_DISTANCES).tolist())
 
     def marched(path: Composite) -> MarchedTurn:
         march = March(dragon, path, speed=speed)
@@ -251,12 +251,12 @@ def _shortest_turn(base: UTurn, spacings: Array, limit: float, progress: Progres
     """The shortest turn found on which no handle exceeds `limit` times the head's speed, which `base` does not."""
     search = _Search(base, spacings, limit)
     for _ in range(_REPAIRS):
-        arcs = search.arcs(search.run(np.array(START), progress))
+        arcs = search.arcs(search.run(np.array(_START), progress))
         path = arcs.path(base)
         excess = max((_peak_ratio(path, spacings) - limit) / (limit - 1), arcs.violations(base.radius).max())
         if excess <= 0:
             return path
-        search.margin += min(excess, MAX_SIZE) + MARGIN
+        search.margin += min(excess, _MAX_SIZE) + MARGIN
     return base
 
 
@@ -295,7 +295,7 @@ class _Arcs(NamedTuple):
         turned = (np.angle(1j * centres * curvatures) - self.headings[:-1]) * np.sign(curvatures) % (2 * np.pi)
         summits = np.where(turned < np.abs(curvatures) * self.lengths, np.abs(centres) + 1 / np.abs(curvatures), 0.0)
         outside = np.concatenate([np.abs(self.joints[1:-1]), summits]) / radius - 1
-        return np.concatenate([outside, np.abs(curvatures) * MIN_RADIUS - 1, _MIN_ARC - self.lengths])
+        return np.concatenate([outside, np.abs(curvatures) * _MIN_RADIUS - 1, _MIN_ARC - self.lengths])
 
 
 class _Search:
@@ -334,7 +334,7 @@ class _Search:
         sampled = np.interp(np.arange(SAMPLES * (kinks.size - 1)) / SAMPLES, np.arange(kinks.size), kinks)
         handles_s = np.stack([np.interp(sampled, heads, handle) for handle in chains], axis=1)
         ratios = chain.chain_motion(path, handles_s, self._spacings).ratios[:, 1:].ravel()
-        speeds = np.where(ratios > 0, (ratios - self._limit) / (self._limit - 1), STUCK)
+        speeds = np.where(ratios > 0, (ratios - self._limit) / (self._limit - 1), _STUCK)
         return np.concatenate([speeds, arcs.violations(self._base.radius)]) + self.margin
 
     def cost(self, x: Array) -> float:
@@ -347,8 +347,8 @@ class _Search:
     def run(self, x: Array, progress: Progress) -> Array:
         """The best unknowns found from a start."""
         size, cost, better = _FIRST_SIZE, self.cost(x), True
-        for step_number in range(STEPS):
-            progress(step_number, STEPS)
+        for step_number in range(_STEPS):
+            progress(step_number, _STEPS)
             if better:
                 values, derivatives = self.violations(x), self._optimize.approx_fprime
                 near = values > -_NEAR
@@ -365,7 +365,7 @@ class _Search:
             better = (found := self.cost(other)) < cost
             if better:
                 x, cost = other, found
-            size = min(size * _GROWTH, MAX_SIZE) if better else size * _SHRINKAGE
+            size = min(size * _GROWTH, _MAX_SIZE) if better else size * _SHRINKAGE
             if size < _MIN_SIZE:
                 break
         progress(1, 1)

@@ -33,7 +33,7 @@ from pymunk_dragon.sweeps.quantities import Outcome, Quantity, Values, evaluate,
 from pymunk_dragon.sweeps.table import Axes, Partial, Sweep, check_format
 
 # Futures under way, at most: enough for so many workers, and few in memory.
-UNDER_WAY = 256
+_UNDER_WAY = 256
 # Processors for this process, of which each gets a worker process, and such processes at most.
 _CORES = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 _MAX_WORKERS = 1000
@@ -179,7 +179,7 @@ def _outcomes(pool: Executor, call: Callable[..., Outcome], points: Iterable[Any
     try:
         for number, at in points:
             running[pool.submit(call, at)] = number
-            if len(running) >= UNDER_WAY:
+            if len(running) >= _UNDER_WAY:
                 yield _finished(running)
         while running:
             yield _finished(running)

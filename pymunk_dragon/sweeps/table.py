@@ -32,8 +32,8 @@ from pymunk_dragon.sweeps.quantities import Outcome, Quantity, Values
 Axes = Mapping[str, tuple[float, ...]]
 
 # Endings of tables and pictures.
-TABLE = ".csv"
-PICTURES = (".png", ".svg", ".pdf")
+_TABLE = ".csv"
+_PICTURES = (".png", ".svg", ".pdf")
 
 
 class Partial:
@@ -154,7 +154,7 @@ class Sweep(Result):
     def write(self, path: str | Path) -> None:
         """Write the table as CSV, or a picture of it as PNG, SVG or PDF; errors are those of `sweep`."""
         destination = check_format(path, self.axes)
-        if destination.suffix.lower() != TABLE:
+        if destination.suffix.lower() != _TABLE:
             self.write_figure(destination)
             return
         with written_in_place(destination) as draft, draft.open("w", encoding="utf-8", newline="\n") as file:
@@ -185,8 +185,8 @@ class Sweep(Result):
 
 def check_format(path: str | Path, axes: Axes) -> Path:
     """`path`, if a table or a picture over these axes can be written to it."""
-    destination = check_destination(path, (TABLE, *PICTURES))
-    if destination.suffix.lower() != TABLE:
+    destination = check_destination(path, (_TABLE, *_PICTURES))
+    if destination.suffix.lower() != _TABLE:
         library("matplotlib")
         if len(varied(axes)) > 2:
             raise ParameterError("output", str(path), "a table, .csv, of more than two axes")

@@ -42,11 +42,11 @@ from pymunk_dragon.model.run import Run
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["FIGURES", "FIGURE_ENDINGS", "figure", "styled_figure", "write_figure", "write_styled"]
+__all__ = ["FIGURES", "figure", "styled_figure", "write_figure", "write_styled"]
 
 # File endings of figures with axes, and metadata that leave out the date, for the same bytes each time.
 _METADATA: dict[str, dict[str, Any]] = {".png": {}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
-FIGURE_ENDINGS = tuple(_METADATA)
+_FIGURE_ENDINGS = tuple(_METADATA)
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ class Kind:
     shows: str
     draw: Callable[[Subject], Any]
     benches: int = 223
-    endings: tuple[str, ...] = FIGURE_ENDINGS
+    endings: tuple[str, ...] = _FIGURE_ENDINGS
 
 
 # All figures by name. 16 benches are the paper's small model, which closes a full loop before its first contact.
@@ -139,7 +139,7 @@ def write_figure(name: str, path: str | Path, source: Run | March | None = None)
 
 def write_styled(draw: Callable[[], Figure], path: str | Path) -> None:
     """Write the figure that `draw` draws as PNG, SVG or PDF, for `write_figure` and for packages above."""
-    destination = check_destination(path, FIGURE_ENDINGS)
+    destination = check_destination(path, _FIGURE_ENDINGS)
     ending, content = destination.suffix.lower(), io.BytesIO()
     with styled():
         drawn = _laid_out(draw())

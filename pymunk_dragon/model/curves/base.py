@@ -166,12 +166,6 @@ class Curve(ABC):
         """Kind and parameters as plain values, of which `Curve.from_dict` makes an equal curve.
 
         The classes of the curve and of those inside it must be registered, and at most 32 levels may be nested.
-
-        Examples
-        --------
-        >>> from pymunk_dragon import Arc, Reversed
-        >>> Reversed(Arc(radius=2, sweep=1)).to_dict()["curve"]
-        {'kind': 'arc', 'centre': [0.0, 0.0], 'radius': 2.0, 'begin_angle': 0.0, 'sweep': 1.0}
         """
         plain: dict[str, Any] = _plain(self, "curve", 1)
         return plain
