@@ -206,7 +206,7 @@ def test_chain_finds_the_next_handle(visit):
         # By the keyboard to another point of the circle.
         page.get_by_role("button", name="The next handle").press("ArrowUp")
         assert "not on the spiral" in readout(page)
-        set_slider(page, "length between handles", 1.65)
+        set_slider(page, "handle to handle", 1.65)
         away = np.hypot(*(Spiral().point(np.linspace(-800, 0, 800_001)) - (x, y)).T) - 1.65
         assert f"meets the spiral {np.sum(away[:-1] * away[1:] < 0)} times" in readout(page)
 

@@ -61,7 +61,7 @@ stages.sat = (lab) => {
     const lit = n === 0 ? [`Light on none of ${all} walls.`, `${all} 面墙上都没有光。`]
       : [`Light on ${n} of ${all} walls, up to ${most} m wide.`, `${all} 面墙中 ${n} 面有光，最宽 ${most} m。`];
     const turned = Math.round((poses[1][2] - poses[0][2]) / Math.PI * 180 + 720) % 180;
-    const verdict = distance > 0 ? [`are ${size} m apart.`, `相距 ${size} m。`] : [`overlap by ${size} m.`, `重叠 ${size} m。`];
-    return [`${lit[0]} The benches, at ${turned}°, ${verdict[0]}`, `${lit[1]}两节板凳成 ${turned}°，${verdict[1]}`];
+    const verdict = distance > 0 ? [`are ${size} m apart`, `相距 ${size} m`] : [`overlap by ${size} m`, `重叠 ${size} m`];
+    return [`${lit[0]} The benches, at ${turned}°, ${verdict[0]}.`, `${lit[1]}两节板凳成 ${turned}°，${verdict[1]}。`];
   };
 };

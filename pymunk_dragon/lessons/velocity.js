@@ -40,7 +40,7 @@ stages.velocity = (lab) => {
   });
   lab.readout = () => {
     const [tail, slower] = [1000 * speeds.at(-1), 1000 - 1000 * speeds.at(-1)].map((speed) => speed.toFixed(3));
-    const [digits, power] = error.toExponential(1).split("e"), wrong = `${digits}·${tick(power)}`, length = show(step.value);
+    const length = show(step.value), wrong = error.toExponential(1).replace(/e(.*)/, (_, power) => `·${tick(power)}`);
     return [
       `The tail: ${tail} mm/s, ${slower} mm/s slower than the head. From positions ${length} apart: ${wrong} m/s off.`,
       `龙尾 ${tail} mm/s，比龙头慢 ${slower} mm/s。由相隔 ${length} 的两个位置求得：误差 ${wrong} m/s。`,

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pymunk_dragon._arrays import Array
+from pymunk_dragon._arrays import Array, Flags
 from pymunk_dragon._language import text
 from pymunk_dragon.drawing.figures.style import COLOURS, QUIET, chart, halo
 from pymunk_dragon.sweeps.table import Sweep, varied
@@ -46,10 +46,7 @@ def draw(found: Sweep) -> Figure:
     else:
         axes.set_ylabel(_words(names[1], unit=True))
         figure.colorbar(_draw_map(axes, at[0], at[1], values, labels), label=quantity)
-    missing = ~np.isfinite(values)
-    if missing.any():
-        heights = [*at, np.full(missing.size, axes.get_ylim()[0])][1]
-        axes.plot(at[0][missing], heights[missing], "x", color=QUIET, ms=4, label=text("no value"), gid="missing")
+    _draw_missing(axes, at, ~np.isfinite(values))
     for name, x, line in zip(names, at, (axes.axvline, axes.axhline), strict=False):
         own = found.reference[name]
         if min(x) <= own <= max(x):
@@ -57,6 +54,13 @@ def draw(found: Sweep) -> Figure:
             line(own, ls="--", lw=1, color=COLOURS.contact, label=label, gid="reference")
     _write_titles(figure, axes, found, names)
     return figure
+
+
+def _draw_missing(axes: Axes, at: Sequence[Array], missing: Flags) -> None:
+    """Draw crosses at the points that are `missing`."""
+    if missing.any():
+        heights = [*at, np.full(missing.size, axes.get_ylim()[0])][1]
+        axes.plot(at[0][missing], heights[missing], "x", color=QUIET, ms=4, label=text("no value"), gid="missing")
 
 
 def _write_titles(figure: Figure, axes: Axes, found: Sweep, names: Sequence[str]) -> None:

@@ -9,7 +9,7 @@ function scaleOf({ low, high, logarithmic, whole }) {
   const log = logarithmic && low > 0;
   const exact = (position) => (log ? low * (high / low) ** position : low + position * (high - low));
   return {
-    step: whole && !log && high > low ? 1 / (high - low) : 1 / POSITIONS,
+    step: whole && !log && high > low ? (1 - 1e-9) / (high - low) : 1 / POSITIONS, // The last step stays within 1.
     valueAt(position) {
       if (position <= 0) return low;
       if (position >= 1) return high;
