@@ -186,7 +186,7 @@ def test_csv_brings_every_number_back(small_run, written):
 
 
 def test_long_tables_are_cut_and_say_how_many_rows_there_are(small_run, monkeypatch):
-    monkeypatch.setattr(document, "_MAX_ROWS", 100)
+    monkeypatch.setattr(document, "MAX_ROWS", 100)
     for write in (markdown, html):
         content = write(summarize(small_run))
         assert f"first 100 of {len(small_run.events)} rows" in content
