@@ -54,6 +54,8 @@ first contact at t = 412.442193 s: benches 0 and 8 at (1.445751, 2.132263) m
 
 The result has a status, as the time-of-impact queries of physics engines have: `contact`, `clear`, `overlapping` (at
 the start) or `unreachable` (the chain cannot follow the path any farther).
+
+The certified answer for 223 benches takes 0.11 s (`python tests/bench/bench.py contact`, median on two cores).
 """
 
 from pymunk_dragon.collision.first_contact import first_contact
