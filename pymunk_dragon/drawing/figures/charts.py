@@ -30,7 +30,7 @@ def spiral(subject: style.Subject) -> Figure:
     march, end = subject.march, subject.hit.time
     curve, start = march.curve, march.head_start
     turns = curve.turns(start)
-    if not curve.inward or turns is None:
+    if turns is None or curve.end_s == np.inf:
         raise ParameterError("curve", type(curve).__name__, "a Spiral inward, for this figure")
     gone = float(march.distance(end))
     title = text("Handle 0 walks {:.1f} m of {:.1f} m of spiral").format(gone, curve.end_s - start)

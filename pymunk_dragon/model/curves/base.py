@@ -74,8 +74,6 @@ class Curve(ABC):
 
     # Distance between neighbouring turns, m, which benches have to be narrower than; None without such turns.
     turn_width: float | None = None
-    # Whether the distance from the origin falls and the absolute curvature grows along the whole path.
-    inward: bool = False
     # Circles about the curve that pictures show: x and y of the centre, and radius, m.
     circles: tuple[tuple[float, float, float], ...] = ()
     # Finite coordinates, m, at which pieces inside this curve begin or end, by their own zero.

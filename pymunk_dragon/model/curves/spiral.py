@@ -61,7 +61,7 @@ class Spiral(PackageCurve, kind="spiral"):
         if not isinstance(self.outward, bool):
             raise ParameterError("outward", self.outward, "True or False")
         begin_s, end_s = (0.0, np.inf) if self.outward else (-np.inf, 0.0)
-        self._set(begin_s=begin_s, end_s=end_s, turn_width=pitch, inward=not self.outward)
+        self._set(begin_s=begin_s, end_s=end_s, turn_width=pitch)
 
     @property
     def k(self) -> float:
