@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import sys
 import webbrowser
 from collections.abc import Callable, Mapping, Sequence
@@ -100,17 +99,14 @@ class Live:
         return f"Live({self.address if '_server' in vars(self) else self._session.source.title})"
 
     def _repr_mimebundle_(self, include: object = None, exclude: object = None) -> Any:
-        """Return the page: a widget or, without anywidget, a frame; a JupyterHub needs its jupyter-server-proxy."""
+        """Return the page: a widget or, without anywidget, a frame."""
         if _has_widgets():
             from pymunk_dragon.sessions.widget import LiveWidget
 
             self._parts.append(LiveWidget(self._session))
             return self._parts[-1].shown()
-        hub = os.environ.get("JUPYTERHUB_SERVICE_PREFIX")
-        server = self._server
-        address = self.address if hub is None else f"{hub}proxy/{server.port}/?token={server.token}"
         shape = 'width="100%" height="720" style="border: 0"'
-        return {"text/html": f'<iframe src="{escape(address)}" title="A live session" {shape}></iframe>'}
+        return {"text/html": f'<iframe src="{escape(self.address)}" title="A live session" {shape}></iframe>'}
 
 
 def live(
@@ -132,8 +128,8 @@ def live(
     """Step a march or any Pymunk space in real time, and show it in a browser, where it can be touched.
 
     Give a function that builds the space: it is called at the start and at each reset, which then repeats the run to
-    the bit. Returns at once: the space is stepped in a thread of its own. Change it in `on_step`, in the actions of
-    controls and in Pymunk's callbacks, or from other threads in `Live.paused`.
+    the bit. The session that is returned steps the space in a thread of its own. Change the space in `on_step`, in the
+    actions of controls and in Pymunk's callbacks, or from other threads in `Live.paused`.
 
     Parameters
     ----------
@@ -156,20 +152,12 @@ def live(
         Address to listen on, by default for programs on this machine only; port, 0 for a free one; and names of hosts
         under which a proxy shows the page.
     record : path, optional
-        File to write when the session is stopped: .json (inputs), or of a replay of them .npz (the run of a dragon),
-        .gif, .mp4.
-
-    Returns
-    -------
-    Live
-        The session; in a notebook it shows the page.
+        File to write when the session is stopped: .json (inputs), or of a replay of them .npz (the run of a dragon).
 
     Raises
     ------
-    ParameterError
-        If a parameter is unusable, or the port is taken.
-    MissingExtraError
-        If aiohttp is not installed.
+    ParameterError, MissingExtraError
+        If a parameter is unusable, or the port is taken; if aiohttp is not installed.
 
     Examples
     --------
