@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import pymunk
 
-from pymunk_dragon._checks import finite, whole
+from pymunk_dragon._checks import finite
 from pymunk_dragon._extras import library
 from pymunk_dragon._files import check_destination
 from pymunk_dragon.errors import ParameterError
@@ -45,8 +45,8 @@ class Live:
     True
     """
 
-    def __init__(self, session: Session, path: Path | None, **address: Any) -> None:
-        self._session, self._path, self._address = session, path, address
+    def __init__(self, session: Session, path: Path | None, **options: Any) -> None:
+        self._session, self._path, self._options = session, path, options
         # The server and the widgets, which end with the session.
         self._parts: list[Any] = []
 
@@ -56,7 +56,7 @@ class Live:
         library("aiohttp")
         from pymunk_dragon.sessions.server import Server
 
-        server = Server(self._session, **self._address)
+        server = Server(self._session, **self._options)
         self._parts.append(server)
         return server
 
@@ -182,10 +182,9 @@ def live(
     endings = RECORDING_ENDINGS if step is not None else (".json",)
     path = None if record is None else check_destination(record, endings)
     length = None if step is None else finite("step", step, 1e-6, MAX_STEP, "s")
-    given = plots or {}
-    play = Play(step=length, on_step=on_step, controls=tuple(controls), plots=given, y_down=y_down, units=units)
+    play = Play(step=length, on_step=on_step, controls=controls, plots=plots or {}, y_down=y_down, units=units)
     session = Session(source_of(what, play), running=not paused)
-    return serve(session, host=host, port=port, allow_hosts=allow_hosts, browser=browser, path=path)
+    return serve(session, path, browser=browser, host=host, port=port, allow_hosts=allow_hosts)
 
 
 def source_of(what: object, play: Play) -> Ready:
@@ -219,19 +218,9 @@ def _again(space: pymunk.Space) -> Callable[[], pymunk.Space]:
     return build
 
 
-def serve(
-    session: Session,
-    *,
-    host: str,
-    port: int,
-    allow_hosts: Sequence[str],
-    browser: bool,
-    path: Path | None,
-    front: str | None = None,
-) -> Live:
-    """Start a session and its server, which may show another page first."""
-    whole("port", port, 0, 65535)
-    found = Live(session, path, host=host, port=port, allowed=allow_hosts, front=front)
+def serve(session: Session, path: Path | None = None, *, browser: bool = False, **options: Any) -> Live:
+    """Start a session and its server, which has these options; and write a recording to `path` at the end."""
+    found = Live(session, path, **options)
     if not _has_widgets():
         address = found.address
         if browser:

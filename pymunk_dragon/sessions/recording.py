@@ -18,9 +18,8 @@ from pymunk_dragon._checks import finite, whole
 from pymunk_dragon._files import check_destination, read_text, written_in_place
 from pymunk_dragon.drawing.debug_draw import PillowDrawOptions
 from pymunk_dragon.errors import DragonError, FileFormatError, ParameterError
-from pymunk_dragon.model.run import Run
+from pymunk_dragon.model.run import Run, position_errors
 from pymunk_dragon.model.settings import engine_provenance
-from pymunk_dragon.player.data import position_errors
 from pymunk_dragon.sessions.dragon import DragonScene
 from pymunk_dragon.sessions.messages import INPUTS, MAX_INPUTS, checked
 from pymunk_dragon.sessions.ready import planned
