@@ -138,9 +138,8 @@ def decoded(frame: bytes):
 @contextmanager
 def served(source: object = "pendulum", **options: object):
     """A session with a server, without a browser."""
-    given = {"host": "127.0.0.1", "port": 0, "allow_hosts": (), "browser": False, "path": None}
     session = Session(source if hasattr(source, "build") else source_of(source, Play()))
-    found = serve(session, **given | options)
+    found = serve(session, **{"host": "127.0.0.1", "port": 0} | options)
     try:
         yield found
     finally:

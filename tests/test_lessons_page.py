@@ -224,7 +224,7 @@ def test_experiments_with_pymunk_are_live_on_a_live_server(browser):
     page = make_page([played("callbacks"), played("tension")], live=True)
     session = Session(ready("unguided"))
     with (
-        serve(session, host="127.0.0.1", port=0, allow_hosts=(), browser=False, path=None, front=page) as running,
+        serve(session, host="127.0.0.1", port=0, front=page) as running,
         opened(browser, f"{running.address}&zh") as seen,
     ):
         for name in ("callbacks", "tension"):

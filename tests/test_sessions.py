@@ -26,7 +26,6 @@ import pymunk
 import pytest
 from conftest import assert_says
 from live_sessions import PATIENCE, greeting, joined, played, replay_session, replayed, served
-from PIL import Image
 
 from pymunk_dragon.errors import DragonError, MissingExtraError, ParameterError
 from pymunk_dragon.model.curves import Line
@@ -683,17 +682,12 @@ def test_recording_that_is_tampered_with_or_none_is_refused_in_one_line(call, tm
         assert name in err
 
 
-def test_recorded_session_becomes_a_run_and_a_film(tmp_path):
+def test_recorded_session_of_a_dragon_becomes_a_run(tmp_path):
     for source in (dragon(SHORT), ready("pendulum")):
         with played(source) as on:
             on.run(0.25)
             assert on.do("obstacle", shape="square", x=2.0, y=0.0, size=0.3) is None
             on.run(0.25)
-        record(on.session, tmp_path / "film.gif")
-        with Image.open(tmp_path / "film.gif") as film:
-            assert len({film.seek(frame) or film.convert("RGB").tobytes() for frame in range(film.n_frames)}) > 7
-            lasts = sum(film.seek(frame) or film.info["duration"] for frame in range(film.n_frames))
-        assert lasts / 1000 == pytest.approx(0.5, abs=0.15)
         if source.name == "own":
             record(on.session, tmp_path / "own.npz")
             found = Run.load(tmp_path / "own.npz")

@@ -145,8 +145,8 @@ def changed(source, space_line, step_line, direction):
             opening = OPENS.format(space=space_line.partition(" ")[0], down="y_down=True, " * (direction == "down"))
             lines += [line, indent + owner + opening]
             count += 1
-        elif line.strip() == step_line:
-            lines.append(f"{indent}{owner}session.step{step_line[step_line.index('(') :]}")
+        elif line.strip().startswith(f"{step_line}("):
+            lines.append(f"{indent}{owner}session.step{line[line.index('(') :]}")
             count += 1
         elif not line.startswith("from __future__"):
             lines.append(line)

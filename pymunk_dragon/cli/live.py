@@ -16,8 +16,8 @@ from pymunk_dragon.sessions.ready import SCENES, Ready, dragon, planned, ready
 from pymunk_dragon.sessions.recording import RECORDING_ENDINGS, Log, record
 from pymunk_dragon.sessions.session import Session
 
-_RECORD = "File to write at the end: inputs, .json, the run of a dragon, .npz, or a film, as .gif."
-EXAMPLES = ("", "near-miss", "--benches 60 --from 300 -o live.json", "--replay live.json --exit -o live.gif")
+_RECORD = "File to write at the end: inputs, .json, or the run of a dragon, .npz, which `render` films."
+EXAMPLES = ("", "near-miss", "--benches 60 --from 300 -o live.json", "--replay live.json --exit -o live.npz")
 
 
 @click.command(cls=common.DragonCommand, examples=EXAMPLES)
@@ -63,7 +63,7 @@ def serve(session: Session, log: Log | None, path: Path | None, **address: Any) 
     """Show a session on a page until it ends, and write what was recorded, also where it was interrupted."""
     from pymunk_dragon.sessions import handle
 
-    running = handle.serve(session, path=None, **address)
+    running = handle.serve(session, **address)
     try:
         if address["host"] not in common.LOCAL:
             click.echo(text("Anybody who can reach this address and knows it can control the session:"), err=True)
@@ -88,8 +88,7 @@ def _wait_for_replay(session: Session, log: Log | None) -> None:
 
 
 def _write(session: Session, path: Path | None) -> None:
-    """Write the recording, if there is a file for it, with progress for a film."""
+    """Write the recording, if there is a file for it."""
     if path is not None:
-        with common.progress("live") as show:
-            record(session, path, show)
+        record(session, path)
         common.wrote(path)

@@ -24,7 +24,7 @@ from pymunk_dragon._files import check_destination, written_in_place
 from pymunk_dragon._language import text
 from pymunk_dragon.errors import DragonError, FileFormatError, ParameterError
 from pymunk_dragon.model.contact import Contact, ContactEvent, ContactLog, contact_text, read_contact
-from pymunk_dragon.model.dragon import pose_step
+from pymunk_dragon.model.dragon import Dragon, pose_step
 from pymunk_dragon.model.march import March, check_march
 from pymunk_dragon.model.scenario import Scenario
 from pymunk_dragon.model.settings import EngineSettings, attributes_of, versions
@@ -326,3 +326,10 @@ def _differences(times: Array, poses: Array) -> Array:
     poses[..., 2] = np.unwrap(poses[..., 2], axis=0)
     rates: Array = np.gradient(poses, times, axis=0, edge_order=2 if times.size > 2 else 1)
     return rates
+
+
+def position_errors(dragon: Dragon, poses: Array, exact: Array) -> Array:
+    """Distances (..., N), m, of the worse hole of benches at `poses` (..., N, 3) from handles (..., N + 1, 2)."""
+    front, rear = dragon.holes(poses)
+    ends = (front - exact[..., :-1, :], rear - exact[..., 1:, :])
+    return np.asarray(np.maximum(*(np.linalg.norm(each, axis=-1) for each in ends)))

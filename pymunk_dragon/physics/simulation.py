@@ -15,7 +15,7 @@ from pymunk_dragon.errors import DragonError, ParameterError, UnreachableError
 from pymunk_dragon.model.contact import Contact, ContactEvent, ContactLog
 from pymunk_dragon.model.dragon import pose_step
 from pymunk_dragon.model.march import March, States, checked_times
-from pymunk_dragon.model.run import Outcome, Run
+from pymunk_dragon.model.run import Outcome, Run, position_errors
 from pymunk_dragon.model.settings import FRAME_STRIDE, EngineSettings, engine_provenance
 from pymunk_dragon.physics.callbacks import Motion, Recorder, refined_contact
 from pymunk_dragon.physics.guides import PathGuide, guide_name
@@ -97,7 +97,7 @@ def simulate(
         march=march,
         times=times,
         poses=poses,
-        drift=_drift(march, times, poses),
+        drift=position_errors(march.dragon, poses, as_vectors(march.motion_or_nan(times).points)),
         pose_velocities=velocities,
         joint_impulses=impulses,
         events=ContactLog(tuple(loop.recorder.events)),
@@ -218,11 +218,3 @@ def _waiting_head(world: World, total: int) -> Iterator[tuple[States, int, float
         except UnreachableError:
             return
         yield states, 0, share
-
-
-def _drift(march: March, times: Array, poses: Array) -> Array:
-    """Distance of each bench's worse hole from its exact position, (F, N) in m; nan where the model has none."""
-    exact = as_vectors(march.motion_or_nan(times).points)
-    front, rear = march.dragon.holes(poses)
-    errors = np.linalg.norm(front - exact[:, :-1], axis=-1), np.linalg.norm(rear - exact[:, 1:], axis=-1)
-    return np.asarray(np.maximum(*errors))

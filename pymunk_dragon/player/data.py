@@ -21,9 +21,8 @@ from pymunk_dragon._arrays import Array
 from pymunk_dragon.collision import Grid
 from pymunk_dragon.drawing.scene import hole_diameter
 from pymunk_dragon.errors import UnreachableError
-from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
-from pymunk_dragon.model.run import Run
+from pymunk_dragon.model.run import Run, position_errors
 from pymunk_dragon.reports.summary import Summary
 
 # Steps as fractions of a bench's width: 0.2 micrometres of positions at the contest's 0.3 m, so that a gap between two
@@ -145,13 +144,6 @@ def curve_points(march: March, start: float, end: float) -> Array:
     passed = np.concatenate([[0.0], np.cumsum(chords + 1e-9)])
     count = int(min(passed[-1] + 2, MAX_CURVE_POINTS))
     return curve.point(np.interp(np.linspace(0.0, passed[-1], count), passed, s))
-
-
-def position_errors(dragon: Dragon, poses: Array, exact: Array) -> Array:
-    """Distances (..., N), m, of the worse hole of benches at `poses` (..., N, 3) from handles (..., N + 1, 2)."""
-    front, rear = dragon.holes(poses)
-    ends = (front - exact[..., :-1, :], rear - exact[..., 1:, :])
-    return np.asarray(np.maximum(*(np.linalg.norm(each, axis=-1) for each in ends)))
 
 
 def exact_offsets(run: Run) -> Array | None:

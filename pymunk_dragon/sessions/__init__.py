@@ -32,31 +32,28 @@ A pygame program plays on the page with its keys and its mouse when three of its
 `session.step(dt)` in place of `space.step(dt)`. So do these examples of Pymunk's (`python -m pymunk.examples`); those
 whose y points up have no `y_down`:
 
-| examples | after this line | in place of this line | y points |
+| examples | after the line | in place of | y points |
 | --- | --- | --- | --- |
-| arrows, camera, flipper, planet, point_query | `space = pymunk.Space()` | `space.step(dt)` | down |
-| damped_rotary_spring_pointer | `space = pymunk.Space()` | `space.step(dt)` | down |
-| balls_and_lines, breakout, platformer, using_sprites | `space = pymunk.Space()` | `space.step(dt)` | up |
-| contact_with_friction | `space = pymunk.Space()` | `space.step(dt)` | up |
-| bouncing_balls | `self._space = pymunk.Space()` | `self._space.step(self._dt)` | down |
-| box2d_pyramid | `self.space = pymunk.Space()` | `self.space.step(dt)` | up |
-| collisions | `space = pymunk.Space()` | `space.step(1.0 / 60.0)` | down |
-| constraints | `space = pymunk.Space()` | `space.step(1.0 / 60)` | down |
-| contact_and_no_flipy | `space = pm.Space()` | `space.step(dt)` | down |
-| deformable, index_video | `space = pymunk.Space()` | `space.step(1.0 / fps)` | down |
-| newtons_cradle | `space = pm.Space()` | `space.step(dt)` | up |
-| playground | `self.space = pm.Space()` | `self.space.step(dt)` | up |
-| slide_and_pinjoint | `space = pymunk.Space()` | `space.step(1 / 50.0)` | down |
+| arrows, camera, flipper, planet, point_query | `space = pymunk.Space()` | `space.step` | down |
+| collisions, constraints, damped_rotary_spring_pointer | `space = pymunk.Space()` | `space.step` | down |
+| deformable, index_video | `space = pymunk.Space()` | `space.step` | down |
+| balls_and_lines, breakout, contact_with_friction | `space = pymunk.Space()` | `space.step` | up |
+| platformer, slide_and_pinjoint, using_sprites | `space = pymunk.Space()` | `space.step` | up |
+| bouncing_balls | `self._space = pymunk.Space()` | `self._space.step` | down |
+| box2d_pyramid | `self.space = pymunk.Space()` | `self.space.step` | up |
+| contact_and_no_flipy | `space = pm.Space()` | `space.step` | down |
+| newtons_cradle | `space = pm.Space()` | `space.step` | up |
+| playground | `self.space = pm.Space()` | `self.space.step` | up |
 
 ## Recordings
 
 **Film** in the page films the picture. `--record FILE` writes the inputs at the end. Each has the number of the step
 before which it took effect, so `--replay FILE` repeats a session: to the bit on the same machine and versions;
-elsewhere the program says by how much the last poses differ. A film of a recording, or the run of a dragon, .npz, is
-made of such a replay by
+elsewhere the program says by how much the last poses differ. Of a dragon's recording one makes a run, which `render`
+films:
 
 ```sh
-pymunk-dragon live --replay renders/live.json --exit -o replay.gif
+pymunk-dragon live --replay renders/live.json --exit -o replay.npz
 ```
 
 ## A class

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import sys
 import webbrowser
 from collections.abc import Callable, Mapping, Sequence
@@ -16,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import pymunk
 
-from pymunk_dragon._checks import finite, whole
+from pymunk_dragon._checks import finite
 from pymunk_dragon._extras import library
 from pymunk_dragon._files import check_destination
 from pymunk_dragon.errors import ParameterError
@@ -46,8 +45,8 @@ class Live:
     True
     """
 
-    def __init__(self, session: Session, path: Path | None, **address: Any) -> None:
-        self._session, self._path, self._address = session, path, address
+    def __init__(self, session: Session, path: Path | None, **options: Any) -> None:
+        self._session, self._path, self._options = session, path, options
         # The server and the widgets, which end with the session.
         self._parts: list[Any] = []
 
@@ -57,7 +56,7 @@ class Live:
         library("aiohttp")
         from pymunk_dragon.sessions.server import Server
 
-        server = Server(self._session, **self._address)
+        server = Server(self._session, **self._options)
         self._parts.append(server)
         return server
 
@@ -100,17 +99,14 @@ class Live:
         return f"Live({self.address if '_server' in vars(self) else self._session.source.title})"
 
     def _repr_mimebundle_(self, include: object = None, exclude: object = None) -> Any:
-        """Return the page: a widget or, without anywidget, a frame; a JupyterHub needs its jupyter-server-proxy."""
+        """Return the page: a widget or, without anywidget, a frame."""
         if _has_widgets():
             from pymunk_dragon.sessions.widget import LiveWidget
 
             self._parts.append(LiveWidget(self._session))
             return self._parts[-1].shown()
-        hub = os.environ.get("JUPYTERHUB_SERVICE_PREFIX")
-        server = self._server
-        address = self.address if hub is None else f"{hub}proxy/{server.port}/?token={server.token}"
         shape = 'width="100%" height="720" style="border: 0"'
-        return {"text/html": f'<iframe src="{escape(address)}" title="A live session" {shape}></iframe>'}
+        return {"text/html": f'<iframe src="{escape(self.address)}" title="A live session" {shape}></iframe>'}
 
 
 def live(
@@ -132,8 +128,8 @@ def live(
     """Step a march or any Pymunk space in real time, and show it in a browser, where it can be touched.
 
     Give a function that builds the space: it is called at the start and at each reset, which then repeats the run to
-    the bit. Returns at once: the space is stepped in a thread of its own. Change it in `on_step`, in the actions of
-    controls and in Pymunk's callbacks, or from other threads in `Live.paused`.
+    the bit. The session that is returned steps the space in a thread of its own. Change the space in `on_step`, in the
+    actions of controls and in Pymunk's callbacks, or from other threads in `Live.paused`.
 
     Parameters
     ----------
@@ -156,20 +152,12 @@ def live(
         Address to listen on, by default for programs on this machine only; port, 0 for a free one; and names of hosts
         under which a proxy shows the page.
     record : path, optional
-        File to write when the session is stopped: .json (inputs), or of a replay of them .npz (the run of a dragon),
-        .gif, .mp4.
-
-    Returns
-    -------
-    Live
-        The session; in a notebook it shows the page.
+        File to write when the session is stopped: .json (inputs), or of a replay of them .npz (the run of a dragon).
 
     Raises
     ------
-    ParameterError
-        If a parameter is unusable, or the port is taken.
-    MissingExtraError
-        If aiohttp is not installed.
+    ParameterError, MissingExtraError
+        If a parameter is unusable, or the port is taken; if aiohttp is not installed.
 
     Examples
     --------
@@ -194,10 +182,9 @@ def live(
     endings = RECORDING_ENDINGS if step is not None else (".json",)
     path = None if record is None else check_destination(record, endings)
     length = None if step is None else finite("step", step, 1e-6, MAX_STEP, "s")
-    given = plots or {}
-    play = Play(step=length, on_step=on_step, controls=tuple(controls), plots=given, y_down=y_down, units=units)
+    play = Play(step=length, on_step=on_step, controls=controls, plots=plots or {}, y_down=y_down, units=units)
     session = Session(source_of(what, play), running=not paused)
-    return serve(session, host=host, port=port, allow_hosts=allow_hosts, browser=browser, path=path)
+    return serve(session, path, browser=browser, host=host, port=port, allow_hosts=allow_hosts)
 
 
 def source_of(what: object, play: Play) -> Ready:
@@ -231,19 +218,9 @@ def _again(space: pymunk.Space) -> Callable[[], pymunk.Space]:
     return build
 
 
-def serve(
-    session: Session,
-    *,
-    host: str,
-    port: int,
-    allow_hosts: Sequence[str],
-    browser: bool,
-    path: Path | None,
-    front: str | None = None,
-) -> Live:
-    """Start a session and its server, which may show another page first."""
-    whole("port", port, 0, 65535)
-    found = Live(session, path, host=host, port=port, allowed=allow_hosts, front=front)
+def serve(session: Session, path: Path | None = None, *, browser: bool = False, **options: Any) -> Live:
+    """Start a session and its server, which has these options; and write a recording to `path` at the end."""
+    found = Live(session, path, **options)
     if not _has_widgets():
         address = found.address
         if browser:

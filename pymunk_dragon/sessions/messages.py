@@ -15,14 +15,12 @@ from typing import Any
 import numpy as np
 
 from pymunk_dragon._arrays import Array
-from pymunk_dragon._checks import finite, number
+from pymunk_dragon._checks import MAX_COORDINATE, finite
 from pymunk_dragon.drawing.debug_draw import DrawCall
 from pymunk_dragon.errors import ParameterError
 
 # Characters of a message; and inputs that are kept: two hours of a mouse that never rests.
 MAX_MESSAGE, MAX_INPUTS = 4096, 500_000
-# Arguments that are lengths are not larger, so that products stay finite.
-_MAX_COORDINATE, _LENGTHS = 1e6, ("x", "y", "slip", "size")
 # Actions on a scene, each with its arguments: they are logged with the number of the step before which they act.
 INPUTS: Mapping[str, Mapping[str, type]] = {
     "set": {"name": str, "value": float},
@@ -72,12 +70,11 @@ def checked(found: Any) -> dict[str, Any]:
         raise ParameterError("message", found, "an action with all its arguments: do is one of " + ", ".join(ACTIONS))
     message: dict[str, Any] = {"do": action}
     for name, kind in ACTIONS[action].items():
-        value: Any = number(found[name]) if kind is float else found[name]
-        if (kind is float and not math.isfinite(value)) or type(value) is not kind:
-            raise ParameterError(name, found[name], f"a finite value of the type {kind.__name__}")
-        if name in _LENGTHS:
-            finite(name, value, -_MAX_COORDINATE, _MAX_COORDINATE, "")
-        message[name] = value
+        # Values of sliders have bounds of their own.
+        value, most = found[name], math.inf if name == "value" else MAX_COORDINATE
+        message[name] = finite(name, value, -most, most, "") if kind is float else value
+        if type(message[name]) is not kind:
+            raise ParameterError(name, value, f"a value of the type {kind.__name__}")
     return message
 
 
@@ -88,9 +85,8 @@ def in_binary(header: Mapping[str, Any], arrays: Mapping[str, Array]) -> bytes:
     # The arrays begin at a multiple of four bytes.
     text += b" " * (-len(text) % 4)
     with np.errstate(over="ignore"):
-        return (
-            struct.pack("<I", len(text)) + text + b"".join(array.astype("<f4").tobytes() for array in arrays.values())
-        )
+        numbers = [array.astype("<f4").tobytes() for array in arrays.values()]
+    return b"".join([struct.pack("<I", len(text)), text, *numbers])
 
 
 def packed(calls: Sequence[DrawCall]) -> tuple[Array, list[list[float]]]:

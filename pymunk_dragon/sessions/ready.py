@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from inspect import Parameter, signature
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -152,26 +153,39 @@ def _jam(values: Values) -> Scene:
 
 
 # m, kg, m/s: the benches of the lessons on forces and on callbacks, and the ground below a chain that is pulled.
-_LENGTH, _WIDTH, _MASS, _GROUND_SPEED = 2.0, 0.3, 10.0, 1.0
+_BENCH, _MASS, _GROUND_SPEED = (2.0, 0.3), 10.0, 1.0
 # s: step of that chain.
 _TOW_STEP = 1 / 240
 
 
-def _bench(space: pymunk.Space, position: tuple[float, float], angle: float = 0.0) -> pymunk.Body:
-    """Return a bench in a space."""
-    body = pymunk.Body(_MASS, pymunk.moment_for_box(_MASS, (_LENGTH, _WIDTH)))
+def _box(
+    space: pymunk.Space, size: tuple[float, float], position: tuple[float, float], mass: float = 1.0, angle: float = 0.0
+) -> pymunk.Body:
+    """Return a new box in a space."""
+    body = pymunk.Body(mass, pymunk.moment_for_box(mass, size))
     body.position, body.angle = position, angle
-    space.add(body, pymunk.Poly.create_box(body, (0.96 * _LENGTH, _WIDTH)))
+    space.add(body, pymunk.Poly.create_box(body, size))
     return body
+
+
+def _chain(space: pymunk.Space, size: tuple[float, float], count: int, mass: float = 1.0) -> list[pymunk.Body]:
+    """Return boxes in a row to the right of a fixed hook, each joined to the one before; to the left if `count` < 0."""
+    half = math.copysign(size[0] / 2, count)
+    links = [_box(space, size, ((2 * number + 1) * half, 0.0), mass) for number in range(abs(count))]
+    space.add(pymunk.PivotJoint(space.static_body, links[0], (0.0, 0.0), (-half, 0.0)))
+    space.add(*(pymunk.PivotJoint(*pair, (half, 0.0), (-half, 0.0)) for pair in pairwise(links)))
+    for shape in space.shapes:
+        shape.filter = pymunk.ShapeFilter(group=1)
+    return links
 
 
 def _brush(elasticity: float = 0.5) -> pymunk.Space:
     """Return a bench that brushes another one."""
     space = pymunk.Space()
     space.damping = 0.7
-    moving = _bench(space, (-2.4, 1.7), -0.6)
+    moving = _box(space, _BENCH, (-2.4, 1.7), _MASS, -0.6)
     moving.velocity = 2.5, -1.0
-    _bench(space, (0.0, 0.0))
+    _box(space, _BENCH, (0.0, 0.0), _MASS)
     for shape in space.shapes:
         shape.elasticity, shape.friction = elasticity, 0.4
     return space
@@ -218,20 +232,14 @@ def _tension(benches: int = 12, drag: float = math.log(2), dancers: int = 0) -> 
     """Return benches behind a fixed hook, above ground that goes back and drags at those without a dancer."""
     space = pymunk.Space()
     space.iterations = 60
-    before, anchor = space.static_body, (0.0, 0.0)
-    for number in range(benches):
+    for number, bench in enumerate(_chain(space, _BENCH, -benches, _MASS)):
         pushed = (number + 1) * dancers // benches > number * dancers // benches
 
         def move(body: pymunk.Body, gravity: Any, damping: float, dt: float, ground: float = float(not pushed)) -> None:
             body.force -= _MASS * drag * (body.velocity + pymunk.Vec2d(ground * _GROUND_SPEED, 0))
             pymunk.Body.update_velocity(body, gravity, damping, dt)
 
-        bench = _bench(space, (-_LENGTH * (number + 0.5), 0.0))
         bench.velocity_func = move
-        for shape in bench.shapes:
-            shape.filter = pymunk.ShapeFilter(group=1)
-        space.add(pymunk.PivotJoint(before, bench, anchor, (_LENGTH / 2, 0.0)))
-        before, anchor = bench, (-_LENGTH / 2, 0.0)
     return space
 
 
@@ -259,14 +267,7 @@ def _space() -> pymunk.Space:
 def _pendulum() -> pymunk.Space:
     """Return three rods below a hook."""
     space = _space()
-    before, anchor = space.static_body, (0.0, 0.0)
-    for link in range(3):
-        rod = pymunk.Body(1.0, pymunk.moment_for_box(1.0, (1.0, 0.08)))
-        rod.position = link + 0.5, 0.0
-        shape = pymunk.Poly.create_box(rod, (1.0, 0.08))
-        shape.filter = pymunk.ShapeFilter(group=1)
-        space.add(rod, shape, pymunk.PivotJoint(before, rod, anchor, (-0.5, 0.0)))
-        before, anchor = rod, (0.5, 0.0)
+    _chain(space, (1.0, 0.08), 3)
     return space
 
 
@@ -302,14 +303,10 @@ def _cradle() -> pymunk.Space:
 def _boxes(rows: int = 8) -> pymunk.Space:
     """Return a wall of boxes on the ground."""
     space = _space()
-    ground = pymunk.Segment(space.static_body, (-0.3 * rows - 3.6, 0.0), (0.3 * rows + 3.6, 0.0), 0.05)
-    ground.friction = 0.8
-    space.add(ground)
+    space.add(pymunk.Segment(space.static_body, (-0.3 * rows - 3.6, 0.0), (0.3 * rows + 3.6, 0.0), 0.05))
     for row in range(rows):
         for column in range(rows - row):
-            box = pymunk.Body(1.0, pymunk.moment_for_box(1.0, (0.5, 0.5)))
-            box.position = 0.55 * (column - (rows - 1 - row) / 2), 0.3 + 0.5 * row
-            shape = pymunk.Poly.create_box(box, (0.5, 0.5))
-            shape.friction = 0.6
-            space.add(box, shape)
+            _box(space, (0.5, 0.5), (0.55 * (column - (rows - 1 - row) / 2), 0.3 + 0.5 * row))
+    for shape in space.shapes:
+        shape.friction = 0.7
     return space

@@ -1,11 +1,11 @@
-"""What happened in a session: inputs, from which it is played again, also as the run of a dragon or a film."""
+"""What happened in a session: inputs, from which it is played again, also as the run of a dragon."""
 
 from __future__ import annotations
 
 import io
 import json
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -17,24 +17,21 @@ from PIL import Image
 from pymunk_dragon._checks import finite, whole
 from pymunk_dragon._files import check_destination, read_text, written_in_place
 from pymunk_dragon.drawing.debug_draw import PillowDrawOptions
-from pymunk_dragon.drawing.film import formats
 from pymunk_dragon.errors import DragonError, FileFormatError, ParameterError
-from pymunk_dragon.model.run import Run
+from pymunk_dragon.model.run import Run, position_errors
 from pymunk_dragon.model.settings import engine_provenance
-from pymunk_dragon.player.data import position_errors
 from pymunk_dragon.sessions.dragon import DragonScene
 from pymunk_dragon.sessions.messages import INPUTS, MAX_INPUTS, checked
 from pymunk_dragon.sessions.ready import planned
-from pymunk_dragon.sessions.scene import Scene
 from pymunk_dragon.sessions.session import Session
 
-RECORDING_ENDINGS = (".json", ".npz", *formats.WRITERS)
+RECORDING_ENDINGS = (".json", ".npz")
 # Bytes of a recording with as many inputs as are kept.
 _MAX_SIZE = 200 * MAX_INPUTS
 # Steps of a recording, at most.
 _MAX_STEPS = 100_000_000
-# Frames a second of a run and of a film, pixels of a film, and its colours: one index means transparent.
-_RUN_FPS, _FPS, _SIZE, _COLOURS = 30, 20, (640, 480), 255
+# Frames a second of a run, and pixels of a picture.
+_RUN_FPS, _SIZE = 30, (640, 480)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -89,30 +86,31 @@ class Log:
         return json.dumps(vars(self))
 
 
-def record(session: Session, path: str | Path, progress: Callable[[int, int], None] | None = None) -> None:
-    """Write what happened in a session since its scene was built: inputs as .json, a dragon's run as .npz, a film.
+def record(session: Session, path: str | Path) -> None:
+    """Write what happened in a session since its scene was built: inputs as .json, or a dragon's run as .npz.
 
-    Runs and films show a replay of the inputs. The session must not step meanwhile.
+    A run is that of a replay of the inputs. The session must not step meanwhile.
     """
     destination, log = check_destination(path, RECORDING_ENDINGS), Log.of(session)
     if destination.suffix == ".json":
         with written_in_place(destination) as draft:
             draft.write_text(log.to_json())
-        return
-    again = Session(session.source)
-    again.play_again(log)
-    seconds = session.scene.time - again.scene.time
-    if destination.suffix == ".npz":
-        _run(again, log, seconds).save(destination)
     else:
-        _film(again, seconds, session.scene, destination, progress)
+        again = Session(session.source)
+        again.play_again(log)
+        _run(again, log, session.scene.time - again.scene.time).save(destination)
 
 
 def still(session: Session) -> bytes:
-    """Return a picture of the present state as the bytes of a PNG."""
-    file = io.BytesIO()
+    """Return a picture of the present state, by Pymunk's debug drawing, as the bytes of a PNG."""
+    scene, picture, file = session.scene, Image.new("RGB", _SIZE, "white"), io.BytesIO()
+    options = PillowDrawOptions(picture, positive_y_is_up=not scene.play.y_down)
+    options.flags = scene.drawn
+    (x, y), (width, height) = scene.field["centre"], scene.field["size"]
+    options.fit(pymunk.BB(x - width / 2, y - height / 2, x + width / 2, y + height / 2))
     with session.held:
-        _picture(session.scene).save(file, "png")
+        scene.space.debug_draw(options)
+    picture.save(file, "png")
     return file.getvalue()
 
 
@@ -120,7 +118,7 @@ def _run(session: Session, log: Log, seconds: float) -> Run:
     """Return a replay of a dragon as a run, with errors against the exact model at the times of the march."""
     scene = session.scene
     if not isinstance(scene, DragonScene):
-        raise ParameterError("record", ".npz", ".json or a film: only a dragon's session is a run")
+        raise ParameterError("record", ".npz", ".json: only a dragon's session is a run")
     frames = {}
     for due in scene.time + np.arange(math.ceil(seconds * _RUN_FPS) + 1) / _RUN_FPS:
         session.replay_until(due)
@@ -130,34 +128,3 @@ def _run(session: Session, log: Log, seconds: float) -> Run:
     span = {"start": float(times[0]), "until": float(times[-1])}
     notes = engine_provenance(scene.world.settings, guide="rails", substeps=log.steps, **span)
     return Run(march=scene.march, times=times, poses=poses, drift=errors, provenance=notes)
-
-
-def _film(
-    session: Session, seconds: float, last: Scene, destination: Path, progress: Callable[[int, int], None] | None
-) -> None:
-    """Write a film of a replay, which ends like the scene `last`, by Pymunk's debug drawing."""
-    ends = np.arange(1, math.ceil(seconds * _FPS) + 2) / _FPS
-    begin, samples = session.scene.time, [np.asarray(_picture(each)) for each in (session.scene, last)]
-    table = Image.fromarray(np.concatenate(samples)).quantize(_COLOURS)
-
-    def pictures() -> Iterator[Image.Image]:
-        for done in range(len(ends)):
-            session.replay_until(begin + done / _FPS)
-            yield _picture(session.scene).quantize(palette=table, dither=Image.Dither.NONE)
-            if progress is not None:
-                progress(done + 1, len(ends))
-
-    with written_in_place(destination) as draft:
-        film = formats.Frames(pictures=pictures(), ends=ends.tolist(), size=_SIZE, fps=_FPS)
-        formats.WRITERS[destination.suffix.lower()](draft, film)
-
-
-def _picture(scene: Scene) -> Image.Image:
-    """Return the picture of a scene by Pymunk's debug drawing."""
-    picture = Image.new("RGB", _SIZE, "white")
-    options = PillowDrawOptions(picture, positive_y_is_up=not scene.play.y_down)
-    options.flags = scene.drawn
-    (x, y), (width, height) = scene.field["centre"], scene.field["size"]
-    options.fit(pymunk.BB(x - width / 2, y - height / 2, x + width / 2, y + height / 2))
-    scene.space.debug_draw(options)
-    return picture

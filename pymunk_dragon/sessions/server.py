@@ -19,6 +19,7 @@ from urllib.parse import urlsplit
 from aiohttp import WSMsgType, web
 from aiohttp.typedefs import Handler
 
+from pymunk_dragon._checks import whole
 from pymunk_dragon._language import language
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.sessions.messages import MAX_MESSAGE
@@ -94,13 +95,12 @@ class Server:
     """Serves a session to browsers, until `stop`."""
 
     def __init__(
-        self, session: Session, *, host: str, port: int, allowed: Sequence[str] = (), front: str | None = None
+        self, session: Session, *, host: str, port: int, allow_hosts: Sequence[str] = (), front: str | None = None
     ) -> None:
-        self.session, self.host = session, host
-        # A page that is shown first, which may have the live page in a frame.
-        self._front = front
+        # `front` is a page that is shown first, which may have the live page in a frame.
+        self.session, self.host, self._front = session, host, front
         self.token, self._watch_token = secrets.token_urlsafe(_TOKEN_BYTES), secrets.token_urlsafe(_TOKEN_BYTES)
-        self._proxies = {name.lower() for name in allowed}
+        self._proxies = {name.lower() for name in allow_hosts}
         self._allowed = {*_LOOPBACK, host.lower(), *self._proxies}
         self._any_address = host not in _LOOPBACK
         if self._any_address:
@@ -217,6 +217,7 @@ class Server:
 
 def _bound(host: str, port: int) -> socket.socket:
     """Return a socket that listens; port 0 is a free one."""
+    whole("port", port, 0, 65535)
     try:
         return socket.create_server((host, port), family=socket.AF_INET6 if ":" in host else socket.AF_INET)
     except (OSError, UnicodeError) as error:
