@@ -11,7 +11,7 @@ from shapely import Polygon
 
 from pymunk_dragon import Dragon, March, Run, write_player
 from pymunk_dragon.model.dragon import bench_poses
-from pymunk_dragon.player.page import DARK, LIGHT
+from pymunk_dragon.player.page import COLOURS, DARK
 
 pytestmark = [pytest.mark.thorough, needs_browser]
 
@@ -205,14 +205,14 @@ def test_benches_in_contact_have_the_contact_colour_from_the_contact_on(visit, s
         poses = seed.march.at([CONTACT_TIME]).poses[0]
         corners = seed.march.dragon.outlines(poses)[0]
         side = ((corners[0] + corners[1]) / 2).tolist()
-        assert page.evaluate(COLOUR, poses[8, :2].tolist()) == LIGHT.contact
-        assert page.evaluate(COLOUR, poses[9, :2].tolist()) == LIGHT.body
+        assert page.evaluate(COLOUR, poses[8, :2].tolist()) == COLOURS.contact
+        assert page.evaluate(COLOUR, poses[9, :2].tolist()) == COLOURS.body
         # The head keeps its colour, and has a border in that of the contact.
-        assert page.evaluate(COLOUR, poses[0, :2].tolist()) == LIGHT.head
-        assert page.evaluate(COLOUR, side) == LIGHT.contact
+        assert page.evaluate(COLOUR, poses[0, :2].tolist()) == COLOURS.head
+        assert page.evaluate(COLOUR, side) == COLOURS.contact
         ask(page, f"player.seek({CONTACT_TIME} - 0.001)")
-        assert page.evaluate(COLOUR, side) != LIGHT.contact
-        assert page.evaluate(COLOUR, poses[8, :2].tolist()) == LIGHT.body
+        assert page.evaluate(COLOUR, side) != COLOURS.contact
+        assert page.evaluate(COLOUR, poses[8, :2].tolist()) == COLOURS.body
 
 
 def test_hover_tells_the_exact_models_numbers(visit, seed):
@@ -306,7 +306,7 @@ def test_page_is_in_the_chosen_language_only(visit, bumpy):
 def test_colours_are_those_of_the_readers_scheme(visit):
     with visit("#t=409&show=curve", color_scheme="light") as page:
         places = [ask(page, f"player.poses(409)[{bench}]")[:2] for bench in (0, 50, 222)]
-        for palette, scheme in ((LIGHT, "light"), (DARK, "dark")):
+        for palette, scheme in ((COLOURS, "light"), (DARK, "dark")):
             page.emulate_media(color_scheme=scheme)
             wait_until(page, f"({COLOUR})([12, 0]).then((colour) => colour === {palette.background!r})")
             colours = [page.evaluate(COLOUR, place) for place in places]

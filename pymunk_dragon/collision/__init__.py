@@ -14,8 +14,8 @@ paper's method; `Grid` and `separation` are the two phases of both.
 | `grid` | 412.473837852 | 434 | 224489 | 0.41 |
 | `engine` | 412.473849741 | 20624 | - | 8.39 |
 
-- **exact** clears every time interval by a bound on the motion of the benches in it, or divides it. Without the start of
-  the program it takes 0.11 s on two cores (`python tests/bench/bench.py contact`).
+- **exact** clears every time interval by a bound on the motion of the benches in it, or divides it. The search alone
+  takes 0.11 s on two cores (`python tests/bench/bench.py contact`).
 - **grid** samples every second (`--step`). It files the benches under the cells of a grid, tests the pairs that share a
   cell with the separating axis theorem, and bisects once two benches overlap.
 - **engine** is Pymunk's collision callback, refined inside the substep.

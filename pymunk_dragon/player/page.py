@@ -11,7 +11,7 @@ from pathlib import Path
 from pymunk_dragon._files import check_destination, written_in_place
 from pymunk_dragon._html import asset, embedded_json, policy, substituted
 from pymunk_dragon._language import in_language, language
-from pymunk_dragon.drawing.palette import Palette
+from pymunk_dragon.drawing.palette import COLOURS, Palette
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.run import Run
 from pymunk_dragon.player.data import player_data
@@ -26,9 +26,7 @@ SCRIPTS = (
 )
 # Parts of the page that the page of a live session has too.
 PARTS = ("zoom", "help_tools", "help")
-# The films' colours.
-LIGHT = Palette()
-# Their counterparts on a dark ground: bright benches with dark outlines have the same contrast there.
+# Counterparts of the films' colours on a dark ground: bright benches with dark outlines have the same contrast there.
 DARK = Palette(
     background="#171b22",
     curve="#4b5361",
@@ -138,7 +136,7 @@ def catalogue(*packages: str) -> dict[str, str]:
 def colour_variables() -> str:
     """Style that defines each colour as `--canvas-...`, by the scheme that the reader prefers."""
     light, dark = (
-        "".join(f" --canvas-{name}: {colour};" for name, colour in asdict(palette).items()) for palette in (LIGHT, DARK)
+        "".join(f" --canvas-{name}: {value};" for name, value in asdict(each).items()) for each in (COLOURS, DARK)
     )
     return f":root {{{light} }}\n@media (prefers-color-scheme: dark) {{ :root {{{dark} }} }}\n"
 

@@ -109,10 +109,7 @@ class PygameEvents:
     Examples
     --------
     >>> session = live(space, step=None, y_down=True, controls=[PygameEvents()])  # doctest: +SKIP
-    >>> while running:  # doctest: +SKIP
-    ...     for event in pygame.event.get():
-    ...         print(event)
-    ...     session.step(1 / 60)
+    >>> session.step(1 / 60)  # doctest: +SKIP
     """
 
     def __init__(self) -> None:

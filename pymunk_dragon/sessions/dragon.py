@@ -53,7 +53,6 @@ class DragonScene(Scene):
         values: Mapping[str, float] | None = None,
         *,
         contacts: str = "resolve",
-        free_from: int | None = None,
         start: float = 0.0,
     ) -> None:
         values = values or {}
@@ -77,8 +76,6 @@ class DragonScene(Scene):
         self.world.space.on_collision(pre_solve=self._pre_solve, post_solve=self._post_solve)
         self._ended = False
         self.contacts(contacts)
-        if free_from is not None:
-            self.release(free_from)
 
     def advance(self) -> None:
         """Make a step; the march waits while the head cannot follow."""

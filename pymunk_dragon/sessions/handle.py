@@ -95,9 +95,6 @@ class Live:
     def __exit__(self, *raised: object) -> None:
         self.stop()
 
-    def __repr__(self) -> str:
-        return f"Live({self.address if '_server' in vars(self) else self._session.source.title})"
-
     def _repr_mimebundle_(self, include: object = None, exclude: object = None) -> Any:
         """Return the page: a widget or, without anywidget, a frame."""
         if _has_widgets():
@@ -178,9 +175,7 @@ def live(
     ...     print(session.address.partition(":")[0])
     http
     """
-    # The steps that a program makes itself cannot be replayed.
-    endings = RECORDING_ENDINGS if step is not None else (".json",)
-    path = None if record is None else check_destination(record, endings)
+    path = None if record is None else check_destination(record, RECORDING_ENDINGS)
     length = None if step is None else finite("step", step, 1e-6, MAX_STEP, "s")
     play = Play(step=length, on_step=on_step, controls=controls, plots=plots or {}, y_down=y_down, units=units)
     session = Session(source_of(what, play), running=not paused)

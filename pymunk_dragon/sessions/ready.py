@@ -45,25 +45,22 @@ def ready(name: str) -> Ready:
     return SCENES[word("scene", name, list(SCENES))]
 
 
-def dragon(march: March, *, contacts: str = "resolve", free_from: int | None = None, start: float = 0.0) -> Ready:
-    """The scene of a march; `contacts`, `free_from` and `start` are those of `DragonScene`."""
+def dragon(march: March, start: float = 0.0) -> Ready:
+    """The scene of a march that begins at `start`, s."""
     finite("start", start, -math.inf, math.inf, "s")
-    options: dict[str, Any] = {"contacts": contacts, "free_from": free_from, "start": start}
     try:
-        plan = {"scenario": Scenario.of(march).to_dict(), **options}
+        plan = {"scenario": Scenario.of(march).to_dict(), "start": start}
     except ParameterError:  # A curve or a speed of the user's own.
         plan = None
     text = "Pull a bench, cut a joint, let the dancers go."
-    build = partial(DragonScene, march, **options)
-    return Ready(name="own", title="A march", text=text, build=build, plan=plan)
+    return Ready(name="own", title="A march", text=text, build=partial(DragonScene, march, start=start), plan=plan)
 
 
 def planned(plan: Mapping[str, Any]) -> Ready:
     """The scene of a plan."""
     if "scene" in plan:
         return ready(plan["scene"])
-    options = {name: value for name, value in plan.items() if name != "scenario"}
-    return dragon(Scenario.from_dict(plan["scenario"], files=False).march(), **options)
+    return dragon(Scenario.from_dict(plan["scenario"], files=False).march(), plan["start"])
 
 
 def program(build: Callable[..., pymunk.Space], play: Play) -> Ready:

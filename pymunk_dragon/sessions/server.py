@@ -11,7 +11,6 @@ import socket
 import threading
 from collections import deque
 from collections.abc import Callable, Sequence
-from concurrent.futures import Future
 from contextlib import suppress
 from typing import Any
 from urllib.parse import urlsplit
@@ -181,14 +180,14 @@ class Server:
 
     async def _inputs(self, request: web.Request) -> web.Response:
         """What was done so far, as JSON from which the session is played again."""
-        found: Future[str] = Future()
+        found: asyncio.Future[str] = self._loop.create_future()
 
         def take() -> None:
-            if found.set_running_or_notify_cancel():
-                found.set_result(Log.of(self.session).to_json())
+            text = Log.of(self.session).to_json()
+            self._call(lambda: None if found.done() else found.set_result(text))
 
         self.session.call(take)
-        text = await asyncio.wait_for(asyncio.wrap_future(found), _SAVE_TIME)
+        text = await asyncio.wait_for(found, _SAVE_TIME)
         headers = {"Content-Disposition": 'attachment; filename="live.json"'}
         return web.Response(text=text, content_type="application/json", headers=headers)
 
