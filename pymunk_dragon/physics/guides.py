@@ -111,8 +111,8 @@ class Rails(PathGuide):
         # They only identify the turn of the curve on which each hole is. A jackknifed bench pushes its hole back.
         self._rear_s = states.handles_s[0, 2:]
         self._rear_speeds = np.sum(states.velocities[0, 2:] * self._curve.tangent(self._rear_s), axis=-1)
-        # What the drag leaves of the motion in the step before.
-        self._kept_motion: Array | None = None
+        # That of the step before.
+        self._last_motion: Array | None = None
 
     def joints(self, bench: int, body: pymunk.Body) -> Sequence[pymunk.Constraint]:
         """Pin from the rear hole to its anchor."""
@@ -131,13 +131,13 @@ class Rails(PathGuide):
         tangents = _complex(directions)
         np.add(tangents * (_PIN_LENGTH * 1j), _complex(feet), out=_complex(anchors))
         motion = self._motion(complex(*hinge_velocity), headings, tangents)
-        kept = motion * math.exp(-self._world.drag_rate * substep)
-        # What a bench gains, or loses to the drag, in a substep.
-        change = motion - (kept if self._kept_motion is None else self._kept_motion)
+        # What a bench gains, or loses to the drag, in this substep.
+        last = motion if self._last_motion is None else self._last_motion
+        change = motion - last * math.exp(-self._world.drag_rate * substep)
         push, torque = change * self._inertia / substep
         np.multiply(headings, push, out=_complex(forces[1:, :2]))
         forces[1:, 2] = torque
-        self._kept_motion = kept
+        self._last_motion = motion
 
     def _motion(self, hinge_velocity: complex, headings: Complex, tangents: Complex) -> Array:
         """Speeds of the benches along themselves, m/s, and their angular rates, rad/s, (2, N - 1).
