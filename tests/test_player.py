@@ -213,9 +213,6 @@ def test_windows_begin_at_the_first_contact(run, seed_march):
     # A first contact that nobody logged lasts to the end.
     events = [(4.0, "begin", (1, 9)), (5.0, "separate", (1, 9))]
     assert windows(events, 1.993) == [((0, 8), 1.993, None), ((1, 9), 4.0, 5.0)]
-    # What cannot be is left out.
-    events = [(1.0, "begin", (1, 9)), (float("nan"), "begin", (2, 9)), (2.0, "begin", (3, 16))]
-    assert [pair for pair, *_ in windows(events, 1.0, benches=(0, 99))] == [(1, 9)]
 
 
 def test_texts_of_the_page_and_of_its_run_are_in_both_languages(run, page):

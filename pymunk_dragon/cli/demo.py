@@ -26,8 +26,7 @@ EXAMPLES = ("", "spiral", "chain --lang zh", "-o lessons.html", "--live")
 def demo(name: str | None, save: str | None, output: str | None, live: bool, **address: Any) -> None:
     """Play a lesson.
 
-    Without a name, list them. Each has a question, a guess, a run, the answer, a number to check and something to
-    change.
+    Without a name, list them. Each has a question, a guess, an experiment, the answer and a number to check.
     """
     lessons = list(LESSONS.values()) if name is None else [LESSONS[name]]
     if save is not None and (name is None or output is not None or live or common.wants_json()):

@@ -57,7 +57,7 @@ import pymunk
 from PIL import Image, ImageDraw
 from pymunk.space_debug_draw_options import SpaceDebugColor as Colour
 
-from pymunk_dragon._checks import finite
+from pymunk_dragon._arguments import finite
 from pymunk_dragon.errors import ParameterError
 
 __all__ = ["PillowDrawOptions"]

@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pymunk_dragon._arrays import Array, Complex, as_complex, as_vectors, read_only
-from pymunk_dragon._checks import finite, numbers, whole
+from pymunk_dragon._arguments import Array, Complex, as_complex, as_vectors, finite, numbers, read_only, whole
 from pymunk_dragon.errors import ParameterError
 
 # m: the same for all benches, or one for each.

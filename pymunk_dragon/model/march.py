@@ -10,8 +10,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pymunk_dragon._arrays import Array, ArrayRecord, as_complex, as_vectors, read_only
-from pymunk_dragon._checks import finite, numbers, positive, whole
+from pymunk_dragon._arguments import (
+    Array,
+    ArrayRecord,
+    as_complex,
+    as_vectors,
+    finite,
+    numbers,
+    positive,
+    read_only,
+    whole,
+)
 from pymunk_dragon._display import Displayed, table
 from pymunk_dragon._language import text
 from pymunk_dragon.errors import ParameterError, UnreachableError

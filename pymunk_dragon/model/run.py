@@ -17,8 +17,7 @@ from typing import IO, Any, Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from pymunk_dragon._arrays import Array, ArrayRecord, read_only
-from pymunk_dragon._checks import MAX_COORDINATE, numbers, word
+from pymunk_dragon._arguments import MAX_COORDINATE, Array, ArrayRecord, numbers, read_only, word
 from pymunk_dragon._display import Displayed
 from pymunk_dragon._files import check_destination, written_in_place
 from pymunk_dragon._language import text

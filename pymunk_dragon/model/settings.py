@@ -10,7 +10,7 @@ from dataclasses import asdict, dataclass, fields, replace
 from importlib.metadata import version
 from typing import Any, Literal, get_args
 
-from pymunk_dragon._checks import finite, positive, whole, word
+from pymunk_dragon._arguments import finite, positive, whole, word
 from pymunk_dragon.errors import ParameterError
 
 # Response to contacts: end the run, go on and record them, or let the engine push the benches apart.

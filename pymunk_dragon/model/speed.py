@@ -10,8 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pymunk_dragon._arrays import Array
-from pymunk_dragon._checks import finite, numbers, positive
+from pymunk_dragon._arguments import Array, finite, numbers, positive
 from pymunk_dragon._files import number_rows
 from pymunk_dragon.errors import FileFormatError, ParameterError
 

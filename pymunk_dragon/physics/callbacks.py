@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, get_args
 
 import pymunk
 
-from pymunk_dragon._arrays import Array
+from pymunk_dragon._arguments import Array
 from pymunk_dragon.collision.sat import Separation, separation
 from pymunk_dragon.model.contact import Contact, ContactEvent, Phase
 from pymunk_dragon.model.dragon import Dragon, outlines

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pymunk
 
-from pymunk_dragon._arrays import Array, Complex, as_vectors
+from pymunk_dragon._arguments import Array, Complex, as_vectors
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.march import States
 

@@ -13,8 +13,7 @@ import pymunk
 from pymunk import batch
 from pymunk.batch import BodyFields
 
-from pymunk_dragon._arrays import Array
-from pymunk_dragon._checks import finite, whole, word
+from pymunk_dragon._arguments import Array, finite, whole, word
 from pymunk_dragon.errors import ParameterError, UnreachableError
 from pymunk_dragon.model.march import March, States, check_march
 from pymunk_dragon.model.settings import EngineSettings

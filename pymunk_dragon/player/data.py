@@ -12,12 +12,11 @@ from __future__ import annotations
 import zlib
 from base64 import b64encode
 from dataclasses import asdict
-from math import isfinite
 from typing import Any
 
 import numpy as np
 
-from pymunk_dragon._arrays import Array
+from pymunk_dragon._arguments import Array
 from pymunk_dragon.collision import Grid
 from pymunk_dragon.drawing.scene import hole_diameter
 from pymunk_dragon.errors import UnreachableError
@@ -46,10 +45,7 @@ Packed = tuple[dict[str, Any], str]
 
 
 def player_data(summary: Summary) -> tuple[dict[str, Any], dict[str, str]]:
-    """Payload of the page as JSON values in m and s, and the texts of its packed vectors.
-
-    The text of the exact model's offsets is empty if they are unknown.
-    """
+    """Payload of the page as JSON values in m and s, and the texts of its packed vectors."""
     run, dragon = summary.run, summary.run.march.dragon
     narrowest = float(dragon.widths.min())
     begin, end = run.times[[0, -1]].tolist()
@@ -57,16 +53,12 @@ def player_data(summary: Summary) -> tuple[dict[str, Any], dict[str, str]]:
     interval = float(np.median(np.diff(run.times))) if len(run.times) > 1 else 1.0
     step = positions[0]["step"] * _VELOCITY_STEP / interval
     velocities, velocity_error = _pack_handles(dragon.hole_velocities(run.poses, run.pose_velocities), step)
-    exact: Packed = {}, ""
-    if (offsets := exact_offsets(run)) is not None:
-        step = max(_EXACT_STEP * narrowest, _EXACT_SHARE * float(np.abs(offsets).max()))
-        exact = pack(offsets, step, from_zero=True)
     # The exact model's near misses do not apply to a dragon without a guide.
     near_misses = () if run.guide == "none" else summary.near_misses or ()
     packed: dict[str, Packed] = {
         "handles": positions,
         "velocities": velocities,
-        "exact": exact,
+        "exact": _pack_exact(run, narrowest),
         "curve": pack(curve_points(run.march, begin, end)[:, None], STEP * narrowest),
     }
     payload = {name: shape or None for name, (shape, _) in packed.items()} | {
@@ -113,18 +105,15 @@ def contact_windows(run: Run) -> list[dict[str, Any]]:
     """Contact windows of pairs by beginning; without an `end` if the benches still touch when the run ends.
 
     The log begins a window at the end of a substep. The window of the first contact begins at the contact's time, and
-    exists even if no event was logged. Windows with impossible benches or times, as in an edited file, are left out.
+    exists even if no event was logged.
     """
     windows, first = [asdict(window) for window in run.events.windows()], run.first_contact
     if first is not None:
-        its = [each for each in windows if each["benches"] == first.benches and each["begin"] >= first.time]
+        its = next((each for each in windows if each["benches"] == first.benches and each["begin"] >= first.time), {})
         if not its:
-            its = [{"benches": first.benches, "end": None}]
-            windows += its
-        its[0]["begin"] = first.time
-    possible = [each for each in windows if each["benches"][1] < run.march.dragon.benches]
-    possible = [each for each in possible if isfinite(each["begin"] + (each["end"] or 0))]
-    return sorted(possible, key=lambda window: (window["begin"], window["benches"]))
+            windows.append(its)
+        its |= {"benches": first.benches, "begin": first.time, "end": its.get("end")}
+    return sorted(windows, key=lambda window: (window["begin"], window["benches"]))
 
 
 def curve_points(march: March, start: float, end: float) -> Array:
@@ -162,6 +151,14 @@ def exact_offsets(run: Run) -> Array | None:
     dragon, poses = run.march.dragon, run.poses[:known]
     same = np.allclose(position_errors(dragon, poses, exact), run.drift[:known], rtol=1e-6, atol=ROUNDING)
     return exact - handle_vectors(*dragon.holes(poses)) if same and known else None
+
+
+def _pack_exact(run: Run, narrowest: float) -> Packed:
+    """Packed offsets of the exact model's handles; nothing, and an empty text, if they are unknown."""
+    if (offsets := exact_offsets(run)) is None:
+        return {}, ""
+    step = max(_EXACT_STEP * narrowest, _EXACT_SHARE * float(np.abs(offsets).max()))
+    return pack(offsets, step, from_zero=True)
 
 
 def _pack_handles(holes: tuple[Array, Array], step: float) -> tuple[Packed, float]:

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pymunk_dragon._arrays import Array
+from pymunk_dragon._arguments import Array
 from pymunk_dragon._display import table, width
 from pymunk_dragon._extras import library
 from pymunk_dragon._files import check_destination, written_in_place

@@ -9,7 +9,7 @@ from dataclasses import KW_ONLY, dataclass
 
 import pymunk
 
-from pymunk_dragon._checks import finite, whole
+from pymunk_dragon._arguments import finite, whole
 from pymunk_dragon._extras import library
 from pymunk_dragon.errors import ParameterError
 

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import pymunk
 
-from pymunk_dragon._checks import finite
+from pymunk_dragon._arguments import finite
 from pymunk_dragon._extras import library
 from pymunk_dragon._files import check_destination
 from pymunk_dragon.errors import ParameterError

@@ -14,8 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from pymunk_dragon._arrays import Array
-from pymunk_dragon._checks import MAX_COORDINATE, finite
+from pymunk_dragon._arguments import MAX_COORDINATE, Array, finite
 from pymunk_dragon.drawing.debug_draw import DrawCall
 from pymunk_dragon.errors import ParameterError
 

@@ -14,7 +14,7 @@ import numpy as np
 import pymunk
 from PIL import Image
 
-from pymunk_dragon._checks import finite, whole
+from pymunk_dragon._arguments import finite, whole
 from pymunk_dragon._files import check_destination, read_text, written_in_place
 from pymunk_dragon.drawing.debug_draw import PillowDrawOptions
 from pymunk_dragon.errors import DragonError, FileFormatError, ParameterError

@@ -12,8 +12,7 @@ import pymunk
 from pymunk import batch
 from pymunk.batch import ArbiterFields
 
-from pymunk_dragon._arrays import Array
-from pymunk_dragon._checks import positive, word
+from pymunk_dragon._arguments import Array, positive, word
 from pymunk_dragon.drawing.debug_draw import DrawCall, DrawRecorder, extent
 from pymunk_dragon.errors import DragonError, ParameterError
 from pymunk_dragon.sessions.controls import Button, Key, PygameEvents, Slider

@@ -12,7 +12,7 @@ from functools import partial
 from time import perf_counter, sleep
 from typing import TYPE_CHECKING, Any
 
-from pymunk_dragon._checks import finite, whole, word
+from pymunk_dragon._arguments import finite, whole, word
 from pymunk_dragon.errors import DragonError, ParameterError
 from pymunk_dragon.sessions.controls import Slider
 from pymunk_dragon.sessions.messages import INPUTS, MAX_INPUTS, MAX_MESSAGE, parsed, without_nan

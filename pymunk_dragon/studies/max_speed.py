@@ -27,8 +27,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pymunk_dragon._arrays import Array
-from pymunk_dragon._checks import finite
+from pymunk_dragon._arguments import Array, finite
 from pymunk_dragon._language import text
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model import chain

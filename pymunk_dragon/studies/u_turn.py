@@ -26,7 +26,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from pymunk_dragon._arrays import Array, Complex
+from pymunk_dragon._arguments import Array, Complex
 from pymunk_dragon._extras import library
 from pymunk_dragon._language import text
 from pymunk_dragon.collision import FirstContact, first_contact

@@ -23,7 +23,7 @@ from zlib import crc32
 
 import numpy as np
 
-from pymunk_dragon._checks import number, whole, word
+from pymunk_dragon._arguments import number, whole, word
 from pymunk_dragon._extras import library
 from pymunk_dragon._signals import ENDING, signals_held
 from pymunk_dragon.errors import DragonError, ParameterError

@@ -20,7 +20,7 @@ from zlib import crc32
 import numpy as np
 from numpy.typing import NDArray
 
-from pymunk_dragon._checks import word
+from pymunk_dragon._arguments import word
 from pymunk_dragon._extras import library
 from pymunk_dragon._files import check_destination, written_in_place
 from pymunk_dragon._language import text

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
-from pymunk_dragon._checks import finite
+from pymunk_dragon._arguments import finite
 from pymunk_dragon._files import check_destination, written_in_place
 from pymunk_dragon.drawing.film.formats import WRITERS, Frames
 from pymunk_dragon.drawing.film.layout import Canvas

@@ -9,7 +9,7 @@ from typing import Any, Literal, get_args
 
 import numpy as np
 
-from pymunk_dragon._checks import finite, positive, whole, word
+from pymunk_dragon._arguments import finite, positive, whole, word
 from pymunk_dragon.drawing.film.timing import ADVANCE, Timing, slowed
 from pymunk_dragon.drawing.overlay import OVERLAYS
 from pymunk_dragon.drawing.sources import Source, march_of

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pymunk_dragon._arrays import Array
+from pymunk_dragon._arguments import Array
 from pymunk_dragon.drawing.sources import Source, first_contact_until, march_of
 from pymunk_dragon.model.run import Run
 

@@ -10,8 +10,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pymunk_dragon._arrays import Array, Complex, as_complex
-from pymunk_dragon._checks import numbers, word
+from pymunk_dragon._arguments import Array, Complex, as_complex, numbers, word
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model import chain
 

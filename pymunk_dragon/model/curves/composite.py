@@ -10,8 +10,7 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from pymunk_dragon._arrays import Array, Complex, as_complex
-from pymunk_dragon._checks import finite, number
+from pymunk_dragon._arguments import Array, Complex, as_complex, finite, number
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.curves.base import Curve, PackageCurve, required_curve
 from pymunk_dragon.model.curves.line_and_arc import Arc

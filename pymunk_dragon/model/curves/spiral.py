@@ -8,8 +8,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pymunk_dragon._arrays import Array, Complex, as_complex, as_vectors
-from pymunk_dragon._checks import finite, numbers, positive
+from pymunk_dragon._arguments import Array, Complex, as_complex, as_vectors, finite, numbers, positive
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.curves.base import PackageCurve
 
