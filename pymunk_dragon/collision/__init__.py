@@ -14,8 +14,7 @@ paper's method; `Grid` and `separation` are the two phases of both.
 | `grid` | 412.473837852 | 434 | 224489 | 0.41 |
 | `engine` | 412.473849741 | 20624 | - | 8.39 |
 
-- **exact** clears every time interval by a bound on the motion of the benches in it, or divides it. The search alone
-  takes 0.11 s on two cores (`python tests/bench/bench.py contact`).
+- **exact** clears every time interval by a bound on the motion of the benches in it, or divides it.
 - **grid** samples every second (`--step`). It files the benches under the cells of a grid, tests the pairs that share a
   cell with the separating axis theorem, and bisects once two benches overlap.
 - **engine** is Pymunk's collision callback, refined inside the substep.
@@ -56,7 +55,7 @@ first contact at t = 412.442193 s: benches 0 and 8 at (1.445751, 2.132263) m
 The result has a status, as the time-of-impact queries of physics engines have: `contact`, `clear`, `overlapping` (at
 the start) or `unreachable` (the chain cannot follow the path any farther).
 
-The certified answer for 223 benches takes 0.11 s (`python tests/bench/bench.py contact`, median on two cores).
+The certified answer for 223 benches takes 0.09 s (`python tests/bench/bench.py contact`, median on two cores).
 """
 
 from pymunk_dragon.collision.first_contact import first_contact

@@ -1,8 +1,7 @@
 """The exact model: dragons, curves, speeds, marches, and the runs that are played of them.
 
 A `March` is a `Dragon` on a curve at a speed. `March.at` returns the positions and velocities of all handles, and the
-poses of all benches, at any times. Every handle is on the curve to 1e-10 m, which is 0.0000001 mm. On two cores, 301
-times of 224 handles take 5.8 ms, and a plain recursion with NumPy 17.1 ms (`python tests/bench/bench.py march`).
+poses of all benches, at any times. Every handle is on the curve to 1e-10 m, which is 0.0000001 mm.
 
 ```console
 $ pymunk-dragon positions --times 0,60,120 --handles 0,1,51,223
@@ -11,6 +10,6 @@ $ pymunk-dragon positions --paper
 
 The second command prints tables 1 to 3 of the paper, all 147 entries, cut after three decimals as the paper cuts them.
 
-Positions and velocities of 224 handles at 301 times take 5.8 ms, and 17.1 ms by plain recursion from handle to handle
+Positions and velocities of 224 handles at 301 times take 3.9 ms, and 15.8 ms by plain recursion from handle to handle
 with NumPy (`python tests/bench/bench.py march`, medians on two cores).
 """

@@ -21,7 +21,7 @@ an engine with an error of a millimetre reports a collision that never happens.
 
 From t = 0 to its first contact at the default settings (a substep of 20 ms, 10 iterations), benches 0 and 8 of the
 reference scenario touch at 412.473850 s, none before; the exact time is 412.473838 s. The drift is 0.0026 mm in the
-first twelve benches and 0.0192 mm anywhere. The run is 80 times as fast as real time, and the driver takes 0.70 of the
+first twelve benches and 0.0192 mm anywhere. The run is 90 times as fast as real time, and the driver takes 0.68 of the
 time of the bare steps on top (`pymunk-dragon simulate --json` and `python tests/bench/bench.py engine` on two cores).
 
 ![Drift over time](renders/figures/drift.png)
