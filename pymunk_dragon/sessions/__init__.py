@@ -67,7 +67,8 @@ only; with `--host 0.0.0.0` others can connect, and need one of the addresses, w
 On two cores, the first frame of 223 benches is there 0.39 s after the start of the process, and Chromium shows 60
 pictures a second of 223 benches, 58 of a pyramid of 325 boxes and 21 of 3,000 circles. 20 clients, one of which
 drags, get 60 frames a second at 1.00 times real time, and the process has 92 MB after 5 minutes, 8 more than after 2,
-as it keeps the inputs. A body follows the mouse after 50 ms (`tests/bench/bench_live.py`). A client that takes frames slowly gets fewer of them.
+as it keeps the inputs. A body follows the mouse after 50 ms (`tests/bench/bench_live.py`). A client that takes
+frames slowly gets fewer of them.
 """
 
 from __future__ import annotations
