@@ -165,7 +165,7 @@ def _apart(shapes: Iterable[pymunk.Shape]) -> bool:
     """Whether two rectangles of a space are apart."""
     first, second = (
         # Pymunk types the body as optional, and corners as those of a polygon, which all shapes here are.
-        [shape.body.local_to_world(corner) for corner in shape.get_vertices()]  # type: ignore[union-attr]
+        [shape.body.local_to_world(corner) for corner in shape.get_vertices()]  # type: ignore[union-attr]  # See above.
         for shape in shapes
     )
     return bool(separation(first, second).distance > 0)

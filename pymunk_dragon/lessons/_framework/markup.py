@@ -58,5 +58,5 @@ def plain(text: str) -> str:
     'As k √(θ² + 1) and cos 30°'
     """
     for pattern, character in UNICODE:
-        text = re.sub(r"\$[^$]*\$", lambda found: re.sub(pattern, character, found[0]), text)  # noqa: B023
+        text = re.sub(r"\$[^$]*\$", lambda found: re.sub(pattern, character, found[0]), text)  # noqa: B023 - called at once
     return text.replace("$", "")
