@@ -10,9 +10,9 @@ stages["near-miss"] = (lab) => {
   });
   const zoom = lab.slider(["zoom", "放大"], { min: 0, max: 3.2, step: 0.1, value: 0, show: magnification });
   const march = new March({ benches: 60 });
-  let cutTo, gaps;
+  let cutTo, scale, gaps;
 
-  const cut = (value) => (cutTo === exact ? value : Math.trunc(value * 10 ** cutTo) / 10 ** cutTo);
+  const cut = (value) => (cutTo === exact ? value : Math.trunc(value * scale) / scale);
   const benchesAt = (t, handles) =>
     benchesBetween(march.dragon, march.chain(t, handles).points.map((point) => point.map(cut)));
   const view = () => ({
@@ -25,7 +25,7 @@ stages["near-miss"] = (lab) => {
   lab.label = ["The head and the benches that it passes; below, its gap", "龙头和它经过的板凳；下方是空隙"];
   lab.update = () => {
     if (cutTo !== decimals.value) {
-      cutTo = decimals.value;
+      [cutTo, scale] = [decimals.value, 10 ** decimals.value];
       gaps = range(begin, end, 760).map((t) => [t, 1000 * benchesAt(t, 14).nearest(0).gap]);
     }
     now.update();

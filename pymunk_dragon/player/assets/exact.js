@@ -38,12 +38,8 @@ class Exact {
   posesBeside(benches, time, magnification = 1) {
     const offsets = this.offsetsAt(time);
     if (!offsets) return null;
-    const handles = benches.handles.map(([x, y], i) =>
-      [x + magnification * offsets[2 * i], y + magnification * offsets[2 * i + 1]]);
-    return posesFrom(this.motion.benches, (i) => {
-      const [front, rear] = [handles[i], handles[i + 1]];
-      return [(front[0] + rear[0]) / 2, (front[1] + rear[1]) / 2, Math.atan2(front[1] - rear[1], front[0] - rear[0])];
-    });
+    return posesBetween(benches.handles.map(([x, y], i) =>
+      [x + magnification * offsets[2 * i], y + magnification * offsets[2 * i + 1]]));
   }
 }
 

@@ -15,13 +15,21 @@ function handlesOf(spacings, poses) {
 
 // Poses as columns, with cosines and sines; `poseOf` tells x, y and angle of a body.
 function posesFrom(count, poseOf) {
-  const poses = Object.fromEntries(["x", "y", "angle", "cos", "sin"].map((name) => [name, new Float64Array(count)]));
+  const poses = { x: [], y: [], angle: [], cos: [], sin: [] };
   for (let i = 0; i < count; i++) {
     [poses.x[i], poses.y[i], poses.angle[i]] = poseOf(i);
     poses.cos[i] = Math.cos(poses.angle[i]);
     poses.sin[i] = Math.sin(poses.angle[i]);
   }
   return poses;
+}
+
+// Poses of benches between their handles.
+function posesBetween(handles) {
+  return posesFrom(handles.length - 1, (i) => {
+    const [fx, fy] = handles[i], [rx, ry] = handles[i + 1];
+    return [(fx + rx) / 2, (fy + ry) / 2, Math.atan2(fy - ry, fx - rx)];
+  });
 }
 
 // Benches at their poses; `motion` has their number `benches` and their `lengths`, `widths` and `spacings`.
@@ -57,7 +65,7 @@ class Benches {
     const along = this.motion.lengths[i] / 2, across = this.motion.widths[i] / 2;
     const a = Math.min(Math.max(ahead, -along), along), c = Math.min(Math.max(left, -across), across);
     return {
-      distance: Math.hypot(ahead - a, left - c),
+      distance: Math.sqrt((ahead - a) ** 2 + (left - c) ** 2),
       point: [x[i] + a * cos[i] - c * sin[i], y[i] + a * sin[i] + c * cos[i]],
     };
   }
@@ -91,13 +99,13 @@ class Benches {
   // The bench closest to bench `i` among those that are not its neighbours, of the first `count`, with the gap; `found` if
   // that is a smaller one.
   nearest(i, found = null, count = this.motion.benches) {
-    const { x, y } = this.poses;
-    const reach = (k) => Math.hypot(this.motion.lengths[k], this.motion.widths[k]) / 2;
+    const { x, y } = this.poses, { lengths, widths } = this.motion;
+    const reach = (k) => Math.sqrt(lengths[k] ** 2 + widths[k] ** 2) / 2;
     for (let j = 0; j < count; j++) {
       if (Math.abs(i - j) <= 1) continue;
-      // Lower bound of the gap: distance of the centres less half a diagonal each.
-      const least = Math.hypot(x[i] - x[j], y[i] - y[j]) - reach(i) - reach(j);
-      if (found && least >= found.gap) continue;
+      // Lower bounds of the gap: distance of the centres less half a diagonal each, and the gaps between shadows.
+      const least = Math.sqrt((x[i] - x[j]) ** 2 + (y[i] - y[j]) ** 2) - reach(i) - reach(j);
+      if (found && (least >= found.gap || Math.max(...this.axisGaps(i, j)) >= found.gap)) continue;
       const between = this.gap(i, j);
       if (!found || between.gap < found.gap) found = { bench: j, ...between };
     }

@@ -18,7 +18,7 @@ const GOLDEN = (Math.sqrt(5) - 1) / 2;
 // The spiral r = k theta, travelled inward; the coordinate is the arc length from the centre, negative.
 class Spiral {
   constructor(pitch) {
-    Object.assign(this, { k: pitch / TURN, begin: -Infinity, end: 0 });
+    Object.assign(this, { k: pitch / TURN, begin: -Infinity, end: 0, known: [0, 0] });
   }
 
   atAngle(theta) {
@@ -30,8 +30,9 @@ class Spiral {
     return this.atAngle(radius / this.k);
   }
 
-  // Polar angle, counted from the centre: Newton's method from the asymptotic form.
+  // Polar angle, counted from the centre: Newton's method from the asymptotic form. The last one is known.
   angle(s) {
+    if (s === this.known[0]) return this.known[1];
     const target = -2 * s / this.k;
     let theta = target > 8 ? Math.sqrt(target - 0.5 - Math.log(4 * target) / 2) : target / 2;
     for (let pass = 0; pass < 20; pass++) {
@@ -40,7 +41,25 @@ class Spiral {
       // The error that is left is the square of the step over twice the angle.
       if (Math.abs(step) <= 1e-7 * theta) break;
     }
+    this.known = [s, theta];
     return theta;
+  }
+
+  // Coordinate of the first point behind `s` at the straight distance `chord`, if it is within half a turn, in which the
+  // distance grows all the time; otherwise NaN. Newton's method for the angle between both, from about `guess` m.
+  behind(s, chord, guess = chord) {
+    const { k } = this, theta = this.angle(s), square = (chord / k) ** 2;
+    if (chord > k * (2 * theta + Math.PI)) return NaN;
+    let turn = Math.min(Math.sqrt(theta * theta + 2 * guess / k) - theta, Math.PI);
+    for (let pass = 0; pass < 60; pass++) {
+      const sin = Math.sin(turn / 2), cos = Math.cos(turn / 2), far = theta + turn;
+      const off = turn * turn + 4 * theta * far * sin * sin - square;
+      const step = off / (2 * turn + 4 * theta * sin * (sin + far * cos));
+      turn = bounded(turn - step, 0, Math.PI);
+      if (Math.abs(step) <= STEP_TOLERANCE * turn) break;
+    }
+    this.known = [this.atAngle(theta + turn), theta + turn];
+    return this.known[0];
   }
 
   frame(s) {
@@ -171,8 +190,11 @@ function makeDragon({ benches = 223, head = 2.86, body = 1.65, overhang = 0.275,
 }
 
 // Coordinate of the first point behind `s` at the straight distance `chord`, or ahead with `way` 1. NaN if the curve
-// ends before, or turns back so that the distance shrinks first. `guess` is about how far away along the curve it is.
-function neighbour(curve, s, chord, way = -1, guess = 0) {
+// ends before, or turns back so that the distance shrinks first. `guess` is about how far away along the curve it is. A
+// curve may have a faster method `behind`.
+function neighbour(curve, s, chord, way = -1, guess = chord) {
+  const found = way < 0 ? curve.behind?.(s, chord, guess) : NaN;
+  if (found < s) return found;
   const [x, y] = curve.frame(s), room = way < 0 ? s - curve.begin : curve.end - s;
   let distance, growth;
   const evaluate = (offset) => {
@@ -200,10 +222,11 @@ function neighbour(curve, s, chord, way = -1, guess = 0) {
 
 // The first `count` handles of a dragon with its head at the coordinate `head`, fewer if the curve takes no more:
 // coordinates, points with tangents as `frame` has them, and velocities along the curve in units of the head's.
-function chainAt(curve, dragon, head, count = dragon.benches + 1) {
+function chainAt(curve, { benches, spacings }, head, count = benches + 1) {
   const chain = { s: [head], points: [curve.frame(head)], ratios: [1] };
   for (let i = 1; i < count; i++) {
-    const s = neighbour(curve, chain.s[i - 1], dragon.spacings[i - 1], -1, chain.s[i - 2] - chain.s[i - 1]);
+    const chord = spacings[i - 1], guess = i > 1 ? (chain.s[i - 2] - chain.s[i - 1]) * chord / spacings[i - 2] : chord;
+    const s = neighbour(curve, chain.s[i - 1], chord, -1, guess);
     if (Number.isNaN(s)) break;
     const [fx, fy, ux, uy] = chain.points[i - 1], [x, y, tx, ty] = curve.frame(s);
     chain.s.push(s);
@@ -216,11 +239,7 @@ function chainAt(curve, dragon, head, count = dragon.benches + 1) {
 
 // Benches between handles, from the head on.
 function benchesBetween(dragon, points) {
-  const poses = posesFrom(points.length - 1, (i) => {
-    const [[fx, fy], [rx, ry]] = [points[i], points[i + 1]];
-    return [(fx + rx) / 2, (fy + ry) / 2, Math.atan2(fy - ry, fx - rx)];
-  });
-  return new Benches({ ...dragon, benches: points.length - 1 }, poses);
+  return new Benches({ ...dragon, benches: points.length - 1 }, posesBetween(points));
 }
 
 // The contest's march from turn 16 of a spiral on, at 1 m/s; `sizes` are those of `makeDragon`.
