@@ -52,7 +52,7 @@ SCENARIO_OPTIONS: dict[str, tuple[Any, str, str]] = {
 }
 
 
-class DragonCommand(click.Command):
+class _Command(click.Command):
     """A command with the option --lang, whose errors name flags instead of the parameters that get their values.
 
     Its help has the options of a scenario last, and below them `examples`: arguments of the command.
@@ -75,6 +75,11 @@ class DragonCommand(click.Command):
             raise
 
 
+def command(*examples: str) -> Callable[[Callable[..., Any]], click.Command]:
+    """Make a function a command, with `examples` of its arguments in the help."""
+    return click.command(cls=_Command, examples=examples)
+
+
 def epilog_of(examples: Sequence[str]) -> str:
     """The end of a help: examples, each a command with its arguments."""
     return "\n".join(["\b", "Examples:", *(f"  {PROGRAM} {example}".rstrip() for example in examples)])
@@ -87,16 +92,12 @@ def flags_given(*names: str) -> list[str]:
     return [option.opts[0] for option in options if context.get_parameter_source(str(option.name)) is given]
 
 
-# Hosts at which only this machine reaches a page.
-LOCAL = ("127.0.0.1", "localhost", "::1")
-
-
 def address_options(function: F) -> F:
     """Add the options of a server to a command."""
     for option in (
         click.option("--no-browser", "browser", flag_value=False, default=True, help="Do not open a browser."),
         click.option("--allow-host", "allow_hosts", multiple=True, metavar="NAME", help="Name of a proxy; repeatable."),
-        click.option("--host", default=LOCAL[0], metavar="ADDRESS", help="Address to listen on.  [this machine only]"),
+        click.option("--host", default="127.0.0.1", metavar="ADDRESS", help="Address.  [this machine only]"),
         click.option("--port", type=int, default=0, metavar="N", help="Port.  [a free one]"),
     ):
         option(function)

@@ -16,17 +16,16 @@ from pymunk_dragon.drawing.figures import FIGURES, write_figure
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 from pymunk_dragon.player import PLAYER_ENDINGS, write_player
-from pymunk_dragon.reports import REPORT_ENDINGS
+from pymunk_dragon.reports import FORMATS
 from pymunk_dragon.reports import report as write_report
 
 # Options that only films have, and those that only films and pictures have.
 _OF_FILMS = ("start", "speedup", "fps", "hold")
 _OF_PICTURES = ("exact", "size", "follow", "span", "caption", "legend", *OVERLAYS)
-EXAMPLES = ("run.npz", "run.npz --exact --camera head -o both.mp4", "--until 60 -o march.gif")
-FORMATS = f"a film, {', '.join(FILM_ENDINGS)}; .png, a picture at --until; or .html, a page that plays the run"
+_FORMATS = f"a film, {', '.join(FILM_ENDINGS)}; .png, a picture at --until; or .html, a page that plays the run"
 
 
-def pixels(given: str) -> int | tuple[int, ...]:
+def _pixels(given: str) -> int | tuple[int, ...]:
     """One length, or two with an x between them; `Film` checks them."""
     try:
         width, *height = map(int, given.lower().split("x"))
@@ -42,7 +41,7 @@ def _overlay_options(function: common.F) -> common.F:
     return function
 
 
-@click.command(cls=common.DragonCommand, examples=EXAMPLES)
+@common.command("run.npz", "run.npz --exact --camera head -o both.mp4", "--until 60 -o march.gif")
 @click.argument("run_files", metavar="[RUN.npz]...", nargs=-1, type=click.Path())
 @common.scenario_options
 @click.option("--exact", is_flag=True, help="Show the exact model beside the run.")
@@ -50,7 +49,7 @@ def _overlay_options(function: common.F) -> common.F:
 @click.option("--until", type=float, metavar="T", help="Last time, s.  [the run's, or a march's first contact]")
 @click.option("--speedup", type=float, metavar="X", help="Simulated s in 1 s of film.  [slower towards contacts]")
 @click.option("--fps", type=int, metavar="N", help="Frames in a second, at most 60, and 50 in a GIF.  [20]")
-@click.option("--size", type=pixels, metavar="PIXELS", help="Width and height: 440, or 640x360.  [440]")
+@click.option("--size", type=_pixels, metavar="PIXELS", help="Width and height: 440, or 640x360.  [440]")
 @click.option(
     "--camera", "follow", type=click.Choice(["field", "head"]), default="field", help="What is in view.  [field]"
 )
@@ -60,7 +59,7 @@ def _overlay_options(function: common.F) -> common.F:
 @click.option("--title", metavar="TEXT", help="A line above the picture.")
 @click.option("--caption", metavar="TEXT", help="Lines below the picture.")
 @click.option("--legend/--no-legend", default=None, help="Legend and scale bar below the picture.  [shown]")
-@common.output_option(FORMATS, "RUN.gif")
+@common.output_option(_FORMATS, "RUN.gif")
 def render(run_files: tuple[str, ...], output: str | None, exact: bool, **choices: Any) -> None:
     """Film a run, several side by side, or an exact march.
 
@@ -125,7 +124,7 @@ def _refuse(what: str, *names: str) -> None:
         raise click.UsageError(f"{what} has no {flag}: leave it out, or write a film")
 
 
-@click.command(cls=common.DragonCommand, examples=("", "gap --pitch 0.5", "drift run.npz -o drift.pdf"))
+@common.command("", "gap --pitch 0.5", "drift run.npz -o drift.pdf")
 @click.argument("name", metavar="[FIGURE]", required=False, type=click.Choice(list(FIGURES)))
 @click.argument("run_file", metavar="[RUN.npz]", required=False, type=click.Path())
 @common.scenario_options
@@ -148,11 +147,11 @@ def figure(name: str | None, run_file: str | None, output: str | None) -> None:
     return common.answer_with_file(path)
 
 
-@click.command(cls=common.DragonCommand, examples=("run.npz", "run.npz -o run.md"))
+@common.command("run.npz", "run.npz -o run.md")
 @click.argument("run_file", metavar="RUN.npz", type=click.Path())
-@common.output_option(", ".join(REPORT_ENDINGS), "RUN.html")
+@common.output_option(", ".join(FORMATS), "RUN.html")
 def report(run_file: str, output: str | None) -> None:
     """Report on a run, as a document or a table."""
-    destination = check_destination(output or f"{Path(run_file).stem}.html", REPORT_ENDINGS)
+    destination = check_destination(output or f"{Path(run_file).stem}.html", FORMATS)
     write_report(Run.load(run_file), destination)
     common.answer_with_file(destination)

@@ -18,16 +18,14 @@ if TYPE_CHECKING:
     from pymunk_dragon.model.march import March
 
 # The times of the paper's tables.
-TABLE_TIMES = "0:300:60"
+_TABLE_TIMES = "0:300:60"
 # Positions in one table: more fill the memory, and are probably a typing error.
 _MAX_TABLE = 20_000_000
 
-EXAMPLES = ("", "--times 0,60,120 --handles 0,1,223", "--times 0:300:1 -o result1.xlsx")
 
-
-@click.command(cls=common.DragonCommand, examples=EXAMPLES)
+@common.command("", "--times 0,60,120 --handles 0,1,223", "--times 0:300:1 -o result1.xlsx")
 @common.scenario_options
-@click.option("--times", metavar="LIST", default=TABLE_TIMES, help=f"Times, s: 0,60,120 or 0:300:1.  [{TABLE_TIMES}]")
+@click.option("--times", metavar="LIST", default=_TABLE_TIMES, help=f"Times, s: 0,60,120 or 0:300:1.  [{_TABLE_TIMES}]")
 @click.option("--handles", metavar="LIST", help="Handles.  [those of the paper's tables]")
 @click.option("--paper", is_flag=True, help="Print the paper's tables 1 to 3 instead, cut as the paper cuts them.")
 @common.output_option(".csv, .json, or .xlsx for the contest's sheets with all handles")
@@ -81,7 +79,7 @@ def _handles(given: str, last: int) -> list[int]:
     return [int(number) for number in numbers]
 
 
-@click.command(cls=common.DragonCommand, examples=("", "--pitch 0.5 --json", "--from 400 --method engine"))
+@common.command("", "--pitch 0.5 --json", "--from 400 --method engine")
 @common.scenario_options
 @click.option("--method", type=click.Choice(["exact", "grid", "engine"]), default="exact", help="Search.  [exact]")
 @common.start_option

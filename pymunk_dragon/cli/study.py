@@ -24,7 +24,7 @@ def _study_options(function: common.F) -> common.F:
     return function
 
 
-@click.command(cls=common.DragonCommand, examples=("", "min-pitch", "u-turn -o turn.png", "max-speed --limit 1.5"))
+@common.command("", "min-pitch", "u-turn -o turn.png", "max-speed --limit 1.5")
 @click.argument("name", metavar="[STUDY]", required=False, type=click.Choice(list(STUDIES)))
 @common.scenario_options
 @_study_options
