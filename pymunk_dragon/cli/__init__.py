@@ -45,9 +45,6 @@ COMMANDS = {
     "demo": "Play a lesson.",
     "live": "Play the dragon in real time, and touch it in a browser.",
 }
-# Modules of commands that are not in the module of their name.
-_MODULES = dict.fromkeys(("positions", "contact"), "exact")
-_MODULES |= dict.fromkeys(("render", "figure", "report"), "documents")
 # Environment variable with which a shell demands completions, as Click names it.
 _COMPLETE_VARIABLE = "_PYMUNK_DRAGON_COMPLETE"
 # Exit codes.
@@ -58,7 +55,7 @@ _INPUT_ERRORS = (errors.ParameterError, errors.UnreachableError, errors.FileForm
 
 def command(name: str) -> click.Command:
     """Import a command."""
-    found: click.Command = getattr(import_module(f"{__name__}.{_MODULES.get(name, name)}"), name)
+    found: click.Command = getattr(import_module(f"{__name__}.{name}"), name)
     return found
 
 
