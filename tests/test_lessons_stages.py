@@ -158,7 +158,9 @@ def set_slider(page, name, value):
 def readout(page):
     """What the stage says, once it has drawn."""
     page.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
-    return page.evaluate("document.querySelector('output').textContent")
+    said = page.evaluate("document.querySelector('output').textContent")
+    assert not re.search(r"\d \w", said), "a line may end between a number and its unit"
+    return said.replace("\u00a0", " ")
 
 
 def drag(page, name, dx, dy, steps=5):

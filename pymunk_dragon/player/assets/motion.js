@@ -138,15 +138,10 @@ class Motion {
   posesAt(time) {
     const { before, after, interval, share } = this.between(time);
     const one = this.frameMotion(before), two = this.frameMotion(after);
-    const poses = Object.fromEntries(
-      ["x", "y", "angle", "vx", "vy", "angularRate", "cos", "sin"].map((name) => [name, new Float64Array(this.benches)]));
-    for (let i = 0; i < this.benches; i++) {
-      const found = hermite(one, two, interval, share, i);
-      for (const name in found) poses[name][i] = found[name];
-      poses.cos[i] = Math.cos(found.angle);
-      poses.sin[i] = Math.sin(found.angle);
-    }
-    return poses;
+    const found = one.x.map((_, i) => hermite(one, two, interval, share, i));
+    const rates = ["vx", "vy", "angularRate"].map((name) => [name, found.map((bench) => bench[name])]);
+    const poses = posesFrom(this.benches, (i) => [found[i].x, found[i].y, found[i].angle]);
+    return Object.assign(poses, Object.fromEntries(rates));
   }
 
   // Velocities of the handles, [x, y] in m/s; null if unknown.

@@ -9,12 +9,14 @@ const PAGE_COLOURS = ["quiet", "rule", "any"];
 
 // The colours by name; `text` is that of the page's texts.
 function readColours() {
-  const style = getComputedStyle(document.documentElement), named = (name) => style.getPropertyValue(name).trim();
-  return {
-    ...Object.fromEntries(CANVAS_COLOURS.map((name) => [name, named(`--canvas-${name}`)])),
-    ...Object.fromEntries(PAGE_COLOURS.map((name) => [name, named(`--${name}`)])),
-    text: named("--ink"),
-  };
+  const { style } = document.body, names = [...CANVAS_COLOURS.map((name) => `canvas-${name}`), ...PAGE_COLOURS, "ink"];
+  const values = names.map((name) => {
+    // A colour for each scheme is resolved where it is used.
+    style.color = `var(--${name})`;
+    return getComputedStyle(document.body).color;
+  });
+  style.color = "";
+  return Object.fromEntries([...CANVAS_COLOURS, ...PAGE_COLOURS, "text"].map((name, k) => [name, values[k]]));
 }
 
 // Match a canvas to the pixels of the screen; returns its size in those of the page, in which one draws then.

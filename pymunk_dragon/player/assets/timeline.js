@@ -116,17 +116,10 @@ class Timeline {
     }
     for (const event of shown.filter(({ kind }) => kind === "near-miss")) {
       const px = this.toPixel(event.time);
-      context.beginPath();
-      context.moveTo(px, middle - MARK);
-      context.lineTo(px + MARK - 1, middle);
-      context.lineTo(px, middle + MARK);
-      context.lineTo(px - MARK + 1, middle);
-      context.closePath();
+      const path = new Path2D(`M${px} ${middle - MARK}l${MARK - 1} ${MARK}l${1 - MARK} ${MARK}l${1 - MARK} ${-MARK}z`);
       context.fillStyle = painter.colours.head;
-      context.strokeStyle = painter.colours.text;
-      context.lineWidth = 1;
-      context.fill();
-      context.stroke();
+      context.fill(path);
+      strokeOnce(context, path, painter.colours.text, 1);
     }
   }
 

@@ -17,9 +17,7 @@ function showScene(live) {
   document.title = title;
   setText("title", title);
   setText("text", translated(scene.text));
-  setText("lesson", scene.lesson ? localized("Lesson: {name}", { name: scene.lesson }) : "");
-  const command = `pymunk-dragon demo ${scene.lesson}${language === "en" ? "" : ` --lang ${language}`}`;
-  element("lesson").title = scene.lesson ? command : "";
+  showLesson(scene);
   const list = element("scene");
   list.replaceChildren(...scene.scenes.map((each) => new Option(translated(each.title), each.name)));
   list.value = scene.name;
@@ -27,6 +25,14 @@ function showScene(live) {
     ? localized("{title}: {count} benches seen from above", { title, count: model.benches })
     : title);
   showAbilities(live);
+}
+
+// A link to the lesson of a scene, if its page is on this server; otherwise the command that shows it.
+function showLesson({ lesson }) {
+  const here = location.pathname.endsWith("/live"), link = element("lesson");
+  const command = `pymunk-dragon demo --live ${lesson}${language === "en" ? "" : ` --lang ${language}`}`;
+  setText("lesson", lesson ? localized("Lesson: {name}", { name: here ? lesson : command }) : "");
+  if (here) link.href = `./${location.search}#${lesson}`;
 }
 
 function showAbilities(live) {

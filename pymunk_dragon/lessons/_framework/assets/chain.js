@@ -286,24 +286,14 @@ function gridPairs(benches, grid) {
   return { cells, entries, pairs: Array.from(pairs, (code) => [Math.floor(code / count), code % count]) };
 }
 
-// A root of a function between `before`, where it is positive, and `after`, where it is not; the end of the last interval
-// where it is not (T. R. Chandrupatla, Advances in Engineering Software 28, 1997).
+// A root of a function between `before`, where it is positive, and `after`, where it is not, by bisection.
 function rootBetween(f, before, after) {
-  let [a, b, fa, fb, share] = [before, after, f(before), f(after), 0.5];
-  for (let pass = 0; pass < 100; pass++) {
-    const x = a + share * (b - a), fx = f(x);
-    let [c, fc] = [a, fa];
-    if (fx > 0 !== fa > 0) [c, fc, b, fb] = [b, fb, a, fa];
-    [a, fa] = [x, fx];
-    const least = ROOT_TOLERANCE / Math.abs(b - a);
-    if (least > 0.5 || fx === 0) break;
-    // Inverse quadratic interpolation where three points allow it, and otherwise bisection.
-    const xi = (a - b) / (c - b), phi = (fa - fb) / (fc - fb);
-    share = phi ** 2 < xi && (1 - phi) ** 2 < 1 - xi
-      ? fa / (fb - fa) * fc / (fb - fc) + (c - a) / (b - a) * fa / (fc - fa) * fb / (fc - fb) : 0.5;
-    share = Math.min(Math.max(share, least), 1 - least);
+  while (Math.abs(after - before) > ROOT_TOLERANCE) {
+    const middle = (before + after) / 2;
+    if (f(middle) > 0) before = middle;
+    else after = middle;
   }
-  return fa > 0 ? b : a;
+  return after;
 }
 
 // Where a function is smallest between two arguments, if it has one minimum there.

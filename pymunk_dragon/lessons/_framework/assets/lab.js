@@ -181,7 +181,8 @@ class Lab {
     write(this.canvas, "ariaLabel", this.say(this.label));
     // A screen reader does not read what changes with every picture.
     write(this.output, "ariaLive", this.rows.some(({ plays }) => plays) ? "off" : "polite");
-    write(this.output, "textContent", this.say(this.readout()));
+    // No line ends between a number and its unit.
+    write(this.output, "textContent", this.say(this.readout()).replace(/(?<=\d) (?=\p{L})/gu, "\u00a0"));
   }
 }
 
