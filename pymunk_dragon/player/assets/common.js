@@ -37,6 +37,11 @@ function range(from, to, count) {
   return Array.from({ length: count + 1 }, (_, i) => from + (count && (to - from) * i / count));
 }
 
+// Rows of an array of numbers, as arrays.
+function* rowsOf(numbers, size) {
+  for (let k = 0; k < numbers.length; k += size) yield numbers.subarray(k, k + size);
+}
+
 function bounded(value, least, most) {
   return Math.min(Math.max(value, least), most);
 }

@@ -30,8 +30,8 @@ class Exact {
   errorsAt(time) {
     const offsets = this.offsetsAt(time);
     if (!offsets) return null;
-    const lengths = Array.from({ length: offsets.length / 2 }, (_, i) => Math.hypot(offsets[2 * i], offsets[2 * i + 1]));
-    return Array.from({ length: this.motion.benches }, (_, i) => Math.max(lengths[i], lengths[i + 1]));
+    const lengths = Array.from(rowsOf(offsets, 2), ([x, y]) => Math.hypot(x, y));
+    return lengths.slice(1).map((length, i) => Math.max(lengths[i], length));
   }
 
   // Poses of the exact benches beside `benches` at `time`, with their distances from these magnified; null if unknown.
@@ -43,7 +43,7 @@ class Exact {
   }
 }
 
-// The factor 1, 2 or 5 times a power of ten by which an error is magnified, in a view with benches of this width; pixels.
+// The factor 1, 2 or 5 times a power of ten by which an error is magnified, in a view with benches of a width; pixels.
 function magnificationOf(error, width) {
   if (error >= MAGNIFIED_BELOW || error === 0) return 1;
   return roundUp(Math.max(MAGNIFIED_TO, MAGNIFIED_SHARE * width) / error);

@@ -22,7 +22,8 @@ function formatLength(metres, error) {
 
 // A position error in m with an error in m: in micrometres if it is small and known to a micrometre.
 function formatError(metres, error) {
-  return metres < SMALL_ERROR && error < 1e-6 ? `${(1e6 * metres).toFixed(decimals(1e6 * error))} μm` : formatLength(metres, error);
+  if (metres >= SMALL_ERROR || error >= 1e-6) return formatLength(metres, error);
+  return `${(1e6 * metres).toFixed(decimals(1e6 * error))} μm`;
 }
 
 // Numbers of one bench: velocity and speed in m/s, angle in degrees, gap and its error in m.

@@ -81,8 +81,8 @@ class Benches {
     return [along(i, j), across(i, j), along(j, i), across(j, i)];
   }
 
-  // The gap between two benches, and its two ends. Rectangles that do not overlap are closest at a corner of one of them.
-  // The gap of two that overlap is negative: the shortest way that parts them (separating axis theorem).
+  // The gap between two benches, and its two ends. Rectangles that do not overlap are closest at a corner of one of
+  // them. The gap of two that overlap is negative: the shortest way that parts them (separating axis theorem).
   gap(i, j) {
     let found = { gap: Infinity };
     for (const [own, other] of [[i, j], [j, i]]) {
@@ -96,8 +96,8 @@ class Benches {
     return found;
   }
 
-  // The bench closest to bench `i` among those that are not its neighbours, of the first `count`, with the gap; `found` if
-  // that is a smaller one.
+  // The bench closest to bench `i` among those that are not its neighbours, of the first `count`, with the gap; `found`
+  // if that is a smaller one.
   nearest(i, found = null, count = this.motion.benches) {
     const { x, y } = this.poses, { lengths, widths } = this.motion;
     const reach = (k) => Math.sqrt(lengths[k] ** 2 + widths[k] ** 2) / 2;

@@ -4,8 +4,9 @@ const PACKED = ["handles", "velocities", "exact", "curve"];
 
 async function start() {
   const payload = JSON.parse(block("payload"));
-  const packed = await Promise.all(PACKED.map((name) => payload[name] && unpack(payload[name], block(`${name}-packed`))));
-  const player = new Player(payload, Object.fromEntries(PACKED.map((name, i) => [name, packed[i]])));
+  const packed = {};
+  for (const name of PACKED) packed[name] = payload[name] && await unpack(payload[name], block(`${name}-packed`));
+  const player = new Player(payload, packed);
   if (!payload.grid) element("show-grid").closest("label").hidden = true;
   for (const part of document.querySelectorAll(".exact-only")) part.hidden = !player.exact;
   setLanguage(chosenLanguage());

@@ -36,8 +36,9 @@ function drawVelocities(painter, benches, visible) {
   if (!velocities) return;
   const path = new Path2D();
   for (const handle of new Set(visible.flatMap((i) => [i, i + 1]))) {
-    const from = view.toScreen(...benches.handles[handle]), along = velocities[handle].map((each) => ARROW * each * view.scale);
-    if (Math.hypot(...along) >= SHORTEST_ARROW) addArrow(path, from, along[0], -view.up * along[1]);
+    const [along, up] = velocities[handle].map((each) => ARROW * each * view.scale);
+    if (Math.hypot(along, up) < SHORTEST_ARROW) continue;
+    addArrow(path, view.toScreen(...benches.handles[handle]), along, -view.up * up);
   }
   const width = Math.min(THICKEST_SHAFT, SHAFT * ARROW * view.scale);
   strokeTwice(context, path, colours.background, colours.motion, width, RIM);

@@ -29,15 +29,15 @@ function fitCanvas(canvas, context) {
 }
 
 // `look` has `colours` by their names, and a `font`. The pane reaches from `top` down over `width` and `height`; there
-// the point (x0, y0) is at the pixel (left, ceiling), and a unit is `sx` and `sy` pixels along the axes. Texts have `size`
-// pixels.
+// the point (x0, y0) is at the pixel (left, ceiling), and a unit is `sx` and `sy` pixels along the axes. Texts have
+// `size` pixels.
 class Pane {
   constructor(context, look) {
     Object.assign(this, { context, look, size: 13 });
   }
 
-  // Axes of a chart with the ranges `across` and `up`; what is drawn next is clipped to them. `tick` writes a value, and
-  // those of the vertical axis are at least `apart` pixels apart. Only a chart with a name has values below it.
+  // Axes of a chart with the ranges `across` and `up`; what is drawn next is clipped to them. `tick` writes a value,
+  // and those of the vertical axis are at least `apart` pixels apart. Only a chart with a name has values below it.
   axes({ across: [x0, x1], up: [y0, y1], name, tick = signed, apart = 32, margins = CHART_MARGINS }) {
     const { left, right, above, below } = margins;
     const wide = this.width - left - right, high = this.height - above - below;
@@ -108,8 +108,8 @@ class Pane {
   // A text with a rim, moved by pixels.
   text(point, text, { dx = 0, dy = 0, align = "center", colour = "text" } = {}) {
     const { context } = this, [px, py] = this.toScreen(point);
-    Object.assign(context, { font: `${this.size}px ${this.look.font}`, textAlign: align, textBaseline: "middle", lineWidth: 4 });
-    Object.assign(context, { strokeStyle: this.colour("background"), fillStyle: this.colour(colour) });
+    Object.assign(context, { font: `${this.size}px ${this.look.font}`, textAlign: align, textBaseline: "middle" });
+    Object.assign(context, { strokeStyle: this.colour("background"), fillStyle: this.colour(colour), lineWidth: 4 });
     context.strokeText(text, px + dx, py + dy);
     context.fillText(text, px + dx, py + dy);
   }

@@ -77,7 +77,7 @@ class Player extends Stage {
     setText("reduced", this.currentRate < this.rate ? formatRate(this.currentRate) : "");
     element("time").value = time;
     // Only while paused: screen readers would announce every change.
-    if (!this.playing) element("time").setAttribute("aria-valuetext", localized("{time} seconds", { time: time.toFixed(2) }));
+    if (!this.playing) element("time").ariaValueText = localized("{time} seconds", { time: time.toFixed(2) });
     element("timeline-out").disabled = element("timeline-all").disabled = timeline.isWhole;
   }
 
@@ -125,8 +125,8 @@ class Player extends Stage {
 
   // Go to the next of some times, or the one before.
   toNext(times, direction) {
-    const later = direction > 0;
-    this.seek((later ? times.find((time) => time > this.time) : times.findLast((time) => time < this.time)) ?? this.time);
+    const next = direction > 0 ? times.find((each) => each > this.time) : times.findLast((each) => each < this.time);
+    this.seek(next ?? this.time);
   }
 
   // Play the end of the run, with that part on the timeline.

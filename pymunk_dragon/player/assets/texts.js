@@ -33,15 +33,14 @@ const chosenLanguage = () => languageIn(location.hash) ?? DEFAULT_LANGUAGE;
 function* textElements(parent) {
   for (const child of parent.children) {
     if (child.matches(UNTRANSLATED)) continue;
-    const hasText = [...child.childNodes].some(({ nodeType, data }) => nodeType === Node.TEXT_NODE && HAS_LETTERS.test(data));
-    if (hasText) yield child;
+    if ([...child.childNodes].some((node) => node instanceof Text && HAS_LETTERS.test(node.data))) yield child;
     else yield* textElements(child);
   }
 }
 
 // Elements that a key clicks, with the key.
 const withKeys = () =>
-  Array.from(document.querySelectorAll("[aria-keyshortcuts]"), (each) => [each, each.getAttribute("aria-keyshortcuts")]);
+  [...document.querySelectorAll("[aria-keyshortcuts]")].map((each) => [each, each.getAttribute("aria-keyshortcuts")]);
 
 for (const [each] of withKeys()) each.title ||= each.ariaLabel ?? each.textContent;
 

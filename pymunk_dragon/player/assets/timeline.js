@@ -1,4 +1,4 @@
-// Events by time: near misses and contacts, as a list and on a timeline above the slider, which can show a part of the run.
+// Events by time: near misses and contacts, as a list and on a timeline above the slider, also of a part of the run.
 
 const THUMB = 8; // pixels: half the slider's thumb, the margin of the strip on both sides
 const CLICK = 7; // pixels: largest distance of a click from an event

@@ -1,4 +1,4 @@
-// Camera: the visible part of the plane, x to the right and y up (down where `up` is -1) in m; screen pixels to the right and down.
+// Camera: the visible part of the plane, x to the right and y up (down where `up` is -1) in m; pixels go right and down.
 
 // Pixels: largest width of a bench. A near miss of the reference scenario is then some 60 pixels wide.
 const WIDEST_BENCH = 20000;
@@ -25,8 +25,8 @@ class View {
   }
 
   get fittingScale() {
-    const [width, height] = this.field.size;
-    return (1 - 2 * BORDER) * Math.min((this.width - this.right) / width, (this.height - this.top - this.bottom) / height);
+    const [width, height] = this.field.size, high = this.height - this.top - this.bottom;
+    return (1 - 2 * BORDER) * Math.min((this.width - this.right) / width, high / height);
   }
 
   // Metres across the shorter side: links hold it, so that they show the same area on every screen.

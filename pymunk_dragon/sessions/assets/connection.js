@@ -48,7 +48,7 @@ class WidgetSocket extends EventTarget {
 }
 
 class Connection {
-  // `received` gets each JSON message, `framed` each binary frame, and `changed` is called as the connection opens and closes.
+  // `received` gets each JSON message, `framed` each binary frame, and `changed` whether the connection is open.
   constructor({ received, framed, changed }) {
     Object.assign(this, { received, framed, changed });
     this.delay = FIRST_DELAY;
@@ -143,8 +143,3 @@ function callsOf({ calls, colours = [] }) {
 const KINDS = ["circle", "segment", "polygon", "line", "dot"];
 
 const posesOf = (packed) => posesFrom(packed.length / 3, (i) => packed.subarray(3 * i, 3 * i + 3));
-
-// Rows of an array of numbers, as arrays.
-function* rowsOf(numbers, size) {
-  for (let k = 0; k < numbers.length; k += size) yield numbers.subarray(k, k + size);
-}

@@ -102,6 +102,6 @@ function drawScaleBar(painter, above) {
   context.font = `11px ${painter.font}`;
   context.textAlign = "left";
   context.textBaseline = "alphabetic";
-  const short = painter.model.units === "m" && length < 1;
-  painter.drawText(short ? `${Number((1000 * length).toPrecision(1))} mm` : `${length} ${painter.model.units}`, right + 6, y);
+  const { units } = painter.model, short = units === "m" && length < 1;
+  painter.drawText(short ? `${Number((1000 * length).toPrecision(1))} mm` : `${length} ${units}`, right + 6, y);
 }

@@ -25,7 +25,8 @@ function connect(live) {
   for (const kind of ["focus", "blur"]) element("field").addEventListener(kind, () => live.requestDraw());
   document.body.classList.toggle("framed", STAGE !== null);
   addEventListener("hashchange", () => live.setLanguage(chosenLanguage()));
-  for (const part of document.querySelectorAll(".panel details")) part.open = STAGE !== null || matchMedia(WIDE).matches;
+  const opens = STAGE !== null || matchMedia(WIDE).matches;
+  for (const part of document.querySelectorAll(".panel details")) part.open = opens;
 }
 
 const buttonsOf = (live) => ({

@@ -38,13 +38,14 @@ function showLesson({ lesson }) {
 function showAbilities(live) {
   const { model } = live;
   for (const name of SWITCHES) element(`show-${name}`).closest("label").hidden = !live.hasSwitch(name);
-  for (const [id, ability] of [["dancers", "dancers"], ["contacts-row", "contacts"], ["until-contact", "until_contact"]]) {
-    element(id).hidden = !model.can(ability);
-  }
+  const parts = { dancers: "dancers", "contacts-row": "contacts", "until-contact": "until_contact" };
+  for (const id in parts) element(id).hidden = !model.can(parts[id]);
   element("follow").hidden = model.benches === 0;
   element("parameters-part").hidden = live.scene.parameters.length === 0;
-  element("actions").replaceChildren(...live.scene.buttons.map((name) =>
-    created("button", { type: "button", className: "plain sends", onclick: () => live.send({ do: "press", name, down: true }) }, name)));
+  element("actions").replaceChildren(...live.scene.buttons.map((name) => {
+    const onclick = () => live.send({ do: "press", name, down: true });
+    return created("button", { type: "button", className: "plain sends", onclick }, name);
+  }));
   live.afterChange();
 }
 
@@ -55,7 +56,8 @@ function showState(live) {
   element("scene").value = live.scene.name;
   element("contacts").value = state.contacts;
   live.recorder.show();
-  setText("clients", state.clients === 1 ? localized("1 viewer") : localized("{count} viewers", { count: state.clients }));
+  const { clients: count } = state;
+  setText("clients", count === 1 ? localized("1 viewer") : localized("{count} viewers", { count }));
   showAccess(live);
 }
 
@@ -83,7 +85,8 @@ function showFrame({ frame, state }) {
   const known = frame.rate !== null;
   const slow = state.running && known && frame.rate < SLOW * state.speed;
   const rate = known ? `${frame.rate.toFixed(2)}×` : "–";
-  setText("achieved", !state.running ? localized("Paused") : slow ? localized("Slow: {rate}", { rate }) : localized("{rate} real time", { rate }));
+  const achieved = slow ? localized("Slow: {rate}", { rate }) : localized("{rate} real time", { rate });
+  setText("achieved", state.running ? achieved : localized("Paused"));
   element("achieved").classList.toggle("slow", slow);
 }
 
@@ -92,5 +95,6 @@ function marchText({ march_time: time, waits, errors }) {
   if (!Number.isFinite(time)) return "";
   if (!waits) return localized("March: {time} s", { time: time.toFixed(2) });
   const worst = errors.reduce((one, value, i) => (value > errors[one] ? i : one), 0);
-  return localized("The march waits: bench {i} is {error} from its place", { i: worst, error: formatLength(errors[worst], 0) });
+  const error = formatLength(errors[worst], 0);
+  return localized("The march waits: bench {i} is {error} from its place", { i: worst, error });
 }

@@ -100,6 +100,6 @@ function nearestOnShape({ points, radius }, given) {
   const sides = points.map((corner, i) => nearestOnSegment(corner, points[(i + 1) % points.length], given));
   const { point, distance } = sides.reduce((one, two) => (two.distance < one.distance ? two : one));
   if (distance <= radius) return { point: given, distance: 0 };
-  const share = radius / distance;
-  return { point: [0, 1].map((axis) => point[axis] + share * (given[axis] - point[axis])), distance: distance - radius };
+  const shift = (value, axis) => value + radius / distance * (given[axis] - value);
+  return { point: point.map(shift), distance: distance - radius };
 }

@@ -1,7 +1,7 @@
 // The exact chain on a curve, as in the package's model: lengths in m, angles in rad. A curve has its first and last
 // coordinate `begin` and `end`, the arc length along it, and `frame(s)`: x, y, and the unit tangent's x and y there.
 
-// Share of a chord in which its end is sought step by step; a step of Newton's method below the other share is the last.
+// Share of a chord in which its end is sought step by step; a step of Newton's method below the other one is the last.
 const SEARCH_STEP = 1 / 16;
 const STEP_TOLERANCE = 1e-8;
 // Cells between two points of a drawn path, and nodes and weights of the integral of the length in a cell.
@@ -45,8 +45,8 @@ class Spiral {
     return theta;
   }
 
-  // Coordinate of the first point behind `s` at the straight distance `chord`, if it is within half a turn, in which the
-  // distance grows all the time; otherwise NaN. Newton's method for the angle between both, from about `guess` m.
+  // Coordinate of the first point behind `s` at the straight distance `chord`, if it is within half a turn, in which
+  // the distance grows all the time; otherwise NaN. Newton's method for the angle between both, from about `guess` m.
   behind(s, chord, guess = chord) {
     const { k } = this, theta = this.angle(s), square = (chord / k) ** 2;
     if (chord > k * (2 * theta + Math.PI)) return NaN;
